@@ -1,0 +1,95 @@
+"""Sensor readings and what a tick of an episode carries: plain values, no ROS.
+
+They flow from harness.sensors through harness.episode either into harness.ros.bridge (as topics) or
+straight into rover_metrics (harness.direct). Stamps are simulation time in nanoseconds; frames and
+units follow REP-103: metres, radians, seconds, x forward, y left, z up; quaternions are (x, y, z, w).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector3 = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+ZERO_VECTOR: Vector3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Twist:
+    """A body-frame velocity: linear.x in m/s (forward) and angular.z in rad/s (left)."""
+
+    linear: float = 0.0
+    angular: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class LaserScan:
+    """One lidar revolution in lidar_link; `ranges` is float32, beam 0 at -pi, REP-117 coded."""
+
+    stamp_ns: int
+    ranges: NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True)
+class Imu:
+    """Means over the sensor's window: specific force (gravity included) and rate, in imu frame."""
+
+    stamp_ns: int
+    orientation: Quaternion
+    angular_velocity: Vector3
+    linear_acceleration: Vector3
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Pose of the model frame in the world."""
+
+    stamp_ns: int
+    position: Vector3
+    orientation: Quaternion
+
+
+@dataclass(frozen=True, slots=True)
+class Odometry:
+    """Planar pose in the odom frame and body-frame twist, as wheel encoders tell it."""
+
+    stamp_ns: int
+    x: float
+    y: float
+    yaw: float
+    twist: Twist
+
+
+@dataclass(frozen=True, slots=True)
+class GroundTruth:
+    """The true planar pose and the true body-frame velocity."""
+
+    stamp_ns: int
+    x: float
+    y: float
+    yaw: float
+    linear_velocity: Vector3
+    angular_velocity: Vector3
+
+
+@dataclass(frozen=True, slots=True)
+class JointStates:
+    """Position [rad], velocity [rad/s] and effort [N m] of the joints named by the rover's spec."""
+
+    stamp_ns: int
+    position: tuple[float, ...]
+    velocity: tuple[float, ...]
+    effort: tuple[float, ...]
+
+
+Sample = LaserScan | Imu | Pose | Odometry | GroundTruth | JointStates
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """All samples that fall on one clock tick, in publishing order."""
+
+    stamp_ns: int
+    samples: tuple[Sample, ...]
