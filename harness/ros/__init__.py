@@ -1,0 +1,1 @@
+"""The only place on this side that imports rclpy: bridge, messages, lock-step."""

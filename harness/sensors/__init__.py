@@ -1,0 +1,1 @@
+"""What looks at the simulation and what corrupts its readings."""

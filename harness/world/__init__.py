@@ -1,0 +1,1 @@
+"""Terrains, obstacles, and how they become one MuJoCo model with a rover."""

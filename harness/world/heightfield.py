@@ -20,7 +20,7 @@ class Heightfield:
     @property
     def half_size(self) -> float:
         """Half the side length of the map [m]."""
-        return 0.5 * self.cell * (self.heights.shape[0] - 1)
+        return 0.5 * self.cell * (len(self.heights) - 1)
 
     def height_at(self, x: float, y: float) -> float:
         """Height of the surface [m] at a point, which is clamped to the map."""

@@ -1,0 +1,34 @@
+# The verbs of this project. `make run` and `make test` set everything up by themselves.
+BIN := .venv/bin
+READY := .venv/.ready
+
+.PHONY: run test lint format bench lock clean setup
+
+run: setup  ## a rover over rocky terrain, metrics logged to CSV
+	$(BIN)/python -m harness.run --terrain rocky $(ARGS)
+
+test: setup  ## the whole test suite
+	$(BIN)/python -m pytest $(ARGS)
+
+lint: setup  ## style and types, nothing is changed
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+format: setup  ## lets ruff lay out the code
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+bench: setup  ## tables of ratios, measured side by side
+	$(BIN)/python -m benchmarks
+
+lock: setup  ## pins the newest versions that pyproject.toml allows into constraints.txt
+	tools/lock.sh --upgrade
+
+setup: $(READY)
+
+$(READY): pyproject.toml constraints.txt tools/setup.sh
+	tools/setup.sh
+
+clean:  ## removes the environment and everything that was built
+	rm -rf .venv build install log dist

@@ -1,0 +1,29 @@
+"""Drivers by name: what chooses the commands of an episode."""
+
+from harness.drivers.base import Driver, DriverContext, Observation
+from harness.drivers.cmd_vel import CmdVel
+from harness.drivers.scripted import Figure8, Spin, Straight
+from harness.drivers.wander import Wander
+from harness.errors import UsageError
+
+__all__ = ["DRIVERS", "CmdVel", "Driver", "DriverContext", "Observation", "find_driver"]
+
+DRIVERS: dict[str, type[Driver]] = {
+    "wander": Wander,
+    "straight": Straight,
+    "spin": Spin,
+    "figure8": Figure8,
+    "cmd_vel": CmdVel,
+}
+
+
+def find_driver(name: str) -> type[Driver]:
+    """Returns the driver of that name.
+
+    Raises:
+        UsageError: No such driver; the message names those there are.
+    """
+    if name not in DRIVERS:
+        message = f"driver '{name}' does not exist; available: {', '.join(DRIVERS)}"
+        raise UsageError(message)
+    return DRIVERS[name]

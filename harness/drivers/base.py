@@ -1,0 +1,60 @@
+"""What a driver is: from what the rover can know to a twist, once per control period."""
+
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.robots import RoverSpec
+from harness.samples import Twist
+
+CONTROL_PERIOD_NS = 50_000_000  # 20 Hz, the lidar's rate: every command can use a fresh scan
+CONTROL_PERIOD = CONTROL_PERIOD_NS / 1e9
+
+
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """What a driver may use.
+
+    Attributes:
+        time_ns: Simulation time.
+        x: Position [m] in the world, as a localisation would tell; likewise `y`.
+        yaw: Heading [rad].
+        ranges: The last scan, shape (beams,), or None before the first.
+    """
+
+    time_ns: int
+    x: float
+    y: float
+    yaw: float
+    ranges: NDArray[np.float32] | None
+
+
+@dataclass(frozen=True, eq=False)
+class DriverContext:
+    """What a driver is made for.
+
+    Attributes:
+        rover: The rover to drive.
+        half_size: Half the side length of the map [m].
+        bearings: Direction [rad] of each lidar beam in the rover's frame, 0 ahead, left positive.
+        rng: The driver's own source of randomness.
+    """
+
+    rover: RoverSpec
+    half_size: float
+    bearings: NDArray[np.float64]
+    rng: np.random.Generator
+
+
+class Driver(Protocol):
+    """Chooses the command; made from a `DriverContext`."""
+
+    summary: ClassVar[str]
+
+    def __init__(self, context: DriverContext) -> None: ...
+
+    def command(self, observation: Observation) -> Twist:
+        """The twist for the next control period."""
+        ...

@@ -1,0 +1,122 @@
+"""The default driver: seeks seeded goals, avoids what its lidar sees, backs out when stuck."""
+
+import math
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.drivers.base import DriverContext, Observation
+from harness.samples import Twist
+
+NANOSECONDS = 1_000_000_000
+GOAL_DISTANCE = (4.0, 10.0)  # [m] from where the rover is
+GOAL_REACHED = 0.6  # [m]
+GOAL_PATIENCE_NS = 45 * NANOSECONDS
+BORDER = 3.0  # [m] between the goals and the edge of the map
+TURN_BACK_BORDER = 2.0  # [m]: nearer to the edge than this, the goal is the map's centre
+STOP_RANGE = 0.45  # [m] of free range ahead below which the rover turns in place
+SLOW_RANGE = 1.2  # [m] below which it slows down
+MARGIN = 0.12  # [m] beside the rover that must be free
+HEADINGS = np.linspace(-math.pi, math.pi, 49)[:-1]  # candidate directions, 7.5 deg apart
+STUCK_AFTER_NS = 3 * NANOSECONDS
+STUCK_DISTANCE = 0.25  # [m] of progress that shows it is not stuck
+BACK_OUT_NS = 2 * NANOSECONDS
+
+
+class Wander:
+    """Goal seeking with a polar histogram of free range (after VFH, Borenstein and Koren 1991)."""
+
+    summary: ClassVar[str] = "seeks seeded goals, avoids hazards by its lidar, backs out when stuck"
+
+    def __init__(self, context: DriverContext) -> None:
+        self._rover = context.rover
+        self._reach = context.half_size - BORDER
+        self._turn_back = context.half_size - TURN_BACK_BORDER
+        self._rng = context.rng
+        self._bearings = context.bearings
+        self._corridors = _corridors(context.bearings, context.rover.track / 2 + MARGIN)
+        self._goal: tuple[float, float] | None = None
+        self._goal_since_ns = 0
+        self._anchor = (0.0, 0.0)
+        self._anchor_ns = 0
+        self._back_out_until_ns = 0
+        self._back_out_turn = 0.0
+
+    def command(self, observation: Observation) -> Twist:
+        """Towards the goal through the freest direction near it, or backwards when stuck."""
+        if observation.time_ns < self._back_out_until_ns:
+            return Twist(-0.6 * self._rover.cruise_speed, self._back_out_turn)
+        if self._is_stuck(observation):
+            return self._start_backing_out(observation)
+        error = self._bearing_to_goal(observation)
+        free = self._free_ranges(observation)
+        return self._steer(error, free)
+
+    def _bearing_to_goal(self, observation: Observation) -> float:
+        if max(abs(observation.x), abs(observation.y)) > self._turn_back:
+            self._goal = (0.0, 0.0)
+        if self._goal is None or self._goal_is_over(observation, self._goal):
+            self._goal = self._next_goal(observation)
+            self._goal_since_ns = observation.time_ns
+        bearing = math.atan2(self._goal[1] - observation.y, self._goal[0] - observation.x)
+        return math.remainder(bearing - observation.yaw, math.tau)
+
+    def _goal_is_over(self, observation: Observation, goal: tuple[float, float]) -> bool:
+        distance = math.dist(goal, (observation.x, observation.y))
+        return distance < GOAL_REACHED or (observation.time_ns - self._goal_since_ns > GOAL_PATIENCE_NS)
+
+    def _next_goal(self, observation: Observation) -> tuple[float, float]:
+        distance = self._rng.uniform(*GOAL_DISTANCE)
+        bearing = self._rng.uniform(-math.pi, math.pi)
+        x = observation.x + distance * math.cos(bearing)
+        y = observation.y + distance * math.sin(bearing)
+        reach = self._reach
+        return max(-reach, min(reach, x)), max(-reach, min(reach, y))
+
+    def _free_ranges(self, observation: Observation) -> NDArray[np.float64]:
+        """Free range [m] of each candidate heading, shape (48,)."""
+        if observation.ranges is None:
+            return np.full(HEADINGS.shape, np.inf)
+        ranges = np.maximum(observation.ranges.astype(np.float64), 0.0)  # -inf: nearer than visible
+        ranges[np.isnan(ranges)] = np.inf
+        blocked = np.where(ranges < self._corridors, ranges, np.inf)
+        free: NDArray[np.float64] = blocked.min(axis=1)
+        return free
+
+    def _steer(self, error: float, free: NDArray[np.float64]) -> Twist:
+        usable = np.minimum(free, 3.0)
+        cost = np.abs(np.remainder(HEADINGS - error + math.pi, math.tau) - math.pi) - 1.5 * usable
+        heading = float(HEADINGS[int(np.argmin(cost))])
+        ahead = float(free[len(HEADINGS) // 2])
+        turn = max(-1.0, min(1.0, 1.5 * heading)) * self._rover.cruise_yaw_rate
+        if ahead < STOP_RANGE:
+            return Twist(0.0, math.copysign(self._rover.cruise_yaw_rate, heading))
+        slow = min(1.0, ahead / SLOW_RANGE) * max(0.0, math.cos(heading))
+        return Twist(self._rover.cruise_speed * slow, turn)
+
+    def _is_stuck(self, observation: Observation) -> bool:
+        here = (observation.x, observation.y)
+        if math.dist(here, self._anchor) > STUCK_DISTANCE:
+            self._anchor, self._anchor_ns = here, observation.time_ns
+        return observation.time_ns - self._anchor_ns > STUCK_AFTER_NS
+
+    def _start_backing_out(self, observation: Observation) -> Twist:
+        side = 1.0 if self._rng.random() < 0.5 else -1.0
+        self._back_out_turn = 0.5 * side * self._rover.cruise_yaw_rate
+        self._back_out_until_ns = observation.time_ns + BACK_OUT_NS
+        self._anchor_ns = self._back_out_until_ns
+        self._goal = None
+        return self.command(observation)
+
+
+def _corridors(bearings: NDArray[np.float64], half_width: float) -> NDArray[np.float64]:
+    """Range within which a beam's return blocks a heading, shape (headings, beams) [m].
+
+    A return at range r and angle a off the heading lies r sin(a) beside it: it blocks a corridor of
+    the rover's half width if r < half_width / sin(a), and never when it lies behind.
+    """
+    off = np.abs(np.remainder(bearings[None, :] - HEADINGS[:, None] + math.pi, math.tau) - math.pi)
+    with np.errstate(divide="ignore"):
+        corridor = np.where(off < math.pi / 2, half_width / np.sin(off), 0.0)
+    return np.minimum(corridor, 3.0)

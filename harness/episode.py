@@ -1,0 +1,216 @@
+"""One seeded drive in one world: world + rover + driver + sensors -> a stream of ticks and truth.
+
+No ROS and no wall clock: the same configuration gives the same stream, bit for bit. Consumers take it
+in batches of one control period, either in this process or through harness.stream.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.drive import DiffDrive
+from harness.drivers import CmdVel, DriverContext, Observation, find_driver
+from harness.drivers.base import CONTROL_PERIOD_NS
+from harness.errors import RunFailed, UsageError
+from harness.robots import find_rover
+from harness.samples import LaserScan, Sample, Tick, Twist
+from harness.sensors.base import Sensor, period_ticks
+from harness.sensors.imu import ImuSensor
+from harness.sensors.lidar import Lidar, LidarSpec
+from harness.sensors.noise import NoiseLevels, WhiteNoise
+from harness.sensors.odometry import WheelOdometry
+from harness.sensors.pose import GroundTruthSensor, JointSensor, PoseSensor
+from harness.simulation import (
+    DEFAULT_TIMESTEP_NS,
+    NANOSECONDS,
+    TICK_NS,
+    Simulation,
+    parse_timestep,
+)
+from harness.truth import Truth, TruthRecorder
+from harness.world.scene import build_scene, model_hash
+from harness.world.world import build_world, find_terrain, terrain_hash
+
+SCAN_RATE, POSE_RATE, STATE_RATE = 20, 50, 50  # [Hz]: RoboTerrain's
+LIDAR_BEAMS, IMU_RATE = 640, 20
+FEWEST_BEAMS, MOST_BEAMS = 2, 100_000
+TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
+RANDOM_STREAM = 10  # keeps the episode's generators apart from those that made the world
+
+
+@dataclass(frozen=True, kw_only=True)
+class EpisodeConfig:
+    """Everything that determines an episode; checked by `validate`."""
+
+    terrain: str = "rocky"
+    robot: str = "leo"
+    seed: int = 0
+    duration: float = 60.0
+    driver: str = "wander"
+    difficulty: float = 0.5
+    timestep: float = DEFAULT_TIMESTEP_NS / NANOSECONDS
+    noise: bool = False
+    lidar_beams: int = LIDAR_BEAMS
+    imu_rate: int = IMU_RATE
+
+    @property
+    def total_ticks(self) -> int:
+        """Clock ticks from start to end."""
+        return round(self.duration * NANOSECONDS) // TICK_NS
+
+    def validate(self) -> None:
+        """Checks every value that can be checked without building the world.
+
+        Raises:
+            UsageError: A value is not valid; the message names those that are.
+        """
+        find_terrain(self.terrain)
+        find_rover(self.robot)
+        find_driver(self.driver)
+        parse_timestep(self.timestep)
+        period_ticks(self.imu_rate)
+        if not (math.isfinite(self.duration) and self.total_ticks >= 1):
+            raise UsageError(f"duration {self.duration:g} s is not valid; give 0.01 s or more")
+        if self.seed < 0:
+            raise UsageError(f"seed {self.seed} is not valid; give a whole number from 0 up")
+        if not 0.0 <= self.difficulty <= 1.0:
+            raise UsageError(f"difficulty {self.difficulty:g} is not valid; give 0 to 1")
+        if not FEWEST_BEAMS <= self.lidar_beams <= MOST_BEAMS:
+            raise UsageError(
+                f"{self.lidar_beams} lidar beams are not valid; give {FEWEST_BEAMS} to {MOST_BEAMS}"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodeInfo:
+    """What an episode was made of, for the manifest."""
+
+    model_hash: str
+    terrain_hash: str
+    obstacles: int
+    map_size: float
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """The ticks of one control period and the truth at their end."""
+
+    ticks: tuple[Tick, ...]
+    truth: Truth
+
+
+class LidarSensor:
+    """The lidar as a sensor of the episode."""
+
+    def __init__(self, simulation: Simulation, lidar: Lidar, period_ticks: int) -> None:
+        self.period_ticks = period_ticks
+        self._simulation = simulation
+        self._lidar = lidar
+
+    def read(self) -> LaserScan:
+        """A scan from where the rover is now."""
+        self._simulation.refresh_kinematics()
+        return LaserScan(self._simulation.time_ns, self._lidar.scan(self._simulation.data))
+
+
+class Episode:
+    """Builds the world on construction; `batches` then drives it once from start to end."""
+
+    def __init__(self, config: EpisodeConfig) -> None:
+        config.validate()
+        self.config = config
+        rover = find_rover(config.robot)
+        world = build_world(config.terrain, config.seed, config.difficulty)
+        timestep_ns = parse_timestep(config.timestep)
+        scene = build_scene(world, rover, timestep_ns / NANOSECONDS)
+        self.info = EpisodeInfo(
+            model_hash=model_hash(rover),
+            terrain_hash=terrain_hash(world),
+            obstacles=len(world.obstacles),
+            map_size=2 * world.ground.half_size,
+        )
+        self.simulation = Simulation(scene, timestep_ns)
+        self._recorder = TruthRecorder(self.simulation)
+        lidar_spec = LidarSpec(beams=config.lidar_beams)
+        lidar = Lidar(self.simulation.model, lidar_spec)
+        driver_rng, scan_rng, imu_rng = _generators(config.seed, 3)
+        self._imu = ImuSensor(self.simulation, period_ticks(config.imu_rate))
+        self._sensors: tuple[Sensor, ...] = (
+            LidarSensor(self.simulation, lidar, period_ticks(SCAN_RATE)),
+            self._imu,
+            PoseSensor(self.simulation, period_ticks(POSE_RATE)),
+            WheelOdometry(self.simulation, period_ticks(rover.odometry_rate)),
+            GroundTruthSensor(self.simulation, period_ticks(STATE_RATE)),
+            JointSensor(self.simulation, period_ticks(STATE_RATE)),
+        )
+        self._noise = (
+            WhiteNoise(NoiseLevels(), (lidar_spec.range_min, lidar_spec.range_max), scan_rng, imu_rng)
+            if config.noise
+            else None
+        )
+        self._drive = DiffDrive(rover, TICK_NS / NANOSECONDS)
+        self._driver = find_driver(config.driver)(
+            DriverContext(rover, world.ground.half_size, beam_bearings(lidar_spec), driver_rng)
+        )
+        self._last_scan: LaserScan | None = None
+
+    def command(self, twist: Twist) -> None:
+        """Hands a command to the cmd_vel driver; other drivers make their own."""
+        if isinstance(self._driver, CmdVel):
+            self._driver.latest = twist
+
+    def batches(self) -> Iterator[Batch]:
+        """Drives the episode, one control period at a time.
+
+        Raises:
+            RunFailed: The rover left the map or the simulation diverged; the ticks up to then have
+                been yielded.
+        """
+        for start in range(0, self.config.total_ticks, TICKS_PER_CONTROL):
+            stop = min(start + TICKS_PER_CONTROL, self.config.total_ticks)
+            self._drive.command(self._driver.command(self._observe()))
+            ticks: list[Tick] = []
+            failure: RunFailed | None = None
+            try:
+                ticks.extend(self._tick(index) for index in range(start + 1, stop + 1))
+            except RunFailed as error:
+                failure = error
+            yield Batch(tuple(ticks), self._recorder.truth())
+            if failure is not None:
+                raise failure
+
+    def _observe(self) -> Observation:
+        x, y, _ = self.simulation.position
+        ranges = None if self._last_scan is None else self._last_scan.ranges
+        return Observation(self.simulation.time_ns, x, y, self.simulation.yaw, ranges)
+
+    def _tick(self, index: int) -> Tick:
+        self.simulation.command_wheels(self._drive.wheel_speeds())
+        self.simulation.tick()
+        self._recorder.observe()
+        self._imu.observe()
+        samples = tuple(
+            self._read(sensor) for sensor in self._sensors if index % sensor.period_ticks == 0
+        )
+        return Tick(self.simulation.time_ns, samples)
+
+    def _read(self, sensor: Sensor) -> Sample:
+        sample = sensor.read()
+        if self._noise is not None:
+            sample = self._noise.corrupt(sample)
+        if isinstance(sample, LaserScan):
+            self._last_scan = sample
+        return sample
+
+
+def beam_bearings(lidar: LidarSpec) -> NDArray[np.float64]:
+    """Direction [rad] of each beam in the rover's frame: the lidar looks backwards (yaw pi)."""
+    return np.remainder(lidar.angles + 2 * math.pi, math.tau) - math.pi
+
+
+def _generators(seed: int, count: int) -> list[np.random.Generator]:
+    source = np.random.SeedSequence(seed, spawn_key=(RANDOM_STREAM,))
+    return [np.random.default_rng(child) for child in source.spawn(count)]

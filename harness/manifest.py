@@ -1,0 +1,105 @@
+"""The JSON that stands beside a run's CSV: everything needed to repeat, judge and believe it."""
+
+import json
+import math
+import os
+import platform
+import tempfile
+from dataclasses import asdict
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from harness import __version__
+from harness.errors import UsageError
+from harness.result import RunResult
+
+PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy")
+
+
+def manifest(result: RunResult) -> dict[str, Any]:
+    """The run as JSON values; infinite numbers become null."""
+    truth = asdict(result.truth)
+    truth["time_s"] = truth.pop("time_ns") / 1e9
+    values: dict[str, Any] = _json_safe(
+        {
+            "arguments": asdict(result.config),
+            "mode": result.mode,
+            "versions": _versions(),
+            "world": None if result.info is None else asdict(result.info),
+            "outcome": _outcome(result),
+            "simulated_s": result.simulated_s,
+            "wall_s": result.wall_s,
+            "real_time_factor": result.real_time_factor,
+            "first_row_s": result.first_row_s,
+            "topics": {topic: asdict(count) for topic, count in result.topics.items()},
+            "lost": result.lost,
+            "rows": result.rows,
+            "log": None if result.log_path is None else str(result.log_path),
+            "last_row": result.last_row,
+            "truth": truth,
+        }
+    )
+    return values
+
+
+def write_manifest(result: RunResult, path: Path) -> None:
+    """Writes the manifest; the file is there whole or not at all.
+
+    Raises:
+        UsageError: It cannot be written there.
+    """
+    text = json.dumps(manifest(result), indent=2, allow_nan=False) + "\n"
+    try:
+        with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".part", delete=False) as file:
+            file.write(text)
+        Path(file.name).replace(path)
+    except OSError as error:
+        message = f"cannot write the summary to {path}: {error.strerror}"
+        raise UsageError(message) from error
+
+
+def check_writable(path: Path) -> None:
+    """Finds out before a run whether a file can be written to that place.
+
+    Raises:
+        UsageError: It cannot.
+    """
+    if path.is_dir():
+        raise UsageError(f"--summary {path} is a folder; name a file")
+    if not path.parent.is_dir():
+        raise UsageError(f"--summary {path}: there is no folder {path.parent}; create it first")
+    if not os.access(path.parent, os.W_OK):
+        raise UsageError(f"--summary {path}: {path.parent} is not writable")
+
+
+def _outcome(result: RunResult) -> dict[str, str | None]:
+    if result.failure is not None:
+        return {"status": "failed", "reason": result.failure}
+    if result.interrupted is not None:
+        return {"status": "interrupted", "reason": result.interrupted}
+    if result.lost:
+        return {"status": "failed", "reason": f"{result.lost} messages lost"}
+    return {"status": "complete", "reason": None}
+
+
+def _versions() -> dict[str, str | None]:
+    own = {"rover-harness": __version__, "python": platform.python_version()}
+    return own | {package: _version(package) for package in PACKAGES}
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def _json_safe(value: Any) -> Any:  # noqa: ANN401 - any JSON value
+    if isinstance(value, dict):
+        return {key: _json_safe(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_json_safe(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,85 @@
+"""What a run came to: counts, rows, truth and outcome, as plain values for table and manifest."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from harness.episode import EpisodeConfig, EpisodeInfo
+from harness.simulation import NANOSECONDS
+from harness.truth import Truth
+
+
+@dataclass(frozen=True, slots=True)
+class TopicCount:
+    """Messages of one topic.
+
+    Attributes:
+        published: How many the harness sent.
+        received: How many the metrics node's callbacks have handled; None where it does not listen.
+        lost: How many were given up.
+    """
+
+    published: int
+    received: int | None = None
+    lost: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a run is."""
+
+    simulated_s: float
+    total_s: float
+    wall_s: float
+    path_length: float
+    messages: int
+
+    @property
+    def real_time_factor(self) -> float:
+        """Simulated seconds per wall second."""
+        return self.simulated_s / self.wall_s if self.wall_s > 0 else 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunResult:
+    """Everything the summary and the manifest tell of a run.
+
+    Attributes:
+        failure: Why the run did not come to its end; None if it did or was interrupted.
+        interrupted: The signal's name if somebody stopped it.
+        topics: Counts by topic name.
+        log_path: The metrics CSV; None without one.
+        last_row: Its last row by column name.
+    """
+
+    config: EpisodeConfig
+    mode: str
+    info: EpisodeInfo | None = None
+    truth: Truth = field(default_factory=Truth)
+    wall_s: float = 0.0
+    first_row_s: float | None = None
+    failure: str | None = None
+    interrupted: str | None = None
+    topics: dict[str, TopicCount] = field(default_factory=dict)
+    rows: int = 0
+    log_path: Path | None = None
+    last_row: dict[str, int | float | str] | None = None
+
+    @property
+    def simulated_s(self) -> float:
+        """Simulated time [s]."""
+        return self.truth.time_ns / NANOSECONDS
+
+    @property
+    def real_time_factor(self) -> float:
+        """Simulated seconds per wall second."""
+        return self.simulated_s / self.wall_s if self.wall_s > 0 else 0.0
+
+    @property
+    def lost(self) -> int:
+        """Messages lost over all topics."""
+        return sum(count.lost for count in self.topics.values())
+
+    @property
+    def messages(self) -> int:
+        """Messages published over all topics."""
+        return sum(count.published for count in self.topics.values())

@@ -1,0 +1,119 @@
+"""The ROS node `harness`: publishes an episode's samples as RoboTerrain's Gazebo bridge would.
+
+It counts what it publishes per topic and listens to /cmd_vel. Topic names are relative, so remapping
+and namespaces work; in the root namespace they are those of the README's table.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from geometry_msgs.msg import PoseArray, Twist
+from nav_msgs.msg import Odometry
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Imu, JointState, LaserScan
+
+from harness import samples
+from harness.robots import RoverSpec
+from harness.ros import messages
+from harness.sensors.lidar import LidarSpec
+
+RELIABLE = QoSProfile(
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.VOLATILE,
+    history=HistoryPolicy.KEEP_LAST,
+    depth=10,
+)
+BEST_EFFORT = QoSProfile(
+    reliability=ReliabilityPolicy.BEST_EFFORT,
+    durability=DurabilityPolicy.VOLATILE,
+    history=HistoryPolicy.KEEP_LAST,
+    depth=10,
+)
+
+
+@dataclass(slots=True)
+class Channel:
+    """One topic: how a sample becomes its message, and how many have been published."""
+
+    publisher: Publisher
+    fill: messages.Fill
+    published: int = 0
+
+    @property
+    def topic(self) -> str:
+        """The resolved name."""
+        name: str = self.publisher.topic_name
+        return name
+
+    def publish(self, sample: Any) -> None:  # noqa: ANN401 - the kind of sample that `fill` takes
+        """Sends one sample."""
+        self.publisher.publish(self.fill(sample))
+        self.published += 1
+
+
+class Bridge(Node):
+    """Publishes ticks; hands /cmd_vel to `on_command`.
+
+    Attributes:
+        channels: The topics by kind of sample, in publishing order.
+        clock_channel: /clock.
+    """
+
+    def __init__(
+        self,
+        rover: RoverSpec,
+        lidar: LidarSpec,
+        *,
+        context: Context | None = None,
+        on_command: Callable[[samples.Twist], None] | None = None,
+    ) -> None:
+        super().__init__("harness", context=context)
+        self.channels: dict[type, Channel] = {
+            samples.LaserScan: self._channel(LaserScan, "scan", messages.laser_scan(lidar)),
+            samples.Imu: self._channel(Imu, "imu/data", messages.imu(rover)),
+            samples.Pose: self._channel(
+                PoseArray, "rover/pose_array", messages.pose_array(), BEST_EFFORT
+            ),
+            samples.Odometry: self._channel(Odometry, "odometry/wheels", messages.wheel_odometry(rover)),
+            samples.GroundTruth: self._channel(Odometry, "odom_ground_truth", messages.ground_truth()),
+            samples.JointStates: self._channel(JointState, "joint_states", messages.joint_states(rover)),
+        }
+        # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.
+        self.clock_channel = self._channel(Clock, "/clock", messages.clock())
+        self._on_command = on_command
+        self._commands = self.create_subscription(Twist, "cmd_vel", self._receive, RELIABLE)
+
+    def _channel(
+        self, kind: type, topic: str, fill: messages.Fill, qos: QoSProfile = RELIABLE
+    ) -> Channel:
+        return Channel(self.create_publisher(kind, topic, qos), fill)
+
+    def publish_samples(self, tick: samples.Tick) -> None:
+        """Publishes a tick's samples; its clock goes out with `publish_clock`, after them."""
+        for sample in tick.samples:
+            self.channels[type(sample)].publish(sample)
+
+    def publish_clock(self, tick: samples.Tick) -> None:
+        """Lets simulation time reach the tick's stamp."""
+        self.clock_channel.publish(tick.stamp_ns)
+
+    def published(self) -> dict[str, int]:
+        """Messages published so far, by resolved topic name."""
+        return {c.topic: c.published for c in (*self.channels.values(), self.clock_channel)}
+
+    def _receive(self, message: Twist) -> None:
+        linear, angular = message.linear.x, message.angular.z
+        if not (math.isfinite(linear) and math.isfinite(angular)):
+            self.get_logger().warning(
+                f"ignored a non-finite command on {self._commands.topic_name}: "
+                f"linear.x = {linear}, angular.z = {angular}",
+                throttle_duration_sec=1.0,
+            )
+        elif self._on_command is not None:
+            self._on_command(samples.Twist(linear, angular))

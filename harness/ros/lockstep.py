@@ -1,0 +1,109 @@
+"""Lock-step: simulation time does not advance past a message that a listener has not handled.
+
+For each tick the samples go out and are handled, then /clock goes out and is handled with the timers
+that it triggers. A listener is either a MetricsNode hosted here, whose callbacks are counted, or a
+node in another process, which answers a parameter request only when its queue is empty.
+"""
+
+import time
+from typing import Protocol
+
+from rclpy.executors import Executor
+from rover_metrics.metrics_node import LOG_PERIOD, MetricsNode
+
+from harness.ros.bridge import Bridge
+from harness.ros.executor import SPIN_TIMEOUT
+from harness.samples import Tick
+
+PATIENCE = 10.0  # [s] of wall time without any progress before messages are given up
+LOG_PERIOD_NS = round(LOG_PERIOD * 1e9)
+
+
+class Listener(Protocol):
+    """Somebody who must have handled everything before time goes on."""
+
+    def wait_for_samples(self) -> None:
+        """Returns when every published sample has been handled."""
+        ...
+
+    def wait_for_clock(self, stamp_ns: int) -> None:
+        """Returns when the time has been taken over and its timers have run."""
+        ...
+
+
+class LockStep:
+    """Publishes ticks and waits for the listeners."""
+
+    def __init__(self, bridge: Bridge, executor: Executor, listeners: tuple[Listener, ...]) -> None:
+        self._bridge, self._executor, self._listeners = bridge, executor, listeners
+
+    def advance(self, tick: Tick) -> None:
+        """Publishes one tick; returns when all listeners have handled it."""
+        if tick.samples:
+            self._bridge.publish_samples(tick)
+            for listener in self._listeners:
+                listener.wait_for_samples()
+        self._bridge.publish_clock(tick)
+        for listener in self._listeners:
+            listener.wait_for_clock(tick.stamp_ns)
+        if not self._listeners:
+            self._executor.spin_once(timeout_sec=0.0)  # /cmd_vel and parameter services
+
+
+class HostedMetrics:
+    """A MetricsNode in this process; its callbacks are counted against what was published.
+
+    Attributes:
+        lost: Messages given up, by topic: not handled although nothing else happened for PATIENCE.
+    """
+
+    def __init__(self, bridge: Bridge, executor: Executor, node: MetricsNode) -> None:
+        self._executor, self._node = executor, node
+        self._clock = node.get_clock()
+        channels = [*bridge.channels.values(), bridge.clock_channel]
+        self._channels = [channel for channel in channels if channel.topic in node.received]
+        self._clock_topic = bridge.clock_channel.topic
+        self.clock_received = 0
+        self.lost = {channel.topic: 0 for channel in self._channels} | {self._clock_topic: 0}
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """Topics that the node listens to and the bridge publishes."""
+        return tuple(channel.topic for channel in self._channels)
+
+    def received(self) -> dict[str, int]:
+        """Messages handled, by topic."""
+        handled = {topic: self._node.received[topic] for topic in self.topics}
+        return handled | {self._clock_topic: self.clock_received}
+
+    def wait_for_samples(self) -> None:
+        """Spins until the counts agree; gives up what does not come."""
+        deadline = time.monotonic() + PATIENCE
+        while self._missing():
+            if time.monotonic() > deadline:
+                self._give_up()
+                return
+            self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+
+    def wait_for_clock(self, stamp_ns: int) -> None:
+        """Spins until the node's clock shows the time and the row due by then is written."""
+        rows_due = stamp_ns // LOG_PERIOD_NS
+        deadline = time.monotonic() + PATIENCE
+        while self._clock.now().nanoseconds < stamp_ns or self._rows_tried() < rows_due:
+            if time.monotonic() > deadline:
+                self.lost[self._clock_topic] += 1
+                return
+            self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+        self.clock_received += 1
+
+    def _rows_tried(self) -> int:
+        return self._node.rows + self._node.lost_rows
+
+    def _missing(self) -> bool:
+        received, lost = self._node.received, self.lost
+        return any(c.published > received[c.topic] + lost[c.topic] for c in self._channels)
+
+    def _give_up(self) -> None:
+        for channel in self._channels:
+            topic = channel.topic
+            self.lost[topic] = channel.published - self._node.received[topic]

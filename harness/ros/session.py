@@ -1,0 +1,218 @@
+"""A run through ROS 2: child simulation -> bridge -> topics -> MetricsNode, in lock-step."""
+
+import os
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import Executor
+from rclpy.parameter import Parameter
+from rclpy.signals import SignalHandlerOptions
+from rover_metrics.errors import RoverMetricsError
+from rover_metrics.metrics_node import MetricsNode
+from rover_metrics.row import COLUMNS
+
+from harness.episode import Batch, EpisodeConfig
+from harness.errors import RunFailed, UsageError
+from harness.interrupt import StopRequest
+from harness.pacing import Pacer
+from harness.result import Progress, RunResult, TopicCount
+from harness.robots import find_rover
+from harness.ros.bridge import Bridge
+from harness.ros.executor import make_executor, spin_until
+from harness.ros.lockstep import HostedMetrics, Listener, LockStep
+from harness.ros.remote import RemoteNode
+from harness.sensors.lidar import LidarSpec
+from harness.simulation import NANOSECONDS
+from harness.stream import EpisodeProcess
+
+MATCH_PATIENCE = 15.0  # [s] for DDS to match the topics of this process
+
+
+@dataclass(frozen=True, kw_only=True)
+class RosOptions:
+    """How a run goes through ROS.
+
+    Attributes:
+        log_dir: Folder for the metrics CSV.
+        host_metrics: Whether to run a MetricsNode in this process.
+        wait_for: Names of nodes elsewhere to keep in lock-step.
+        rate: Simulated seconds per wall second; None is as fast as possible.
+        ros_args: Arguments from `--ros-args` on.
+    """
+
+    log_dir: Path
+    host_metrics: bool = True
+    wait_for: tuple[str, ...] = ()
+    rate: float | None = None
+    ros_args: Sequence[str] = ()
+
+
+def run_through_ros(
+    config: EpisodeConfig,
+    options: RosOptions,
+    stop: StopRequest,
+    show: Callable[[Progress], None],
+) -> RunResult:
+    """Runs an episode and returns what it came to, also when it failed underway.
+
+    Raises:
+        UsageError: Something is wrong with the arguments or the environment.
+    """
+    started = time.monotonic()
+    with ExitStack() as at_end:
+        source = at_end.enter_context(EpisodeProcess(config))
+        context = at_end.enter_context(_ros_context(options.ros_args))
+        run = _Run(config, options, context, source, at_end)
+        return run.drive(stop, show, started)
+
+
+class _Run:
+    """The nodes of one run and its loop."""
+
+    def __init__(
+        self,
+        config: EpisodeConfig,
+        options: RosOptions,
+        context: Context,
+        source: EpisodeProcess,
+        at_end: ExitStack,
+    ) -> None:
+        self._config, self._options, self._source = config, options, source
+        self._bridge = Bridge(
+            find_rover(config.robot),
+            LidarSpec(beams=config.lidar_beams),
+            context=context,
+            on_command=source.command,
+        )
+        at_end.callback(self._bridge.destroy_node)
+        self._executor = make_executor(context)
+        at_end.callback(self._executor.shutdown)
+        self._executor.add_node(self._bridge)
+        self._node: MetricsNode | None = None
+        self._hosted: HostedMetrics | None = None
+        if options.host_metrics:
+            self._node = _metrics_node(context, options.log_dir)
+            at_end.callback(self._node.destroy_node)
+            self._executor.add_node(self._node)
+            self._hosted = HostedMetrics(self._bridge, self._executor, self._node)
+            _await_match(self._bridge, self._executor, self._hosted.topics)
+        self._remotes = [RemoteNode(name, self._bridge, self._executor) for name in options.wait_for]
+
+    def drive(self, stop: StopRequest, show: Callable[[Progress], None], started: float) -> RunResult:
+        """Publishes the episode tick by tick until its end, a failure or a stop request."""
+        listeners: list[Listener] = [*([self._hosted] if self._hosted else []), *self._remotes]
+        lockstep = LockStep(self._bridge, self._executor, tuple(listeners))
+        info = self._source.info
+        result = RunResult(config=self._config, mode=self._mode(), info=info)
+        begun = time.monotonic()
+        pacer = Pacer(self._options.rate)
+        try:
+            with stop.deferred():
+                for batch in self._source.batches():
+                    for tick in batch.ticks:
+                        pacer.wait_until(tick.stamp_ns)
+                        lockstep.advance(tick)
+                    result = self._after(batch, result, begun, started)
+                    show(self._progress(batch, result.wall_s))
+                    if stop.signal is not None:
+                        result = replace(result, interrupted=stop.signal.name)
+                        break
+        except RunFailed as error:
+            result = replace(result, failure=str(error))
+        return self._counted(result)
+
+    def _after(self, batch: Batch, result: RunResult, begun: float, started: float) -> RunResult:
+        now = time.monotonic()
+        if result.first_row_s is None and self._node is not None and self._node.rows:
+            result = replace(result, first_row_s=now - started)
+        return replace(result, truth=batch.truth, wall_s=now - begun)
+
+    def _mode(self) -> str:
+        hosted = "hosted metrics_node" if self._hosted else "no metrics_node"
+        waited = f", lock-step with {', '.join(self._options.wait_for)}" if self._remotes else ""
+        return f"ROS 2, {hosted}{waited}"
+
+    def _progress(self, batch: Batch, wall_s: float) -> Progress:
+        channels = (*self._bridge.channels.values(), self._bridge.clock_channel)
+        return Progress(
+            simulated_s=batch.truth.time_ns / NANOSECONDS,
+            total_s=self._config.duration,
+            wall_s=wall_s,
+            path_length=batch.truth.path_length,
+            messages=sum(channel.published for channel in channels),
+        )
+
+    def _counted(self, result: RunResult) -> RunResult:
+        topics = {t: TopicCount(published=n) for t, n in self._bridge.published().items()}
+        if self._hosted:
+            for topic, received in self._hosted.received().items():
+                topics[topic] = replace(topics[topic], received=received, lost=self._hosted.lost[topic])
+        for remote in self._remotes:
+            for topic, received in remote.received().items():
+                lost = max(topics[topic].lost, topics[topic].published - received)
+                topics[topic] = replace(topics[topic], received=received, lost=lost)
+        result = replace(result, topics=topics)
+        if self._node is None:
+            return result
+        row, lost_rows = self._node.last_row, self._node.lost_rows
+        if lost_rows and result.failure is None:
+            result = replace(result, failure=f"{lost_rows} rows could not be written")
+        return replace(
+            result,
+            rows=self._node.rows,
+            log_path=self._node.log.path,
+            last_row=None if row is None else dict(zip(COLUMNS, row.as_fields(), strict=True)),
+        )
+
+
+@contextmanager
+def _ros_context(ros_args: Sequence[str]) -> Iterator[Context]:
+    """A context of this run's own that leaves signals to the command."""
+    # Nothing shall leave the machine unless the user said so.
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    context = Context()
+    try:
+        rclpy.init(
+            args=list(ros_args),
+            context=context,
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+    except RuntimeError as error:
+        message = f"ROS 2 refuses to start: {' '.join(str(error).split())}"
+        raise UsageError(message) from error
+    try:
+        yield context
+    finally:
+        context.try_shutdown()
+
+
+def _metrics_node(context: Context, log_dir: Path) -> MetricsNode:
+    overrides = [
+        Parameter("use_sim_time", value=True),
+        Parameter("log_dir", value=str(log_dir)),
+    ]
+    try:
+        return MetricsNode(context=context, parameter_overrides=overrides)
+    except RoverMetricsError as error:
+        raise UsageError(str(error)) from error
+
+
+def _await_match(bridge: Bridge, executor: Executor, topics: tuple[str, ...]) -> None:
+    channels = [c for c in bridge.channels.values() if c.topic in topics]
+    channels.append(bridge.clock_channel)
+    if not spin_until(
+        executor,
+        lambda: all(c.publisher.get_subscription_count() for c in channels),
+        MATCH_PATIENCE,
+    ):
+        alone = [c.topic for c in channels if not c.publisher.get_subscription_count()]
+        message = (
+            f"DDS did not connect {', '.join(alone)} within {MATCH_PATIENCE:.0f} s; "
+            "is ROS_AUTOMATIC_DISCOVERY_RANGE=OFF set, or a firewall on the loopback device?"
+        )
+        raise UsageError(message)

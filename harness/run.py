@@ -1,0 +1,215 @@
+"""Command: drive a rover over a terrain and log its traversal metrics.
+
+    python -m harness.run --terrain rocky --robot leo --seed 0
+
+Parses, calls, prints; the work is in harness.ros.session (through ROS) and harness.direct (without).
+"""
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from rich.console import Console
+
+from harness import __version__
+from harness.console import RunProgress, print_choices, print_summary
+from harness.direct import run_direct
+from harness.drivers import DRIVERS
+from harness.episode import EpisodeConfig
+from harness.errors import HarnessError, UsageError
+from harness.interrupt import StopRequest
+from harness.manifest import check_writable, write_manifest
+from harness.result import Progress, RunResult
+from harness.robots import ROVERS
+
+DEFAULT_LOG_DIR = Path("metrics_analyzer/data/metric_logs")
+SLOWEST_RATE = 0.01
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command; returns its exit code."""
+    words, ros_args = _split_ros_args(sys.argv[1:] if arguments is None else arguments)
+    options = _parser().parse_args(words)
+    console = Console()
+    if options.list:
+        print_choices(console)
+        return 0
+    try:
+        with StopRequest() as stop:
+            result = _run(options, ros_args, stop, console)
+    except HarnessError as error:
+        print(f"harness.run: {error}", file=sys.stderr)
+        return error.exit_code
+    return _report(result, options.summary, stop, console)
+
+
+def _run(
+    options: argparse.Namespace, ros_args: Sequence[str], stop: StopRequest, console: Console
+) -> RunResult:
+    config = _config(options)
+    config.validate()
+    _check_combination(options, ros_args)
+    if options.summary is not None:
+        check_writable(options.summary)
+    title = f"{config.robot} on {config.terrain}"
+    with RunProgress(console, title, config.duration) as bar:
+        if options.direct:
+            return run_direct(config, options.log_dir, options.rate, stop, bar.show)
+        return _run_through_ros(options, config, ros_args, stop, bar.show)
+
+
+def _run_through_ros(
+    options: argparse.Namespace,
+    config: EpisodeConfig,
+    ros_args: Sequence[str],
+    stop: StopRequest,
+    show: Callable[[Progress], None],
+) -> RunResult:
+    # The only import of rclpy on this side of harness.ros: --direct must work where there is none.
+    try:
+        from harness.ros.session import RosOptions, run_through_ros  # noqa: PLC0415
+    except ImportError as error:
+        message = (
+            f"ROS 2 is not importable ({error}); install the extra with pip install -e '.[ros]', "
+            "source a ROS 2 installation, or run with --direct, which needs none"
+        )
+        raise UsageError(message) from error
+    ros = RosOptions(
+        log_dir=options.log_dir,
+        host_metrics=not options.no_metrics,
+        wait_for=tuple(options.wait_for),
+        rate=options.rate,
+        ros_args=ros_args,
+    )
+    return run_through_ros(config, ros, stop, show)
+
+
+def _report(result: RunResult, summary: Path | None, stop: StopRequest, console: Console) -> int:
+    print_summary(console, result)
+    try:
+        if result.log_path is not None:
+            write_manifest(result, result.log_path.with_suffix(".json"))
+        if summary is not None:
+            write_manifest(result, summary)
+    except HarnessError as error:
+        print(f"harness.run: {error}", file=sys.stderr)
+        return error.exit_code
+    if result.failure is not None:
+        print(f"harness.run: {result.failure}", file=sys.stderr)
+        return 1
+    if result.lost:
+        lost = ", ".join(f"{c.lost} of {t}" for t, c in result.topics.items() if c.lost)
+        print(f"harness.run: messages were lost: {lost}", file=sys.stderr)
+        return 1
+    return stop.exit_code
+
+
+def _split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Separates `--ros-args ... [--]` from the command's own words, as ROS nodes do."""
+    words = list(words)
+    if "--ros-args" not in words:
+        return words, []
+    start = words.index("--ros-args")
+    end = words.index("--", start) + 1 if "--" in words[start:] else len(words)
+    return words[:start] + words[end:], words[start:end]
+
+
+def _config(options: argparse.Namespace) -> EpisodeConfig:
+    return EpisodeConfig(
+        terrain=options.terrain,
+        robot=options.robot,
+        seed=options.seed,
+        duration=options.duration,
+        driver=options.driver,
+        difficulty=options.difficulty,
+        timestep=options.timestep,
+        noise=options.noise,
+        lidar_beams=options.lidar_beams,
+        imu_rate=options.imu_rate,
+    )
+
+
+def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> None:
+    if not options.direct:
+        return
+    for given, flag in (
+        (options.no_metrics, "--no-metrics"),
+        (bool(options.wait_for), "--wait-for"),
+        (bool(ros_args), "--ros-args"),
+        (options.driver == "cmd_vel", "--driver cmd_vel"),
+    ):
+        if given:
+            raise UsageError(f"{flag} needs ROS; leave out --direct")
+
+
+def _rate(text: str) -> float | None:
+    if text == "max":
+        return None
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = float("nan")
+    if not SLOWEST_RATE <= rate < float("inf"):
+        message = f"'{text}' is not valid; give 'max' or a number from {SLOWEST_RATE} up"
+        raise argparse.ArgumentTypeError(message)
+    return rate
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line, as all others of this command."""
+
+    def error(self, message: str) -> NoReturn:
+        """Prints the message and leaves with exit code 2."""
+        self.exit(2, f"harness.run: {message}; see --help\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    defaults = EpisodeConfig()
+    parser = _Parser(
+        prog="python -m harness.run",
+        description="Drives a rover over rough terrain, publishes its sensors as ROS 2 topics and "
+        "logs traversal metrics to CSV.",
+        epilog="Arguments after --ros-args go to ROS, e.g. --ros-args -r scan:=front/scan.",
+    )
+    world = parser.add_argument_group("episode")
+    world.add_argument("--terrain", default=defaults.terrain, metavar="NAME", help="see --list")
+    world.add_argument("--robot", default=defaults.robot, metavar="NAME", help=", ".join(ROVERS))
+    world.add_argument("--driver", default=defaults.driver, metavar="NAME", help=", ".join(DRIVERS))
+    world.add_argument("--seed", type=int, default=defaults.seed, metavar="N")
+    world.add_argument(
+        "--duration", type=float, default=defaults.duration, metavar="S", help="simulated seconds"
+    )
+    world.add_argument(
+        "--difficulty", type=float, default=defaults.difficulty, metavar="D", help="0 to 1"
+    )
+    world.add_argument(
+        "--timestep", type=float, default=defaults.timestep, metavar="S", help="physics step"
+    )
+    sensors = parser.add_argument_group("sensors")
+    sensors.add_argument("--noise", action="store_true", help="white noise on lidar and IMU")
+    sensors.add_argument("--lidar-beams", type=int, default=defaults.lidar_beams, metavar="N")
+    sensors.add_argument("--imu-rate", type=int, default=defaults.imu_rate, metavar="HZ")
+    run = parser.add_argument_group("run")
+    run.add_argument(
+        "--rate", type=_rate, default=None, metavar="R|max", help="times real time; max by default"
+    )
+    run.add_argument("--log-dir", type=Path, default=DEFAULT_LOG_DIR, metavar="DIR")
+    run.add_argument("--no-metrics", action="store_true", help="publish only; host no metrics_node")
+    run.add_argument("--direct", action="store_true", help="no ROS: samples go straight to the CSV")
+    run.add_argument(
+        "--wait-for",
+        action="append",
+        default=[],
+        metavar="NODE",
+        help="keep lock-step with a node in another process; repeatable",
+    )
+    run.add_argument("--summary", type=Path, metavar="FILE.json", help="write the manifest there")
+    parser.add_argument("--list", action="store_true", help="print terrains, robots and drivers")
+    parser.add_argument("--version", action="version", version=f"rover-harness {__version__}")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

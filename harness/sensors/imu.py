@@ -1,0 +1,52 @@
+"""The IMU: specific force and angular rate, averaged over every step of the sample's window.
+
+A single step would alias the contacts' high frequencies into the reading; a real sensor filters them
+(facts: models/README.md). The frame is that of the site `imu`.
+"""
+
+import mujoco
+import numpy as np
+
+from harness.samples import Imu, Quaternion, Vector3
+from harness.simulation import Simulation
+
+
+class ImuSensor:
+    """Averages over its window; call `observe` after every tick, `read` at the end of the window."""
+
+    def __init__(self, simulation: Simulation, period_ticks: int) -> None:
+        self.period_ticks = period_ticks
+        self._simulation = simulation
+        self._steps = period_ticks * simulation.steps_per_tick
+        self._force_in_tick = simulation.summed("imu_accelerometer")
+        self._rate_in_tick = simulation.summed("imu_gyro")
+        self._force_sum, self._rate_sum = np.zeros(3), np.zeros(3)
+        self._mounting = simulation.model.site("imu").quat.copy()
+        self._attitude = np.empty(4)
+
+    def observe(self) -> None:
+        """Adds the tick that has just been simulated to the window."""
+        self._force_sum += self._force_in_tick
+        self._rate_sum += self._rate_in_tick
+
+    def read(self) -> Imu:
+        """The window's means [m/s^2, rad/s] and the attitude at its end; starts a new window."""
+        reading = Imu(
+            stamp_ns=self._simulation.time_ns,
+            orientation=self._orientation(),
+            angular_velocity=_vector(self._rate_sum / self._steps),
+            linear_acceleration=_vector(self._force_sum / self._steps),
+        )
+        self._force_sum.fill(0.0)
+        self._rate_sum.fill(0.0)
+        return reading
+
+    def _orientation(self) -> Quaternion:
+        mujoco.mju_mulQuat(self._attitude, self._simulation.data.qpos[3:7], self._mounting)
+        w, x, y, z = self._attitude.tolist()
+        return x, y, z, w
+
+
+def _vector(values: np.ndarray) -> Vector3:
+    x, y, z = values.tolist()
+    return x, y, z

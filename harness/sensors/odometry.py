@@ -1,0 +1,50 @@
+"""Wheel odometry: what a rover's controller integrates from its quantised encoders.
+
+It uses the controller's radius and separation, so it inherits their errors and the skid's, as
+RoboTerrain's DiffDrive odometry does. Planar, in the odom frame, zero at the start.
+"""
+
+import math
+
+import numpy as np
+
+from harness.samples import Odometry, Twist
+from harness.simulation import NANOSECONDS, TICK_NS, Simulation
+
+
+class WheelOdometry:
+    """Integrates the encoder counts between two readings."""
+
+    def __init__(self, simulation: Simulation, period_ticks: int) -> None:
+        self.period_ticks = period_ticks
+        self._simulation = simulation
+        self._rover = simulation.scene.rover
+        model = simulation.model
+        self._angles = np.array([int(model.joint(n).qposadr[0]) for n in self._rover.wheel_joints])
+        self._metres_per_count = math.tau * self._rover.controller_radius / self._rover.encoder_ticks
+        self._period = period_ticks * TICK_NS / NANOSECONDS
+        self._counts = self._read_encoders()
+        self._x = self._y = self._yaw = 0.0
+
+    def _read_encoders(self) -> list[int]:
+        counts_per_radian = self._rover.encoder_ticks / math.tau
+        angles = self._simulation.data.qpos[self._angles].tolist()
+        return [math.floor(angle * counts_per_radian) for angle in angles]
+
+    def read(self) -> Odometry:
+        """The pose integrated to now and the mean twist since the last reading."""
+        counts = self._read_encoders()
+        front_left, rear_left, front_right, rear_right = (
+            (now - before) * self._metres_per_count
+            for now, before in zip(counts, self._counts, strict=True)
+        )
+        self._counts = counts
+        left, right = (front_left + rear_left) / 2, (front_right + rear_right) / 2
+        distance = (left + right) / 2
+        turn = (right - left) / self._rover.controller_separation
+        heading = self._yaw + turn / 2
+        self._x += distance * math.cos(heading)
+        self._y += distance * math.sin(heading)
+        self._yaw = math.remainder(self._yaw + turn, math.tau)
+        twist = Twist(distance / self._period, turn / self._period)
+        return Odometry(self._simulation.time_ns, self._x, self._y, self._yaw, twist)

@@ -1,0 +1,144 @@
+"""An episode in a child process: simulation on one core, its consumer (ROS) on the other.
+
+The child simulates ahead until the pipe is full, so the consumer never waits for physics nor physics
+for the consumer; the stream itself is the episode's, bit for bit. With the cmd_vel driver the child
+waits for the command of each control period instead.
+"""
+
+import contextlib
+import multiprocessing
+import signal
+import traceback
+from collections.abc import Iterator
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from types import TracebackType
+from typing import Self
+
+from harness.episode import Batch, Episode, EpisodeConfig, EpisodeInfo
+from harness.errors import HarnessError, RunFailed
+from harness.samples import Twist
+
+EXIT_PATIENCE = 2.0  # [s] for the child to leave before it is killed
+
+
+@dataclass(frozen=True, slots=True)
+class _Failure:
+    """A known error of the child, or the trace of an unknown one."""
+
+    error: HarnessError | None
+    trace: str
+
+
+@dataclass(frozen=True, slots=True)
+class _End:
+    """The episode came to its planned end."""
+
+
+class EpisodeProcess:
+    """Runs an episode in a child; a context manager that leaves no process behind."""
+
+    def __init__(self, config: EpisodeConfig) -> None:
+        self._waits_for_commands = config.driver == "cmd_vel"
+        context = multiprocessing.get_context("spawn")
+        self._connection, remote = context.Pipe()
+        self._process = context.Process(target=_simulate, args=(config, remote), daemon=True)
+        with _interrupts_held_back():
+            self._process.start()
+        remote.close()
+        self._latest = Twist()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._connection.close()
+        self._process.join(EXIT_PATIENCE)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+
+    @property
+    def info(self) -> EpisodeInfo:
+        """What the episode was made of; waits until the world is built. Ask once, first."""
+        received = self._receive()
+        if not isinstance(received, EpisodeInfo):
+            message = f"the simulation process sent {type(received).__name__} before its info"
+            raise RunFailed(message)
+        return received
+
+    def command(self, twist: Twist) -> None:
+        """Sets the command of the next control periods (cmd_vel driver)."""
+        self._latest = twist
+
+    def batches(self) -> Iterator[Batch]:
+        """The episode's batches, in order.
+
+        Raises:
+            RunFailed: As `Episode.batches`, or the child died.
+        """
+        while True:
+            if self._waits_for_commands:
+                self._connection.send(self._latest)
+            received = self._receive()
+            if isinstance(received, _End):
+                return
+            assert isinstance(received, Batch)  # noqa: S101 - the protocol of _simulate below
+            yield received
+
+    def _receive(self) -> object:
+        try:
+            received = self._connection.recv()
+        except (EOFError, ConnectionResetError) as error:
+            message = f"the simulation process died (exit code {self._process.exitcode})"
+            raise RunFailed(message) from error
+        if isinstance(received, _Failure):
+            if received.error is not None:
+                raise received.error
+            message = f"the simulation process failed:\n{received.trace}"
+            raise RuntimeError(message)
+        return received
+
+
+@contextlib.contextmanager
+def _interrupts_held_back() -> Iterator[None]:
+    """Lets a child inherit a blocked SIGINT: Ctrl-C is the parent's to handle."""
+    previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, previous)
+
+
+def _simulate(config: EpisodeConfig, connection: Connection) -> None:
+    """The child: builds the episode, then streams it until its end or until nobody listens."""
+    with contextlib.suppress(BrokenPipeError, ConnectionResetError, EOFError):
+        try:
+            _stream(config, connection)
+        except HarnessError as error:
+            connection.send(_Failure(error, ""))
+        except Exception:  # noqa: BLE001 - a bug: its trace must reach the parent
+            connection.send(_Failure(None, traceback.format_exc()))
+
+
+def _stream(config: EpisodeConfig, connection: Connection) -> None:
+    episode = Episode(config)
+    connection.send(episode.info)
+    for batch in _steered(episode, connection) if config.driver == "cmd_vel" else episode.batches():
+        connection.send(batch)
+    connection.send(_End())
+
+
+def _steered(episode: Episode, connection: Connection) -> Iterator[Batch]:
+    batches = episode.batches()
+    while True:
+        episode.command(connection.recv())
+        batch = next(batches, None)
+        if batch is None:
+            return
+        yield batch

@@ -1,0 +1,173 @@
+"""World + rover -> one compiled MuJoCo model: terrain heightfield, obstacle bodies, truth sensors.
+
+Geom groups say what a thing is: 0 terrain, 1 obstacles, 2 rover as seen, 3 rover as it collides. The
+lidar's ray mask and the pictures rely on them.
+"""
+
+import hashlib
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from harness.robots import RoverSpec
+from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.world import World
+
+TERRAIN_GROUP, OBSTACLE_GROUP, VISUAL_GROUP, COLLISION_GROUP = 0, 1, 2, 3
+GROUND_CONTACT = {"contype": 2, "conaffinity": 1}  # the rover's geoms carry (1, 2)
+BASE_THICKNESS = 1.0  # [m] of solid ground below the lowest point
+
+ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT = "rock_contact", "hazard_contact", "scrape_contact"
+OBSTACLE_BODIES = {ObstacleKind.ROCK: "rocks", ObstacleKind.HAZARD: "hazards"}
+OBSTACLE_COLORS = {
+    ObstacleKind.ROCK: (0.46, 0.40, 0.35, 1.0),
+    ObstacleKind.HAZARD: (0.62, 0.30, 0.20, 1.0),
+}
+SHAPES = {
+    "box": mujoco.mjtGeom.mjGEOM_BOX,
+    "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+    "ellipsoid": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A compiled model with what it was made from."""
+
+    model: mujoco.MjModel
+    world: World
+    rover: RoverSpec
+
+
+def build_scene(world: World, rover: RoverSpec, timestep: float) -> Scene:
+    """Compiles the rover into the world; `timestep` in seconds."""
+    spec = mujoco.MjSpec.from_file(str(rover.model_path))
+    spec.option.timestep = timestep
+    _keep_constraints_soft(spec, timestep)
+    _add_terrain(spec, world)
+    _add_obstacles(spec, world.obstacles)
+    _add_truth_sensors(spec)
+    _add_light(spec)
+    return Scene(model=spec.compile(), world=world, rover=rover)
+
+
+def model_hash(rover: RoverSpec) -> str:
+    """SHA-256 of the rover's model file."""
+    return hashlib.sha256(rover.model_path.read_bytes()).hexdigest()
+
+
+def _keep_constraints_soft(spec: mujoco.MjSpec, timestep: float) -> None:
+    # MuJoCo clamps a time constant below two steps and would change the stiffness silently.
+    for equality in spec.equalities:
+        equality.solref = [max(equality.solref[0], 2 * timestep), equality.solref[1]]
+
+
+def _add_terrain(spec: mujoco.MjSpec, world: World) -> None:
+    heights, half_size = world.ground.heights, world.ground.half_size
+    lowest = float(heights.min())
+    # The compiler normalises to 0..1 and wants a positive range, even for a flat map.
+    relief = max(float(np.ptp(heights)), 1e-3)
+    spec.add_hfield(
+        name="terrain",
+        size=[half_size, half_size, relief, BASE_THICKNESS],
+        nrow=heights.shape[0],
+        ncol=heights.shape[1],
+        userdata=((heights - lowest) / relief).ravel().tolist(),
+    )
+    spec.add_texture(
+        name="ground",
+        type=mujoco.mjtTexture.mjTEXTURE_2D,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT,
+        mark=mujoco.mjtMark.mjMARK_RANDOM,
+        rgb1=[0.66, 0.47, 0.33],
+        markrgb=[0.54, 0.37, 0.26],
+        random=0.04,
+        width=1024,
+        height=1024,
+    )
+    material = spec.add_material(name="ground", texrepeat=[20, 20], specular=0.0, reflectance=0.0)
+    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "ground"
+    spec.worldbody.add_geom(
+        name="terrain",
+        type=mujoco.mjtGeom.mjGEOM_HFIELD,
+        hfieldname="terrain",
+        material="ground",
+        pos=[0.0, 0.0, lowest],
+        group=TERRAIN_GROUP,
+        **GROUND_CONTACT,
+    )
+
+
+def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None:
+    bodies = {kind: spec.worldbody.add_body(name=name) for kind, name in OBSTACLE_BODIES.items()}
+    for index, obstacle in enumerate(obstacles):
+        bodies[obstacle.kind].add_geom(
+            name=f"{obstacle.kind.name.lower()}_{index}",
+            type=SHAPES[obstacle.shape],
+            size=_padded(obstacle.half_size),
+            pos=list(obstacle.position),
+            quat=list(obstacle.quaternion),
+            rgba=list(OBSTACLE_COLORS[obstacle.kind]),
+            group=OBSTACLE_GROUP,
+            **GROUND_CONTACT,
+        )
+
+
+def _padded(size: tuple[float, ...]) -> list[float]:
+    return [*size, *(0.0 for _ in range(3 - len(size)))]
+
+
+def _add_truth_sensors(spec: mujoco.MjSpec) -> None:
+    """Contact counts of the whole rover with rocks and hazards, of its body with the ground."""
+    subtree, body, geom = (
+        mujoco.mjtObj.mjOBJ_XBODY,
+        mujoco.mjtObj.mjOBJ_BODY,
+        mujoco.mjtObj.mjOBJ_GEOM,
+    )
+    _add_contact_count(spec, ROCK_CONTACT, (subtree, "rover"), (body, "rocks"))
+    _add_contact_count(spec, HAZARD_CONTACT, (subtree, "rover"), (body, "hazards"))
+    for part in spec.bodies:
+        if any(g.name.startswith("body_") for g in part.geoms):
+            name = f"{SCRAPE_CONTACT}_{part.name}"
+            _add_contact_count(spec, name, (body, part.name), (geom, "terrain"))
+
+
+def _add_contact_count(
+    spec: mujoco.MjSpec,
+    name: str,
+    one: tuple[mujoco.mjtObj, str],
+    other: tuple[mujoco.mjtObj, str],
+) -> None:
+    found, net_force, slots = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 3, 1
+    spec.add_sensor(
+        name=name,
+        type=mujoco.mjtSensor.mjSENS_CONTACT,
+        objtype=one[0],
+        objname=one[1],
+        reftype=other[0],
+        refname=other[1],
+        intprm=[found, net_force, slots],
+    )
+
+
+def _add_light(spec: mujoco.MjSpec) -> None:
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=[0.80, 0.72, 0.62],
+        rgb2=[0.93, 0.88, 0.80],
+        width=256,
+        height=256 * 6,
+    )
+    spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
+    spec.visual.headlight.diffuse = [0.25, 0.25, 0.25]
+    spec.visual.headlight.specular = [0.0, 0.0, 0.0]
+    spec.worldbody.add_light(
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        pos=[0.0, 0.0, 20.0],
+        dir=[0.5, 0.35, -0.8],
+        diffuse=[0.75, 0.72, 0.66],
+        castshadow=True,
+    )

@@ -1,0 +1,99 @@
+"""What a world measures: slopes, roughness at two scales, obstacles; and what a terrain promises of it.
+
+The residual of a vertex is its height above the mean of the square window around it. That is the
+distance to the window's best-fit plane at its centre, so a plane of any incline has none. Vertices
+whose window would leave the map are left out. Box means and central-difference slopes reproduce the
+published figures of the ERC Marsyard 2021 DEM (slope p50 13.0 deg, p95 40.5 deg).
+"""
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from harness.world.fields import Field
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle
+
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class TerrainStatistics:
+    """Measured on a whole map.
+
+    Attributes:
+        slope_p50: Median slope [deg]; `slope_p95` is the 95th percentile.
+        rms_1m: RMS residual over windows of 1 m [m]; `rms_03m` over 0.3 m.
+        obstacle_density: Rocks and hazards per ground area [1/m2].
+    """
+
+    slope_p50: float
+    slope_p95: float
+    rms_1m: float
+    rms_03m: float
+    obstacle_density: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Promise:
+    """Lowest and highest value of each statistic at difficulty 0.5, whatever the seed."""
+
+    slope_p50: Range
+    slope_p95: Range
+    rms_1m: Range
+    rms_03m: Range
+    obstacle_density: Range
+
+    def broken(self, measured: TerrainStatistics) -> list[str]:
+        """Names the statistics that are out of their range."""
+        ranges: dict[str, Range] = {f.name: getattr(self, f.name) for f in fields(self)}
+        return [
+            name for name, (low, high) in ranges.items() if not low <= getattr(measured, name) <= high
+        ]
+
+    def describe(self) -> str:
+        """One line with units."""
+        return (
+            f"slope p50 {_span(self.slope_p50)} deg, p95 {_span(self.slope_p95)} deg, "
+            f"roughness {_span(self.rms_1m, 1e3)} mm over 1 m, {_span(self.rms_03m, 1e3)} mm "
+            f"over 0.3 m, {_span(self.obstacle_density, 100)} obstacles per 100 m2"
+        )
+
+
+def measure(ground: Heightfield, obstacles: tuple[Obstacle, ...] = ()) -> TerrainStatistics:
+    """Measures a world."""
+    p50, p95 = np.percentile(slopes(ground), (50, 95))
+    return TerrainStatistics(
+        slope_p50=float(p50),
+        slope_p95=float(p95),
+        rms_1m=residual_rms(ground, 1.0),
+        rms_03m=residual_rms(ground, 0.3),
+        obstacle_density=len(obstacles) / (2.0 * ground.half_size) ** 2,
+    )
+
+
+def slopes(ground: Heightfield) -> Field:
+    """Slope at each vertex [deg], by central differences."""
+    along_y, along_x = np.gradient(ground.heights, ground.cell)
+    return np.degrees(np.arctan(np.hypot(along_x, along_y)))
+
+
+def residual_rms(ground: Heightfield, window: float) -> float:
+    """RMS residual [m] over square windows of that side length [m]."""
+    reach = math.floor(window / (2.0 * ground.cell) + 1e-9)  # vertices either side
+    inner = slice(reach, -reach)
+    residual = ground.heights[inner, inner] - _box_means(ground.heights, 2 * reach + 1)
+    return float(np.sqrt(np.mean(residual**2)))
+
+
+def _box_means(heights: Field, width: int) -> Field:
+    """Means of all windows of `width` x `width` vertices that lie in the map."""
+    windows = np.lib.stride_tricks.sliding_window_view
+    rows = windows(heights, width, axis=0).mean(axis=-1)
+    return np.asarray(windows(rows, width, axis=1).mean(axis=-1))
+
+
+def _span(values: Range, scale: float = 1.0) -> str:
+    low, high = (f"{scale * value:.3g}" for value in values)
+    return low if low == high else f"{low}-{high}"

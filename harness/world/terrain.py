@@ -1,0 +1,95 @@
+"""A named terrain: parameters with units, from which one seed makes heights and obstacles.
+
+Each terrain is a frozen dataclass of its own in harness.world.terrains. A parameter knows its unit
+and what it is at the easiest, the default and the hardest difficulty.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar, Self, TypeVar
+
+import numpy as np
+
+from harness.world.fields import Field, levelled
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle
+from harness.world.statistics import Promise
+
+SPAWN_RADIUS = 1.0  # [m] around the origin that is level, so that a rover can be set down on it
+SPAWN_BLEND_RADIUS = 4.0  # [m] from which on the terrain is as it was made
+SPAWN_CLEARANCE = 1.5  # [m] around the origin without obstacles
+EDGE_CLEARANCE = 1.0  # [m] along the map's edge without obstacles
+HEIGHT_DECIMALS = 6  # micrometres: the last bits of sin and FFT differ between processors
+DIFFICULTIES = (0.0, 0.5, 1.0)  # easiest, default, hardest
+
+Number = TypeVar("Number", int, float)
+
+
+def parameter(easiest: Number, default: Number, hardest: Number, unit: str) -> Number:
+    """A field of a terrain that follows the difficulty."""
+    values = (easiest, default, hardest)
+    return field(default=default, metadata={"values": values, "unit": unit})
+
+
+def constant(value: Number, unit: str) -> Number:
+    """A field of a terrain that no difficulty changes."""
+    return parameter(value, value, value, unit)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Terrain(ABC):
+    """Base of all terrains.
+
+    Attributes:
+        size: Side length of the map [m].
+        cell: Distance of two vertices [m].
+    """
+
+    name: ClassVar[str]
+    summary: ClassVar[str]
+    promise: ClassVar[Promise]
+    has_level_spawn: ClassVar[bool] = True
+
+    size: float = constant(40.0, "m")
+    cell: float = constant(0.1, "m")
+
+    @abstractmethod
+    def heights(self, x: Field, y: Field, rng: np.random.Generator, /) -> Field:
+        """Heights [m] at the vertices, whose coordinates [m] have the shape (n, n)."""
+
+    def obstacles(self, _ground: Heightfield, _rng: np.random.Generator, /) -> tuple[Obstacle, ...]:
+        """What stands on that ground; nothing unless a terrain says otherwise."""
+        return ()
+
+    def ground(self, rng: np.random.Generator) -> Heightfield:
+        """The surface, level around the spawn."""
+        half_size, vertices = 0.5 * self.size, round(self.size / self.cell) + 1
+        axis = np.linspace(-half_size, half_size, vertices)
+        x, y = np.meshgrid(axis, axis)
+        heights = self.heights(x, y, rng)
+        if self.has_level_spawn:
+            heights = levelled(heights, np.hypot(x, y), SPAWN_RADIUS, SPAWN_BLEND_RADIUS)
+        # Adding zero turns -0.0 into 0.0, which is another byte.
+        return Heightfield(heights=np.round(heights, HEIGHT_DECIMALS) + 0.0, cell=self.cell)
+
+    @classmethod
+    def at_difficulty(cls, difficulty: float) -> Self:
+        """The terrain with all parameters at a difficulty of 0 (easiest) to 1 (hardest)."""
+        values: dict[str, Any] = {}
+        for item in fields(cls):
+            value = float(np.interp(difficulty, DIFFICULTIES, item.metadata["values"]))
+            values[item.name] = round(value) if isinstance(item.default, int) else value
+        return cls(**values)
+
+    @classmethod
+    def describe(cls) -> str:
+        """Every parameter with its unit, as 'default (easiest..hardest)' where it varies."""
+        return ", ".join(
+            f"{item.name} {_spread(*item.metadata['values'])} {item.metadata['unit']}".rstrip()
+            for item in fields(cls)
+        )
+
+
+def _spread(easiest: float, default: float, hardest: float) -> str:
+    varies = easiest != default or default != hardest
+    return f"{default:g} ({easiest:g}..{hardest:g})" if varies else f"{default:g}"

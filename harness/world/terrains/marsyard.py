@@ -1,0 +1,94 @@
+"""A Mars yard like those of the European Rover Challenge: a soft plain with craters and hills.
+
+Sized after the ERC Marsyard DEMs of 2021 and 2022 (slope p50 8-13 deg, p95 30-40 deg, RMS residual
+over 1 m 29-39 mm, over 0.3 m about 6 mm): a dominant hill, hillocks, two large craters, smaller
+pits, and 0.1 m cells.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from harness.world.fields import Field, crater, fractal, hill
+from harness.world.obstacles import Points, scatter
+from harness.world.statistics import Promise
+from harness.world.terrain import Terrain, constant, parameter
+
+RING = (11.0, 15.0)  # [m] from the origin to the large features
+HILL_RADIUS, HILLOCK_RADIUS = 8.5, 3.5  # [m]
+CRATER_RADII = (5.0, 3.6, 2.2)  # [m]
+CRATER_RIM = 0.25  # of the depth
+PIT_RADIUS, PIT_SPACING, PIT_KEEP_OUT = 0.8, 2.0, 5.0  # [m]
+FEATURES = 6
+OUTLINE_NOISE = 0.12  # relative: no feature is a perfect circle
+
+
+@dataclass(frozen=True, kw_only=True)
+class Marsyard(Terrain):
+    """A plain with hills, craters and pits, none of them at the spawn.
+
+    Attributes:
+        hill: Height of the dominant hill [m]; hillocks have half of it.
+        crater: Depth of the largest crater [m]; the smaller ones are shallower in proportion.
+        pits: Number of small pits, `pit` deep [m].
+        relief: RMS height of the plain [m].
+        roughness: RMS of the fine roughness [m].
+    """
+
+    name: ClassVar[str] = "marsyard"
+    summary: ClassVar[str] = "like the European Rover Challenge: plain, steep hills, craters, pits"
+    promise: ClassVar[Promise] = Promise(
+        slope_p50=(8.0, 13.0),
+        slope_p95=(30.0, 40.0),
+        rms_1m=(0.029, 0.039),
+        rms_03m=(0.005, 0.007),
+        obstacle_density=(0.0, 0.0),
+    )
+
+    size: float = constant(48.0, "m")
+    hill: float = parameter(1.5, 3.6, 4.5, "m")
+    crater: float = parameter(0.5, 1.2, 1.6, "m")
+    pits: int = constant(10, "")
+    pit: float = parameter(0.1, 0.3, 0.4, "m")
+    relief: float = parameter(0.08, 0.16, 0.24, "m")
+    roughness: float = parameter(0.012, 0.024, 0.032, "m")
+
+    def heights(self, x: Field, y: Field, rng: np.random.Generator, /) -> Field:
+        """Plain plus features [m]."""
+        plain_rng, rough_rng, outline_rng, feature_rng = rng.spawn(4)
+        plain = fractal(plain_rng, x.shape, cell=self.cell, longest=10.0, shortest=2.5)
+        rough = fractal(rough_rng, x.shape, cell=self.cell, longest=1.5, shortest=0.35)
+        outline = fractal(outline_rng, x.shape, cell=self.cell, longest=8.0, shortest=4.0)
+        stretch = 1.0 + OUTLINE_NOISE * outline
+        heights = self.relief * plain + self.roughness * rough
+        for (x0, y0), shape in zip(_ring(feature_rng), self._features(feature_rng), strict=True):
+            heights += shape(np.hypot(x - x0, y - y0) * stretch)
+        return heights + self._pitted(x, y, feature_rng)
+
+    def _features(self, rng: np.random.Generator) -> list[Callable[[Field], Field]]:
+        """Heights of the large features over the distance from their centres, in random order."""
+        hills = [(self.hill, HILL_RADIUS), *2 * [(0.5 * self.hill, HILLOCK_RADIUS)]]
+        craters = [(self.crater * radius / CRATER_RADII[0], radius) for radius in CRATER_RADII]
+        features: list[Callable[[Field], Field]] = [
+            *(lambda r, h=height, s=radius: h * hill(r, s) for height, radius in hills),
+            *(lambda r, h=depth, s=radius: h * crater(r, s, CRATER_RIM) for depth, radius in craters),
+        ]
+        return [features[i] for i in rng.permutation(len(features))]
+
+    def _pitted(self, x: Field, y: Field, rng: np.random.Generator) -> Field:
+        """The small pits alone."""
+        centres = scatter(
+            rng, self.pits, reach=0.4 * self.size, spacing=PIT_SPACING, keep_out=PIT_KEEP_OUT
+        )
+        distance = np.hypot(x[..., None] - centres[:, 0], y[..., None] - centres[:, 1]).min(axis=-1)
+        return self.pit * crater(distance, PIT_RADIUS, CRATER_RIM)
+
+
+def _ring(rng: np.random.Generator) -> Points:
+    """Centres all around the origin, so that none meets the spawn or its neighbour [m]."""
+    angles = (
+        2.0 * np.pi * (np.arange(FEATURES) + rng.uniform() + rng.uniform(0, 0.3, FEATURES)) / FEATURES
+    )
+    return rng.uniform(*RING, FEATURES)[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)

@@ -1,0 +1,115 @@
+"""Rocky ground, the default world: drivable rocks everywhere and a few boulders to be avoided."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from harness.world.fields import Field, fractal
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Form, Obstacle, ObstacleKind, Points, place, scatter
+from harness.world.statistics import Promise
+from harness.world.terrain import (
+    EDGE_CLEARANCE,
+    SPAWN_CLEARANCE,
+    Terrain,
+    parameter,
+)
+
+LARGEST_ROCK, LARGEST_BOULDER = 0.15, 0.6  # [m] horizontal reach from the centre
+ROCK_SPACING, BOULDER_SPACING = 0.5, 3.0  # [m] between centres
+BOULDER_TO_ROCK = 1.0  # [m] between centres
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rocky(Terrain):
+    """Gently rolling ground with partly buried rocks and some boulders.
+
+    Attributes:
+        relief: RMS height of the ground [m].
+        roughness: RMS of its fine roughness [m].
+        rocks: Number of drivable rocks, with semi-axes of 4-15 cm.
+        boulders: Number of hazards; every other one stands tall enough for a lidar 0.8 m up.
+    """
+
+    name: ClassVar[str] = "rocky"
+    summary: ClassVar[str] = "rolling ground, drivable rocks of 4-15 cm and a few boulders (default)"
+    promise: ClassVar[Promise] = Promise(
+        slope_p50=(2.5, 6.0),
+        slope_p95=(6.0, 12.0),
+        rms_1m=(0.003, 0.012),
+        rms_03m=(0.001, 0.004),
+        obstacle_density=(0.09, 0.12),
+    )
+
+    relief: float = parameter(0.06, 0.12, 0.25, "m")
+    roughness: float = parameter(0.003, 0.006, 0.010, "m")
+    rocks: int = parameter(80, 150, 300, "")
+    boulders: int = parameter(4, 10, 24, "")
+
+    def heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
+        """Rolling ground plus fine roughness [m]."""
+        ground = fractal(rng, x.shape, cell=self.cell, longest=10.0, shortest=3.0, hurst=1.0)
+        rough = fractal(rng, x.shape, cell=self.cell, longest=1.0, shortest=0.3)
+        return self.relief * ground + self.roughness * rough
+
+    def obstacles(self, ground: Heightfield, rng: np.random.Generator, /) -> tuple[Obstacle, ...]:
+        """Boulders first, then the rocks between them."""
+        boulder_rng, rock_rng = rng.spawn(2)
+        boulders = self._boulder_places(ground, boulder_rng)
+        rocks = self._rock_places(ground, rock_rng, boulders)
+        return (
+            *(
+                place(_boulder(boulder_rng, tall=index % 2 == 0), ground, *point)
+                for index, point in enumerate(boulders.tolist())
+            ),
+            *(place(_rock(rock_rng), ground, *point) for point in rocks.tolist()),
+        )
+
+    def _boulder_places(self, ground: Heightfield, rng: np.random.Generator) -> Points:
+        return scatter(
+            rng,
+            self.boulders,
+            reach=ground.half_size - EDGE_CLEARANCE - LARGEST_BOULDER,
+            spacing=BOULDER_SPACING,
+            keep_out=SPAWN_CLEARANCE + LARGEST_BOULDER + 1.0,
+        )
+
+    def _rock_places(self, ground: Heightfield, rng: np.random.Generator, boulders: Points) -> Points:
+        free = scatter(
+            rng,
+            self.rocks,
+            reach=ground.half_size - EDGE_CLEARANCE - LARGEST_ROCK,
+            spacing=ROCK_SPACING,
+            keep_out=SPAWN_CLEARANCE + LARGEST_ROCK,
+        )
+        gaps = np.hypot(*(free[:, None] - boulders[None]).transpose(2, 0, 1))
+        return np.asarray(free[(gaps > BOULDER_TO_ROCK).all(axis=1)])
+
+
+def _rock(rng: np.random.Generator) -> Form:
+    """An ellipsoid that shows a third to two thirds of its height; small ones are common."""
+    length = 0.04 + (LARGEST_ROCK - 0.04) * rng.beta(1.2, 2.0)
+    width, height = length * rng.uniform(0.65, 1.0), length * rng.uniform(0.5, 0.8)
+    return Form(
+        kind=ObstacleKind.ROCK,
+        shape="ellipsoid",
+        half_size=(length, width, height),
+        sink=2.0 * height * rng.uniform(0.33, 0.6),
+        yaw=rng.uniform(0.0, np.pi),
+        tilt=rng.normal(0.0, 0.1),
+    )
+
+
+def _boulder(rng: np.random.Generator, *, tall: bool) -> Form:
+    """A block that shows 0.95-1.3 m if tall, else an ellipsoid that shows 0.5-0.85 m."""
+    shown, sink = (rng.uniform(0.95, 1.3), 0.15) if tall else (rng.uniform(0.5, 0.85), 0.25)
+    length, width = rng.uniform(0.25, 0.4), rng.uniform(0.2, 0.35)
+    return Form(
+        kind=ObstacleKind.HAZARD,
+        shape="box" if tall else "ellipsoid",
+        half_size=(length, width, 0.5 * (shown + sink)),
+        sink=sink,
+        yaw=rng.uniform(0.0, np.pi),
+        tilt=rng.uniform(-0.08, 0.08),
+    )

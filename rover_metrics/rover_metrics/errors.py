@@ -1,0 +1,50 @@
+"""What can go wrong, as types: the node turns each into one line and an exit code."""
+
+import sys
+from pathlib import Path
+
+
+class RoverMetricsError(Exception):
+    """A known mistake; its message is one line that names the valid choices or the mend."""
+
+    exit_code = 2
+
+
+class ThresholdError(RoverMetricsError):
+    """A threshold outside its valid range."""
+
+
+class ParameterError(RoverMetricsError):
+    """A ROS parameter of the wrong type or outside its range."""
+
+
+class LogError(RoverMetricsError):
+    """The metrics log cannot be created or written."""
+
+
+class StartError(RoverMetricsError):
+    """ROS refuses to start with these arguments or in this environment."""
+
+
+class MissingRosError(RoverMetricsError, ImportError):
+    """ROS 2 is not installed in this interpreter, or only half of it."""
+
+
+def missing_ros(error: ImportError) -> BaseException:
+    """Tell how to get ROS 2, in the form that suits who imports the node.
+
+    Args:
+        error: What the import of rclpy or of a message package said.
+
+    Returns:
+        The exception to raise: for the program metrics_node itself, which has nobody above it to
+        catch one, a SystemExit after one line on stderr; for a library user a MissingRosError.
+    """
+    message = (
+        f"metrics_node needs ROS 2, but: {error}; source one (source /opt/ros/<distro>/setup.bash) "
+        "or install its wheels into this environment (pip install 'rover-harness[ros]')"
+    )
+    if Path(sys.argv[0]).stem != "metrics_node":
+        return MissingRosError(message)
+    print(message, file=sys.stderr)
+    return SystemExit(MissingRosError.exit_code)

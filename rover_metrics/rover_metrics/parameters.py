@@ -1,0 +1,133 @@
+"""The node's ROS parameters: what exists, what is valid, and what the current values are."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.exceptions import ParameterException
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from rover_metrics.errors import ParameterError, ThresholdError
+from rover_metrics.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO, Thresholds
+
+DEFAULT_LOG_DIR = "metrics_analyzer/data/metric_logs/"
+LONGEST_DEBUG_INTERVAL = 1_000_000  # callbacks
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The values of the node's parameters, all valid.
+
+    Attributes:
+        debug_mode: Whether the lidar and pose callbacks report.
+        debug_interval: How many callbacks of a topic share one report.
+        log_dir: Folder for the log, relative to the working directory unless absolute.
+        thresholds: The thresholds, each a parameter of its own name.
+    """
+
+    debug_mode: bool = False
+    debug_interval: int = 100
+    log_dir: str = DEFAULT_LOG_DIR
+    thresholds: Thresholds = DEFAULT_THRESHOLDS
+
+    def updated(self, parameters: Iterable[Parameter]) -> "Settings":
+        """Give these settings with some parameters changed; names of others are ignored.
+
+        Raises:
+            ParameterError: A value is not valid; then no value is to be used.
+        """
+        values = {parameter.name: parameter.value for parameter in parameters}
+        thresholds = {name: values[name] for name in values if name in THRESHOLD_INFO}
+        own = {name: values[name] for name in values if name in _OWN_NAMES}
+        if own.get("log_dir") == "":
+            message = "parameter log_dir must be the path of a folder, not empty text"
+            raise ParameterError(message)
+        try:
+            return replace(self, thresholds=replace(self.thresholds, **thresholds), **own)
+        except ThresholdError as error:
+            raise ParameterError(str(error)) from error
+
+
+_OWN_NAMES = ("debug_mode", "debug_interval", "log_dir")
+
+
+def declare_settings(node: Node) -> Settings:
+    """Declare all parameters and read what the launch set them to.
+
+    Args:
+        node: The node that shall have them.
+
+    Raises:
+        ParameterError: The launch gave a value of the wrong type or outside its range.
+    """
+    defaults = Settings()
+    declared = [
+        _declare(node, "debug_mode", defaults.debug_mode, _debug_mode()),
+        _declare(node, "debug_interval", defaults.debug_interval, _debug_interval()),
+        _declare(node, "log_dir", defaults.log_dir, _log_dir()),
+    ]
+    for name, info in THRESHOLD_INFO.items():
+        declared.append(_declare(node, name, info.default, _threshold(name)))
+    return defaults.updated(declared)
+
+
+def wrong_type(node: Node, parameters: Iterable[Parameter]) -> str | None:
+    """Say what is valid for the first parameter of a wrong type; None if all types fit.
+
+    rclpy rejects these too, but names the types by number: "expected '3' got '2'".
+    """
+    for parameter in parameters:
+        name = parameter.name
+        declared = node.has_parameter(name) and node.describe_parameter(name)
+        if declared and declared.additional_constraints and declared.type != parameter.type_.value:
+            return _must_be(name, declared)
+    return None
+
+
+def _declare(
+    node: Node, name: str, default: bool | float | str, descriptor: ParameterDescriptor
+) -> Parameter:
+    try:
+        return node.declare_parameter(name, default, descriptor)
+    except ParameterException as error:
+        raise ParameterError(_must_be(name, descriptor)) from error
+
+
+def _must_be(name: str, descriptor: ParameterDescriptor) -> str:
+    return f"parameter {name} must be {descriptor.additional_constraints}"
+
+
+def _debug_mode() -> ParameterDescriptor:
+    return ParameterDescriptor(
+        description="report clearance, collisions and distance while running",
+        additional_constraints="true or false, not 0 or 1",
+    )
+
+
+def _debug_interval() -> ParameterDescriptor:
+    valid = IntegerRange(from_value=1, to_value=LONGEST_DEBUG_INTERVAL, step=1)
+    return ParameterDescriptor(
+        description="callbacks of a topic from one debug report to the next",
+        additional_constraints=f"an integer from {valid.from_value} to {valid.to_value}",
+        integer_range=[valid],
+    )
+
+
+def _log_dir() -> ParameterDescriptor:
+    return ParameterDescriptor(
+        description="folder for the log of this session; fixed once the node runs",
+        additional_constraints="the path of a folder, as text",
+        read_only=True,
+    )
+
+
+def _threshold(name: str) -> ParameterDescriptor:
+    info = THRESHOLD_INFO[name]
+    return ParameterDescriptor(
+        description=f"{info.description} [{info.unit}]",
+        additional_constraints=f"a number with a decimal point (1.0, not 1) {info.valid_range}",
+        floating_point_range=[
+            FloatingPointRange(from_value=info.minimum, to_value=info.maximum, step=0.0)
+        ],
+    )

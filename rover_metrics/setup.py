@@ -1,0 +1,26 @@
+"""Installs rover_metrics as an ament_python package (colcon build)."""
+
+from pathlib import Path
+
+from setuptools import setup
+
+PACKAGE = "rover_metrics"
+
+setup(
+    name=PACKAGE,
+    version="0.1.0",
+    packages=[PACKAGE],
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
+        (f"share/{PACKAGE}", ["package.xml"]),
+        (f"share/{PACKAGE}/config", sorted(map(str, Path("config").glob("*.yaml")))),
+        (f"share/{PACKAGE}/launch", sorted(map(str, Path("launch").glob("*.py")))),
+    ],
+    install_requires=["numpy"],
+    zip_safe=True,
+    maintainer="The rover-harness authors",
+    maintainer_email="maintainers@example.com",
+    description="Traversal metrics of an off-road rover, one CSV row a second",
+    license="Apache-2.0",
+    entry_points={"console_scripts": ["metrics_node = rover_metrics.metrics_node:main"]},
+)

@@ -1,0 +1,171 @@
+import csv
+import os
+import resource
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rover_metrics.csv_log import CsvLog
+from rover_metrics.errors import LogError
+from rover_metrics.metrics import TraversalMetrics
+from rover_metrics.row import MetricsRow
+
+import rover_metrics
+
+STARTED = datetime(2025, 1, 16, 12, 4, 57)
+ROW = TraversalMetrics().row(7)
+LINE = b"7,0,0,0.0,0,inf,0.0,0,0,0,0,Normal operation\r\n"
+HEADER = (
+    b"Timestamp,Total Collisions,Current Collision Status,Smoothness Metric,Current Smoothness,"
+    b"Obstacle Clearance,Distance Traveled,Current Velocity,IMU Acceleration Magnitude,"
+    b"Is Rough Terrain,Vertical Roughness,Notes\r\n"
+)
+REAL_LOGS = Path(__file__).parents[3] / "shared/data/roboterrain/logs"
+
+
+@contextmanager
+def files_no_longer_than(size: int) -> Iterator[None]:
+    """A file system that is nearly full: writes beyond `size` bytes are cut short, then fail."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def test_the_folder_is_created_and_the_name_tells_the_start(tmp_path: Path) -> None:
+    with CsvLog(tmp_path / "a/b", STARTED) as log:
+        assert log.path == tmp_path / "a/b/metrics_log_20250116_120457.csv"
+        assert log.path.read_bytes() == HEADER
+
+
+def test_a_relative_folder_gives_an_absolute_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with CsvLog("logs", STARTED) as log:
+        assert log.path == tmp_path / "logs/metrics_log_20250116_120457.csv"
+
+
+def test_rows_are_in_the_file_at_once_with_carriage_returns(tmp_path: Path) -> None:
+    with CsvLog(tmp_path, STARTED) as log:
+        for count in (1, 2, 3):
+            log.write(ROW)
+            assert log.path.read_bytes() == HEADER + count * LINE
+            assert log.rows == count
+
+
+def test_a_new_session_never_overwrites(tmp_path: Path) -> None:
+    paths = []
+    for _ in range(3):
+        with CsvLog(tmp_path, STARTED) as log:
+            log.write(ROW)
+            paths.append(log.path.name)
+    stem = "metrics_log_20250116_120457"
+    assert paths == [f"{stem}.csv", f"{stem}_1.csv", f"{stem}_2.csv"]
+    assert all((tmp_path / path).read_bytes() == HEADER + LINE for path in paths)
+
+
+def test_a_dangling_link_is_not_followed(tmp_path: Path) -> None:
+    (tmp_path / "metrics_log_20250116_120457.csv").symlink_to(tmp_path / "elsewhere.csv")
+    with CsvLog(tmp_path, STARTED) as log:
+        assert log.path.name == "metrics_log_20250116_120457_1.csv"
+
+
+def test_rows_survive_the_death_of_the_process(tmp_path: Path) -> None:
+    child = (
+        "import datetime, os, signal\n"
+        "from rover_metrics.csv_log import CsvLog\n"
+        "from rover_metrics.metrics import TraversalMetrics\n"
+        "log = CsvLog('.', datetime.datetime(2025, 1, 16))\n"
+        "for _ in range(50): log.write(TraversalMetrics().row(7))\n"
+        "os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    package = str(Path(rover_metrics.__file__).parents[1])
+    died = subprocess.run(
+        [sys.executable, "-c", child],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": package},
+        check=False,
+    )
+    assert died.returncode == -signal.SIGKILL
+    assert (tmp_path / "metrics_log_20250116_000000.csv").read_bytes() == HEADER + 50 * LINE
+
+
+def test_closing_twice_is_fine_and_writing_after_it_is_an_error(tmp_path: Path) -> None:
+    log = CsvLog(tmp_path, STARTED)
+    log.close()
+    log.close()
+    with pytest.raises(LogError, match="closed"):
+        log.write(ROW)
+    assert log.rows == 0
+
+
+@pytest.mark.parametrize("below", ["", "deeper"])
+def test_a_file_in_place_of_the_folder_is_named_with_the_mend(tmp_path: Path, below: str) -> None:
+    folder = tmp_path / "logs"
+    folder.write_text("mine")
+    with pytest.raises(LogError) as caught:
+        CsvLog(folder / below, STARTED)
+    message = str(caught.value)
+    assert str(folder) in message
+    assert "remove it or choose another folder" in message
+    assert "\n" not in message
+    assert folder.read_text() == "mine"
+
+
+def test_a_folder_that_takes_no_files_is_named_with_the_mend() -> None:
+    with pytest.raises(LogError, match=r"/proc/1: .*choose another folder"):
+        CsvLog("/proc/1", STARTED)
+
+
+def test_a_disk_too_full_for_the_header_leaves_no_file_behind(tmp_path: Path) -> None:
+    with files_no_longer_than(10), pytest.raises(LogError, match="choose another folder"):
+        CsvLog(tmp_path, STARTED)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_row_that_was_cut_short_leaves_no_trace_and_the_next_one_is_whole(
+    tmp_path: Path,
+) -> None:
+    with CsvLog(tmp_path, STARTED) as log:
+        log.write(ROW)
+        for _ in range(2):
+            limit = len(HEADER) + len(LINE) + 5
+            with files_no_longer_than(limit), pytest.raises(LogError, match=str(tmp_path)):
+                log.write(TraversalMetrics().row(123456789))
+        assert log.path.read_bytes() == HEADER + LINE
+        log.write(ROW)
+        assert log.path.read_bytes() == HEADER + 2 * LINE
+        assert log.rows == 2
+
+
+@pytest.mark.skipif(not REAL_LOGS.is_dir(), reason="needs the RoboTerrain logs in ../shared/data")
+@pytest.mark.parametrize("name", ["metrics_log_20250116_120457.csv", "1.csv"])
+def test_the_header_is_that_of_the_real_logs_of_2025(tmp_path: Path, name: str) -> None:
+    with CsvLog(tmp_path, STARTED) as log:
+        real = (REAL_LOGS / name).read_bytes().splitlines(keepends=True)[0]
+        assert log.path.read_bytes() == real
+
+
+def _parsed(cells: list[str]) -> MetricsRow:
+    """Read a row of a real log: a number with a point is a float, any other an integer."""
+    numbers: list[Any] = [float(cell) if "." in cell else int(cell) for cell in cells[:-1]]
+    return MetricsRow(*numbers, notes=cells[-1])  # type: ignore[misc]  # 11 numbers
+
+
+@pytest.mark.skipif(not REAL_LOGS.is_dir(), reason="needs the RoboTerrain logs in ../shared/data")
+def test_the_rows_of_a_real_log_come_out_as_they_went_in(tmp_path: Path) -> None:
+    real = REAL_LOGS / "metrics_log_20250116_120457.csv"
+    with CsvLog(tmp_path, STARTED) as log, real.open(newline="") as lines:
+        for cells in list(csv.reader(lines))[1:]:
+            log.write(_parsed(cells))
+        assert log.rows > 600
+        assert log.path.read_bytes() == real.read_bytes()

@@ -1,0 +1,477 @@
+"""The node over real DDS, in this process; its program in test_metrics_program.py."""
+
+# ruff: noqa: E402  # the skip stands before the imports that need ROS
+
+import array
+import itertools
+import json
+import math
+import os
+import time
+from collections.abc import Callable, Iterator
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
+
+from geometry_msgs.msg import Point, Pose, PoseArray
+from nav_msgs.msg import Odometry
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.publisher import Publisher
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
+from rover_metrics.errors import LogError, ParameterError
+from rover_metrics.metrics import TraversalMetrics
+from rover_metrics.metrics_node import MetricsNode
+from rover_metrics.row import MetricsRow
+from rover_metrics.thresholds import THRESHOLD_INFO, Thresholds
+from sensor_msgs.msg import Imu, LaserScan
+from std_srvs.srv import Trigger
+
+# The rosidl wheels import an old lark, which imports a deprecated module of the standard library.
+pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+
+TIMEOUT = 20.0  # seconds; reached only when a test fails
+DOMAIN_IDS = itertools.count(os.getpid())
+
+STARTED = datetime(2025, 1, 16, 12, 4, 57)
+TOPICS = {
+    "scan": LaserScan,
+    "imu/data": Imu,
+    "rover/pose_array": PoseArray,
+    "odometry/wheels": Odometry,
+}
+
+
+class Rig:
+    """A MetricsNode and a node that plays the simulator, in a ROS domain of their own."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.context = rclpy.Context()
+        self.executor: Any = None
+        self.nodes: list[Any] = []
+
+    def start(self, *ros_args: str, **parameters: object) -> MetricsNode:
+        args = ["--ros-args", *ros_args] if ros_args else []
+        rclpy.init(args=args, context=self.context, domain_id=1 + next(DOMAIN_IDS) % 101)
+        values = {"log_dir": str(self.folder), **parameters}
+        node = MetricsNode(
+            context=self.context,
+            parameter_overrides=[Parameter(name, value=value) for name, value in values.items()],
+            now=lambda: STARTED,
+        )
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.simulator = rclpy.create_node(
+            "simulator", context=self.context, namespace=node.get_namespace()
+        )
+        self.nodes += [node, self.simulator]
+        for each in self.nodes:
+            self.executor.add_node(each)
+        return node
+
+    def publisher(self, message_type: type, topic: str) -> Publisher:
+        """Create a publisher and wait until the node listens to it."""
+        publisher = self.simulator.create_publisher(message_type, topic, 10)
+        self.spin_until(lambda: publisher.get_subscription_count() == 1)
+        return publisher
+
+    def spin_until(self, condition: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + TIMEOUT
+        while not condition():
+            assert time.monotonic() < deadline, "timed out"
+            self.executor.spin_once(timeout_sec=0.02)
+
+    def stop(self) -> None:
+        for node in self.nodes:
+            node.destroy_node()
+        if self.executor is not None:
+            self.executor.shutdown()
+        self.context.try_shutdown()
+
+
+@pytest.fixture
+def rig(tmp_path: Path) -> Iterator[Rig]:
+    rig = Rig(tmp_path)
+    yield rig
+    rig.stop()
+
+
+def scan(*ranges: float) -> LaserScan:
+    return LaserScan(ranges=array.array("f", ranges))
+
+
+def imu(acceleration: tuple[float, float, float], rate: tuple[float, float, float]) -> Imu:
+    message = Imu()
+    a, w = message.linear_acceleration, message.angular_velocity
+    a.x, a.y, a.z = acceleration
+    w.x, w.y, w.z = rate
+    return message
+
+
+def pose(x: float, y: float, z: float) -> PoseArray:
+    return PoseArray(poses=[Pose(position=Point(x=x, y=y, z=z))])
+
+
+def odometry(x: float, y: float, z: float) -> Odometry:
+    message = Odometry()
+    v = message.twist.twist.linear
+    v.x, v.y, v.z = x, y, z
+    return message
+
+
+# Topics
+
+
+def test_messages_over_ros_give_the_row_of_the_same_samples_given_directly(rig: Rig) -> None:
+    node = rig.start()
+    publishers = {topic: rig.publisher(kind, topic) for topic, kind in TOPICS.items()}
+    direct = TraversalMetrics()
+    rng = np.random.default_rng(3)
+    for count in range(1, 31):
+        ranges = rng.uniform(0.15, 4.0, 640).astype(np.float32)
+        a, w, v, p = (tuple(map(float, vector)) for vector in rng.normal(0, 9, (4, 3)))
+        p = (p[0] / 40, p[1] / 40, p[2] / 40)
+        direct.add_scan(ranges)
+        direct.add_imu(a, w)  # type: ignore[arg-type]
+        direct.add_pose(p)
+        direct.add_odometry(v)  # type: ignore[arg-type]
+        publishers["scan"].publish(scan(*ranges.tolist()))
+        publishers["imu/data"].publish(imu(a, w))  # type: ignore[arg-type]
+        publishers["rover/pose_array"].publish(pose(*p))
+        publishers["odometry/wheels"].publish(odometry(*v))
+        rig.spin_until(lambda count=count: set(node.received.values()) == {count})  # type: ignore[misc]
+    assert node.metrics.row(1) == direct.row(1)
+    assert direct.total_distance > 0
+    assert node.rejected == dict.fromkeys(node.received, 0)
+
+
+def test_topics_have_the_seeds_names_in_the_root_namespace(rig: Rig) -> None:
+    assert set(rig.start().received) == {f"/{topic}" for topic in TOPICS}
+
+
+def test_topics_follow_the_namespace(rig: Rig) -> None:
+    node = rig.start("-r", "__ns:=/leo")
+    rig.publisher(Imu, "/leo/imu/data").publish(imu((0.0, 0.0, 9.8), (0.0, 0.0, 0.0)))
+    rig.spin_until(lambda: node.received["/leo/imu/data"] == 1)
+
+
+def test_topics_follow_a_remap(rig: Rig) -> None:
+    assert "/front/scan" in rig.start("-r", "scan:=front/scan").received
+
+
+def test_pose_is_best_effort_newest_only_and_all_else_reliable(rig: Rig) -> None:
+    node = rig.start()
+    qos = {each.topic_name: each.qos_profile for each in node.subscriptions}
+    for topic in TOPICS:
+        profile = qos[f"/{topic}"]
+        is_pose = topic == "rover/pose_array"
+        expected = ReliabilityPolicy.BEST_EFFORT if is_pose else ReliabilityPolicy.RELIABLE
+        assert profile.reliability == expected
+        assert profile.depth == (1 if is_pose else 10)
+        assert profile.history == HistoryPolicy.KEEP_LAST
+
+
+def test_a_best_effort_pose_publisher_is_heard(rig: Rig) -> None:
+    node = rig.start()
+    best_effort = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+    publisher = rig.simulator.create_publisher(PoseArray, "rover/pose_array", best_effort)
+    rig.spin_until(lambda: publisher.get_subscription_count() == 1)
+    publisher.publish(pose(1.0, 2.0, 3.0))
+    rig.spin_until(lambda: node.received["/rover/pose_array"] == 1)
+
+
+# Messages that are not what they should be
+
+
+def test_samples_that_are_empty_or_not_finite_are_counted_and_left_out(
+    rig: Rig, capfd: pytest.CaptureFixture[str]
+) -> None:
+    node = rig.start()
+    before = node.metrics.row(0)
+    node.imu_callback(imu((math.nan, 0.0, 0.0), (0.0, 0.0, 0.0)))
+    node.pose_array_callback(PoseArray())
+    node.pose_array_callback(pose(math.inf, 0.0, 0.0))
+    node.odometry_callback(odometry(0.0, 0.0, math.nan))
+    assert node.metrics.row(0) == before
+    assert node.rejected == {
+        "/scan": 0,
+        "/imu/data": 1,
+        "/rover/pose_array": 2,
+        "/odometry/wheels": 1,
+    }
+    assert node.received["/rover/pose_array"] == 2
+    assert "/rover/pose_array: empty or not finite, left out (2 so far)" in capfd.readouterr().err
+
+
+def test_scans_of_open_space_or_without_ranges_are_no_fault(rig: Rig) -> None:
+    node = rig.start()
+    node.lidar_callback(scan(math.inf, math.inf))
+    node.lidar_callback(scan())
+    assert node.received["/scan"] == 2
+    assert node.rejected["/scan"] == 0
+    assert node.metrics.clearance == math.inf
+
+
+def test_a_broken_sensor_does_not_flood_the_terminal(
+    rig: Rig, capfd: pytest.CaptureFixture[str]
+) -> None:
+    node = rig.start()
+    for _ in range(1000):
+        node.odometry_callback(odometry(math.nan, 0.0, 0.0))
+    assert node.rejected["/odometry/wheels"] == 1000
+    assert capfd.readouterr().err.count("/odometry/wheels") == 10  # at 1, 2, 4, ... 512
+
+
+# Rows
+
+
+def test_a_row_is_written_every_second_of_the_wall_clock(rig: Rig) -> None:
+    node = rig.start()
+    began = time.time()
+    rig.spin_until(lambda: node.rows == 2)
+    took = time.time() - began
+    assert took > 1.5
+    assert node.last_row is not None
+    assert abs(node.last_row.stamp_s - time.time()) < 2
+    assert len(node.log.path.read_bytes().splitlines()) == 3
+
+
+def test_with_sim_time_rows_follow_the_clock_topic(rig: Rig) -> None:
+    node = rig.start(use_sim_time=True)
+    clock = rig.publisher(Clock, "/clock")
+    for second in (100, 101, 102, 103):
+        message = Clock()
+        message.clock.sec = second
+        clock.publish(message)
+        rig.spin_until(lambda second=second: node.rows == second - 99)  # type: ignore[misc]
+    lines = node.log.path.read_text().splitlines()[1:]
+    assert [line.split(",")[0] for line in lines] == ["100", "101", "102", "103"]
+
+
+def test_with_sim_time_no_row_is_written_while_the_clock_stands_still(rig: Rig) -> None:
+    node = rig.start(use_sim_time=True)
+    publisher = rig.publisher(LaserScan, "scan")
+    until = time.monotonic() + 1.3
+    while time.monotonic() < until:
+        publisher.publish(scan(1.0))
+        rig.executor.spin_once(timeout_sec=0.05)
+    assert node.received["/scan"] > 5
+    assert node.rows == 0
+
+
+def test_the_log_folder_is_told_at_the_start(rig: Rig, capfd: pytest.CaptureFixture[str]) -> None:
+    node = rig.start()
+    assert node.log.path == rig.folder / "metrics_log_20250116_120457.csv"
+    assert f"logging to: {rig.folder}/" in capfd.readouterr().err
+
+
+def test_a_log_that_cannot_be_written_costs_rows_but_not_the_session(
+    rig: Rig, capfd: pytest.CaptureFixture[str]
+) -> None:
+    node = rig.start()
+    node.lidar_callback(scan(0.1))
+    node.log.close()
+    for _ in range(3):
+        node.periodic_logging()
+    assert (node.rows, node.lost_rows) == (0, 3)
+    assert node.last_row is not None
+    assert node.last_row.total_collisions == 1
+    told = capfd.readouterr().err
+    assert told.count("cannot write a row in") == 2  # at the first and the second
+
+
+def test_destroying_the_node_closes_the_log(rig: Rig) -> None:
+    node = rig.start()
+    node.destroy_node()
+    rig.nodes.remove(node)
+    with pytest.raises(LogError):
+        node.log.write(MetricsRow(*[0] * 11))  # type: ignore[arg-type]
+
+
+# What the harness asks
+
+
+def test_the_received_service_tells_what_arrived_and_what_was_written(rig: Rig) -> None:
+    node = rig.start()
+    rig.publisher(LaserScan, "scan").publish(scan(1.0))
+    rig.spin_until(lambda: node.received["/scan"] == 1)
+    node.periodic_logging()
+    client = rig.simulator.create_client(Trigger, "/metrics_node/received")
+    rig.spin_until(client.service_is_ready)
+    future = client.call_async(Trigger.Request())
+    rig.spin_until(future.done)
+    answer = future.result()
+    assert answer.success
+    assert json.loads(answer.message) == {
+        "/scan": 1,
+        "/imu/data": 0,
+        "/rover/pose_array": 0,
+        "/odometry/wheels": 0,
+        "rows": node.rows,
+        "log": str(node.log.path),
+    }
+    assert node.rows >= 1
+
+
+# Parameters
+
+
+def test_parameters_have_the_seeds_defaults(rig: Rig) -> None:
+    node = rig.start()
+    assert node.get_parameter("debug_mode").value is False
+    assert node.get_parameter("debug_interval").value == 100
+    for name, info in THRESHOLD_INFO.items():
+        assert node.get_parameter(name).value == info.default
+
+
+def test_every_parameter_is_described_with_range_and_unit(rig: Rig) -> None:
+    node = rig.start()
+    for name, info in THRESHOLD_INFO.items():
+        descriptor = node.describe_parameter(name)
+        assert info.unit in descriptor.description
+        (valid,) = descriptor.floating_point_range
+        assert (valid.from_value, valid.to_value) == (info.minimum, info.maximum)
+    (valid,) = node.describe_parameter("debug_interval").integer_range
+    assert valid.from_value == 1
+    assert node.describe_parameter("debug_mode").description
+    assert node.describe_parameter("log_dir").read_only
+
+
+def test_thresholds_of_the_launch_are_in_use(rig: Rig) -> None:
+    node = rig.start(collision_threshold=0.75, distance_threshold=2.0)
+    assert node.metrics.thresholds == Thresholds(collision_threshold=0.75, distance_threshold=2.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "valid"),
+    [
+        ("debug_mode", 1, "true or false"),
+        ("debug_interval", 0, "an integer from 1"),
+        ("debug_interval", 10.0, "an integer from 1"),
+        ("collision_threshold", 1, r"\(1.0, not 1\) from 0.0 to 100.0 m"),
+        ("collision_threshold", -0.1, "from 0.0 to 100.0 m"),
+        ("rough_terrain_threshold", math.nan, "from 0.0 to 10000.0 m/s"),
+        ("log_dir", 5, "the path of a folder"),
+        ("log_dir", "", "the path of a folder"),
+    ],
+)
+def test_a_launch_with_a_value_that_is_not_valid_says_what_is(
+    rig: Rig, name: str, value: object, valid: str
+) -> None:
+    with pytest.raises(ParameterError, match=rf"{name} must be .*{valid}"):
+        rig.start(**{name: value})
+    assert list(rig.folder.iterdir()) == []
+
+
+def test_a_threshold_changed_by_another_node_holds_for_the_next_message(rig: Rig) -> None:
+    node = rig.start()
+    node.lidar_callback(scan(0.5))
+    client = AsyncParameterClient(rig.simulator, "metrics_node")
+    rig.spin_until(client.services_are_ready)
+    future = client.set_parameters([Parameter("collision_threshold", value=1.0)])
+    rig.spin_until(future.done)
+    (outcome,) = future.result().results
+    assert outcome.successful
+    node.lidar_callback(scan(0.5))
+    assert node.metrics.total_collisions == 1
+
+
+def test_another_node_that_sets_an_integer_is_told_to_write_a_point(rig: Rig) -> None:
+    rig.start()
+    client = AsyncParameterClient(rig.simulator, "metrics_node")
+    rig.spin_until(client.services_are_ready)
+    future = client.set_parameters([Parameter("collision_threshold", value=1)])
+    rig.spin_until(future.done)
+    (outcome,) = future.result().results
+    assert not outcome.successful
+    assert "(1.0, not 1)" in outcome.reason
+
+
+def test_a_parameter_can_not_be_undeclared(rig: Rig) -> None:
+    node = rig.start()
+    assert not node.set_parameters_atomically([Parameter("debug_interval")]).successful
+    assert node.get_parameter("debug_interval").value == 100
+
+
+def test_parameters_that_are_not_the_nodes_own_can_still_be_set(rig: Rig) -> None:
+    node = rig.start()
+    assert node.set_parameters_atomically([Parameter("use_sim_time", value=True)]).successful
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("collision_threshold", -1.0, "Min: 0.0, Max: 100.0"),
+        ("collision_threshold", math.nan, "Min: 0.0, Max: 100.0"),
+        ("collision_threshold", 100.00000001, "from 0.0 to 100.0 m"),
+        ("collision_threshold", 1, "a number with a decimal point (1.0, not 1)"),
+        ("debug_interval", 0, "Min: 1"),
+        ("debug_mode", 1, "must be true or false, not 0 or 1"),
+        ("log_dir", "/elsewhere", "read-only"),
+    ],
+)
+def test_a_change_that_is_not_valid_is_rejected_with_the_reason(
+    rig: Rig, name: str, value: object, reason: str
+) -> None:
+    node = rig.start()
+    before = node.settings
+    outcome = node.set_parameters_atomically([Parameter(name, value=value)])
+    assert not outcome.successful
+    assert reason in outcome.reason
+    assert node.settings == before
+    assert node.metrics.thresholds == before.thresholds
+
+
+def test_an_atomic_change_is_all_or_nothing(rig: Rig) -> None:
+    node = rig.start()
+    outcome = node.set_parameters_atomically(
+        [
+            Parameter("debug_mode", value=True),
+            Parameter("collision_threshold", value=0.3),
+            Parameter("distance_threshold", value=1000.0000001),
+        ]
+    )
+    assert not outcome.successful
+    assert not node.settings.debug_mode
+    assert node.metrics.thresholds == Thresholds()
+    assert node.get_parameter("collision_threshold").value == 0.2
+
+
+# Debug messages
+
+
+def test_debug_mode_reports_every_interval_of_each_topic(
+    rig: Rig, capfd: pytest.CaptureFixture[str]
+) -> None:
+    node = rig.start(debug_mode=True, debug_interval=5)
+    for count in range(11):
+        node.lidar_callback(scan(0.125))
+        node.imu_callback(imu((0.0, 0.0, 9.8), (0.0, 0.0, 0.0)))
+        node.pose_array_callback(pose(0.25 * count, 0.0, 0.0))
+    told = capfd.readouterr().err
+    assert told.count("LIDAR: clearance 0.1250 m, total collisions") == 2
+    assert "total collisions 5\n" in told
+    assert "total collisions 10\n" in told
+    assert told.count("Position update: distance 0.2500 m, total") == 2
+    assert "total 2.2500 m" in told
+
+
+def test_debug_mode_is_off_by_default_and_can_be_switched_while_running(
+    rig: Rig, capfd: pytest.CaptureFixture[str]
+) -> None:
+    node = rig.start(debug_interval=1)
+    node.lidar_callback(scan(1.0))
+    node.set_parameters([Parameter("debug_mode", value=True)])
+    node.lidar_callback(scan(2.0))
+    node.set_parameters([Parameter("debug_mode", value=False)])
+    node.lidar_callback(scan(3.0))
+    told = capfd.readouterr().err
+    assert told.count("LIDAR") == 1
+    assert "clearance 2.0000 m" in told

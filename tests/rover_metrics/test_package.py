@@ -1,0 +1,55 @@
+"""The folder rover_metrics/ as an ament_python package."""
+
+import re
+import shutil
+import subprocess
+import sys
+import xml.etree.ElementTree as ET  # reads our own file
+from pathlib import Path
+
+import pytest
+
+import harness
+
+PACKAGE = Path(__file__).parents[2] / "rover_metrics"
+COLCON = shutil.which("colcon", path=str(Path(sys.executable).parent)) or shutil.which("colcon")
+needs_colcon = pytest.mark.skipif(COLCON is None, reason="needs colcon: pip install .[dev]")
+
+
+def colcon(*args: str, cwd: Path) -> str:
+    assert COLCON is not None
+    command = [COLCON, "--log-base", str(cwd / "log"), *args, "--base-paths", str(PACKAGE)]
+    run = subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stdout + run.stderr
+    return run.stdout
+
+
+@needs_colcon
+def test_colcon_takes_it_for_an_ament_python_package(tmp_path: Path) -> None:
+    assert re.fullmatch(r"rover_metrics\t.*\t\(ros\.ament_python\)\n", colcon("list", cwd=tmp_path))
+
+
+@needs_colcon
+def test_colcon_builds_what_ros2_run_and_ament_look_for(tmp_path: Path) -> None:
+    colcon("build", cwd=tmp_path)
+    installed = tmp_path / "install/rover_metrics"
+    index = installed / "share/ament_index/resource_index/packages"
+    assert (installed / "lib/rover_metrics/metrics_node").stat().st_mode & 0o111
+    assert (index / "rover_metrics").is_file()
+    assert (installed / "share/rover_metrics/package.xml").is_file()
+    assert not (PACKAGE / "build").exists()
+
+
+def test_the_resource_marker_exists() -> None:
+    assert (PACKAGE / "resource/rover_metrics").is_file()
+
+
+def test_both_packages_carry_one_version() -> None:
+    manifest = ET.parse(PACKAGE / "package.xml").getroot()  # noqa: S314
+    assert manifest.findtext("version") == harness.__version__
+    assert f'version="{harness.__version__}"' in (PACKAGE / "setup.py").read_text()
+
+
+def test_the_package_knows_nothing_of_the_harness_or_mujoco() -> None:
+    for module in (PACKAGE / "rover_metrics").glob("*.py"):
+        assert not re.search(r"^\s*(import|from) (harness|mujoco)\b", module.read_text(), re.MULTILINE)

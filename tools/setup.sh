@@ -1,0 +1,46 @@
+#!/bin/sh
+# Makes .venv and installs the project into it at the pinned versions. Called by the Makefile; running
+# it again is harmless. PYTHON=... chooses the interpreter.
+set -eu
+cd "$(dirname "$0")/.."
+
+fail() {
+    echo "setup: $1" >&2
+    exit 2
+}
+
+usable() {
+    "$1" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null
+}
+
+find_python() {
+    for candidate in ${PYTHON:-python3 python3.12 python3.13 python3.11}; do
+        if usable "$candidate"; then
+            echo "$candidate"
+            return
+        fi
+    done
+    return 1
+}
+
+python=$(find_python) || fail "needs Python 3.11, 3.12 or 3.13, found $(python3 --version 2>/dev/null || echo none).
+Install one (Debian, Ubuntu: apt install python3.12 python3.12-venv; macOS: brew install python@3.12)
+or name it: make PYTHON=/path/to/python3.12"
+
+"$python" -c 'import ensurepip, venv' 2>/dev/null || fail "$python has no venv module.
+Install it (Debian, Ubuntu: apt install python3-venv)"
+
+# A system rclpy (a sourced ROS 2) must not meet the one from PyPI in one interpreter.
+if "$python" -c 'import rclpy' 2>/dev/null; then
+    extras=dev
+    site=--system-site-packages
+    echo "setup: using the ROS 2 that $python imports already"
+else
+    extras=ros,dev
+    site=
+fi
+
+[ -x .venv/bin/python ] || "$python" -m venv $site .venv
+.venv/bin/python -m pip install --quiet --disable-pip-version-check \
+    --constraint constraints.txt --editable ".[$extras]"
+touch .venv/.ready
