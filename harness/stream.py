@@ -98,10 +98,7 @@ class EpisodeProcess:
             message = f"the simulation process died (exit code {self._process.exitcode})"
             raise RunFailed(message) from error
         if isinstance(received, _Failure):
-            if received.error is not None:
-                raise received.error
-            message = f"the simulation process failed:\n{received.trace}"
-            raise RuntimeError(message)
+            raise received.error or RuntimeError(f"the simulation process failed:\n{received.trace}")
         return received
 
 

@@ -76,7 +76,7 @@ def measure(ground: Heightfield, obstacles: tuple[Obstacle, ...] = ()) -> Terrai
 def slopes(ground: Heightfield) -> Field:
     """Slope at each vertex [deg], by central differences."""
     along_y, along_x = np.gradient(ground.heights, ground.cell)
-    return np.degrees(np.arctan(np.hypot(along_x, along_y)))
+    return np.asarray(np.degrees(np.arctan(np.hypot(along_x, along_y))))
 
 
 def residual_rms(ground: Heightfield, window: float) -> float:

@@ -143,6 +143,13 @@ def test_ranges_give_the_same_row_in_whatever_container_they_come(
     assert metrics.row(1).obstacle_clearance == pytest.approx(expected, abs=1e-12)
 
 
+def test_ranges_count_as_the_float32_that_a_message_would_carry(
+    metrics: TraversalMetrics,
+) -> None:
+    metrics.add_scan([1 / 3])
+    assert metrics.clearance == float(np.float32(1 / 3)) != 1 / 3
+
+
 def test_a_scan_is_only_read(metrics: TraversalMetrics) -> None:
     scan = np.array([1.0, INF, 0.5], dtype=np.float32)
     scan.setflags(write=False)

@@ -272,6 +272,12 @@ def test_the_log_folder_is_told_at_the_start(rig: Rig, capfd: pytest.CaptureFixt
     assert f"logging to: {rig.folder}/" in capfd.readouterr().err
 
 
+def test_a_log_folder_may_start_with_a_tilde(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(rig.folder))
+    node = rig.start(log_dir="~/logs")
+    assert node.log.path.parent == rig.folder / "logs"
+
+
 def test_a_log_that_cannot_be_written_costs_rows_but_not_the_session(
     rig: Rig, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -24,14 +24,14 @@ class Dunes(Terrain):
     name: ClassVar[str] = "dunes"
     summary: ClassVar[str] = "transverse dunes, gentle to windward and steep to leeward"
     promise: ClassVar[Promise] = Promise(
-        slope_p50=(5.0, 11.0),
-        slope_p95=(18.0, 28.0),
-        rms_1m=(0.008, 0.030),
-        rms_03m=(0.0, 0.006),
+        slope_p50=(6.0, 8.0),
+        slope_p95=(14.0, 19.0),
+        rms_1m=(0.007, 0.012),
+        rms_03m=(0.0, 0.001),
         obstacle_density=(0.0, 0.0),
     )
 
-    height: float = parameter(0.25, 0.5, 0.6, "m")
+    height: float = parameter(0.2, 0.45, 0.56, "m")
     wavelength: float = constant(7.0, "m")
     lee: float = constant(0.36, "")
     meander: float = constant(1.0, "m")

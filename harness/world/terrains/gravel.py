@@ -26,10 +26,10 @@ class Gravel(Terrain):
     name: ClassVar[str] = "gravel"
     summary: ClassVar[str] = "fine gravel on nearly level ground: shakes the IMU"
     promise: ClassVar[Promise] = Promise(
-        slope_p50=(7.0, 12.0),
-        slope_p95=(15.0, 22.0),
-        rms_1m=(0.009, 0.012),
-        rms_03m=(0.009, 0.012),
+        slope_p50=(9.0, 10.0),
+        slope_p95=(18.5, 20.5),
+        rms_1m=(0.0095, 0.011),
+        rms_03m=(0.0095, 0.0105),
         obstacle_density=(0.0, 0.0),
     )
 

@@ -7,6 +7,7 @@ pits, and 0.1 m cells.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial, reduce
 from typing import ClassVar
 
 import numpy as np
@@ -19,10 +20,12 @@ from harness.world.terrain import Terrain, constant, parameter
 RING = (11.0, 15.0)  # [m] from the origin to the large features
 HILL_RADIUS, HILLOCK_RADIUS = 8.5, 3.5  # [m]
 CRATER_RADII = (5.0, 3.6, 2.2)  # [m]
-CRATER_RIM = 0.25  # of the depth
-PIT_RADIUS, PIT_SPACING, PIT_KEEP_OUT = 0.8, 2.0, 5.0  # [m]
+RIM = 0.25  # height of a crater's or pit's rim, relative to its depth
+PIT_RADIUS, PIT_SPACING, PIT_KEEP_OUT = 1.0, 3.0, 5.5  # [m]
 FEATURES = 6
 OUTLINE_NOISE = 0.12  # relative: no feature is a perfect circle
+
+Profile = Callable[[Field], Field]  # unit height over the distance from a centre [m]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,45 +53,51 @@ class Marsyard(Terrain):
     size: float = constant(48.0, "m")
     hill: float = parameter(1.5, 3.6, 4.5, "m")
     crater: float = parameter(0.5, 1.2, 1.6, "m")
-    pits: int = constant(10, "")
-    pit: float = parameter(0.1, 0.3, 0.4, "m")
+    pits: int = constant(16, "")
+    pit: float = parameter(0.15, 0.3, 0.4, "m")
     relief: float = parameter(0.08, 0.16, 0.24, "m")
-    roughness: float = parameter(0.012, 0.024, 0.032, "m")
+    roughness: float = parameter(0.018, 0.036, 0.050, "m")
 
     def heights(self, x: Field, y: Field, rng: np.random.Generator, /) -> Field:
         """Plain plus features [m]."""
         plain_rng, rough_rng, outline_rng, feature_rng = rng.spawn(4)
         plain = fractal(plain_rng, x.shape, cell=self.cell, longest=10.0, shortest=2.5)
-        rough = fractal(rough_rng, x.shape, cell=self.cell, longest=1.5, shortest=0.35)
+        rough = fractal(rough_rng, x.shape, cell=self.cell, longest=2.5, shortest=0.35)
         outline = fractal(outline_rng, x.shape, cell=self.cell, longest=8.0, shortest=4.0)
         stretch = 1.0 + OUTLINE_NOISE * outline
         heights = self.relief * plain + self.roughness * rough
-        for (x0, y0), shape in zip(_ring(feature_rng), self._features(feature_rng), strict=True):
-            heights += shape(np.hypot(x - x0, y - y0) * stretch)
+        for (x0, y0), (scale, profile) in zip(
+            _ring(feature_rng), self._features(feature_rng), strict=True
+        ):
+            heights += scale * profile(np.hypot(x - x0, y - y0) * stretch)
         return heights + self._pitted(x, y, feature_rng)
 
-    def _features(self, rng: np.random.Generator) -> list[Callable[[Field], Field]]:
-        """Heights of the large features over the distance from their centres, in random order."""
-        hills = [(self.hill, HILL_RADIUS), *2 * [(0.5 * self.hill, HILLOCK_RADIUS)]]
-        craters = [(self.crater * radius / CRATER_RADII[0], radius) for radius in CRATER_RADII]
-        features: list[Callable[[Field], Field]] = [
-            *(lambda r, h=height, s=radius: h * hill(r, s) for height, radius in hills),
-            *(lambda r, h=depth, s=radius: h * crater(r, s, CRATER_RIM) for depth, radius in craters),
+    def _features(self, rng: np.random.Generator) -> list[tuple[float, Profile]]:
+        """Height or depth [m] and shape of the large features, in random order."""
+        hillock = (0.5 * self.hill, partial(hill, radius=HILLOCK_RADIUS))
+        features: list[tuple[float, Profile]] = [
+            (self.hill, partial(hill, radius=HILL_RADIUS)),
+            hillock,
+            hillock,
+            *(
+                (self.crater * radius / CRATER_RADII[0], partial(crater, radius=radius, rim=RIM))
+                for radius in CRATER_RADII
+            ),
         ]
         return [features[i] for i in rng.permutation(len(features))]
 
     def _pitted(self, x: Field, y: Field, rng: np.random.Generator) -> Field:
-        """The small pits alone."""
+        """The small pits alone [m]."""
         centres = scatter(
             rng, self.pits, reach=0.4 * self.size, spacing=PIT_SPACING, keep_out=PIT_KEEP_OUT
         )
-        distance = np.hypot(x[..., None] - centres[:, 0], y[..., None] - centres[:, 1]).min(axis=-1)
-        return self.pit * crater(distance, PIT_RADIUS, CRATER_RIM)
+        distances = (np.hypot(x - x0, y - y0) for x0, y0 in centres)
+        to_nearest: Field = reduce(np.minimum, distances)
+        return self.pit * crater(to_nearest, PIT_RADIUS, RIM)
 
 
 def _ring(rng: np.random.Generator) -> Points:
-    """Centres all around the origin, so that none meets the spawn or its neighbour [m]."""
-    angles = (
-        2.0 * np.pi * (np.arange(FEATURES) + rng.uniform() + rng.uniform(0, 0.3, FEATURES)) / FEATURES
-    )
+    """Centres [m] all around the origin, so that none meets the spawn or covers its neighbour."""
+    steps = np.arange(FEATURES) + rng.uniform() + rng.uniform(0.0, 0.3, FEATURES)
+    angles = 2.0 * np.pi * steps / FEATURES
     return rng.uniform(*RING, FEATURES)[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)

@@ -24,6 +24,7 @@ THICKNESS = 0.2  # [m]
 OUTER_HEIGHT, INNER_HEIGHT = 2.0, 1.0  # [m]
 LONGEST_RUN = 3  # pitches in one box
 
+Box = tuple[float, float, float, float, float]  # x, y, half length x, half length y, height [m]
 Walls = NDArray[np.bool_]  # (line, chamber along the line): a wall stands on this edge
 
 
@@ -42,7 +43,7 @@ class Maze(Terrain):
         slope_p95=(0.0, 0.0),
         rms_1m=(0.0, 0.0),
         rms_03m=(0.0, 0.0),
-        obstacle_density=(0.03, 0.08),
+        obstacle_density=(0.04, 0.065),
     )
 
     size: float = constant(24.0, "m")
@@ -67,9 +68,6 @@ class Maze(Terrain):
             place(_wall(half_x, half_y, height), ground, x, y)
             for x, y, half_x, half_y, height in (*_outer_boxes(), *inner)
         )
-
-
-Box = tuple[float, float, float, float, float]  # x, y, half length x, half length y, height [m]
 
 
 def _wall(half_x: float, half_y: float, height: float) -> Form:

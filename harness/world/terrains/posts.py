@@ -39,9 +39,9 @@ class Posts(Terrain):
     name: ClassVar[str] = "posts"
     summary: ClassVar[str] = "nearly level, with posts 3 m high and cubes of 0.5 m to be avoided"
     promise: ClassVar[Promise] = Promise(
-        slope_p50=(0.8, 2.5),
-        slope_p95=(2.0, 5.0),
-        rms_1m=(0.0005, 0.004),
+        slope_p50=(1.5, 2.3),
+        slope_p95=(3.2, 4.6),
+        rms_1m=(0.002, 0.004),
         rms_03m=(0.0, 0.001),
         obstacle_density=(0.025, 0.03),
     )

@@ -35,11 +35,11 @@ class Rocky(Terrain):
     name: ClassVar[str] = "rocky"
     summary: ClassVar[str] = "rolling ground, drivable rocks of 4-15 cm and a few boulders (default)"
     promise: ClassVar[Promise] = Promise(
-        slope_p50=(2.5, 6.0),
-        slope_p95=(6.0, 12.0),
-        rms_1m=(0.003, 0.012),
-        rms_03m=(0.001, 0.004),
-        obstacle_density=(0.09, 0.12),
+        slope_p50=(4.0, 6.0),
+        slope_p95=(8.5, 12.0),
+        rms_1m=(0.007, 0.010),
+        rms_03m=(0.0015, 0.0025),
+        obstacle_density=(0.09, 0.10),
     )
 
     relief: float = parameter(0.06, 0.12, 0.25, "m")

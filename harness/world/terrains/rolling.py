@@ -22,10 +22,10 @@ class Rolling(Terrain):
     name: ClassVar[str] = "rolling"
     summary: ClassVar[str] = "smooth hills and hollows of several metres"
     promise: ClassVar[Promise] = Promise(
-        slope_p50=(5.0, 10.0),
-        slope_p95=(12.0, 20.0),
-        rms_1m=(0.0, 0.020),
-        rms_03m=(0.0, 0.003),
+        slope_p50=(5.0, 8.0),
+        slope_p95=(11.0, 17.0),
+        rms_1m=(0.005, 0.011),
+        rms_03m=(0.0, 0.001),
         obstacle_density=(0.0, 0.0),
     )
 

@@ -24,9 +24,9 @@ class Slope(Terrain):
     summary: ClassVar[str] = "constant incline, uphill along +x, nearly smooth"
     promise: ClassVar[Promise] = Promise(
         slope_p50=(9.9, 10.1),
-        slope_p95=(10.0, 11.5),
-        rms_1m=(0.0005, 0.003),
-        rms_03m=(0.0, 0.002),
+        slope_p95=(10.4, 10.9),
+        rms_1m=(0.001, 0.002),
+        rms_03m=(0.0, 0.001),
         obstacle_density=(0.0, 0.0),
     )
     has_level_spawn: ClassVar[bool] = False

@@ -24,10 +24,10 @@ class Washboard(Terrain):
     name: ClassVar[str] = "washboard"
     summary: ClassVar[str] = "regular ripples across the way: excites pitch"
     promise: ClassVar[Promise] = Promise(
-        slope_p50=(9.0, 13.0),
-        slope_p95=(15.0, 21.0),
-        rms_1m=(0.014, 0.020),
-        rms_03m=(0.009, 0.013),
+        slope_p50=(10.0, 12.0),
+        slope_p95=(17.0, 20.0),
+        rms_1m=(0.016, 0.019),
+        rms_03m=(0.010, 0.013),
         obstacle_density=(0.0, 0.0),
     )
 

@@ -10,7 +10,7 @@ def test_rate_that_divides_the_clock_gives_whole_ticks(rate: int, ticks: int) ->
 
 
 def test_other_rate_is_refused_with_the_nearest_ones() -> None:
-    with pytest.raises(UsageError, match="30 Hz does not divide the 100 Hz clock.*20 or 25"):
+    with pytest.raises(UsageError, match=r"30 Hz does not divide the 100 Hz clock.*20 or 25"):
         period_ticks(30)
 
 

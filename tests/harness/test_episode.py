@@ -1,0 +1,190 @@
+import hashlib
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.episode import Episode, EpisodeConfig
+from harness.errors import RunFailed, UsageError
+from harness.robots import LEO, ROVER_ZERO4WD, ROVERS
+from harness.samples import (
+    GroundTruth,
+    Imu,
+    JointStates,
+    LaserScan,
+    Odometry,
+    Pose,
+    Sample,
+    Tick,
+    Twist,
+)
+
+SECOND = 1_000_000_000
+
+
+def config(**changes: object) -> EpisodeConfig:
+    values: dict[str, object] = {"terrain": "flat", "driver": "straight", "duration": 1.0}
+    return EpisodeConfig(**{**values, **changes})  # type: ignore[arg-type]  # a table of keywords
+
+
+def ticks(episode_config: EpisodeConfig) -> list[Tick]:
+    return [tick for batch in Episode(episode_config).batches() for tick in batch.ticks]
+
+
+def samples(episode_config: EpisodeConfig, kind: type[Sample]) -> list[Sample]:
+    return [s for tick in ticks(episode_config) for s in tick.samples if isinstance(s, kind)]
+
+
+def digest(episode_config: EpisodeConfig) -> str:
+    state = hashlib.sha256()
+    for tick in ticks(episode_config):
+        for sample in tick.samples:
+            if isinstance(sample, LaserScan):
+                state.update(sample.ranges.tobytes())
+            else:
+                state.update(repr(sample).encode())
+    return state.hexdigest()
+
+
+def test_clock_ticks_every_ten_milliseconds_from_the_first_to_the_end() -> None:
+    stamps = [tick.stamp_ns for tick in ticks(config())]
+    assert stamps == [10_000_000 * n for n in range(1, 101)]
+
+
+@pytest.mark.parametrize("robot", ROVERS)
+def test_sensors_keep_the_rates_of_the_topic_table(robot: str) -> None:
+    odometry_rate = ROVERS[robot].odometry_rate
+    counts = {LaserScan: 20, Imu: 20, Pose: 50, Odometry: odometry_rate, GroundTruth: 50, JointStates: 50}
+    seen = [type(s) for tick in ticks(config(robot=robot)) for s in tick.samples]
+    assert {kind: seen.count(kind) for kind in counts} == counts
+
+
+def test_every_sample_carries_the_stamp_of_its_tick() -> None:
+    assert all(s.stamp_ns == tick.stamp_ns for tick in ticks(config()) for s in tick.samples)
+
+
+def test_imu_rate_is_an_option() -> None:
+    assert len(samples(config(imu_rate=100), Imu)) == 100
+
+
+def test_number_of_beams_is_an_option() -> None:
+    scan = samples(config(lidar_beams=90), LaserScan)[0]
+    assert isinstance(scan, LaserScan)
+    assert scan.ranges.shape == (90,)
+
+
+def test_same_seed_gives_the_same_samples_and_another_seed_does_not() -> None:
+    rocky = {"terrain": "rocky", "driver": "wander", "duration": 3.0}
+    assert digest(config(**rocky, seed=5)) == digest(config(**rocky, seed=5))
+    assert digest(config(**rocky, seed=5)) != digest(config(**rocky, seed=6))
+
+
+def test_noise_changes_scan_and_imu_and_is_seeded() -> None:
+    clean, noisy = digest(config()), digest(config(noise=True))
+    assert clean != noisy
+    assert noisy == digest(config(noise=True))
+    assert noisy != digest(config(noise=True, seed=1))
+
+
+@pytest.mark.parametrize("robot", ROVERS)
+def test_rover_starts_settled_so_that_no_drop_pollutes_the_first_samples(robot: str) -> None:
+    still = config(robot=robot, driver="cmd_vel")
+    forces = [s.linear_acceleration for s in samples(still, Imu) if isinstance(s, Imu)]
+    assert max(abs(math.hypot(*force) - 9.8) for force in forces) < 0.05
+    poses = [s.position for s in samples(still, Pose) if isinstance(s, Pose)]
+    assert math.dist(poses[0], poses[-1]) < 1e-3
+
+
+@pytest.mark.parametrize("robot", ROVERS)
+def test_straight_drive_moves_ahead_and_truth_follows_the_pose(robot: str) -> None:
+    episode = Episode(config(robot=robot, duration=4.0))
+    *_, last = episode.batches()
+    x, y, _ = last.truth.position
+    assert x > 0.9
+    assert abs(y) < 0.05
+    assert last.truth.path_length == pytest.approx(x, rel=0.02)
+    assert last.truth.time_ns == 4 * SECOND
+
+
+def test_odometry_of_rover_zero_believes_a_smaller_wheel_than_it_has() -> None:
+    odometry = samples(config(robot="rover_zero4wd", duration=4.0), Odometry)[-1]
+    truth = samples(config(robot="rover_zero4wd", duration=4.0), GroundTruth)[-1]
+    assert isinstance(odometry, Odometry)
+    assert isinstance(truth, GroundTruth)
+    expected = ROVER_ZERO4WD.wheel_radius / ROVER_ZERO4WD.controller_radius
+    assert truth.linear_velocity[0] / odometry.twist.linear == pytest.approx(expected, rel=0.02)
+
+
+def test_odometry_twist_is_quantised_by_the_encoder() -> None:
+    readings = [s.twist.linear for s in samples(config(duration=2.0), Odometry) if isinstance(s, Odometry)]
+    step = math.tau * LEO.controller_radius / LEO.encoder_ticks * LEO.odometry_rate / 4
+    counts = np.array(readings) / step
+    np.testing.assert_allclose(counts, np.round(counts), atol=1e-6)
+
+
+def test_spin_turns_left_in_place() -> None:
+    truth = [s for s in samples(config(driver="spin", duration=2.0), GroundTruth) if isinstance(s, GroundTruth)]
+    assert truth[-1].yaw > 0.3
+    assert math.hypot(truth[-1].x, truth[-1].y) < 0.1
+
+
+def test_cmd_vel_driver_stands_until_commanded() -> None:
+    episode = Episode(config(driver="cmd_vel", duration=3.0))
+    path = []
+    for index, batch in enumerate(episode.batches()):
+        path.append(batch.truth.path_length)
+        if index == 19:
+            episode.command(Twist(linear=0.3))
+    assert path[19] < 1e-3
+    assert path[-1] > 0.4
+
+
+def test_reaching_the_edge_stops_the_run_and_says_where_and_when() -> None:
+    episode = Episode(config(duration=120.0))
+    delivered: list[Tick] = []
+    with pytest.raises(RunFailed, match=r"reached the edge of the map at t = \d+\.\d\d s \(x = 19\.5"):
+        for batch in episode.batches():
+            delivered.extend(batch.ticks)
+    stamps = [tick.stamp_ns for tick in delivered]
+    assert all(b - a == 10_000_000 for a, b in pairwise(stamps))
+    assert stamps[-1] > 50 * SECOND
+
+
+def test_divergence_is_reported_with_time_and_state(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    episode = Episode(config())
+    batches = episode.batches()
+    next(batches)
+    episode.simulation.data.qvel[0] = math.nan
+    with pytest.raises(RunFailed, match=r"diverged at t = 0\.06 s .*position .*velocity .*--timestep"):
+        list(batches)
+    assert not list(tmp_path.iterdir()), "MuJoCo left its log behind"
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"terrain": "moon"}, "terrain 'moon' does not exist; available: flat, "),
+        ({"robot": "r2d2"}, "robot 'r2d2' does not exist; available: leo, rover_zero4wd"),
+        ({"driver": "drunk"}, "driver 'drunk' does not exist; available: wander, "),
+        ({"duration": -1.0}, "duration -1 s is not valid"),
+        ({"duration": math.nan}, "duration nan s is not valid"),
+        ({"duration": math.inf}, "duration inf s is not valid"),
+        ({"seed": -1}, "seed -1 is not valid"),
+        ({"difficulty": 1.5}, "difficulty 1.5 is not valid; give 0 to 1"),
+        ({"difficulty": math.nan}, "difficulty nan is not valid"),
+        ({"timestep": 0.003}, "must divide the 10 ms clock tick; nearest valid: 0.0025"),
+        ({"timestep": 0.01}, "above 5 ms .*nearest valid: 0.005"),
+        ({"timestep": math.nan}, "timestep nan s is refused"),
+        ({"timestep": 0.0}, "timestep 0 s is refused"),
+        ({"imu_rate": 30}, "30 Hz does not divide .* nearest valid: 25 or 20|20 or 25"),
+        ({"lidar_beams": 1}, "1 lidar beams are not valid; give 2 to 100000"),
+    ],
+)
+def test_invalid_value_is_refused_with_what_is_valid(changes: dict[str, object], message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        config(**changes).validate()

@@ -1,0 +1,120 @@
+import csv
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from harness.run import main
+
+QUICK = ["--direct", "--terrain", "flat", "--duration", "2"]
+
+
+def complaint(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    """The one line that a wrong command line gives, with exit code 2."""
+    try:
+        code = main(arguments)
+    except SystemExit as leaving:
+        code = leaving.code  # type: ignore[assignment]  # argparse exits with a number
+    assert code == 2
+    text = capsys.readouterr().err
+    assert text.count("\n") == 1
+    assert "Traceback" not in text
+    return text
+
+
+def test_direct_run_writes_csv_and_manifest(tmp_path: Path) -> None:
+    summary = tmp_path / "summary.json"
+    assert main([*QUICK, "--log-dir", str(tmp_path / "logs"), "--summary", str(summary)]) == 0
+    (log,) = (tmp_path / "logs").glob("*.csv")
+    with log.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["Timestamp"] for row in rows] == ["1", "2"]
+    manifest = json.loads(log.with_suffix(".json").read_text())
+    assert manifest == json.loads(summary.read_text())
+    assert manifest["outcome"] == {"status": "complete", "reason": None}
+    assert manifest["rows"] == 2
+    assert manifest["last_row"]["Timestamp"] == 2
+
+
+def test_two_runs_in_the_same_second_keep_both_logs(tmp_path: Path) -> None:
+    for _ in range(2):
+        assert main([*QUICK, "--log-dir", str(tmp_path)]) == 0
+    assert len(list(tmp_path.glob("*.csv"))) == 2
+
+
+def test_run_that_reaches_the_edge_keeps_its_rows_and_exits_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["--direct", "--terrain", "flat", "--driver", "straight", "--duration", "120"]
+    assert main([*words, "--log-dir", str(tmp_path)]) == 1
+    assert "harness.run: the rover reached the edge of the map at t = " in capsys.readouterr().err
+    (log,) = tmp_path.glob("*.csv")
+    assert len(log.read_text().splitlines()) > 50
+    outcome = json.loads(log.with_suffix(".json").read_text())["outcome"]
+    assert outcome["status"] == "failed"
+    assert "edge of the map" in outcome["reason"]
+
+
+def test_list_names_terrains_robots_and_drivers(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--list"]) == 0
+    listed = capsys.readouterr().out
+    terrains = ("flat", "slope", "rolling", "gravel", "rocky", "washboard", "dunes", "posts", "maze")
+    drivers = ("wander", "straight", "spin", "figure8", "cmd_vel")
+    for name in (*terrains, *drivers, "leo", "rover_zero4wd"):
+        assert f"{name} " in listed
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["--terrain", "moon"], "available: flat, slope"),
+        (["--robot", "r2d2"], "available: leo, rover_zero4wd"),
+        (["--driver", "drunk"], "available: wander"),
+        (["--duration", "-5"], "give 0.01 s or more"),
+        (["--duration", "nan"], "give 0.01 s or more"),
+        (["--duration", "long"], "argument --duration: invalid float value"),
+        (["--seed", "-1"], "give a whole number from 0 up"),
+        (["--seed", "nan"], "argument --seed: invalid int value"),
+        (["--rate", "-1"], "give 'max' or a number from 0.01 up"),
+        (["--rate", "nan"], "give 'max' or a number from 0.01 up"),
+        (["--rate", "inf"], "give 'max' or a number from 0.01 up"),
+        (["--timestep", "0.007"], "nearest valid: 0.005"),
+        (["--imu-rate", "33"], "nearest valid"),
+        (["--lidar-beams", "0"], "give 2 to"),
+        (["--wheels", "6"], "unrecognized arguments: --wheels 6"),
+        (["--direct", "--wait-for", "/x"], "--wait-for needs ROS; leave out --direct"),
+        (["--direct", "--no-metrics"], "--no-metrics needs ROS; leave out --direct"),
+        (["--direct", "--driver", "cmd_vel"], "--driver cmd_vel needs ROS; leave out --direct"),
+        (["--direct", "--ros-args", "-r", "a:=b"], "--ros-args needs ROS; leave out --direct"),
+        (["--summary", "/nowhere/x.json"], "there is no folder /nowhere; create it first"),
+    ],
+)
+def test_bad_argument_is_one_line_that_names_what_is_valid(
+    arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert expected in complaint([*arguments, "--log-dir", str(tmp_path)], capsys)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_file_where_the_log_folder_should_be_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "logs").write_text("not a folder")
+    text = complaint([*QUICK, "--log-dir", str(tmp_path / "logs")], capsys)
+    assert "a file stands where a folder should be" in text
+
+
+def test_unwritable_log_folder_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "cannot create a log in /proc/logs" in complaint([*QUICK, "--log-dir", "/proc/logs"], capsys)
+
+
+def test_missing_rclpy_names_the_extra_and_direct(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    for module in [name for name in sys.modules if name.startswith("harness.ros.")]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, "rclpy", None)
+    text = complaint(["--terrain", "flat", "--log-dir", str(tmp_path)], capsys)
+    assert "pip install -e '.[ros]'" in text
+    assert "--direct" in text

@@ -1,0 +1,73 @@
+import math
+import multiprocessing
+
+import pytest
+
+from harness.episode import Batch, Episode, EpisodeConfig
+from harness.errors import RunFailed, UsageError
+from harness.samples import LaserScan, Twist
+from harness.stream import EpisodeProcess
+
+
+def config(**changes: object) -> EpisodeConfig:
+    values: dict[str, object] = {"terrain": "rocky", "duration": 2.0}
+    return EpisodeConfig(**{**values, **changes})  # type: ignore[arg-type]  # a table of keywords
+
+
+def flattened(batches: list[Batch]) -> list[str]:
+    return [
+        sample.ranges.tobytes().hex() if isinstance(sample, LaserScan) else repr(sample)
+        for batch in batches
+        for tick in batch.ticks
+        for sample in tick.samples
+    ]
+
+
+def test_child_streams_the_same_samples_as_an_episode_here() -> None:
+    with EpisodeProcess(config()) as process:
+        info = process.info
+        streamed = list(process.batches())
+    here = Episode(config())
+    assert info == here.info
+    local = list(here.batches())
+    assert flattened(streamed) == flattened(local)
+    assert streamed[-1].truth == local[-1].truth
+
+
+def test_commands_reach_the_child_in_the_next_control_period() -> None:
+    with EpisodeProcess(config(terrain="flat", driver="cmd_vel")) as process:
+        _ = process.info
+        path = []
+        for index, batch in enumerate(process.batches()):
+            path.append(batch.truth.path_length)
+            if index == 9:
+                process.command(Twist(linear=0.4))
+    assert path[9] < 1e-3
+    assert path[12] > path[9] + 1e-3
+    assert path[-1] > 0.4
+
+
+def test_leaving_early_leaves_no_process_behind() -> None:
+    with EpisodeProcess(config(duration=1000.0)) as process:
+        _ = process.info
+        next(process.batches())
+    assert multiprocessing.active_children() == []
+
+
+def test_known_error_of_the_child_arrives_as_itself() -> None:
+    with (
+        EpisodeProcess(config(difficulty=math.nan)) as process,
+        pytest.raises(UsageError, match="difficulty nan is not valid"),
+    ):
+        _ = process.info
+
+
+def test_death_of_the_child_fails_the_run() -> None:
+    with EpisodeProcess(config(duration=1000.0)) as process:
+        _ = process.info
+        batches = process.batches()
+        next(batches)
+        for child in multiprocessing.active_children():
+            child.kill()
+        with pytest.raises(RunFailed, match="simulation process died"):
+            list(batches)
