@@ -10,11 +10,6 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
-from rover_metrics.csv_log import CsvLog
-from rover_metrics.errors import LogError
-from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.row import COLUMNS, MetricsRow
-
 from harness.episode import Episode, EpisodeConfig
 from harness.errors import RunFailed, UsageError
 from harness.interrupt import StopRequest
@@ -22,6 +17,10 @@ from harness.pacing import Pacer
 from harness.result import Progress, RunResult, TopicCount
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick
 from harness.simulation import NANOSECONDS
+from rover_metrics.csv_log import CsvLog
+from rover_metrics.errors import LogError
+from rover_metrics.metrics import TraversalMetrics
+from rover_metrics.row import COLUMNS, MetricsRow
 
 TOPICS: dict[type, str] = {
     LaserScan: "/scan",

@@ -9,11 +9,11 @@ import time
 from typing import Protocol
 
 from rclpy.executors import Executor
-from rover_metrics.metrics_node import LOG_PERIOD, MetricsNode
 
 from harness.ros.bridge import Bridge
 from harness.ros.executor import SPIN_TIMEOUT
 from harness.samples import Tick
+from rover_metrics.metrics_node import LOG_PERIOD, MetricsNode
 
 PATIENCE = 10.0  # [s] of wall time without any progress before messages are given up
 LOG_PERIOD_NS = round(LOG_PERIOD * 1e9)

@@ -12,9 +12,6 @@ from rclpy.context import Context
 from rclpy.executors import Executor
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
-from rover_metrics.errors import RoverMetricsError
-from rover_metrics.metrics_node import MetricsNode
-from rover_metrics.row import COLUMNS
 
 from harness.episode import Batch, EpisodeConfig
 from harness.errors import RunFailed, UsageError
@@ -29,6 +26,9 @@ from harness.ros.remote import RemoteNode
 from harness.sensors.lidar import LidarSpec
 from harness.simulation import NANOSECONDS
 from harness.stream import EpisodeProcess
+from rover_metrics.errors import RoverMetricsError
+from rover_metrics.metrics_node import MetricsNode
+from rover_metrics.row import COLUMNS
 
 MATCH_PATIENCE = 15.0  # [s] for DDS to match the topics of this process
 

@@ -56,7 +56,14 @@ def test_clock_ticks_every_ten_milliseconds_from_the_first_to_the_end() -> None:
 @pytest.mark.parametrize("robot", ROVERS)
 def test_sensors_keep_the_rates_of_the_topic_table(robot: str) -> None:
     odometry_rate = ROVERS[robot].odometry_rate
-    counts = {LaserScan: 20, Imu: 20, Pose: 50, Odometry: odometry_rate, GroundTruth: 50, JointStates: 50}
+    counts = {
+        LaserScan: 20,
+        Imu: 20,
+        Pose: 50,
+        Odometry: odometry_rate,
+        GroundTruth: 50,
+        JointStates: 50,
+    }
     seen = [type(s) for tick in ticks(config(robot=robot)) for s in tick.samples]
     assert {kind: seen.count(kind) for kind in counts} == counts
 
@@ -118,14 +125,20 @@ def test_odometry_of_rover_zero_believes_a_smaller_wheel_than_it_has() -> None:
 
 
 def test_odometry_twist_is_quantised_by_the_encoder() -> None:
-    readings = [s.twist.linear for s in samples(config(duration=2.0), Odometry) if isinstance(s, Odometry)]
+    readings = [
+        s.twist.linear for s in samples(config(duration=2.0), Odometry) if isinstance(s, Odometry)
+    ]
     step = math.tau * LEO.controller_radius / LEO.encoder_ticks * LEO.odometry_rate / 4
     counts = np.array(readings) / step
     np.testing.assert_allclose(counts, np.round(counts), atol=1e-6)
 
 
 def test_spin_turns_left_in_place() -> None:
-    truth = [s for s in samples(config(driver="spin", duration=2.0), GroundTruth) if isinstance(s, GroundTruth)]
+    truth = [
+        s
+        for s in samples(config(driver="spin", duration=2.0), GroundTruth)
+        if isinstance(s, GroundTruth)
+    ]
     assert truth[-1].yaw > 0.3
     assert math.hypot(truth[-1].x, truth[-1].y) < 0.1
 
@@ -142,11 +155,10 @@ def test_cmd_vel_driver_stands_until_commanded() -> None:
 
 
 def test_reaching_the_edge_stops_the_run_and_says_where_and_when() -> None:
-    episode = Episode(config(duration=120.0))
     delivered: list[Tick] = []
+    batches = (delivered.extend(b.ticks) for b in Episode(config(duration=120.0)).batches())
     with pytest.raises(RunFailed, match=r"reached the edge of the map at t = \d+\.\d\d s \(x = 19\.5"):
-        for batch in episode.batches():
-            delivered.extend(batch.ticks)
+        list(batches)
     stamps = [tick.stamp_ns for tick in delivered]
     assert all(b - a == 10_000_000 for a, b in pairwise(stamps))
     assert stamps[-1] > 50 * SECOND

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
+import rover_metrics
 from rover_metrics.csv_log import CsvLog
 from rover_metrics.errors import LogError
 from rover_metrics.metrics import TraversalMetrics
 from rover_metrics.row import MetricsRow
-
-import rover_metrics
 
 STARTED = datetime(2025, 1, 16, 12, 4, 57)
 ROW = TraversalMetrics().row(7)

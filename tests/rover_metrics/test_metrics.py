@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+
 from rover_metrics.metrics import WINDOW, TraversalMetrics
 from rover_metrics.row import COLUMNS, MetricsRow
 from rover_metrics.thresholds import Thresholds

@@ -1,6 +1,6 @@
 """The node over real DDS, in this process; its program in test_metrics_program.py."""
 
-# ruff: noqa: E402  # the skip stands before the imports that need ROS
+# the skip stands before the imports that need ROS
 
 import array
 import itertools
@@ -26,13 +26,14 @@ from rclpy.parameter_client import AsyncParameterClient
 from rclpy.publisher import Publisher
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Imu, LaserScan
+from std_srvs.srv import Trigger
+
 from rover_metrics.errors import LogError, ParameterError
 from rover_metrics.metrics import TraversalMetrics
 from rover_metrics.metrics_node import MetricsNode
 from rover_metrics.row import MetricsRow
 from rover_metrics.thresholds import THRESHOLD_INFO, Thresholds
-from sensor_msgs.msg import Imu, LaserScan
-from std_srvs.srv import Trigger
 
 # The rosidl wheels import an old lark, which imports a deprecated module of the standard library.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")

@@ -2,6 +2,7 @@ import dataclasses
 import math
 
 import pytest
+
 from rover_metrics.errors import ThresholdError
 from rover_metrics.thresholds import THRESHOLD_INFO, Thresholds
 

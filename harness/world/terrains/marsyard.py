@@ -93,11 +93,12 @@ class Marsyard(Terrain):
         )
         distances = (np.hypot(x - x0, y - y0) for x0, y0 in centres)
         to_nearest: Field = reduce(np.minimum, distances)
-        return self.pit * crater(to_nearest, PIT_RADIUS, RIM)
+        return np.asarray(self.pit * crater(to_nearest, PIT_RADIUS, RIM))
 
 
 def _ring(rng: np.random.Generator) -> Points:
     """Centres [m] all around the origin, so that none meets the spawn or covers its neighbour."""
     steps = np.arange(FEATURES) + rng.uniform() + rng.uniform(0.0, 0.3, FEATURES)
     angles = 2.0 * np.pi * steps / FEATURES
-    return rng.uniform(*RING, FEATURES)[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    distances = rng.uniform(*RING, FEATURES)
+    return np.stack([distances * np.cos(angles), distances * np.sin(angles)], axis=1)

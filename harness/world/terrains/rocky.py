@@ -102,13 +102,17 @@ def _rock(rng: np.random.Generator) -> Form:
 
 
 def _boulder(rng: np.random.Generator, *, tall: bool) -> Form:
-    """A block that shows 0.95-1.3 m if tall, else an ellipsoid that shows 0.5-0.85 m."""
-    shown, sink = (rng.uniform(0.95, 1.3), 0.15) if tall else (rng.uniform(0.5, 0.85), 0.25)
-    length, width = rng.uniform(0.25, 0.4), rng.uniform(0.2, 0.35)
+    """A block that shows 0.95-1.3 m if tall, else a squat ellipsoid that shows 0.5-0.85 m."""
+    if tall:
+        half = (rng.uniform(0.25, 0.4), rng.uniform(0.2, 0.35))
+        shown, sink = rng.uniform(0.95, 1.3), 0.15
+    else:
+        half = (rng.uniform(0.45, LARGEST_BOULDER), rng.uniform(0.35, 0.45))
+        shown, sink = rng.uniform(0.5, 0.85), 0.3
     return Form(
         kind=ObstacleKind.HAZARD,
         shape="box" if tall else "ellipsoid",
-        half_size=(length, width, 0.5 * (shown + sink)),
+        half_size=(*half, 0.5 * (shown + sink)),
         sink=sink,
         yaw=rng.uniform(0.0, np.pi),
         tilt=rng.uniform(-0.08, 0.08),

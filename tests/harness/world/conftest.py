@@ -1,4 +1,4 @@
-"""MuJoCo as the oracle: a world compiled on its own, without a rover."""
+"""MuJoCo as the oracle: worlds compiled on their own, without a rover."""
 
 from collections.abc import Callable
 
@@ -6,7 +6,6 @@ import mujoco
 import numpy as np
 import pytest
 
-from harness.world.obstacles import Obstacle
 from harness.world.world import World
 
 SHAPES = {
@@ -14,14 +13,14 @@ SHAPES = {
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
     "ellipsoid": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
 }
-TERRAIN_GROUP, OBSTACLE_GROUP = 0, 1
+PROBE_RADIUS, SKY = 0.01, 100.0  # [m]
+
+TopAt = Callable[[float, float], float]
 
 
-class CompiledWorld:
-    """Asks MuJoCo where things are."""
-
-    def __init__(self, world: World) -> None:
-        spec = mujoco.MjSpec()
+def _compile(world: World, *, ground: bool) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    spec = mujoco.MjSpec()
+    if ground:
         heights, half_size = world.ground.heights, world.ground.half_size
         lowest, relief = float(heights.min()), max(float(np.ptp(heights)), 1e-3)
         spec.add_hfield(
@@ -32,10 +31,11 @@ class CompiledWorld:
             userdata=((heights - lowest) / relief).ravel().tolist(),
         )
         spec.worldbody.add_geom(
-            type=mujoco.mjtGeom.mjGEOM_HFIELD,
-            hfieldname="terrain",
-            pos=[0.0, 0.0, lowest],
-            group=TERRAIN_GROUP,
+            type=mujoco.mjtGeom.mjGEOM_HFIELD, hfieldname="terrain", pos=[0.0, 0.0, lowest]
+        )
+    else:
+        spec.worldbody.add_geom(  # a needle at the spawn
+            type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=[PROBE_RADIUS, 20.0, 0.0]
         )
         for obstacle in world.obstacles:
             spec.worldbody.add_geom(
@@ -43,32 +43,45 @@ class CompiledWorld:
                 size=[*obstacle.half_size, 0.0][:3],
                 pos=list(obstacle.position),
                 quat=list(obstacle.quaternion),
-                group=OBSTACLE_GROUP,
             )
-        self.model = spec.compile()
-        self.data = mujoco.MjData(self.model)
-        mujoco.mj_kinematics(self.model, self.data)
-        self.first_obstacle = 1
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    return model, data
 
-    def top_at(self, x: float, y: float, group: int) -> float:
-        """Height [m] of what a vertical ray from above meets first; NaN where it meets nothing."""
-        groups = np.zeros(6, dtype=np.uint8)
-        groups[group] = 1
-        start, down = np.array([x, y, 100.0]), np.array([0.0, 0.0, -1.0])
-        hit = np.zeros(1, dtype=np.int32)
-        distance = mujoco.mj_ray(self.model, self.data, start, down, groups, 1, -1, hit)
-        return 100.0 - distance if distance >= 0.0 else float("nan")
 
-    def obstacle_top(self, index: int, obstacle: Obstacle) -> float:
-        """Highest point of one obstacle [m], by its distance to a plane far above."""
-        geom = self.first_obstacle + index
-        rotation = self.data.geom_xmat[geom].reshape(3, 3)
-        half = np.array([*obstacle.half_size, 0.0][:3])
-        up = rotation[2]
-        reach = np.abs(up) @ half if obstacle.shape == "box" else np.linalg.norm(up * half)
-        return float(self.data.geom_xpos[geom][2] + reach)
+def _rays_from_above(world: World, *, ground: bool) -> TopAt:
+    model, data = _compile(world, ground=ground)
+
+    def top_at(x: float, y: float) -> float:
+        down, hit = np.array([0.0, 0.0, -1.0]), np.zeros(1, dtype=np.int32)
+        distance = mujoco.mj_ray(model, data, np.array([x, y, SKY]), down, None, 1, -1, hit)
+        return SKY - distance if distance >= 0.0 else float("nan")
+
+    return top_at
 
 
 @pytest.fixture
-def compiled() -> Callable[[World], CompiledWorld]:
-    return CompiledWorld
+def ground_top() -> Callable[[World], TopAt]:
+    """Height [m] of the compiled heightfield at a point, by a vertical ray."""
+    return lambda world: _rays_from_above(world, ground=True)
+
+
+@pytest.fixture
+def obstacle_top() -> Callable[[World], TopAt]:
+    """Height [m] of the obstacles at a point, by a vertical ray; NaN where none stands."""
+    return lambda world: _rays_from_above(world, ground=False)
+
+
+@pytest.fixture
+def spawn_distances() -> Callable[[World], list[float]]:
+    """Distance [m] of each obstacle from the vertical through the origin."""
+
+    def measure(world: World) -> list[float]:
+        model, data = _compile(world, ground=False)
+        return [
+            mujoco.mj_geomDistance(model, data, 0, geom, 50.0, None) + PROBE_RADIUS
+            for geom in range(1, model.ngeom)
+        ]
+
+    return measure

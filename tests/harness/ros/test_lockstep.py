@@ -1,0 +1,118 @@
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+
+from geometry_msgs.msg import Twist as TwistMessage
+from rclpy.parameter import Parameter
+from rclpy.qos import ReliabilityPolicy
+
+from harness.robots import LEO
+from harness.ros import lockstep
+from harness.ros.bridge import Bridge
+from harness.ros.executor import make_executor, spin_until
+from harness.ros.lockstep import HostedMetrics, LockStep
+from harness.samples import Imu, Pose, Tick, Twist
+from harness.sensors.lidar import LidarSpec
+from rover_metrics.metrics_node import MetricsNode
+
+TICK_NS = 10_000_000
+
+
+class Nodes:
+    """A bridge and a hosted MetricsNode in a context of their own."""
+
+    def __init__(self, log_dir: Path) -> None:
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context)
+        self.commands: list[Twist] = []
+        self.bridge = Bridge(
+            LEO, LidarSpec(beams=4), context=self.context, on_command=self.commands.append
+        )
+        overrides = [Parameter("use_sim_time", value=True), Parameter("log_dir", value=str(log_dir))]
+        self.metrics = MetricsNode(context=self.context, parameter_overrides=overrides)
+        self.executor = make_executor(self.context)
+        self.executor.add_node(self.bridge)
+        self.executor.add_node(self.metrics)
+        self.hosted = HostedMetrics(self.bridge, self.executor, self.metrics)
+        channels = [c for c in self.bridge.channels.values() if c.topic in self.hosted.topics]
+        self.until(
+            lambda: all(
+                c.publisher.get_subscription_count() for c in (*channels, self.bridge.clock_channel)
+            )
+        )
+
+    def until(self, condition: object) -> None:
+        assert spin_until(self.executor, condition, 10.0)  # type: ignore[arg-type]
+
+    def close(self) -> None:
+        self.executor.shutdown()
+        self.metrics.destroy_node()
+        self.bridge.destroy_node()
+        self.context.try_shutdown()
+
+
+@pytest.fixture
+def nodes(ros_domain: int, tmp_path: Path) -> Iterator[Nodes]:  # noqa: ARG001 - sets the domain
+    made = Nodes(tmp_path)
+    yield made
+    made.close()
+
+
+def tick(number: int) -> Tick:
+    stamp = number * TICK_NS
+    pose = Pose(stamp, (0.01 * number, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+    imu = Imu(stamp, (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, 9.8))
+    return Tick(stamp, (pose, imu))
+
+
+def test_every_message_is_handled_before_time_goes_on(nodes: Nodes) -> None:
+    step = LockStep(nodes.bridge, nodes.executor, (nodes.hosted,))
+    for number in range(1, 251):
+        step.advance(tick(number))
+        assert nodes.metrics.received["/rover/pose_array"] == number
+        assert nodes.metrics.received["/imu/data"] == number
+        assert nodes.metrics.get_clock().now().nanoseconds == number * TICK_NS
+        assert nodes.metrics.rows == number // 100
+    assert nodes.hosted.received()["/clock"] == 250
+    assert set(nodes.hosted.lost.values()) == {0}
+
+
+def test_message_that_never_arrives_is_given_up_and_counted(
+    nodes: Nodes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lockstep, "PATIENCE", 0.2)
+    step = LockStep(nodes.bridge, nodes.executor, (nodes.hosted,))
+    step.advance(tick(1))
+    nodes.bridge.channels[Imu].published += 3  # three that DDS swallowed
+    step.advance(tick(2))
+    step.advance(tick(3))
+    assert nodes.hosted.lost["/imu/data"] == 3
+    assert nodes.hosted.lost["/rover/pose_array"] == 0
+    assert nodes.hosted.received()["/imu/data"] == 3
+
+
+def test_topics_have_the_stated_reliability(nodes: Nodes) -> None:
+    policies = {c.topic: c.publisher.qos_profile.reliability for c in nodes.bridge.channels.values()}
+    assert policies.pop("/rover/pose_array") is ReliabilityPolicy.BEST_EFFORT
+    assert set(policies) == {
+        "/scan",
+        "/imu/data",
+        "/odometry/wheels",
+        "/odom_ground_truth",
+        "/joint_states",
+    }
+    assert set(policies.values()) == {ReliabilityPolicy.RELIABLE}
+
+
+def test_commands_arrive_and_non_finite_ones_are_ignored(nodes: Nodes) -> None:
+    sender = nodes.metrics.create_publisher(TwistMessage, "cmd_vel", 10)
+    nodes.until(lambda: sender.get_subscription_count() > 0)
+    for linear, angular in ((0.3, 0.1), (float("nan"), 0.0), (0.0, float("inf")), (-0.2, 0.0)):
+        message = TwistMessage()
+        message.linear.x, message.angular.z = linear, angular
+        sender.publish(message)
+    nodes.until(lambda: len(nodes.commands) >= 2)
+    assert nodes.commands == [Twist(0.3, 0.1), Twist(-0.2, 0.0)]

@@ -1,0 +1,18 @@
+import numpy as np
+
+from harness.world.world import build_world
+
+
+def test_it_has_the_relief_and_the_grid_of_the_real_yards() -> None:
+    for seed in range(4):
+        ground = build_world("marsyard", seed).ground
+        assert 4.5 < np.ptp(ground.heights) < 6.6
+        assert 47.0 <= 2 * ground.half_size <= 50.0
+        assert ground.cell == 0.1
+
+
+def test_its_craters_lie_below_and_its_hills_above_the_plain() -> None:
+    heights = build_world("marsyard", 0).ground.heights
+    plain = np.median(heights)
+    assert heights.min() < plain - 0.9
+    assert heights.max() > plain + 2.5

@@ -1,0 +1,68 @@
+import math
+
+import numpy as np
+import pytest
+
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.statistics import Promise, TerrainStatistics, measure, residual_rms, slopes
+
+AXIS = np.linspace(-10.0, 10.0, 201)
+X, Y = np.meshgrid(AXIS, AXIS)
+
+
+def test_a_plane_has_its_slope_everywhere_and_no_residual() -> None:
+    ground = Heightfield(0.3 * X - 0.4 * Y, cell=0.1)
+    statistics = measure(ground)
+    assert statistics.slope_p50 == pytest.approx(math.degrees(math.atan(0.5)))
+    assert statistics.slope_p95 == pytest.approx(math.degrees(math.atan(0.5)))
+    assert statistics.rms_1m == pytest.approx(0.0, abs=1e-12)
+    assert statistics.rms_03m == pytest.approx(0.0, abs=1e-12)
+
+
+def test_slopes_of_a_cone_are_those_of_its_side() -> None:
+    measured = slopes(Heightfield(np.hypot(X, Y), cell=0.1))
+    assert np.median(measured) == pytest.approx(45.0, abs=0.1)
+
+
+def test_the_residual_is_the_distance_to_the_best_fit_plane_at_the_window_centre() -> None:
+    heights = np.random.default_rng(0).standard_normal((11, 11))
+    u = np.arange(11) - 5.0
+    columns = [np.ones(121), np.tile(u, 11), np.repeat(u, 11)]
+    plane, *_ = np.linalg.lstsq(np.stack(columns, axis=1), heights.ravel(), rcond=None)
+    expected = abs(heights[5, 5] - plane[0])
+    assert residual_rms(Heightfield(heights, cell=0.1), 1.0) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("window", "vertices"), [(1.0, 121), (0.3, 9)])
+def test_white_noise_loses_only_its_window_mean(window: float, vertices: int) -> None:
+    noise = np.random.default_rng(0).standard_normal((401, 401))
+    expected = math.sqrt(1.0 - 1.0 / vertices)
+    assert residual_rms(Heightfield(noise, cell=0.1), window) == pytest.approx(expected, rel=0.01)
+
+
+def test_density_counts_obstacles_per_square_metre() -> None:
+    rock = Obstacle(kind=ObstacleKind.ROCK, shape="ellipsoid", half_size=(0.1,) * 3, position=(0, 0, 0))
+    assert measure(Heightfield(X, cell=0.1), (rock,) * 40).obstacle_density == pytest.approx(0.1)
+
+
+def test_a_promise_names_what_is_out_of_range() -> None:
+    promise = Promise(
+        slope_p50=(1.0, 2.0),
+        slope_p95=(3.0, 4.0),
+        rms_1m=(0.01, 0.02),
+        rms_03m=(0.0, 0.0),
+        obstacle_density=(0.1, 0.1),
+    )
+    kept = TerrainStatistics(
+        slope_p50=1.0, slope_p95=4.0, rms_1m=0.015, rms_03m=0.0, obstacle_density=0.1
+    )
+    missed = TerrainStatistics(
+        slope_p50=0.9, slope_p95=4.0, rms_1m=0.021, rms_03m=0.0, obstacle_density=0.1
+    )
+    assert promise.broken(kept) == []
+    assert promise.broken(missed) == ["slope_p50", "rms_1m"]
+    assert promise.describe() == (
+        "slope p50 1-2 deg, p95 3-4 deg, roughness 10-20 mm over 1 m, 0 mm over 0.3 m, "
+        "10 obstacles per 100 m2"
+    )

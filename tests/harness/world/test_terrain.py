@@ -1,0 +1,69 @@
+from dataclasses import FrozenInstanceError, dataclass
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from harness.world.fields import Field
+from harness.world.statistics import Promise
+from harness.world.terrain import Terrain, constant, parameter
+from harness.world.terrains.flat import Flat
+
+
+@dataclass(frozen=True, kw_only=True)
+class Noise(Terrain):
+    name: ClassVar[str] = "noise"
+    summary: ClassVar[str] = "white noise"
+    promise: ClassVar[Promise] = Flat.promise
+
+    size: float = constant(12.0, "m")
+    height: float = parameter(0.1, 0.5, 2.0, "m")
+    stones: int = parameter(1, 4, 9, "")
+
+    def heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
+        return self.height * rng.standard_normal(x.shape) - 0.0
+
+
+def test_difficulty_one_half_is_the_default() -> None:
+    assert Noise.at_difficulty(0.5) == Noise()
+
+
+def test_difficulty_moves_parameters_from_easiest_through_default_to_hardest() -> None:
+    heights = [Noise.at_difficulty(d).height for d in (0.0, 0.25, 0.5, 0.75, 1.0)]
+    assert heights == pytest.approx([0.1, 0.3, 0.5, 1.25, 2.0])
+    assert Noise.at_difficulty(1.0).size == 12.0
+
+
+def test_whole_numbers_stay_whole() -> None:
+    stones = Noise.at_difficulty(0.6).stones
+    assert stones == 5
+    assert isinstance(stones, int)
+
+
+def test_a_description_tells_parameters_with_range_and_unit() -> None:
+    assert Noise.describe() == "size 12 m, cell 0.1 m, height 0.5 (0.1..2) m, stones 4 (1..9)"
+
+
+def test_the_grid_has_its_size_and_cell_with_a_vertex_at_the_origin() -> None:
+    ground = Noise(size=6.0, cell=0.05).ground(np.random.default_rng(0))
+    assert ground.heights.shape == (121, 121)
+    assert ground.half_size == pytest.approx(3.0)
+
+
+def test_the_spawn_is_levelled_and_the_rest_is_left_alone() -> None:
+    ground = Noise().ground(np.random.default_rng(0))
+    axis = np.linspace(-6.0, 6.0, 121)
+    distance = np.hypot(*np.meshgrid(axis, axis))
+    assert np.ptp(ground.heights[distance <= 1.0]) == 0.0
+    assert ground.heights[distance > 4.0].std() == pytest.approx(0.5, rel=0.05)
+
+
+def test_heights_are_whole_micrometres_without_negative_zero() -> None:
+    heights = Noise(height=1e-6).ground(np.random.default_rng(0)).heights
+    assert np.array_equal(heights, np.round(heights, 6))
+    assert not np.signbit(heights[heights == 0.0]).any()
+
+
+def test_terrains_are_values_that_cannot_be_changed() -> None:
+    with pytest.raises(FrozenInstanceError):
+        Noise().height = 1.0  # type: ignore[misc]

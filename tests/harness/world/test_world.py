@@ -1,0 +1,68 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.world.heightfield import Heightfield
+from harness.world.terrains import TERRAINS
+from harness.world.world import World, build_world, find_terrain, terrain_hash
+
+
+def test_an_unknown_terrain_is_refused_with_the_names_there_are() -> None:
+    with pytest.raises(UsageError, match=r"'moon' does not exist; available: flat, slope, .*marsyard"):
+        build_world("moon", 0)
+
+
+@pytest.mark.parametrize("difficulty", [-0.01, 1.01, math.nan, math.inf])
+def test_a_difficulty_outside_zero_to_one_is_refused(difficulty: float) -> None:
+    with pytest.raises(UsageError, match="give 0 to 1"):
+        build_world("flat", 0, difficulty)
+
+
+def test_a_negative_seed_is_refused() -> None:
+    with pytest.raises(UsageError, match="from 0 up"):
+        build_world("flat", -1)
+
+
+def test_a_huge_seed_is_a_seed_like_any_other() -> None:
+    assert build_world("rocky", 2**70).seed == 2**70
+
+
+def test_find_terrain_returns_the_class_of_that_name() -> None:
+    assert find_terrain("dunes") is TERRAINS["dunes"]
+
+
+def test_a_world_knows_what_it_was_made_from() -> None:
+    world = build_world("posts", 7, 0.2)
+    assert (world.name, world.seed, world.difficulty) == ("posts", 7, 0.2)
+
+
+def test_terrains_do_not_share_their_hills() -> None:
+    rolling, rocky = (build_world(name, 1).ground.heights.ravel() for name in ("rolling", "rocky"))
+    assert abs(np.corrcoef(rolling, rocky)[0, 1]) < 0.3
+
+
+def _changed_worlds() -> list[World]:
+    world = build_world("rocky", 0)
+    lifted = world.ground.heights.copy()
+    lifted[3, 5] += 1e-9
+    first, *rest = world.obstacles
+    moved = replace(first, position=(0.0, 0.0, 9.0))
+    return [
+        replace(world, ground=Heightfield(lifted, world.ground.cell)),
+        replace(world, ground=Heightfield(world.ground.heights, 0.2)),
+        replace(world, obstacles=(moved, *rest)),
+        replace(world, obstacles=tuple(rest)),
+    ]
+
+
+def test_the_hash_sees_any_change_of_heights_cell_or_obstacles() -> None:
+    hashes = {terrain_hash(w) for w in (build_world("rocky", 0), *_changed_worlds())}
+    assert len(hashes) == 5
+
+
+def test_the_hash_is_that_of_the_first_release() -> None:
+    world = World("tiny", Heightfield(np.array([[0.0, 1.0], [2.0, 3.0]]), 0.5), (), 0, 0.5)
+    assert terrain_hash(world) == ("f91cafbcc7d6b44546109777e32df9c74cf57b0efd8f96507a9350d3a630b206")
