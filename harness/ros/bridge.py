@@ -57,7 +57,7 @@ class Channel:
         self.published += 1
 
 
-class Bridge(Node):
+class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     """Publishes ticks; hands /cmd_vel to `on_command`.
 
     Attributes:

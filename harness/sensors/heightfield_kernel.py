@@ -199,13 +199,12 @@ def _hit_field(
     if begin > end:
         return MISS
     clearance = _clearance(heights, ray, begin)
-    from_outside = over_map[0] > 0.0 and w_begin >= 0.0
-    if clearance == 0.0 or (clearance < 0.0 and from_outside):
-        return begin
+    if clearance < 0.0 and over_map[0] > 0.0 and w_begin >= 0.0:
+        return begin  # a side wall, from outside
     side = 1.0 if clearance > 0.0 else -1.0
     surface = _hit_surface(heights, pyramid, levels, ray, (begin, end), side)
     if surface == MISS and side < 0.0 and end == over_map[1] and ray[2] + end * ray[5] >= 0.0:
-        return end
+        return end  # a side wall, from within
     return min(surface, base)
 
 

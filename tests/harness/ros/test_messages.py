@@ -1,4 +1,5 @@
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,14 +9,14 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 from rclpy.serialization import deserialize_message, serialize_message
 
 from harness import samples
-from harness.robots import LEO, ROVER_ZERO4WD
+from harness.robots import LEO, ROVER_ZERO4WD, RoverSpec
 from harness.ros import messages
 from harness.sensors.lidar import LidarSpec
 
 STAMP_NS = 12_345_678_901
 
 
-def over_the_wire(message: object) -> object:
+def over_the_wire(message: Any) -> Any:  # noqa: ANN401 - any message
     """The message as a subscriber gets it: serialisation is where wrong types turn to garbage."""
     return deserialize_message(serialize_message(message), type(message))
 
@@ -42,9 +43,9 @@ def test_refilling_a_scan_replaces_every_range() -> None:
 
 
 @pytest.mark.parametrize(("rover", "frame"), [(LEO, "imu_frame"), (ROVER_ZERO4WD, "imu_link")])
-def test_imu_arrives_in_the_rovers_frame(rover: object, frame: str) -> None:
+def test_imu_arrives_in_the_rovers_frame(rover: RoverSpec, frame: str) -> None:
     reading = samples.Imu(STAMP_NS, (0.1, 0.2, 0.3, 0.9), (1.0, 2.0, 3.0), (4.0, 5.0, 9.8))
-    imu = over_the_wire(messages.imu(rover)(reading))  # type: ignore[arg-type]  # parametrised
+    imu = over_the_wire(messages.imu(rover)(reading))
     assert imu.header.frame_id == frame
     assert (imu.orientation.x, imu.orientation.w) == (0.1, 0.9)
     assert (imu.angular_velocity.x, imu.angular_velocity.z) == (1.0, 3.0)
@@ -86,5 +87,5 @@ def test_joint_states_name_every_joint() -> None:
 
 
 def test_clock_splits_nanoseconds() -> None:
-    clock = over_the_wire(messages.clock()(STAMP_NS)).clock  # type: ignore[attr-defined]
+    clock = over_the_wire(messages.clock()(STAMP_NS)).clock
     assert (clock.sec, clock.nanosec) == (12, 345_678_901)
