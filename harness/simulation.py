@@ -43,7 +43,8 @@ def parse_timestep(seconds: float) -> int:
     valid = [TICK_NS // n / NANOSECONDS for n in (20, 10, 8, 5, 4, 2)]
     nearest = min(valid, key=lambda v: abs(v - seconds)) if np.isfinite(seconds) else 0.0025
     reason = (
-        "above 5 ms the wheel contacts' 20 ms time constant is too coarsely sampled to be stable"
+        "above 5 ms the wheels' contacts (time constant 20 ms) are sampled too coarsely and the rover "
+        "hops on flat ground"
         if nanoseconds > LARGEST_TIMESTEP_NS
         else "it must divide the 10 ms clock tick"
     )
