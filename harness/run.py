@@ -87,23 +87,30 @@ def _run_through_ros(
 
 
 def _report(result: RunResult, summary: Path | None, stop: StopRequest, console: Console) -> int:
+    """Prints and writes what a run came to; returns the exit code."""
     print_summary(console, result)
-    try:
-        if result.log_path is not None:
-            write_manifest(result, result.log_path.with_suffix(".json"))
-        if summary is not None:
-            write_manifest(result, summary)
-    except HarnessError as error:
-        print(f"harness.run: {error}", file=sys.stderr)
-        return error.exit_code
-    if result.failure is not None:
-        print(f"harness.run: {result.failure}", file=sys.stderr)
-        return 1
+    complaints = [result.failure] if result.failure is not None else []
     if result.lost:
         lost = ", ".join(f"{c.lost} of {t}" for t, c in result.topics.items() if c.lost)
-        print(f"harness.run: messages were lost: {lost}", file=sys.stderr)
-        return 1
-    return stop.exit_code
+        complaints.append(f"messages were lost: {lost}")
+    log_manifest = None if result.log_path is None else result.log_path.with_suffix(".json")
+    complaints += [
+        complaint
+        for path in (log_manifest, summary)
+        if path is not None and (complaint := _write(result, path)) is not None
+    ]
+    for complaint in complaints:
+        print(f"harness.run: {complaint}", file=sys.stderr)
+    return 1 if complaints else stop.exit_code
+
+
+def _write(result: RunResult, path: Path) -> str | None:
+    """Writes the manifest; gives the reason if that fails."""
+    try:
+        write_manifest(result, path)
+    except HarnessError as error:
+        return str(error)
+    return None
 
 
 def _split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:

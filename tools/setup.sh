@@ -43,4 +43,6 @@ fi
 [ -x .venv/bin/python ] || "$python" -m venv $site .venv
 .venv/bin/python -m pip install --quiet --disable-pip-version-check \
     --constraint constraints.txt --editable ".[$extras]"
+# Compiles the lidar's kernels into their cache, so that the first run need not.
+.venv/bin/python -c 'import harness.sensors.lidar'
 touch .venv/.ready

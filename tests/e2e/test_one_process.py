@@ -2,6 +2,12 @@
 
 import csv
 import json
+import select
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -57,3 +63,35 @@ def test_remapped_topics_and_node_parameters_work_the_ros_way(tmp_path: Path) ->
     manifest = json.loads(log.with_suffix(".json").read_text())
     assert manifest["topics"]["/front/scan"] == {"published": 60, "received": 60, "lost": 0}
     assert manifest["last_row"]["Total Collisions"] == 60
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_ctrl_c_keeps_the_rows_prints_the_summary_and_exits_130(tmp_path: Path) -> None:
+    words = [sys.executable, "-m", "harness.run", "--duration", "36000", "--log-dir", str(tmp_path)]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        try:
+            poll_until(lambda: sum(len(log.read_bytes().splitlines()) for log in logs(tmp_path)) > 5)
+            process.send_signal(signal.SIGINT)
+            told, _ = process.communicate(timeout=60)
+        finally:
+            process.kill()
+    assert process.returncode == 130, told
+    assert "Traceback" not in told
+    assert " 0 lost" in told
+    (log,) = logs(tmp_path)
+    assert log.read_bytes().endswith(b"Normal operation\r\n")
+    manifest = json.loads(log.with_suffix(".json").read_text())
+    assert manifest["outcome"] == {"status": "interrupted", "reason": "SIGINT"}
+    assert manifest["rows"] == len(log.read_bytes().splitlines()) - 1
+
+
+def logs(log_dir: Path) -> list[Path]:
+    return list(log_dir.glob("*.csv"))
+
+
+def poll_until(condition: Callable[[], bool]) -> None:
+    """Waits for another process to make a condition true."""
+    deadline = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < deadline, "the condition did not come true"
+        select.select([], [], [], 0.02)
