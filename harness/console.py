@@ -1,6 +1,7 @@
 """What a run shows on the terminal: a live progress line, then one summary table."""
 
 import math
+from typing import Self
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn
@@ -30,15 +31,15 @@ class RunProgress:
             title, total=total_s, factor=0.0, distance=0.0, messages=0
         )
 
-    def __enter__(self) -> "RunProgress":
-        self._bar.start()
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         self._bar.stop()
 
     def show(self, progress: result.Progress) -> None:
-        """Moves the bar."""
+        """Moves the bar; it appears with the first call, below what nodes say as they start."""
+        self._bar.start()
         self._bar.update(
             self._task,
             completed=progress.simulated_s,

@@ -11,6 +11,7 @@ import signal
 import traceback
 from collections.abc import Iterator
 from dataclasses import dataclass
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from types import TracebackType
 from typing import Self
@@ -104,7 +105,8 @@ class EpisodeProcess:
 
 @contextlib.contextmanager
 def _interrupts_held_back() -> Iterator[None]:
-    """Lets a child inherit a blocked SIGINT: Ctrl-C is the parent's to handle."""
+    """Lets a child inherit a blocked SIGINT: Ctrl-C goes to the whole group, but is the parent's."""
+    resource_tracker.ensure_running()  # else the child's start would start it, and that unblocks
     previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import select
 import signal
 import subprocess
@@ -68,10 +69,12 @@ def test_remapped_topics_and_node_parameters_work_the_ros_way(tmp_path: Path) ->
 @pytest.mark.usefixtures("ros_domain")
 def test_ctrl_c_keeps_the_rows_prints_the_summary_and_exits_130(tmp_path: Path) -> None:
     words = [sys.executable, "-m", "harness.run", "--duration", "36000", "--log-dir", str(tmp_path)]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+    with subprocess.Popen(
+        words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
+    ) as process:
         try:
             poll_until(lambda: sum(len(log.read_bytes().splitlines()) for log in logs(tmp_path)) > 5)
-            process.send_signal(signal.SIGINT)
+            os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to every process of the run
             told, _ = process.communicate(timeout=60)
         finally:
             process.kill()
