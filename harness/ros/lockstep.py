@@ -10,11 +10,16 @@ from typing import Protocol
 
 from rclpy.executors import Executor
 
+from harness.errors import RunFailed
 from harness.ros.bridge import Bridge
 from harness.ros.executor import SPIN_TIMEOUT
 from harness.samples import Tick
 from rover_metrics.metrics_node import LOG_PERIOD, MetricsNode
 
+SECOND_PUBLISHER = (
+    "has a second publisher: what it sends would be logged as this run's; "
+    "give each run a ROS_DOMAIN_ID of its own (0 to 101)"
+)
 PATIENCE = 10.0  # [s] of wall time without any progress before messages are given up
 LOG_PERIOD_NS = round(LOG_PERIOD * 1e9)
 
@@ -77,31 +82,49 @@ class HostedMetrics:
         return handled | {self._clock_topic: self.clock_received}
 
     def wait_for_samples(self) -> None:
-        """Spins until the counts agree; gives up what does not come."""
+        """Spins until the counts agree; gives up what does not come.
+
+        Raises:
+            RunFailed: Messages arrived that this run did not send.
+        """
         deadline = time.monotonic() + PATIENCE
-        while self._missing():
+        while self._outstanding():
             if time.monotonic() > deadline:
                 self._give_up()
                 return
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
 
     def wait_for_clock(self, stamp_ns: int) -> None:
-        """Spins until the node's clock shows the time and the row due by then is written."""
+        """Spins until the node's clock shows the time and the row due by then is written.
+
+        Raises:
+            RunFailed: Somebody else sets the clock too.
+        """
         rows_due = stamp_ns // LOG_PERIOD_NS
         deadline = time.monotonic() + PATIENCE
-        while self._clock.now().nanoseconds < stamp_ns or self._rows_tried() < rows_due:
+        while (now_ns := self._clock.now().nanoseconds) < stamp_ns or self._rows_tried() < rows_due:
             if time.monotonic() > deadline:
                 self.lost[self._clock_topic] += 1
                 return
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+        if now_ns > stamp_ns:
+            raise RunFailed(f"{self._clock_topic} {SECOND_PUBLISHER}")
         self.clock_received += 1
+        self._outstanding()  # a stranger's message stood for one of ours until all had arrived
 
     def _rows_tried(self) -> int:
         return self._node.rows + self._node.lost_rows
 
-    def _missing(self) -> bool:
+    def _outstanding(self) -> bool:
         received, lost = self._node.received, self.lost
-        return any(c.published > received[c.topic] + lost[c.topic] for c in self._channels)
+        outstanding = False
+        for channel in self._channels:
+            topic = channel.topic
+            missing = channel.published - received[topic] - lost[topic]
+            if missing < 0:
+                raise RunFailed(f"{topic} {SECOND_PUBLISHER}")
+            outstanding |= missing > 0
+        return outstanding
 
     def _give_up(self) -> None:
         for channel in self._channels:

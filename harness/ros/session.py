@@ -21,7 +21,7 @@ from harness.result import Progress, RunResult, TopicCount
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.executor import make_executor, spin_until
-from harness.ros.lockstep import HostedMetrics, Listener, LockStep
+from harness.ros.lockstep import SECOND_PUBLISHER, HostedMetrics, Listener, LockStep
 from harness.ros.remote import RemoteNode
 from harness.sensors.lidar import LidarSpec
 from harness.simulation import NANOSECONDS
@@ -101,6 +101,7 @@ class _Run:
             self._executor.add_node(self._node)
             self._hosted = HostedMetrics(self._bridge, self._executor, self._node)
             _await_match(self._bridge, self._executor, self._hosted.topics)
+            _refuse_other_publishers(self._bridge, self._hosted.topics)
         self._remotes = [RemoteNode(name, self._bridge, self._executor) for name in options.wait_for]
 
     def drive(self, stop: StopRequest, show: Callable[[Progress], None], started: float) -> RunResult:
@@ -157,6 +158,9 @@ class _Run:
                 lost = max(topics[topic].lost, topics[topic].published - received)
                 topics[topic] = replace(topics[topic], received=received, lost=lost)
         result = replace(result, topics=topics)
+        foreign = [t for t, c in topics.items() if c.received is not None and c.received > c.published]
+        if foreign and result.failure is None:
+            result = replace(result, failure=f"{foreign[0]} {SECOND_PUBLISHER}")
         if self._node is None:
             return result
         row, lost_rows = self._node.last_row, self._node.lost_rows
@@ -216,3 +220,10 @@ def _await_match(bridge: Bridge, executor: Executor, topics: tuple[str, ...]) ->
             "is ROS_AUTOMATIC_DISCOVERY_RANGE=OFF set, or a firewall on the loopback device?"
         )
         raise UsageError(message)
+
+
+def _refuse_other_publishers(bridge: Bridge, topics: tuple[str, ...]) -> None:
+    """Another harness or simulator would mix into the log; what starts later is caught in lock-step."""
+    for topic in (*topics, bridge.clock_channel.topic):
+        if bridge.count_publishers(topic) > 1:
+            raise UsageError(f"{topic} {SECOND_PUBLISHER}")

@@ -5,10 +5,14 @@ import pytest
 
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
+from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Twist as TwistMessage
 from rclpy.parameter import Parameter
 from rclpy.qos import ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Imu as ImuMessage
 
+from harness.errors import RunFailed
 from harness.robots import LEO
 from harness.ros import lockstep
 from harness.ros.bridge import Bridge
@@ -116,3 +120,25 @@ def test_commands_arrive_and_non_finite_ones_are_ignored(nodes: Nodes) -> None:
         sender.publish(message)
     nodes.until(lambda: len(nodes.commands) >= 2)
     assert nodes.commands == [Twist(0.3, 0.1), Twist(-0.2, 0.0)]
+
+
+def test_second_publisher_of_a_topic_fails_the_run(nodes: Nodes) -> None:
+    step = LockStep(nodes.bridge, nodes.executor, (nodes.hosted,))
+    step.advance(tick(1))
+    intruder = nodes.metrics.create_publisher(ImuMessage, "imu/data", 10)
+    nodes.until(lambda: intruder.get_subscription_count() > 0)
+    intruder.publish(ImuMessage())
+    nodes.until(lambda: nodes.metrics.received["/imu/data"] > 1)
+    with pytest.raises(RunFailed, match=r"/imu/data has a second publisher.*ROS_DOMAIN_ID"):
+        step.advance(tick(2))
+
+
+def test_second_clock_fails_the_run(nodes: Nodes) -> None:
+    step = LockStep(nodes.bridge, nodes.executor, (nodes.hosted,))
+    step.advance(tick(1))
+    intruder = nodes.metrics.create_publisher(Clock, "/clock", 10)
+    nodes.until(lambda: intruder.get_subscription_count() > 0)
+    intruder.publish(Clock(clock=Time(sec=99)))
+    nodes.until(lambda: nodes.metrics.get_clock().now().nanoseconds > 10**9)
+    with pytest.raises(RunFailed, match=r"/clock has a second publisher"):
+        nodes.hosted.wait_for_clock(2 * TICK_NS)
