@@ -1,0 +1,81 @@
+"""The first line of a log, and what is wrong with a file that cannot be a log."""
+
+import csv
+import os
+from pathlib import Path
+
+from rover_metrics.analysis.metric import METRIC_COLUMNS, STAMP
+from rover_metrics.errors import RoverMetricsError
+
+_LONGEST_HEADER = 1 << 16  # bytes
+_MOST_SHOWN = 60  # characters
+
+
+class UnreadableLog(RoverMetricsError):
+    """A file that is no metrics log; the message says why, without the path."""
+
+    exit_code = 1
+
+
+def read_header(path: Path) -> list[str]:
+    """Read the column names of a log.
+
+    Args:
+        path: A regular file.
+
+    Returns:
+        The names without surrounding spaces, in the order of the file.
+
+    Raises:
+        UnreadableLog: There is no such file, or it does not begin like a metrics log.
+    """
+    _check_is_file(path)
+    try:
+        with path.open("rb") as file:
+            first = file.readline(_LONGEST_HEADER)
+            has_rows = bool(file.read(1))
+    except OSError as error:
+        raise UnreadableLog(f"cannot be read: {error.strerror}") from error
+    if not first.strip():
+        raise UnreadableLog(
+            "the file is empty" if not has_rows else "the first line is not a header but blank"
+        )
+    text = first.decode("utf-8-sig", errors="replace").rstrip("\r\n")
+    names = [name.strip() for name in next(csv.reader([text], strict=False))]
+    _check_names(names, text)
+    if not has_rows:
+        raise UnreadableLog("there is a header but no row")
+    return names
+
+
+def _check_is_file(path: Path) -> None:
+    try:
+        if path.is_dir():
+            raise UnreadableLog("this is a folder; name the CSV files in it")
+        if not path.exists():
+            raise UnreadableLog("there is no such file")
+        if not path.is_file():
+            raise UnreadableLog("this is not a regular file")
+        if not os.access(path, os.R_OK):
+            raise UnreadableLog("cannot be read: permission denied")
+    except (OSError, ValueError) as error:  # a name too long, or with a NUL
+        raise UnreadableLog(f"cannot be read: {getattr(error, 'strerror', None) or error}") from error
+
+
+def _check_names(names: list[str], text: str) -> None:
+    known = [name for name in names if name == STAMP or name in METRIC_COLUMNS]
+    twice = sorted({name for name in known if known.count(name) > 1})
+    if twice:
+        raise UnreadableLog(f"the header names {', '.join(twice)} more than once")
+    if STAMP in known and len(known) > 1:
+        return
+    if not known:
+        raise UnreadableLog(f"the first line is not the header of a metrics log but {shown(text)}")
+    missing = STAMP if STAMP not in known else f"any of {', '.join(METRIC_COLUMNS)}"
+    raise UnreadableLog(f"the header lacks {missing}")
+
+
+def shown(text: str) -> str:
+    """Quote a piece of a file on one line, shortened and with control characters escaped."""
+    cut = text if len(text) <= _MOST_SHOWN else text[:_MOST_SHOWN] + "..."
+    return repr(cut)

@@ -1,0 +1,87 @@
+"""The metrics of a log by the codes of RoboTerrain's metrics_analyzer, and how each is reported."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from types import MappingProxyType
+
+STAMP = "Timestamp"
+ROUGH = "Is Rough Terrain"
+DISTANCE = "Distance Traveled"
+
+
+class Kind(Enum):
+    """What a column holds, and so what can be said of it.
+
+    LEVEL is a value of its own in each row. COUNTER only grows, so its rows say little and its rate
+    per minute says all. FLAG is 0 or 1 and is reported as the share of rows that are 1, in percent.
+    """
+
+    LEVEL = "level"
+    COUNTER = "counter"
+    FLAG = "flag"
+
+
+@dataclass(frozen=True)
+class Metric:
+    """One metric.
+
+    Attributes:
+        code: RoboTerrain's short name.
+        column: Column of the log.
+        title: What is reported, for tables and axes.
+        unit: Unit of what is reported.
+        kind: How the column is read.
+        thresholds: Names in thresholds.py that bound this very quantity.
+        rough_only: Whether only rows with Is Rough Terrain = 1 count.
+    """
+
+    code: str
+    column: str
+    title: str
+    unit: str
+    kind: Kind = Kind.LEVEL
+    thresholds: tuple[str, ...] = ()
+    rough_only: bool = False
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The columns that a log must have for this metric."""
+        return (self.column, ROUGH) if self.rough_only else (self.column,)
+
+    @property
+    def per_metre(self) -> bool:
+        """Whether a rate per metre driven makes sense beside the rate per minute."""
+        return self.kind is Kind.COUNTER and self.column != DISTANCE
+
+
+_ALL = (
+    Metric("TC", "Total Collisions", "Collisions", "scans/min", Kind.COUNTER),
+    Metric("CS", "Current Collision Status", "Time in collision", "% of rows", Kind.FLAG),
+    Metric("SM", "Smoothness Metric", "Smoothness sum", "(m/s² + rad/s)/min", Kind.COUNTER),
+    Metric(
+        "OC",
+        "Obstacle Clearance",
+        "Obstacle clearance",
+        "m",
+        thresholds=("collision_threshold", "min_safe_clearance"),
+    ),
+    Metric("DT", DISTANCE, "Distance traveled", "m/min", Kind.COUNTER),
+    Metric("CV", "Current Velocity", "Current velocity", "m/s"),
+    Metric("VORT", "Current Velocity", "Velocity over rough terrain", "m/s", rough_only=True),
+    Metric(
+        "IM",
+        "IMU Acceleration Magnitude",
+        "IMU acceleration",
+        "m/s²",
+        thresholds=("rough_terrain_threshold",),
+    ),
+    Metric("RT", ROUGH, "Time on rough terrain", "% of rows", Kind.FLAG),
+    Metric("VR", "Vertical Roughness", "Vertical roughness", "m/s²"),
+)
+
+METRICS: Mapping[str, Metric] = MappingProxyType({metric.code: metric for metric in _ALL})
+
+COUNTERS = tuple(metric.column for metric in _ALL if metric.kind is Kind.COUNTER)
+FLAGS = tuple(metric.column for metric in _ALL if metric.kind is Kind.FLAG)
+METRIC_COLUMNS = tuple(dict.fromkeys(metric.column for metric in _ALL))

@@ -1,0 +1,120 @@
+"""From a study to its result: every number there is to report. No file, no plot, no print."""
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+
+import numpy as np
+
+from rover_metrics.analysis.comparison import Comparison, compare
+from rover_metrics.analysis.correlation import Correlation, combine, correlate
+from rover_metrics.analysis.log import Log
+from rover_metrics.analysis.metric import Metric
+from rover_metrics.analysis.multiple import holm
+from rover_metrics.analysis.outliers import outliers
+from rover_metrics.analysis.result import LogResult, Result
+from rover_metrics.analysis.series import metric_series, rate_per_metre
+from rover_metrics.analysis.study import Member, Study
+from rover_metrics.analysis.summary import Summary, summarise, summarise_independent
+
+_MOST_CORRELATED = 200_000  # rows; of longer logs every k-th is taken, as neighbours say little new
+
+
+def analyse(study: Study) -> Result:
+    """Work out everything there is to say in numbers."""
+    options = study.options
+    logs = tuple(_log_result(study, member) for member in study.members)
+    return Result(
+        confidence=options.confidence,
+        outliers_removed=options.remove_outliers,
+        iqr_multiplier=options.iqr_multiplier,
+        unit=options.unit,
+        groups=study.groups,
+        logs=logs,
+        across={group: _across(study, logs, group) for group in study.groups},
+        correlations=_combined([log.correlations for log in logs]),
+        comparisons=_comparisons(study),
+    )
+
+
+def _log_result(study: Study, member: Member) -> LogResult:
+    log, options = member.log, study.options
+    metrics = [metric for metric in options.metrics if log.has(metric)]
+    summaries: dict[str, Summary] = {}
+    counts: dict[str, int] = {}
+    per_metre: dict[str, float] = {}
+    for metric in metrics:
+        raw = metric_series(log, metric)
+        counts[metric.code] = int(outliers(raw, metric.kind, options.iqr_multiplier).sum())
+        values, weights = study.series(log, metric).finite()
+        summaries[metric.code] = summarise(values, weights, metric.kind, options.confidence)
+        ratio = rate_per_metre(log, metric)
+        if ratio is not None:
+            per_metre[metric.code] = ratio
+    return LogResult(
+        label=member.label,
+        path=str(log.path),
+        group=member.group,
+        rows=len(log),
+        duration=log.duration,
+        episodes=len(log.starts),
+        findings=log.findings,
+        metrics=summaries,
+        per_metre=per_metre,
+        outliers=counts,
+        correlations=_correlations(study, log, metrics) if options.correlate else (),
+    )
+
+
+def _correlations(study: Study, log: Log, metrics: Sequence[Metric]) -> tuple[Correlation, ...]:
+    """Correlate each pair of metrics, but not two views of one column."""
+    step = max(1, len(log) // _MOST_CORRELATED)
+    values = {metric.code: study.series(log, metric).values[::step].copy() for metric in metrics}
+    found = [
+        correlate(a.code, b.code, values[a.code], values[b.code])
+        for a, b in combinations(metrics, 2)
+        if a.column != b.column
+    ]
+    return _with_holm([correlation for correlation in found if correlation is not None])
+
+
+def _combined(per_log: Sequence[Sequence[Correlation]]) -> tuple[Correlation, ...]:
+    pairs: dict[tuple[str, str], list[Correlation]] = {}
+    for correlations in per_log:
+        for correlation in correlations:
+            pairs.setdefault((correlation.first, correlation.second), []).append(correlation)
+    return _with_holm([combine(parts) for parts in pairs.values()])
+
+
+def _with_holm(found: Sequence[Correlation]) -> tuple[Correlation, ...]:
+    adjusted = holm([correlation.p for correlation in found])
+    return tuple(correlation.adjusted(p) for correlation, p in zip(found, adjusted, strict=True))
+
+
+def _across(study: Study, logs: Sequence[LogResult], group: str) -> Mapping[str, Summary]:
+    """Sum up the means of a group's logs, each log one observation."""
+    across = {}
+    for metric in study.options.metrics:
+        summaries = [
+            log.metrics[metric.code] for log in logs if log.group == group and metric.code in log.metrics
+        ]
+        means = [summary.mean for summary in summaries if summary.mean is not None]
+        across[metric.code] = summarise_independent(
+            np.array(means, np.float64), metric.kind, study.options.confidence
+        )
+    return across
+
+
+def _comparisons(study: Study) -> tuple[Comparison, ...]:
+    if len(study.groups) != 2:
+        return ()
+    found = [
+        compare(
+            metric.code,
+            study.observations(metric, study.groups[0]),
+            study.observations(metric, study.groups[1]),
+            study.options.confidence,
+        )
+        for metric in study.options.metrics
+    ]
+    adjusted = holm([comparison.p for comparison in found])
+    return tuple(comparison.adjusted(p) for comparison, p in zip(found, adjusted, strict=True))

@@ -1,0 +1,116 @@
+"""What is written to the output folder. File names come from metrics, never from the names of logs."""
+
+import csv
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Literal, get_args
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rover_metrics.analysis.outliers import outliers
+from rover_metrics.analysis.plots.aggregate import draw_aggregate
+from rover_metrics.analysis.plots.comparison import draw_comparison
+from rover_metrics.analysis.plots.correlation import draw_correlation
+from rover_metrics.analysis.plots.style import save, styled
+from rover_metrics.analysis.plots.time_series import draw_time_series
+from rover_metrics.analysis.result import Result
+from rover_metrics.analysis.series import metric_series
+from rover_metrics.analysis.study import Study
+from rover_metrics.analysis.time_axis import TimeAxis
+from rover_metrics.errors import RoverMetricsError
+
+PlotName = Literal["time_series", "correlation", "aggregate", "comparison"]
+PLOTS: tuple[PlotName, ...] = get_args(PlotName)
+
+
+class OutputError(RoverMetricsError):
+    """The output folder cannot be created or written."""
+
+
+def prepare_folder(folder: Path) -> None:
+    """Create the output folder.
+
+    Raises:
+        OutputError: It cannot be created.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise _output_error(folder, error) from error
+
+
+def save_plots(
+    study: Study,
+    result: Result,
+    plots: Sequence[PlotName],
+    folder: Path,
+    axis: TimeAxis,
+) -> list[Path]:
+    """Draw and write the plots asked for.
+
+    Returns:
+        The files, two a figure.
+
+    Raises:
+        OutputError: A file cannot be written.
+    """
+    files: list[Path] = []
+    with styled():
+        for name, figure in _figures(study, result, plots, axis):
+            if figure is not None:
+                try:
+                    files += save(figure, folder, name)
+                except OSError as error:
+                    raise _output_error(folder, error) from error
+    return files
+
+
+def _figures(
+    study: Study, result: Result, plots: Sequence[PlotName], axis: TimeAxis
+) -> Iterator[tuple[str, Figure | None]]:
+    """Draw one figure at a time, so that no more than one is in memory."""
+    options = study.options
+    if "time_series" in plots:
+        for metric in options.metrics:
+            yield f"time_series_{metric.code}", draw_time_series(study, metric, axis)
+    if "correlation" in plots:
+        alpha = 1 - options.confidence
+        yield "correlation", draw_correlation(result.correlations, options.metrics, alpha)
+    if "aggregate" in plots:
+        yield "aggregate", draw_aggregate(study, axis)
+    if "comparison" in plots:
+        yield "comparison", draw_comparison(study, result)
+
+
+def save_outliers(study: Study, folder: Path) -> Path:
+    """Write every outlier of every log to outliers.csv: log, path, time, metric, value, unit.
+
+    Raises:
+        OutputError: The file cannot be written.
+    """
+    path = folder / "outliers.csv"
+    try:
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(("Log", "Path", "Timestamp", "Metric", "Value", "Unit"))
+            writer.writerows(_outlier_rows(study))
+    except OSError as error:
+        raise _output_error(folder, error) from error
+    return path
+
+
+def _outlier_rows(study: Study) -> Iterator[tuple[str, str, float, str, float, str]]:
+    for member in study.members:
+        for metric in study.options.metrics:
+            if member.log.has(metric):
+                series = metric_series(member.log, metric)
+                marked = outliers(series, metric.kind, study.options.iqr_multiplier)
+                for row in np.flatnonzero(marked):
+                    stamp, value = float(member.log.stamps[row]), round(float(series.values[row]), 6)
+                    yield member.label, str(member.log.path), stamp, metric.code, value, metric.unit
+
+
+def _output_error(folder: Path, error: Exception) -> OutputError:
+    reason = error.strerror if isinstance(error, OSError) else str(error)
+    return OutputError(f"cannot write to {folder}: {reason}; choose another folder with -o")

@@ -1,0 +1,101 @@
+"""How every figure looks: fonts, colours that the colour-blind tell apart, thresholds, wording."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rover_metrics.analysis.metric import Metric
+from rover_metrics.thresholds import THRESHOLD_INFO
+
+# Okabe & Ito (2008), without the yellow, which paper swallows; black is for thresholds and text.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+LINES = ("-", "--", "-.", (0, (1, 1.2)), (0, (5, 1, 1, 1, 1, 1)))
+MARKERS = ("o", "s", "^", "D", "v", "P")
+THRESHOLD_LINE = "#333333"
+WIDTH = 7.2  # inches, a text column of A4
+DPI = 200
+
+_STYLE: Any = {  # not Mapping[str, Any]: matplotlib lists every key in its type
+    "font.size": 9,
+    "axes.titlesize": 9.5,
+    "axes.labelsize": 9,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "legend.fontsize": 8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "lines.linewidth": 1.5,
+    "legend.frameon": False,
+    "pdf.fonttype": 42,  # text stays text
+    "svg.fonttype": "none",
+    "text.parse_math": False,  # a $ in a file name is a $
+}
+
+
+def look(number: int) -> dict[str, Any]:
+    """Give colour and line style of the n-th curve; thirty differ."""
+    return {
+        "color": COLOURS[number % len(COLOURS)],
+        "linestyle": LINES[(number + number // len(COLOURS)) % len(LINES)],
+    }
+
+
+def styled() -> Any:  # noqa: ANN401  # matplotlib's own context manager type is private
+    """Give the context in which figures are to be drawn."""
+    return mpl.rc_context(_STYLE)
+
+
+def axis_label(metric: Metric) -> str:
+    """Name what an axis shows, with its unit."""
+    return f"{metric.title} [{metric.unit}]"
+
+
+def draw_thresholds(axes: Axes, metric: Metric) -> None:
+    """Draw the thresholds that bound a metric and say which they are, one at each end."""
+    for name, dash, end in zip(metric.thresholds, ("--", ":"), ("right", "left"), strict=False):
+        info = THRESHOLD_INFO[name]
+        axes.axhline(info.default, color=THRESHOLD_LINE, linewidth=1.0, linestyle=dash, zorder=1.5)
+        axes.annotate(
+            f" {name.replace('_', ' ')} {info.default:g} {info.unit.replace('^2', '²')} ",
+            (1.0 if end == "right" else 0.0, info.default),
+            xycoords=("axes fraction", "data"),
+            xytext=(0, 1.5),
+            textcoords="offset points",
+            ha=end,
+            va="bottom",
+            fontsize=7.5,
+            color=THRESHOLD_LINE,
+            bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.5},
+            zorder=4,
+        )
+
+
+def save(figure: Figure, folder: Path, name: str) -> list[Path]:
+    """Write a figure as PNG and PDF.
+
+    Args:
+        figure: What to write.
+        folder: Must exist.
+        name: File name without an extension; never made from the name of a log.
+
+    Returns:
+        The files.
+    """
+    paths = [folder / f"{name}.png", folder / f"{name}.pdf"]
+    figure.savefig(paths[0], dpi=DPI)
+    figure.savefig(paths[1], metadata={"CreationDate": None})  # same log, same bytes
+    return paths
+
+
+def legend_columns(labels: Sequence[str]) -> int:
+    """Give how many legend columns fit the width of a figure."""
+    longest = max((len(label) for label in labels), default=1)
+    return max(1, min(len(labels), int(95 / (longest + 8))))

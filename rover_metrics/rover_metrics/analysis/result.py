@@ -1,0 +1,110 @@
+"""The outcome of an analysis as values, which print themselves and turn into JSON."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
+
+from rich.console import Console, ConsoleOptions, RenderResult
+
+from rover_metrics.analysis import tables
+from rover_metrics.analysis.comparison import Comparison
+from rover_metrics.analysis.correlation import Correlation
+from rover_metrics.analysis.summary import Summary
+
+Unit = Literal["log", "episode"]
+
+
+@dataclass(frozen=True)
+class LogResult:
+    """What there is to say of one log.
+
+    Attributes:
+        label: Short name, unique among the logs.
+        path: Where it was read from.
+        group: Name of its group.
+        rows: Usable rows.
+        duration: Time logged [s].
+        episodes: How many.
+        findings: What was odd about the file.
+        metrics: By code; a metric the log has no column for is missing.
+        per_metre: Rates per metre driven, by code, where they make sense.
+        outliers: Values beyond the fences, by code.
+        correlations: Pairs of metrics.
+    """
+
+    label: str
+    path: str
+    group: str
+    rows: int
+    duration: float
+    episodes: int
+    findings: tuple[str, ...]
+    metrics: Mapping[str, Summary]
+    per_metre: Mapping[str, float]
+    outliers: Mapping[str, int]
+    correlations: tuple[Correlation, ...]
+
+
+@dataclass(frozen=True)
+class Skipped:
+    """A file that could not be analysed, and why."""
+
+    path: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Result:
+    """The outcome of an analysis.
+
+    Attributes:
+        confidence: Level of every interval.
+        outliers_removed: Whether values beyond the fences were left out.
+        iqr_multiplier: Where the fences stand.
+        unit: What was one observation in the comparison.
+        groups: Names of the groups: one, or two that are compared.
+        logs: One by one.
+        across: By group and code, the means of the logs as independent observations.
+        correlations: Combined over the logs.
+        comparisons: Second group against the first, one a metric.
+        skipped: Files that could not be analysed.
+        files: What was written.
+    """
+
+    confidence: float
+    outliers_removed: bool
+    iqr_multiplier: float
+    unit: Unit
+    groups: tuple[str, ...]
+    logs: tuple[LogResult, ...]
+    across: Mapping[str, Mapping[str, Summary]]
+    correlations: tuple[Correlation, ...]
+    comparisons: tuple[Comparison, ...] = ()
+    skipped: tuple[Skipped, ...] = ()
+    files: tuple[str, ...] = field(default=())
+
+    def to_json(self) -> str:
+        """Give everything as strict JSON; a number that does not exist is null."""
+        return json.dumps(_plain(asdict(self)), indent=2, ensure_ascii=False, allow_nan=False)
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        for log in self.logs:
+            yield from tables.log_tables(self, log, options.max_width)
+        if len(self.logs) > 1:
+            yield from tables.across_tables(self, options.max_width)
+        if self.correlations:
+            yield from tables.correlation_table(self)
+        if self.comparisons:
+            yield from tables.comparison_tables(self, options.max_width)
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401  # whatever a dataclass holds
+    if isinstance(value, Mapping):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

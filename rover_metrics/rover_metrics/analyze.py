@@ -1,0 +1,139 @@
+"""Command: statistics and plots of metrics logs.
+
+    python -m rover_metrics.analyze LOG... [-m CODE...] [-p PLOT...] [--versus LOG...]
+
+Parses, calls, prints; the work is in rover_metrics.analysis. Needs no ROS.
+"""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from rich.console import Console
+
+from rover_metrics.analysis.header import UnreadableLog
+from rover_metrics.analysis.labels import labels
+from rover_metrics.analysis.log import Log
+from rover_metrics.analysis.metric import METRICS, Metric
+from rover_metrics.analysis.options import parse
+from rover_metrics.analysis.outcome import analyse
+from rover_metrics.analysis.output import prepare_folder, save_outliers, save_plots
+from rover_metrics.analysis.reading import read_log
+from rover_metrics.analysis.result import Result, Skipped
+from rover_metrics.analysis.study import Member, Options, Study
+from rover_metrics.analysis.time_axis import TimeAxis
+from rover_metrics.errors import RoverMetricsError
+
+_PRINTED_WIDTH = 160  # columns, where the output is not a terminal
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command.
+
+    Args:
+        arguments: Words of the command line; sys.argv if None.
+
+    Returns:
+        Exit code: 0 if every log was analysed, 1 if any was skipped, 2 after a known mistake.
+    """
+    try:
+        return _run(parse(arguments))
+    except RoverMetricsError as error:
+        _tell(str(error))
+        return error.exit_code
+    except BrokenPipeError:  # piped into head
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def _run(options: argparse.Namespace) -> int:
+    study, skipped = _read(options)
+    if not study.members:
+        return UnreadableLog.exit_code
+    if options.plots or options.save_outliers:
+        prepare_folder(options.output)  # before the work, which may take a while
+    result = replace(analyse(study), skipped=tuple(skipped))
+    result = replace(result, files=tuple(map(str, _write(study, result, options))))
+    _show(result, as_json=options.json)
+    return UnreadableLog.exit_code if skipped else 0
+
+
+def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped]]:
+    """Read every log that can be read, and tell which cannot."""
+    metrics = tuple(METRICS[code] for code in options.metrics)
+    groups = tuple(options.group_names) if options.versus else ("all logs",)
+    members: list[tuple[Log, str]] = []
+    skipped: list[Skipped] = []
+    for group, paths in zip(groups, (options.logs, options.versus), strict=False):
+        for path in _unique(paths):
+            log = _read_one(path, metrics, options.gap)
+            if isinstance(log, Skipped):
+                skipped.append(log)
+            else:
+                members.append((log, group))
+    names = labels([log.path for log, _ in members])
+    chosen = Options(
+        metrics=metrics,
+        confidence=options.confidence_level,
+        iqr_multiplier=options.iqr_multiplier,
+        remove_outliers=options.remove_outliers,
+        unit=options.unit,
+        correlate="correlation" in options.plots,
+    )
+    named = zip(members, names, strict=True)
+    return Study(
+        tuple(Member(log, name, group) for (log, group), name in named), groups, chosen
+    ), skipped
+
+
+def _read_one(path: Path, metrics: Sequence[Metric], gap: float) -> Log | Skipped:
+    try:
+        return read_log(path, metrics, gap)
+    except UnreadableLog as error:
+        _tell(f"skipped {path}: {error}")
+        return Skipped(str(path), str(error))
+
+
+def _unique(paths: Sequence[Path]) -> list[Path]:
+    """Leave out a file that is named again, which would count twice."""
+    different: dict[Path, Path] = {}
+    for path in paths:
+        if path.resolve() in different:
+            _tell(f"{path} is named more than once and counts once")
+        different.setdefault(path.resolve(), path)
+    return list(different.values())
+
+
+def _write(study: Study, result: Result, options: argparse.Namespace) -> list[Path]:
+    files = save_plots(
+        study, result, options.plots, options.output, TimeAxis(options.normalize, options.fixed_interval)
+    )
+    if options.save_outliers:
+        files.append(save_outliers(study, options.output))
+    return files
+
+
+def _show(result: Result, *, as_json: bool) -> None:
+    if as_json:
+        print(result.to_json())
+        return
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console.width = _PRINTED_WIDTH
+    console.print(result)
+    if result.files:
+        folder = Path(result.files[0]).parent
+        console.print(f"{len(result.files)} files in {folder}", markup=False, soft_wrap=True)
+
+
+def _tell(message: str) -> None:
+    """Print one line to stderr; a file name cannot make it two."""
+    line = "".join(letter if letter.isprintable() else "?" for letter in message)
+    print(f"analyze: {line}", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

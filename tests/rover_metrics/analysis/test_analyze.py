@@ -1,0 +1,335 @@
+"""The command, from its words to what it prints and writes."""
+
+import csv
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rover_metrics.analyze import main
+
+Row = Callable[..., str]
+WriteLog = Callable[..., Path]
+Run = Callable[..., tuple[int, str, str]]
+
+PNG = b"\x89PNG"
+
+
+@pytest.fixture
+def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Run the command with an output folder of its own; gives exit code, stdout, stderr."""
+
+    def call(*words: object) -> tuple[int, str, str]:
+        given = [str(word) for word in words]
+        output = [] if "-o" in given else ["-o", str(tmp_path / "out")]
+        code = main([*given, *output])
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return call
+
+
+def as_json(outcome: tuple[int, str, str], code: int = 0) -> Any:  # noqa: ANN401  # JSON
+    assert outcome[0] == code, outcome[2]
+    return json.loads(outcome[1])
+
+
+def test_every_metric_of_a_log_is_worked_out(run: Run, write_log: WriteLog) -> None:
+    result = as_json(run(write_log(lines=71), "-p", "--json"))
+    (log,) = result["logs"]
+    metrics = log["metrics"]
+    assert list(metrics) == ["TC", "CS", "SM", "OC", "DT", "CV", "VORT", "IM", "RT", "VR"]
+    assert metrics["TC"]["mean"] == pytest.approx(120.0)
+    assert metrics["DT"]["mean"] == pytest.approx(30.0)
+    assert metrics["SM"]["mean"] == pytest.approx(12_000.0)
+    assert metrics["CS"]["mean"] == 0.0
+    assert metrics["RT"]["mean"] == pytest.approx(100 * 10 / 71)
+    velocities = np.array([0.5 + 0.01 * (i % 3) for i in range(71)])
+    assert metrics["CV"]["mean"] == pytest.approx(velocities.mean(), rel=1e-6)
+    assert metrics["VORT"]["mean"] == pytest.approx(velocities[6::7].mean(), rel=1e-6)
+    assert metrics["VORT"]["n"] == 10
+    assert log["per_metre"] == {"TC": pytest.approx(4.0), "SM": pytest.approx(400.0)}
+    assert (log["rows"], log["duration"], log["episodes"]) == (71, 70.0, 1)
+
+
+def test_tables_name_metrics_units_and_numbers(run: Run, write_log: WriteLog) -> None:
+    code, out, err = run(write_log(), "-p", "correlation")
+    assert (code, err) == (0, "")
+    (line,) = (line for line in out.splitlines() if "Collisions [scans/min]" in line)
+    assert line.split()[:4] == ["TC", "Collisions", "[scans/min]", "120.0"]
+    assert "log: 60 rows, 59 s" in out
+    assert "2 files in" in out
+
+
+def test_only_the_metrics_asked_for_are_reported_and_drawn(
+    run: Run, write_log: WriteLog, tmp_path: Path
+) -> None:
+    result = as_json(run(write_log(), "-m", "OC", "vort", "OC", "--json"))
+    assert list(result["logs"][0]["metrics"]) == ["OC", "VORT"]
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
+        "time_series_OC.pdf",
+        "time_series_OC.png",
+        "time_series_VORT.pdf",
+        "time_series_VORT.png",
+    ]
+
+
+def test_each_plot_is_written_when_asked_for(run: Run, write_log: WriteLog, tmp_path: Path) -> None:
+    words = ["-m", "OC", "CV", "-p", "correlation", "aggregate", "comparison", "--json"]
+    result = as_json(run(write_log(), *words))
+    pngs = [Path(path) for path in result["files"] if path.endswith(".png")]
+    assert [path.name for path in pngs] == ["correlation.png", "aggregate.png", "comparison.png"]
+    for png in pngs:
+        assert png.parent == tmp_path / "out"
+        assert png.read_bytes().startswith(PNG)
+        assert png.stat().st_size > 10_000
+        assert png.with_suffix(".pdf").stat().st_size > 5_000
+    assert [pair["first"] + pair["second"] for pair in result["correlations"]] == ["OCCV"]
+
+
+def test_no_plot_is_drawn_if_none_is_named(run: Run, write_log: WriteLog, tmp_path: Path) -> None:
+    assert as_json(run(write_log(), "-m", "CV", "-p", "--json"))["files"] == []
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_time_axis_changes_the_plot(run: Run, write_log: WriteLog, tmp_path: Path) -> None:
+    log, pictures = write_log(), set()
+    for words in (["-n", "none"], ["-n", "percentage"], ["--fixed-interval", "5"]):
+        assert run(log, "-m", "OC", *words)[0] == 0
+        pictures.add((tmp_path / "out/time_series_OC.png").read_bytes())
+    assert run(log, "-m", "OC")[0] == 0
+    assert (tmp_path / "out/time_series_OC.png").read_bytes() in pictures  # percentage by default
+    assert len(pictures) == 3
+
+
+def test_outliers_are_counted_but_removed_only_on_request(
+    run: Run, write_log: WriteLog, row: Row, tmp_path: Path
+) -> None:
+    lines = [row(i) for i in range(60)]
+    lines[30] = row(30, Obstacle_Clearance=50.0)
+    log = write_log(lines=lines)
+
+    def clearance(*words: str) -> Any:  # noqa: ANN401  # from JSON
+        (found,) = as_json(run(log, "-m", "OC", "CV", "-p", "--json", *words))["logs"]
+        summary = found["metrics"]["OC"]
+        return found["outliers"]["OC"], summary["n"], summary["maximum"]
+
+    assert clearance() == (1, 60, 50.0)
+    assert clearance("--iqr-multiplier", "1000") == (0, 60, 50.0)
+    assert clearance("--remove-outliers") == (1, 59, pytest.approx(1.4))
+    assert clearance("--remove-outliers", "--iqr-multiplier", "1000") == (0, 60, 50.0)
+    assert not (tmp_path / "out/outliers.csv").exists()
+    clearance("--save-outliers")
+    with (tmp_path / "out/outliers.csv").open(newline="") as file:
+        (saved,) = csv.DictReader(file)
+    assert saved == {
+        "Log": "log",
+        "Path": str(log),
+        "Timestamp": "130.0",
+        "Metric": "OC",
+        "Value": "50.0",
+        "Unit": "m",
+    }
+
+
+def test_the_level_of_confidence_widens_the_intervals(run: Run, write_log: WriteLog, row: Row) -> None:
+    velocities = np.random.default_rng(0).random(60)
+    log = write_log(lines=[row(i, Current_Velocity=v) for i, v in enumerate(velocities)])
+
+    def widths(level: str) -> list[float]:
+        words = ("-m", "CV", "-p", "--confidence-level", level, "--json")
+        summary = as_json(run(log, *words))["logs"][0]["metrics"]["CV"]
+        return [high - low for low, high in (summary["interval"], summary["bootstrap_interval"])]
+
+    assert all(wide > narrow for wide, narrow in zip(widths("0.99"), widths("0.5"), strict=True))
+
+
+def test_episodes_end_at_gaps_of_the_length_asked_for(run: Run, write_log: WriteLog, row: Row) -> None:
+    log = write_log(lines=[row(i, Timestamp=i + 20 * (i // 10)) for i in range(30)])
+    assert as_json(run(log, "-m", "CV", "-p", "--json"))["logs"][0]["episodes"] == 3
+    assert as_json(run(log, "-m", "CV", "-p", "--json", "--gap", "30"))["logs"][0]["episodes"] == 1
+
+
+def logs_at(write_log: WriteLog, row: Row, group: str, velocities: list[float]) -> list[Path]:
+    return [
+        write_log(f"{group}/{i}.csv", [row(s, Current_Velocity=v + 0.01 * (s % 2)) for s in range(20)])
+        for i, v in enumerate(velocities)
+    ]
+
+
+def test_two_groups_are_compared_log_by_log(run: Run, write_log: WriteLog, row: Row) -> None:
+    slow = logs_at(write_log, row, "slow", [0.1, 0.2, 0.3, 0.15])
+    fast = logs_at(write_log, row, "fast", [0.5, 0.6, 0.7, 0.9])
+    words = [*slow, "--versus", *fast, "-m", "CV", "-p", "--group-names", "slow", "fast"]
+    result = as_json(run(*words, "--json"))
+    (comparison,) = result["comparisons"]
+    assert comparison["n"] == [4, 4]
+    assert comparison["p"] == pytest.approx(2 / 70)
+    assert comparison["difference"] == pytest.approx(0.675 - 0.1875, rel=1e-5)
+    assert comparison["cliffs_delta"] == 1.0
+    assert [log["group"] for log in result["logs"]] == ["slow"] * 4 + ["fast"] * 4
+    assert result["across"]["fast"]["CV"]["mean"] == pytest.approx(0.68, rel=1e-5)
+    assert "fast against slow, each log one observation" in run(*words)[1]
+
+
+def test_episodes_are_observations_on_request(run: Run, write_log: WriteLog, row: Row) -> None:
+    twice = [row(i, Timestamp=i % 10) for i in range(20)]
+    a, b = write_log("a.csv", twice), write_log("b.csv", twice)
+    by_log = as_json(run(a, "--versus", b, "-m", "CV", "-p", "--json"))["comparisons"][0]
+    assert (by_log["n"], by_log["p"]) == ([1, 1], None)
+    words = (a, "--versus", b, "-m", "CV", "-p", "--unit", "episode", "--json")
+    by_episode = as_json(run(*words))["comparisons"][0]
+    assert by_episode["n"] == [2, 2]
+    assert by_episode["p"] is not None
+
+
+def test_too_few_logs_for_a_verdict_are_told(run: Run, write_log: WriteLog, row: Row) -> None:
+    a = logs_at(write_log, row, "a", [0.1, 0.2, 0.3])
+    b = logs_at(write_log, row, "b", [0.5, 0.6, 0.7])
+    assert "So few logs cannot give a p below 0.1" in run(*a, "--versus", *b, "-m", "CV", "-p")[1]
+    alone = run(a[0], "--versus", b[0], "-m", "CV", "-p")[1]
+    assert "No test: it needs two logs or more in each group." in alone
+
+
+def test_a_bad_file_is_told_in_one_line_and_the_others_are_analysed(
+    run: Run, write_log: WriteLog, tmp_path: Path
+) -> None:
+    empty, missing = tmp_path / "empty.csv", tmp_path / "missing.csv"
+    empty.touch()
+    outcome = run(empty, write_log(), missing, "-m", "CV", "-p", "--json")
+    result = as_json(outcome, code=1)
+    assert outcome[2].splitlines() == [
+        f"analyze: skipped {empty}: the file is empty",
+        f"analyze: skipped {missing}: there is no such file",
+    ]
+    assert [log["label"] for log in result["logs"]] == ["log"]
+    assert [skipped["path"] for skipped in result["skipped"]] == [str(empty), str(missing)]
+
+
+def test_with_no_good_file_nothing_is_printed_or_written(run: Run, tmp_path: Path) -> None:
+    code, out, err = run(tmp_path / "missing.csv")
+    assert (code, out) == (1, "")
+    assert len(err.splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_same_named_logs_stay_apart(run: Run, write_log: WriteLog) -> None:
+    logs = [write_log("a/1.csv", 20), write_log("b/1.csv", 30)]
+    result = as_json(run(*logs, "-m", "CV", "-p", "--json", "--save-outliers"))
+    assert [log["label"] for log in result["logs"]] == ["a/1", "b/1"]
+    assert [log["rows"] for log in result["logs"]] == [20, 30]
+
+
+def test_a_log_named_twice_counts_once(run: Run, write_log: WriteLog) -> None:
+    log = write_log()
+    outcome = run(log, log.parent / "." / log.name, "-m", "CV", "-p", "--json")
+    assert len(as_json(outcome)["logs"]) == 1
+    assert "is named more than once and counts once" in outcome[2]
+
+
+@pytest.mark.parametrize(
+    "name", ["$x_{.csv", "_hidden.csv", "[red]bold.csv", "a\nb\x1b[31m.csv", "..csv"]
+)
+def test_no_name_of_a_log_escapes_the_folder_or_breaks_tables_and_plots(
+    run: Run, write_log: WriteLog, tmp_path: Path, name: str
+) -> None:
+    log = write_log(name)
+    before = {path for path in tmp_path.rglob("*") if "out" not in path.parts}
+    code, out, err = run(log, tmp_path / "..\n..", "-m", "CV", "-p", "time_series", "comparison")
+    assert code == 1
+    assert len(err.splitlines()) == 1
+    assert "\x1b" not in out + err
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "time_series_CV.png",
+        "time_series_CV.pdf",
+        "comparison.png",
+        "comparison.pdf",
+    }
+    assert {path for path in tmp_path.rglob("*") if "out" not in path.parts} == before
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ([], "required: LOG"),
+        (["x", "-m", "XX"], "'TC', 'CS', 'SM', 'OC', 'DT', 'CV', 'VORT', 'IM', 'RT', 'VR'"),
+        (["x", "-p", "pie"], "'time_series', 'correlation', 'aggregate', 'comparison'"),
+        (["x", "-n", "log"], "'percentage', 'fixed_interval', 'none'"),
+        (["x", "--confidence-level", "95"], "between 0 and 1, such as 0.95"),
+        (["x", "--iqr-multiplier", "-1"], "not a number above 0"),
+        (["x", "--fixed-interval", "nan"], "not a number above 0"),
+        (["x", "-n", "none", "--fixed-interval", "2"], "give -n fixed_interval"),
+        (["x", "--unit", "episode"], "no effect without --versus"),
+        (["x", "--versus", "x"], "is in both groups"),
+        (["x", "--versus", "y", "--group-names", "a", "a"], "two different names"),
+        (["x", "--frobnicate"], "unrecognized arguments: --frobnicate"),
+    ],
+)
+def test_wrong_arguments_are_told_in_one_line(run: Run, words: list[str], told: str) -> None:
+    code, out, err = run(*words)
+    assert (code, out) == (2, "")
+    assert len(err.splitlines()) == 1
+    assert err.startswith("analyze: ")
+    assert told in err.replace("choose from TC, CS", "choose from 'TC', 'CS'")
+
+
+def test_an_output_folder_that_cannot_be_is_told(run: Run, write_log: WriteLog) -> None:
+    log = write_log()
+    code, _, err = run(log, "-o", log)
+    assert code == 2
+    assert "choose another folder with -o" in err
+    assert len(err.splitlines()) == 1
+
+
+def test_json_has_no_number_that_json_does_not_know(run: Run, write_log: WriteLog) -> None:
+    _, out, _ = run(
+        write_log(lines=1),
+        "-m",
+        "CV",
+        "OC",
+        "RT",
+        "--json",
+        "-p",
+        "correlation",
+        "aggregate",
+        "comparison",
+    )
+
+    def refuse(constant: str) -> None:
+        raise AssertionError(constant)
+
+    summary = json.loads(out, parse_constant=refuse)["logs"][0]["metrics"]["CV"]
+    assert (summary["n"], summary["sd"], summary["interval"]) == (1, None, None)
+
+
+def test_the_command_needs_no_ros_and_ends_quietly_when_its_reader_leaves(
+    write_log: WriteLog, tmp_path: Path
+) -> None:
+    (tmp_path / "rclpy.py").write_text("raise AssertionError('imported')\n")
+    paths = [str(tmp_path), *(path for path in sys.path if path)]
+    command = [
+        sys.executable,
+        "-m",
+        "rover_metrics.analyze",
+        str(write_log()),
+        "-m",
+        "CV",
+        "-p",
+        "--json",
+    ]
+    program = subprocess.run(
+        ["/bin/sh", "-c", 'exec "$@" | head -c 1', "sh", *command],
+        cwd=tmp_path,
+        env={"PYTHONPATH": ":".join(paths)},
+        capture_output=True,
+        text=True,
+        timeout=30,
+        check=False,
+    )
+    assert program.stdout == "{"
+    assert program.stderr == ""

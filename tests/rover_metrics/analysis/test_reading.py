@@ -1,0 +1,205 @@
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rover_metrics.analysis.header import UnreadableLog
+from rover_metrics.analysis.metric import METRICS
+from rover_metrics.analysis.reading import read_log
+from rover_metrics.row import COLUMNS
+
+Row = Callable[..., str]
+WriteLog = Callable[..., Path]
+
+
+def refused(path: Path) -> str:
+    with pytest.raises(UnreadableLog) as caught:
+        read_log(path)
+    message = str(caught.value)
+    assert "\n" not in message
+    return message
+
+
+def test_a_good_log_has_all_columns_and_nothing_odd(write_log: WriteLog) -> None:
+    log = read_log(write_log(lines=30))
+    assert len(log) == 30
+    assert log.findings == ()
+    assert list(log.starts) == [0]
+    assert log.duration == 29.0
+    assert log.columns["Distance Traveled"][-1] == 14.5
+
+
+def test_only_the_columns_asked_for_and_the_counters_are_kept_small(write_log: WriteLog) -> None:
+    log = read_log(write_log(), [METRICS["CV"]])
+    counters = {"Total Collisions", "Smoothness Metric", "Distance Traveled"}
+    assert set(log.columns) == {*counters, "Current Velocity"}
+    assert log.columns["Current Velocity"].dtype == np.float32
+    assert {log.columns[name].dtype for name in counters} == {np.dtype(np.float64)}
+
+
+def test_a_row_with_a_field_too_many_shifts_nothing(write_log: WriteLog, row: Row) -> None:
+    lines = [row(0), row(1), row(2).replace("102,", "102,7,"), row(3)]
+    log = read_log(write_log(lines=lines))
+    assert list(log.stamps) == [100, 101, 103]
+    assert log.columns["Total Collisions"].tolist() == [0, 2, 6]
+    assert "1 row with more fields than the header" in log.findings[0]
+    assert "line 4" in log.findings[0]
+
+
+def test_a_header_too_short_for_most_rows_is_refused_and_not_shifted(
+    write_log: WriteLog, tmp_path: Path
+) -> None:
+    text = write_log(lines=10).read_text().replace("Vertical Roughness,", "")
+    path = tmp_path / "mixed.csv"
+    path.write_text(text)
+    assert refused(path).startswith("mixed schemas: the header names 11 columns, but 10 of 10 rows")
+
+
+def test_rows_of_an_older_schema_are_left_out(write_log: WriteLog, row: Row) -> None:
+    old = [row(i).replace(",9.0,", ",").replace(",9.5,", ",") for i in (8, 9)]
+    log = read_log(write_log(lines=[*(row(i) for i in range(8)), *old]), [METRICS["CV"]])
+    assert len(log) == 8
+    assert "2 rows with fewer fields than the header (first on line 10): left out" in log.findings
+
+
+def test_a_last_line_cut_in_a_number_is_left_out(write_log: WriteLog, row: Row) -> None:
+    cut = row(2).removesuffix("0.0,Normal operation").removesuffix(",Normal operation")[:-1]
+    log = read_log(write_log(lines=[row(0), row(1), cut], end=""))
+    assert list(log.stamps) == [100, 101]
+    assert log.findings == ("1 row with fewer fields than the header (line 4): left out",)
+
+
+def test_a_last_line_without_a_line_end_counts_if_it_is_whole(write_log: WriteLog) -> None:
+    assert len(read_log(write_log(lines=5, end=""))) == 5
+
+
+@pytest.mark.parametrize("note", ["", '"Low clearance, rough"', '"Low clearance, ro', 'odd "quote'])
+def test_a_note_may_be_empty_or_hold_commas_and_quotes(write_log: WriteLog, row: Row, note: str) -> None:
+    log = read_log(write_log(lines=[row(0), row(1, Notes=note), row(2)]))
+    assert len(log) == 3
+    assert log.findings == ()
+
+
+def test_text_nan_and_inf_silence_the_cell_but_not_the_row(write_log: WriteLog, row: Row) -> None:
+    lines = [
+        row(0, Obstacle_Clearance="inf"),
+        row(1, Obstacle_Clearance="near"),
+        row(2, Current_Velocity="nan"),
+        row(3),
+    ]
+    log = read_log(write_log(lines=lines))
+    assert np.isnan(log.columns["Obstacle Clearance"]).tolist() == [True, True, False, False]
+    assert log.columns["Distance Traveled"].tolist() == [0, 0.5, 1.0, 1.5]
+    assert log.findings == (
+        "1 cell without a number in Obstacle Clearance (line 3, 'near'): left out",
+        "1 cell without a number in Current Velocity (line 4): left out",
+        "1 infinite value in Obstacle Clearance, as before the first scan (line 2): left out",
+    )
+
+
+def test_a_flag_that_is_neither_0_nor_1_is_left_out(write_log: WriteLog, row: Row) -> None:
+    log = read_log(write_log(lines=[row(0), row(1, Is_Rough_Terrain=3), row(2)]))
+    assert np.isnan(log.columns["Is Rough Terrain"]).tolist() == [False, True, False]
+    assert "neither 0 nor 1 (first on line 3)" in log.findings[0]
+
+
+def test_of_rows_with_one_time_the_last_counts(write_log: WriteLog, row: Row) -> None:
+    log = read_log(write_log(lines=[row(0), row(1), row(1, Distance_Traveled=0.7), row(2)]))
+    assert list(log.stamps) == [100, 101, 102]
+    assert log.columns["Distance Traveled"].tolist() == [0, 0.7, 1.0]
+    assert log.findings == ("1 duplicate timestamp (line 4): the later row counts",)
+
+
+def test_time_that_goes_back_and_gaps_begin_episodes(write_log: WriteLog, row: Row) -> None:
+    stamps = [50, 51, 52, 3, 4, 40, 41]
+    lines = [row(i, Timestamp=stamp) for i, stamp in enumerate(stamps)]
+    log = read_log(write_log(lines=lines))
+    assert list(log.starts) == [0, 3, 5]
+    assert log.findings == (
+        "1 backward timestamp (line 5): an episode begins there",
+        "1 long gap (line 7): over 10 s, an episode begins there",
+    )
+    assert list(read_log(write_log(lines=lines), gap=100.0).starts) == [0, 3]
+
+
+def test_a_row_without_a_time_is_left_out(write_log: WriteLog, row: Row) -> None:
+    header = ",".join(COLUMNS)
+    log = read_log(write_log(lines=[row(0), header, "", row(1), row(2, Timestamp="inf")]))
+    assert list(log.stamps) == [100, 101]
+    assert any("without a number for a Timestamp (first on line 3)" in text for text in log.findings)
+
+
+def test_spaces_wall_time_and_another_rate_are_told(write_log: WriteLog, row: Row) -> None:
+    lines = [row(i, Timestamp=1.7e9 + 0.5 * i).replace(",", ", ") for i in range(6)]
+    assert read_log(write_log(lines=lines)).findings == (
+        "spaces before numbers",
+        "a row every 0.5 s, not every second",
+        "wall-clock timestamps: the node ran without use_sim_time",
+    )
+
+
+def test_a_byte_order_mark_and_carriage_returns_do_not_matter(
+    write_log: WriteLog, tmp_path: Path
+) -> None:
+    path = tmp_path / "windows.csv"
+    path.write_bytes(b"\xef\xbb\xbf" + write_log(lines=4).read_bytes().replace(b"\n", b"\r\n"))
+    assert len(read_log(path)) == 4
+    assert read_log(path).findings == ()
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("", "the file is empty"),
+        ("\n\n", "the first line is not a header but blank"),
+        (",".join(COLUMNS) + "\n", "there is a header but no row"),
+        ("a,b\n1,2\n", "the first line is not the header of a metrics log but 'a,b'"),
+        ("# made by\n" + ",".join(COLUMNS) + "\n1\n", "not the header of a metrics log but '# made by'"),
+        ("Time,Current Velocity\n1,2\n", "the header lacks Timestamp"),
+        ("Timestamp,Notes\n1,2\n", "the header lacks any of Total Collisions, Current"),
+        (
+            "Timestamp,Current Velocity,Current Velocity\n1,2,3\n",
+            "names Current Velocity more than once",
+        ),
+        ("Timestamp,Current Velocity\na,b\nc,d\n", "none of its 2 rows is usable"),
+    ],
+)
+def test_what_is_no_log_is_refused_in_one_line(tmp_path: Path, content: str, told: str) -> None:
+    path = tmp_path / "bad.csv"
+    path.write_text(content)
+    assert told in refused(path)
+
+
+def test_bytes_that_are_no_text_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "noise.csv"
+    path.write_bytes(np.random.default_rng(0).bytes(10_000))
+    assert "not the header of a metrics log" in refused(path)
+
+
+def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    assert refused(tmp_path) == "this is a folder; name the CSV files in it"
+    assert refused(tmp_path / "missing.csv") == "there is no such file"
+    assert refused(tmp_path / "pipe") == "this is not a regular file"
+    assert refused(tmp_path / ("x" * 300)) == "cannot be read: File name too long"
+
+
+def test_a_log_without_any_chosen_metric_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "little.csv"
+    path.write_text("Timestamp,Current Velocity\n1,2\n")
+    with pytest.raises(UnreadableLog, match="no column for OC, VR"):
+        read_log(path, [METRICS["OC"], METRICS["VR"]])
+
+
+def test_lines_are_counted_right_across_chunks(
+    write_log: WriteLog, row: Row, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rover_metrics.analysis.parsing._CHUNK", 7)
+    lines = [row(i) for i in range(50)]
+    lines[40] = row(40, Current_Velocity="fast")
+    log = read_log(write_log(lines=lines))
+    assert len(log) == 50
+    assert log.findings == ("1 cell without a number in Current Velocity (line 42, 'fast'): left out",)
+    assert log.columns["Distance Traveled"].tolist() == [0.5 * i for i in range(50)]

@@ -1,0 +1,67 @@
+"""RoboTerrain's own logs give the numbers that were worked out from them by other means."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rover_metrics.analysis.metric import METRICS
+from rover_metrics.analysis.reading import read_log
+from rover_metrics.analyze import main
+
+WALL = "wall-clock timestamps: the node ran without use_sim_time"
+
+# rows, seconds, collisions/min, m/min, % rough, from facts about the logs
+KNOWN = {
+    "1": (97, 99, 0.0, 13.0, 5.2),
+    "metrics_log_20241117_120944": (68, 67, 430.0, 0.76, 11.8),
+    "metrics_log_20250116_120457": (601, 600, 2.2, 19.2, 19.6),
+    "metrics_log_20250116_125842": (682, 681, 4.6, 28.8, 20.5),
+}
+ODD = {
+    "1": (
+        "spaces before numbers",
+        "3 short gaps (first on line 57): up to 2 s, rates are over the time that passed",
+        WALL,
+    ),
+    "metrics_log_20241117_120944": ("11 columns, without Vertical Roughness: no VR", WALL),
+    "metrics_log_20250116_120457": (WALL,),
+    "metrics_log_20250116_125842": (WALL,),
+}
+
+
+@pytest.fixture
+def result(real_logs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Any:  # noqa: ANN401
+    logs = [str(path) for path in sorted(real_logs.glob("*.csv"))]
+    assert (
+        main([*logs, "-m", "TC", "DT", "RT", "VR", "-p", "aggregate", "--json", "-o", str(tmp_path)])
+        == 0
+    )
+    return json.loads(capsys.readouterr().out)
+
+
+def test_rates_shares_and_oddities_of_the_real_logs_are_as_known(result: Any) -> None:  # noqa: ANN401
+    found = {log["label"]: log for log in result["logs"]}
+    assert set(found) == set(KNOWN)
+    for label, (rows, seconds, collisions, metres, rough) in KNOWN.items():
+        log = found[label]
+        assert (log["rows"], log["duration"], log["episodes"]) == (rows, seconds, 1)
+        means = [log["metrics"][code]["mean"] for code in ("TC", "DT", "RT")]
+        assert means == pytest.approx([collisions, metres, rough], rel=0.02)
+        assert tuple(log["findings"]) == ODD[label]
+    assert "VR" not in found["metrics_log_20241117_120944"]["metrics"]
+    assert result["across"]["all logs"]["VR"]["n"] == 3
+
+
+@pytest.mark.parametrize("keep", [1200, 5000, 8000])
+def test_a_real_log_cut_anywhere_keeps_its_whole_rows(
+    real_logs: Path, tmp_path: Path, keep: int
+) -> None:
+    content = (real_logs / "1.csv").read_bytes()[:keep]
+    assert not content.endswith(b"\n")
+    path = tmp_path / "cut.csv"
+    path.write_bytes(content)
+    whole = content.count(b"\n") - 1
+    whole += content.rpartition(b"\n")[2].count(b",") == 11  # cut in its note, all numbers there
+    assert len(read_log(path, list(METRICS.values()))) == whole

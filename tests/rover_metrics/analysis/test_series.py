@@ -1,0 +1,70 @@
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from rover_metrics.analysis.episodes import episode_starts
+from rover_metrics.analysis.log import Log
+from rover_metrics.analysis.metric import METRICS
+from rover_metrics.analysis.series import metric_series, rate_per_metre
+
+MakeLog = Callable[..., Log]
+NAN = np.nan
+
+
+def test_a_counter_becomes_a_rate_per_minute_and_its_mean_the_total_over_the_time(
+    make_log: MakeLog,
+) -> None:
+    log = make_log({"Total Collisions": [5, 6, 6, 10]}, stamps=[0, 1, 2, 6])
+    series = metric_series(log, METRICS["TC"])
+    np.testing.assert_allclose(series.values, [NAN, 60, 0, 60])
+    assert series.mean() == pytest.approx((10 - 5) / 6 * 60)
+
+
+def test_a_missing_count_spreads_its_gain_over_the_time_that_passed(make_log: MakeLog) -> None:
+    log = make_log({"Distance Traveled": [0, NAN, 4, 5]})
+    series = metric_series(log, METRICS["DT"])
+    np.testing.assert_allclose(series.values, [NAN, NAN, 120, 60])
+    assert series.mean() == pytest.approx(5 / 3 * 60)
+
+
+def test_no_rate_reaches_from_one_episode_into_the_next(make_log: MakeLog) -> None:
+    log = make_log({"Total Collisions": [0, 1, 0, 3]}, stamps=[10, 11, 0, 1])
+    np.testing.assert_allclose(metric_series(log, METRICS["TC"]).values, [NAN, 60, NAN, 180])
+
+
+def test_a_flag_becomes_percent(make_log: MakeLog) -> None:
+    log = make_log({"Is Rough Terrain": [0, 1, NAN, 1, 1]})
+    assert metric_series(log, METRICS["RT"]).mean() == pytest.approx(75.0)
+
+
+def test_vort_is_the_velocity_of_rough_rows_only(make_log: MakeLog) -> None:
+    log = make_log({"Current Velocity": [1, 2, 3, 6], "Is Rough Terrain": [0, 1, NAN, 1]})
+    assert metric_series(log, METRICS["VORT"]).mean() == pytest.approx(4.0)
+    assert metric_series(log, METRICS["CV"]).mean() == pytest.approx(3.0)
+    assert not make_log({"Current Velocity": [1, 2]}).has(METRICS["VORT"])
+
+
+def test_a_rate_per_metre_is_the_ratio_of_the_gains_and_needs_a_metre(make_log: MakeLog) -> None:
+    columns = {"Total Collisions": [4, 6, 9], "Distance Traveled": [10, 11, 12.5]}
+    assert rate_per_metre(make_log(columns), METRICS["TC"]) == pytest.approx(5 / 2.5)
+    assert rate_per_metre(make_log(columns), METRICS["DT"]) is None
+    columns["Distance Traveled"] = [10, 10.4, 10.9]
+    assert rate_per_metre(make_log(columns), METRICS["TC"]) is None
+
+
+@pytest.mark.parametrize(
+    ("stamps", "counter", "starts"),
+    [
+        ([1, 2, 3], [0, 1, 2], [0]),
+        ([1, 2, 1, 2], [0, 1, 2, 3], [0, 2]),
+        ([1, 2, 12, 23], [0, 1, 2, 3], [0, 3]),
+        ([1, 2, 3, 4], [5, 6, 0, 1], [0, 2]),
+        ([1, 2, 3, 4], [5, NAN, 2, 3], [0, 2]),
+        ([1], [0], [0]),
+    ],
+)
+def test_episodes_begin_at_resets_gaps_and_falling_counters(
+    stamps: list[float], counter: list[float], starts: list[int]
+) -> None:
+    assert list(episode_starts(np.array(stamps, float), [np.array(counter, float)])) == starts
