@@ -6,21 +6,26 @@ here from the sample, in the same order: a tick's samples first, then the row if
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
-from harness.episode import Episode, EpisodeConfig
+from harness.episode import Batch, Episode, EpisodeConfig
 from harness.errors import RunFailed, UsageError
 from harness.interrupt import StopRequest
 from harness.pacing import Pacer
 from harness.result import Progress, RunResult, TopicCount
+from harness.row_schedule import RowSchedule
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick
+from harness.sensors.fault_spec import parse_faults
+from harness.sensors.faults import FaultInjector
 from harness.simulation import NANOSECONDS
 from rover_metrics.csv_log import CsvLog
 from rover_metrics.errors import LogError
 from rover_metrics.metrics import TraversalMetrics
 from rover_metrics.row import COLUMNS, MetricsRow
+from rover_metrics.session_record import COMPLETE, Outcome, failed, write_record
 
 TOPICS: dict[type, str] = {
     LaserScan: "/scan",
@@ -41,15 +46,15 @@ class DirectMetrics:
     def __init__(self, log: CsvLog, metrics: TraversalMetrics) -> None:
         self.log, self._metrics = log, metrics
         self.fed = dict.fromkeys(TOPICS.values(), 0)
+        self._schedule = RowSchedule(NANOSECONDS)
         self.last_row: MetricsRow | None = None
 
     def take(self, tick: Tick) -> None:
         """Takes a tick; the row of a full second comes after its samples."""
         for sample in tick.samples:
             self._take_sample(sample)
-        seconds, rest = divmod(tick.stamp_ns, NANOSECONDS)
-        if rest == 0:
-            self.last_row = self._metrics.row(seconds)
+        if tick.tells_time and self._schedule.is_due(tick.stamp_ns):
+            self.last_row = self._metrics.row(tick.stamp_ns // NANOSECONDS)
             self.log.write(self.last_row)
 
     def _take_sample(self, sample: Sample) -> None:
@@ -73,8 +78,17 @@ def run_direct(
     rate: float | None,
     stop: StopRequest,
     show: Callable[[Progress], None],
+    watch: Callable[[Batch], None] | None = None,
 ) -> RunResult:
     """Runs an episode without ROS and returns what it came to, also when it failed underway.
+
+    Args:
+        config: What to run.
+        log_dir: Folder for the metrics CSV.
+        rate: Simulated seconds per wall second; None is as fast as possible.
+        stop: Ends the run early.
+        show: Is told the progress after every batch.
+        watch: Sees every batch once it has been taken.
 
     Raises:
         UsageError: The arguments are not valid or the log cannot be created.
@@ -86,16 +100,20 @@ def run_direct(
     except LogError as error:
         raise UsageError(str(error)) from error
     with log:
+        _mark(log, None)
         metrics = DirectMetrics(log, TraversalMetrics())
         result = RunResult(config=config, mode="direct, no ROS", info=episode.info, log_path=log.path)
         begun = time.monotonic()
-        pacer = Pacer(rate)
+        pacer = Pacer(rate, sleep=stop.sleep)
+        faults = FaultInjector(parse_faults(config.faults), config.seed)
         try:
             with stop.deferred():
                 for batch in episode.batches():
                     for tick in batch.ticks:
                         pacer.wait_until(tick.stamp_ns)
-                        metrics.take(tick)
+                        metrics.take(faults.corrupt(tick))
+                    if watch is not None:
+                        watch(batch)
                     now = time.monotonic()
                     if result.first_row_s is None and log.rows:
                         result = replace(result, first_row_s=now - started)
@@ -106,6 +124,7 @@ def run_direct(
                         break
         except (RunFailed, LogError) as error:
             result = replace(result, failure=str(error))
+        _mark(log, COMPLETE if result.failure is None else failed(result.failure))
         return _counted(result, metrics)
 
 
@@ -117,6 +136,12 @@ def _progress(result: RunResult, metrics: DirectMetrics) -> Progress:
         path_length=result.truth.path_length,
         messages=sum(metrics.fed.values()),
     )
+
+
+def _mark(log: CsvLog, outcome: Outcome | None) -> None:
+    """Says beside the log whether the session runs or has ended."""
+    with suppress(LogError):  # what a disk refuses to the log itself is told already
+        write_record(log.path, outcome, {})
 
 
 def _counted(result: RunResult, metrics: DirectMetrics) -> RunResult:

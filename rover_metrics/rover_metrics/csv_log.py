@@ -3,6 +3,7 @@
 import csv
 import errno
 import io
+import os
 from collections.abc import Iterable
 from contextlib import suppress
 from datetime import datetime
@@ -29,27 +30,31 @@ class CsvLog:
     """One session's file metrics_log_YYYYMMDD_HHMMSS.csv, never one that exists already.
 
     Each row goes to the operating system in one unbuffered write, so rows survive the death of this
-    process (not a power cut). Lines end in CR LF, as in RoboTerrain's logs.
+    process; with fsync they survive a power cut too. A file that is deleted while it is written, with
+    its folder or alone, is put back with all its rows; one that is moved is followed. Lines end in
+    CR LF, as in RoboTerrain's logs.
 
     Args:
         directory: Folder for the file; created if it does not exist.
         started: When the session started, for the name.
+        fsync: Whether a row is on the disk itself before `write` returns.
 
     Attributes:
         path: The file, absolute.
         rows: Rows written.
+        fsync: As given; may be changed at any time.
 
     Raises:
         LogError: The folder or the file cannot be created.
     """
 
-    def __init__(self, directory: str | Path, started: datetime) -> None:
+    def __init__(self, directory: str | Path, started: datetime, *, fsync: bool = False) -> None:
         directory = Path(directory).absolute()
         try:
-            directory.mkdir(parents=True, exist_ok=True)
             self.path, self._file = _create(directory, f"metrics_log_{started:%Y%m%d_%H%M%S}")
         except OSError as error:
             raise _log_error("cannot create a log", directory, error) from error
+        self.fsync = fsync
         self.rows = 0
         self._size = 0  # bytes of whole lines
         try:
@@ -89,10 +94,29 @@ class CsvLog:
         line = _csv_line(cells)
         try:
             _write_all(self._file, line)
+            if self.fsync:
+                _sync(self._file, self.path.parent if self._size == 0 else None)
+            if os.fstat(self._file.fileno()).st_nlink == 0:
+                self._put_back()
         except (OSError, ValueError) as error:  # ValueError: closed
             self._forget_torn_line()
             raise _log_error("cannot write a row", self.path.parent, error) from error
         self._size += len(line)
+
+    def _put_back(self) -> None:
+        """Copy the deleted file, which lives on while it is open, to where it was."""
+        path, file = _create(self.path.parent, self.path.stem)
+        try:
+            self._file.seek(0)
+            _write_all(file, self._file.read())
+            if self.fsync:
+                _sync(file, path.parent)
+        except OSError:
+            file.close()
+            path.unlink()
+            raise
+        self._file.close()
+        self.path, self._file = path, file
 
     def _forget_torn_line(self) -> None:
         """Cut the file back to its whole lines; if even that fails, the next line overwrites."""
@@ -102,11 +126,12 @@ class CsvLog:
 
 
 def _create(directory: Path, stem: str) -> tuple[Path, BinaryIO]:
-    """Open the first of stem.csv, stem_1.csv, ... that does not exist."""
+    """Open the first of stem.csv, stem_1.csv, ... that does not exist, in a folder that will."""
+    directory.mkdir(parents=True, exist_ok=True)
     for number in count():
         path = directory / (f"{stem}_{number}.csv" if number else f"{stem}.csv")
         with suppress(FileExistsError):
-            return path, path.open("xb", buffering=0)
+            return path, path.open("x+b", buffering=0)
     raise AssertionError  # count() does not end
 
 
@@ -120,6 +145,17 @@ def _write_all(file: BinaryIO, data: bytes) -> None:
     """Write everything; a raw write may take only a part, as on a disk that is nearly full."""
     while data:
         data = data[file.write(data) :]
+
+
+def _sync(file: BinaryIO, folder: Path | None) -> None:
+    """Wait until the disk has a file's content, and the folder's entry of a new file."""
+    os.fsync(file.fileno())
+    if folder is not None:
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
 
 
 def _log_error(what: str, directory: Path, error: Exception) -> LogError:

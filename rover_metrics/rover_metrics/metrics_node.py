@@ -1,59 +1,42 @@
-"""MetricsNode: subscriptions, parameters, a timer. Adapts messages to TraversalMetrics, no more."""
+"""MetricsNode: subscriptions, parameters, a timer. Hands messages to TraversalMetrics, no more."""
 
 import json
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from rover_metrics.errors import (
-    LogError,
-    ParameterError,
-    RoverMetricsError,
-    StartError,
-    missing_ros,
-)
+from rover_metrics.errors import ParameterError, RoverMetricsError, missing_ros
 
 try:
-    import rclpy
     from geometry_msgs.msg import PoseArray
     from nav_msgs.msg import Odometry
     from rcl_interfaces.msg import SetParametersResult
     from rclpy.context import Context
-    from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
     from rclpy.node import Node
     from rclpy.parameter import Parameter
-    from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
     from sensor_msgs.msg import Imu, LaserScan
     from std_srvs.srv import Trigger
 
-    from rover_metrics.parameters import Settings, declare_settings, wrong_type
+    from rover_metrics.parameters import BEST_EFFORT, Settings, declare_settings, wrong_type
+    from rover_metrics.program import run_node
+    from rover_metrics.row_timer import RowTimer
+    from rover_metrics.subscriptions import subscribe
 except ImportError as error:
     raise missing_ros(error) from None
 
 from rover_metrics.csv_log import CsvLog
 from rover_metrics.metrics import TraversalMetrics
+from rover_metrics.patient_log import PatientLog
+from rover_metrics.reception import Reception
+from rover_metrics.sensor_callbacks import SensorCallbacks
+from rover_metrics.session_record import SessionRecord
 
 if TYPE_CHECKING:
     from rover_metrics.row import MetricsRow
 
 LOG_PERIOD = 1.0  # seconds of ROS time
-
-RELIABLE = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=10,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.VOLATILE,
-)
-# Only the newest pose matters; reliable delivery would queue old ones.
-LATEST_ONLY = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.BEST_EFFORT,
-    durability=DurabilityPolicy.VOLATILE,
-)
 
 
 class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
@@ -68,9 +51,10 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         settings: The current parameter values.
         metrics: The metrics of this session.
         log: The CSV log of this session.
-        received: Messages received, by resolved topic name.
-        rejected: Those of them that were left out because a value was not finite or missing.
-        lost_rows: Rows that could not be written.
+        record: The JSON beside it.
+        reception: What arrived on each topic, what was odd about it and what is missing.
+        sensors: The callbacks of the subscriptions.
+        timer: Fires when a row is due.
         last_row: The latest row, written or not; None before the first.
 
     Raises:
@@ -86,82 +70,70 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         now: Callable[[], datetime] = datetime.now,
     ) -> None:
         super().__init__("metrics_node", context=context, parameter_overrides=parameter_overrides)
+        self.reception = Reception(self._tell)
         try:
             self.settings: Settings = declare_settings(self)
-            self.log = CsvLog(Path(self.settings.log_dir).expanduser(), now())
+            self.metrics = TraversalMetrics(self.settings.thresholds)
+            self.sensors = SensorCallbacks(self.metrics, self.reception, self._debug)
+            self.setup_subscribers()
+            folder = Path(self.settings.log_dir).expanduser()
+            self.log = PatientLog(CsvLog(folder, now(), fsync=self.settings.fsync), self._tell)
         except RoverMetricsError:
             super().destroy_node()
             raise
-        self.metrics = TraversalMetrics(self.settings.thresholds)
-        self.received: dict[str, int] = {}
-        self.rejected: dict[str, int] = {}
-        self.lost_rows = 0
         self.last_row: MetricsRow | None = None
+        self.record = SessionRecord(self.get_fully_qualified_name(), now, self._tell)
+        self.record.begin(self.log.path)
+        self.timer = RowTimer(self, LOG_PERIOD, self._each_second, self._tell, self.settings.stale_after)
         self.add_on_set_parameters_callback(self._use_parameters)
-        self.setup_subscribers()
         self.create_service(Trigger, "~/received", self._report_received)
-        self.create_timer(LOG_PERIOD, self.periodic_logging)
         self.get_logger().info(f"logging to: {self.log.path.parent}/")
+
+    @property
+    def received(self) -> dict[str, int]:
+        """Messages received, by resolved topic name."""
+        return self.reception.received
+
+    @property
+    def rejected(self) -> dict[str, int]:
+        """Those of them that were left out; `reception.remarks` tells why."""
+        return self.reception.rejected
 
     @property
     def rows(self) -> int:
         """Rows in the log."""
         return self.log.rows
 
+    @property
+    def lost_rows(self) -> int:
+        """Rows that are not in the log: given up, or still waiting for the disk."""
+        return self.log.dropped + self.log.waiting
+
     def setup_subscribers(self) -> None:
         """Subscribe to the four sensor topics, relative to the node's namespace."""
-        self._scan = self._subscribe(LaserScan, "scan", self.lidar_callback, RELIABLE)
-        self._imu = self._subscribe(Imu, "imu/data", self.imu_callback, RELIABLE)
-        self._pose = self._subscribe(
-            PoseArray, "rover/pose_array", self.pose_array_callback, LATEST_ONLY
+        sensors, heard = self.sensors, self.reception
+        sensors.scan = subscribe(self, LaserScan, "scan", sensors.lidar_callback, heard)
+        sensors.imu = subscribe(self, Imu, "imu/data", sensors.imu_callback, heard)
+        # Only the newest pose matters; reliable delivery would queue old ones.
+        sensors.pose = subscribe(
+            self,
+            PoseArray,
+            "rover/pose_array",
+            sensors.pose_array_callback,
+            heard,
+            reliability=BEST_EFFORT,
+            depth=1,
         )
-        self._odometry = self._subscribe(Odometry, "odometry/wheels", self.odometry_callback, RELIABLE)
-
-    def lidar_callback(self, scan: LaserScan) -> None:
-        """Take a scan; one without a finite range is open space, not a fault."""
-        self.received[self._scan] += 1
-        self.metrics.add_scan(scan.ranges)
-        if self._debug_is_due(self._scan):
-            self.get_logger().info(
-                f"LIDAR: clearance {self.metrics.clearance:.4f} m, "
-                f"total collisions {self.metrics.total_collisions}"
-            )
-
-    def imu_callback(self, imu: Imu) -> None:
-        """Take an IMU sample."""
-        self.received[self._imu] += 1
-        a, w = imu.linear_acceleration, imu.angular_velocity
-        if not self.metrics.add_imu((a.x, a.y, a.z), (w.x, w.y, w.z)):
-            self._reject(self._imu)
-
-    def pose_array_callback(self, poses: PoseArray) -> None:
-        """Take the first pose, which is the rover's."""
-        self.received[self._pose] += 1
-        position = poses.poses[0].position if poses.poses else None
-        if position is None or not self.metrics.add_pose((position.x, position.y, position.z)):
-            self._reject(self._pose)
-        if self._debug_is_due(self._pose):
-            self.get_logger().info(
-                f"Position update: distance {self.metrics.last_step:.4f} m, "
-                f"total {self.metrics.total_distance:.4f} m"
-            )
-
-    def odometry_callback(self, odometry: Odometry) -> None:
-        """Take a wheel odometry sample."""
-        self.received[self._odometry] += 1
-        v = odometry.twist.twist.linear
-        if not self.metrics.add_odometry((v.x, v.y, v.z)):
-            self._reject(self._odometry)
+        sensors.odometry = subscribe(self, Odometry, "odometry/wheels", sensors.odometry_callback, heard)
 
     def periodic_logging(self) -> None:
-        """Write the row of this second; a failing disk costs rows, not the session."""
+        """Write a row; what a failing disk refuses waits in memory."""
         self.last_row = self.metrics.row(self.get_clock().now().to_msg().sec)
-        try:
-            self.log.write(self.last_row)
-        except LogError as error:
-            self.lost_rows += 1
-            if _is_power_of_two(self.lost_rows):
-                self.get_logger().error(f"{error} ({self.lost_rows} rows lost so far)")
+        self.log.write(self.last_row)
+
+    def fail(self, reason: str) -> None:
+        """Take note that the session has failed."""
+        self.record.failure = reason
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
         """Set all of the parameters or none; also what ros2 param set comes down to."""
@@ -171,28 +143,35 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         return super().set_parameters_atomically(parameter_list)
 
     def destroy_node(self) -> None:
-        """Close the log and leave the graph."""
+        """Close the log, mark its end and leave the graph."""
         self.log.close()
+        segments = self.timer.times.segments
+        details = {"rows": self.rows, "segments": segments, "topics": self.reception.account()}
+        self.record.end(self.log.path, self.lost_rows, details)
+        self.timer.close()
         super().destroy_node()
 
-    def _subscribe(
-        self, message_type: type, name: str, callback: Callable[[Any], None], qos: QoSProfile
-    ) -> str:
-        """Subscribe and start counting; gives the topic's resolved name."""
-        topic: str = self.create_subscription(message_type, name, callback, qos).topic_name
-        self.received[topic] = self.rejected[topic] = 0
-        return topic
+    def _each_second(self) -> None:
+        self.periodic_logging()
+        watched = [
+            *self.received,
+            *([self.resolve_topic_name("/clock")] if self._uses_sim_time() else []),
+        ]
+        for topic in watched:
+            self.reception.publishers(topic, self.count_publishers(topic))
+        stale_after_ns = round(self.settings.stale_after * 1e9)
+        self.reception.look(self.get_clock().now().nanoseconds, stale_after_ns)
 
-    def _debug_is_due(self, topic: str) -> bool:
-        return self.settings.debug_mode and self.received[topic] % self.settings.debug_interval == 0
+    def _uses_sim_time(self) -> bool:
+        return bool(self.get_parameter("use_sim_time").value)
 
-    def _reject(self, topic: str) -> None:
-        """Count a sample that was left out, and say so at the 1st, 2nd, 4th, 8th ... of a topic."""
-        self.rejected[topic] += 1
-        if _is_power_of_two(self.rejected[topic]):
-            self.get_logger().warning(
-                f"{topic}: empty or not finite, left out ({self.rejected[topic]} so far)"
-            )
+    def _tell(self, line: str) -> None:
+        self.get_logger().warning(line)
+
+    def _debug(self, topic: str, report: Callable[[], str]) -> None:
+        settings = self.settings
+        if settings.debug_mode and self.received[topic] % settings.debug_interval == 0:
+            self.get_logger().info(report())
 
     def _use_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
         """Take changed parameters into use at once, all of them or none."""
@@ -201,12 +180,22 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         except ParameterError as error:
             return SetParametersResult(successful=False, reason=str(error))
         self.metrics.thresholds = self.settings.thresholds
+        self.log.fsync = self.settings.fsync
+        self.timer.stale_after = self.settings.stale_after
         return SetParametersResult(successful=True)
 
     def _report_received(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Answer ~/received: what arrived and what was written, as JSON."""
+        remarks = {topic: dict(counts) for topic, counts in self.reception.remarks.items() if counts}
+        told = {
+            **self.received,
+            "remarks": remarks,
+            "rows": self.rows,
+            "lost_rows": self.lost_rows,
+            "log": str(self.log.path),
+        }
         response.success = True
-        response.message = json.dumps({**self.received, "rows": self.rows, "log": str(self.log.path)})
+        response.message = json.dumps(told)
         return response
 
 
@@ -219,38 +208,7 @@ def main(args: list[str] | None = None) -> int:
     Returns:
         Exit code: 0 after a clean end, 2 after a known mistake, told in one line on stderr.
     """
-    try:
-        _run(args)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        return 0
-    except RoverMetricsError as error:
-        print(f"metrics_node: {error}", file=sys.stderr)
-        return error.exit_code
-    return 0
-
-
-def _run(args: list[str] | None) -> None:
-    with ExitStack() as at_end:
-        try:
-            rclpy.init(args=args)
-        except RuntimeError as error:
-            raise StartError(" ".join(str(error).split())) from error
-        at_end.callback(rclpy.try_shutdown)
-        try:
-            executor = SingleThreadedExecutor()
-            at_end.callback(executor.shutdown)
-            node = MetricsNode()
-            at_end.callback(node.destroy_node)
-            executor.add_node(node)
-            executor.spin()
-        except (RuntimeError, AttributeError):
-            # A signal at start-up pulls the context from under whatever rclpy call is running.
-            if rclpy.ok():
-                raise
-
-
-def _is_power_of_two(number: int) -> bool:
-    return number & (number - 1) == 0
+    return run_node("metrics_node", MetricsNode, args)
 
 
 if __name__ == "__main__":

@@ -13,6 +13,8 @@ from rover_metrics.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO, Thresho
 
 DEFAULT_LOG_DIR = "metrics_analyzer/data/metric_logs/"
 LONGEST_DEBUG_INTERVAL = 1_000_000  # callbacks
+LONGEST_SILENCE = 86400.0  # s
+RELIABLE, BEST_EFFORT = "reliable", "best_effort"
 
 
 @dataclass(frozen=True)
@@ -23,12 +25,16 @@ class Settings:
         debug_mode: Whether the lidar and pose callbacks report.
         debug_interval: How many callbacks of a topic share one report.
         log_dir: Folder for the log, relative to the working directory unless absolute.
+        fsync: Whether each row is forced onto the disk itself.
+        stale_after: From which silence on a topic is reported [s]; 0 is never.
         thresholds: The thresholds, each a parameter of its own name.
     """
 
     debug_mode: bool = False
     debug_interval: int = 100
     log_dir: str = DEFAULT_LOG_DIR
+    fsync: bool = False
+    stale_after: float = 5.0
     thresholds: Thresholds = DEFAULT_THRESHOLDS
 
     def updated(self, parameters: Iterable[Parameter]) -> "Settings":
@@ -49,7 +55,7 @@ class Settings:
             raise ParameterError(str(error)) from error
 
 
-_OWN_NAMES = ("debug_mode", "debug_interval", "log_dir")
+_OWN_NAMES = ("debug_mode", "debug_interval", "log_dir", "fsync", "stale_after")
 
 
 def declare_settings(node: Node) -> Settings:
@@ -66,10 +72,38 @@ def declare_settings(node: Node) -> Settings:
         _declare(node, "debug_mode", defaults.debug_mode, _debug_mode()),
         _declare(node, "debug_interval", defaults.debug_interval, _debug_interval()),
         _declare(node, "log_dir", defaults.log_dir, _log_dir()),
+        _declare(node, "fsync", defaults.fsync, _fsync()),
+        _declare(node, "stale_after", defaults.stale_after, _stale_after()),
     ]
     for name, info in THRESHOLD_INFO.items():
         declared.append(_declare(node, name, info.default, _threshold(name)))
     return defaults.updated(declared)
+
+
+def declare_reliability(node: Node, topic: str, default: str) -> tuple[str, str]:
+    """Declare the standard ROS parameter for the reliability of a subscription.
+
+    Args:
+        node: The subscribing node.
+        topic: The topic's resolved name.
+        default: RELIABLE or BEST_EFFORT.
+
+    Returns:
+        The parameter's name and its value.
+
+    Raises:
+        ParameterError: The launch gave another value than these two.
+    """
+    name = f"qos_overrides.{topic}.subscription.reliability"
+    descriptor = ParameterDescriptor(
+        description=f"reliability that this node asks of publishers on {topic}",
+        additional_constraints=f"{RELIABLE} or {BEST_EFFORT}, as text",
+        read_only=True,
+    )
+    value = str(_declare(node, name, default, descriptor).value)
+    if value not in (RELIABLE, BEST_EFFORT):
+        raise ParameterError(_must_be(name, descriptor))
+    return name, value
 
 
 def wrong_type(node: Node, parameters: Iterable[Parameter]) -> str | None:
@@ -119,6 +153,23 @@ def _log_dir() -> ParameterDescriptor:
         description="folder for the log of this session; fixed once the node runs",
         additional_constraints="the path of a folder, as text",
         read_only=True,
+    )
+
+
+def _fsync() -> ParameterDescriptor:
+    return ParameterDescriptor(
+        description="force each row onto the disk, so that it survives a power cut too; "
+        "rows survive the death of the node either way",
+        additional_constraints="true or false, not 0 or 1",
+    )
+
+
+def _stale_after() -> ParameterDescriptor:
+    longest = LONGEST_SILENCE
+    return ParameterDescriptor(
+        description="report a topic, or /clock, that has been silent for so long; 0 is never [s]",
+        additional_constraints=f"a number with a decimal point (5.0, not 5) from 0.0 to {longest} s",
+        floating_point_range=[FloatingPointRange(from_value=0.0, to_value=longest, step=0.0)],
     )
 
 

@@ -1,18 +1,20 @@
 import csv
+import errno
 import os
-import resource
+import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from datetime import datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import pytest
 
 import rover_metrics
+from rover_metrics import csv_log
 from rover_metrics.csv_log import CsvLog
 from rover_metrics.errors import LogError
 from rover_metrics.metrics import TraversalMetrics
@@ -26,18 +28,8 @@ HEADER = (
     b"Obstacle Clearance,Distance Traveled,Current Velocity,IMU Acceleration Magnitude,"
     b"Is Rough Terrain,Vertical Roughness,Notes\r\n"
 )
+FullDisk = Callable[[int], AbstractContextManager[None]]
 REAL_LOGS = Path(__file__).parents[3] / "shared/data/roboterrain/logs"
-
-
-@contextmanager
-def files_no_longer_than(size: int) -> Iterator[None]:
-    """A file system that is nearly full: writes beyond `size` bytes are cut short, then fail."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 def test_the_folder_is_created_and_the_name_tells_the_start(tmp_path: Path) -> None:
@@ -126,20 +118,22 @@ def test_a_folder_that_takes_no_files_is_named_with_the_mend() -> None:
         CsvLog("/proc/1", STARTED)
 
 
-def test_a_disk_too_full_for_the_header_leaves_no_file_behind(tmp_path: Path) -> None:
-    with files_no_longer_than(10), pytest.raises(LogError, match="choose another folder"):
+def test_a_disk_too_full_for_the_header_leaves_no_file_behind(
+    tmp_path: Path, full_disk: FullDisk
+) -> None:
+    with full_disk(10), pytest.raises(LogError, match="choose another folder"):
         CsvLog(tmp_path, STARTED)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_row_that_was_cut_short_leaves_no_trace_and_the_next_one_is_whole(
-    tmp_path: Path,
+    tmp_path: Path, full_disk: FullDisk
 ) -> None:
     with CsvLog(tmp_path, STARTED) as log:
         log.write(ROW)
         for _ in range(2):
             limit = len(HEADER) + len(LINE) + 5
-            with files_no_longer_than(limit), pytest.raises(LogError, match=str(tmp_path)):
+            with full_disk(limit), pytest.raises(LogError, match=str(tmp_path)):
                 log.write(TraversalMetrics().row(123456789))
         assert log.path.read_bytes() == HEADER + LINE
         log.write(ROW)
@@ -169,3 +163,114 @@ def test_the_rows_of_a_real_log_come_out_as_they_went_in(tmp_path: Path) -> None
             log.write(_parsed(cells))
         assert log.rows > 600
         assert log.path.read_bytes() == real.read_bytes()
+
+
+# Harm to the file while it is written
+
+
+def test_a_deleted_folder_is_put_back_with_every_row(tmp_path: Path) -> None:
+    with CsvLog(tmp_path / "a/logs", STARTED) as log:
+        log.write(ROW)
+        shutil.rmtree(tmp_path / "a")
+        log.write(ROW)
+        assert log.path.read_bytes() == HEADER + 2 * LINE
+        log.write(ROW)
+        assert log.path.read_bytes() == HEADER + 3 * LINE
+        assert log.rows == 3
+
+
+def test_a_deleted_file_whose_name_is_taken_is_put_back_beside_it(tmp_path: Path) -> None:
+    with CsvLog(tmp_path, STARTED) as log:
+        log.write(ROW)
+        log.path.unlink()
+        log.path.write_text("mine")
+        log.write(ROW)
+        assert (tmp_path / "metrics_log_20250116_120457.csv").read_text() == "mine"
+        assert log.path.name == "metrics_log_20250116_120457_1.csv"
+        assert log.path.read_bytes() == HEADER + 2 * LINE
+
+
+def test_a_moved_file_takes_its_rows_along(tmp_path: Path) -> None:
+    with CsvLog(tmp_path / "logs", STARTED) as log:
+        (tmp_path / "logs").rename(tmp_path / "old")
+        log.write(ROW)
+        assert (tmp_path / "old" / log.path.name).read_bytes() == HEADER + LINE
+        assert not (tmp_path / "logs").exists()
+
+
+def test_a_deleted_file_that_a_full_disk_takes_no_copy_of_is_put_back_later(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    create = csv_log._create
+
+    def create_on_full_disk(directory: Path, stem: str) -> tuple[Path, BinaryIO]:
+        path, file = create(directory, stem)
+        file.close()
+        return path, Path("/dev/full").open("r+b", buffering=0)
+
+    with CsvLog(tmp_path / "logs", STARTED) as log:
+        log.write(ROW)
+        shutil.rmtree(tmp_path / "logs")
+        with monkeypatch.context() as patch:
+            patch.setattr(csv_log, "_create", create_on_full_disk)
+            with pytest.raises(LogError, match="No space left"):
+                log.write(ROW)
+        assert list((tmp_path / "logs").iterdir()) == []
+        log.write(ROW)
+        assert log.path.read_bytes() == HEADER + 2 * LINE
+        assert log.rows == 2
+
+
+def test_a_read_only_file_system_is_named_with_the_mend(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(_: object, __: bytes) -> None:
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    with CsvLog(tmp_path, STARTED) as log:
+        with monkeypatch.context() as patch:
+            patch.setattr(csv_log, "_write_all", refuse)
+            with pytest.raises(LogError, match=r"Read-only file system; choose a folder on a writable"):
+                log.write(ROW)
+        log.write(ROW)
+        assert log.path.read_bytes() == HEADER + LINE
+
+
+# Power
+
+
+@pytest.mark.parametrize("fsync", [False, True])
+def test_with_fsync_each_line_and_the_files_name_are_on_the_disk_before_the_next(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fsync: bool
+) -> None:
+    synced: list[tuple[str, int]] = []
+
+    def watch(descriptor: int) -> None:
+        path = Path(f"/proc/self/fd/{descriptor}").readlink()
+        synced.append((path.name, path.stat().st_size if path.is_file() else 0))
+
+    monkeypatch.setattr(os, "fsync", watch)
+    with CsvLog(tmp_path, STARTED, fsync=fsync) as log:
+        log.write(ROW)
+        log.write(ROW)
+    name = log.path.name
+    sizes = [len(HEADER) + count * len(LINE) for count in range(3)]
+    expected = [(name, sizes[0]), (tmp_path.name, 0), (name, sizes[1]), (name, sizes[2])]
+    assert synced == (expected if fsync else [])
+
+
+def test_a_row_that_the_disk_does_not_confirm_is_an_error_and_not_in_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(_: int) -> None:
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    with CsvLog(tmp_path, STARTED) as log:
+        log.fsync = True
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "fsync", refuse)
+            with pytest.raises(LogError, match="Input/output error"):
+                log.write(ROW)
+        assert log.path.read_bytes() == HEADER
+        log.write(ROW)
+        assert log.path.read_bytes() == HEADER + LINE

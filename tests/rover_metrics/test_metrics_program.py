@@ -1,15 +1,22 @@
 """The program metrics_node: how it ends and what it says when it cannot start."""
 
+import json
 import os
+import select
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 import rover_metrics
+from rover_metrics.log_reader import read_rows
+from rover_metrics.session_record import SessionEnd, session_end
 
 TIMEOUT = 30.0  # seconds; reached only when a test fails
 PACKAGE = str(Path(rover_metrics.__file__).parents[1])
@@ -26,7 +33,7 @@ def wait_for_a_row(log: Path) -> None:
     deadline = time.monotonic() + TIMEOUT
     while len(log.read_bytes().splitlines()) < 2:
         assert time.monotonic() < deadline, "no row"
-        time.sleep(0.02)
+        select.select([], [], [], 0.02)
 
 
 @pytest.fixture
@@ -50,21 +57,87 @@ def refused(tmp_path: Path, *args: str, env: dict[str, str] | None = None) -> st
     return run.stderr.splitlines()[-1]
 
 
+@contextmanager
+def running(tmp_path: Path, *args: str) -> Iterator[tuple["subprocess.Popen[str]", Path]]:
+    """The program with its log, once it has written a row; killed afterwards if it still runs."""
+    with subprocess.Popen(
+        [*COMMAND, *args], cwd=tmp_path, env=environment(), stderr=subprocess.PIPE, text=True
+    ) as program:
+        try:
+            assert program.stderr is not None
+            assert "logging to:" in program.stderr.readline()
+            (log,) = (tmp_path / "metrics_analyzer/data/metric_logs").glob("metrics_log_*.csv")
+            wait_for_a_row(log)
+            yield program, log
+        finally:
+            program.kill()
+
+
 @pytest.mark.usefixtures("_ros")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_the_program_cleanly(tmp_path: Path, number: signal.Signals) -> None:
-    with subprocess.Popen(
-        COMMAND, cwd=tmp_path, env=environment(), stderr=subprocess.PIPE, text=True
-    ) as program:
-        assert program.stderr is not None
-        assert "logging to:" in program.stderr.readline()
-        (log,) = (tmp_path / "metrics_analyzer/data/metric_logs").glob("metrics_log_*.csv")
-        wait_for_a_row(log)
+def test_a_signal_ends_the_program_cleanly_and_marks_the_end(
+    tmp_path: Path, number: signal.Signals
+) -> None:
+    with running(tmp_path) as (program, log):
+        assert session_end(log) is SessionEnd.UNMARKED
         program.send_signal(number)
         _, rest = program.communicate(timeout=TIMEOUT)
     assert program.returncode == 0
     assert rest == ""
     assert log.read_bytes().endswith(b",Normal operation\r\n")
+    assert session_end(log) is SessionEnd.MARKED
+    assert read_rows(log).findings == ()
+
+
+@pytest.mark.usefixtures("_ros")
+def test_a_killed_program_leaves_its_rows_and_no_end_mark(tmp_path: Path) -> None:
+    with running(tmp_path, "--ros-args", "-p", "fsync:=true") as (program, log):
+        program.kill()
+        program.communicate(timeout=TIMEOUT)
+    read = read_rows(log)
+    assert len(read.rows) >= 1
+    assert read.findings == ("the session has no end mark: it was killed, or is still running",)
+
+
+@pytest.mark.usefixtures("_ros")
+def test_a_signal_while_rows_wait_ends_the_program_cleanly_and_says_how_many_are_lost(
+    tmp_path: Path,
+) -> None:
+    with running(tmp_path) as (program, log):
+        shutil.rmtree(log.parent)
+        log.parent.write_text("in the way")
+        assert program.stderr is not None
+        assert "cannot write a row in" in program.stderr.readline()
+        program.send_signal(signal.SIGINT)
+        _, rest = program.communicate(timeout=TIMEOUT)
+    assert program.returncode == 0
+    assert "rows are lost so far" in rest
+    assert "cannot write the session's record" in rest
+    assert "Traceback" not in rest
+
+
+@pytest.mark.usefixtures("_ros")
+def test_an_exception_in_a_callback_is_in_the_record_and_on_the_terminal(tmp_path: Path) -> None:
+    broken = (
+        "import sys\n"
+        "from rover_metrics.metrics import TraversalMetrics\n"
+        "from rover_metrics.metrics_node import main\n"
+        "def boo(*_): raise ValueError('boo')\n"
+        "TraversalMetrics.row = boo\n"
+        "sys.exit(main())\n"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", broken, "--ros-args", "-p", f"log_dir:={tmp_path}"],
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+        check=False,
+    )
+    assert run.returncode == 1
+    assert "ValueError: boo" in run.stderr
+    (record,) = tmp_path.glob("*.json")
+    assert json.loads(record.read_text())["outcome"] == {"status": "failed", "reason": "ValueError: boo"}
 
 
 @pytest.mark.usefixtures("_ros")

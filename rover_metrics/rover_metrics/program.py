@@ -1,0 +1,75 @@
+"""A ROS node as a program: one line for a known mistake, a clean end on SIGINT and SIGTERM."""
+
+import sys
+from collections.abc import Callable
+from contextlib import ExitStack
+from typing import Protocol
+
+import rclpy
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+
+from rover_metrics.errors import RoverMetricsError, StartError
+
+
+class Program(Protocol):
+    """A node that wants to know why it ends."""
+
+    def fail(self, reason: str) -> None:
+        """Take note that the session has failed."""
+        ...
+
+    def destroy_node(self) -> None:
+        """Leave the graph."""
+        ...
+
+
+def run_node(name: str, make_node: Callable[[], Program], args: list[str] | None) -> int:
+    """Run a node until SIGINT or SIGTERM.
+
+    Args:
+        name: What the program is called.
+        make_node: Makes the node, once ROS is up.
+        args: Command line as for rclpy.init; sys.argv if None.
+
+    Returns:
+        Exit code: 0 after a clean end, 2 after a known mistake, told in one line on stderr.
+    """
+    try:
+        _run(make_node, args)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        return 0
+    except RoverMetricsError as error:
+        print(f"{name}: {error}", file=sys.stderr)
+        return error.exit_code
+    return 0
+
+
+def _run(make_node: Callable[[], Program], args: list[str] | None) -> None:
+    with ExitStack() as at_end:
+        try:
+            rclpy.init(args=args)
+        except RuntimeError as error:
+            raise StartError(" ".join(str(error).split())) from error
+        at_end.callback(rclpy.try_shutdown)
+        try:
+            executor = SingleThreadedExecutor()
+            at_end.callback(executor.shutdown)
+            node = make_node()
+            at_end.callback(node.destroy_node)
+            executor.add_node(node)
+            _spin(executor, node)
+        except (RuntimeError, AttributeError):
+            # A signal at start-up pulls the context from under whatever rclpy call is running.
+            if rclpy.ok():
+                raise
+
+
+def _spin(executor: SingleThreadedExecutor, node: Program) -> None:
+    try:
+        executor.spin()
+    except ExternalShutdownException:
+        raise
+    except Exception as error:
+        if rclpy.ok():
+            node.fail(f"{type(error).__name__}: {error}")
+        raise

@@ -1,0 +1,29 @@
+"""docs/guarantees.md names a test for each promise; a name that no test has is a promise broken."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+GUARANTEES = ROOT / "docs/guarantees.md"
+
+
+def promised() -> Iterator[tuple[str, str]]:
+    """Test files and beginnings of test names, as the last column of the tables gives them."""
+    for line in GUARANTEES.read_text().splitlines():
+        if not line.startswith("| ") or line.startswith("| promise"):
+            continue
+        for part in line.split("|")[-2].split(";"):
+            found = re.match(r"\s*`([\w/]+\.py)`([^`]*)$", part)
+            assert found, f"no test file in: {part}"
+            yield found[1], ""
+            for name in re.sub(r"\([^)]*\)", "", found[2]).split(","):
+                yield found[1], name.strip()
+
+
+@pytest.mark.parametrize(("file", "name"), sorted(set(promised())))
+def test_every_promise_has_its_test(file: str, name: str) -> None:
+    below = ROOT if "/" in file else ROOT / "tests/rover_metrics"
+    assert f"def test_{name}" in (below / file).read_text()

@@ -1,0 +1,281 @@
+"""The node against sensors that are broken, and the fuzz: each message is survived and accounted for.
+
+The fuzz calls the callbacks as the executor does; a thousand more go through real subscriptions.
+"""
+
+import array
+import gc
+import math
+import random
+import sys
+import tracemalloc
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
+
+from geometry_msgs.msg import Pose, PoseArray
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import Imu, LaserScan
+
+from rover_metrics import faults
+from rover_metrics.metrics import WINDOW
+from rover_metrics.stamps import JUMPED_AHEAD, MISSING, STANDS_STILL, WENT_BACK
+
+if TYPE_CHECKING:
+    from rover_metrics.metrics_node import MetricsNode
+    from tests.rover_metrics.conftest import Rig
+
+pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+
+LIMITS = (0.15, 10.0)
+NAN, INF = math.nan, math.inf
+ODD_FLOATS = (NAN, INF, -INF, 0.0, -0.0, -1.0, 1e-300, 1e300, -1e308, 1e5, 427.0, 9.8)
+MESSAGES = 100_000
+
+
+def remarks(node: "MetricsNode", topic: str) -> dict[str, int]:
+    return {what: count for what, count in node.reception.remarks[topic].items() if what != "no stamp"}
+
+
+# Scans
+
+
+@pytest.mark.parametrize(
+    ("ranges", "remark", "clearance", "collisions"),
+    [
+        ((), faults.NO_RANGES, INF, 0),
+        ((2.5,), None, 2.5, 0),
+        ((NAN,) * 640, faults.ALL_NAN, INF, 0),
+        ((INF,) * 640, None, INF, 0),
+        ((-INF,) * 640, faults.ALL_TOO_NEAR, INF, 0),
+        ((0.0,) * 640, faults.ZERO_OR_LESS, 0.0, 1),
+        ((-3.0, 5.0), faults.ZERO_OR_LESS, -3.0, 1),
+        ((0.125, 5.0), faults.BELOW_LIMIT, 0.125, 1),
+        ((5.0, 11.0), faults.ABOVE_LIMIT, 5.0, 0),
+        ((NAN, INF, -INF, 5.0), None, 5.0, 0),
+        ((7.0,) * 99_999 + (3.5,), None, 3.5, 0),
+    ],
+)
+def test_each_kind_of_scan_is_survived_and_accounted_for(
+    rig: "Rig", ranges: tuple[float, ...], remark: str | None, clearance: float, collisions: int
+) -> None:
+    node = rig.start()
+    node.sensors.lidar_callback(rig.scan(*ranges, limits=LIMITS))
+    assert node.received["/scan"] == 1
+    assert remarks(node, "/scan") == ({} if remark is None else {remark: 1})
+    row = node.metrics.row(0)
+    assert row.obstacle_clearance == clearance
+    assert row.total_collisions == collisions
+
+
+def test_a_scan_of_a_hundred_thousand_beams_comes_through_dds(rig: "Rig") -> None:
+    node = rig.start()
+    rig.publisher(LaserScan, "scan").publish(rig.scan(*(7.0,) * 99_999, 3.5, limits=LIMITS))
+    rig.spin_until(lambda: node.received["/scan"] == 1)
+    assert node.metrics.clearance == 3.5
+
+
+# IMU, pose, odometry
+
+
+@pytest.mark.parametrize(
+    ("acceleration", "rate", "reason"),
+    [
+        ((NAN, 0.0, 9.8), (0.0, 0.0, 0.0), faults.NOT_FINITE),
+        ((0.0, 0.0, 9.8), (0.0, -INF, 0.0), faults.NOT_FINITE),
+        ((1e300, 0.0, 9.8), (0.0, 0.0, 0.0), faults.HUGE_ACCELERATION),
+        ((0.0, 0.0, 9.8), (0.0, 0.0, 1e300), faults.HUGE_ANGULAR_RATE),
+    ],
+)
+def test_a_poisonous_imu_sample_is_left_out_and_named_and_the_sum_goes_on(
+    rig: "Rig",
+    capfd: pytest.CaptureFixture[str],
+    acceleration: tuple[float, float, float],
+    rate: tuple[float, float, float],
+    reason: str,
+) -> None:
+    node = rig.start()
+    good = rig.imu((0.0, 0.0, 9.8))
+    node.sensors.imu_callback(good)
+    node.sensors.imu_callback(rig.imu(acceleration, rate))
+    node.sensors.imu_callback(good)
+    assert node.metrics.smoothness_metric == 19.6
+    assert node.rejected["/imu/data"] == 1
+    assert remarks(node, "/imu/data") == {reason: 1}
+    assert f"/imu/data: {reason}, left out (1 so far)" in capfd.readouterr().err
+
+
+def test_an_empty_a_nan_and_a_teleported_pose_are_no_travel(rig: "Rig") -> None:
+    node = rig.start()
+    for message in (
+        rig.pose(0.0, 0.0, 0.0),
+        PoseArray(),
+        rig.pose(0.0, NAN, 0.0),
+        rig.pose(0.25, 0.0, 0.0),
+        rig.pose(500.25, 0.0, 0.0),
+        rig.pose(500.5, 0.0, 0.0),
+        rig.pose(1.7e308, 1.7e308, 1.7e308),
+    ):
+        node.sensors.pose_array_callback(message)
+    assert node.metrics.total_distance == 0.5
+    assert node.rejected["/rover/pose_array"] == 3
+    assert remarks(node, "/rover/pose_array") == {
+        faults.NO_POSE: 1,
+        faults.NOT_FINITE: 2,
+        faults.JUMPED: 1,
+    }
+
+
+def test_a_nan_or_huge_twist_is_no_velocity(rig: "Rig") -> None:
+    node = rig.start()
+    for speed in (0.5, NAN, 1e300):
+        node.sensors.odometry_callback(rig.odometry(speed, 0.0, 0.0))
+    assert node.metrics.row(0).current_velocity == 0.5
+    assert remarks(node, "/odometry/wheels") == {faults.NOT_FINITE: 1, faults.HUGE_SPEED: 1}
+
+
+# Stamps
+
+
+def test_stamps_that_stand_still_go_back_jump_or_leave_gaps_are_counted(rig: "Rig") -> None:
+    node = rig.start()
+    give = node.sensors.imu_callback
+    for number in range(20):
+        give(rig.imu((0.0, 0.0, 9.8), stamp=10 + number / 20))
+    node.reception.look(0, 0)
+    for stamp in (11.0, 11.0, 10.5, 10.55, 3610.0, 3610.05, 3610.25):
+        give(rig.imu((0.0, 0.0, 9.8), stamp=stamp))
+    assert remarks(node, "/imu/data") == {STANDS_STILL: 1, WENT_BACK: 1, JUMPED_AHEAD: 1, MISSING: 3}
+    assert node.metrics.smoothness_metric == pytest.approx(27 * 9.8)
+    assert node.rejected["/imu/data"] == 0
+
+
+# Fuzz
+
+
+class Fuzz:
+    """Random messages of the four topics, from a seed; the message objects are reused."""
+
+    def __init__(self, seed: int) -> None:
+        self.random = random.Random(seed)  # noqa: S311 - no secrets here
+        self._scan, self._imu, self._odometry, self._poses = LaserScan(), Imu(), Odometry(), PoseArray()
+        self._pose = Pose()
+        self._ranges = [
+            array.array("f", [self._range() for _ in range(size)]) for size in (0, 1, 2, 7, 64) * 8
+        ]
+
+    def message(self) -> tuple[str, Any]:
+        topic = self.random.choice(("scan", "imu/data", "rover/pose_array", "odometry/wheels"))
+        make = {
+            "scan": self._random_scan,
+            "imu/data": self._random_imu,
+            "rover/pose_array": self._random_poses,
+            "odometry/wheels": self._random_odometry,
+        }[topic]
+        message = make()
+        stamp = message.header.stamp
+        stamp.sec = self.random.choice((0, 1, 100, -(2**31), 2**31 - 1, stamp.sec))
+        stamp.nanosec = self.random.randrange(2**32)
+        return topic, message
+
+    def _range(self) -> float:
+        return self.random.choice((NAN, INF, -INF, 0.0, -1.0, 0.1, 0.2, 5.0, 11.0, 3e38))
+
+    def _float(self) -> float:
+        if self.random.random() < 0.3:
+            return self.random.choice(ODD_FLOATS)
+        return self.random.gauss(0.0, 10.0)
+
+    def _fill(self, vector: Any) -> None:  # noqa: ANN401 - a message
+        vector.x, vector.y, vector.z = self._float(), self._float(), self._float()
+
+    def _random_scan(self) -> LaserScan:
+        self._scan.ranges = self.random.choice(self._ranges)
+        self._scan.range_min = abs(self._range())
+        self._scan.range_max = abs(self._range())
+        return self._scan
+
+    def _random_imu(self) -> Imu:
+        self._fill(self._imu.linear_acceleration)
+        self._fill(self._imu.angular_velocity)
+        return self._imu
+
+    def _random_poses(self) -> PoseArray:
+        self._fill(self._pose.position)
+        self._poses.poses = [self._pose] * self.random.choice((0, 1, 1, 1, 3))
+        return self._poses
+
+    def _random_odometry(self) -> Odometry:
+        self._fill(self._odometry.twist.twist.linear)
+        return self._odometry
+
+
+def callbacks(node: "MetricsNode") -> dict[str, Callable[[Any], None]]:
+    return {
+        "scan": node.sensors.lidar_callback,
+        "imu/data": node.sensors.imu_callback,
+        "rover/pose_array": node.sensors.pose_array_callback,
+        "odometry/wheels": node.sensors.odometry_callback,
+    }
+
+
+def test_a_hundred_thousand_random_messages_do_no_harm_and_leave_nothing_behind(rig: "Rig") -> None:
+    node = rig.start(stale_after=0.0)
+    fuzz, handle = Fuzz(7), callbacks(node)
+
+    def give(messages: int) -> None:
+        for number in range(messages):
+            topic, message = fuzz.message()
+            handle[topic](message)
+            if number % 1000 == 0:
+                node.periodic_logging()
+                node.reception.look(number * 10**9, 5 * 10**9)
+
+    give(MESSAGES // 5)
+    gc.collect()
+    before = sys.getallocatedblocks()
+    give(MESSAGES)
+    gc.collect()
+    assert sys.getallocatedblocks() - before < 1000
+    assert sum(node.received.values()) == MESSAGES + MESSAGES // 5
+    row = node.last_row
+    assert row is not None
+    assert all(math.isfinite(float(cell)) for cell in row.as_fields()[:-1])
+    assert all(0 < count < node.received[topic] for topic, count in node.rejected.items() if count)
+    assert node.rejected["/scan"] == 0
+    assert len(node.metrics._imu) == WINDOW
+    assert node.lost_rows == 0
+
+
+def test_random_messages_through_real_subscriptions_are_all_counted(rig: "Rig") -> None:
+    node = rig.start()
+    kinds = {
+        "scan": LaserScan,
+        "imu/data": Imu,
+        "rover/pose_array": PoseArray,
+        "odometry/wheels": Odometry,
+    }
+    publishers = {topic: rig.publisher(kind, topic) for topic, kind in kinds.items()}
+    fuzz = Fuzz(8)
+    for _ in range(1000):
+        topic, message = fuzz.message()
+        before = node.received[f"/{topic}"]
+        publishers[topic].publish(message)
+        rig.spin_until(lambda topic=topic, before=before: node.received[f"/{topic}"] > before)  # type: ignore[misc]
+    assert sum(node.received.values()) == 1000
+
+
+def test_the_account_of_a_broken_sensor_does_not_grow(rig: "Rig") -> None:
+    node = rig.start()
+    broken = rig.imu((NAN, 0.0, 0.0), stamp=1.0)
+    for _ in range(2000):
+        node.sensors.imu_callback(broken)
+    tracemalloc.start()
+    for _ in range(20_000):
+        node.sensors.imu_callback(broken)
+    grown, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert grown < 20_000

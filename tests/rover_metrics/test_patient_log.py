@@ -1,0 +1,213 @@
+import csv
+import errno
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+
+import rover_metrics
+from rover_metrics.csv_log import CsvLog
+from rover_metrics.errors import LogError
+from rover_metrics.metrics import TraversalMetrics
+from rover_metrics.patient_log import CAPACITY, PatientLog
+from rover_metrics.row import MetricsRow
+
+STARTED = datetime(2025, 1, 16, 12, 4, 57)
+PACKAGE = str(Path(rover_metrics.__file__).parents[1])
+FullDisk = Callable[[int], AbstractContextManager[None]]
+
+
+class Told(list[str]):
+    """What the user has been told."""
+
+
+def row(second: int) -> MetricsRow:
+    return TraversalMetrics().row(second)
+
+
+def seconds(path: Path) -> list[int]:
+    with path.open(newline="") as file:
+        return [int(line["Timestamp"]) for line in csv.DictReader(file)]
+
+
+def patient(folder: Path, told: Told, capacity: int = CAPACITY) -> PatientLog:
+    return PatientLog(CsvLog(folder, STARTED), told.append, capacity)
+
+
+def test_rows_wait_while_the_disk_is_full_and_are_written_in_order_when_it_is_not(
+    tmp_path: Path, full_disk: FullDisk
+) -> None:
+    told = Told()
+    log = patient(tmp_path, told)
+    log.write(row(0))
+    with full_disk(log.path.stat().st_size + 5):
+        for second in range(1, 6):
+            log.write(row(second))
+            assert (log.rows, log.waiting) == (1, second)
+        assert seconds(log.path) == [0]
+    log.write(row(6))
+    assert seconds(log.path) == list(range(7))
+    assert (log.rows, log.waiting, log.dropped) == (7, 0, 0)
+    log.close()
+
+
+def test_a_full_disk_is_told_once_and_its_end_once(tmp_path: Path, full_disk: FullDisk) -> None:
+    told = Told()
+    log = patient(tmp_path, told)
+    with full_disk(1):
+        for second in range(50):
+            log.write(row(second))
+    log.write(row(50))
+    log.write(row(51))
+    log.close()
+    begin, end = told
+    assert begin.startswith(f"cannot write a row in {tmp_path}: File too large")
+    assert f"Up to {CAPACITY} rows wait" in begin
+    assert end == f"writing to {log.path} again: 51 rows caught up, 0 lost"
+
+
+def test_another_reason_is_told_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    told = Told()
+    csv_log = CsvLog(tmp_path, STARTED)
+    log = PatientLog(csv_log, told.append)
+    for number in (errno.ENOSPC, errno.ENOSPC, errno.EROFS, errno.EROFS, errno.EIO):
+
+        def refuse(_: MetricsRow, number: int = number) -> None:
+            raise LogError(os.strerror(number))
+
+        monkeypatch.setattr(csv_log, "write", refuse)
+        log.write(row(0))
+    monkeypatch.undo()
+    log.close()
+    said = [line.split(".")[0] for line in told[:3]]
+    assert said == ["No space left on device", "Read-only file system", "Input/output error"]
+    assert len(told) == 4
+    assert log.rows == 5
+
+
+def test_above_the_bound_the_oldest_rows_go_and_are_counted(tmp_path: Path, full_disk: FullDisk) -> None:
+    told = Told()
+    log = patient(tmp_path, told, capacity=10)
+    with full_disk(1):
+        for second in range(25):
+            log.write(row(second))
+            assert log.waiting <= 10
+    assert log.dropped == 15
+    assert [line.split(":")[0] for line in told[1:]] == [
+        f"{lost} rows are lost so far" for lost in (1, 2, 4, 8)
+    ]
+    log.write(row(25))
+    log.close()
+    assert seconds(log.path) == list(range(15, 26))
+    assert told[-1].endswith("11 rows caught up, 15 lost")
+
+
+def test_at_the_bound_nothing_is_lost(tmp_path: Path, full_disk: FullDisk) -> None:
+    log = patient(tmp_path, Told(), capacity=10)
+    with full_disk(1):
+        for second in range(10):
+            log.write(row(second))
+    log.close()
+    assert log.dropped == 0
+    assert seconds(log.path) == list(range(10))
+
+
+def test_what_still_waits_at_the_end_is_tried_once_more_and_then_counted_as_lost(
+    tmp_path: Path, full_disk: FullDisk
+) -> None:
+    told = Told()
+    log = patient(tmp_path, told)
+    with full_disk(1):
+        for second in range(3):
+            log.write(row(second))
+        log.close()
+        log.close()
+    assert (log.rows, log.waiting, log.dropped) == (0, 0, 3)
+    assert told[-1].startswith("3 rows are lost so far: cannot write a row in")
+    with pytest.raises(LogError, match="closed"):
+        log.write(row(3))
+
+
+def test_rows_outlive_a_folder_that_is_removed_and_cannot_be_made_again(tmp_path: Path) -> None:
+    told = Told()
+    folder = tmp_path / "logs"
+    log = patient(folder, told)
+    log.write(row(0))
+    shutil.rmtree(folder)
+    folder.write_text("in the way")
+    for second in (1, 2, 3):
+        log.write(row(second))
+    assert (log.rows, log.waiting) == (1, 3)
+    assert folder.read_text() == "in the way"
+    folder.unlink()
+    log.write(row(4))
+    assert seconds(log.path) == [0, 1, 2, 3, 4]
+    assert len(told) == 2
+    assert "a file stands where a folder should be; remove it" in told[0]
+    log.close()
+
+
+TINY_DISK = """
+import csv, json, os, subprocess, sys
+from datetime import datetime
+from pathlib import Path
+from rover_metrics.csv_log import CsvLog
+from rover_metrics.metrics import TraversalMetrics
+from rover_metrics.patient_log import PatientLog
+disk = Path(sys.argv[1])
+if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=32k", "tmpfs", disk]).returncode:
+    sys.exit(77)
+told = []
+log = PatientLog(CsvLog(disk, datetime.now()), told.append)
+for second in range(50):
+    log.write(TraversalMetrics().row(second))
+filler = open(disk / "filler", "wb", buffering=0)
+try:
+    while filler.write(b"x" * 512):
+        pass
+except OSError:
+    pass
+for second in range(50, 450):
+    log.write(TraversalMetrics().row(second))
+waiting = log.waiting
+with log.path.open(newline="") as file:
+    while_full = [int(row["Timestamp"]) for row in csv.DictReader(file)]
+filler.close()
+os.unlink(disk / "filler")
+log.write(TraversalMetrics().row(450))
+log.close()
+with log.path.open(newline="") as file:
+    seconds = [int(row["Timestamp"]) for row in csv.DictReader(file)]
+print(json.dumps([while_full, waiting, seconds, told, log.dropped]))
+"""
+
+
+def test_a_disk_that_is_really_full_loses_no_row_and_tears_no_line(tmp_path: Path) -> None:
+    private = ["unshare", "--user", "--map-root-user", "--mount"]
+    if not shutil.which("unshare"):
+        pytest.skip("needs unshare")
+    run = subprocess.run(
+        [*private, sys.executable, "-c", TINY_DISK, str(tmp_path)],
+        env={**os.environ, "PYTHONPATH": PACKAGE},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if run.returncode == 77 or "unshare:" in run.stderr:
+        pytest.skip(f"may not mount a file system: {run.stderr}")
+    assert run.returncode == 0, run.stderr
+    while_full, waiting, written, told, dropped = json.loads(run.stdout)
+    assert len(while_full) + waiting == 450
+    assert waiting > 300
+    assert while_full == list(range(len(while_full)))
+    assert written == list(range(451))
+    assert dropped == 0
+    assert "No space left on device; free some disk space" in told[0]
+    assert len(told) == 2

@@ -1,0 +1,120 @@
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rover_metrics.reception import LOST, NOT_HEARD, Reception
+from rover_metrics.stamps import MISSING, WENT_BACK
+
+SECOND = 10**9
+TICK = SECOND // 20
+
+
+class Listener:
+    """A Reception of one topic, and what it has told."""
+
+    def __init__(self) -> None:
+        self.told: list[str] = []
+        self.reception = Reception(self.told.append)
+        self.reception.listen("/scan")
+
+    def hear(self, *numbers: int) -> None:
+        for number in numbers:
+            self.reception.arrived("/scan", (number + 1) * TICK)
+
+    def look(self, *seconds: int, limit: int = 5) -> None:
+        for second in seconds:
+            self.reception.look(second * SECOND, limit * SECOND)
+
+
+@pytest.fixture
+def listener() -> Listener:
+    return Listener()
+
+
+def test_a_healthy_topic_is_counted_and_nothing_is_told(listener: Listener) -> None:
+    for second in range(60):
+        listener.hear(*range(20 * second, 20 * second + 20))
+        listener.reception.publishers("/scan", 1)
+        listener.look(second)
+    assert listener.told == []
+    assert listener.reception.account() == {
+        "/scan": {"received": 1200, "rejected": 0, "lost": 0, "remarks": {}}
+    }
+
+
+def test_what_repeats_is_told_ever_more_rarely_and_counted_always(listener: Listener) -> None:
+    for _ in range(1000):
+        listener.reception.reject("/scan", "not finite")
+    assert listener.reception.rejected["/scan"] == 1000
+    assert listener.reception.remarks["/scan"]["not finite"] == 1000
+    assert len(listener.told) == 10
+    assert listener.told[:2] == [
+        "/scan: not finite, left out (1 so far)",
+        "/scan: not finite, left out (2 so far)",
+    ]
+
+
+def test_messages_missing_by_their_stamps_are_counted(listener: Listener) -> None:
+    listener.hear(*range(20))
+    listener.look(1)
+    listener.hear(20, 25, 26)
+    assert listener.reception.remarks["/scan"] == {MISSING: 4}
+    assert listener.told == ["/scan: missing, by the gap between two stamps (4 so far)"]
+
+
+def test_messages_lost_on_the_way_are_in_the_account(listener: Listener) -> None:
+    listener.reception.remark("/scan", LOST, 3)
+    listener.reception.remark("/scan", LOST, 4)
+    assert listener.reception.account()["/scan"]["lost"] == 7
+    assert listener.told[-1] == "/scan: lost on the way (7 so far)"
+
+
+def test_a_detail_is_told_but_does_not_split_the_count(listener: Listener) -> None:
+    listener.reception.remark("/scan", NOT_HEARD, detail=": best effort")
+    listener.reception.remark("/scan", NOT_HEARD, detail=": transient")
+    assert listener.reception.remarks["/scan"] == {NOT_HEARD: 2}
+    assert listener.told[0] == "/scan: publisher is not heard: best effort (1 so far)"
+
+
+def test_a_topic_that_stops_is_told_once_and_its_return_once(listener: Listener) -> None:
+    listener.hear(0)
+    listener.reception.publishers("/scan", 1)
+    listener.look(*range(30))
+    listener.hear(1)
+    listener.look(30, 31)
+    assert listener.told == [
+        "/scan: nothing for 5 s (publishers: 1); its columns show what was last heard",
+        "/scan: heard again after 30 s of silence",
+    ]
+
+
+def test_a_second_publisher_is_told_when_it_comes_and_when_it_goes(listener: Listener) -> None:
+    for number in (0, 1, 2, 2, 2, 3, 1, 1, 0):
+        listener.reception.publishers("/scan", number)
+    assert [line.split(";")[0] for line in listener.told] == [
+        "/scan: 2 publishers, whose messages mix in this log",
+        "/scan: 3 publishers, whose messages mix in this log",
+        "/scan: no second publisher any more",
+    ]
+
+
+def test_a_simulator_that_starts_again_is_one_remark_a_topic(listener: Listener) -> None:
+    for _ in range(2):
+        listener.hear(*range(100))
+    assert listener.reception.remarks["/scan"] == {WENT_BACK: 1}
+
+
+@given(st.lists(st.integers(-(2**31) * SECOND, 2**31 * SECOND), max_size=200))
+def test_every_message_is_counted_and_no_count_falls(stamps: list[int]) -> None:
+    listener = Listener()
+    before = 0
+    for number, stamp in enumerate(stamps):
+        listener.reception.arrived("/scan", stamp)
+        listener.look(number)
+        total = listener.reception.remarks["/scan"].total()
+        assert listener.reception.received["/scan"] == number + 1
+        assert total >= before
+        before = total
+    json.dumps(listener.reception.account(), allow_nan=False)

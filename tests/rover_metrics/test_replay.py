@@ -1,0 +1,517 @@
+"""Recordings of every kind, whole and damaged, through the command replay. No ROS."""
+
+import csv
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mcap.writer import CompressionType
+from mcap.writer import Writer as McapWriter
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
+from rosbags.rosbag2 import Writer as Rosbag2Writer
+from rosbags.typesys import Stores, get_typestore
+
+from rover_metrics.metrics import TraversalMetrics
+from rover_metrics.playback import CLOCK, LONGEST_GAP, SENSORS, FullSeconds, RosTimer
+from rover_metrics.replay import main
+from rover_metrics.row import MetricsRow
+
+NANOSECONDS = 1_000_000_000
+REAL_BAG = Path(__file__).parents[3] / "shared/data/roboterrain/bags/rover_trajectory"
+STORE = get_typestore(Stores.LATEST)
+TYPES = {topic: sensor.message_type for topic, sensor in SENSORS.items()} | {
+    CLOCK: "rosgraph_msgs/msg/Clock"
+}
+
+Recorded = tuple[str, int, bytes]  # topic, recorded time [ns], CDR
+
+
+def cdr(kind: str, **fields: Any) -> bytes:  # noqa: ANN401 - fields of any message
+    return bytes(STORE.serialize_cdr(make(kind, **fields), kind))
+
+
+def make(kind: str, **fields: Any) -> Any:  # noqa: ANN401
+    return STORE.types[kind](**fields)
+
+
+def header(stamp_ns: int) -> Any:  # noqa: ANN401
+    sec, nanosec = divmod(stamp_ns, NANOSECONDS)
+    stamp = make("builtin_interfaces/msg/Time", sec=sec, nanosec=nanosec)
+    return make("std_msgs/msg/Header", stamp=stamp, frame_id="base")
+
+
+def vector(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Any:  # noqa: ANN401
+    return make("geometry_msgs/msg/Vector3", x=x, y=y, z=z)
+
+
+def quaternion() -> Any:  # noqa: ANN401
+    return make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0)
+
+
+def pose(x: float) -> Any:  # noqa: ANN401
+    point = make("geometry_msgs/msg/Point", x=x, y=0.0, z=0.0)
+    return make("geometry_msgs/msg/Pose", position=point, orientation=quaternion())
+
+
+def scan_message(stamp_ns: int, nearest: float) -> bytes:
+    return cdr(
+        "sensor_msgs/msg/LaserScan",
+        header=header(stamp_ns),
+        **dict.fromkeys(
+            ("angle_min", "angle_max", "angle_increment", "time_increment", "scan_time"), 0.0
+        ),
+        range_min=0.15,
+        range_max=10.0,
+        ranges=np.array([np.inf, nearest, 9.0], dtype=np.float32),
+        intensities=np.zeros(0, dtype=np.float32),
+    )
+
+
+def imu_message(stamp_ns: int, z: float) -> bytes:
+    return cdr(
+        "sensor_msgs/msg/Imu",
+        header=header(stamp_ns),
+        orientation=quaternion(),
+        angular_velocity=vector(0.1),
+        linear_acceleration=vector(0.0, 0.0, z),
+        orientation_covariance=np.zeros(9),
+        angular_velocity_covariance=np.zeros(9),
+        linear_acceleration_covariance=np.zeros(9),
+    )
+
+
+def pose_message(stamp_ns: int, x: float) -> bytes:
+    return cdr("geometry_msgs/msg/PoseArray", header=header(stamp_ns), poses=[pose(x)])
+
+
+def odometry_message(stamp_ns: int, speed: float) -> bytes:
+    twist = make("geometry_msgs/msg/Twist", linear=vector(speed), angular=vector())
+    return cdr(
+        "nav_msgs/msg/Odometry",
+        header=header(stamp_ns),
+        child_frame_id="base_link",
+        pose=make("geometry_msgs/msg/PoseWithCovariance", pose=pose(0.0), covariance=np.zeros(36)),
+        twist=make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36)),
+    )
+
+
+def clock_message(stamp_ns: int) -> bytes:
+    return cdr(TYPES[CLOCK], clock=header(stamp_ns).stamp)
+
+
+def drive(seconds: float = 4.5, offset_s: float = 0.0, *, clock: bool = True) -> list[Recorded]:
+    """A drive at 10 Hz whose recorder's clock is ahead of the stamps by an offset."""
+    messages: list[Recorded] = []
+    for tick in range(1, round(seconds * 10) + 1):
+        t = tick * NANOSECONDS // 10
+        samples = {
+            "/scan": scan_message(t, 0.1 + tick / 50),
+            "/imu/data": imu_message(t, 9.8 + tick % 7),
+            "/rover/pose_array": pose_message(t, tick / 10),
+            "/odometry/wheels": odometry_message(t, tick / 100),
+        } | ({CLOCK: clock_message(t)} if clock else {})
+        recorded = t + round(offset_s * NANOSECONDS)
+        messages += [(topic, recorded, data) for topic, data in samples.items()]
+    return messages
+
+
+def expected_rows(seconds: int = 4) -> list[MetricsRow]:
+    """The rows of `drive`, computed without messages."""
+    metrics, rows = TraversalMetrics(), []
+    for tick in range(1, seconds * 10 + 1):
+        metrics.add_scan(np.array([np.inf, 0.1 + tick / 50, 9.0], dtype=np.float32))
+        metrics.add_imu((0.0, 0.0, 9.8 + tick % 7), (0.1, 0.0, 0.0))
+        metrics.add_pose((tick / 10, 0.0, 0.0))
+        metrics.add_odometry((tick / 100, 0.0, 0.0))
+        if tick % 10 == 0:
+            rows.append(metrics.row(tick // 10))
+    return rows
+
+
+def write_folder(
+    path: Path,
+    messages: list[Recorded],
+    *,
+    storage: StoragePlugin = StoragePlugin.SQLITE3,
+    compression: CompressionMode = CompressionMode.NONE,
+    types: dict[str, str] = TYPES,
+) -> Path:
+    writer = Rosbag2Writer(path, version=8, storage_plugin=storage)
+    if compression is not CompressionMode.NONE:
+        writer.set_compression(compression, CompressionFormat.ZSTD)
+    with writer:
+        topics = dict.fromkeys(topic for topic, _, _ in messages)
+        connections = {t: writer.add_connection(t, types[t], typestore=STORE) for t in topics}
+        for topic, time_ns, data in messages:
+            writer.write(connections[topic], time_ns, data)
+    return path
+
+
+def write_mcap(path: Path, messages: list[Recorded], encoding: str = "cdr") -> Path:
+    """A bare file of many uncompressed chunks, about one per tenth of a second."""
+    with path.open("wb") as file:
+        writer = McapWriter(file, chunk_size=1000, compression=CompressionType.NONE)
+        writer.start(profile="ros2")
+        channels = {}
+        for topic in dict.fromkeys(topic for topic, _, _ in messages):
+            schema = writer.register_schema(TYPES[topic], "ros2msg", b"")
+            channels[topic] = writer.register_channel(topic, encoding, schema)
+        for topic, time_ns, data in messages:
+            writer.add_message(channels[topic], time_ns, data, publish_time=time_ns)
+        writer.finish()  # type: ignore[no-untyped-call]  # mcap half types itself
+    return path
+
+
+def replay(bag: Path, *words: str, code: int = 0) -> list[list[str]]:
+    """Runs the command, which must end with that code; gives the cells of its rows."""
+    output = bag.parent / "out" / "rows.csv"
+    assert main([str(bag), "-o", str(output), "--overwrite", *words]) == code
+    with output.open(newline="") as file:
+        return list(csv.reader(file))[1:]
+
+
+def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    """The one line of a command line that cannot be served, with exit code 2."""
+    try:
+        code = main(words)
+    except SystemExit as leaving:
+        code = int(leaving.code or 0)
+    told = capsys.readouterr().err
+    assert code == 2
+    assert told.count("\n") == 1
+    assert "Traceback" not in told
+    return told
+
+
+def cells(rows: list[MetricsRow]) -> list[list[str]]:
+    return [[str(cell) for cell in row.as_fields()] for row in rows]
+
+
+@pytest.mark.skipif(not REAL_BAG.exists(), reason="needs ../shared/data")
+def test_real_bag_gives_its_path_length_and_names_what_it_lacks(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    output = tmp_path / "rows.csv"
+    assert main([str(REAL_BAG), "-o", str(output)]) == 1
+    with output.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert float(rows[-1]["Distance Traveled"]) == pytest.approx(30.5, abs=0.05)
+    assert [int(row["Timestamp"]) for row in rows] == list(range(1735179281, 1735179357))
+    told = capsys.readouterr().err.splitlines()
+    assert [line.split()[1] for line in told] == ["/scan", "/imu/data", "/odometry/wheels"]
+
+
+@pytest.mark.parametrize("storage", StoragePlugin)
+@pytest.mark.parametrize(
+    "compression", [CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE]
+)
+def test_every_kind_of_folder_gives_the_rows_of_its_samples(
+    tmp_path: Path, storage: StoragePlugin, compression: CompressionMode
+) -> None:
+    bag = write_folder(tmp_path / "bag", drive(), storage=storage, compression=compression)
+    assert replay(bag) == cells(expected_rows())
+
+
+@pytest.mark.parametrize("storage", StoragePlugin)
+def test_bare_storage_file_is_a_recording_too(tmp_path: Path, storage: StoragePlugin) -> None:
+    bag = write_folder(tmp_path / "bag", drive(), storage=storage)
+    (file,) = (path for path in bag.iterdir() if path.name != "metadata.yaml")
+    assert replay(file) == cells(expected_rows())
+
+
+def test_split_recording_is_read_in_the_order_of_its_numbers(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    messages = drive(12.0)
+    bag = tmp_path / "bag"
+    bag.mkdir()
+    for number in range(12):
+        write_mcap(bag / f"bag_{number}.mcap", messages[number * 50 : number * 50 + 50])
+    assert replay(bag, code=1) == cells(expected_rows(12))
+    assert "no metadata.yaml (a killed recording?)" in capsys.readouterr().err
+
+
+def test_rows_follow_the_clock_topic_where_there_is_one(tmp_path: Path) -> None:
+    bag = write_mcap(tmp_path / "bag.mcap", drive(offset_s=1e9))
+    assert replay(bag) == cells(expected_rows())
+    recorded = replay(bag, "--time", "recorded")
+    assert [row[0] for row in recorded] == [str(1_000_000_000 + n) for n in range(1, 5)]
+    assert [row[1:] for row in recorded] == [row[1:] for row in cells(expected_rows())]
+
+
+def test_recording_without_clock_follows_recorded_time_and_tells_of_other_stamps(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = write_mcap(tmp_path / "bag.mcap", drive(offset_s=1e9, clock=False))
+    assert replay(bag)[0][0] == "1000000001"
+    assert "--time header follows them" in capsys.readouterr().err
+    assert replay(bag, "--time", "header") == cells(expected_rows())
+    assert capsys.readouterr().err == ""
+    assert "--time sim needs /clock, but /clock is missing" in refused(capsys, str(bag), "--time", "sim")
+
+
+def test_second_that_ends_with_the_recording_has_its_row_in_every_time(tmp_path: Path) -> None:
+    bag = write_mcap(tmp_path / "bag.mcap", drive(4.0))
+    for time in ("sim", "recorded", "header"):
+        assert replay(bag, "--time", time) == cells(expected_rows())
+
+
+def test_missing_topics_are_named_and_the_others_go_on(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    messages = [m for m in drive() if m[0] not in {"/scan", "/imu/data"}]
+    rows = replay(write_mcap(tmp_path / "bag.mcap", messages), code=1)
+    assert [row[6:8] for row in rows] == [row[6:8] for row in cells(expected_rows())]
+    told = capsys.readouterr().err
+    assert "/scan is missing" in told
+    assert "/imu/data is missing" in told
+    assert "/odometry" not in told
+
+
+def test_topic_of_another_type_is_left_out_by_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    messages = [("/scan" if topic == CLOCK else topic, t, d) for topic, t, d in drive()]
+    messages = [m for m in messages if m[0] != "/scan" or len(m[2]) < 20]  # the clocks in its place
+    bag = write_folder(tmp_path / "bag", messages, types=TYPES | {"/scan": TYPES[CLOCK]})
+    assert [row[5] for row in replay(bag, code=1)] == ["inf"] * 4
+    told = capsys.readouterr().err
+    assert "/scan is rosgraph_msgs/msg/Clock, not sensor_msgs/msg/LaserScan" in told
+
+
+def test_remapped_topics_are_read_from_where_they_were_recorded(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    messages = [(f"/rover1{topic}", t, data) for topic, t, data in drive()]
+    types = {f"/rover1{topic}": kind for topic, kind in TYPES.items()}
+    bag = write_folder(tmp_path / "bag", messages, types=types)
+    names = ["scan", "imu/data", "/rover/pose_array", "odometry/wheels", "/clock"]
+    words = [w for name in names for w in ("--remap", f"{name}:=rover1/{name.lstrip('/')}")]
+    assert replay(bag, *words) == cells(expected_rows())
+    told = refused(capsys, str(bag))
+    assert "no topic to replay" in told
+    assert "/rover1/scan" in told
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["--remap", "camera:=front"], "FROM is one of scan, imu/data"),
+        (["--remap", "scan"], "give FROM:=TO"),
+        (["--remap", "scan:=imu/data"], "each sensor needs its own"),
+        (["--time", "wall"], "invalid choice: 'wall'"),
+        (["--params", "/nowhere.yaml"], "/nowhere.yaml: No such file or directory"),
+        (["-o", "/proc/rows.csv"], "cannot create a log in /proc"),
+    ],
+)
+def test_bad_argument_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], expected: str
+) -> None:
+    bag = write_mcap(tmp_path / "bag.mcap", drive(1.0))
+    assert expected in refused(capsys, str(bag), *words)
+
+
+def test_parameter_file_sets_thresholds_as_for_the_node(tmp_path: Path) -> None:
+    bag = write_mcap(tmp_path / "bag.mcap", drive())
+    file = tmp_path / "params.yaml"
+    file.write_text(
+        "/**:\n  ros__parameters:\n    use_sim_time: true\n    collision_threshold: 9.0\n"
+        "other_node:\n  ros__parameters:\n    distance_threshold: 0.0\n"
+        "/ns/metrics_node:\n  ros__parameters:\n    distance_threshold: 0.05\n"
+    )
+    rows = replay(bag, "--params", str(file))
+    assert [row[1] for row in rows] == ["10", "20", "30", "40"]
+    assert [row[6] for row in rows] == ["0.0"] * 4
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("metrics_node: {ros__parameters: {collision_threshold: 1}}", "(1.0, not 1) from 0.0 to 100"),
+        ("metrics_node: {ros__parameters: {collision_threshold: -1.0}}", "must be from 0.0 to 100.0 m"),
+        ("metrics_node: {ros__parameters: {collision_threshold: .nan}}", "must be from 0.0 to 100.0 m"),
+        ("metrics_node: {ros__parameters: {colision_threshold: 1.0}}", "did you mean collision_thr"),
+        ("other: {ros__parameters: {collision_threshold: 1.0}}", "no section 'metrics_node"),
+        ("metrics_node: [", "cannot read parameters"),
+        ("", "no section 'metrics_node"),
+    ],
+)
+def test_bad_parameter_file_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, expected: str
+) -> None:
+    file = tmp_path / "params.yaml"
+    file.write_text(text)
+    bag = write_mcap(tmp_path / "bag.mcap", drive(1.0))
+    assert expected in refused(capsys, str(bag), "--params", str(file))
+
+
+def test_existing_file_is_replaced_only_on_request(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = write_mcap(tmp_path / "bag.mcap", drive())
+    output = tmp_path / "rows.csv"
+    output.write_text("precious")
+    told = refused(capsys, str(bag), "-o", str(output))
+    assert "rows.csv exists already, not overwriting" in told
+    assert output.read_text() == "precious"
+    assert main([str(bag), "-o", str(output), "--overwrite"]) == 0
+    assert output.read_text().startswith("Timestamp,")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["bag.mcap", "rows.csv"]
+    assert "is the recording itself" in refused(capsys, str(bag), "-o", str(bag), "--overwrite")
+
+
+def test_without_a_name_the_log_goes_where_those_of_the_node_go(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    bag = write_mcap(tmp_path / "bag.mcap", drive())
+    assert main([str(bag)]) == main([str(bag)]) == 0
+    logs = list(tmp_path.glob("metrics_analyzer/data/metric_logs/metrics_log_*.csv"))
+    assert len(logs) == 2
+    assert len({log.read_bytes() for log in logs}) == 1
+
+
+def cut_off(file: Path) -> None:
+    file.write_bytes(file.read_bytes()[: file.stat().st_size * 6 // 10])
+
+
+def damage_the_middle(file: Path) -> None:
+    data = bytearray(file.read_bytes())
+    middle = len(data) // 2
+    data[middle : middle + 40] = b"\xa5" * 40
+    file.write_bytes(data)
+
+
+def damage_a_page(file: Path) -> None:
+    data = bytearray(file.read_bytes())
+    page = 4096 * (len(data) // 4096 // 2)
+    data[page : page + 4096] = b"\xa5" * 4096
+    file.write_bytes(data)
+
+
+@pytest.mark.parametrize(
+    ("name", "damage", "told", "kept_rows"),
+    [
+        ("bag.mcap", cut_off, "has no end", range(5, 7)),
+        ("bag.mcap", damage_the_middle, "damaged", range(4, 10)),
+        ("bag.db3", cut_off, "messages were lost", range(4, 7)),
+        ("bag.db3", damage_a_page, "messages were lost in 1 place(s)", range(9, 10)),
+    ],
+)
+def test_damaged_recording_keeps_what_can_be_read_and_says_so(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    name: str,
+    damage: Callable[[Path], None],
+    told: str,
+    kept_rows: range,
+) -> None:
+    if name == "bag.mcap":
+        file = write_mcap(tmp_path / name, drive(9.5))
+    else:
+        file = write_folder(tmp_path / "bag", drive(9.5)) / name
+    whole = replay(file)
+    damage(file)
+    rows = replay(file, code=1)
+    assert len(rows) in kept_rows
+    assert rows[:3] == whole[:3]
+    assert told in capsys.readouterr().err
+
+
+def test_messages_that_are_not_readable_or_not_finite_are_counted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    messages = drive()
+    messages[1] = ("/imu/data", messages[1][1], b"\x00\x01\x00\x00garbage")
+    messages[6] = ("/imu/data", messages[6][1], imu_message(0, float("nan")))
+    assert len(replay(write_mcap(tmp_path / "bag.mcap", messages), code=1)) == 4
+    told = capsys.readouterr().err
+    assert "/imu/data: 1 messages are not readable" in told
+    assert "/imu/data: 1 messages are empty, not finite" in told
+
+
+def test_folder_with_one_bad_file_keeps_the_good_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = tmp_path / "bag"
+    bag.mkdir()
+    write_mcap(bag / "bag_0.mcap", drive())
+    (bag / "bag_1.mcap").touch()
+    (bag / "metadata.yaml").write_text(
+        "rosbag2_bagfile_information:\n"
+        "  relative_file_paths: [bag_0.mcap, ../../bag_1.mcap, bag_2.mcap]\n"
+    )
+    assert replay(bag, code=1) == cells(expected_rows())
+    told = capsys.readouterr().err
+    assert "bag_1.mcap: the file is empty; left out" in told
+    assert "bag_2.mcap is missing from the bag" in told
+
+
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [
+        (b"", "the file is empty"),
+        (b"Timestamp,Total Collisions\r\n", "neither MCAP nor sqlite3"),
+        (b"#ROSBAG V2.0\n", "rosbags-convert"),
+        (b"SQLite format 3\0 and no more", "not readable as a rosbag2 database"),
+        (b"\x89MCAP0\r\n", "no topic to replay"),
+    ],
+)
+def test_file_that_is_no_recording_is_refused_with_the_reason(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], content: bytes, expected: str
+) -> None:
+    file = tmp_path / "bag.mcap"
+    file.write_bytes(content)
+    assert expected in refused(capsys, str(file), "-o", str(tmp_path / "rows.csv"))
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_place_without_a_recording_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert "does not exist" in refused(capsys, str(tmp_path / "nothing"))
+    assert "holds no .mcap and no .db3" in refused(capsys, str(tmp_path))
+    bag = write_mcap(tmp_path / "bag.mcap", drive(1.0), encoding="json")
+    assert "/scan is json-encoded" in refused(capsys, str(bag))
+
+
+def due(timer: FullSeconds | RosTimer, *times: float) -> list[int]:
+    return [second for t in times for second in timer.due(round(t * NANOSECONDS))]
+
+
+def test_full_seconds_go_on_in_short_silences_and_skip_long_ones() -> None:
+    timer = FullSeconds()
+    assert due(timer, 0.5, 3.2, 3.1, 3.9) == [1, 2, 3]
+    assert timer.jumps == []
+    assert due(timer, 4.5 + LONGEST_GAP) == [4 + LONGEST_GAP]
+    assert timer.jumps == ["time jumps from 3.90 s to 64.50 s"]
+    assert due(timer, 0.0, 0.9, 1.0, 2.0) == [1]
+    assert timer.jumps[1:] == ["time jumps from 64.50 s to 0.00 s"]
+    assert list(timer.rest()) == [2]
+
+
+def test_message_that_is_late_by_less_than_a_second_makes_no_second_row() -> None:
+    assert due(FullSeconds(), 0.9, 1.01, 0.99, 1.02, 2.01) == [1, 2]
+
+
+def test_timer_on_the_clock_topic_skips_what_it_missed_as_in_the_node() -> None:
+    timer = RosTimer()
+    assert due(timer, 0.01, 0.99, 1.0, 1.01, 1.5, 2.0) == [1, 2]
+    assert due(timer, 5.5, 5.9, 6.0) == [5, 6]
+    assert due(timer, 3.25, 4.0, 4.2, 4.25) == [4]
+    assert timer.jumps == ["time jumps from 2.00 s to 5.50 s", "time jumps from 6.00 s to 3.25 s"]
+    assert list(timer.rest()) == []
+
+
+def test_replay_needs_no_ros(tmp_path: Path) -> None:
+    bag = write_mcap(tmp_path / "bag.mcap", drive())
+    script = (
+        "import sys; sys.modules['rclpy'] = sys.modules['harness'] = None\n"
+        "from rover_metrics.replay import main; sys.exit(main(sys.argv[1:]))"
+    )
+    command = [sys.executable, "-c", script, str(bag), "-o", str(tmp_path / "rows.csv")]
+    assert subprocess.run(command, check=False, timeout=30).returncode == 0

@@ -1,0 +1,108 @@
+import json
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+
+from rover_metrics.errors import LogError
+from rover_metrics.session_record import (
+    COMPLETE,
+    SessionEnd,
+    SessionRecord,
+    failed,
+    session_end,
+    write_record,
+)
+
+STARTED = datetime(2025, 1, 16, 12, 4, 57)
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    return tmp_path / "metrics_log_20250116_120457.csv"
+
+
+def read(log: Path) -> dict[str, object]:
+    record: dict[str, object] = json.loads(log.with_suffix(".json").read_text())
+    return record
+
+
+def test_a_session_is_unmarked_until_it_ends(log: Path) -> None:
+    assert session_end(log) is SessionEnd.UNKNOWN
+    record = SessionRecord("/leo/metrics_node", lambda: STARTED, print)
+    record.begin(log)
+    assert session_end(log) is SessionEnd.UNMARKED
+    assert read(log)["outcome"] is None
+    assert read(log)["ended"] is None
+    record.end(log, 0, {"rows": 7})
+    assert session_end(log) is SessionEnd.MARKED
+    assert read(log)["outcome"] == {"status": "complete", "reason": None}
+    assert read(log)["node"] == "/leo/metrics_node"
+    assert str(read(log)["ended"]).startswith("2025-01-16T12:04:57")
+    assert read(log)["rows"] == 7
+
+
+def test_a_session_that_lost_rows_or_broke_has_failed_with_the_reason(log: Path) -> None:
+    record = SessionRecord("/metrics_node", lambda: STARTED, print)
+    record.end(log, 12, {})
+    assert read(log)["outcome"] == failed("12 rows could not be written")
+    record = SessionRecord("/metrics_node", lambda: STARTED, print)
+    record.failure = "ValueError: boo"
+    record.end(log, 12, {})
+    assert read(log)["outcome"] == failed("ValueError: boo")
+
+
+def test_the_end_is_written_once(log: Path) -> None:
+    record = SessionRecord("/metrics_node", lambda: STARTED, print)
+    record.end(log, 0, {"rows": 7})
+    record.end(log, 3, {"rows": 8})
+    assert read(log)["rows"] == 7
+
+
+def test_a_record_that_cannot_be_written_is_told_and_costs_nothing(tmp_path: Path) -> None:
+    told: list[str] = []
+    record = SessionRecord("/metrics_node", lambda: STARTED, told.append)
+    record.begin(tmp_path / "gone/log.csv")
+    assert told == [
+        f"cannot write the session's record to {tmp_path}/gone/log.json: No such file or directory"
+    ]
+
+
+def test_a_record_is_there_whole_or_not_at_all(log: Path) -> None:
+    write_record(log, None, {})
+    before = log.with_suffix(".json").read_bytes()
+    with pytest.raises(TypeError):
+        write_record(log, COMPLETE, {"bad": object()})
+    assert log.with_suffix(".json").read_bytes() == before
+    assert [path.name for path in log.parent.iterdir()] == [log.with_suffix(".json").name]
+
+
+def test_a_record_that_cannot_replace_what_stands_there_leaves_no_part_behind(log: Path) -> None:
+    log.with_suffix(".json").mkdir()
+    with pytest.raises(LogError, match="cannot write the session's record"):
+        write_record(log, None, {})
+    assert [path.name for path in log.parent.iterdir()] == [log.with_suffix(".json").name]
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "7", '{"rows": 3}', "\x00\x00"])
+def test_a_record_of_something_else_tells_nothing(log: Path, text: str) -> None:
+    log.with_suffix(".json").write_text(text)
+    assert session_end(log) is SessionEnd.UNKNOWN
+
+
+@pytest.mark.parametrize("status", ["complete", "failed", "interrupted"])
+def test_the_manifest_of_harness_run_marks_the_end_too(log: Path, status: str) -> None:
+    write_record(log, None, {})
+    manifest = {"mode": "ROS 2", "outcome": {"status": status, "reason": None}, "rows": 30}
+    log.with_suffix(".json").write_text(json.dumps(manifest))
+    assert session_end(log) is SessionEnd.MARKED
+
+
+def test_the_outcome_of_the_real_manifest_is_the_one_that_is_looked_for(log: Path) -> None:
+    manifest = pytest.importorskip("harness.manifest")
+    from harness.episode import EpisodeConfig  # noqa: PLC0415 - the harness is optional here
+    from harness.result import RunResult  # noqa: PLC0415
+
+    write_record(log, None, {})
+    manifest.write_manifest(RunResult(config=EpisodeConfig(), mode="direct"), log.with_suffix(".json"))
+    assert session_end(log) is SessionEnd.MARKED
