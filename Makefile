@@ -2,13 +2,16 @@
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test lint format bench lock clean setup
+.PHONY: run test test-jazzy lint format bench lock clean setup
 
 run: setup  ## a rover over rocky terrain, metrics logged to CSV
 	$(BIN)/python -m harness.run --terrain rocky $(ARGS)
 
 test: setup  ## the whole test suite
 	$(BIN)/python -m pytest $(ARGS)
+
+test-jazzy:  ## the suite of rover_metrics against ROS 2 Jazzy, on Python 3.10 where there is one
+	tools/test_jazzy.sh $(ARGS)
 
 lint: setup  ## style and types, nothing is changed
 	$(BIN)/ruff check .

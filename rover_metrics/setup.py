@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from setuptools import setup
+from setuptools import find_packages, setup
 
 PACKAGE = "rover_metrics"
 
 setup(
     name=PACKAGE,
     version="0.1.0",
-    packages=[PACKAGE],
+    packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
@@ -22,5 +22,11 @@ setup(
     maintainer_email="maintainers@example.com",
     description="Traversal metrics of an off-road rover, one CSV row a second",
     license="Apache-2.0",
-    entry_points={"console_scripts": ["metrics_node = rover_metrics.metrics_node:main"]},
+    entry_points={
+        "console_scripts": [
+            "metrics_node = rover_metrics.metrics_node:main",
+            "analyze = rover_metrics.analyze:main",
+            "replay = rover_metrics.replay:main",
+        ]
+    },
 )

@@ -1,0 +1,265 @@
+"""harness.topics: its arithmetic with a clock of the test's own, its table over real DDS, its ends."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from rich.console import Console
+
+from harness.interrupt import StopRequest
+from harness.topics import WINDOW, Onlooker, Pace, _watch, main, message_class, quality
+
+TIMEOUT = 30.0  # [s]; reached only when a test fails
+Untyped = Any  # rclpy has no types
+COMMAND = [sys.executable, "-m", "harness.topics"]
+
+
+def steady(rate: float, seconds: float) -> Pace:
+    pace = Pace()
+    for count in range(round(rate * seconds) + 1):
+        pace.note(count / rate, count)
+    return pace
+
+
+def test_the_rate_of_a_steady_topic_is_exact() -> None:
+    assert steady(20.0, seconds=3.0).rate(3.0) == pytest.approx(20.0)
+
+
+def test_the_rate_follows_a_change_within_the_window() -> None:
+    pace = steady(10.0, seconds=10.0)
+    for tick in range(1, round(50.0 * 2.0 * WINDOW) + 1):
+        pace.note(10.0 + tick / 50.0, 100 + tick)
+    assert pace.rate(10.0 + 2.0 * WINDOW) == pytest.approx(50.0)
+
+
+def test_a_topic_that_stopped_has_an_age_and_no_rate() -> None:
+    pace = steady(20.0, seconds=1.0)
+    assert pace.rate(1.0 + 2.0 * WINDOW) is None
+    assert pace.age(1.0 + 2.0 * WINDOW) == pytest.approx(2.0 * WINDOW)
+
+
+def test_one_message_makes_no_rate_and_none_makes_no_age() -> None:
+    assert Pace().age(1.0) is None
+    assert steady(1.0, seconds=0.0).rate(0.0) is None
+
+
+def test_two_messages_at_one_instant_make_no_rate() -> None:
+    pace = Pace()
+    pace.note(1.0, 1)
+    pace.note(1.0, 2)
+    assert pace.rate(1.0) is None
+
+
+def test_a_simulation_that_starts_again_is_measured_anew() -> None:
+    pace = steady(10.0, seconds=2.0)
+    pace.note(2.0, 0.0)
+    pace.note(3.0, 4.0)
+    assert pace.rate(3.0) == pytest.approx(4.0)
+
+
+def test_memory_is_bounded_by_the_window() -> None:
+    assert len(steady(100.0, seconds=10.0 * WINDOW)._points) <= 100.0 * WINDOW + 1
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "antigravity/msg/Imu",
+        "no_such_package/msg/Imu",
+        "sensor_msgs/srv/Imu",
+        "../msg/Imu",
+        "os/msg/Path",
+    ],
+)
+def test_a_type_name_from_the_network_imports_nothing_but_messages(name: str) -> None:
+    assert message_class(name) is None
+    assert "antigravity" not in sys.modules
+
+
+def profile(
+    reliability: str, durability: str = "VOLATILE", history: str = "UNKNOWN", depth: int = 0
+) -> SimpleNamespace:
+    named = {"reliability": reliability, "durability": durability, "history": history}
+    return SimpleNamespace(depth=depth, **{k: SimpleNamespace(name=v) for k, v in named.items()})
+
+
+@pytest.mark.parametrize(
+    ("announced", "shown"),
+    [
+        (profile("RELIABLE"), "reliable"),
+        (profile("BEST_EFFORT", history="KEEP_LAST", depth=10), "best effort 10"),
+        (profile("RELIABLE", "TRANSIENT_LOCAL", "KEEP_ALL"), "reliable transient local all"),
+    ],
+)
+def test_quality_shows_what_the_middleware_tells(announced: object, shown: str) -> None:
+    assert quality(announced) == shown
+
+
+@pytest.mark.parametrize("seconds", ["0", "-1", "nan", "inf", "soon"])
+def test_seconds_that_make_no_sense_are_told_in_one_line(
+    seconds: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main([f"--seconds={seconds}"])
+    assert ended.value.code == 2
+    told = capsys.readouterr().err
+    assert f"'{seconds}' is not valid" in told
+    assert told.count("\n") == 1
+
+
+def test_without_ros_the_command_says_so_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "rclpy.py").write_text("raise ImportError(\"No module named 'rclpy'\")\n")
+    path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    run = subprocess.run(
+        COMMAND,
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+        check=False,
+    )
+    assert run.returncode == 2
+    assert run.stderr.startswith("harness.topics: ROS 2 is not importable (No module named 'rclpy')")
+    assert run.stderr.count("\n") == 1
+
+
+class Scene:
+    """A talker and an onlooker in one process, on a clock that the test sets."""
+
+    def __init__(self, at_end: ExitStack, namespace: str = "") -> None:
+        import rclpy  # noqa: PLC0415 - most of this file needs no ROS
+        from rclpy.executors import SingleThreadedExecutor  # noqa: PLC0415
+
+        self.now = 0.0
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context)
+        at_end.callback(self.context.try_shutdown)
+        self.executor: Untyped = SingleThreadedExecutor(context=self.context)
+        at_end.callback(self.executor.shutdown)
+        self.talker: Untyped = rclpy.create_node("talker", context=self.context)
+        watcher: Untyped = rclpy.create_node("watcher", context=self.context)
+        self.onlooker = Onlooker(watcher, namespace, now=lambda: self.now)
+        for node in (self.talker, watcher):
+            at_end.callback(node.destroy_node)
+            self.executor.add_node(node)
+
+    def publisher(self, kind: type, topic: str, qos: object = 10) -> Untyped:
+        """A publisher that the onlooker hears."""
+        publisher = self.talker.create_publisher(kind, topic, qos)
+
+        def heard() -> bool:
+            self.onlooker.look_around()
+            return bool(publisher.get_subscription_count())
+
+        self.spin_until(heard)
+        return publisher
+
+    def spin_until(self, condition: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + TIMEOUT
+        while not condition():
+            assert time.monotonic() < deadline, "timed out"
+            self.executor.spin_once(timeout_sec=0.02)
+
+    def publish(self, publisher: Untyped, message: object, at: float) -> None:
+        """Publishes at a time [s] and waits until the onlooker has it."""
+        self.now, counts = at, self.onlooker.counts
+        expected = counts[publisher.topic_name] + 1
+        publisher.publish(message)
+        self.spin_until(lambda: counts[publisher.topic_name] == expected)
+
+    def cells(self, topic: str) -> list[str]:
+        """The table's row of a topic."""
+        console = Console(width=200)
+        with console.capture() as captured:
+            console.print(self.onlooker.table())
+        (row,) = [line for line in captured.get().splitlines() if line.startswith(f"│ {topic} ")]
+        return [cell.strip() for cell in row.strip("│ ").split("│")]
+
+
+@pytest.fixture
+def scene(ros_domain: int) -> Iterator[Scene]:  # noqa: ARG001 - sets the environment
+    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    with ExitStack() as at_end:
+        yield Scene(at_end)
+
+
+def test_a_topic_shows_rate_age_quality_type_and_who_is_there(scene: Scene) -> None:
+    from sensor_msgs.msg import Imu  # noqa: PLC0415
+
+    scene.talker.create_subscription(Imu, "imu/data", lambda _: None, 10)
+    imu = scene.publisher(Imu, "imu/data")
+    scene.spin_until(lambda: imu.get_subscription_count() == 2)
+    for tick in range(5):
+        scene.publish(imu, Imu(), at=tick * 0.05)
+    scene.now += 1.5
+    type_name, rate, simulated, age, qos, *counts = scene.cells("/imu/data")[1:]
+    assert type_name == "sensor_msgs/msg/Imu"
+    assert (rate, simulated, age) == ("20.0", "-", "1.50")
+    assert qos.startswith("reliable")
+    assert counts == ["1", "1"]
+
+
+def test_with_a_simulations_clock_the_rate_is_also_given_in_its_time(scene: Scene) -> None:
+    from builtin_interfaces.msg import Time  # noqa: PLC0415
+    from rosgraph_msgs.msg import Clock  # noqa: PLC0415
+
+    clock = scene.publisher(Clock, "/clock")
+    for tick in range(5):
+        scene.publish(clock, Clock(clock=Time(sec=tick)), at=tick * 0.1)
+    assert scene.cells("/clock")[2:4] == ["10.0", "1.0"]
+
+
+def test_a_namespace_leaves_out_the_others_but_not_the_clock(ros_domain: int) -> None:  # noqa: ARG001
+    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    from rosgraph_msgs.msg import Clock  # noqa: PLC0415
+    from sensor_msgs.msg import Imu  # noqa: PLC0415
+
+    with ExitStack() as at_end:
+        scene = Scene(at_end, namespace="rover1")
+        others = [
+            scene.talker.create_publisher(Imu, f"{name}/imu", 10) for name in ("rover11", "rover2")
+        ]
+        scene.publisher(Clock, "/clock")
+        scene.publisher(Imu, "/rover1/imu")
+        assert set(scene.onlooker.types) == {"/clock", "/rover1/imu"}
+        assert [other.get_subscription_count() for other in others] == [0, 0]
+
+
+def test_ctrl_c_ends_a_look_that_hangs_too(capsys: pytest.CaptureFixture[str]) -> None:
+    class Hanging:
+        types = ("/imu/data",)
+
+        def look_around(self) -> None:
+            signal.raise_signal(signal.SIGINT)
+            threading.Event().wait(TIMEOUT)
+
+        def table(self) -> str:
+            return "the last table"
+
+    with StopRequest() as stop:
+        _watch(Hanging(), None, TIMEOUT, stop, Console())  # type: ignore[arg-type]
+    assert "the last table" in capsys.readouterr().out
+
+
+def test_ctrl_c_ends_the_command_with_its_table(scene: Scene) -> None:
+    from sensor_msgs.msg import Imu  # noqa: PLC0415
+
+    imu = scene.talker.create_publisher(Imu, "imu/data", 10)
+    with subprocess.Popen(COMMAND, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as command:
+        try:
+            scene.spin_until(lambda: imu.get_subscription_count() == 1)
+            command.send_signal(signal.SIGINT)
+            out, err = command.communicate(timeout=TIMEOUT)
+        finally:
+            command.kill()
+    assert (command.returncode, err) == (0, "")
+    assert "/imu/data" in out

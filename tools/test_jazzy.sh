@@ -1,0 +1,41 @@
+#!/bin/sh
+# Runs the suite of rover_metrics against the wheels of ROS 2 Jazzy, in an environment of its own without
+# MuJoCo, on Python 3.10 (Humble's) where there is one. Called by `make test-jazzy`; PYTHON=... chooses.
+set -eu
+cd "$(dirname "$0")/.."
+
+fail() {
+    echo "test-jazzy: $1" >&2
+    exit 2
+}
+
+usable() {
+    "$1" -c 'import ensurepip, sys, venv; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))' >/dev/null 2>&1
+}
+
+find_python() {
+    for candidate in ${PYTHON:-python3.10 "${PYENV_ROOT:-$HOME/.pyenv}"/versions/3.10.*/bin/python \
+        python3.12 python3.11 python3.13 python3}; do
+        if usable "$candidate"; then
+            echo "$candidate"
+            return
+        fi
+    done
+    return 1
+}
+
+# Another distribution's wheels, or a sourced /opt/ros, leave paths behind that break this rclpy.
+unset _ROS_WHEELS_BOOTSTRAP_COMPLETE LD_LIBRARY_PATH PYTHONPATH AMENT_PREFIX_PATH
+
+python=$(find_python) || fail "needs Python 3.10 to 3.13 with venv; name one: make test-jazzy PYTHON=/path/to/python3.10"
+venv=build/jazzy-$("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
+if [ ! "$venv/.ready" -nt tools/jazzy.txt ]; then
+    rm -rf "$venv"
+    "$python" -m venv "$venv"
+    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
+        --require-hashes --requirement tools/jazzy.txt
+    touch "$venv/.ready"
+fi
+echo "test-jazzy: $("$venv/bin/python" --version), rclpy $("$venv/bin/python" -m pip list 2>/dev/null |
+    sed -n 's/^ros-rclpy  *//p')"
+PYTHONPATH=.:rover_metrics exec "$venv/bin/python" -m pytest tests/rover_metrics "$@"
