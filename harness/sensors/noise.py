@@ -1,68 +1,140 @@
-"""What corrupts a reading between the sensor and its topic: white noise, off unless asked for.
+"""What corrupts a reading between the sensor and its topic: named presets, off unless asked for.
 
-RoboTerrain's sensors have none. The values are those of the real rovers' configuration
-(models/README.md, sensors): each sensor draws from its own generator.
+RoboTerrain's sensors have no noise. Scan and IMU draw from generators of their own, so that the one
+does not change with the other's rate.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from harness.samples import Imu, LaserScan, Sample, Vector3
+from harness.errors import UsageError
+from harness.samples import Imu, LaserScan, Odometry, Sample
+from harness.sensors.corruption import AxisErrors, AxisTriad, ContactChatter, RangeErrors
+
+G = 9.80665  # [m/s^2]: data sheets count in it
+DEGREE = np.pi / 180.0  # [rad]
 
 
 @dataclass(frozen=True, kw_only=True)
-class NoiseLevels:
-    """Standard deviations of white noise.
+class NoisePreset:
+    """The errors of all sensors.
 
     Attributes:
-        range_m: Of a lidar range [m] (estimate for an RPLidar S2).
-        acceleration: Of specific force [m/s^2]: root of the 1e-3 covariance of leo_bringup.
-        angular_velocity: Of angular rate [rad/s]: root of its 1e-6 covariance.
+        acceleration: Of specific force [m/s^2].
+        angular_velocity: Of angular rate [rad/s].
+        ranges: Of the lidar.
+        chatter: What shakes the IMU before its own errors come on top; None for nothing.
     """
 
-    range_m: float = 0.01
-    acceleration: float = 0.032
-    angular_velocity: float = 0.001
+    name: str
+    summary: str
+    acceleration: AxisErrors = field(default_factory=AxisErrors)
+    angular_velocity: AxisErrors = field(default_factory=AxisErrors)
+    ranges: RangeErrors = field(default_factory=RangeErrors)
+    chatter: ContactChatter | None = None
 
 
-class WhiteNoise:
-    """Adds noise to scans and IMU readings; leaves everything else as it is."""
+WHITE = NoisePreset(
+    name="white",
+    summary="white noise of Leo's configuration; lidar 10 mm",
+    # Roots of the covariances 1e-3 and 1e-6 in leo_bringup's firmware_message_converter.yaml.
+    acceleration=AxisErrors(white=0.032),
+    angular_velocity=AxisErrors(white=0.001),
+    ranges=RangeErrors(white=0.01),  # estimate
+)
+
+HARDWARE = NoisePreset(
+    name="hardware",
+    summary="MPU-9250 at +-4 g and 500 deg/s with bias, walk, 16 bits; RPLIDAR S2 with lost returns",
+    # InvenSense PS-MPU-9250A-01 rev. 1.0, tables 1 and 2: total RMS noise 8 mg and 0.1 deg/s, bias
+    # tolerance 60 mg and 5 deg/s taken as three deviations, 8192 LSB/g and 65.5 LSB/(deg/s). Ranges as
+    # Leo's firmware sets them (imu.cpp). The walks are estimates.
+    acceleration=AxisErrors(
+        white=0.008 * G, bias=0.020 * G, walk=5e-4 * G, step=G / 8192, limit=4.0 * G
+    ),
+    angular_velocity=AxisErrors(
+        white=0.1 * DEGREE,
+        bias=5.0 / 3.0 * DEGREE,
+        walk=0.003 * DEGREE,
+        step=DEGREE / 65.5,
+        limit=500.0 * DEGREE,
+    ),
+    # Estimates for an RPLIDAR S2: +-30 mm taken as three deviations, 13 mm resolution, 1 % lost.
+    ranges=RangeErrors(white=0.010, step=0.013, dropout=0.01),
+)
+
+GAZEBO = NoisePreset(
+    name="gazebo",
+    summary="the IMU of RoboTerrain's Gazebo: one step's contacts, which mesh tyres make chatter",
+    # Fitted to acceleration and vertical roughness over velocity in the recorded logs of 2025-01-16
+    # (python -m harness.validate --realism); exact apart from that, as its sensors are.
+    chatter=ContactChatter(speed=0.3, shape=1.5, friction=0.6),
+)
+
+PRESETS = {preset.name: preset for preset in (WHITE, HARDWARE, GAZEBO)}
+DEFAULT_PRESET = WHITE.name
+
+
+def find_preset(name: str) -> NoisePreset:
+    """Returns the preset of that name.
+
+    Raises:
+        UsageError: No such preset; the message names those there are.
+    """
+    if name not in PRESETS:
+        message = f"noise preset '{name}' does not exist; available: {', '.join(PRESETS)}"
+        raise UsageError(message)
+    return PRESETS[name]
+
+
+def chosen_preset(choice: bool | str) -> NoisePreset | None:
+    """The preset of a name, the default one for True, none for False.
+
+    Raises:
+        UsageError: No preset of that name.
+    """
+    if choice is False:
+        return None
+    return find_preset(DEFAULT_PRESET if choice is True else choice)
+
+
+class SensorNoise:
+    """Corrupts scans and IMU readings; leaves everything else as it is.
+
+    The chatter follows the latest speed in the odometry, which passes here too.
+    """
 
     def __init__(
         self,
-        levels: NoiseLevels,
+        preset: NoisePreset,
         range_limits: tuple[float, float],
         scan_rng: np.random.Generator,
         imu_rng: np.random.Generator,
     ) -> None:
-        self._levels = levels
-        self._range_min, self._range_max = range_limits
+        self._preset, self._range_limits = preset, range_limits
         self._scan_rng, self._imu_rng = scan_rng, imu_rng
+        self._force = AxisTriad(preset.acceleration, imu_rng)
+        self._rate = AxisTriad(preset.angular_velocity, imu_rng)
+        self._wheel_speed = 0.0
 
     def corrupt(self, sample: Sample) -> Sample:
-        """The reading as a noisy sensor would give it."""
+        """The reading as a faulty sensor would give it."""
+        if isinstance(sample, Odometry):
+            self._wheel_speed = sample.twist.linear
         if isinstance(sample, LaserScan):
-            return self._corrupt_scan(sample)
+            ranges = self._preset.ranges.corrupt(sample.ranges, self._range_limits, self._scan_rng)
+            return replace(sample, ranges=ranges)
         if isinstance(sample, Imu):
             return self._corrupt_imu(sample)
         return sample
 
-    def _corrupt_scan(self, scan: LaserScan) -> LaserScan:
-        noise = self._scan_rng.normal(0.0, self._levels.range_m, scan.ranges.shape)
-        ranges = (scan.ranges + noise).astype(np.float32)  # inf stays inf
-        ranges[ranges < self._range_min] = -np.inf  # REP-117: nearer than the sensor can see
-        ranges[ranges > self._range_max] = np.inf
-        return replace(scan, ranges=ranges)
-
     def _corrupt_imu(self, imu: Imu) -> Imu:
-        force, rate = self._levels.acceleration, self._levels.angular_velocity
+        force, chatter = imu.linear_acceleration, self._preset.chatter
+        if chatter is not None:
+            force = chatter.shake(force, self._wheel_speed, self._imu_rng)
         return replace(
             imu,
-            linear_acceleration=self._shaken(imu.linear_acceleration, force),
-            angular_velocity=self._shaken(imu.angular_velocity, rate),
+            linear_acceleration=self._force.corrupt(force, imu.stamp_ns),
+            angular_velocity=self._rate.corrupt(imu.angular_velocity, imu.stamp_ns),
         )
-
-    def _shaken(self, value: Vector3, sigma: float) -> Vector3:
-        x, y, z = (np.array(value) + self._imu_rng.normal(0.0, sigma, 3)).tolist()
-        return x, y, z

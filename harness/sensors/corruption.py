@@ -1,0 +1,121 @@
+"""Error models of sensors: what lies between the exact value and the reading.
+
+Every model draws only what it needs from the generator it is given, so that a term that is switched
+off changes nothing.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.samples import Vector3
+
+NANOSECONDS = 1_000_000_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisErrors:
+    """Errors of each of three equal axes, in the sensor's unit.
+
+    Attributes:
+        white: Standard deviation of a reading.
+        bias: Standard deviation of the bias at switch-on.
+        walk: Standard deviation that the bias gains in the first second [unit/sqrt(s)].
+        step: Quantisation; 0 for none.
+        limit: Largest magnitude that can be read.
+    """
+
+    white: float = 0.0
+    bias: float = 0.0
+    walk: float = 0.0
+    step: float = 0.0
+    limit: float = math.inf
+
+
+class AxisTriad:
+    """Three axes with errors; remembers how far their biases have wandered."""
+
+    def __init__(self, errors: AxisErrors, rng: np.random.Generator) -> None:
+        self._errors, self._rng = errors, rng
+        self._bias = _gaussian(rng, errors.bias, (3,))
+        self._stamp_ns: int | None = None
+
+    def corrupt(self, value: Vector3, stamp_ns: int) -> Vector3:
+        """The reading for an exact value; stamps must not go backwards."""
+        errors = self._errors
+        self._wander(stamp_ns)
+        read = np.array(value) + self._bias + _gaussian(self._rng, errors.white, (3,))
+        if errors.step:
+            read = errors.step * np.round(read / errors.step)
+        x, y, z = np.clip(read, -errors.limit, errors.limit).tolist()
+        return x, y, z
+
+    def _wander(self, stamp_ns: int) -> None:
+        elapsed = 0.0 if self._stamp_ns is None else (stamp_ns - self._stamp_ns) / NANOSECONDS
+        self._stamp_ns = stamp_ns
+        self._bias = self._bias + _gaussian(self._rng, self._errors.walk * math.sqrt(elapsed), (3,))
+
+
+@dataclass(frozen=True, kw_only=True)
+class RangeErrors:
+    """Errors of a lidar's ranges.
+
+    Attributes:
+        white: Standard deviation of a range [m].
+        step: Quantisation [m]; 0 for none.
+        dropout: Share of the returns that are lost.
+    """
+
+    white: float = 0.0
+    step: float = 0.0
+    dropout: float = 0.0
+
+    def corrupt(
+        self, ranges: NDArray[np.float32], limits: tuple[float, float], rng: np.random.Generator
+    ) -> NDArray[np.float32]:
+        """Ranges [m] as read, REP-117 coded; a lost return is a miss, which is +inf."""
+        read = (ranges + _gaussian(rng, self.white, ranges.shape)).astype(np.float32)  # inf stays inf
+        if self.step:
+            read = (self.step * np.round(read / self.step)).astype(np.float32)
+        nearest, farthest = limits
+        read[read < nearest] = -np.inf
+        read[read > farthest] = np.inf
+        if self.dropout:
+            read[np.isfinite(read) & (rng.random(read.shape) < self.dropout)] = np.inf
+        return read
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactChatter:
+    """Wheels whose contacts break and close from one physics step to the next, as meshes in Gazebo do.
+
+    A reading that falls into a disturbed step finds the rover carried by more or less than its weight,
+    between free fall and several g, the mean being its weight; a friction force in a random direction
+    goes with it. How many are disturbed grows with the speed of the wheels.
+
+    Attributes:
+        speed: At which 63 % of the readings are disturbed [m/s]; the share is 1 - exp(-v / speed).
+        shape: Of the gamma distribution of the load, whose mean is 1; less is wilder.
+        friction: Standard deviation of the friction along each horizontal axis, over the weight,
+            where all readings are disturbed.
+    """
+
+    speed: float
+    shape: float
+    friction: float
+
+    def shake(self, force: Vector3, wheel_speed: float, rng: np.random.Generator) -> Vector3:
+        """Specific force [m/s^2] as it would be found at one step, for the mean over the window."""
+        disturbed = -math.expm1(-abs(wheel_speed) / self.speed)
+        load = rng.gamma(self.shape, 1.0 / self.shape)
+        along, across = disturbed * self.friction * math.hypot(*force) * rng.standard_normal(2)
+        if rng.random() >= disturbed:
+            load = 1.0
+        x, y, z = force
+        return load * (x + along), load * (y + across), load * z
+
+
+def _gaussian(rng: np.random.Generator, deviation: float, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    return rng.normal(0.0, deviation, shape) if deviation else np.zeros(shape)

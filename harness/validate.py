@@ -1,0 +1,113 @@
+"""Command: drive standard manoeuvres and compare what the rovers do with what their sources say.
+
+    python -m harness.validate --robot leo --seed 1
+    python -m harness.validate --realism
+
+Parses, calls, prints; the work is in harness.validation.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from rich.console import Console
+
+from harness.errors import HarnessError, UsageError
+from harness.robots import MODELS_DIR, ROVERS, find_rover
+from harness.validation.realism import compare
+from harness.validation.realism_table import print_comparison
+from harness.validation.recorded import DEFAULT_LOGS
+from harness.validation.suite import validate
+from harness.validation.table import as_markdown, print_table, write_between_markers
+
+README = MODELS_DIR / "README.md"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command; returns its exit code: 0, 1 after a miss, 2 for bad arguments."""
+    options = _parser().parse_args(arguments)
+    console = Console()
+    try:
+        _check(options)
+        return _realism(options, console) if options.realism else _suite(options, console)
+    except HarnessError as error:
+        print(f"harness.validate: {error}", file=sys.stderr)
+        return error.exit_code
+
+
+def _suite(options: argparse.Namespace, console: Console) -> int:
+    rovers = ROVERS.values() if options.robot is None else [find_rover(options.robot)]
+    results = {}
+    for rover in rovers:
+        results[rover.name] = validate(rover, options.seed)
+        print_table(console, rover.name, results[rover.name])
+    if options.write:
+        write_between_markers(README, as_markdown(results))
+    misses = [
+        f"{robot}: {check.quantity}"
+        for robot, checks in results.items()
+        for check in checks
+        if not check.passed
+    ]
+    return _report_misses(misses)
+
+
+def _realism(options: argparse.Namespace, console: Console) -> int:
+    comparison = compare(options.logs, options.seed)
+    print_comparison(console, comparison)
+    return _report_misses(comparison.missed)
+
+
+def _report_misses(misses: Sequence[str]) -> int:
+    if misses:
+        print(f"harness.validate: missed {'; '.join(misses)}", file=sys.stderr)
+    return 1 if misses else 0
+
+
+def _check(options: argparse.Namespace) -> None:
+    if options.robot is not None:
+        find_rover(options.robot)
+    if options.seed < 0:
+        raise UsageError(f"seed {options.seed} is not valid; give a whole number from 0 up")
+    if options.write and (options.robot is not None or options.realism):
+        raise UsageError("--write makes the whole table; leave out --robot and --realism")
+    if options.realism and options.robot not in {None, "rover_zero4wd"}:
+        raise UsageError("--realism compares with logs of rover_zero4wd; leave out --robot")
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Prints the message and leaves with exit code 2."""
+        self.exit(2, f"harness.validate: {message}; see --help\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="python -m harness.validate",
+        description="Drives standard manoeuvres and compares the rovers with their sources.",
+    )
+    parser.add_argument("--robot", metavar="NAME", help=f"{', '.join(ROVERS)}; all by default")
+    parser.add_argument(
+        "--seed", type=int, default=0, metavar="N", help="headings and the unevenness of the floor"
+    )
+    parser.add_argument("--write", action="store_true", help="put the table into models/README.md")
+    parser.add_argument(
+        "--realism", action="store_true", help="compare a 10-minute run with recorded logs instead"
+    )
+    parser.add_argument(
+        "--logs",
+        nargs=2,
+        type=Path,
+        default=DEFAULT_LOGS,
+        metavar=("A.csv", "B.csv"),
+        help="two recorded logs for --realism; RoboTerrain's of 2025-01-16 by default",
+    )
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

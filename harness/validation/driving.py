@@ -1,0 +1,92 @@
+"""Driving on a level floor: speed, stopping distance, yaw ratio, calm while turning."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from harness.robots import RoverSpec
+from harness.sensors.base import HIGHEST_RATE, period_ticks
+from harness.sensors.imu import ImuSensor
+from harness.validation.check import Check, Span, at_most
+from harness.validation.expected import expected_of
+from harness.validation.grounds import floor
+from harness.validation.rig import TICK, Rig
+
+CRUISE, TOP = 0.5, 1.0  # [m/s] commanded
+ACCELERATING, MEASURING, TURNING = 0.8, 1.0, 4.0  # [s]
+YAW_RATE, ARC_SPEED = 1.0, 0.3  # [rad/s], [m/s] commanded
+
+
+def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    """Everything that a level floor can tell of driving."""
+    yield from _speeds(rover, seed)
+    yield _stopping(rover, seed)
+    yield from _turning(rover, seed)
+
+
+def _speeds(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    expected, rig = expected_of(rover), Rig(rover, floor(seed))
+    slow, source = expected.speed_ratio, expected.speed_ratio.source
+    for commanded, span in (
+        (0.1, Span(0.1 * slow.low, 0.1 * slow.high, source)),
+        (0.3, Span(0.3 * slow.low, 0.3 * slow.high, source)),
+        (CRUISE, expected.at_half),
+        (TOP, expected.at_top),
+    ):
+        speed = straight_speed(rig, commanded)
+        yield Check(f"speed at {commanded:g} m/s commanded", "m/s", span, speed, digits=4)
+
+
+def straight_speed(rig: Rig, commanded: float) -> float:
+    """Ground speed [m/s] once the commanded speed has been reached."""
+    rig.command(commanded)
+    rig.run(ACCELERATING)
+    start = rig.stance
+    rig.run(MEASURING)
+    end = rig.stance
+    return math.hypot(end.ahead - start.ahead, end.aside - start.aside) / MEASURING
+
+
+def _stopping(rover: RoverSpec, seed: int) -> Check:
+    rig = Rig(rover, floor(seed))
+    speed = straight_speed(rig, CRUISE)
+    start = rig.stance.ahead
+    rig.command(0.0)
+    rig.run(MEASURING)
+    braking = speed**2 / (2 * rover.linear_acceleration)
+    span = Span(
+        braking - speed * TICK,
+        braking + 2 * speed * TICK,
+        f"D: v^2 / 2a, a = {rover.linear_acceleration:g} m/s2 (SDF), and a tick or two",
+    )
+    distance = rig.stance.ahead - start
+    return Check(f"stopping distance from {CRUISE:g} m/s commanded", "m", span, distance, digits=4)
+
+
+def _turning(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    rig = Rig(rover, floor(seed))
+    in_place = _yaw_ratio(rig, 0.0)
+    yield Check("yaw ratio in place, 1 rad/s commanded", "", expected_of(rover).yaw_ratio, in_place)
+    imu = ImuSensor(rig.simulation, period_ticks(HIGHEST_RATE))
+    rig.observers.append(imu.observe)
+    vertical: list[float] = []
+    rig.observers.append(lambda: vertical.append(imu.read().linear_acceleration[2]))
+    rig.run(TURNING)
+    rig.observers.clear()
+    calm = at_most(0.3, "facts: no contact chatter, which no real rover has")
+    yield Check("sd of az turning in place, IMU at 100 Hz", "m/s2", calm, float(np.std(vertical)))
+    constant = Span(
+        0.9 * in_place,
+        1.1 * in_place,
+        "D: in place +-10 %, as centres of rotation hardly move (Mandow et al. 2007)",
+    )
+    yield Check("yaw ratio in an arc, 0.3 m/s", "", constant, _yaw_ratio(rig, ARC_SPEED))
+
+
+def _yaw_ratio(rig: Rig, speed: float) -> float:
+    rig.command(speed, YAW_RATE)
+    rig.run(MEASURING)
+    start = rig.stance.yaw
+    rig.run(TURNING)
+    return (rig.stance.yaw - start) / (YAW_RATE * TURNING)

@@ -1,0 +1,112 @@
+"""The grounds of the manoeuvres: a nearly level floor, a ramp, a saddle, and things to drive over.
+
+A seed gives the floor its unevenness and the manoeuvre its heading relative to the grid, so that no
+result hangs on one lucky triangle. Obstacles stand ahead of a rover that faces that heading.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.world.fields import Field, fractal
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind, Shape, orientation
+from harness.world.world import World
+
+HALF_SIZE, CELL = 6.0, 0.1  # [m]
+UNEVENNESS = 0.0005  # [m] RMS: a good concrete floor
+RAMP_START, RAMP_BEND = 0.6, 0.8  # [m] ahead of the origin; length over which the incline grows
+GROUND_STREAM = 20  # keeps these random numbers apart from those of worlds and episodes
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """A world and the heading [rad] in which a rover is set down in it."""
+
+    world: World
+    heading: float
+
+    def ahead(self, x: float, y: float) -> tuple[float, float]:
+        """World coordinates of a point `x` ahead and `y` to the left of the origin [m]."""
+        c, s = math.cos(self.heading), math.sin(self.heading)
+        return c * x - s * y, s * x + c * y
+
+
+def floor(seed: int, *obstacles: "Block") -> Course:
+    """A level floor, as even as a good concrete one, with blocks on it."""
+    heading, heights = _heading_and_floor(seed)
+    course = Course(_world(heights, seed), heading)
+    solid = tuple(block.stand(course) for block in obstacles)
+    return Course(_world(heights, seed, solid), heading)
+
+
+def ramp(seed: int, incline: float) -> Course:
+    """A floor that bends up into an incline [rad] ahead of the rover."""
+    heading, heights = _heading_and_floor(seed)
+    x, y = _grid()
+    along = x * math.cos(heading) + y * math.sin(heading) - RAMP_START
+    bend = np.clip(along, 0.0, RAMP_BEND)
+    rise = bend**2 / (2 * RAMP_BEND) + np.maximum(along - RAMP_BEND, 0.0)
+    return Course(_world(heights + math.tan(incline) * rise, seed), heading)
+
+
+def saddle(seed: int, twist: float) -> Course:
+    """A surface z = twist * x * y [1/m] about the origin, seen from the rover's heading.
+
+    It lifts two diagonal wheels and lowers the others, which turns the rockers against each other
+    and leaves the body level. The heading stays within 3 deg of the grid, whose triangles would
+    otherwise bend the surface.
+    """
+    x, y = _grid()
+    sign = 1.0 if _rng(seed).random() < 0.5 else -1.0
+    reach = np.exp(-((x**2 + y**2) / 2.0))  # flattens towards the edge
+    heading = math.radians(_rng(seed).uniform(-3.0, 3.0))
+    return Course(_world(sign * twist * x * y * reach, seed), heading)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Block:
+    """A solid thing on the floor, upright, aligned with the rover's heading.
+
+    Attributes:
+        half_size: As in `Obstacle` [m].
+        x: Of its centre ahead of the origin [m]; `y` to the left.
+    """
+
+    shape: Shape
+    half_size: tuple[float, ...]
+    x: float
+    y: float = 0.0
+
+    def stand(self, course: Course) -> Obstacle:
+        """The block as an obstacle of the course, at the height of the level floor."""
+        x, y = course.ahead(self.x, self.y)
+        return Obstacle(
+            kind=ObstacleKind.ROCK,
+            shape=self.shape,
+            half_size=self.half_size,
+            position=(x, y, self.half_size[-1]),
+            quaternion=orientation(course.heading),
+        )
+
+
+def _heading_and_floor(seed: int) -> tuple[float, Field]:
+    rng = _rng(seed)
+    heading = rng.uniform(-math.pi, math.pi)
+    shape = _grid()[0].shape
+    return heading, UNEVENNESS * fractal(rng, shape, cell=CELL, longest=2.0, shortest=0.3)
+
+
+def _rng(seed: int) -> np.random.Generator:
+    return np.random.default_rng([seed, GROUND_STREAM])
+
+
+def _grid() -> tuple[Field, Field]:
+    axis = np.linspace(-HALF_SIZE, HALF_SIZE, round(2 * HALF_SIZE / CELL) + 1)
+    x, y = np.meshgrid(axis, axis)
+    return x, y
+
+
+def _world(heights: Field, seed: int, obstacles: tuple[Obstacle, ...] = ()) -> World:
+    return World("validation", Heightfield(heights, CELL), obstacles, seed, 0.0)

@@ -1,0 +1,89 @@
+"""Our side of the comparison: the log of a run as RoboTerrain's were recorded.
+
+The terrain has posts and cubes on nearly level ground, as the inspection world of the logs; the driver
+chooses its speeds as they are spread there; the noise is that of Gazebo's IMU.
+"""
+
+import numpy as np
+
+from harness.drivers import DriverContext, Observation
+from harness.episode import Episode, EpisodeConfig, beam_bearings
+from harness.robots import ROVER_ZERO4WD
+from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick
+from harness.sensors.lidar import LidarSpec
+from harness.simulation import NANOSECONDS
+from harness.validation.agent import RecordedAgent
+from harness.validation.recorded import Log, as_log
+from rover_metrics.metrics import TraversalMetrics
+
+CONFIG = EpisodeConfig(
+    robot=ROVER_ZERO4WD.name,
+    terrain="posts",
+    difficulty=0.5,
+    driver="cmd_vel",
+    noise="gazebo",
+    duration=600.0,
+)
+AGENT_STREAM = 30  # keeps the agent's random numbers apart
+
+
+def drive(config: EpisodeConfig = CONFIG) -> Log:
+    """Drives the run and returns its rows."""
+    episode = Episode(config)
+    agent = RecordedAgent(
+        DriverContext(
+            ROVER_ZERO4WD,
+            episode.info.map_size / 2,
+            beam_bearings(LidarSpec()),
+            np.random.default_rng([config.seed, AGENT_STREAM]),
+        )
+    )
+    logger = _Logger(TraversalMetrics())
+    for batch in episode.batches():
+        for tick in batch.ticks:
+            logger.take(tick)
+        episode.command(agent.command(logger.observe(episode)))
+    return as_log(np.array(logger.rows), "the run")
+
+
+class _Logger:
+    """Feeds a metric core, and keeps one row a second and the latest scan."""
+
+    def __init__(self, metrics: TraversalMetrics) -> None:
+        self._metrics, self._scan = metrics, LaserScan(0, np.empty(0, dtype=np.float32))
+        self.rows: list[tuple[float, ...]] = []
+
+    def take(self, tick: Tick) -> None:
+        """Takes the samples of a tick, then the row if a second is full."""
+        for sample in tick.samples:
+            self._take_sample(sample)
+        seconds, rest = divmod(tick.stamp_ns, NANOSECONDS)
+        if rest == 0:
+            row = self._metrics.row(seconds)
+            self.rows.append(
+                (
+                    row.imu_acceleration_magnitude,
+                    row.vertical_roughness,
+                    row.current_velocity,
+                    row.obstacle_clearance,
+                )
+            )
+
+    def _take_sample(self, sample: Sample) -> None:
+        match sample:
+            case LaserScan():
+                self._scan = sample
+                self._metrics.add_scan(sample.ranges)
+            case Imu():
+                self._metrics.add_imu(sample.linear_acceleration, sample.angular_velocity)
+            case Odometry():
+                self._metrics.add_odometry((sample.twist.linear, 0.0, 0.0))
+            case Pose():
+                self._metrics.add_pose(sample.position)
+
+    def observe(self, episode: Episode) -> Observation:
+        """What the agent may know."""
+        simulation = episode.simulation
+        x, y, _ = simulation.position
+        ranges = self._scan.ranges if self._scan.ranges.size else None
+        return Observation(simulation.time_ns, x, y, simulation.yaw, ranges)

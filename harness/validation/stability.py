@@ -1,0 +1,110 @@
+"""The tilt table: static tip angles, the incline that is held, and the creep on it.
+
+The table tilts gravity instead of the ground, which on a plane is the same. For the tip angles the
+wheels' friction is raised, in place of the rail that keeps a vehicle from sliding off the table of
+ISO 16333.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from harness.robots import RoverSpec
+from harness.validation.check import Check, Span, around, at_most
+from harness.validation.grounds import floor
+from harness.validation.rig import TICK, Rig
+from harness.validation.statics import GRAVITY, WHEEL_FRICTION, Balance, balance, tip_angle
+
+RAIL_FRICTION = 5.0
+FAST, SLOW = math.radians(30.0), math.radians(2.5)  # [rad/s]: far from and near the angle looked for
+NEAR = math.radians(5.0)
+STEEPEST = math.radians(75.0)
+SLIDING = 0.1  # [m/s]
+STANDING = math.radians(20.0)
+STANDING_TIME = 2.0  # [s]
+SOFT_CREEP = 10.0  # [mm/s]
+SOFT_SOURCE = "E: soft friction up to 10 (real: 0)"
+
+FRONT, REAR, LEFT, RIGHT = (0, 2), (1, 3), (0, 1), (2, 3)  # wheels in the spec's order
+Wheels = tuple[int, int]
+
+
+class TiltTable:
+    """A rig whose gravity tilts; `uphill` is the direction [rad] in which the ground rises."""
+
+    def __init__(self, rig: Rig, uphill: float) -> None:
+        self.rig, self.angle = rig, 0.0
+        self._uphill = np.array([math.cos(uphill), math.sin(uphill), 0.0])
+
+    def tilt(self, angle: float) -> None:
+        """Sets the incline [rad]."""
+        self.angle = angle
+        up = math.sin(angle) * self._uphill + np.array([0.0, 0.0, math.cos(angle)])
+        self.rig.simulation.model.opt.gravity[:] = -GRAVITY * up
+
+    def raise_until(self, done: Callable[[], bool], near: float) -> float:
+        """Tilts until something happens, slowly from `near` on; NaN if nothing does [rad]."""
+        while self.angle < STEEPEST:
+            self.tilt(self.angle + (FAST if self.angle < near else SLOW) * TICK)
+            self.rig.tick()
+            if done():
+                return self.angle
+        return math.nan
+
+
+def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    """Tip angles to four sides, the incline that is held nose up, the creep on a moderate one."""
+    stand = balance(Rig(rover, floor(seed)))
+    for name, uphill, wheels, arm in (
+        ("forward", math.pi, REAR, stand.front),
+        ("backward", 0.0, FRONT, stand.rear),
+        ("to the left", -math.pi / 2, RIGHT, stand.left),
+        ("to the right", math.pi / 2, LEFT, stand.right),
+    ):
+        limit = tip_angle(arm, stand.height)
+        span = around(
+            math.degrees(limit),
+            1.5,
+            f"D: atan({1e3 * arm:.0f} / {1e3 * stand.height:.0f} mm) of the centre of mass",
+        )
+        measured = math.degrees(_tips(rover, seed, uphill, wheels, limit))
+        yield Check(f"static tip angle {name}", "deg", span, measured, digits=1)
+    yield from _held(rover, seed, stand)
+
+
+def _tips(rover: RoverSpec, seed: int, uphill: float, wheels: Wheels, limit: float) -> float:
+    rig = Rig(rover, floor(seed))
+    geoms = rig.wheel_geoms
+    rig.simulation.model.geom_friction[geoms, 0] = RAIL_FRICTION
+    table = TiltTable(rig, rig.heading + uphill)
+    watched = [geoms[wheel] for wheel in wheels]
+    return table.raise_until(lambda: not rig.stands_on(watched), limit - NEAR)
+
+
+def steepest_stand(stand: Balance) -> float:
+    """Incline [rad] nose up at which a rover slides or tips backwards, whichever is first."""
+    return min(math.atan(WHEEL_FRICTION), tip_angle(stand.rear, stand.height))
+
+
+def _held(rover: RoverSpec, seed: int, stand: Balance) -> Iterator[Check]:
+    rig = Rig(rover, floor(seed))
+    table = TiltTable(rig, rig.heading)
+    table.raise_until(lambda: table.angle >= STANDING, STANDING)
+    rig.run(STANDING_TIME)
+    start = rig.stance
+    rig.run(STANDING_TIME)
+    creep = 1e3 * math.hypot(rig.stance.ahead - start.ahead, rig.stance.aside - start.aside)
+    droop = 1e3 * servo_creep(rig, stand, STANDING)
+    span = at_most(droop + SOFT_CREEP, f"D: servo droop m g sin r^2 / 4 kv {droop:.1f}; {SOFT_SOURCE}")
+    yield Check("creep on 20 deg, nose up", "mm/s", span, creep / STANDING_TIME, digits=1)
+    limit = steepest_stand(stand)
+    held = table.raise_until(lambda: rig.speed > SLIDING, limit - NEAR)
+    low = Span(math.degrees(limit) - 2, math.degrees(limit) + 3, "D: atan(mu = 1), or tips if less")
+    yield Check("slope held, nose up", "deg", low, math.degrees(held), digits=1)
+
+
+def servo_creep(rig: Rig, stand: Balance, incline: float) -> float:
+    """Speed [m/s] at which the wheels' velocity servos yield to the weight; dry friction left out."""
+    gain = -float(rig.simulation.model.actuator_biasprm[0, 2])  # kv [N m s]
+    return stand.weight * math.sin(incline) * rig.rover.wheel_radius**2 / (4 * gain)

@@ -1,0 +1,89 @@
+"""Standing still and passing over: the IMU at rest, the rockers' travel, the room below the rover."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from harness.robots import RoverSpec
+from harness.sensors.base import period_ticks
+from harness.sensors.imu import ImuSensor
+from harness.validation.check import Check, Span, around, at_most
+from harness.validation.expected import Passage, expected_of
+from harness.validation.grounds import Block, floor, saddle
+from harness.validation.rig import Rig, steepest
+from harness.validation.statics import GRAVITY
+
+IMU_RATE, REST = 20, 40  # [Hz], readings
+REST_BEFORE = 1.0  # [s]
+TWIST, OVERTWIST = 0.15, 0.40  # [rad] between rocker and body that a saddle asks for
+ROCKING = 1.5  # [s]
+POST_AT, POST_SPEED, POST_LIMIT = 0.6, 0.3, 4.5  # [m], [m/s], [s]
+SCATTER = 0.015  # [m] around the stated clearance that is searched
+
+
+def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    """IMU at rest, clearance, and the rockers of a rover that has some."""
+    yield from _rest(rover, seed)
+    for passage in expected_of(rover).passages:
+        yield _clearance(rover, seed, passage)
+    if rover.passive_joints:
+        yield from _rockers(rover, seed)
+
+
+def _rest(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    rig, ticks = Rig(rover, floor(seed)), period_ticks(IMU_RATE)
+    rig.run(REST_BEFORE)
+    imu = ImuSensor(rig.simulation, ticks)
+    rig.observers.append(imu.observe)
+    readings = []
+    for _ in range(REST):
+        for _ in range(ticks):
+            rig.tick()
+        readings.append(imu.read())
+    force = np.linalg.norm([reading.linear_acceleration for reading in readings], axis=1)
+    rate = np.linalg.norm([reading.angular_velocity for reading in readings], axis=1)
+    gravity = around(GRAVITY, 0.005, "S: gravity of RoboTerrain's worlds, noise off")
+    yield Check("IMU at rest, |a|", "m/s2", gravity, float(force.mean()), digits=4)
+    still = at_most(1e-3, "S: no noise in RoboTerrain's sensors")
+    yield Check("IMU at rest, sd of |a|", "m/s2", still, float(force.std()), digits=4)
+    yield Check("IMU at rest, largest |w|", "rad/s", still, float(rate.max()), digits=4)
+
+
+def _clearance(rover: RoverSpec, seed: int, passage: Passage) -> Check:
+    def passes(height: float) -> bool:
+        half = (passage.radius, height / 2)
+        post = Block(shape="cylinder", half_size=half, x=POST_AT, y=passage.aside)
+        rig = Rig(rover, floor(seed, post))
+        rig.command(POST_SPEED)
+        return not rig.run_until(lambda: rig.touches_block, POST_LIMIT)
+
+    highest = steepest(passes, passage.height - SCATTER, passage.height + SCATTER, 0.001)
+    span = Span(
+        passage.height - 0.005, passage.height + 0.001, f"{passage.source}; D: up to 5 mm of sink, heave"
+    )
+    return Check(f"highest rock that passes below the {passage.name}", "m", span, highest)
+
+
+def _rockers(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    turned = _twisted(rover, seed, TWIST)
+    follows = around(TWIST, 0.012, "D: the saddle's twist, all wheels on the ground")
+    yield Check(
+        f"rocker angle on a saddle of {TWIST:g} rad", "rad", follows, float(np.abs(turned).max())
+    )
+    limited = _twisted(rover, seed, OVERTWIST)
+    stop = around(0.24, 0.006, "S: limits of the SDF, +-0.24")
+    yield Check("rocker angle at its stops", "rad", stop, float(np.abs(limited).max()))
+    rig = Rig(rover, floor(seed, Block(shape="box", half_size=(0.05, 0.5, 0.025), x=0.5, y=0.52)))
+    uneven: list[float] = []
+    rig.observers.append(lambda: uneven.append(abs(rig.joint_angles(rover.passive_joints).sum())))
+    rig.command(0.4)
+    rig.run(3.0)
+    mirrored = at_most(5e-4, "facts: a stiff differential")
+    yield Check("largest |q_L + q_R| over a 5 cm bar", "rad", mirrored, max(uneven), digits=5)
+
+
+def _twisted(rover: RoverSpec, seed: int, angle: float) -> np.ndarray:
+    rig = Rig(rover, saddle(seed, 2 * math.tan(angle) / rover.track))
+    rig.run(ROCKING)
+    return rig.joint_angles(rover.passive_joints)

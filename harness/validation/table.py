@@ -1,0 +1,77 @@
+"""The validation as a table: on the terminal, and in models/README.md between two markers."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from harness.errors import UsageError
+from harness.robots import ROVERS
+from harness.validation.check import Check
+
+BEGIN = "<!-- begin: python -m harness.validate --write -->"
+END = "<!-- end: python -m harness.validate --write -->"
+HEADINGS = ("quantity", "expected", "measured", "verdict", "source of the expectation")
+
+Results = Mapping[str, Sequence[Check]]  # by the rover's name
+
+
+def print_table(console: Console, robot: str, checks: Sequence[Check]) -> None:
+    """Prints the checks of one rover."""
+    table = Table(title=robot, title_justify="left")
+    for heading in HEADINGS:
+        table.add_column(heading, overflow="fold")
+    for check in checks:
+        style = None if check.passed else "bold red"
+        table.add_row(*_cells(check), style=style)
+    console.print(table)
+
+
+def as_markdown(results: Results) -> str:
+    """The tables of all rovers, each under its name."""
+    return "\n\n".join(f"### {robot}\n\n{_rows(checks)}" for robot, checks in results.items())
+
+
+def write_between_markers(path: Path, text: str) -> None:
+    """Replaces what stands between the markers of a file.
+
+    Raises:
+        UsageError: The file cannot be read or written, or does not have the markers.
+    """
+    try:
+        before, rest = path.read_text(encoding="utf-8").split(BEGIN)
+        after = rest.split(END)[1]
+        path.write_text(f"{before}{BEGIN}\n\n{text}\n\n{END}{after}", encoding="utf-8")
+    except (ValueError, IndexError) as error:
+        raise UsageError(f"{path} must hold '{BEGIN}' and '{END}' once each") from error
+    except OSError as error:
+        raise UsageError(f"cannot rewrite {path}: {error.strerror}") from error
+
+
+def listed_quantities(path: Path) -> dict[str, list[str]]:
+    """The quantities of the tables between the markers, by rover."""
+    listed: dict[str, list[str]] = {}
+    for line in path.read_text(encoding="utf-8").split(BEGIN)[1].split(END)[0].splitlines():
+        if line.startswith("### "):
+            robot = line.removeprefix("### ")
+            listed[robot] = []
+        elif line.startswith("| ") and not line.startswith(f"| {HEADINGS[0]} "):
+            listed[robot].append(line.split(" | ")[0].removeprefix("| "))
+    return {robot: listed[robot] for robot in ROVERS if robot in listed}
+
+
+def _rows(checks: Sequence[Check]) -> str:
+    head = [f"| {' | '.join(HEADINGS)} |", "|---" * len(HEADINGS) + "|"]
+    cells = ([cell.replace("|", "\\|") for cell in _cells(check)] for check in checks)
+    return "\n".join([*head, *(f"| {' | '.join(row)} |" for row in cells)])
+
+
+def _cells(check: Check) -> tuple[str, str, str, str, str]:
+    return (
+        check.quantity,
+        f"{check.expected.describe(check.digits)} {check.unit}".rstrip(),
+        f"{check.measured:.{check.digits}f} {check.unit}".rstrip(),
+        "ok" if check.passed else "MISS",
+        check.expected.source,
+    )

@@ -1,0 +1,87 @@
+"""The command: what it drives, what it says, how it ends."""
+
+from pathlib import Path
+
+import pytest
+
+from harness import validate
+from harness.robots import RoverSpec
+from harness.validation.check import Check, Span
+from harness.validation.table import BEGIN, END
+
+GOOD = Check("speed", "m/s", Span(0.49, 0.50, "S: recorded"), 0.495)
+BAD = Check("stopping distance", "m", Span(0.04, 0.05, "D: v^2 / 2a"), 0.4)
+
+
+def drives(monkeypatch: pytest.MonkeyPatch, *checks: Check) -> list[tuple[str, int]]:
+    """Replaces the suite; the list tells which rover was driven with which seed."""
+    calls: list[tuple[str, int]] = []
+
+    def fake(rover: RoverSpec, seed: int) -> list[Check]:
+        calls.append((rover.name, seed))
+        return list(checks)
+
+    monkeypatch.setattr(validate, "validate", fake)
+    return calls
+
+
+def test_all_rovers_are_driven_by_default_and_a_pass_is_exit_code_0(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    calls = drives(monkeypatch, GOOD)
+    assert validate.main([]) == 0
+    assert calls == [("leo", 0), ("rover_zero4wd", 0)]
+
+
+def test_one_rover_can_be_chosen_with_its_seed(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = drives(monkeypatch, GOOD)
+    assert validate.main(["--robot", "leo", "--seed", "7"]) == 0
+    assert calls == [("leo", 7)]
+
+
+def test_a_miss_is_named_and_is_exit_code_1(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    drives(monkeypatch, GOOD, BAD)
+    assert validate.main(["--robot", "leo"]) == 1
+    assert capsys.readouterr().err == "harness.validate: missed leo: stopping distance\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--robot", "spirit"], "available: leo, rover_zero4wd"),
+        (["--seed", "-1"], "whole number from 0 up"),
+        (["--write", "--robot", "leo"], "leave out --robot"),
+        (["--write", "--realism"], "leave out --robot and --realism"),
+        (["--realism", "--robot", "leo"], "rover_zero4wd"),
+        (["--realism", "--logs", "/none/a.csv", "/none/b.csv"], "name two logs with --logs"),
+    ],
+)
+def test_bad_arguments_are_one_line_and_exit_code_2(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert validate.main(arguments) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+
+
+def test_words_that_the_parser_refuses_are_one_line_and_exit_code_2(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(SystemExit) as leaving:
+        validate.main(["--seed", "many"])
+    assert leaving.value.code == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_write_puts_the_table_between_the_markers(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    readme = tmp_path / "README.md"
+    readme.write_text(f"{BEGIN}\n{END}\n", encoding="utf-8")
+    monkeypatch.setattr(validate, "README", readme)
+    drives(monkeypatch, GOOD)
+    assert validate.main(["--write"]) == 0
+    assert "| speed | 0.490 to 0.500 m/s | 0.495 m/s | ok | S: recorded |" in readme.read_text()
