@@ -17,13 +17,18 @@ DEFAULT_DIFFICULTY = 0.5
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """A ground with its obstacles, centred on the origin, where the rover starts."""
+    """A ground with its obstacles, centred on the origin, where the rover starts.
+
+    Attributes:
+        notes: What was done to a heightmap file to make this of it.
+    """
 
     name: str
     ground: Heightfield
     obstacles: tuple[Obstacle, ...]
     seed: int
     difficulty: float
+    notes: tuple[str, ...] = ()
 
 
 def find_terrain(name: str) -> type[Terrain]:

@@ -1,0 +1,124 @@
+"""Where the camera stands: near the rover, so that much of its path is seen and nothing hides it."""
+
+import math
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+DISTANCE = 2.3  # [m] to the rover
+ELEVATION = math.radians(17.0)  # of the camera over the rover
+EYE_LEVEL = 0.35  # [m] of the rover that the camera looks at, above its model frame
+AHEAD = 0.7  # [m] behind the rover that the picture's middle is aimed at
+ASIDE = 0.4  # [m] by which the rover stands beside the middle
+AZIMUTHS = np.arange(0.0, 360.0, 7.5)  # [deg] candidates
+GROUND_MARGIN = 0.4  # [m] of air below the camera
+CHASE_SIDE, CHASE_ELEVATION = 30.0, -24.0  # [deg]
+BEST_FRONT = math.radians(35.0)  # angle between the rover's heading and the camera
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A camera as MuJoCo's free camera has it: what it looks at, from where.
+
+    Attributes:
+        target: Point in the world [m].
+        azimuth: Direction of view [deg].
+    """
+
+    target: Vector
+    azimuth: float
+    distance: float
+    elevation: float = -math.degrees(ELEVATION)
+
+    @property
+    def direction(self) -> Vector:
+        """Unit vector of the view."""
+        azimuth, elevation = math.radians(self.azimuth), math.radians(self.elevation)
+        level = math.cos(elevation)
+        return np.array([level * math.cos(azimuth), level * math.sin(azimuth), math.sin(elevation)])
+
+    @property
+    def eye(self) -> Vector:
+        """Where the camera is [m]."""
+        return self.target - self.distance * self.direction
+
+    def camera(self) -> mujoco.MjvCamera:
+        """For MuJoCo."""
+        camera = mujoco.MjvCamera()
+        camera.lookat[:] = self.target
+        camera.azimuth, camera.elevation = self.azimuth, self.elevation
+        camera.distance = self.distance
+        return camera
+
+    def sees(self, points: Vector, half_width: float) -> NDArray[np.bool_]:
+        """Which points, shape (n, 3), lie within the picture's width; its tangent is given."""
+        right = np.cross(self.direction, (0.0, 0.0, 1.0))
+        offsets = points - self.eye
+        depth = offsets @ self.direction
+        return (depth > 0.5) & (np.abs(offsets @ right) < half_width * depth)
+
+
+def view_from(rover: Vector, azimuth: float, aside: float) -> View:
+    """A view past the rover, which stands `aside` [m] left of the middle of the picture."""
+    heading = math.radians(azimuth)
+    ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
+    right = np.array([ahead[1], -ahead[0], 0.0])
+    target = rover + AHEAD * ahead + aside * right + np.array([0.0, 0.0, EYE_LEVEL])
+    return View(target, azimuth, DISTANCE + AHEAD)
+
+
+def chase_view(rover: Vector, yaw: float) -> View:
+    """A view from behind, a little to the side, of a rover at that place [m] and heading [rad]."""
+    return replace(view_from(rover, math.degrees(yaw) + CHASE_SIDE, 0.0), elevation=CHASE_ELEVATION)
+
+
+def best_view(
+    model: mujoco.MjModel, data: mujoco.MjData, path: Vector, yaw: float, half_width: float
+) -> View:
+    """The best of many views of the rover at the end of its path.
+
+    Args:
+        model: The scene.
+        data: Its state, with kinematics up to date.
+        path: Positions of the rover [m], shape (n, 3), the last is where it is.
+        yaw: Its heading [rad].
+        half_width: Half the width of the picture at unit distance.
+    """
+    views = [view_from(path[-1], azimuth, s * ASIDE) for azimuth in AZIMUTHS.tolist() for s in (-1, 1)]
+    return max(views, key=lambda view: _merit(view, model, data, path, yaw, half_width))
+
+
+def _merit(
+    view: View,
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    path: Vector,
+    yaw: float,
+    half_width: float,
+) -> float:
+    shown = float(np.mean(view.sees(path, half_width))) if len(path) > 1 else 0.0
+    to_camera = math.radians(view.azimuth + 180.0)
+    off_front = abs(abs(math.remainder(to_camera - yaw, math.tau)) - BEST_FRONT)
+    return shown - 0.25 * off_front - 10.0 * _is_hidden(view, model, data, path[-1])
+
+
+def _is_hidden(view: View, model: mujoco.MjModel, data: mujoco.MjData, rover: Vector) -> bool:
+    """Whether ground or an obstacle stands between camera and rover, or the camera is in the ground."""
+    seen_groups = np.array([1, 1, 0, 0, 0, 0], np.uint8)
+    hit = np.zeros(1, np.int32)
+    below = mujoco.mj_ray(
+        model, data, view.eye, np.array([0.0, 0.0, -1.0]), seen_groups, 1, -1, hit, None
+    )
+    if not below > GROUND_MARGIN:
+        return True
+    for height in (0.15, 0.6):
+        line = rover + np.array([0.0, 0.0, height]) - view.eye
+        distance = float(np.linalg.norm(line))
+        free = mujoco.mj_ray(model, data, view.eye, line / distance, seen_groups, 1, -1, hit, None)
+        if 0.0 <= free < distance - 0.1:
+            return True
+    return False

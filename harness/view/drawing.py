@@ -1,0 +1,118 @@
+"""What `harness.run` does about pictures: check before the run, keep its states, draw afterwards."""
+
+import importlib.util
+import os
+import subprocess
+import sys
+import tempfile
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Self
+
+from harness.episode import Batch, EpisodeConfig
+from harness.errors import HarnessError, UsageError
+from harness.view.files import check_target
+from harness.view.states import StateWriter
+
+BACKENDS = ("egl", "osmesa")  # of MuJoCo, in the order in which they are tried
+PACKAGES = "libegl1 libgl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"
+
+
+class DrawingFailed(HarnessError):
+    """The run is done, its picture or video is not."""
+
+
+class Drawing:
+    """The picture and the video of one run; a context manager that leaves no states behind.
+
+    Args:
+        picture: Where to write a PNG of the run's end; None for none.
+        video: Where to write an MP4 of the run; None for none.
+        lidar: Show the beams.
+        backend: The OpenGL to be used, as MUJOCO_GL names it; "" for whichever works.
+    """
+
+    def __init__(
+        self, picture: Path | None, video: Path | None, *, lidar: bool, backend: str = ""
+    ) -> None:
+        self._picture, self._video, self._lidar = picture, video, lidar
+        self._backend = backend
+        self._at_end = ExitStack()
+        self._environment: dict[str, str] = {}
+        self._states: Path | None = None
+        self._writer: StateWriter | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._at_end.close()
+
+    def prepare(self, config: EpisodeConfig) -> None:
+        """Finds out whether everything that drawing takes is there, and opens the log of states.
+
+        Raises:
+            UsageError: The files cannot be written, a package or OpenGL is missing.
+        """
+        if self._picture is None and self._video is None:
+            if self._lidar:
+                raise UsageError("--picture-lidar needs --picture or --video")
+            return
+        if self._picture is not None:
+            check_target("--picture", self._picture, ".png")
+        if self._video is not None:
+            check_target("--video", self._video, ".mp4")
+            if importlib.util.find_spec("av") is None:
+                raise UsageError("--video needs PyAV; install it with pip install -e '.[video]'")
+        self._environment = _working_environment(self._backend)
+        folder = self._at_end.enter_context(tempfile.TemporaryDirectory(prefix="rover-harness-"))
+        self._states = Path(folder) / "states"
+        self._writer = self._at_end.enter_context(StateWriter(self._states, config))
+
+    def watch(self, batch: Batch) -> None:
+        """Keeps the states of a batch."""
+        if self._writer is not None:
+            self._writer.watch(batch)
+
+    def finish(self) -> list[Path]:
+        """Draws in a process of its own; returns the files written.
+
+        Raises:
+            DrawingFailed: They could not be drawn.
+        """
+        if self._states is None or self._writer is None:
+            return []
+        self._writer.close()
+        targets = {"--picture": self._picture, "--video": self._video}
+        named = {flag: path for flag, path in targets.items() if path is not None}
+        words = [word for flag, path in named.items() for word in (flag, str(path))]
+        _call([str(self._states), *words, *(["--lidar"] if self._lidar else [])], self._environment)
+        return list(named.values())
+
+
+def _call(words: list[str], environment: dict[str, str]) -> None:
+    """Runs harness.picture, apart from Ctrl-C in this terminal, which stops it by its caller."""
+    command = [sys.executable, "-m", "harness.picture", *words]
+    done = subprocess.run(
+        command, env=environment, capture_output=True, text=True, check=False, start_new_session=True
+    )
+    if done.returncode:
+        last = next(iter(done.stderr.strip().splitlines()[-1:]), f"exit code {done.returncode}")
+        raise DrawingFailed(f"nothing was drawn: {last}")
+
+
+def _working_environment(chosen: str) -> dict[str, str]:
+    """The environment in which MuJoCo draws without a display.
+
+    Raises:
+        UsageError: There is none; the message names the system's packages.
+    """
+    for backend in (chosen,) if chosen else BACKENDS:
+        environment = os.environ | {"MUJOCO_GL": backend}
+        try:
+            _call([], environment)
+        except DrawingFailed:
+            continue
+        return environment
+    tried = f"MUJOCO_GL={chosen} does not work" if chosen else "neither EGL nor OSMesa works"
+    raise UsageError(f"pictures need OpenGL, but {tried} here; install {PACKAGES}")

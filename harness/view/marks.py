@@ -1,0 +1,172 @@
+"""What is drawn onto the ground of a picture: the driven path, the wheels' tracks, the lidar's beams."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.robots import RoverSpec
+from harness.view.states import States
+from harness.world.heightfield import Heightfield
+
+Vector = NDArray[np.float64]
+
+PATH_COLOR = (0.05, 0.78, 0.86, 0.98)  # a hint of transparency: MuJoCo then casts no shadow of it
+TRACK_COLOR = (0.27, 0.18, 0.12, 1.0)
+BEAM_COLOR = (1.0, 0.25, 0.15, 0.2)
+HIT_COLOR = (1.0, 0.12, 0.08, 0.98)
+PATH_RADIUS, PATH_SUNK = 0.017, 0.006  # [m]
+PATH_SPACING, TRACK_SPACING = 0.06, 0.05  # [m] between marks
+MOST_PATH_MARKS = 4000  # beyond, they stand further apart
+TRACK_LENGTH = 40.0  # [m] of the path's end that shows the tracks of the wheels
+TRACK_HALF_LENGTH, TRACK_HALF_HEIGHT = 0.012, 0.003  # [m] of each lug's imprint
+BEAM_WIDTH = 3.0  # [pixels]
+HIT_RADIUS = 0.022  # [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Mark:
+    """One geom that is only to be seen.
+
+    Attributes:
+        frame: Its axes as columns, shape (3, 3).
+        since: Time [s] from which on it is there.
+        glow: How much it shines by itself, 0..1.
+    """
+
+    shape: mujoco.mjtGeom
+    size: tuple[float, float, float]
+    position: Vector
+    frame: Vector
+    color: tuple[float, float, float, float]
+    since: float = 0.0
+    glow: float = 0.0
+
+
+def add_marks(scene: mujoco.MjvScene, marks: Iterable[Mark], time: float) -> None:
+    """Adds the marks that are there at a time [s] to a scene that has been updated."""
+    for mark in marks:
+        if mark.since > time:
+            continue
+        if scene.ngeom >= scene.maxgeom:
+            return
+        geom = scene.geoms[scene.ngeom]
+        color = np.array(mark.color, np.float32)
+        mujoco.mjv_initGeom(geom, mark.shape, mark.size, mark.position, mark.frame.ravel(), color)
+        geom.emission = mark.glow
+        scene.ngeom += 1
+
+
+def path_marks(recording: States, ground: Heightfield) -> list[Mark]:
+    """The driven path as a line on the ground."""
+    along = _Course(recording)
+    spacing = max(PATH_SPACING, along.length / MOST_PATH_MARKS)
+    stations = np.arange(0.0, along.length, spacing)
+    points = [_on_ground(ground, *along.point(s), -PATH_SUNK) for s in stations]
+    return [
+        _line(a, b, PATH_RADIUS, PATH_COLOR, since=along.time(s), glow=0.45)
+        for a, b, s in zip(points[:-1], points[1:], stations[1:], strict=True)
+    ]
+
+
+def track_marks(recording: States, ground: Heightfield, rover: RoverSpec) -> list[Mark]:
+    """Imprints of the lugs along both sides of the path's end."""
+    along = _Course(recording)
+    size = (TRACK_HALF_LENGTH, 0.5 * rover.wheel_width, TRACK_HALF_HEIGHT)
+    marks = []
+    for s in np.arange(max(0.0, along.length - TRACK_LENGTH), along.length, TRACK_SPACING):
+        (x, y), yaw, since = along.point(s), along.yaw(s), along.time(s)
+        for side in (0.5 * rover.track, -0.5 * rover.track):
+            place = _on_ground(ground, x - side * math.sin(yaw), y + side * math.cos(yaw), 0.0)
+            frame = _lying_frame(ground, place, yaw)
+            marks.append(Mark(mujoco.mjtGeom.mjGEOM_BOX, size, place, frame, TRACK_COLOR, since=since))
+    return marks
+
+
+def beam_marks(origin: Vector, directions: Vector, ranges: NDArray[np.float32]) -> list[Mark]:
+    """The beams that hit something, and where.
+
+    Args:
+        origin: Where the lidar is [m].
+        directions: Unit vectors in the world, shape (beams, 3).
+        ranges: As in LaserScan, shape (beams,).
+    """
+    marks = []
+    for direction, distance in zip(directions, ranges.astype(float), strict=True):
+        if math.isfinite(distance):
+            hit = origin + distance * direction
+            marks.append(_beam(origin, direction, distance))
+            size = (HIT_RADIUS, HIT_RADIUS, HIT_RADIUS)
+            sphere = mujoco.mjtGeom.mjGEOM_SPHERE
+            marks.append(Mark(sphere, size, hit, np.eye(3), HIT_COLOR, glow=0.8))
+    return marks
+
+
+def _beam(origin: Vector, direction: Vector, length: float) -> Mark:
+    # A line, unlike a thin capsule, casts no shadow.
+    line, size = mujoco.mjtGeom.mjGEOM_LINE, (BEAM_WIDTH, BEAM_WIDTH, length)
+    return Mark(line, size, origin, _frame_along(direction), BEAM_COLOR, glow=1.0)
+
+
+class _Course:
+    """The path by its length."""
+
+    def __init__(self, recording: States) -> None:
+        self._xy, self._yaw, self._times = recording.path[:, :2], recording.yaw, recording.times
+        steps = np.hypot(*np.diff(self._xy, axis=0).T)
+        self._stations = np.concatenate(([0.0], np.cumsum(steps)))
+        self.length = float(self._stations[-1])
+
+    def point(self, station: float) -> tuple[float, float]:
+        """Where the rover was after so many metres."""
+        x, y = (float(np.interp(station, self._stations, column)) for column in self._xy.T)
+        return x, y
+
+    def yaw(self, station: float) -> float:
+        return float(np.interp(station, self._stations, self._yaw))
+
+    def time(self, station: float) -> float:
+        return float(np.interp(station, self._stations, self._times))
+
+
+def _on_ground(ground: Heightfield, x: float, y: float, above: float) -> Vector:
+    return np.array([x, y, ground.height_at(x, y) + above])
+
+
+def _lying_frame(ground: Heightfield, place: Vector, yaw: float) -> Vector:
+    """Axes that lie on the ground: forward, left, up."""
+    x, y, reach = place[0], place[1], 0.5 * ground.cell
+    slope_x = (ground.height_at(x + reach, y) - ground.height_at(x - reach, y)) / (2.0 * reach)
+    slope_y = (ground.height_at(x, y + reach) - ground.height_at(x, y - reach)) / (2.0 * reach)
+    up = np.array([-slope_x, -slope_y, 1.0]) / math.hypot(slope_x, slope_y, 1.0)
+    forward = np.array([math.cos(yaw), math.sin(yaw), 0.0])
+    forward -= up * (forward @ up)
+    forward /= np.linalg.norm(forward)
+    return np.column_stack([forward, np.cross(up, forward), up])
+
+
+def _line(
+    start: Vector,
+    end: Vector,
+    radius: float,
+    color: tuple[float, float, float, float],
+    *,
+    since: float = 0.0,
+    glow: float = 0.0,
+) -> Mark:
+    along = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
+    half_length = 0.5 * float(np.linalg.norm(end - start))
+    shape = mujoco.mjtGeom.mjGEOM_CAPSULE
+    size = (radius, half_length, 0.0)
+    return Mark(shape, size, 0.5 * (start + end), _frame_along(along), color, since=since, glow=glow)
+
+
+def _frame_along(direction: Vector) -> Vector:
+    """Axes as columns, the third along a unit vector."""
+    helper = np.array([1.0, 0.0, 0.0]) if abs(direction[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    side = np.cross(helper, direction)
+    side /= np.linalg.norm(side)
+    return np.column_stack([side, np.cross(direction, side), direction])

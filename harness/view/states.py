@@ -1,0 +1,103 @@
+"""The states of an episode on disk: all that it takes to draw the run afterwards, in another process.
+
+One line of JSON (what the scene is made from), then rows of float64: time [s], pose of the model frame
+(position, w, x, y, z), joint positions in the order of the rover's `joints`. They come from the samples
+that are published, so that nothing in the episode knows of it.
+"""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.episode import Batch, EpisodeConfig
+from harness.errors import UsageError
+from harness.robots import find_rover
+from harness.samples import JointStates, Pose, Tick
+from harness.simulation import NANOSECONDS
+
+PERIOD_NS = 40_000_000  # 25 states a second, as a video shows them
+POSE_SIZE = 7
+SCENE = (  # of the configuration
+    *("terrain", "terrain_size", "terrain_height", "difficulty", "seed"),
+    *("robot", "timestep", "lidar_beams"),
+)
+
+
+class StateWriter:
+    """Appends the states of an episode to a new file; a context manager that closes it."""
+
+    def __init__(self, path: Path, config: EpisodeConfig) -> None:
+        self._file = path.open("wb")
+        self._file.write(json.dumps({name: getattr(config, name) for name in SCENE}).encode() + b"\n")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Completes the file."""
+        self._file.close()
+
+    def watch(self, batch: Batch) -> None:
+        """Writes the states of a batch."""
+        for tick in batch.ticks:
+            if tick.stamp_ns % PERIOD_NS == 0:
+                self._write(tick)
+
+    def _write(self, tick: Tick) -> None:
+        pose = next((s for s in tick.samples if isinstance(s, Pose)), None)
+        joints = next((s for s in tick.samples if isinstance(s, JointStates)), None)
+        if pose is not None and joints is not None:  # a fault may have taken one
+            x, y, z, w = pose.orientation
+            row = (tick.stamp_ns / NANOSECONDS, *pose.position, w, x, y, z, *joints.position)
+            self._file.write(np.array(row).tobytes())
+
+
+@dataclass(frozen=True, eq=False)
+class States:
+    """What was recorded.
+
+    Attributes:
+        config: What the scene was made from.
+        times: Simulation times [s], shape (n,).
+        path: Position of the rover's model frame at those times [m], shape (n, 3).
+        orientations: Its attitude as (w, x, y, z), shape (n, 4).
+        joints: Positions of the rover's joints, shape (n, number of joints).
+    """
+
+    config: EpisodeConfig
+    times: NDArray[np.float64]
+    path: NDArray[np.float64]
+    orientations: NDArray[np.float64]
+    joints: NDArray[np.float64]
+
+    @property
+    def yaw(self) -> NDArray[np.float64]:
+        """Heading at those times [rad], continuous, shape (n,)."""
+        w, x, y, z = self.orientations.T
+        return np.unwrap(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+
+
+def read_states(path: Path) -> States:
+    """Reads what a `StateWriter` wrote.
+
+    Raises:
+        UsageError: It is no recording, or no state is in it.
+    """
+    try:
+        header, _, body = path.read_bytes().partition(b"\n")
+        config = EpisodeConfig(**json.loads(header))
+    except (OSError, ValueError, TypeError) as error:
+        raise UsageError(f"{path} is no recording of an episode: {error}") from error
+    width = 1 + POSE_SIZE + len(find_rover(config.robot).joints)
+    rows = np.frombuffer(body[: len(body) // (8 * width) * 8 * width], np.float64).reshape(-1, width)
+    rows = rows[np.isfinite(rows).all(axis=1)]
+    if not len(rows):
+        raise UsageError("nothing to be drawn: the run ended before its first state")
+    return States(config, rows[:, 0], rows[:, 1:4], rows[:, 4:8], rows[:, 8:])

@@ -1,0 +1,186 @@
+"""Heights from a file: TIFF and GeoTIFF, PNG, .npy, told apart by their first bytes.
+
+Nothing in a file is trusted: sizes are checked before anything is decoded, pickles are never loaded. A
+raster's first row is the north edge (largest y), as in every image and GeoTIFF.
+"""
+
+import logging
+import warnings
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import tifffile
+from numpy.typing import NDArray
+from PIL import Image
+
+from harness.errors import UsageError
+
+Values = NDArray[np.float64]
+
+MOST_PIXELS = 4096 * 4096  # 128 MiB as float64
+FEWEST_PIXELS = 8  # along either side
+LARGEST_HEIGHT = 20_000.0  # [m]; beyond it a value marks missing data
+NODATA_TAG = 42113  # GDAL's
+DEFLATE = (8, 32946)  # TIFF's two numbers for it
+METRE = 9001  # EPSG's number for the unit
+GEOGRAPHIC = 2  # GeoTIFF's model type of longitude and latitude
+FORMATS = {b"\x93NUMPY": "npy", b"\x89PNG": "png", b"II": "tiff", b"MM": "tiff"}
+GREY_MODES = ("1", "L", "I", "F")  # Pillow's, beside those of 16 bits
+REWRITE = "gdal_translate -ot Float32 -co COMPRESS=NONE rewrites it"
+
+
+@dataclass(frozen=True, eq=False)
+class Raster:
+    """What a file holds.
+
+    Attributes:
+        values: Shape (rows, columns), NaN where there are none.
+        pixel: Distance of two columns and of two rows [m]; None where the file does not say.
+        in_metres: Whether the values are heights in metres; else they only are proportional to them.
+        size_unknown: Why `pixel` is None, as the start of a sentence.
+    """
+
+    values: Values
+    pixel: tuple[float, float] | None
+    in_metres: bool
+    size_unknown: str = "it does not say how large it is"
+
+
+def read_raster(path: Path) -> Raster:
+    """Reads a file of any supported format.
+
+    Raises:
+        UsageError: It is missing, too large, damaged or not a heightmap; the message says which.
+    """
+    kind = _kind(path)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a file's flaws are told in one line, or not at all
+            raster = {"npy": _read_npy, "png": _read_png, "tiff": _read_tiff}[kind](path)
+    except UsageError as error:
+        raise UsageError(f"terrain {path}: {error}") from error
+    except Exception as error:  # decoders raise anything at all over a damaged file
+        reason = " ".join(str(error).split())[:120] or type(error).__name__
+        raise UsageError(f"terrain {path} is damaged or cut short: {reason}") from error
+    missing = ~np.isfinite(raster.values) | (np.abs(raster.values) > LARGEST_HEIGHT * _scale(raster))
+    raster.values[missing] = np.nan
+    if missing.all():
+        raise UsageError(f"terrain {path} holds no height at all: every value is NaN or no-data")
+    return raster
+
+
+def _scale(raster: Raster) -> float:
+    return 1.0 if raster.in_metres else np.inf
+
+
+def _kind(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            start = file.read(8)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise UsageError(f"terrain {path} cannot be read: {reason}") from error
+    if not start:
+        raise UsageError(f"terrain {path} is empty")
+    for magic, kind in FORMATS.items():
+        if start.startswith(magic):
+            return kind
+    raise UsageError(f"terrain {path} is not a heightmap; readable are TIFF, PNG and .npy")
+
+
+def _check_size(columns: int, rows: int) -> None:
+    if columns * rows > MOST_PIXELS:
+        raise UsageError(
+            f"{columns} x {rows} pixels are too many; at most {MOST_PIXELS / 1e6:.0f} million are read"
+        )
+    if min(columns, rows) < FEWEST_PIXELS:
+        raise UsageError(f"{columns} x {rows} pixels are too few; a side needs {FEWEST_PIXELS} or more")
+
+
+def _read_npy(path: Path) -> Raster:
+    array = np.load(path, mmap_mode="r", allow_pickle=False)  # maps: nothing is read yet
+    if array.ndim != 2:
+        raise UsageError(f"the array has {array.ndim} dimensions; a heightmap has 2")
+    _check_size(array.shape[1], array.shape[0])
+    if array.dtype.kind not in "fiu":
+        raise UsageError(f"its values are {array.dtype}; heights are numbers")
+    return Raster(array.astype(np.float64), None, array.dtype.kind == "f")
+
+
+def _read_png(path: Path) -> Raster:
+    try:
+        image = Image.open(path, formats=("PNG",))
+    except Image.DecompressionBombError as error:
+        raise UsageError(f"too many pixels; at most {MOST_PIXELS / 1e6:.0f} million are read") from error
+    with image:
+        return Raster(_grey_values(image), None, in_metres=False)
+
+
+def _grey_values(image: Image.Image) -> Values:
+    _check_size(*image.size)
+    if image.mode not in GREY_MODES and not image.mode.startswith("I;16"):
+        raise UsageError(f"a colour picture ({image.mode}), not a heightmap; convert it to grey")
+    return np.asarray(image).astype(np.float64)
+
+
+def _read_tiff(path: Path) -> Raster:
+    logging.getLogger("tifffile").setLevel(logging.CRITICAL)  # what it finds is told in one line
+    with tifffile.TiffFile(path) as file:
+        page = file.pages.first
+        if len(page.shape) != 2:
+            raise UsageError(f"its shape is {page.shape}; a heightmap has one band")
+        _check_size(page.shape[1], page.shape[0])
+        georeference = file.geotiff_metadata or {}
+        values = _tiff_values(path, page)
+        nodata = page.tags.valueof(NODATA_TAG)
+        kind = "" if page.dtype is None else page.dtype.kind
+    if nodata is not None:
+        values[np.isclose(values, float(nodata), rtol=1e-6, atol=0.0)] = np.nan
+    in_metres = kind == "f" or "ModelPixelScale" in georeference
+    problem = _unit_problem(georeference)
+    if problem is not None:
+        return Raster(values, None, in_metres, problem)
+    return Raster(values, _pixel(georeference), in_metres)
+
+
+def _tiff_values(path: Path, page: tifffile.TiffPage) -> Values:
+    if page.dtype is not None and page.dtype.kind in "fiu":
+        if page.compression == tifffile.COMPRESSION.NONE:
+            return page.asarray().astype(np.float64)
+        if page.compression in DEFLATE and page.predictor <= tifffile.PREDICTOR.HORIZONTAL:
+            _refuse_bombs(page)
+            return page.asarray().astype(np.float64)
+        if page.dtype.itemsize < 8:
+            with Image.open(path, formats=("TIFF",)) as image:  # libtiff knows the rest
+                return _grey_values(image)
+    compression = tifffile.COMPRESSION(page.compression).name
+    raise UsageError(f"{page.dtype} values with {compression} compression are not read; {REWRITE}")
+
+
+def _refuse_bombs(page: tifffile.TiffPage) -> None:
+    """Unpacks every segment up to the size that it should have, as the decoder has no limit."""
+    assert page.dtype is not None  # noqa: S101 - the caller has looked
+    expected = int(np.prod(page.chunks)) * page.dtype.itemsize
+    file = page.parent.filehandle
+    for offset, count in zip(page.dataoffsets, page.databytecounts, strict=True):
+        file.seek(offset)
+        if len(zlib.decompressobj().decompress(file.read(count), expected + 1)) > expected:
+            raise UsageError("a part of it unpacks to more than its size")
+
+
+def _unit_problem(georeference: dict[str, object]) -> str | None:
+    if georeference.get("GTModelTypeGeoKey") == GEOGRAPHIC:
+        return "its pixels are degrees (gdalwarp -t_srs EPSG:... gives metres)"
+    if georeference.get("ProjLinearUnitsGeoKey", METRE) != METRE:
+        return "its unit is not the metre (gdalwarp -t_srs EPSG:... gives metres)"
+    return None
+
+
+def _pixel(georeference: dict[str, object]) -> tuple[float, float] | None:
+    """Size of a pixel [m], by a GeoTIFF's tags; None without."""
+    scale = georeference.get("ModelPixelScale")
+    if not isinstance(scale, list | tuple) or len(scale) < 2 or not (scale[0] > 0 and scale[1] > 0):
+        return None
+    return float(scale[0]), float(scale[1])
