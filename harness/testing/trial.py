@@ -1,0 +1,221 @@
+"""A trial: one seeded drive whose topics a node under test hears, stepped by the test."""
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+import rclpy
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
+
+from harness.episode import Episode, EpisodeConfig
+from harness.errors import UsageError
+from harness.robots import find_rover
+from harness.ros.bridge import Bridge
+from harness.ros.executor import make_executor, spin_until
+from harness.ros.lockstep import LockStep
+from harness.samples import GroundTruth, Tick, Twist
+from harness.sensors.fault_spec import parse_faults
+from harness.sensors.faults import FaultInjector, disturb_time
+from harness.sensors.lidar import LidarSpec
+from harness.simulation import NANOSECONDS, TICK_NS
+from harness.testing.domain import reserved_domain
+from harness.testing.heard import Heard
+from harness.testing.subject import Subject, await_node, started, stop
+from harness.truth import Truth
+
+ON_SIMULATED_TIME = ("--ros-args", "-p", "use_sim_time:=true")
+MATCH_PATIENCE = 15.0  # [s] for DDS to match a topic
+# Hears reliable publishers and best-effort ones; in lock-step nothing is lost.
+ANYTHING = QoSProfile(
+    reliability=ReliabilityPolicy.BEST_EFFORT,
+    durability=DurabilityPolicy.VOLATILE,
+    history=HistoryPolicy.KEEP_LAST,
+    depth=1000,
+)
+
+Node = TypeVar("Node")
+Message = TypeVar("Message")
+
+
+class Trial:
+    """Publishes a rover's topics in a ROS domain of its own; a context manager, one at a time.
+
+    Args:
+        config: The world, the rover, its driver and faults. Driver "cmd_vel" obeys `drive` and
+            /cmd_vel, whichever spoke last.
+
+    Attributes:
+        domain: The ROS domain while it is entered.
+        truth: What only the simulator knows, at the end of the present control period of 50 ms.
+
+    Raises:
+        UsageError: The configuration is not valid.
+    """
+
+    def __init__(self, config: EpisodeConfig) -> None:
+        config.validate()
+        self.config = config
+        self.truth = Truth()
+        self.domain = 0
+        self._at_end = ExitStack()
+        self._subjects: list[Subject] = []
+        self._now_ns = 0
+        self._speed = 0.0
+
+    def __enter__(self) -> Self:
+        with ExitStack() as at_end:
+            self._start(at_end)
+            self._at_end = at_end.pop_all()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._at_end.close()
+
+    def _start(self, at_end: ExitStack) -> None:
+        if rclpy.ok():
+            raise UsageError("rclpy is initialised already; a trial does that itself, in its own domain")
+        os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        self.domain = at_end.enter_context(reserved_domain())
+        self._episode = Episode(self.config)
+        self._ticks = self._all_ticks()
+        faults = parse_faults(self.config.faults)
+        self._faults = FaultInjector(faults, self.config.seed)
+        rclpy.init(
+            args=list(ON_SIMULATED_TIME),
+            domain_id=self.domain,
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+        at_end.callback(rclpy.try_shutdown)
+        lidar = LidarSpec(beams=self.config.lidar_beams)
+        self._bridge = Bridge(find_rover(self.config.robot), lidar, on_command=self._episode.command)
+        at_end.callback(self._bridge.destroy_node)
+        self._bridge.set_parameters([Parameter("use_sim_time", value=False)])  # it makes the time
+        self._executor = make_executor(rclpy.get_default_context(), time_jumps=disturb_time(faults))
+        at_end.callback(self._executor.shutdown)
+        self._executor.add_node(self._bridge)
+
+    @property
+    def time(self) -> float:
+        """Simulated seconds since the start, whatever faults do to /clock."""
+        return self._now_ns / NANOSECONDS
+
+    @property
+    def speed(self) -> float:
+        """True forward speed of the rover [m/s]."""
+        return self._speed
+
+    def host(self, make_node: Callable[[], Node]) -> Node:
+        """Makes a node and spins it in this process, on simulated time.
+
+        Args:
+            make_node: Its class, or a function that returns it. The node must not choose a context.
+        """
+        node: Any = make_node()
+        self._at_end.callback(node.destroy_node)
+        self._executor.add_node(node)
+        name = node.get_fully_qualified_name()
+        self._subjects.append(Subject(name, self._bridge, self._executor, node))
+        self._connect()
+        return node  # type: ignore[no-any-return]  # rclpy has no types for mypy
+
+    def launch(self, command: Sequence[str], node: str) -> None:
+        """Starts a node in a process of its own, in any language, and waits until it is there.
+
+        Args:
+            command: Its words; `--ros-args -p use_sim_time:=true` belongs among them.
+            node: Fully qualified name of the node, e.g. "/emergency_stop".
+
+        Raises:
+            RunFailed: The process ended at once.
+            UsageError: The node is not found, or runs on wall time.
+        """
+        environment = {**os.environ, "ROS_DOMAIN_ID": str(self.domain)}
+        process = started(command, environment)
+        self._at_end.callback(stop, process)
+        await_node(process, node, self._bridge, self._executor)
+        self._subjects.append(Subject(node, self._bridge, self._executor))
+        self._connect()
+
+    def collect(
+        self, message_type: type[Message], topic: str, qos: QoSProfile = ANYTHING
+    ) -> Heard[Message]:
+        """Listens to a topic from now on."""
+        heard: Heard[Message] = Heard(self._bridge.resolve_topic_name(topic))
+        self._bridge.create_subscription(
+            message_type, topic, lambda message: heard.take(message, self.time), qos
+        )
+        for subject in self._subjects:
+            subject.connect()
+        self._connect()
+        return heard
+
+    def drive(self, linear: float, angular: float = 0.0) -> None:
+        """Commands a speed [m/s] and a yaw rate [rad/s] until the next command.
+
+        Raises:
+            UsageError: The driver is not "cmd_vel".
+        """
+        if self.config.driver != "cmd_vel":
+            raise UsageError(f'driver "{self.config.driver}" drives by itself; choose "cmd_vel"')
+        self._episode.command(Twist(linear, angular))
+
+    def step(self, seconds: float) -> None:
+        """Lets simulated time go on; returns when every node has handled everything up to then.
+
+        Raises:
+            RunFailed: A node stopped answering, or the rover left the map.
+            UsageError: The episode is over.
+        """
+        for _ in range(round(seconds * NANOSECONDS) // TICK_NS):
+            self._advance()
+
+    def until(self, condition: Callable[[], bool], *, within: float) -> float:
+        """Steps until a condition holds; gives the simulated seconds that this took.
+
+        Raises:
+            AssertionError: It does not hold after `within` simulated seconds.
+        """
+        began_ns = self._now_ns
+        while not condition():
+            if (self._now_ns - began_ns) / NANOSECONDS >= within:
+                message = f"the condition did not hold within {within:g} simulated seconds"
+                raise AssertionError(message)
+            self._advance()
+        return (self._now_ns - began_ns) / NANOSECONDS
+
+    def _advance(self) -> None:
+        tick = next(self._ticks, None)
+        if tick is None:
+            raise UsageError(f"the episode is over after {self.time:g} s; give a longer duration")
+        self._now_ns = tick.stamp_ns
+        for sample in tick.samples:
+            if isinstance(sample, GroundTruth):
+                self._speed = sample.linear_velocity[0]
+        lockstep = LockStep(self._bridge, self._executor, tuple(self._subjects))
+        lockstep.advance(self._faults.corrupt(tick))
+
+    def _all_ticks(self) -> Iterator[Tick]:
+        for batch in self._episode.batches():
+            self.truth = batch.truth
+            yield from batch.ticks
+
+    def _connect(self) -> None:
+        """Waits until the subscriptions here have matched the publishers that the graph shows."""
+        bridge = self._bridge
+        spin_until(
+            self._executor,
+            lambda: all(
+                subscription.get_publisher_count() >= bridge.count_publishers(subscription.topic_name)
+                for subscription in bridge.subscriptions
+            ),
+            MATCH_PATIENCE,
+        )
