@@ -6,6 +6,7 @@ from pathlib import Path
 from harness.episode import EpisodeConfig, EpisodeInfo
 from harness.simulation import NANOSECONDS
 from harness.truth import Truth
+from rover_metrics.thresholds import DEFAULT_THRESHOLDS, Thresholds
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +50,7 @@ class RunResult:
         topics: Counts by topic name.
         log_path: The metrics CSV; None without one.
         last_row: Its last row by column name.
+        thresholds: Those that the metrics had at the end.
     """
 
     config: EpisodeConfig
@@ -63,6 +65,7 @@ class RunResult:
     rows: int = 0
     log_path: Path | None = None
     last_row: dict[str, int | float | str] | None = None
+    thresholds: Thresholds = DEFAULT_THRESHOLDS
 
     @property
     def simulated_s(self) -> float:

@@ -1,0 +1,76 @@
+"""How each column of the metrics log is drawn: its unit, its thresholds, the truth beside it."""
+
+import re
+from dataclasses import dataclass
+
+from rover_metrics.row import COLUMNS
+
+TIME_COLUMN, NOTES_COLUMN = COLUMNS[0], COLUMNS[-1]
+GRAVITY = 9.81  # [m/s^2]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Column:
+    """What a reader of a plot wants to know about a column.
+
+    Attributes:
+        meaning: The caption.
+        unit: Of its values; empty for a number without one.
+        thresholds: Names of the thresholds that its values are compared with.
+        is_flag: Whether it is 0 or 1.
+        shows_gravity: Whether gravity is in its values.
+    """
+
+    meaning: str
+    unit: str = ""
+    thresholds: tuple[str, ...] = ()
+    is_flag: bool = False
+    shows_gravity: bool = False
+
+
+KNOWN_COLUMNS = {
+    "Total Collisions": Column(
+        meaning="Scans so far whose nearest range was below collision_threshold.", unit="scans"
+    ),
+    "Current Collision Status": Column(
+        meaning="1 while the windowed clearance is below collision_threshold.", is_flag=True
+    ),
+    "Smoothness Metric": Column(
+        meaning="Sum of |a| + |ω| over all IMU samples so far.", unit="m/s² + rad/s"
+    ),
+    "Current Smoothness": Column(
+        meaning="Mean of |a| + |ω| over the last 100 IMU samples.",
+        unit="m/s² + rad/s",
+        thresholds=("smoothness_threshold",),
+    ),
+    "Obstacle Clearance": Column(
+        meaning="Mean of the last 100 nearest ranges; a gap where nothing was ever in range (inf).",
+        unit="m",
+        thresholds=("collision_threshold", "min_safe_clearance"),
+    ),
+    "Distance Traveled": Column(
+        meaning="Path length so far, steps of distance_threshold or more left out.", unit="m"
+    ),
+    "Current Velocity": Column(meaning="Mean of the last 100 wheel odometry speeds.", unit="m/s"),
+    "IMU Acceleration Magnitude": Column(
+        meaning="|a| of the latest IMU sample of each second, gravity included.",
+        unit="m/s²",
+        thresholds=("rough_terrain_threshold",),
+        shows_gravity=True,
+    ),
+    "Is Rough Terrain": Column(
+        meaning="1 if |a| of that sample is above rough_terrain_threshold.", is_flag=True
+    ),
+    "Vertical Roughness": Column(
+        meaning="|az| of the latest IMU sample of each second, gravity included.",
+        unit="m/s²",
+        shows_gravity=True,
+    ),
+}
+
+
+def describe(name: str) -> Column:
+    """What is known of a column; the unit of an unknown one is what its name has in brackets."""
+    unit = re.search(r"\[(.+)\]$", name)
+    unknown = Column(meaning="A column beyond RoboTerrain's twelve.", unit=unit[1] if unit else "")
+    return KNOWN_COLUMNS.get(name, unknown)

@@ -1,0 +1,121 @@
+"""What a report shows, gathered: the names of the template's variables are the keys here."""
+
+import math
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+import numpy as np
+
+from harness.manifest import manifest
+from harness.report.columns import describe
+from harness.report.events import collisions, contacts
+from harness.report.figure import MINUS, TIMES, Figure
+from harness.report.hillshade import shade
+from harness.report.legend import Key, keys
+from harness.report.log import Log, read_log
+from harness.report.outline import scan_points
+from harness.report.recorder import RunRecorder
+from harness.report.series import MOST_ROWS, series_figure
+from harness.report.tables import comparisons, facts, key_figures
+from harness.report.terrain_map import map_figure
+from harness.result import RunResult
+from harness.robots import find_rover
+
+LISTED = ("arguments", "versions", "world")  # parts of the manifest that are tables of their own
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A figure with what stands around it.
+
+    Attributes:
+        name: Identifies it on the page.
+        summary: What it shows, in words, for who cannot see it.
+    """
+
+    name: str
+    heading: str
+    caption: str
+    summary: str
+    figure: Figure
+
+    @property
+    def legend(self) -> list[Key]:
+        """What its colours and symbols mean."""
+        return keys(self.figure)
+
+
+def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
+    """Everything that the template needs to know of a run."""
+    log, values = read_log(result.log_path), manifest(result)
+    terrain_map, series = _map(result, recorder, log), _series(result, recorder, log)
+    return {
+        "result": result,
+        "heading": f"{result.config.robot} on {result.config.terrain}",
+        "outcome": values["outcome"],
+        "written": datetime.now().astimezone().isoformat(sep=" ", timespec="seconds"),
+        "key_figures": key_figures(result),
+        "map": terrain_map,
+        "comparisons": comparisons(result, log),
+        "series": series,
+        "notes": log.notes,
+        "figures": {plot.name: plot.figure for plot in (terrain_map, *series)},
+        "thinned_to": MOST_ROWS if len(log.time_s) > MOST_ROWS else None,
+        "facts": {name: facts(values[name] or {}) for name in LISTED},
+    }
+
+
+def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
+    config, track = result.config, recorder.track
+    world = config.world()
+    hillshade, heights = shade(world.ground), world.ground.heights
+    collided, touched = collisions(log, track), contacts(track)
+    placed = recorder.last_scan
+    rover = find_rover(config.robot)
+    figure = map_figure(
+        world,
+        hillshade,
+        track,
+        collisions=collided,
+        contacts=touched,
+        scan=np.empty((0, 2)) if placed is None else scan_points(placed, rover),
+    )
+    summary = (
+        f"Path of {result.truth.path_length:.1f} m with {len(collided)} places where the metrics "
+        f"counted collisions and {len(touched)} where the rover touched a hazard."
+    )
+    caption = (
+        f"{2 * world.ground.half_size:g} m {TIMES} {2 * world.ground.half_size:g} m, heights "
+        f"{_signed(heights.min())} to {_signed(heights.max())} m, lit from the north-west with slopes "
+        f"{hillshade.exaggeration:.1f} times as steep. A point of the path is the largest "
+        f"||a| {MINUS} g| within {recorder.stretch_s:g} s; outlines include what is below the ground."
+    )
+    return Plot("map", "Map", caption, summary, figure)
+
+
+def _signed(height: float) -> str:
+    return f"{height:.2f}".replace("-", MINUS)
+
+
+def _series(result: RunResult, recorder: RunRecorder, log: Log) -> list[Plot]:
+    track = recorder.track
+    touched = contacts(track)
+    return [
+        Plot(
+            name=f"series-{number}",
+            heading=name,
+            caption=describe(name).meaning,
+            summary=_summary(name, values),
+            figure=series_figure(name, log, result.thresholds, track, touched),
+        )
+        for number, (name, values) in enumerate(log.columns.items())
+    ]
+
+
+def _summary(name: str, values: list[float]) -> str:
+    finite = [value for value in values if math.isfinite(value)]
+    if not finite:
+        return f"{name} over time: no finite value"
+    unit = describe(name).unit
+    return f"{name} over time: from {min(finite):g} to {max(finite):g} {unit}, at last {finite[-1]:g}"

@@ -1,0 +1,134 @@
+"""What a report needs along a run: fed batch by batch, in memory that does not grow with the run.
+
+The run is cut into stretches of equal length, each with its extremes, so that no peak and no contact
+is lost however long it takes: when there are too many stretches, every two become one.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from harness.drivers.base import CONTROL_PERIOD_NS
+from harness.episode import Batch
+from harness.samples import Imu, LaserScan, Pose, Tick, Vector3
+from harness.simulation import NANOSECONDS
+from harness.truth import Truth
+
+BATCHES_PER_STRETCH = 2  # at first: 0.1 s
+FEWEST_STRETCHES = 1500  # of a long run, and twice as many at most
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """A short piece of a run, up to and including its last tick.
+
+    Attributes:
+        time_s: Its end [s]; `position` [m] and `path_length` since the start [m] are those then.
+        lowest_acceleration: Smallest |a| of its IMU samples, gravity included [m/s^2], or inf.
+        highest_acceleration: Largest of them, or -inf.
+        nearest_range: Nearest finite range of its scans [m], or inf.
+        contact_s: Time in contact with a hazard [s].
+    """
+
+    time_s: float
+    position: Vector3
+    path_length: float
+    lowest_acceleration: float = math.inf
+    highest_acceleration: float = -math.inf
+    nearest_range: float = math.inf
+    contact_s: float = 0.0
+
+    def followed_by(self, later: "Stretch") -> "Stretch":
+        """Both as one."""
+        return replace(
+            later,
+            lowest_acceleration=min(self.lowest_acceleration, later.lowest_acceleration),
+            highest_acceleration=max(self.highest_acceleration, later.highest_acceleration),
+            nearest_range=min(self.nearest_range, later.nearest_range),
+            contact_s=self.contact_s + later.contact_s,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedScan:
+    """A scan and the pose of the model frame at the very tick of the scan."""
+
+    scan: LaserScan
+    pose: Pose
+
+
+class RunRecorder:
+    """Watches the batches of one run.
+
+    Attributes:
+        last_scan: The latest scan that fell on the tick of a pose, every 0.1 s; None before.
+    """
+
+    def __init__(self, fewest_stretches: int = FEWEST_STRETCHES) -> None:
+        self.last_scan: PlacedScan | None = None
+        self._fewest = fewest_stretches
+        self._batches_per_stretch = BATCHES_PER_STRETCH
+        self._done: list[Stretch] = []
+        self._current: Stretch | None = None
+        self._batches = 0
+        self._previous = Truth()
+
+    @property
+    def track(self) -> tuple[Stretch, ...]:
+        """The run so far; the last stretch may be shorter than the others."""
+        return (*self._done, *([self._current] if self._current else []))
+
+    @property
+    def stretch_s(self) -> float:
+        """How long a stretch is [s]."""
+        return self._batches_per_stretch * CONTROL_PERIOD_NS / NANOSECONDS
+
+    def take(self, batch: Batch) -> None:
+        """Takes the next batch."""
+        stretch = self._stretch(batch)
+        self._current = self._current.followed_by(stretch) if self._current else stretch
+        self._batches += 1
+        if self._batches == self._batches_per_stretch:
+            self._done.append(self._current)
+            self._current, self._batches = None, 0
+        if len(self._done) == 2 * self._fewest:
+            self._thin_out()
+
+    def _stretch(self, batch: Batch) -> Stretch:
+        accelerations: list[float] = []
+        nearest = math.inf
+        for tick in batch.ticks:
+            for sample in tick.samples:
+                match sample:
+                    case Imu():
+                        accelerations.append(math.hypot(*sample.linear_acceleration))
+                    case LaserScan():
+                        nearest = min(nearest, _nearest(sample))
+                        self._keep(sample, tick)
+        truth, previous = batch.truth, self._previous
+        self._previous = truth
+        return Stretch(
+            time_s=truth.time_ns / NANOSECONDS,
+            position=truth.position,
+            path_length=truth.path_length,
+            lowest_acceleration=min(accelerations, default=math.inf),
+            highest_acceleration=max(accelerations, default=-math.inf),
+            nearest_range=nearest,
+            contact_s=truth.hazard_contact_s - previous.hazard_contact_s,
+        )
+
+    def _keep(self, scan: LaserScan, tick: Tick) -> None:
+        poses = [sample for sample in tick.samples if isinstance(sample, Pose)]
+        if poses:
+            self.last_scan = PlacedScan(scan, poses[0])
+
+    def _thin_out(self) -> None:
+        pairs = zip(self._done[::2], self._done[1::2], strict=True)
+        self._done = [first.followed_by(second) for first, second in pairs]
+        self._batches_per_stretch *= 2
+
+
+def _nearest(scan: LaserScan) -> float:
+    """What the metrics call clearance: the smallest finite range [m], or inf."""
+    return float(np.min(scan.ranges, initial=np.inf, where=np.isfinite(scan.ranges)))

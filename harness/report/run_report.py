@@ -1,0 +1,67 @@
+"""The report of a run as its command sees it: asked for or not, watching, written at the end."""
+
+import os
+import tempfile
+from pathlib import Path
+
+from harness.episode import Batch
+from harness.errors import HarnessError, UsageError
+from harness.report.page import render
+from harness.report.recorder import RunRecorder
+from harness.result import RunResult
+
+
+class RunReport:
+    """Does nothing at all without a path.
+
+    Args:
+        path: Where the page goes; None if nobody asked for one.
+    """
+
+    def __init__(self, path: Path | None) -> None:
+        self._path = path
+        self._recorder = RunRecorder()
+
+    def prepare(self) -> None:
+        """Finds out before the run whether the page can be written.
+
+        Raises:
+            UsageError: It cannot; the message names the mend.
+        """
+        if self._path is None:
+            return
+        path, folder = self._path, self._path.parent
+        if path.is_dir():
+            raise UsageError(f"--report {path} is a folder; name a file")
+        if not folder.is_dir():
+            raise UsageError(f"--report {path}: there is no folder {folder}; create it first")
+        try:
+            with tempfile.TemporaryFile(dir=folder):
+                pass  # os.access would not do: to root it says yes even in /proc
+        except OSError as error:
+            message = f"--report {path}: {folder} is not writable ({error.strerror}); choose another"
+            raise UsageError(message) from error
+
+    def watch(self, batch: Batch) -> None:
+        """Takes the next batch of the run."""
+        if self._path is not None:
+            self._recorder.take(batch)
+
+    def write(self, result: RunResult) -> Path | None:
+        """Writes the page, however the run ended; it is there whole or not at all.
+
+        Raises:
+            HarnessError: It cannot be written.
+        """
+        if self._path is None:
+            return None
+        page = render(result, self._recorder)
+        partial = self._path.with_name(f".{self._path.name}.{os.getpid()}.part")
+        try:
+            partial.write_text(page, encoding="utf-8", newline="\n")
+            partial.replace(self._path)
+        except OSError as error:
+            partial.unlink(missing_ok=True)
+            message = f"cannot write the report to {self._path}: {error.strerror}"
+            raise HarnessError(message) from error
+        return self._path

@@ -1,0 +1,110 @@
+"""The report's tables as rows of text: metrics against truth, and the manifest."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.report.figure import DASH, MINUS, TIMES
+from harness.report.log import Log
+from harness.result import RunResult
+
+NOTHING = DASH
+UNITS = {"duration": "s", "timestep": "s", "imu_rate": "Hz", "map_size": "m"}  # of the manifest
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """What the metrics say about a quantity and what the simulator knows, for people."""
+
+    quantity: str
+    metric: str = NOTHING
+    truth: str = NOTHING
+    difference: str = NOTHING
+
+
+def comparisons(result: RunResult, log: Log) -> list[Comparison]:
+    """The metrics of a run against its truth."""
+    truth, row = result.truth, result.last_row or {}
+    threshold = result.thresholds.collision_threshold
+    clearances = [value for value in log.columns.get("Obstacle Clearance", []) if math.isfinite(value)]
+    rough = log.columns.get("Is Rough Terrain", [])
+    tipped = ", tipped over" if truth.tipped_over else ""
+    return [
+        _compared("Distance", "m", _number(row.get("Distance Traveled")), truth.path_length),
+        _compared("Mean speed", "m/s", _mean(log, "Current Velocity"), _mean_speed(result)),
+        Comparison(
+            "Collisions",
+            f"{row['Total Collisions']} scans below {threshold:g} m" if row else NOTHING,
+            f"{truth.hazard_contacts} contacts with hazards, {truth.hazard_contact_s:.2f} s",
+        ),
+        Comparison("Smallest clearance logged", f"{min(clearances):.2f} m" if clearances else NOTHING),
+        Comparison("Rough terrain", f"{sum(rough):.0f} of {len(rough)} rows" if rough else NOTHING),
+        Comparison("Wheel slip, mean", truth=f"{truth.mean_slip:.2f}"),
+        Comparison("Time on rocks", truth=f"{truth.rock_contact_s:.2f} s"),
+        Comparison("Body scraping the ground", truth=f"{truth.scrape_s:.2f} s"),
+        Comparison("Largest tilt", truth=f"{math.degrees(truth.largest_tilt):.0f}°{tipped}"),
+    ]
+
+
+def key_figures(result: RunResult) -> list[tuple[str, str]]:
+    """What a reader wants to know first, as pairs of name and text."""
+    truth = result.truth
+    return [
+        ("simulated time", f"{result.simulated_s:.1f} s"),
+        ("true path", f"{truth.path_length:.1f} m"),
+        ("hazard contacts", str(truth.hazard_contacts)),
+        ("largest tilt", f"{math.degrees(truth.largest_tilt):.0f}°"),
+        ("mean slip", f"{truth.mean_slip:.2f}"),
+        ("messages lost", f"{result.lost} of {result.messages:,}"),
+        ("simulation speed", f"{result.real_time_factor:.1f}{TIMES} real time"),
+    ]
+
+
+def facts(values: Mapping[str, object], *, prefix: str = "") -> list[tuple[str, str]]:
+    """Nested values as flat pairs of name and text."""
+    pairs: list[tuple[str, str]] = []
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            pairs += facts(value, prefix=f"{prefix}{name}.")
+        else:
+            unit = f" {UNITS[name]}" if name in UNITS else ""
+            pairs.append((f"{prefix}{name}", _text(value) + unit))
+    return pairs
+
+
+def _compared(quantity: str, unit: str, metric: float, truth: float) -> Comparison:
+    if not math.isfinite(metric):
+        return Comparison(quantity, truth=f"{truth:.2f} {unit}")
+    difference = _percent((metric - truth) / truth) if truth > 0.0 else NOTHING
+    return Comparison(quantity, f"{metric:.2f} {unit}", f"{truth:.2f} {unit}", difference)
+
+
+def _percent(ratio: float) -> str:
+    rounded = round(100.0 * ratio, 1)
+    sign = "+" if rounded > 0.0 else MINUS if rounded < 0.0 else ""
+    return f"{sign}{abs(rounded)} %"
+
+
+def _mean_speed(result: RunResult) -> float:
+    return result.truth.path_length / result.simulated_s if result.simulated_s else 0.0
+
+
+def _mean(log: Log, column: str) -> float:
+    values = log.columns.get(column, [])
+    return float(np.mean(values)) if values else math.nan
+
+
+def _number(cell: int | float | str | None) -> float:
+    return float(cell) if isinstance(cell, int | float) else math.nan
+
+
+def _text(value: object) -> str:
+    if value is None:
+        return NOTHING
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, list | tuple):
+        return ", ".join(map(_text, value)) or NOTHING
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,170 @@
+"""The map: hillshade and obstacles, the path coloured by roughness, collisions, the last scan."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from harness.report.columns import GRAVITY
+from harness.report.events import Event
+from harness.report.figure import (
+    INK,
+    METRIC,
+    MINUS,
+    SCAN,
+    TRUTH,
+    Figure,
+    Layout,
+    Trace,
+    numbers,
+)
+from harness.report.hillshade import Hillshade
+from harness.report.map_layout import map_layout
+from harness.report.outline import Points, outline
+from harness.report.recorder import Stretch
+from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.world import World
+
+SCALE_TOPS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # [m/s^2] few, so that runs can be compared
+SATURATED = 99.0  # [%] of the path below the top of the scale
+
+NAMES = {ObstacleKind.ROCK: ("rock", "--rock"), ObstacleKind.HAZARD: ("hazard", "--hazard")}
+
+
+def roughness(track: Sequence[Stretch]) -> list[float]:
+    """Largest deviation of |a| from gravity in each stretch [m/s^2]; the last known where none is."""
+    latest, values = 0.0, []
+    for stretch in track:
+        if stretch.highest_acceleration >= 0.0:
+            high, low = stretch.highest_acceleration, stretch.lowest_acceleration
+            latest = max(high - GRAVITY, GRAVITY - low)
+        values.append(latest)
+    return values
+
+
+def map_figure(
+    world: World,
+    hillshade: Hillshade,
+    track: Sequence[Stretch],
+    *,
+    collisions: Sequence[Event],
+    contacts: Sequence[Event],
+    scan: Points,
+) -> Figure:
+    """Draws a run from above, in metres, y up.
+
+    Args:
+        world: Where it took place.
+        hillshade: Its ground as a picture.
+        track: What was recorded.
+        collisions: What the metrics counted.
+        contacts: What really happened.
+        scan: Where the beams of the last scan ended [m].
+    """
+    track = [stretch for stretch in track if all(map(math.isfinite, stretch.position))]
+    data = [
+        *(_obstacles(world.obstacles, kind) for kind in NAMES),
+        _points(scan, "last scan", {"size": 3, "color": SCAN}),
+        *_path(track),
+        *_ends(track),
+        _events(collisions, "collision (metric)", "diamond-open", METRIC),
+        _events(contacts, "contact with a hazard (truth)", "x-thin-open", TRUTH),
+    ]
+    return {
+        "data": [trace for trace in data if trace["x"]],
+        "layout": map_layout(world.ground.half_size, hillshade, track),
+    }
+
+
+def _obstacles(obstacles: Sequence[Obstacle], kind: ObstacleKind) -> Trace:
+    name, color = NAMES[kind]
+    shapes = [outline(obstacle).tolist() for obstacle in obstacles if obstacle.kind is kind]
+    # Closed, with a gap between two.
+    points = [point for shape in shapes for point in (*shape, shape[0], [math.nan, math.nan])]
+    return {
+        **_points(points, name, {}),
+        "mode": "lines",
+        "fill": "toself",
+        "fillcolor": color,
+        "line": {"color": "--obstacle-line", "width": 1},
+        "hoverinfo": "skip",
+    }
+
+
+def _path(track: Sequence[Stretch]) -> list[Trace]:
+    """A line for contrast with the ground, and on it a point for each stretch, the roughest on top."""
+    rough = roughness(track)
+    top = _scale_top(rough)
+    line_points = [stretch.position for stretch in track]
+    order = sorted(range(len(track)), key=lambda index: rough[index])
+    line = {"mode": "lines", "line": {"color": "--casing", "width": 9}, "hoverinfo": "skip"}
+    marker = {
+        "size": 6,
+        "color": numbers(rough[index] for index in order),
+        "colorscale": "Viridis",
+        "cmin": 0.0,
+        "cmax": top,
+        "colorbar": {
+            "orientation": "h",
+            "thickness": 10,
+            "len": 0.9,
+            "y": 1.01,
+            "yanchor": "bottom",
+            "ypad": 0,
+            "outlinewidth": 0,
+            "tickvals": [0.0, top / 2, top],
+            "ticktext": ["0", f"{top / 2:g}", f"{top:g} or more"],
+            "title": {"text": f"roughness ||a| {MINUS} g| [m/s²]", "side": "top"},
+        },
+    }
+    details = [
+        [round(track[index].time_s, 2), round(rough[index], 3), round(track[index].position[2], 3)]
+        for index in order
+    ]
+    hover = (
+        "t = %{customdata[0]:.2f} s<br>roughness %{customdata[1]:.2f} m/s²<br>"
+        "x %{x:.2f}, y %{y:.2f}, z %{customdata[2]:.2f} m<extra></extra>"
+    )
+    return [
+        {**_points(line_points, "path", {}), **line, "showlegend": False},
+        {**_points([line_points[index] for index in order], "path", marker)}
+        | {"showlegend": False, "customdata": details, "hovertemplate": hover},
+    ]
+
+
+def _scale_top(rough: Sequence[float]) -> float:
+    most = float(np.percentile(rough, SATURATED)) if rough else 0.0
+    return next((top for top in SCALE_TOPS if top >= most), SCALE_TOPS[-1])
+
+
+def _events(events: Sequence[Event], name: str, symbol: str, color: str) -> Trace:
+    marker = {"symbol": symbol, "size": 13, "color": color, "line": {"color": color, "width": 3}}
+    return {
+        **_points([event.position for event in events], name, marker),
+        "text": [event.label for event in events],
+        "hovertemplate": f"{name}<br>%{{text}}<extra></extra>",
+    }
+
+
+def _ends(track: Sequence[Stretch]) -> list[Trace]:
+    if not track:
+        return []
+    return [_end("start", "circle", track[0]), _end("end", "square", track[-1])]
+
+
+def _end(name: str, symbol: str, stretch: Stretch) -> Trace:
+    line = {"color": INK, "width": 2}
+    marker = {"symbol": symbol, "size": 12, "color": "--panel", "line": line}
+    hover = f"{name}, t = {stretch.time_s:.2f} s<extra></extra>"
+    return {**_points([stretch.position], name, marker), "hovertemplate": hover}
+
+
+def _points(points: Points | Sequence[Sequence[float]], name: str, marker: Layout) -> Trace:
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "name": name,
+        "x": numbers(float(point[0]) for point in points),
+        "y": numbers(float(point[1]) for point in points),
+        "marker": marker,
+    }

@@ -1,0 +1,208 @@
+"""The run report, opened and used in a headless Chromium."""
+
+import re
+import shutil
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import pytest
+
+from harness.run import main
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, BrowserContext, Page, ViewportSize
+
+sync_api = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install -e '.[dev]'")
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium: apt-get install chromium")
+
+DESKTOP: "ViewportSize" = {"width": 1366, "height": 900}
+PHONE: "ViewportSize" = {"width": 360, "height": 740}
+FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+
+
+@pytest.fixture(scope="module")
+def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The report of a run that ends at a wall of the maze."""
+    folder = tmp_path_factory.mktemp("report")
+    words = ["--direct", "--terrain", "maze", "--driver", "straight", "--duration", "22"]
+    assert main([*words, "--log-dir", str(folder), "--report", str(folder / "report.html")]) == 0
+    return folder / "report.html"
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator["Browser"]:
+    with sync_api.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+class Visit:
+    """An opened report and everything that it said or asked for."""
+
+    def __init__(self, context: "BrowserContext", file: Path) -> None:
+        self.context = context
+        self.page = context.new_page()
+        self.said: list[str] = []
+        self.asked_for: list[str] = []
+        self.page.on("console", lambda message: self.said.append(message.text))
+        self.page.on("pageerror", lambda error: self.said.append(str(error)))
+        self.page.on("request", lambda request: self.asked_for.append(request.url))
+        self.page.goto(file.as_uri())
+        self.page.wait_for_selector("html[data-drawn]")
+
+    def __enter__(self) -> "Visit":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.context.close()
+
+
+@pytest.fixture
+def visit(browser: "Browser", page_file: Path) -> Iterator[Visit]:
+    with Visit(browser.new_context(viewport=DESKTOP), page_file) as visit:
+        yield visit
+
+
+def drag(page: "Page", plot: str) -> None:
+    """Draws a box over the middle of a plot."""
+    area = page.locator(f"#{plot} .nsewdrag").first
+    area.scroll_into_view_if_needed()
+    box = area.bounding_box()
+    assert box is not None
+    x, y, width, height = box["x"], box["y"], box["width"], box["height"]
+    page.mouse.move(x + 0.3 * width, y + 0.3 * height)
+    page.mouse.down()
+    page.mouse.move(x + 0.6 * width, y + 0.6 * height, steps=4)
+    page.mouse.up()
+
+
+def wait_for(page: "Page", condition: str) -> None:
+    """Looks each frame whether a condition holds; the page's policy forbids Playwright's own way."""
+    deadline = time.monotonic() + 10.0
+    while not page.evaluate(condition):
+        assert time.monotonic() < deadline, f"did not come true: {condition}"
+        page.evaluate("new Promise(requestAnimationFrame)")
+
+
+def time_range(page: "Page", plot: str) -> list[float]:
+    found: list[float] = page.evaluate(f"document.getElementById('{plot}').layout.xaxis.range")
+    return found
+
+
+def test_page_opens_without_a_complaint_and_asks_for_nothing_but_itself(
+    visit: Visit, page_file: Path
+) -> None:
+    assert visit.page.title() == "leo on maze, seed 0: complete"
+    assert visit.page.locator(".plot .main-svg").count() >= 11
+    assert visit.said == []
+    assert [url for url in visit.asked_for if not url.startswith("data:")] == [page_file.as_uri()]
+
+
+def test_drag_zooms_all_time_axes_and_the_button_zooms_out_again(visit: Visit) -> None:
+    page = visit.page
+    whole = time_range(page, "series-0")
+    drag(page, "series-5")
+    wait_for(page, "document.getElementById('series-0').layout.xaxis.range[0] > 1")
+    zoomed = time_range(page, "series-0")
+    assert zoomed[1] - zoomed[0] == pytest.approx(0.3 * (whole[1] - whole[0]), rel=0.1)
+    assert time_range(page, "series-9") == zoomed
+    page.get_by_role("button", name="Whole run").click()
+    wait_for(page, "document.getElementById('series-9').layout.xaxis.range[0] === 0")
+    assert time_range(page, "series-5") == whole
+    assert visit.said == []
+
+
+def test_map_zooms_by_drag_and_its_buttons_show_the_whole_map_or_the_path(visit: Visit) -> None:
+    page = visit.page
+    path = time_range(page, "map")
+    drag(page, "map")
+    wait_for(page, f"document.getElementById('map').layout.xaxis.range[0] > {path[0] + 0.5}")
+    page.get_by_role("button", name="Whole map").click()
+    wait_for(page, "document.getElementById('map').layout.xaxis.range[0] < -11.9")
+    page.get_by_role("button", name="Path").click()
+    wait_for(page, f"document.getElementById('map').layout.xaxis.range[0] > {path[0] - 0.5}")
+    assert visit.said == []
+
+
+def test_pointer_on_a_time_series_shows_on_the_map_where_it_was(visit: Visit) -> None:
+    area = visit.page.locator("#series-5 .nsewdrag").first
+    area.hover()
+    note = visit.page.wait_for_selector("#map .annotation-text")
+    assert note is not None
+    assert re.fullmatch(r"1[01]\.\d s", note.text_content() or "")
+    assert visit.said == []
+
+
+def test_a_plot_is_saved_as_a_picture_without_a_server(visit: Visit) -> None:
+    visit.page.locator("#series-5").hover()
+    with visit.page.expect_download() as saved:
+        visit.page.locator("#series-5 .modebar-btn").first.click()
+    assert saved.value.suggested_filename.endswith(".png")
+    assert visit.said == []
+
+
+def test_page_is_readable_on_a_phone_and_a_finger_scrolls_it(
+    browser: "Browser", page_file: Path
+) -> None:
+    phone = browser.new_context(viewport=PHONE, is_mobile=True, has_touch=True)
+    with Visit(phone, page_file) as visit:
+        widths = "[document.documentElement.scrollWidth, document.documentElement.clientWidth]"
+        assert visit.page.evaluate(widths) == [360, 360]
+        assert visit.page.evaluate("document.getElementById('map').layout.dragmode") is False
+        smallest = "Math.min(...[...document.querySelectorAll('td, p, li, figcaption')].map("
+        assert visit.page.evaluate(smallest + "e => parseFloat(getComputedStyle(e).fontSize)))") >= 12
+        assert visit.said == []
+
+
+def test_colours_follow_the_system_and_the_view_stays(browser: "Browser", page_file: Path) -> None:
+    with Visit(browser.new_context(viewport=DESKTOP, color_scheme="light"), page_file) as visit:
+        page = visit.page
+        drag(page, "series-5")
+        wait_for(page, "document.getElementById('series-0').layout.xaxis.range[0] > 1")
+        light, zoomed = colours(page), time_range(page, "series-0")
+        page.emulate_media(color_scheme="dark")
+        wait_for(page, f"document.getElementById('map').layout.paper_bgcolor !== '{light[2]}'")
+        dark = colours(page)
+        assert all(before != after for before, after in zip(light, dark, strict=True))
+        assert time_range(page, "series-0") == zoomed
+        assert visit.said == []
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_text_has_enough_contrast(
+    scheme: Literal["light", "dark"], browser: "Browser", page_file: Path
+) -> None:
+    with Visit(browser.new_context(color_scheme=scheme), page_file) as visit:
+        style = "getComputedStyle(document.documentElement).getPropertyValue"
+        names = ("ink", "muted", "panel", "page")
+        ink, muted, panel, page = (visit.page.evaluate(f"{style}('--{n}').trim()") for n in names)
+    for text in (ink, muted):
+        for ground in (panel, page):
+            assert contrast(text, ground) >= 4.5  # WCAG 2.2, success criterion 1.4.3
+
+
+def colours(page: "Page") -> tuple[str, str, str]:
+    """Of the page, of its text and of a plot."""
+    body = "getComputedStyle(document.body)"
+    return (
+        page.evaluate(f"{body}.backgroundColor"),
+        page.evaluate(f"{body}.color"),
+        page.evaluate("document.getElementById('map').layout.paper_bgcolor"),
+    )
+
+
+def contrast(one: str, other: str) -> float:
+    """Contrast ratio of two colours #rrggbb (WCAG 2.2)."""
+    dark, light = sorted((luminance(one), luminance(other)))
+    return (light + 0.05) / (dark + 0.05)
+
+
+def luminance(color: str) -> float:
+    parts = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]

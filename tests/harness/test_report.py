@@ -1,0 +1,194 @@
+import hashlib
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+from importlib.resources import files
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from harness.direct import run_direct
+from harness.episode import EpisodeConfig
+from harness.interrupt import StopRequest
+from harness.report.page import render
+from harness.report.recorder import RunRecorder
+from harness.result import RunResult, TopicCount
+from harness.run import main
+from rover_metrics.row import COLUMNS
+
+QUICK = ["--direct", "--terrain", "flat", "--duration", "2"]
+
+
+class Outline(HTMLParser):
+    """Collects headings and tags with their attributes, and sees that all are closed."""
+
+    VOID = ("meta", "link")
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.headings: list[tuple[str, str]] = []
+        self.open: list[str] = []
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] in ("title", "h1", "h2", "h3"):
+            self.headings.append((self.open[-1], data))
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunResult, RunRecorder]:
+    """Five seconds on rocky, with their recording."""
+    recorder = RunRecorder()
+    with StopRequest() as stop:
+        result = run_direct(
+            EpisodeConfig(duration=5.0),
+            tmp_path_factory.mktemp("logs"),
+            None,
+            stop,
+            lambda _: None,
+            recorder.take,
+        )
+    return result, recorder
+
+
+def without_plotly(page: str) -> str:
+    bundle = files("harness.report").joinpath("assets", "plotly-basic.min.js")
+    return page.replace(bundle.read_text(encoding="utf-8"), "")
+
+
+def test_page_has_a_plot_for_every_column_that_is_a_number(run: tuple[RunResult, RunRecorder]) -> None:
+    page = without_plotly(render(*run))
+    outline = Outline(page)
+    assert outline.open == []
+    h3 = [text for tag, text in outline.headings if tag == "h3"]
+    assert [name for name in h3 if name in COLUMNS] == list(COLUMNS[1:-1])
+    plots = [attributes for tag, attributes in outline.tags if attributes.get("class") == "plot"]
+    assert len(plots) == 1 + len(COLUMNS[1:-1])
+    assert all(attributes["role"] == "img" and attributes["aria-label"] for attributes in plots)
+    assert "Normal operation” in 5 rows" in page
+
+
+def test_page_has_one_title_and_headings_in_order(run: tuple[RunResult, RunRecorder]) -> None:
+    headings = Outline(without_plotly(render(*run))).headings
+    assert headings[0] == ("title", "leo on rocky, seed 0: complete")
+    assert [text for tag, text in headings if tag == "h1"] == ["leo on rocky"]
+    levels = [int(tag[1]) for tag, _ in headings[1:]]
+    assert all(later <= earlier + 1 for earlier, later in pairwise(levels))
+
+
+def test_page_tells_arguments_versions_hashes_and_truth(run: tuple[RunResult, RunRecorder]) -> None:
+    result, _ = run
+    page = without_plotly(render(*run))
+    assert result.info is not None
+    assert result.info.terrain_hash in page
+    assert result.info.model_hash in page
+    assert re.search(r"mujoco</th><td>\d", page)
+    assert re.search(r"timestep</th><td>0.0025 s<", page)
+    assert f"{result.truth.path_length:.2f} m" in page
+
+
+def test_page_refers_to_nothing_outside_itself(run: tuple[RunResult, RunRecorder]) -> None:
+    page = without_plotly(render(*run))
+    assert not re.search(r"https?://|(src|href)=\"(?!data:)", page)
+    (policy,) = re.findall(r'Content-Security-Policy" content="([^"]+)"', page)
+    assert policy.startswith("default-src &#39;none&#39;; script-src &#39;sha256-")
+
+
+def test_page_stays_small_enough_to_send(run: tuple[RunResult, RunRecorder]) -> None:
+    assert len(render(*run).encode()) < 2_000_000
+
+
+def test_names_from_users_are_text_and_never_markup(run: tuple[RunResult, RunRecorder]) -> None:
+    result, recorder = run
+    evil = "</script><script>alert(1)</script><img src=x onerror=alert(2)>"
+    result = replace(result, failure=evil, topics={evil: TopicCount(1)}, mode=evil)
+    assert result.log_path is not None
+    log = result.log_path.with_name("evil.csv")
+    log.write_text(f"Timestamp,{evil},Notes\r\n1,2.0,{evil}\r\n")
+    page = render(replace(result, log_path=log), recorder)
+    assert "<script>alert" not in page
+    assert "<img" not in page
+    assert page.count("&lt;script&gt;alert(1)") >= 5
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        (
+            {"failure": "the rover left the map"},
+            r"<strong>Failed</strong> after 5.0 of\s+5.0 s: the rover",
+        ),
+        ({"interrupted": "SIGINT"}, r"<strong>Interrupted</strong> by SIGINT after\s+5.0 of 5.0 s"),
+        ({"topics": {"/scan": TopicCount(4, 3, 1)}}, r"<strong>Failed</strong>.*\s.*1 messages lost"),
+    ],
+)
+def test_page_says_at_the_top_how_the_run_ended(
+    changes: dict[str, object], expected: str, run: tuple[RunResult, RunRecorder]
+) -> None:
+    page = render(replace(run[0], **changes), run[1])  # type: ignore[arg-type]  # a table of keywords
+    assert re.search(expected, page[: page.index("<main>")])
+
+
+def test_run_without_a_log_or_a_single_batch_gets_a_page() -> None:
+    result = RunResult(config=EpisodeConfig(terrain="flat"), mode="ROS 2", failure="it never began")
+    page = without_plotly(render(result, RunRecorder()))
+    assert "This run wrote no metrics log." in page
+    assert "it never began" in page
+
+
+def test_bundle_is_the_one_that_its_readme_names() -> None:
+    assets = files("harness.report") / "assets"
+    digest = hashlib.sha256((assets / "plotly-basic.min.js").read_bytes()).hexdigest()
+    assert digest in (assets / "README.md").read_text()
+    assert "</script" not in (assets / "plotly-basic.min.js").read_text(encoding="utf-8")
+
+
+def test_report_option_writes_the_page_and_changes_no_byte_of_the_log(tmp_path: Path) -> None:
+    page = tmp_path / "report.html"
+    assert main([*QUICK, "--log-dir", str(tmp_path / "with"), "--report", str(page)]) == 0
+    assert main([*QUICK, "--log-dir", str(tmp_path / "without")]) == 0
+    (with_report,), (without,) = ((tmp_path / d).glob("*.csv") for d in ("with", "without"))
+    assert with_report.read_bytes() == without.read_bytes()
+    assert "<h1>leo on flat</h1>" in page.read_text(encoding="utf-8")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "with", "without"]
+
+
+def test_a_failed_run_gets_its_report_and_exit_code_1(tmp_path: Path) -> None:
+    page = tmp_path / "report.html"
+    words = ["--direct", "--terrain", "flat", "--driver", "straight", "--duration", "120"]
+    assert main([*words, "--log-dir", str(tmp_path), "--report", str(page)]) == 1
+    top = page.read_text(encoding="utf-8").partition("<main>")[0]
+    assert "<strong>Failed</strong>" in top
+    assert "the rover reached the edge of the map" in top
+
+
+@pytest.mark.parametrize(
+    ("place", "expected"),
+    [
+        ("absent/report.html", "create it first"),
+        (".", "is a folder; name a file"),
+        ("/proc/report.html", "/proc is not writable"),
+    ],
+)
+def test_unwritable_report_is_refused_in_one_line_before_the_run(
+    place: str, expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [*QUICK, "--log-dir", str(tmp_path / "logs"), "--report", str(tmp_path / place)]
+    assert main(words) == 2
+    told = capsys.readouterr().err
+    assert expected in told
+    assert told.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,173 @@
+import base64
+import io
+import math
+
+import numpy as np
+import pytest
+
+from harness.report.events import collisions, contacts
+from harness.report.hillshade import shade
+from harness.report.legend import keys
+from harness.report.log import Log
+from harness.report.outline import outline, scan_points
+from harness.report.recorder import PlacedScan, Stretch
+from harness.report.series import series_figure, thinned
+from harness.report.terrain_map import map_figure, roughness
+from harness.robots import LEO
+from harness.samples import LaserScan, Pose
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind, orientation
+from harness.world.world import build_world
+from rover_metrics.thresholds import DEFAULT_THRESHOLDS, Thresholds
+
+NO_POINTS = np.empty((0, 2))
+
+
+def stretches(*changes: dict[str, float]) -> list[Stretch]:
+    """A drive along x at 1 m/s, a stretch a second."""
+    return [
+        Stretch(float(i + 1), (float(i + 1), 0.0, 0.0), float(i + 1), **values)
+        for i, values in enumerate(changes)
+    ]
+
+
+def test_slopes_towards_the_north_west_are_lit_and_others_lie_in_the_shade() -> None:
+    x, y = np.meshgrid(np.linspace(-2.0, 2.0, 41), np.linspace(-2.0, 2.0, 41))
+    cone = shade(Heightfield(heights=-np.hypot(x, y), cell=0.1)).pixels
+    north_west, south_east = cone[10, 10], cone[30, 30]
+    assert int(north_west) > int(south_east) + 100
+
+
+def test_hillshade_is_a_png_whose_pixels_lie_around_the_vertices() -> None:
+    hillshade = shade(build_world("rocky", seed=0).ground)
+    assert (hillshade.west, hillshade.north) == pytest.approx((-20.05, 20.05))
+    kind, data = hillshade.data_uri().split(",")
+    assert kind == "data:image/png;base64"
+    image = pytest.importorskip("matplotlib.image", reason="reads the picture back")
+    read = image.imread(io.BytesIO(base64.b64decode(data)))
+    assert np.array_equal((read * 255).round().astype(np.uint8), hillshade.pixels)
+
+
+def test_a_large_terrain_becomes_a_picture_of_bounded_size() -> None:
+    hillshade = shade(Heightfield(heights=np.zeros((2501, 2501)), cell=0.1))
+    assert len(hillshade.pixels) == 501
+    assert hillshade.side == pytest.approx(501 * 0.5)
+
+
+@pytest.mark.parametrize(
+    ("shape", "half_size", "area"),
+    [
+        ("box", (2.0, 1.0, 0.5), 8.0),
+        ("ellipsoid", (2.0, 1.0, 0.5), math.tau),
+        ("cylinder", (1.0, 3.0), math.pi),
+    ],
+)
+def test_outline_of_a_turned_obstacle_has_its_area(
+    shape: str, half_size: tuple[float, ...], area: float
+) -> None:
+    obstacle = Obstacle(
+        kind=ObstacleKind.HAZARD,
+        shape=shape,  # type: ignore[arg-type]  # one of the literals above
+        half_size=half_size,
+        position=(5.0, -3.0, 0.0),
+        quaternion=orientation(0.7),
+    )
+    points = outline(obstacle)
+    x, y = points.T
+    assert 0.5 * abs(np.dot(x, np.roll(y, 1)) - np.dot(y, np.roll(x, 1))) == pytest.approx(
+        area, rel=0.05
+    )
+    assert points.max(axis=0) + points.min(axis=0) == pytest.approx([10.0, -6.0], abs=0.05)
+
+
+def test_beams_of_a_scan_end_where_the_lidar_saw_something() -> None:
+    # The lidar looks backwards: its middle beams go to where the rover comes from.
+    ranges = np.array([np.inf, 2.0, np.inf], dtype=np.float32)
+    north = (0.0, 0.0, math.sin(math.pi / 4), math.cos(math.pi / 4))
+    placed = PlacedScan(LaserScan(0, ranges), Pose(0, (1.0, 1.0, 0.0), north))
+    assert scan_points(placed, LEO) == pytest.approx(np.array([[1.0, 1.0 + 0.174 - 2.0]]), abs=1e-3)
+
+
+def test_contacts_with_short_gaps_are_one_event() -> None:
+    touching = {"contact_s": 0.1}
+    found = contacts(stretches({}, touching, touching, {}, touching))
+    assert [(event.start_s, event.end_s) for event in found] == [(1.0, 3.0), (4.0, 5.0)]
+    assert found[0].position == (2.0, 0.0, 0.0)
+
+
+def test_logged_collisions_are_placed_where_a_scan_was_nearest() -> None:
+    track = stretches({"nearest_range": 0.4}, {"nearest_range": 0.15}, {"nearest_range": 0.3}, {})
+    log = Log([1.0, 3.0, 4.0], {"Total Collisions": [0.0, 2.0, 2.0]})
+    (event,) = collisions(log, track)
+    assert (event.start_s, event.end_s) == (1.0, 3.0)
+    assert event.position == (2.0, 0.0, 0.0)
+
+
+def test_a_log_without_the_counter_has_no_collisions() -> None:
+    assert collisions(Log(), stretches({}, {})) == []
+
+
+def test_roughness_counts_in_both_directions_and_holds_where_no_sample_is() -> None:
+    quiet = {"lowest_acceleration": 9.81, "highest_acceleration": 9.81}
+    dip = {"lowest_acceleration": 6.81, "highest_acceleration": 10.0}
+    assert roughness(stretches(quiet, dip, {})) == pytest.approx([0.0, 3.0, 3.0])
+
+
+def test_map_shows_the_path_and_everything_that_happened_on_it() -> None:
+    world = build_world("rocky", seed=0)
+    track = stretches({"contact_s": 0.1, "nearest_range": 0.1}, {}, {})
+    log = Log([1.0], {"Total Collisions": [5.0]})
+    figure = map_figure(
+        world,
+        shade(world.ground),
+        track,
+        collisions=collisions(log, track),
+        contacts=contacts(track),
+        scan=np.array([[1.0, 2.0]]),
+    )
+    assert {key.name for key in keys(figure)} == {
+        "rock",
+        "hazard",
+        "last scan",
+        "start",
+        "end",
+        "collision (metric)",
+        "contact with a hazard (truth)",
+    }
+    (path,) = (trace for trace in figure["data"] if "customdata" in trace)
+    assert sorted(path["x"]) == [1.0, 2.0, 3.0]
+
+
+def test_map_of_a_run_that_never_moved_or_diverged_shows_the_terrain() -> None:
+    world = build_world("flat", seed=0)
+    lost = Stretch(1.0, (math.nan, 0.0, 0.0), 0.0)
+    figure = map_figure(world, shade(world.ground), [lost], collisions=[], contacts=[], scan=NO_POINTS)
+    assert figure["data"] == []
+    assert figure["layout"]["xaxis"]["range"] == [-20.0, 20.0]
+
+
+def test_every_threshold_of_a_column_is_drawn_with_its_value_and_unit() -> None:
+    log = Log([1.0, 2.0], {"Obstacle Clearance": [1.0, math.inf]})
+    figure = series_figure("Obstacle Clearance", log, Thresholds(collision_threshold=0.3), [], [])
+    assert {key.name for key in keys(figure)} == {
+        "log",
+        "collision_threshold = 0.3 m",
+        "min_safe_clearance = 0.5 m",
+    }
+    assert [shape["y0"] for shape in figure["layout"]["shapes"]] == [0.3, 0.5]
+    assert figure["data"][0]["y"] == [1.0, None]
+
+
+def test_an_unknown_column_is_drawn_with_the_unit_in_its_name() -> None:
+    log = Log([1.0], {"Wheel Heat [K]": [300.0]})
+    figure = series_figure("Wheel Heat [K]", log, DEFAULT_THRESHOLDS, [], [])
+    assert figure["layout"]["yaxis"]["title"] == {"text": "[K]"}
+
+
+def test_a_long_series_is_thinned_without_losing_peaks_or_gaps() -> None:
+    values = [0.0] * 100_000
+    values[123], values[45_678], values[77_777] = 7.0, -9.0, math.inf
+    times, kept = thinned([float(i) for i in range(100_000)], values, most=1000)
+    assert len(kept) <= 1000
+    assert {7.0, -9.0, math.inf} <= set(kept)
+    assert times == sorted(times)

@@ -1,0 +1,78 @@
+import math
+
+import numpy as np
+import pytest
+
+from harness.episode import Batch
+from harness.report.recorder import RunRecorder
+from harness.samples import Imu, LaserScan, Pose, Sample, Tick
+from harness.truth import Truth
+
+BATCH_NS = 50_000_000
+
+
+def batch(index: int, *, az: float = 9.81, nearest: float = 5.0, contact_s: float = 0.0) -> Batch:
+    """The batch that ends at (index + 1) * 50 ms, with a sample of each kind at its last tick."""
+    stamp = (index + 1) * BATCH_NS
+    samples: tuple[Sample, ...] = (
+        LaserScan(stamp, np.array([np.inf, nearest, -np.inf, np.nan], dtype=np.float32)),
+        Imu(stamp, (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, az)),
+    )
+    if index % 2:
+        samples += (Pose(stamp, (index * 0.02, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)),)
+    truth = Truth(
+        time_ns=stamp,
+        path_length=index * 0.02,
+        position=(index * 0.02, 0.0, 0.0),
+        hazard_contact_s=contact_s,
+    )
+    return Batch((Tick(stamp, samples),), truth)
+
+
+def test_a_stretch_is_a_tenth_of_a_second_with_its_extremes() -> None:
+    recorder = RunRecorder()
+    recorder.take(batch(0, az=8.0, nearest=0.5))
+    recorder.take(batch(1, az=12.0, contact_s=0.03))
+    (stretch,) = recorder.track
+    assert stretch.time_s == pytest.approx(0.1)
+    assert (stretch.lowest_acceleration, stretch.highest_acceleration) == (8.0, 12.0)
+    assert stretch.nearest_range == 0.5
+    assert stretch.contact_s == pytest.approx(0.03)
+
+
+def test_the_end_of_a_run_is_recorded_even_if_a_stretch_is_not_full() -> None:
+    recorder = RunRecorder()
+    for index in range(3):
+        recorder.take(batch(index))
+    assert [stretch.time_s for stretch in recorder.track] == pytest.approx([0.1, 0.15])
+
+
+def test_a_long_run_takes_no_more_memory_and_loses_neither_peak_nor_contact() -> None:
+    recorder = RunRecorder(fewest_stretches=50)
+    for index in range(10_001):
+        peak, contact = (30.0, 0.05) if index >= 777 else (9.81, 0.0)
+        recorder.take(batch(index, az=peak if index == 777 else 9.81, contact_s=contact))
+    track = recorder.track
+    assert 50 <= len(track) <= 101
+    assert track[-1].time_s == pytest.approx(10_001 * 0.05)
+    assert max(stretch.highest_acceleration for stretch in track) == 30.0
+    assert sum(stretch.contact_s for stretch in track) == pytest.approx(0.05)
+    lengths = np.diff([0.0, *(stretch.time_s for stretch in track[:-1])])
+    assert lengths == pytest.approx(recorder.stretch_s)
+
+
+def test_the_last_scan_comes_with_the_pose_of_its_own_tick() -> None:
+    recorder = RunRecorder()
+    for index in range(3):
+        recorder.take(batch(index))
+    assert recorder.last_scan is not None
+    assert recorder.last_scan.scan.stamp_ns == recorder.last_scan.pose.stamp_ns == 2 * BATCH_NS
+
+
+def test_ticks_without_samples_leave_unknown_what_they_do_not_tell() -> None:
+    recorder = RunRecorder()
+    recorder.take(Batch((), Truth(time_ns=BATCH_NS)))
+    (stretch,) = recorder.track
+    assert stretch.nearest_range == math.inf
+    assert stretch.highest_acceleration == -math.inf
+    assert recorder.last_scan is None
