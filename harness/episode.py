@@ -7,6 +7,7 @@ in batches of one control period, either in this process or through harness.stre
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +19,10 @@ from harness.errors import RunFailed, UsageError
 from harness.robots import find_rover
 from harness.samples import LaserScan, Sample, Tick, Twist
 from harness.sensors.base import Sensor, period_ticks
+from harness.sensors.fault_spec import parse_faults
 from harness.sensors.imu import ImuSensor
 from harness.sensors.lidar import Lidar, LidarSpec
-from harness.sensors.noise import NoiseLevels, WhiteNoise
+from harness.sensors.noise import SensorNoise, chosen_preset
 from harness.sensors.odometry import WheelOdometry
 from harness.sensors.pose import GroundTruthSensor, JointSensor, PoseSensor
 from harness.simulation import (
@@ -31,8 +33,9 @@ from harness.simulation import (
     parse_timestep,
 )
 from harness.truth import Truth, TruthRecorder
+from harness.world.dem import TerrainFile, file_world, is_terrain_file
 from harness.world.scene import build_scene, model_hash
-from harness.world.world import build_world, find_terrain, terrain_hash
+from harness.world.world import DEFAULT_DIFFICULTY, World, build_world, find_terrain, terrain_hash
 
 SCAN_RATE, POSE_RATE, STATE_RATE = 20, 50, 50  # [Hz]: RoboTerrain's
 LIDAR_BEAMS, IMU_RATE = 640, 20
@@ -50,16 +53,42 @@ class EpisodeConfig:
     seed: int = 0
     duration: float = 60.0
     driver: str = "wander"
-    difficulty: float = 0.5
+    difficulty: float = DEFAULT_DIFFICULTY
+    terrain_size: tuple[float, float] | None = None  # [m] along x and y, of a terrain from a file
+    terrain_height: float | None = None  # [m] of relief, likewise
     timestep: float = DEFAULT_TIMESTEP_NS / NANOSECONDS
-    noise: bool = False
+    noise: bool | str = False  # a preset's name; True for the default one
     lidar_beams: int = LIDAR_BEAMS
     imu_rate: int = IMU_RATE
+    faults: tuple[str, ...] = ()  # on the way to listeners; the episode itself does not see them
 
     @property
     def total_ticks(self) -> int:
         """Clock ticks from start to end."""
         return round(self.duration * NANOSECONDS) // TICK_NS
+
+    def world(self) -> World:
+        """Builds the world.
+
+        Raises:
+            UsageError: The terrain's file is not usable.
+        """
+        if is_terrain_file(self.terrain):
+            return file_world(self._terrain_file(), self.seed)
+        return build_world(self.terrain, self.seed, self.difficulty)
+
+    def _terrain_file(self) -> TerrainFile:
+        return TerrainFile(path=Path(self.terrain), size=self.terrain_size, relief=self.terrain_height)
+
+    def _validate_terrain(self) -> None:
+        if is_terrain_file(self.terrain):
+            self._terrain_file().check()
+            if self.difficulty != DEFAULT_DIFFICULTY:
+                raise UsageError("a terrain from a file has no difficulty; leave out --difficulty")
+            return
+        find_terrain(self.terrain)
+        if self.terrain_size is not None or self.terrain_height is not None:
+            raise UsageError("--terrain-size and --terrain-height apply to terrains from files only")
 
     def validate(self) -> None:
         """Checks every value that can be checked without building the world.
@@ -67,11 +96,13 @@ class EpisodeConfig:
         Raises:
             UsageError: A value is not valid; the message names those that are.
         """
-        find_terrain(self.terrain)
+        self._validate_terrain()
         find_rover(self.robot)
         find_driver(self.driver)
         parse_timestep(self.timestep)
         period_ticks(self.imu_rate)
+        parse_faults(self.faults)
+        chosen_preset(self.noise)
         if not (math.isfinite(self.duration) and self.total_ticks >= 1):
             raise UsageError(f"duration {self.duration:g} s is not valid; give 0.01 s or more")
         if self.seed < 0:
@@ -123,7 +154,7 @@ class Episode:
         config.validate()
         self.config = config
         rover = find_rover(config.robot)
-        world = build_world(config.terrain, config.seed, config.difficulty)
+        world = config.world()
         timestep_ns = parse_timestep(config.timestep)
         scene = build_scene(world, rover, timestep_ns / NANOSECONDS)
         self.info = EpisodeInfo(
@@ -146,11 +177,8 @@ class Episode:
             GroundTruthSensor(self.simulation, period_ticks(STATE_RATE)),
             JointSensor(self.simulation, period_ticks(STATE_RATE)),
         )
-        self._noise = (
-            WhiteNoise(NoiseLevels(), (lidar_spec.range_min, lidar_spec.range_max), scan_rng, imu_rng)
-            if config.noise
-            else None
-        )
+        preset, limits = chosen_preset(config.noise), (lidar_spec.range_min, lidar_spec.range_max)
+        self._noise = None if preset is None else SensorNoise(preset, limits, scan_rng, imu_rng)
         self._drive = DiffDrive(rover, TICK_NS / NANOSECONDS)
         self._driver = find_driver(config.driver)(
             DriverContext(rover, world.ground.half_size, beam_bearings(lidar_spec), driver_rng)

@@ -1,10 +1,13 @@
-"""Ctrl-C and SIGTERM: at once while a run starts, between two batches while it drives.
+"""Ctrl-C, SIGTERM, a closed terminal: at once while a run starts, between two batches while it drives.
 
 A run that drives must neither tear a row nor lose its summary, so its loop asks for the request. While
 worlds are built and nodes are searched for, there is nothing to lose and the signal ends the command.
+So does a request that the loop has not answered within GRACE, because a listener hangs.
 """
 
+import os
 import signal
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType, TracebackType
@@ -12,7 +15,10 @@ from typing import Any, Self
 
 from harness.errors import HarnessError
 
-HANDLED = (signal.SIGINT, signal.SIGTERM)
+HANDLED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+GRACE = 0.5  # [s] for a loop that drives to answer a request
+NAP = 0.1  # [s]: how long a sleeper may miss a request
+STANDARD_OUTPUTS = (1, 2)
 
 
 class Interrupted(HarnessError):
@@ -20,11 +26,16 @@ class Interrupted(HarnessError):
 
     def __init__(self, number: signal.Signals) -> None:
         super().__init__(f"stopped by {number.name}")
+        self.signal = number
         self.exit_code = 128 + number
 
 
+class Overdue(Interrupted):
+    """A request that was not answered in time: something that the loop waits for hangs."""
+
+
 class StopRequest:
-    """Turns the first SIGINT or SIGTERM into a request where `deferred` is entered.
+    """Turns the first SIGINT, SIGTERM or SIGHUP into a request where `deferred` is entered.
 
     Attributes:
         signal: The signal that asked for the stop, or None.
@@ -33,10 +44,16 @@ class StopRequest:
     def __init__(self) -> None:
         self.signal: signal.Signals | None = None
         self._deferring = False
+        self._raised: Interrupted | None = None
         self._previous: dict[signal.Signals, Any] = {}
+        self._terminals: list[int] = []
 
     def __enter__(self) -> Self:
-        self._previous = {number: signal.signal(number, self._handle) for number in HANDLED}
+        self._terminals = [fd for fd in STANDARD_OUTPUTS if os.isatty(fd)]
+        for number in HANDLED:
+            if number is signal.SIGHUP and signal.getsignal(number) is signal.SIG_IGN:
+                continue  # nohup
+            self._previous[number] = signal.signal(number, self._handle)
         return self
 
     def __exit__(
@@ -47,15 +64,26 @@ class StopRequest:
     ) -> None:
         for number, handler in self._previous.items():
             signal.signal(number, handler)
+        # C++ bindings that a handler interrupts may report something else than what it raised.
+        if self._raised is not None and isinstance(error, Exception) and error is not self._raised:
+            raise self._raised from None
 
     @contextmanager
     def deferred(self) -> Iterator[None]:
-        """Within, the first signal is only remembered; a second one still ends the command."""
+        """Within, the first signal is remembered for GRACE; a second one ends the command at once."""
         self._deferring = True
         try:
             yield
         finally:
             self._deferring = False
+            if self.signal is not None:
+                signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+    def sleep(self, seconds: float) -> None:
+        """Sleeps, but not on after a request."""
+        end = time.monotonic() + seconds
+        while self.signal is None and (left := end - time.monotonic()) > 0.0:
+            time.sleep(min(left, NAP))
 
     @property
     def exit_code(self) -> int:
@@ -65,5 +93,23 @@ class StopRequest:
     def _handle(self, number: int, _: FrameType | None) -> None:
         again = self.signal is not None
         self.signal = signal.Signals(number)
+        if self.signal is signal.SIGHUP:
+            _let_go_of(self._terminals)
         if again or not self._deferring:
-            raise Interrupted(self.signal)
+            self._raised = Interrupted(self.signal)
+            raise self._raised
+        self._previous.setdefault(signal.SIGALRM, signal.signal(signal.SIGALRM, self._expire))
+        signal.setitimer(signal.ITIMER_REAL, GRACE)
+
+    def _expire(self, _: int, __: FrameType | None) -> None:
+        if self._deferring and self.signal is not None:
+            self._raised = Overdue(self.signal)
+            raise self._raised
+
+
+def _let_go_of(terminals: list[int]) -> None:
+    """Points outputs to nowhere: writing to a closed terminal raises."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for fd in terminals:
+        os.dup2(nowhere, fd)
+    os.close(nowhere)

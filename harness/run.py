@@ -6,23 +6,33 @@ Parses, calls, prints; the work is in harness.ros.session (through ROS) and harn
 """
 
 import argparse
+import signal
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
+
+if __name__ == "__main__":  # what follows takes a second to load; Ctrl-C must not show where it was
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 from rich.console import Console
 
-from harness import __version__
+from harness import __version__, headless
 from harness.console import RunProgress, print_choices, print_summary
 from harness.direct import run_direct
 from harness.drivers import DRIVERS
-from harness.episode import EpisodeConfig
+from harness.episode import Batch, EpisodeConfig
 from harness.errors import HarnessError, UsageError
 from harness.interrupt import StopRequest
 from harness.manifest import check_writable, write_manifest
+from harness.report import RunReport
 from harness.result import Progress, RunResult
 from harness.robots import ROVERS
+from harness.sensors.fault_kinds import describe_faults
+from harness.sensors.fault_spec import FORM
+from harness.sensors.noise import DEFAULT_PRESET, PRESETS
+from harness.view.drawing import Drawing
+from harness.world.dem import is_terrain_file
 
 DEFAULT_LOG_DIR = Path("metrics_analyzer/data/metric_logs")
 SLOWEST_RATE = 0.01
@@ -37,27 +47,53 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print_choices(console)
         return 0
     try:
-        with StopRequest() as stop:
-            result = _run(options, ros_args, stop, console)
+        drawing = Drawing(
+            options.picture,
+            options.video,
+            lidar=options.picture_lidar,
+            backend=headless.REQUESTED,
+        )
+        report = RunReport(options.report)
+        with StopRequest() as stop, drawing:
+            result = _run(options, ros_args, stop, console, drawing, report)
+            exit_code = _report(result, options.summary, stop, console)
+            if (page := report.write(result)) is not None:
+                console.print(f"report: {page}", soft_wrap=True, highlight=False)
+            for path in drawing.finish():
+                console.print(f"drawn: {path}", soft_wrap=True, highlight=False)
     except HarnessError as error:
         print(f"harness.run: {error}", file=sys.stderr)
         return error.exit_code
-    return _report(result, options.summary, stop, console)
+    return exit_code
 
 
 def _run(
-    options: argparse.Namespace, ros_args: Sequence[str], stop: StopRequest, console: Console
+    options: argparse.Namespace,
+    ros_args: Sequence[str],
+    stop: StopRequest,
+    console: Console,
+    drawing: Drawing,
+    report: RunReport,
 ) -> RunResult:
     config = _config(options)
     config.validate()
     _check_combination(options, ros_args)
     if options.summary is not None:
         check_writable(options.summary)
+    report.prepare()
+    for note in config.world().notes if is_terrain_file(config.terrain) else ():
+        console.print(f"{config.terrain}: {note}", soft_wrap=True, highlight=False)
+    drawing.prepare(config)
+
+    def watch(batch: Batch) -> None:
+        drawing.watch(batch)
+        report.watch(batch)
+
     title = f"{config.robot} on {config.terrain}"
     with RunProgress(console, title, config.duration) as bar:
         if options.direct:
-            return run_direct(config, options.log_dir, options.rate, stop, bar.show)
-        return _run_through_ros(options, config, ros_args, stop, bar.show)
+            return run_direct(config, options.log_dir, options.rate, stop, bar.show, watch)
+        return _run_through_ros(options, config, ros_args, stop, bar.show, watch)
 
 
 def _run_through_ros(
@@ -66,6 +102,7 @@ def _run_through_ros(
     ros_args: Sequence[str],
     stop: StopRequest,
     show: Callable[[Progress], None],
+    watch: Callable[[Batch], None],
 ) -> RunResult:
     # The only import of rclpy on this side of harness.ros: --direct must work where there is none.
     try:
@@ -81,9 +118,10 @@ def _run_through_ros(
         host_metrics=not options.no_metrics,
         wait_for=tuple(options.wait_for),
         rate=options.rate,
-        ros_args=ros_args,
+        ros_args=[*_namespace_args(options.namespace), *ros_args],
+        record=options.record,
     )
-    return run_through_ros(config, ros, stop, show)
+    return run_through_ros(config, ros, stop, show, watch)
 
 
 def _report(result: RunResult, summary: Path | None, stop: StopRequest, console: Console) -> int:
@@ -131,11 +169,20 @@ def _config(options: argparse.Namespace) -> EpisodeConfig:
         duration=options.duration,
         driver=options.driver,
         difficulty=options.difficulty,
+        terrain_size=options.terrain_size,
+        terrain_height=options.terrain_height,
         timestep=options.timestep,
         noise=options.noise,
         lidar_beams=options.lidar_beams,
         imu_rate=options.imu_rate,
+        faults=tuple(options.fault),
     )
+
+
+def _namespace_args(namespace: str) -> list[str]:
+    """The ROS arguments that put every topic but /clock into a namespace."""
+    name = namespace.strip("/")
+    return ["--ros-args", "-r", f"__ns:=/{name}", "--"] if name else []
 
 
 def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> None:
@@ -145,6 +192,8 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         (options.no_metrics, "--no-metrics"),
         (bool(options.wait_for), "--wait-for"),
         (bool(ros_args), "--ros-args"),
+        (bool(options.namespace), "--namespace"),
+        (options.record is not None, "--record"),
         (options.driver == "cmd_vel", "--driver cmd_vel"),
     ):
         if given:
@@ -172,6 +221,21 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"harness.run: {message}; see --help\n")
 
 
+class _WidthAndDepth(argparse.Action):
+    """Takes two numbers, or one for both."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,  # noqa: ANN401 - as argparse has it
+        option_string: str | None = None,
+    ) -> None:
+        if len(values) > 2:
+            parser.error(f"argument {option_string}: give one or two numbers")
+        setattr(namespace, self.dest, (values[0], values[-1]))
+
+
 def _parser() -> argparse.ArgumentParser:
     defaults = EpisodeConfig()
     parser = _Parser(
@@ -179,9 +243,29 @@ def _parser() -> argparse.ArgumentParser:
         description="Drives a rover over rough terrain, publishes its sensors as ROS 2 topics and "
         "logs traversal metrics to CSV.",
         epilog="Arguments after --ros-args go to ROS, e.g. --ros-args -r scan:=front/scan.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     world = parser.add_argument_group("episode")
-    world.add_argument("--terrain", default=defaults.terrain, metavar="NAME", help="see --list")
+    world.add_argument(
+        "--terrain",
+        default=defaults.terrain,
+        metavar="NAME|FILE",
+        help="see --list, or a heightmap: GeoTIFF, TIFF, PNG, .npy",
+    )
+    world.add_argument(
+        "--terrain-size",
+        type=float,
+        nargs="+",
+        action=_WidthAndDepth,
+        metavar="M",
+        help="side length, or width and depth, of a heightmap that does not say",
+    )
+    world.add_argument(
+        "--terrain-height",
+        type=float,
+        metavar="M",
+        help="relief, lowest to highest point, of a heightmap that does not say",
+    )
     world.add_argument("--robot", default=defaults.robot, metavar="NAME", help=", ".join(ROVERS))
     world.add_argument("--driver", default=defaults.driver, metavar="NAME", help=", ".join(DRIVERS))
     world.add_argument("--seed", type=int, default=defaults.seed, metavar="N")
@@ -195,14 +279,32 @@ def _parser() -> argparse.ArgumentParser:
         "--timestep", type=float, default=defaults.timestep, metavar="S", help="physics step"
     )
     sensors = parser.add_argument_group("sensors")
-    sensors.add_argument("--noise", action="store_true", help="white noise on lidar and IMU")
+    sensors.add_argument(
+        "--noise",
+        nargs="?",
+        const=True,
+        default=defaults.noise,
+        metavar="NAME",
+        help=f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_PRESET} if not named",
+    )
     sensors.add_argument("--lidar-beams", type=int, default=defaults.lidar_beams, metavar="N")
     sensors.add_argument("--imu-rate", type=int, default=defaults.imu_rate, metavar="HZ")
+    faults = parser.add_argument_group("faults", describe_faults())
+    faults.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="SPEC",
+        help=f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable",
+    )
     run = parser.add_argument_group("run")
     run.add_argument(
         "--rate", type=_rate, default=None, metavar="R|max", help="times real time; max by default"
     )
     run.add_argument("--log-dir", type=Path, default=DEFAULT_LOG_DIR, metavar="DIR")
+    run.add_argument(
+        "--namespace", default="", metavar="NAME", help="of all topics but /clock, e.g. rover1"
+    )
     run.add_argument("--no-metrics", action="store_true", help="publish only; host no metrics_node")
     run.add_argument("--direct", action="store_true", help="no ROS: samples go straight to the CSV")
     run.add_argument(
@@ -212,7 +314,25 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NODE",
         help="keep lock-step with a node in another process; repeatable",
     )
+    run.add_argument(
+        "--record",
+        type=Path,
+        metavar="FILE.mcap",
+        help="record every published topic; a killed run's file is read by rover_metrics.replay as it "
+        "is, and mended by: mcap recover FILE.mcap -o MENDED.mcap",
+    )
+    run.add_argument(
+        "--report", type=Path, metavar="FILE.html", help="write a page about the run: map, plots, truth"
+    )
     run.add_argument("--summary", type=Path, metavar="FILE.json", help="write the manifest there")
+    pictures = parser.add_argument_group("pictures")
+    pictures.add_argument(
+        "--picture", type=Path, metavar="FILE.png", help="draw the rover at the end of its path"
+    )
+    pictures.add_argument(
+        "--video", type=Path, metavar="FILE.mp4", help="draw the run in at most 10 s (extra [video])"
+    )
+    pictures.add_argument("--picture-lidar", action="store_true", help="show the lidar's beams in them")
     parser.add_argument("--list", action="store_true", help="print terrains, robots and drivers")
     parser.add_argument("--version", action="version", version=f"rover-harness {__version__}")
     return parser

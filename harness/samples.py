@@ -44,11 +44,12 @@ class Imu:
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Pose of the model frame in the world."""
+    """Pose of the model frame in the world; `empty` stands for an array without it (a fault)."""
 
     stamp_ns: int
     position: Vector3
     orientation: Quaternion
+    empty: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +90,12 @@ Sample = LaserScan | Imu | Pose | Odometry | GroundTruth | JointStates
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """All samples that fall on one clock tick, in publishing order."""
+    """All samples that fall on one clock tick, in publishing order.
+
+    Attributes:
+        tells_time: Whether /clock says the stamp; a fault may silence it.
+    """
 
     stamp_ns: int
     samples: tuple[Sample, ...]
+    tells_time: bool = True

@@ -69,6 +69,7 @@ class Simulation:
         self.model = scene.model
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
         self.data = mujoco.MjData(self.model)
+        self._warnings = self.data.warning.number  # a view: MuJoCo counts up in it
         self.timestep_ns = timestep_ns
         self.steps_per_tick = TICK_NS // timestep_ns
         self.step_count = 0
@@ -136,6 +137,8 @@ class Simulation:
         self._check_edge()
 
     def _check_health(self) -> None:
+        if not self._warnings.any():
+            return
         for warning, quantity in HEALTH_WARNINGS.items():
             if self.data.warning[warning].number:
                 message = (

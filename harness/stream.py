@@ -18,9 +18,10 @@ from typing import Self
 
 from harness.episode import Batch, Episode, EpisodeConfig, EpisodeInfo
 from harness.errors import HarnessError, RunFailed
+from harness.interrupt import HANDLED
 from harness.samples import Twist
 
-EXIT_PATIENCE = 2.0  # [s] for the child to leave before it is killed
+EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +45,14 @@ class EpisodeProcess:
         context = multiprocessing.get_context("spawn")
         self._connection, remote = context.Pipe()
         self._process = context.Process(target=_simulate, args=(config, remote), daemon=True)
-        with _interrupts_held_back():
-            self._process.start()
+        try:
+            with _interrupts_held_back():
+                self._process.start()
+        except BaseException:  # a signal arrived meanwhile, and nobody will leave this context
+            if self._process.pid is not None:
+                self._process.kill()
+                self._process.join()
+            raise
         remote.close()
         self._latest = Twist()
 
@@ -105,9 +112,9 @@ class EpisodeProcess:
 
 @contextlib.contextmanager
 def _interrupts_held_back() -> Iterator[None]:
-    """Lets a child inherit a blocked SIGINT: Ctrl-C goes to the whole group, but is the parent's."""
+    """Lets a child inherit blocked signals: a terminal's go to the whole group, but are the parent's."""
     resource_tracker.ensure_running()  # else the child's start would start it, and that unblocks
-    previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    previous = signal.pthread_sigmask(signal.SIG_BLOCK, HANDLED)
     try:
         yield
     finally:

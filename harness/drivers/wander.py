@@ -18,6 +18,7 @@ TURN_BACK_BORDER = 2.0  # [m]: nearer to the edge than this, the goal is the map
 STOP_RANGE = 0.45  # [m] of free range ahead below which the rover turns in place
 SLOW_RANGE = 1.2  # [m] below which it slows down
 MARGIN = 0.12  # [m] beside the rover that must be free
+LOOKAHEAD = 3.0  # [m]: what is farther away does not matter yet
 HEADINGS = np.linspace(-math.pi, math.pi, 49)[:-1]  # candidate directions, 7.5 deg apart
 STUCK_AFTER_NS = 3 * NANOSECONDS
 STUCK_DISTANCE = 0.25  # [m] of progress that shows it is not stuck
@@ -80,12 +81,14 @@ class Wander:
             return np.full(HEADINGS.shape, np.inf)
         ranges = np.maximum(observation.ranges.astype(np.float64), 0.0)  # -inf: nearer than visible
         ranges[np.isnan(ranges)] = np.inf
-        blocked = np.where(ranges < self._corridors, ranges, np.inf)
-        free: NDArray[np.float64] = blocked.min(axis=1)
+        near = ranges < LOOKAHEAD  # no corridor is longer: beyond it nothing blocks
+        ranges, corridors = ranges[near, None], self._corridors[near]
+        blocked = np.where(ranges < corridors, ranges, np.inf)
+        free: NDArray[np.float64] = blocked.min(axis=0, initial=np.inf)
         return free
 
     def _steer(self, error: float, free: NDArray[np.float64]) -> Twist:
-        usable = np.minimum(free, 3.0)
+        usable = np.minimum(free, LOOKAHEAD)
         cost = np.abs(np.remainder(HEADINGS - error + math.pi, math.tau) - math.pi) - 1.5 * usable
         heading = float(HEADINGS[int(np.argmin(cost))])
         ahead = float(free[len(HEADINGS) // 2])
@@ -111,12 +114,12 @@ class Wander:
 
 
 def _corridors(bearings: NDArray[np.float64], half_width: float) -> NDArray[np.float64]:
-    """Range within which a beam's return blocks a heading, shape (headings, beams) [m].
+    """Range within which a beam's return blocks a heading, shape (beams, headings) [m].
 
     A return at range r and angle a off the heading lies r sin(a) beside it: it blocks a corridor of
     the rover's half width if r < half_width / sin(a), and never when it lies behind.
     """
-    off = np.abs(np.remainder(bearings[None, :] - HEADINGS[:, None] + math.pi, math.tau) - math.pi)
+    off = np.abs(np.remainder(bearings[:, None] - HEADINGS[None, :] + math.pi, math.tau) - math.pi)
     with np.errstate(divide="ignore"):
         corridor = np.where(off < math.pi / 2, half_width / np.sin(off), 0.0)
-    return np.minimum(corridor, 3.0)
+    return np.minimum(corridor, LOOKAHEAD)

@@ -39,17 +39,12 @@ BEST_EFFORT = QoSProfile(
 
 @dataclass(slots=True)
 class Channel:
-    """One topic: how a sample becomes its message, and how many have been published."""
+    """One topic: its resolved name, how a sample becomes its message, how many have been published."""
 
     publisher: Publisher
     fill: messages.Fill
+    topic: str
     published: int = 0
-
-    @property
-    def topic(self) -> str:
-        """The resolved name."""
-        name: str = self.publisher.topic_name
-        return name
 
     def publish(self, sample: Any) -> None:  # noqa: ANN401 - the kind of sample that `fill` takes
         """Sends one sample."""
@@ -92,7 +87,8 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def _channel(
         self, kind: type, topic: str, fill: messages.Fill, qos: QoSProfile = RELIABLE
     ) -> Channel:
-        return Channel(self.create_publisher(kind, topic, qos), fill)
+        publisher = self.create_publisher(kind, topic, qos)
+        return Channel(publisher, fill, publisher.topic_name)  # a publisher forgets at shutdown
 
     def publish_samples(self, tick: samples.Tick) -> None:
         """Publishes a tick's samples; its clock goes out with `publish_clock`, after them."""

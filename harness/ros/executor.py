@@ -20,9 +20,15 @@ except ImportError:
 SPIN_TIMEOUT = 0.1  # [s]: how long one spin may block; a stop request is answered between two
 
 
-def make_executor(context: Context) -> Executor:
-    """The fastest executor that this rclpy has."""
-    return EventsExecutor(context=context)
+def make_executor(context: Context, *, time_jumps: bool = False) -> Executor:
+    """The fastest executor that this rclpy has and that serves timers rightly.
+
+    Args:
+        context: Of the nodes that will be added.
+        time_jumps: Whether ROS time will go back: then EventsExecutor may call a timer twice.
+    """
+    kind = SingleThreadedExecutor if time_jumps else EventsExecutor
+    return kind(context=context)
 
 
 def spin_until(executor: Executor, condition: Callable[[], bool], patience: float) -> bool:

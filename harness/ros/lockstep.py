@@ -6,6 +6,9 @@ node in another process, which answers a parameter request only when its queue i
 """
 
 import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Protocol
 
 from rclpy.executors import Executor
@@ -13,15 +16,15 @@ from rclpy.executors import Executor
 from harness.errors import RunFailed
 from harness.ros.bridge import Bridge
 from harness.ros.executor import SPIN_TIMEOUT
-from harness.samples import Tick
-from rover_metrics.metrics_node import LOG_PERIOD, MetricsNode
+from harness.samples import Sample, Tick
+from rover_metrics.metrics_node import MetricsNode
 
 SECOND_PUBLISHER = (
     "has a second publisher: what it sends would be logged as this run's; "
-    "give each run a ROS_DOMAIN_ID of its own (0 to 101)"
+    "give each run a ROS_DOMAIN_ID of its own (0 to 101), or names and a clock of its own: "
+    "--namespace NAME --ros-args -r /clock:=/NAME/clock"
 )
 PATIENCE = 10.0  # [s] of wall time without any progress before messages are given up
-LOG_PERIOD_NS = round(LOG_PERIOD * 1e9)
 
 
 class Listener(Protocol):
@@ -44,15 +47,29 @@ class LockStep:
 
     def advance(self, tick: Tick) -> None:
         """Publishes one tick; returns when all listeners have handled it."""
-        if tick.samples:
-            self._bridge.publish_samples(tick)
+        for burst in _bursts(tick):
+            self._bridge.publish_samples(burst)
             for listener in self._listeners:
                 listener.wait_for_samples()
-        self._bridge.publish_clock(tick)
-        for listener in self._listeners:
-            listener.wait_for_clock(tick.stamp_ns)
+        if tick.tells_time:
+            self._bridge.publish_clock(tick)
+            for listener in self._listeners:
+                listener.wait_for_clock(tick.stamp_ns)
         if not self._listeners:
             self._executor.spin_once(timeout_sec=0.0)  # /cmd_vel and parameter services
+
+
+def _bursts(tick: Tick) -> Iterator[Tick]:
+    """Parts with at most one sample of a kind: a listener's queue may hold only the latest message."""
+    bursts: list[list[Sample]] = []
+    sent: Counter[type[Sample]] = Counter()
+    for sample in tick.samples:
+        if sent[type(sample)] == len(bursts):
+            bursts.append([])
+        bursts[sent[type(sample)]].append(sample)
+        sent[type(sample)] += 1
+    for burst in bursts:
+        yield replace(tick, samples=tuple(burst))
 
 
 class HostedMetrics:
@@ -68,6 +85,7 @@ class HostedMetrics:
         channels = [*bridge.channels.values(), bridge.clock_channel]
         self._channels = [channel for channel in channels if channel.topic in node.received]
         self._clock_topic = bridge.clock_channel.topic
+        self._possible_ns = {self._clock.now().nanoseconds}  # what its clock may show
         self.clock_received = 0
         self.lost = {channel.topic: 0 for channel in self._channels} | {self._clock_topic: 0}
 
@@ -95,25 +113,26 @@ class HostedMetrics:
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
 
     def wait_for_clock(self, stamp_ns: int) -> None:
-        """Spins until the node's clock shows the time and the row due by then is written.
+        """Spins until the node's clock shows the time and no timer of the node is due.
 
         Raises:
             RunFailed: Somebody else sets the clock too.
         """
-        rows_due = stamp_ns // LOG_PERIOD_NS
+        self._possible_ns.add(stamp_ns)
         deadline = time.monotonic() + PATIENCE
-        while (now_ns := self._clock.now().nanoseconds) < stamp_ns or self._rows_tried() < rows_due:
+        while (now_ns := self._clock.now().nanoseconds) != stamp_ns or self._timer_is_due():
+            if now_ns not in self._possible_ns:
+                raise RunFailed(f"{self._clock_topic} {SECOND_PUBLISHER}")
             if time.monotonic() > deadline:
                 self.lost[self._clock_topic] += 1
                 return
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
-        if now_ns > stamp_ns:
-            raise RunFailed(f"{self._clock_topic} {SECOND_PUBLISHER}")
+        self._possible_ns = {stamp_ns}
         self.clock_received += 1
         self._outstanding()  # a stranger's message stood for one of ours until all had arrived
 
-    def _rows_tried(self) -> int:
-        return self._node.rows + self._node.lost_rows
+    def _timer_is_due(self) -> bool:
+        return any(timer.clock is self._clock and timer.is_ready() for timer in self._node.timers)
 
     def _outstanding(self) -> bool:
         received, lost = self._node.received, self.lost

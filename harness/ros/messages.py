@@ -52,12 +52,16 @@ def laser_scan(lidar: LidarSpec) -> Fill:
     message.angle_increment = 2 * lidar.angle_max / (lidar.beams - 1)
     message.range_min, message.range_max = lidar.range_min, lidar.range_max
     message.intensities = array("f", bytes(4 * lidar.beams))
-    message.ranges = array("f", bytes(4 * lidar.beams))
-    ranges = np.frombuffer(message.ranges, dtype=np.float32)
+    whole = array("f", bytes(4 * lidar.beams))
+    ranges = np.frombuffer(whole, dtype=np.float32)
 
     def fill(scan: samples.LaserScan) -> LaserScan:
         set_stamp(message.header.stamp, scan.stamp_ns)
-        ranges[:] = scan.ranges
+        if scan.ranges.size == ranges.size:
+            ranges[:] = scan.ranges
+            message.ranges = whole
+        else:  # a faulty lidar
+            message.ranges = array("f", scan.ranges.tobytes())
         return message
 
     return fill
@@ -86,6 +90,7 @@ def pose_array() -> Fill:
 
     def fill(sample: samples.Pose) -> PoseArray:
         set_stamp(message.header.stamp, sample.stamp_ns)
+        message.poses = [] if sample.empty else [pose]
         _set_vector(pose.position, sample.position)
         _set_quaternion(pose.orientation, sample.orientation)
         return message

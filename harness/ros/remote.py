@@ -27,7 +27,7 @@ class RemoteNode:
     """
 
     def __init__(self, name: str, bridge: Bridge, executor: Executor) -> None:
-        self.name = name if name.startswith("/") else f"/{name}"
+        self.name = name if name.startswith("/") else f"{bridge.get_namespace().rstrip('/')}/{name}"
         self._bridge, self._executor = bridge, executor
         self._parameters = AsyncParameterClient(bridge, self.name)
         self._counts = bridge.create_client(Trigger, f"{self.name}/received")
@@ -51,9 +51,13 @@ class RemoteNode:
         """Returns when the node has handled its queue, /clock and timers included."""
         self._ask("use_sim_time")
 
-    def received(self) -> dict[str, int]:
-        """Messages that a MetricsNode has received since the start, by topic; else empty."""
-        now = self._ask_received()
+    def received(self, patience: float = ANSWER_PATIENCE) -> dict[str, int]:
+        """Messages that a MetricsNode has received since the start, by topic; else empty.
+
+        Args:
+            patience: How long [s] to wait for its answer.
+        """
+        now = self._ask_received(patience)
         return {topic: count - self._received_before.get(topic, 0) for topic, count in now.items()}
 
     def _ask(self, parameter: str) -> list[object]:
@@ -76,11 +80,11 @@ class RemoteNode:
             for c in channels
         )
 
-    def _ask_received(self) -> dict[str, int]:
+    def _ask_received(self, patience: float = ANSWER_PATIENCE) -> dict[str, int]:
         if not self._counts.service_is_ready():
             return {}
         future = self._counts.call_async(Trigger.Request())
-        if not spin_until(self._executor, future.done, ANSWER_PATIENCE):
+        if not spin_until(self._executor, future.done, patience):
             return {}
         told = json.loads(future.result().message)
         published = self._bridge.published()

@@ -9,20 +9,23 @@ from pathlib import Path
 
 import rclpy
 from rclpy.context import Context
-from rclpy.executors import Executor
+from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
 from harness.episode import Batch, EpisodeConfig
 from harness.errors import RunFailed, UsageError
-from harness.interrupt import StopRequest
+from harness.interrupt import GRACE, Overdue, StopRequest
 from harness.pacing import Pacer
 from harness.result import Progress, RunResult, TopicCount
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.executor import make_executor, spin_until
 from harness.ros.lockstep import SECOND_PUBLISHER, HostedMetrics, Listener, LockStep
-from harness.ros.remote import RemoteNode
+from harness.ros.recorder import Recorder
+from harness.ros.remote import ANSWER_PATIENCE, RemoteNode
+from harness.sensors.fault_spec import parse_faults
+from harness.sensors.faults import FaultInjector, disturb_time
 from harness.sensors.lidar import LidarSpec
 from harness.simulation import NANOSECONDS
 from harness.stream import EpisodeProcess
@@ -43,6 +46,7 @@ class RosOptions:
         wait_for: Names of nodes elsewhere to keep in lock-step.
         rate: Simulated seconds per wall second; None is as fast as possible.
         ros_args: Arguments from `--ros-args` on.
+        record: MCAP file to record every published message into.
     """
 
     log_dir: Path
@@ -50,6 +54,7 @@ class RosOptions:
     wait_for: tuple[str, ...] = ()
     rate: float | None = None
     ros_args: Sequence[str] = ()
+    record: Path | None = None
 
 
 def run_through_ros(
@@ -57,18 +62,29 @@ def run_through_ros(
     options: RosOptions,
     stop: StopRequest,
     show: Callable[[Progress], None],
+    watch: Callable[[Batch], None] | None = None,
 ) -> RunResult:
     """Runs an episode and returns what it came to, also when it failed underway.
+
+    Args:
+        config: What to run.
+        options: How it goes through ROS.
+        stop: Ends the run early.
+        show: Is told the progress after every batch.
+        watch: Sees every batch once it has been published.
 
     Raises:
         UsageError: Something is wrong with the arguments or the environment.
     """
     started = time.monotonic()
     with ExitStack() as at_end:
+        recorder = at_end.enter_context(Recorder(options.record)) if options.record else None
         source = at_end.enter_context(EpisodeProcess(config))
         context = at_end.enter_context(_ros_context(options.ros_args))
         run = _Run(config, options, context, source, at_end)
-        return run.drive(stop, show, started)
+        if recorder is not None:
+            run.record(recorder)
+        return run.drive(stop, show, watch, started)
 
 
 class _Run:
@@ -83,6 +99,8 @@ class _Run:
         at_end: ExitStack,
     ) -> None:
         self._config, self._options, self._source = config, options, source
+        self._recorder: Recorder | None = None
+        self._context = context
         self._bridge = Bridge(
             find_rover(config.robot),
             LidarSpec(beams=config.lidar_beams),
@@ -90,7 +108,9 @@ class _Run:
             on_command=source.command,
         )
         at_end.callback(self._bridge.destroy_node)
-        self._executor = make_executor(context)
+        faults = parse_faults(config.faults)
+        self._faults = FaultInjector(faults, config.seed)
+        self._executor = make_executor(context, time_jumps=disturb_time(faults))
         at_end.callback(self._executor.shutdown)
         self._executor.add_node(self._bridge)
         self._node: MetricsNode | None = None
@@ -101,23 +121,39 @@ class _Run:
             self._executor.add_node(self._node)
             self._hosted = HostedMetrics(self._bridge, self._executor, self._node)
             _await_match(self._bridge, self._executor, self._hosted.topics)
-            _refuse_other_publishers(self._bridge, self._hosted.topics)
         self._remotes = [RemoteNode(name, self._bridge, self._executor) for name in options.wait_for]
 
-    def drive(self, stop: StopRequest, show: Callable[[Progress], None], started: float) -> RunResult:
+    def record(self, recorder: Recorder) -> None:
+        """Has everything recorded that is published from now on."""
+        recorder.tap(self._bridge)
+        self._recorder = recorder
+
+    def drive(
+        self,
+        stop: StopRequest,
+        show: Callable[[Progress], None],
+        watch: Callable[[Batch], None] | None,
+        started: float,
+    ) -> RunResult:
         """Publishes the episode tick by tick until its end, a failure or a stop request."""
         listeners: list[Listener] = [*([self._hosted] if self._hosted else []), *self._remotes]
         lockstep = LockStep(self._bridge, self._executor, tuple(listeners))
-        info = self._source.info
+        info = self._source.info  # waits for the world: other runs are discovered by then
+        self._executor.spin_once(timeout_sec=0.0)
+        _refuse_other_publishers(self._bridge, self._hosted.topics if self._hosted else ())
         result = RunResult(config=self._config, mode=self._mode(), info=info)
         begun = time.monotonic()
-        pacer = Pacer(self._options.rate)
+        pacer = Pacer(self._options.rate, sleep=stop.sleep)
         try:
             with stop.deferred():
                 for batch in self._source.batches():
                     for tick in batch.ticks:
                         pacer.wait_until(tick.stamp_ns)
-                        lockstep.advance(tick)
+                        if self._recorder is not None:
+                            self._recorder.time_ns = tick.stamp_ns
+                        lockstep.advance(self._faults.corrupt(tick))
+                    if watch is not None:
+                        watch(batch)
                     result = self._after(batch, result, begun, started)
                     show(self._progress(batch, result.wall_s))
                     if stop.signal is not None:
@@ -125,6 +161,14 @@ class _Run:
                         break
         except RunFailed as error:
             result = replace(result, failure=str(error))
+        except Overdue as error:
+            self._remotes = []  # one of them hangs: it will not tell what it has received
+            result = replace(result, interrupted=error.signal.name)
+        except (ExternalShutdownException, RuntimeError):
+            if self._context.ok():
+                raise
+            self._remotes = []
+            result = replace(result, failure="ROS 2 was shut down from outside this run")
         return self._counted(result)
 
     def _after(self, batch: Batch, result: RunResult, begun: float, started: float) -> RunResult:
@@ -153,8 +197,9 @@ class _Run:
         if self._hosted:
             for topic, received in self._hosted.received().items():
                 topics[topic] = replace(topics[topic], received=received, lost=self._hosted.lost[topic])
+        patience = ANSWER_PATIENCE if result.interrupted is None else GRACE
         for remote in self._remotes:
-            for topic, received in remote.received().items():
+            for topic, received in remote.received(patience).items():
                 lost = max(topics[topic].lost, topics[topic].published - received)
                 topics[topic] = replace(topics[topic], received=received, lost=lost)
         result = replace(result, topics=topics)
@@ -171,6 +216,7 @@ class _Run:
             rows=self._node.rows,
             log_path=self._node.log.path,
             last_row=None if row is None else dict(zip(COLUMNS, row.as_fields(), strict=True)),
+            thresholds=self._node.settings.thresholds,
         )
 
 

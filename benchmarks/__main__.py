@@ -1,0 +1,109 @@
+"""Command: measure, side by side, and print ratios.
+
+python -m benchmarks [name ...] [--hour] [--quick] [--write]
+"""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from rich import table as rich_table
+from rich.console import Console
+
+from benchmarks.measuring import FULL, QUICK, Effort, Table
+from benchmarks.readme import README, conditions, write_readme
+from benchmarks.registry import BENCHMARKS, Benchmark
+from harness.errors import HarnessError
+from harness.interrupt import StopRequest
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command; returns its exit code."""
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    console = Console(width=None if sys.stdout.isatty() else 140)
+    if options.list:
+        for benchmark in BENCHMARKS.values():
+            console.print(f"[bold]{benchmark.name:10}[/] {benchmark.question}")
+        return 0
+    if options.write and (options.names or options.quick):
+        parser.error("--write measures everything in full; leave out names and --quick")
+    # Runs through ROS 2 shall meet neither a rover nor another run.
+    os.environ.setdefault("ROS_DOMAIN_ID", str(os.getpid() % 100 + 1))
+    effort = QUICK if options.quick else FULL
+    told = conditions(effort)
+    console.print(told, highlight=False)
+    try:
+        with StopRequest():  # else a signal would leave folders and nodes behind
+            tables = _measured(_chosen(options), effort, console)
+    except HarnessError as error:
+        print(f"benchmarks: {error}", file=sys.stderr)
+        return error.exit_code
+    if options.write:
+        write_readme(told, tables)
+        console.print(f"written to {README}")
+    return 0
+
+
+def _chosen(options: argparse.Namespace) -> list[Benchmark]:
+    if options.names:
+        return [BENCHMARKS[name] for name in options.names]
+    with_long_ones = options.hour or options.write
+    return [b for b in BENCHMARKS.values() if with_long_ones or not b.takes_minutes]
+
+
+def _measured(chosen: Sequence[Benchmark], effort: Effort, console: Console) -> list[Table]:
+    tables = []
+    for benchmark in chosen:
+        with console.status(f"{benchmark.name}: {benchmark.question}"):
+            tables.append(benchmark.measure(effort))
+        console.print(_printable(tables[-1]))
+    return tables
+
+
+def _printable(table: Table) -> rich_table.Table:
+    printable = rich_table.Table(title=table.title, title_justify="left")
+    for index, column in enumerate(table.columns):
+        printable.add_column(column, justify="right" if index else "left")
+    for row in table.rows:
+        printable.add_row(*(_bold(cell) for cell in row))
+    return printable
+
+
+def _bold(cell: str) -> str:
+    """Markdown's bold, which the cells use, as rich writes it."""
+    bare = cell.replace("**", "")
+    return f"[bold]{bare}[/]" if bare != cell else cell
+
+
+def _name(word: str) -> str:
+    if word not in BENCHMARKS:
+        message = f"benchmark '{word}' does not exist; available: {', '.join(BENCHMARKS)}"
+        raise argparse.ArgumentTypeError(message)
+    return word
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Prints the message and leaves with exit code 2."""
+        self.exit(2, f"benchmarks: {message}; see --help\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="python -m benchmarks", description="Measures, side by side, and prints ratios."
+    )
+    parser.add_argument("names", nargs="*", type=_name, metavar="name", help=", ".join(BENCHMARKS))
+    parser.add_argument("--hour", action="store_true", help="memory over a simulated hour, too")
+    parser.add_argument("--quick", action="store_true", help="a smoke test: the figures mean nothing")
+    parser.add_argument("--write", action="store_true", help="everything, into benchmarks/README.md")
+    parser.add_argument("--list", action="store_true", help="name the benchmarks")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,88 @@
+"""benchmarks/README.md: the text here, the figures from the tables of one run."""
+
+import os
+import platform
+from collections.abc import Iterable
+from datetime import date
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from benchmarks.measuring import Effort, Table
+from harness import __version__
+
+README = Path(__file__).with_name("README.md")
+PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy", "pybullet")
+
+TEMPLATE = """\
+# Benchmarks
+
+```sh
+make bench                           # all but memory, a few minutes
+python -m benchmarks lidar runs      # some of them; --list names them
+python -m benchmarks --hour          # with memory over a simulated hour
+python -m benchmarks --quick         # does everything still work? The figures mean nothing
+python -m benchmarks --write         # all of them, into this file
+```
+
+Written by `python -m benchmarks --write`: change benchmarks/readme.py, not this file.
+
+## How to read it
+
+- What counts are the **ratios**. The contestants take turns in every round, so what else the machine
+  does hits all of them, and each figure is the median over the rounds. Absolute times hold for this
+  machine only. A run through ROS 2 uses two cores where physics alone uses one: where the load average
+  below is not near 0, its ratios are too low.
+- *Scan*: `mj_multiRay` tests every triangle in a ray's bounding box, up to the far end of the map, as
+  long as the ray stays within the heightfield's range of z: its cost grows with the square of map size
+  over cell size. Here the hills are higher than the lidar, so most rays stay within. Over a nearly
+  flat map they leave that range at once and `mj_multiRay` is cheap: the nearly flat scene
+  shows the small ratio that is left. Ours walks the cells of the ray and costs much the same everywhere.
+- PyBullet sees the terrain without the obstacles, and so do we in its rows. Its differences are its
+  single precision, grazing beams included; its terrain is mirrored, because it splits cells along the
+  other diagonal.
+- *The same drive*: "physics alone" is nothing but `mj_step` under the recorded wheel commands, so its
+  contacts and its path are those of the episode. The run through ROS 2 publishes the default topics
+  over DDS to the real MetricsNode.
+- *lost* counts every published message that a callback did not handle, best-effort topics included. It
+  must be 0.
+- The targets are those of this project's design, for 2 cores.
+- PyBullet is the optional extra `[bench]`. Where it or ROS 2 is missing, the table says so.
+"""
+
+
+def write_readme(conditions: str, tables: Iterable[Table]) -> None:
+    """Writes the README with these tables, measured under these conditions."""
+    parts = [TEMPLATE, f"## Results\n\n{conditions}\n", *(markdown(t) for t in tables)]
+    README.write_text("\n".join(parts))
+
+
+def conditions(effort: Effort) -> str:
+    """Machine, its load before the first round, date, versions and effort."""
+    versions = ", ".join(f"{name} {found}" for name in PACKAGES if (found := _version(name)))
+    return (
+        f"{os.cpu_count()} cores, {cpu_model()}, load average {os.getloadavg()[0]:.1f} at the start; "
+        f"{date.today():%Y-%m-%d}. rover-harness {__version__}, Python {platform.python_version()}, "
+        f"{versions}. Medians of {effort.rounds} rounds."
+    )
+
+
+def cpu_model() -> str:
+    """The processor as the system names it."""
+    info = Path("/proc/cpuinfo")
+    lines = info.read_text().splitlines() if info.exists() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
+
+
+def markdown(table: Table) -> str:
+    """The table as Markdown under its title."""
+    rule = ("---", *("---:" for _ in table.columns[1:]))
+    lines = (f"| {' | '.join(cells)} |" for cells in (table.columns, rule, *table.rows))
+    return f"### {table.title}\n\n" + "\n".join(lines) + "\n"
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None

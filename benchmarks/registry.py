@@ -1,0 +1,44 @@
+"""The benchmarks by name. Each is a module of this package with `measure(effort) -> Table`."""
+
+from dataclasses import dataclass
+from importlib import import_module
+
+from benchmarks.measuring import Effort, Table
+
+
+@dataclass(frozen=True, slots=True)
+class Benchmark:
+    """One subject.
+
+    Attributes:
+        name: Of its module.
+        question: What its table answers.
+        takes_minutes: Whether it is left out unless asked for.
+    """
+
+    name: str
+    question: str
+    takes_minutes: bool = False
+
+    def measure(self, effort: Effort) -> Table:
+        """Its table; one that says why where something that it needs is not installed."""
+        try:
+            module = import_module(f"benchmarks.{self.name}")
+        except ImportError as error:
+            return Table(title=self.name, columns=("skipped",), rows=((str(error),),))
+        table: Table = module.measure(effort)
+        return table
+
+
+BENCHMARKS = {
+    benchmark.name: benchmark
+    for benchmark in (
+        Benchmark("lidar", "a scan against mj_multiRay and PyBullet: cost, hits, parity"),
+        Benchmark("growth", "what a scan costs with map size, cell size and beams"),
+        Benchmark("runs", "physics alone, episode with sensors, run through ROS 2: speed"),
+        Benchmark("lockstep", "lock-step in one process and across two: speed, messages, losses"),
+        Benchmark("obstacles", "steps per second against the number of obstacles"),
+        Benchmark("start", "from the command to the first CSV row"),
+        Benchmark("memory", "growth over a simulated hour", takes_minutes=True),
+    )
+}

@@ -1,0 +1,86 @@
+"""The same drive as physics alone, as an episode with all sensors, and as a run through ROS 2."""
+
+import time
+from unittest.mock import patch
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks import ros_runs
+from benchmarks.measuring import Effort, Rounds, Table
+from harness.episode import Episode, EpisodeConfig
+from harness.robots import ROVERS
+
+Commands = list[NDArray[np.float64]]
+TARGET = ">= 0.65, aim 0.8"
+
+
+def measure(effort: Effort) -> Table:
+    """Speed of each robot in the three ways, on the default terrain."""
+    rows: list[tuple[str, ...]] = []
+    for robot in ROVERS:
+        config = EpisodeConfig(robot=robot, duration=effort.seconds)
+        rows += _rows(config, effort)
+    return Table(
+        title=f"The same drive in three ways, {effort.seconds:g} simulated seconds",
+        columns=("robot", "way", "times real time", "speed against physics alone", "target", "lost"),
+        rows=tuple(rows),
+    )
+
+
+def _rows(config: EpisodeConfig, effort: Effort) -> list[tuple[str, ...]]:
+    commands = _recorded(config)
+    lost: list[int] = []
+
+    def through_ros() -> float:
+        result = ros_runs.run(config)
+        lost.append(result.lost)
+        return result.wall_s
+
+    rounds = Rounds(
+        {
+            "physics alone": lambda: _physics(config, commands),
+            "episode with sensors": lambda: _episode(config),
+            "through ROS 2": through_ros,
+        },
+        effort.rounds,
+    )
+    facts = {"through ROS 2": (TARGET, str(sum(lost)))}
+    return [
+        (
+            config.robot,
+            way,
+            f"{config.duration / rounds.median(way):.1f}",
+            f"**{rounds.ratio('physics alone', way):.2f}**",
+            *facts.get(way, ("-", "-")),
+        )
+        for way in ("physics alone", "episode with sensors", "through ROS 2")
+    ]
+
+
+def _recorded(config: EpisodeConfig) -> Commands:
+    """The wheel commands of an episode, tick by tick."""
+    simulation = (episode := Episode(config)).simulation
+    with patch.object(simulation, "command_wheels", wraps=simulation.command_wheels) as spy:
+        for _ in episode.batches():
+            pass
+    return [call.args[0] for call in spy.call_args_list]
+
+
+def _physics(config: EpisodeConfig, commands: Commands) -> float:
+    """Wall time [s] of mj_step alone under these commands: the same contacts, the same path."""
+    simulation = Episode(config).simulation
+    start = time.perf_counter()
+    for speeds in commands:
+        simulation.command_wheels(speeds)
+        mujoco.mj_step(simulation.model, simulation.data, simulation.steps_per_tick)
+    return time.perf_counter() - start
+
+
+def _episode(config: EpisodeConfig) -> float:
+    episode = Episode(config)
+    start = time.perf_counter()
+    for _ in episode.batches():
+        pass
+    return time.perf_counter() - start

@@ -1,0 +1,214 @@
+"""Command: prove on this machine that runs are deterministic and lose nothing.
+
+    python -m harness.check
+
+Runs one seed twice in this process, once in a fresh one and once through ROS, and another seed, and
+compares hashes. Exit code 0: proven. 1: disproven, or a run failed. 2: not checked as asked, because
+an argument is wrong or because ROS is missing and was not left out with --no-ros.
+"""
+
+import argparse
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NoReturn
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from harness.episode import Batch, EpisodeConfig
+from harness.errors import HarnessError, UsageError
+from harness.fingerprint import Fingerprint, direct, direct_in_fresh_process, fingerprint
+from harness.interrupt import StopRequest
+from harness.result import Progress, RunResult
+from harness.robots import ROVERS
+from harness.sensors.noise import DEFAULT_PRESET
+
+DEFAULT_DURATION = 20.0  # [s]
+SHORTEST_DURATION = 5.0  # [s]: two seeds may need that long to show different rows
+HASH_DIGITS = 8  # as many as are shown; all 64 are compared
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One line of the table.
+
+    Attributes:
+        found: None if the run was skipped.
+        verdict: What the comparison says.
+        passed: Whether the proof holds so far.
+    """
+
+    run: str
+    found: Fingerprint | None
+    verdict: str
+    passed: bool
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command; returns its exit code."""
+    options = _parser().parse_args(arguments)
+    console = Console()
+    try:
+        config = _config(options)
+        with StopRequest() as stop:
+            findings = list(_check(config, stop, console, with_ros=not options.no_ros))
+    except HarnessError as error:
+        print(f"harness.check: {error}", file=sys.stderr)
+        return error.exit_code
+    console.print(_table(config, findings))
+    return _exit_code(findings, ros_was_asked_for=not options.no_ros)
+
+
+def _check(
+    config: EpisodeConfig, stop: StopRequest, console: Console, *, with_ros: bool
+) -> Iterator[Finding]:
+    def working(on: str) -> str:
+        return f"{config.robot} on {config.terrain}: {on}"
+
+    with console.status(working("this process")) as status:
+        reference = fingerprint(direct, config, stop)
+        yield Finding("this process", reference, "reference", passed=True)
+        yield judged("again", fingerprint(direct, config, stop), reference)
+        status.update(working("fresh process"))
+        yield judged("fresh process", direct_in_fresh_process(config), reference)
+        status.update(working("ROS 2"))
+        yield _ros_finding(config, stop, reference) if with_ros else _skipped("--no-ros")
+        status.update(working("another seed"))
+        other = replace(config, seed=config.seed + 1)
+        yield judged(f"seed {other.seed}", fingerprint(direct, other, stop), reference, equal=False)
+
+
+def judged(run: str, found: Fingerprint, reference: Fingerprint, *, equal: bool = True) -> Finding:
+    """Compares a run with the reference, to which it must be equal, or else different."""
+    if found.lost:
+        return Finding(run, found, f"LOST {found.lost} messages", passed=False)
+    same = (found.stream == reference.stream, found.csv == reference.csv)
+    if equal:
+        return Finding(run, found, "equal" if all(same) else "DIFFERENT", passed=all(same))
+    return Finding(run, found, "SAME AS REFERENCE" if any(same) else "different", passed=not any(same))
+
+
+def _ros_finding(config: EpisodeConfig, stop: StopRequest, reference: Fingerprint) -> Finding:
+    try:
+        # As in harness.run, the one import of rclpy: everything else works where there is none.
+        from harness.ros.session import RosOptions, run_through_ros  # noqa: PLC0415
+    except ImportError as error:
+        return _skipped(f"ROS 2 is not importable ({error})")
+
+    def through_ros(
+        config: EpisodeConfig, folder: Path, stop: StopRequest, watch: Callable[[Batch], None]
+    ) -> RunResult:
+        options = RosOptions(log_dir=folder, ros_args=_private_topics())
+        return run_through_ros(config, options, stop, _show_nothing, watch)
+
+    return judged("through ROS 2", fingerprint(through_ros, config, stop), reference)
+
+
+def _private_topics() -> list[str]:
+    """ROS arguments that keep the check apart from any rover or simulation in the same domain."""
+    namespace = f"/harness_check_{os.getpid()}"
+    remapping = ("-r", f"__ns:={namespace}", "-r", f"/clock:={namespace}/clock")
+    return ["--ros-args", *remapping, "--log-level", "warn"]
+
+
+def _skipped(reason: str) -> Finding:
+    return Finding("through ROS 2", None, f"skipped: {reason}", passed=True)
+
+
+def _table(config: EpisodeConfig, findings: Sequence[Finding]) -> Table:
+    title = (
+        f"{config.robot} on {config.terrain}, seed {config.seed}, noise {config.noise}, "
+        f"{config.duration:g} simulated seconds each"
+    )
+    table = Table(title=title, title_justify="left")
+    table.add_column("run")
+    for column in ("samples", "rows", "lost"):
+        table.add_column(column, justify="right")
+    for column in ("stream", "CSV", "verdict"):
+        table.add_column(column)
+    for finding in findings:
+        style = "bold red" if not finding.passed else "green" if finding.found else "yellow"
+        table.add_row(finding.run, *_cells(finding.found), Text(finding.verdict, style))
+    return table
+
+
+def _cells(found: Fingerprint | None) -> tuple[str, ...]:
+    if found is None:
+        return ("-",) * 5
+    hashes = (found.stream[:HASH_DIGITS], found.csv[:HASH_DIGITS])
+    return (f"{found.samples:,}", f"{found.rows:,}", f"{found.lost:,}", *hashes)
+
+
+def _exit_code(findings: Sequence[Finding], *, ros_was_asked_for: bool) -> int:
+    failed = [finding for finding in findings if not finding.passed]
+    if failed:
+        told = "; ".join(f"{finding.run}: {finding.verdict}" for finding in failed)
+        print(f"harness.check: {told}", file=sys.stderr)
+        return 1
+    if ros_was_asked_for and any(finding.found is None for finding in findings):
+        print(
+            "harness.check: the run through ROS was not checked; install the extra with "
+            "pip install -e '.[ros]', source a ROS 2 installation, or leave it out with --no-ros",
+            file=sys.stderr,
+        )
+        return UsageError.exit_code
+    return 0
+
+
+def _config(options: argparse.Namespace) -> EpisodeConfig:
+    """The episode to repeat; with noise, so that every random generator takes part.
+
+    Raises:
+        UsageError: An option is not valid.
+    """
+    config = EpisodeConfig(
+        terrain=options.terrain,
+        robot=options.robot,
+        seed=options.seed,
+        duration=options.duration,
+        noise=DEFAULT_PRESET,
+    )
+    config.validate()
+    if config.duration < SHORTEST_DURATION:
+        message = f"duration {config.duration:g} s is too short; give {SHORTEST_DURATION:g} s or more"
+        raise UsageError(message)
+    return config
+
+
+def _show_nothing(_: Progress) -> None:
+    """Shows no progress: a check is short."""
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Prints the message and leaves with exit code 2."""
+        self.exit(UsageError.exit_code, f"harness.check: {message}; see --help\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    defaults = EpisodeConfig()
+    parser = _Parser(
+        prog="python -m harness.check",
+        description="Proves on this machine that equal seeds give equal bytes, through ROS or not, "
+        "and that no message is lost.",
+        epilog="Exit code 0: proven. 1: disproven, or a run failed. 2: a wrong argument, or ROS is "
+        "missing and --no-ros was not given.",
+    )
+    parser.add_argument("--terrain", default=defaults.terrain, metavar="NAME", help="see harness.run")
+    parser.add_argument("--robot", default=defaults.robot, metavar="NAME", help=", ".join(ROVERS))
+    parser.add_argument("--seed", type=int, default=defaults.seed, metavar="N")
+    parser.add_argument(
+        "--duration", type=float, default=DEFAULT_DURATION, metavar="S", help="simulated seconds"
+    )
+    parser.add_argument("--no-ros", action="store_true", help="leave out the run through ROS")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

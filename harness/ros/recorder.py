@@ -1,0 +1,247 @@
+"""Records what the bridge publishes into an MCAP file, as `ros2 bag` would, on simulation time.
+
+The recorder stands between a channel's filler and its publisher: it serialises each message once, so
+the file holds exactly the published bytes and no subscriber has to be waited for. The file depends on
+nothing but the episode: no wall time, no leftover memory in the padding. A chunk goes to the operating
+system every simulated second (or MiB), so a killed run loses less than its last simulated second; such
+a file lacks its end, which `mcap recover FILE -o MENDED` writes. rover_metrics.replay reads either.
+"""
+
+import importlib
+import re
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from mcap.writer import CompressionType, Writer
+from rclpy.qos import QoSProfile
+from rclpy.serialization import serialize_message
+from rosbags.typesys import Stores, get_typestore
+
+from harness import __version__
+from harness.errors import RunFailed, UsageError
+from harness.ros.bridge import Bridge, Channel
+from harness.simulation import NANOSECONDS
+
+CHUNK_SIZE = 1024 * 1024  # [B]
+SEPARATOR = "\n" + "=" * 80 + "\n"
+NESTED_TYPE = re.compile(r"^\s*(?:(\w+)/)?([A-Z]\w*)(?:\[[^\]]*\])?\s+\w", re.MULTILINE)
+TYPE_HASH = re.compile(r'"type_name":\s*"([^"]+)",\s*"hash_string":\s*"([^"]+)"')
+
+# What rosbag2 looks up before it reads a bare file: version 8 is the last whose QoS profiles are
+# numbers, which every distribution understands. The zeros are placeholders; it counts for itself.
+BAG_METADATA = """\
+version: 8
+storage_identifier: mcap
+duration: {nanoseconds: 0}
+starting_time: {nanoseconds_since_epoch: 0}
+message_count: 0
+topics_with_message_count: []
+compression_format: ''
+compression_mode: ''
+relative_file_paths: []
+files: []
+custom_data: {}
+ros_distro: ''
+"""
+
+QOS_PROFILE = """\
+- history: {history}
+  depth: {depth}
+  reliability: {reliability}
+  durability: {durability}
+  deadline: {{sec: 9223372036, nsec: 854775807}}
+  lifespan: {{sec: 9223372036, nsec: 854775807}}
+  liveliness: 1
+  liveliness_lease_duration: {{sec: 9223372036, nsec: 854775807}}
+  avoid_ros_namespace_conventions: false
+"""
+
+
+class Recorder:
+    """One recording; a context manager that finishes the file.
+
+    Args:
+        path: The file to create, never one that exists.
+
+    Attributes:
+        time_ns: Simulation time [ns], to be kept up to date: the log time of what is published next.
+            A message's own stamp may differ from it where a fault delays it or disturbs the clock.
+
+    Raises:
+        UsageError: It cannot be created.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self.time_ns = 0
+        try:
+            self._file = path.open("xb")
+        except OSError as error:
+            raise UsageError(_refusal(path, error)) from error
+        self._writer = Writer(self._file, chunk_size=CHUNK_SIZE, compression=CompressionType.LZ4)
+        self._schemas: dict[str, int] = {}
+        self._next_flush_ns = 0
+        self._messages = 0
+        self._failed = False
+
+    def __enter__(self) -> Self:
+        self._writer.start(profile="ros2", library=f"rover-harness {__version__}")
+        self._writer.add_metadata("rosbag2", {"serialized_metadata": BAG_METADATA})
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        try:
+            with self._file:
+                self._writer.finish()  # type: ignore[no-untyped-call]  # mcap half types itself
+        except OSError as full:
+            if not self._failed:
+                raise self._failure(full) from full
+        if not self._messages:  # the run did not come to its first message
+            self._path.unlink(missing_ok=True)
+
+    def tap(self, bridge: Bridge) -> None:
+        """Records everything that the bridge publishes from now on."""
+        for channel in (*bridge.channels.values(), bridge.clock_channel):
+            channel.fill = self._recording(channel)
+
+    def _recording(self, channel: Channel) -> Callable[[Any], bytes]:
+        """The channel's filler, which now records and gives the serialised message."""
+        kind, fill = channel.publisher.msg_type, channel.fill
+        identifier = self._register(channel.topic, kind, channel.publisher.qos_profile)
+        padding: dict[int, list[int]] = {}  # by length; a channel's messages differ in nothing else
+
+        def fill_and_record(sample: Any) -> bytes:  # noqa: ANN401 - the kind that `fill` takes
+            data = serialize_message(fill(sample))
+            if len(data) not in padding:
+                padding[len(data)] = padding_of(data, _type_name(kind))
+            data = _zeroed(data, padding[len(data)])
+            self._record(identifier, data)
+            return data
+
+        return fill_and_record
+
+    def _register(self, topic: str, kind: type, qos: QoSProfile) -> int:
+        name = _type_name(kind)
+        if name not in self._schemas:
+            definition = full_definition(name).encode()
+            self._schemas[name] = self._writer.register_schema(name, "ros2msg", definition)
+        offered = QOS_PROFILE.format(
+            history=int(qos.history),
+            depth=qos.depth,
+            reliability=int(qos.reliability),
+            durability=int(qos.durability),
+        )
+        metadata = {"offered_qos_profiles": offered, "topic_type_hash": _type_hash(name)}
+        return self._writer.register_channel(topic, "cdr", self._schemas[name], metadata)
+
+    def _record(self, identifier: int, data: bytes) -> None:
+        now_ns = self.time_ns
+        try:
+            if now_ns >= self._next_flush_ns:
+                self._writer.flush()  # type: ignore[no-untyped-call]
+                self._next_flush_ns = (now_ns // NANOSECONDS + 1) * NANOSECONDS
+            self._writer.add_message(identifier, now_ns, data, publish_time=now_ns)
+        except OSError as error:
+            raise self._failure(error) from error
+        self._messages += 1
+
+    def _failure(self, error: OSError) -> RunFailed:
+        self._failed = True
+        return RunFailed(f"the recording {self._path} ended early: {error.strerror}")
+
+
+def padding_of(data: bytes, type_name: str) -> list[int]:
+    """Finds the bytes of a CDR message that align its fields and carry nothing.
+
+    DDS leaves in them whatever was in memory. They are the bytes that writing the same message into a
+    buffer of zeros and into one of ones leaves different; so are the closing zeros of strings, which
+    rosbags does not write.
+    """
+    store = _typestore()
+    message = store.deserialize_cdr(data, type_name)
+    serialize = store.get_msgdef(type_name).serialize_cdr_le
+    body = len(data) - 4  # behind the encapsulation header
+    buffers = bytearray(body), bytearray(b"\xff" * body)
+    for buffer in buffers:
+        serialize(memoryview(buffer), 0, message, store)
+    return [4 + i for i, (zero, one) in enumerate(zip(*buffers, strict=True)) if zero != one]
+
+
+def full_definition(type_name: str) -> str:
+    """A message's .msg text followed by those of the types in it, as rosbag2 stores it.
+
+    Args:
+        type_name: As in sensor_msgs/msg/LaserScan.
+    """
+    package, _, name = type_name.split("/")
+    nested = _nested_types(package, name)
+    parts = [f"MSG: {p}/{n}\n{_definition(p, n)}" for p, n in sorted(nested - {(package, name)})]
+    return SEPARATOR.join([_definition(package, name), *parts])
+
+
+def _nested_types(package: str, name: str) -> set[tuple[str, str]]:
+    """The type itself and all types that its fields need, as (package, name)."""
+    found = {(package, name)}
+    for other, nested in NESTED_TYPE.findall(_definition(package, name)):
+        found |= _nested_types(other or package, nested)
+    return found
+
+
+def _definition(package: str, name: str) -> str:
+    return _share_file(package, f"{name}.msg").read_text(encoding="utf-8").rstrip()
+
+
+def _type_hash(type_name: str) -> str:
+    """The RIHS01 hash that distributions from Iron on install; empty before."""
+    package, _, name = type_name.split("/")
+    try:
+        text = _share_file(package, f"{name}.json").read_text(encoding="utf-8")
+    except UsageError:
+        return ""
+    pairs: list[tuple[str, str]] = re.findall(TYPE_HASH, text)
+    return dict(pairs).get(type_name, "")
+
+
+def _share_file(package: str, name: str) -> Path:
+    """A file of a message package, in the share/ folder that belongs to its Python module."""
+    module = Path(str(importlib.import_module(package).__file__))
+    for prefix in module.parents:
+        file = prefix / "share" / package / "msg" / name
+        if file.exists():
+            return file
+    message = f"--record needs {name}, which {package} at {module.parent} does not bring along"
+    raise UsageError(message)
+
+
+@cache
+def _typestore() -> Any:  # noqa: ANN401 - rosbags' generated code has no types
+    return get_typestore(Stores.LATEST)
+
+
+def _type_name(kind: type) -> str:
+    return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
+
+
+def _zeroed(data: bytes, positions: list[int]) -> bytes:
+    if not positions:
+        return data
+    cleaned = bytearray(data)
+    for position in positions:
+        cleaned[position] = 0
+    return bytes(cleaned)
+
+
+def _refusal(path: Path, error: OSError) -> str:
+    if isinstance(error, FileExistsError):
+        return f"--record {path} exists already, not overwriting; name another file"
+    if not path.parent.is_dir():
+        return f"--record {path}: there is no folder {path.parent}; create it first"
+    return f"--record {path} cannot be created: {error.strerror}"

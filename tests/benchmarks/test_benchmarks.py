@@ -1,0 +1,100 @@
+"""The benchmarks still run, take turns, and write what they measured; their figures are not tested."""
+
+import sys
+from collections.abc import Callable
+from importlib import import_module
+
+import pytest
+
+from benchmarks import lidar
+from benchmarks.__main__ import main
+from benchmarks.measuring import QUICK, Rounds, Table
+from benchmarks.readme import README, TEMPLATE, markdown
+from benchmarks.registry import BENCHMARKS, Benchmark
+
+SHORT = [name for name, benchmark in BENCHMARKS.items() if not benchmark.takes_minutes]
+
+
+@pytest.mark.usefixtures("ros_domain")
+@pytest.mark.parametrize("name", SHORT)
+def test_every_benchmark_measures_something(name: str, capfd: pytest.CaptureFixture[str]) -> None:
+    if name in {"runs", "lockstep", "start"}:
+        pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    assert main(["--quick", name]) == 0
+    told = capfd.readouterr().out
+    assert "skipped: No module named 'rclpy'" not in told
+    assert len(told.splitlines()) > 5
+
+
+def test_every_benchmark_has_its_module() -> None:
+    assert all(callable(import_module(f"benchmarks.{name}").measure) for name in ("lidar", "growth"))
+    assert Benchmark("no_such_module", "?").measure(QUICK).columns == ("skipped",)
+
+
+def test_contestants_take_turns_and_ratios_are_those_of_the_rounds() -> None:
+    turns: list[str] = []
+
+    def contestant(name: str, *times: float) -> Callable[[], float]:
+        waiting = list(times)
+
+        def run() -> float:
+            turns.append(name)
+            return waiting.pop(0)
+
+        return run
+
+    # The machine gets ten times slower and recovers: each ratio stays 2, though no time does.
+    rounds = Rounds(
+        {"slow": contestant("slow", 2.0, 20.0, 4.0), "fast": contestant("fast", 1.0, 10.0, 2.0)}, 3
+    )
+    assert turns == ["slow", "fast"] * 3
+    assert rounds.ratio("slow", "fast") == 2.0
+    assert rounds.median("fast") == 2.0
+
+
+def test_scan_on_small_maps_is_that_of_mujoco_to_a_hundredth_of_a_millimetre() -> None:
+    table = lidar.measure(QUICK)
+    against, differing, largest = map(
+        table.columns.index, ("against", "hits that differ", "largest difference")
+    )
+    rows = [row for row in table.rows if row[against].startswith("mj_multiRay")]
+    assert all(row[differing].startswith("0 of ") for row in rows)
+    assert all(float(row[largest].split()[0]) <= 1e-5 for row in rows)
+
+
+def test_missing_pybullet_costs_its_rows_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pybullet", None)
+    rows = lidar.measure(QUICK).rows
+    skipped = [row for row in rows if row[2].startswith("skipped: ")]
+    assert len(skipped) == len(rows) / 2
+    assert {len(row) for row in rows} == {9}
+
+
+def test_tables_become_markdown() -> None:
+    table = Table(title="Speed", columns=("way", "x"), rows=(("here", "**2**"),))
+    assert markdown(table) == "### Speed\n\n| way | x |\n| --- | ---: |\n| here | **2** |\n"
+
+
+def test_readme_is_the_one_that_the_benchmarks_wrote() -> None:
+    text = README.read_text()
+    assert text.startswith(TEMPLATE)
+    assert text.count("\n### ") == len(BENCHMARKS)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["speed"], "benchmark 'speed' does not exist; available: lidar, growth"),
+        (["--write", "lidar"], "--write measures everything in full"),
+        (["--write", "--quick"], "--write measures everything in full"),
+    ],
+)
+def test_bad_argument_is_one_line(
+    arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as leaving:
+        main(arguments)
+    text = capsys.readouterr().err
+    assert leaving.value.code == 2
+    assert text.count("\n") == 1
+    assert expected in text

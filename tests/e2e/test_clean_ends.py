@@ -1,0 +1,368 @@
+"""However a run ends: soon, without a trace on the terminal, and leaving nothing behind.
+
+Started as a program, this file starts and stops 50 runs in a row and tells how as JSON.
+"""
+
+import gc
+import json
+import os
+import pty
+import random
+import re
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pytest
+
+from harness.drivers.base import Observation
+from harness.drivers.wander import Wander
+from harness.interrupt import Overdue, StopRequest
+from harness.run import main
+from harness.samples import Twist
+
+SOON = 1.0  # [s]: the promise; a machine with other work may need more for one of several ends
+NO_HANG = 5.0  # [s]: far less than any patience of a run for DDS or a node
+PATIENCE = 60.0
+ENDLESS = ["--terrain", "flat", "--driver", "spin", "--duration", "36000"]
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+STARTS = 50
+THROUGH_ROS = 5  # of them
+SHARED_MEMORY = re.compile(r"/dev/shm/(?!lttng)\S+")  # noqa: S108 - lttng's is the user's, not a run's
+
+
+@dataclass(frozen=True)
+class End:
+    """How a run ended: seconds after the signal, exit code, output, and what it left behind."""
+
+    after: float
+    code: int
+    told: str
+    left: tuple[str, ...] = ()
+
+
+def environment(domain: int = 0) -> dict[str, str]:
+    return {**os.environ, "ROS_DOMAIN_ID": os.environ.get("ROS_DOMAIN_ID", str(domain))}
+
+
+@contextmanager
+def started(log_dir: Path, *words: str) -> Iterator[subprocess.Popen[str]]:
+    """A run in a session of its own that is gone afterwards."""
+    command = [sys.executable, "-m", "harness.run", *ENDLESS, "--log-dir", str(log_dir), *words]
+    with subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+        env=environment(),
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def rows(log_dir: Path) -> int:
+    return sum(len(log.read_bytes().splitlines()) - 1 for log in log_dir.glob("*.csv"))
+
+
+def poll_until(condition: Callable[[], bool], patience: float = PATIENCE) -> None:
+    """Waits for another process to make a condition true."""
+    deadline = time.monotonic() + patience
+    while not condition():
+        assert time.monotonic() < deadline, "the condition did not come true"
+        select.select([], [], [], 0.02)
+
+
+def session_members(session: int) -> list[str]:
+    """Processes of a session that are still there."""
+    members = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            state, _, _, of_session = path.read_text().rsplit(")", 1)[1].split()[:4]
+        except OSError:  # gone meanwhile
+            continue
+        if int(of_session) == session and state != "Z":
+            members.append(path.parent.name)
+    return members
+
+
+def shared_memory(process: str | int) -> set[str]:
+    """Files in /dev/shm that a process has mapped."""
+    try:
+        return set(SHARED_MEMORY.findall(Path(f"/proc/{process}/maps").read_text()))
+    except OSError:  # gone meanwhile
+        return set()
+
+
+def left_behind(memory: set[str], since: float) -> tuple[str, ...]:
+    """Files made since then and still there although nobody uses them: DDS shares some on a machine."""
+    there = {path for path in memory if Path(path).exists() and Path(path).stat().st_mtime > since}
+    if there:
+        for other in Path("/proc").glob("[0-9]*"):
+            there -= shared_memory(other.name)
+    return tuple(path for path in there if Path(path).exists())
+
+
+def ended_by(
+    number: signal.Signals, process: subprocess.Popen[str], *, since: float = 0.0, group: bool = False
+) -> End:
+    """Sends a signal, to the process or as a terminal does to all of its group; waits for the end.
+
+    Args:
+        number: The signal.
+        process: To whom.
+        since: Time just before it was started.
+        group: Whether all of its group get the signal.
+    """
+    memory = shared_memory(process.pid)
+    began = time.monotonic()
+    (os.killpg if group else os.kill)(process.pid, number)
+    told, _ = process.communicate(timeout=PATIENCE)
+    after = time.monotonic() - began
+    poll_until(lambda: not session_members(process.pid), NO_HANG)
+    return End(after, process.returncode, told, left_behind(memory, since))
+
+
+def manifest(log_dir: Path) -> dict[str, dict[str, str]]:
+    """The manifest of the only run."""
+    (log,) = log_dir.glob("*.csv")
+    values: dict[str, dict[str, str]] = json.loads(log.with_suffix(".json").read_text())
+    return values
+
+
+@pytest.mark.usefixtures("ros_domain")
+@pytest.mark.parametrize("number", SIGNALS)
+def test_signal_ends_a_run_through_ros_soon_and_leaves_rows_manifest_and_nothing_else(
+    number: signal.Signals, tmp_path: Path
+) -> None:
+    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    since = time.time()
+    with started(tmp_path) as process:
+        poll_until(lambda: rows(tmp_path) > 2)
+        end = ended_by(number, process, since=since, group=True)
+    assert end.code == 128 + number, end.told
+    assert "Traceback" not in end.told
+    assert end.after < NO_HANG
+    assert end.left == ()
+    assert manifest(tmp_path)["outcome"] == {"status": "interrupted", "reason": number.name}
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_signal_ends_a_direct_run_even_if_it_is_much_slower_than_real_time(
+    number: signal.Signals, tmp_path: Path
+) -> None:
+    with started(tmp_path, "--direct", "--rate", "0.01") as process:
+        poll_until(lambda: bool(list(tmp_path.glob("*.csv"))))
+        end = ended_by(number, process)
+    assert (end.code, "Traceback" in end.told) == (128 + number, False), end.told
+    assert end.after < NO_HANG
+
+
+def test_fifty_starts_and_stops_in_a_row_end_soon_and_silently(ros_domain: int, tmp_path: Path) -> None:
+    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    told = subprocess.run(
+        [sys.executable, __file__, str(tmp_path)],
+        env=environment(ros_domain) | {"PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=300,
+    )
+    ends = [End(**values) for values in json.loads(told.stdout)]
+    assert len(ends) == STARTS
+    assert {end.code for end in ends} <= {128 + number for number in SIGNALS}
+    assert not [end.told for end in ends if "Traceback" in end.told]
+    assert not [end.left for end in ends if end.left]
+    assert sorted(end.after for end in ends)[STARTS // 2] < SOON
+    assert max(end.after for end in ends) < NO_HANG
+
+
+def test_closed_terminal_ends_the_run_with_its_manifest(tmp_path: Path) -> None:
+    pid, terminal = pty.fork()
+    if pid == 0:
+        words = ["-m", "harness.run", *ENDLESS, "--direct", "--rate", "20", "--log-dir", str(tmp_path)]
+        os.execv(sys.executable, [sys.executable, *words])  # noqa: S606 - it needs the terminal
+    os.set_blocking(terminal, False)
+    shown = b""
+
+    def read_on() -> bool:
+        nonlocal shown
+        if select.select([terminal], [], [], 0.05)[0]:
+            shown += os.read(terminal, 65536)
+        return rows(tmp_path) > 2
+
+    poll_until(read_on)
+    began = time.monotonic()
+    os.close(terminal)
+    _, status = os.waitpid(pid, 0)
+    assert time.monotonic() - began < NO_HANG
+    assert os.waitstatus_to_exitcode(status) == 128 + signal.SIGHUP
+    assert b"real time" in shown, "the progress line was to be on the terminal"
+    assert manifest(tmp_path)["outcome"] == {"status": "interrupted", "reason": "SIGHUP"}
+
+
+def test_nohup_is_respected() -> None:
+    previous = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with StopRequest() as stop:
+            signal.raise_signal(signal.SIGHUP)
+            assert stop.signal is None
+    finally:
+        signal.signal(signal.SIGHUP, previous)
+
+
+def test_request_that_the_loop_does_not_answer_ends_it() -> None:
+    def drive_on() -> None:
+        with StopRequest() as stop, stop.deferred():
+            signal.raise_signal(signal.SIGINT)
+            poll_until(lambda: False, NO_HANG)
+
+    with pytest.raises(Overdue) as caught:
+        drive_on()
+    assert caught.value.exit_code == 128 + signal.SIGINT
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+
+
+def test_sleeper_wakes_up_at_a_request() -> None:
+    with StopRequest() as stop, stop.deferred():
+        signal.raise_signal(signal.SIGTERM)
+        began = time.monotonic()
+        stop.sleep(PATIENCE)
+    assert time.monotonic() - began < SOON
+
+
+def crash(self: Wander, observation: Observation) -> Twist:  # noqa: ARG001 - a driver's method
+    if observation.time_ns >= 1_500_000_000:
+        message = "the driver fell asleep"
+        raise ZeroDivisionError(message)
+    return Twist()
+
+
+CRASHING = f"""
+import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})
+from harness.drivers import Wander
+import test_clean_ends
+Wander.command = test_clean_ends.crash
+if __name__ == "__main__":
+    from harness.run import main
+    sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.usefixtures("ros_domain")
+@pytest.mark.parametrize("way", ["--direct", "--ros-args"])
+def test_bug_in_a_driver_shows_its_trace_keeps_the_rows_and_does_not_hang(
+    way: str, tmp_path: Path
+) -> None:
+    script = tmp_path / "crashing.py"
+    script.write_text(CRASHING)
+    words = ["--terrain", "flat", "--duration", "36000", "--log-dir", str(tmp_path), way]
+    done = subprocess.run(
+        [sys.executable, str(script), *words],
+        env=environment() | {"PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE,
+    )
+    assert done.returncode == 1
+    assert "ZeroDivisionError: the driver fell asleep" in done.stderr
+    assert "in crash" in done.stderr
+    assert rows(tmp_path) == 1
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_rclpy_shut_down_from_outside_fails_the_run_with_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    from harness.ros import lockstep  # noqa: PLC0415 - needs rclpy
+
+    advance = lockstep.LockStep.advance
+
+    def shut_down(self: lockstep.LockStep, tick: object) -> None:
+        if getattr(tick, "stamp_ns", 0) == 2_500_000_000:
+            self._bridge.context.shutdown()
+        advance(self, tick)  # type: ignore[arg-type]  # it is a tick
+
+    monkeypatch.setattr(lockstep.LockStep, "advance", shut_down)
+    assert main([*ENDLESS, "--log-dir", str(tmp_path)]) == 1
+    told = capfd.readouterr().err
+    assert "harness.run: ROS 2 was shut down from outside this run" in told
+    assert "Traceback" not in told
+    assert rows(tmp_path) == 2
+    assert manifest(tmp_path)["outcome"]["status"] == "failed"
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_ctrl_c_ends_a_run_whose_node_has_stopped_answering(tmp_path: Path) -> None:
+    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    node = [sys.executable, "-m", "rover_metrics.metrics_node", "--ros-args"]
+    node += ["-p", "use_sim_time:=true", "-p", f"log_dir:={tmp_path / 'node'}"]
+    summary = tmp_path / "summary.json"
+    with ExitStack() as at_end:
+        silent = at_end.enter_context(
+            subprocess.Popen(node, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        )
+        at_end.callback(silent.kill)
+        words = ("--no-metrics", "--wait-for", "/metrics_node", "--summary", str(summary))
+        process = at_end.enter_context(started(tmp_path / "run", *words))
+        poll_until(lambda: rows(tmp_path / "node") > 1)
+        silent.send_signal(signal.SIGSTOP)
+        end = ended_by(signal.SIGINT, process)
+    assert end.code == 128 + signal.SIGINT, end.told
+    assert "Traceback" not in end.told
+    assert end.after < NO_HANG
+    assert json.loads(summary.read_text())["outcome"]["status"] == "interrupted"
+
+
+def start_and_stop(log_dir: Path) -> list[dict[str, object]]:
+    """Forks run after run from this process, which has all loaded; stops each at a random time."""
+    import harness.ros.session  # noqa: F401, PLC0415 - needs rclpy; loaded once, for all
+
+    gc.freeze()  # else each fork copies the whole heap as it ends
+    rng = random.Random(0)  # noqa: S311 - no secret
+    ends = []
+    for index in range(STARTS):
+        through_ros = index % (STARTS // THROUGH_ROS) == 0
+        way = [] if through_ros else ["--direct"]
+        words = [*ENDLESS, *way, "--log-dir", str(log_dir / str(index))]
+        delay = rng.uniform(0.0, 1.5 if through_ros else 0.25)
+        ends.append(vars(one_start_and_stop(words, SIGNALS[index % len(SIGNALS)], delay)))
+    return ends
+
+
+def one_start_and_stop(words: list[str], number: signal.Signals, delay: float) -> End:
+    since = time.time()
+    with tempfile.TemporaryFile("w+b") as output:
+        pid = os.fork()
+        if pid == 0:
+            os.setsid()
+            signal.signal(signal.SIGINT, signal.SIG_DFL)  # as harness.run does while it loads
+            os.dup2(output.fileno(), 1)
+            os.dup2(output.fileno(), 2)
+            sys.exit(main(words))
+        select.select([], [], [], delay)
+        memory = shared_memory(pid)
+        began = time.monotonic()
+        os.kill(pid, number)
+        _, status = os.waitpid(pid, 0)
+        after = time.monotonic() - began
+        output.seek(0)
+        code = os.waitstatus_to_exitcode(status)
+        end = End(after, 128 - code if code < 0 else code, output.read().decode())
+    poll_until(lambda: not session_members(pid), NO_HANG)
+    return replace(end, left=left_behind(memory, since))
+
+
+if __name__ == "__main__":
+    json.dump(start_and_stop(Path(sys.argv[1])), sys.stdout)

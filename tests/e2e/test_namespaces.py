@@ -1,0 +1,45 @@
+"""Rovers in namespaces: one alone, and two at once in one domain, each with a clock of its own."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from harness.run import main
+
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+pytestmark = pytest.mark.usefixtures("ros_domain")
+
+TIMEOUT = 60.0
+QUICK = ["--terrain", "flat", "--duration", "5", "--seed", "3"]
+
+
+def only_log(folder: Path) -> bytes:
+    (log,) = folder.glob("*.csv")
+    return log.read_bytes()
+
+
+def in_namespace(name: str, folder: Path) -> list[str]:
+    own_clock = ["--ros-args", "-r", f"/clock:=/{name}/clock"]
+    return [*QUICK, "--log-dir", str(folder), "--namespace", name, *own_clock]
+
+
+def test_a_rover_in_a_namespace_logs_the_same_rows(tmp_path: Path) -> None:
+    assert main([*QUICK, "--direct", "--log-dir", str(tmp_path / "alone")]) == 0
+    words = ["--log-dir", str(tmp_path / "named"), "--namespace", "rover1"]
+    assert main([*QUICK, *words]) == 0
+    assert only_log(tmp_path / "named") == only_log(tmp_path / "alone")
+
+
+def test_two_rovers_at_once_with_a_clock_each_do_not_disturb_each_other(tmp_path: Path) -> None:
+    assert main([*QUICK, "--direct", "--log-dir", str(tmp_path / "alone")]) == 0
+    other = [sys.executable, "-m", "harness.run", *in_namespace("rover2", tmp_path / "rover2")]
+    with subprocess.Popen(other, stdout=subprocess.DEVNULL) as process:
+        try:
+            assert main(in_namespace("rover1", tmp_path / "rover1")) == 0
+            assert process.wait(TIMEOUT) == 0
+        finally:
+            process.kill()
+    for name in ("rover1", "rover2"):
+        assert only_log(tmp_path / name) == only_log(tmp_path / "alone")

@@ -1,0 +1,101 @@
+"""Record a run, replay it: the same rows, also from what a killed run left."""
+
+import csv
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from harness.run import main as run
+from rover_metrics.replay import main as replay
+
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+
+PATIENCE = 60.0  # seconds; reached only when a test fails
+
+
+def rows(log: Path) -> list[list[str]]:
+    with log.open(newline="") as file:
+        return list(csv.reader(file))
+
+
+def complaint(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    """The one line of a run that is refused with exit code 2."""
+    assert run(words) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    return told
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_recorded_run_replays_to_the_same_rows_byte_for_byte_in_every_time(tmp_path: Path) -> None:
+    bags = [tmp_path / "one.mcap", tmp_path / "two.mcap"]
+    words = ["--terrain", "rocky", "--duration", "10.5", "--log-dir", str(tmp_path / "live")]
+    for bag in bags:
+        assert run([*words, "--record", str(bag)]) == 0
+    assert bags[0].read_bytes() == bags[1].read_bytes()
+    live = next((tmp_path / "live").glob("*.csv")).read_bytes()
+    assert live.count(b"\n") == 11
+    for source in ("auto", "sim", "recorded", "header"):
+        output = tmp_path / f"{source}.csv"
+        assert replay([str(bags[0]), "-o", str(output), "--time", source]) == 0
+        assert output.read_bytes() == live
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_killed_run_leaves_a_recording_that_replays_to_its_rows(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = tmp_path / "killed.mcap"
+    words = ["--terrain", "rocky", "--duration", "36000", "--record", str(bag)]
+    command = [sys.executable, "-m", "harness.run", *words, "--log-dir", str(tmp_path / "live")]
+    with subprocess.Popen(command, cwd=tmp_path) as process:
+        try:
+            wait_for_rows(process, tmp_path / "live", 6)
+        finally:
+            process.kill()
+    (log,) = (tmp_path / "live").glob("*.csv")
+    live = rows(log)
+    output = tmp_path / "replayed.csv"
+    assert replay([str(bag), "-o", str(output)]) == 1
+    assert "killed.mcap has no end, as when a recording is killed" in capsys.readouterr().err
+    replayed = rows(output)
+    assert replayed == live[: len(replayed)]
+    assert len(replayed) >= len(live) - 2
+
+
+def wait_for_rows(process: subprocess.Popen[bytes], folder: Path, count: int) -> None:
+    deadline = time.monotonic() + PATIENCE
+    while not any(log.read_bytes().count(b"\n") > count for log in folder.glob("*.csv")):
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(timeout=0.05)
+        assert process.poll() is None, "the run ended"
+        assert time.monotonic() < deadline, "no rows"
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_remapped_topic_is_recorded_and_replayed_under_its_new_name(tmp_path: Path) -> None:
+    bag, output = tmp_path / "bag.mcap", tmp_path / "replayed.csv"
+    words = ["--terrain", "flat", "--duration", "2", "--log-dir", str(tmp_path / "live")]
+    assert run([*words, "--record", str(bag), "--ros-args", "-r", "scan:=front/scan"]) == 0
+    assert replay([str(bag), "-o", str(output), "--remap", "scan:=front/scan"]) == 0
+    (log,) = (tmp_path / "live").glob("*.csv")
+    assert output.read_bytes() == log.read_bytes()
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_recording_is_refused_before_the_run_where_it_cannot_be_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ("--terrain", "flat", "--duration", "1", "--log-dir", str(tmp_path / "live"), "--record")
+    taken = tmp_path / "taken.mcap"
+    taken.touch()
+    assert "taken.mcap exists already, not overwriting" in complaint(capsys, *words, str(taken))
+    nowhere = str(tmp_path / "nowhere" / "x.mcap")
+    assert "create it first" in complaint(capsys, *words, nowhere)
+    assert "cannot be created: " in complaint(capsys, *words, "/proc/x.mcap")
+    assert "--record needs ROS; leave out --direct" in complaint(capsys, *words, "x.mcap", "--direct")
+    assert [path.name for path in tmp_path.iterdir()] == ["taken.mcap"]

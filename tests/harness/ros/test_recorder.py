@@ -1,0 +1,187 @@
+"""The recorder on a bridge of its own: what is in the file, and when it is there."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+
+from geometry_msgs.msg import PoseArray
+from mcap.exceptions import EndOfFile
+from mcap.reader import make_reader
+from mcap.records import Message
+from mcap.stream_reader import StreamReader
+from rclpy.serialization import deserialize_message, serialize_message
+from rosbags.highlevel import AnyReader
+from sensor_msgs.msg import LaserScan
+
+from harness import samples
+from harness.errors import RunFailed, UsageError
+from harness.robots import find_rover
+from harness.ros.bridge import Bridge
+from harness.ros.recorder import Recorder, full_definition, padding_of
+from harness.sensors.lidar import LidarSpec
+
+BEAMS = 16
+STEP_NS = 50_000_000
+TOPICS = {
+    "/scan": "sensor_msgs/msg/LaserScan",
+    "/imu/data": "sensor_msgs/msg/Imu",
+    "/rover/pose_array": "geometry_msgs/msg/PoseArray",
+    "/odometry/wheels": "nav_msgs/msg/Odometry",
+    "/odom_ground_truth": "nav_msgs/msg/Odometry",
+    "/joint_states": "sensor_msgs/msg/JointState",
+    "/clock": "rosgraph_msgs/msg/Clock",
+}
+
+
+@pytest.fixture
+def bridge(ros_domain: int) -> Iterator[Bridge]:
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=ros_domain)
+    bridge = Bridge(find_rover("leo"), LidarSpec(beams=BEAMS), context=context)
+    yield bridge
+    bridge.destroy_node()
+    context.shutdown()
+
+
+def publish(bridge: Bridge, recorder: Recorder, ticks: int) -> None:
+    """Ticks of 50 ms with one sample of every kind."""
+    joints = (0.0,) * len(find_rover("leo").joints)
+    for number in range(1, 1 + ticks):
+        t = recorder.time_ns = number * STEP_NS
+        level = (0.0, 0.0, 0.0, 1.0)
+        tick = samples.Tick(
+            t,
+            (
+                samples.LaserScan(t, np.full(BEAMS, number, dtype=np.float32)),
+                samples.Imu(t, level, (0.0, 0.0, 0.1), (0.0, 0.0, 9.8)),
+                samples.Pose(t, (float(number), 0.0, 0.0), level),
+                samples.Odometry(t, 0.0, 0.0, 0.1, samples.Twist(0.5, 0.1)),
+                samples.GroundTruth(t, 0.0, 0.0, 0.1, (0.5, 0.0, 0.0), (0.0, 0.0, 0.1)),
+                samples.JointStates(t, joints, joints, joints),
+            ),
+        )
+        bridge.publish_samples(tick)
+        bridge.publish_clock(tick)
+
+
+def record(path: Path, bridge: Bridge, ticks: int) -> None:
+    original = {kind: channel.fill for kind, channel in bridge.channels.items()}
+    clock = bridge.clock_channel.fill
+    with Recorder(path) as recorder:
+        recorder.tap(bridge)
+        publish(bridge, recorder, ticks)
+    for kind, fill in original.items():
+        bridge.channels[kind].fill = fill
+    bridge.clock_channel.fill = clock
+
+
+def test_every_topic_is_recorded_with_its_stamps_type_and_qos(bridge: Bridge, tmp_path: Path) -> None:
+    record(tmp_path / "bag.mcap", bridge, 30)
+    with (tmp_path / "bag.mcap").open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        assert reader.get_header().profile == "ros2"
+        summary = reader.get_summary()
+        assert summary is not None
+        channels = summary.channels.values()
+        assert {c.topic: summary.schemas[c.schema_id].name for c in channels} == TOPICS
+        assert {summary.schemas[c.schema_id].encoding for c in channels} == {"ros2msg"}
+        assert {c.message_encoding for c in channels} == {"cdr"}
+        (metadata,) = reader.iter_metadata()
+        assert metadata.name == "rosbag2"
+        stamps = [m.log_time for _, c, m in reader.iter_messages(topics=["/scan"])]
+    assert stamps == [n * STEP_NS for n in range(1, 31)]
+    with AnyReader([tmp_path / "bag.mcap"]) as bag:
+        assert bag.message_count == 30 * len(TOPICS)
+        qos = {c.topic: c.ext.offered_qos_profiles[0] for c in bag.connections}  # type: ignore[union-attr]
+    assert qos["/rover/pose_array"].reliability.name == "BEST_EFFORT"
+    assert qos["/scan"].reliability.name == "RELIABLE"
+    assert {q.depth for q in qos.values()} == {10}
+
+
+def test_definitions_in_the_file_are_enough_to_read_it(bridge: Bridge, tmp_path: Path) -> None:
+    record(tmp_path / "bag.mcap", bridge, 1)
+    with AnyReader([tmp_path / "bag.mcap"]) as bag:
+        messages = {c.topic: bag.deserialize(data, c.msgtype) for c, _, data in bag.messages()}
+    assert messages["/scan"].ranges.tolist() == [1.0] * BEAMS  # type: ignore[attr-defined]
+    assert messages["/joint_states"].name == list(find_rover("leo").joints)  # type: ignore[attr-defined]
+
+
+def test_definition_holds_every_nested_type_once() -> None:
+    definition = full_definition("nav_msgs/msg/Odometry")
+    nested = re.findall(r"^MSG: (.*)$", definition, re.MULTILINE)
+    assert nested == sorted(nested)
+    assert {"builtin_interfaces/Time", "std_msgs/Header", "geometry_msgs/Vector3"} < set(nested)
+    assert len(nested) == len(set(nested)) == 9
+
+
+def test_file_holds_the_bytes_that_were_published(bridge: Bridge, tmp_path: Path) -> None:
+    sent: list[bytes] = []
+    channel = bridge.channels[samples.Pose]
+    with Recorder(tmp_path / "bag.mcap") as recorder:
+        recorder.tap(bridge)
+        fill = channel.fill
+        channel.fill = lambda sample: sent.append(fill(sample)) or sent[-1]  # type: ignore[func-returns-value]
+        publish(bridge, recorder, 3)
+    with AnyReader([tmp_path / "bag.mcap"]) as bag:
+        poses = [data for c, _, data in bag.messages() if c.topic == "/rover/pose_array"]
+    assert poses == sent
+    assert deserialize_message(poses[2], PoseArray).poses[0].position.x == 3.0
+
+
+def test_same_samples_give_the_same_file(bridge: Bridge, tmp_path: Path) -> None:
+    for name in ("one.mcap", "two.mcap"):
+        record(tmp_path / name, bridge, 30)
+    assert (tmp_path / "one.mcap").read_bytes() == (tmp_path / "two.mcap").read_bytes()
+
+
+def test_padding_is_what_aligns_the_fields() -> None:
+    scan = LaserScan()
+    scan.header.frame_id = "ab"
+    header, stamp, length, text = 4, 8, 4, 2
+    end = header + stamp + length + text  # where the zero of the string is, always written as such
+    assert padding_of(serialize_message(scan), TOPICS["/scan"]) == [end, end + 1]
+
+
+def test_all_but_the_last_second_is_on_disk_while_recording(bridge: Bridge, tmp_path: Path) -> None:
+    path = tmp_path / "bag.mcap"
+    with Recorder(path) as recorder:
+        recorder.tap(bridge)
+        publish(bridge, recorder, 60)
+        copy = tmp_path / "killed.mcap"
+        copy.write_bytes(path.read_bytes())
+    stamps: list[int] = []
+    with copy.open("rb") as file, pytest.raises(EndOfFile):
+        stamps.extend(e.log_time for e in StreamReader(file).records if isinstance(e, Message))
+    assert stamps == [n * STEP_NS for n in range(1, 60) for _ in TOPICS]
+
+
+def test_existing_file_is_not_overwritten(tmp_path: Path) -> None:
+    path = tmp_path / "bag.mcap"
+    path.write_text("precious")
+    with pytest.raises(UsageError, match=r"bag\.mcap exists already, not overwriting"):
+        Recorder(path)
+    assert path.read_text() == "precious"
+
+
+def test_run_that_never_starts_leaves_no_file(tmp_path: Path) -> None:
+    with pytest.raises(UsageError), Recorder(tmp_path / "bag.mcap"):
+        raise UsageError
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_full_disk_ends_the_run_with_the_reason(
+    bridge: Bridge, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    full = Path("/dev/full").open("wb")  # noqa: SIM115 - the recorder closes it
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "open", lambda *_: full)
+        recorder = Recorder(tmp_path / "bag.mcap")
+    recorder.tap(bridge)
+    with pytest.raises(RunFailed, match="ended early: No space left on device"), recorder:
+        publish(bridge, recorder, 60)

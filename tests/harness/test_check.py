@@ -1,0 +1,142 @@
+"""harness.check: what it compares, what it concludes, and that it leaves nothing behind."""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from harness import check
+from harness.check import judged, main
+from harness.episode import Episode, EpisodeConfig
+from harness.errors import RunFailed, UsageError
+from harness.fingerprint import Fingerprint, StreamHash, direct, direct_in_fresh_process, fingerprint
+from harness.interrupt import StopRequest
+from harness.result import RunResult
+from harness.sensors.noise import DEFAULT_PRESET
+
+QUICK = ["--terrain", "flat", "--duration", "5"]
+NO_ROS = [*QUICK, "--no-ros"]
+REFERENCE = Fingerprint(samples=10, rows=2, lost=0, stream="a1", csv="b2")
+
+
+def stream_hash(config: EpisodeConfig) -> str:
+    stream = StreamHash()
+    for batch in Episode(config).batches():
+        stream.add(batch)
+    return stream.hexdigest()
+
+
+def in_this_process(config: EpisodeConfig) -> Fingerprint:
+    return fingerprint(direct, config, StopRequest())
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_check_passes_here_through_ros_and_leaves_no_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    assert main(QUICK) == 0
+    told = capfd.readouterr()
+    assert told.out.count("equal") == 3
+    assert told.out.count("different") == 1
+    assert told.err == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_check_without_ros_on_request_says_so_and_passes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(NO_ROS) == 0
+    told = capsys.readouterr().out
+    assert "skipped" in told
+    assert told.count("equal") == 2
+
+
+def test_missing_ros_that_nobody_left_out_is_neither_proof_nor_disproof(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for module in [name for name in sys.modules if name.startswith("harness.ros.")]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, "rclpy", None)
+    monkeypatch.setattr(check, "direct_in_fresh_process", in_this_process)
+    assert main(QUICK) == 2
+    told = capsys.readouterr()
+    assert "skipped" in told.out
+    assert "--no-ros" in told.err
+
+
+def test_drifting_run_fails_the_check(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(check, "direct_in_fresh_process", lambda _: REFERENCE)
+    assert main(NO_ROS) == 1
+    assert "fresh process: DIFFERENT" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("change", "must_be_equal", "passed"),
+    [
+        ({}, True, True),
+        ({"stream": "c3"}, True, False),
+        ({"csv": "c3"}, True, False),
+        ({"lost": 1}, True, False),
+        ({}, False, False),
+        ({"stream": "c3"}, False, False),
+        ({"csv": "c3"}, False, False),
+        ({"stream": "c3", "csv": "d4"}, False, True),
+    ],
+)
+def test_equal_runs_must_agree_in_everything_and_different_ones_in_nothing(
+    change: dict[str, object], must_be_equal: bool, passed: bool
+) -> None:
+    found = replace(REFERENCE, **change)  # type: ignore[arg-type]  # values of several types
+    assert judged("run", found, REFERENCE, equal=must_be_equal).passed == passed
+
+
+def test_every_sensor_reading_counts_in_the_hash_of_a_stream() -> None:
+    config = EpisodeConfig(terrain="flat", duration=1.0)
+    plain = stream_hash(config)
+    assert plain == stream_hash(config)
+    assert plain != stream_hash(replace(config, noise=DEFAULT_PRESET))
+    assert plain != stream_hash(replace(config, lidar_beams=641))
+    assert plain != stream_hash(replace(config, duration=1.01))
+
+
+def test_run_that_does_not_reach_its_end_has_no_fingerprint() -> None:
+    def failing(config: EpisodeConfig, *_: object) -> RunResult:
+        return RunResult(config=config, mode="", failure="the rover fell off", log_path=Path("x"))
+
+    with StopRequest() as stop, pytest.raises(RunFailed, match="the rover fell off"):
+        fingerprint(failing, EpisodeConfig(), stop)
+
+
+def test_error_of_the_fresh_process_arrives_here() -> None:
+    with pytest.raises(UsageError, match="available: flat"):
+        direct_in_fresh_process(EpisodeConfig(terrain="moon"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["--terrain", "moon"], "available: flat, slope"),
+        (["--robot", "r2d2"], "available: leo, rover_zero4wd"),
+        (["--duration", "1"], "give 5 s or more"),
+        (["--duration", "nan"], "give 0.01 s or more"),
+        (["--seed", "-1"], "give a whole number from 0 up"),
+        (["--seed", "x"], "argument --seed: invalid int value"),
+        (["--wheels", "6"], "unrecognized arguments: --wheels 6"),
+    ],
+)
+def test_bad_argument_is_one_line_that_names_what_is_valid(
+    arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    try:
+        code = main(arguments)
+    except SystemExit as leaving:
+        code = leaving.code  # type: ignore[assignment]  # argparse exits with a number
+    text = capsys.readouterr().err
+    assert code == 2
+    assert text.count("\n") == 1
+    assert text.startswith("harness.check: ")
+    assert expected in text
