@@ -99,7 +99,7 @@ class StopRequest:
             self._raised = Interrupted(self.signal)
             raise self._raised
         self._previous.setdefault(signal.SIGALRM, signal.signal(signal.SIGALRM, self._expire))
-        signal.setitimer(signal.ITIMER_REAL, GRACE)
+        signal.setitimer(signal.ITIMER_REAL, GRACE, GRACE)  # again and again: bindings may swallow it
 
     def _expire(self, _: int, __: FrameType | None) -> None:
         if self._deferring and self.signal is not None:

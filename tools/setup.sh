@@ -32,15 +32,18 @@ Install it (Debian, Ubuntu: apt install python3-venv)"
 
 # A system rclpy (a sourced ROS 2) must not meet the one from PyPI in one interpreter.
 if "$python" -c 'import rclpy' 2>/dev/null; then
-    extras=dev
     site=--system-site-packages
+else
+    site=
+fi
+[ -x .venv/bin/python ] || "$python" -m venv $site .venv
+if .venv/bin/python -c 'import rclpy, sys; sys.exit(rclpy.__file__.startswith(sys.prefix))' 2>/dev/null; then
+    extras=dev
     echo "setup: using the ROS 2 that $python imports already"
 else
     extras=ros,dev
-    site=
 fi
 
-[ -x .venv/bin/python ] || "$python" -m venv $site .venv
 .venv/bin/python -m pip install --quiet --disable-pip-version-check \
     --constraint constraints.txt --editable ".[$extras]"
 # Compiles the lidar's kernels into their cache, so that the first run need not.

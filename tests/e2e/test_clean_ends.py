@@ -24,7 +24,7 @@ import pytest
 
 from harness.drivers.base import Observation
 from harness.drivers.wander import Wander
-from harness.interrupt import Overdue, StopRequest
+from harness.interrupt import Interrupted, Overdue, StopRequest
 from harness.run import main
 from harness.samples import Twist
 
@@ -230,6 +230,18 @@ def test_request_that_the_loop_does_not_answer_ends_it() -> None:
         drive_on()
     assert caught.value.exit_code == 128 + signal.SIGINT
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+
+
+def test_interruption_that_a_c_extension_reports_as_something_else_is_told_as_what_it_is() -> None:
+    def interrupted_binding() -> None:
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except Interrupted:
+            message = "incompatible function arguments"
+            raise TypeError(message) from None
+
+    with pytest.raises(Interrupted), StopRequest():
+        interrupted_binding()
 
 
 def test_sleeper_wakes_up_at_a_request() -> None:
