@@ -38,6 +38,17 @@ THROUGH_ROS = 5  # of them
 SHARED_MEMORY = re.compile(r"/dev/shm/(?!lttng)\S+")  # noqa: S108 - lttng's is the user's, not a run's
 
 
+@pytest.fixture(autouse=True)
+def _signals_as_at_a_terminal() -> Iterator[None]:
+    """Whoever started the tests may ignore signals (nohup, a background job): children inherit that."""
+    ignored = [number for number in SIGNALS if signal.getsignal(number) is signal.SIG_IGN]
+    for number in ignored:
+        signal.signal(number, signal.SIG_DFL)
+    yield
+    for number in ignored:
+        signal.signal(number, signal.SIG_IGN)
+
+
 @dataclass(frozen=True)
 class End:
     """How a run ended: seconds after the signal, exit code, output, and what it left behind."""
