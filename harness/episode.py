@@ -17,7 +17,7 @@ from harness.drivers import CmdVel, DriverContext, Observation, find_driver
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.errors import RunFailed, UsageError
 from harness.robots import find_rover
-from harness.samples import LaserScan, Sample, Tick, Twist
+from harness.samples import LaserScan, Sample, Tick, Twist, sent_by_fields
 from harness.sensors.base import Sensor, period_ticks
 from harness.sensors.fault_spec import parse_faults
 from harness.sensors.imu import ImuSensor
@@ -125,6 +125,7 @@ class EpisodeInfo:
     map_size: float
 
 
+@sent_by_fields
 @dataclass(frozen=True, slots=True)
 class Batch:
     """The ticks of one control period and the truth at their end."""

@@ -16,7 +16,7 @@ from harness.world.scene import Scene
 
 NANOSECONDS = 1_000_000_000
 TICK_NS = 10_000_000  # /clock at 100 Hz
-LARGEST_TIMESTEP_NS = 5_000_000
+SMALLEST_TIMESTEP_NS, LARGEST_TIMESTEP_NS = 100_000, 5_000_000
 DEFAULT_TIMESTEP_NS = 2_500_000
 SETTLE_LIMIT_NS = 5 * NANOSECONDS
 AT_REST_SPEED = 2e-3  # [m/s] and [rad/s]: below it a rover counts as settled
@@ -35,21 +35,36 @@ def parse_timestep(seconds: float) -> int:
     """Converts a timestep to nanoseconds.
 
     Raises:
-        UsageError: It does not divide the 10 ms tick or is too large for the contact model.
+        UsageError: It does not divide the 10 ms tick, is too large for the contact model, or too small
+            to get anywhere; the message names the nearest valid values.
     """
     nanoseconds = round(seconds * NANOSECONDS) if np.isfinite(seconds) else 0
-    if 0 < nanoseconds <= LARGEST_TIMESTEP_NS and TICK_NS % nanoseconds == 0:
+    in_limits = SMALLEST_TIMESTEP_NS <= nanoseconds <= LARGEST_TIMESTEP_NS
+    if in_limits and TICK_NS % nanoseconds == 0:
         return nanoseconds
-    valid = [TICK_NS // n / NANOSECONDS for n in (20, 10, 8, 5, 4, 2)]
-    nearest = min(valid, key=lambda v: abs(v - seconds)) if np.isfinite(seconds) else 0.0025
-    reason = (
-        "above 5 ms the wheels' contacts (time constant 20 ms) are sampled too coarsely and the rover "
-        "hops on flat ground"
-        if nanoseconds > LARGEST_TIMESTEP_NS
-        else "it must divide the 10 ms clock tick"
+    message = (
+        f"timestep {seconds:g} s is refused: {_why_not(nanoseconds)}; "
+        f"nearest valid: {_nearest_timesteps(nanoseconds)}"
     )
-    message = f"timestep {seconds:g} s is refused: {reason}; nearest valid: {nearest:g}"
     raise UsageError(message)
+
+
+def _why_not(timestep_ns: int) -> str:
+    if timestep_ns > LARGEST_TIMESTEP_NS:
+        return (
+            "above 5 ms the wheels' contacts (time constant 20 ms) are sampled too coarsely: "
+            "they chatter and shake the IMU"
+        )
+    if timestep_ns < SMALLEST_TIMESTEP_NS:
+        return "give 0.0001 or more"
+    return "it must divide the 10 ms clock tick"
+
+
+def _nearest_timesteps(timestep_ns: int) -> str:
+    valid = [TICK_NS // n for n in range(1, 101) if TICK_NS % n == 0]
+    usable = [v for v in valid if SMALLEST_TIMESTEP_NS <= v <= LARGEST_TIMESTEP_NS]
+    nearest = sorted(usable, key=lambda v: abs(v - timestep_ns))[:2]
+    return " or ".join(f"{v / NANOSECONDS:g}" for v in nearest)
 
 
 class Simulation:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from harness.samples import sent_by_fields
 from harness.simulation import NANOSECONDS, TICK_NS, Simulation
 from harness.world.scene import HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT
 
@@ -17,6 +18,7 @@ SLIP_SPEED = 0.02  # [m/s]: a wheel and a rover both slower than this do not sli
 TIPPED_OVER = math.radians(75.0)  # between the static tip angles (44-59 deg) and lying on a side
 
 
+@sent_by_fields
 @dataclass(frozen=True, slots=True)
 class Truth:
     """Totals from the start of the episode.

@@ -1,39 +1,37 @@
 """A run through ROS 2: child simulation -> bridge -> topics -> MetricsNode, in lock-step."""
 
-import os
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import rclpy
 from rclpy.context import Context
-from rclpy.executors import Executor, ExternalShutdownException
-from rclpy.parameter import Parameter
-from rclpy.signals import SignalHandlerOptions
+from rclpy.executors import ExternalShutdownException
 
 from harness.episode import Batch, EpisodeConfig
-from harness.errors import RunFailed, UsageError
+from harness.errors import RunFailed
 from harness.interrupt import GRACE, Overdue, StopRequest
 from harness.pacing import Pacer
 from harness.result import Progress, RunResult, TopicCount
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
-from harness.ros.executor import make_executor, spin_until
+from harness.ros.executor import make_executor
 from harness.ros.lockstep import SECOND_PUBLISHER, HostedMetrics, Listener, LockStep
 from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, RemoteNode
+from harness.ros.startup import (
+    await_match,
+    metrics_node,
+    refuse_other_publishers,
+    ros_context,
+)
 from harness.sensors.fault_spec import parse_faults
 from harness.sensors.faults import FaultInjector, disturb_time
 from harness.sensors.lidar import LidarSpec
 from harness.simulation import NANOSECONDS
 from harness.stream import EpisodeProcess
-from rover_metrics.errors import RoverMetricsError
-from rover_metrics.metrics_node import MetricsNode
 from rover_metrics.row import COLUMNS
-
-MATCH_PATIENCE = 15.0  # [s] for DDS to match the topics of this process
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,7 +78,7 @@ def run_through_ros(
     with ExitStack() as at_end:
         recorder = at_end.enter_context(Recorder(options.record)) if options.record else None
         source = at_end.enter_context(EpisodeProcess(config))
-        context = at_end.enter_context(_ros_context(options.ros_args))
+        context = at_end.enter_context(ros_context(options.ros_args))
         run = _Run(config, options, context, source, at_end)
         if recorder is not None:
             run.record(recorder)
@@ -113,14 +111,13 @@ class _Run:
         self._executor = make_executor(context, time_jumps=disturb_time(faults))
         at_end.callback(self._executor.shutdown)
         self._executor.add_node(self._bridge)
-        self._node: MetricsNode | None = None
+        self._node = metrics_node(context, options.log_dir) if options.host_metrics else None
         self._hosted: HostedMetrics | None = None
-        if options.host_metrics:
-            self._node = _metrics_node(context, options.log_dir)
+        if self._node is not None:
             at_end.callback(self._node.destroy_node)
             self._executor.add_node(self._node)
             self._hosted = HostedMetrics(self._bridge, self._executor, self._node)
-            _await_match(self._bridge, self._executor, self._hosted.topics)
+            await_match(self._bridge, self._executor, self._hosted.topics)
         self._remotes = [RemoteNode(name, self._bridge, self._executor) for name in options.wait_for]
 
     def record(self, recorder: Recorder) -> None:
@@ -140,7 +137,7 @@ class _Run:
         lockstep = LockStep(self._bridge, self._executor, tuple(listeners))
         info = self._source.info  # waits for the world: other runs are discovered by then
         self._executor.spin_once(timeout_sec=0.0)
-        _refuse_other_publishers(self._bridge, self._hosted.topics if self._hosted else ())
+        refuse_other_publishers(self._bridge, self._hosted.topics if self._hosted else ())
         result = RunResult(config=self._config, mode=self._mode(), info=info)
         begun = time.monotonic()
         pacer = Pacer(self._options.rate, sleep=stop.sleep)
@@ -218,58 +215,3 @@ class _Run:
             last_row=None if row is None else dict(zip(COLUMNS, row.as_fields(), strict=True)),
             thresholds=self._node.settings.thresholds,
         )
-
-
-@contextmanager
-def _ros_context(ros_args: Sequence[str]) -> Iterator[Context]:
-    """A context of this run's own that leaves signals to the command."""
-    # Nothing shall leave the machine unless the user said so.
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    context = Context()
-    try:
-        rclpy.init(
-            args=list(ros_args),
-            context=context,
-            signal_handler_options=SignalHandlerOptions.NO,
-        )
-    except RuntimeError as error:
-        message = f"ROS 2 refuses to start: {' '.join(str(error).split())}"
-        raise UsageError(message) from error
-    try:
-        yield context
-    finally:
-        context.try_shutdown()
-
-
-def _metrics_node(context: Context, log_dir: Path) -> MetricsNode:
-    overrides = [
-        Parameter("use_sim_time", value=True),
-        Parameter("log_dir", value=str(log_dir)),
-    ]
-    try:
-        return MetricsNode(context=context, parameter_overrides=overrides)
-    except RoverMetricsError as error:
-        raise UsageError(str(error)) from error
-
-
-def _await_match(bridge: Bridge, executor: Executor, topics: tuple[str, ...]) -> None:
-    channels = [c for c in bridge.channels.values() if c.topic in topics]
-    channels.append(bridge.clock_channel)
-    if not spin_until(
-        executor,
-        lambda: all(c.publisher.get_subscription_count() for c in channels),
-        MATCH_PATIENCE,
-    ):
-        alone = [c.topic for c in channels if not c.publisher.get_subscription_count()]
-        message = (
-            f"DDS did not connect {', '.join(alone)} within {MATCH_PATIENCE:.0f} s; "
-            "is ROS_AUTOMATIC_DISCOVERY_RANGE=OFF set, or a firewall on the loopback device?"
-        )
-        raise UsageError(message)
-
-
-def _refuse_other_publishers(bridge: Bridge, topics: tuple[str, ...]) -> None:
-    """Another harness or simulator would mix into the log; what starts later is caught in lock-step."""
-    for topic in (*topics, bridge.clock_channel.topic):
-        if bridge.count_publishers(topic) > 1:
-            raise UsageError(f"{topic} {SECOND_PUBLISHER}")
