@@ -7,7 +7,6 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
 
 from rich import table as rich_table
 from rich.console import Console
@@ -15,6 +14,7 @@ from rich.console import Console
 from benchmarks.measuring import FULL, QUICK, Effort, Table
 from benchmarks.readme import README, conditions, write_readme
 from benchmarks.registry import BENCHMARKS, Benchmark
+from harness.command_line import OneLineParser
 from harness.errors import HarnessError
 from harness.interrupt import StopRequest
 
@@ -85,16 +85,8 @@ def _name(word: str) -> str:
     return word
 
 
-class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line."""
-
-    def error(self, message: str) -> NoReturn:
-        """Prints the message and leaves with exit code 2."""
-        self.exit(2, f"benchmarks: {message}; see --help\n")
-
-
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = OneLineParser(
         prog="python -m benchmarks", description="Measures, side by side, and prints ratios."
     )
     parser.add_argument("names", nargs="*", type=_name, metavar="name", help=", ".join(BENCHMARKS))

@@ -13,12 +13,12 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NoReturn
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from harness.command_line import OneLineParser
 from harness.episode import Batch, EpisodeConfig
 from harness.errors import HarnessError, UsageError
 from harness.fingerprint import Fingerprint, direct, direct_in_fresh_process, fingerprint
@@ -183,17 +183,9 @@ def _show_nothing(_: Progress) -> None:
     """Shows no progress: a check is short."""
 
 
-class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line."""
-
-    def error(self, message: str) -> NoReturn:
-        """Prints the message and leaves with exit code 2."""
-        self.exit(UsageError.exit_code, f"harness.check: {message}; see --help\n")
-
-
 def _parser() -> argparse.ArgumentParser:
     defaults = EpisodeConfig()
-    parser = _Parser(
+    parser = OneLineParser(
         prog="python -m harness.check",
         description="Proves on this machine that equal seeds give equal bytes, through ROS or not, "
         "and that no message is lost.",

@@ -10,7 +10,7 @@ import signal
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 if __name__ == "__main__":  # what follows takes a second to load; Ctrl-C must not show where it was
     signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -18,6 +18,7 @@ if __name__ == "__main__":  # what follows takes a second to load; Ctrl-C must n
 from rich.console import Console
 
 from harness import __version__, headless
+from harness.command_line import OneLineParser
 from harness.console import RunProgress, print_choices, print_summary
 from harness.direct import run_direct
 from harness.drivers import DRIVERS
@@ -213,14 +214,6 @@ def _rate(text: str) -> float | None:
     return rate
 
 
-class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line, as all others of this command."""
-
-    def error(self, message: str) -> NoReturn:
-        """Prints the message and leaves with exit code 2."""
-        self.exit(2, f"harness.run: {message}; see --help\n")
-
-
 class _WidthAndDepth(argparse.Action):
     """Takes two numbers, or one for both."""
 
@@ -238,7 +231,7 @@ class _WidthAndDepth(argparse.Action):
 
 def _parser() -> argparse.ArgumentParser:
     defaults = EpisodeConfig()
-    parser = _Parser(
+    parser = OneLineParser(
         prog="python -m harness.run",
         description="Drives a rover over rough terrain, publishes its sensors as ROS 2 topics and "
         "logs traversal metrics to CSV.",

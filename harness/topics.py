@@ -19,12 +19,13 @@ from contextlib import suppress
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.live import Live
 from rich.table import Table
 
+from harness.command_line import OneLineParser
 from harness.errors import HarnessError, UsageError
 from harness.interrupt import Overdue, StopRequest
 
@@ -220,16 +221,8 @@ def _seconds(text: str) -> float:
     return seconds
 
 
-class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line."""
-
-    def error(self, message: str) -> NoReturn:
-        """Prints the message and leaves with exit code 2."""
-        self.exit(2, f"harness.topics: {message}; see --help\n")
-
-
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = OneLineParser(
         prog="python -m harness.topics",
         description="Prints rate, age, QoS and type of each ROS 2 topic, but for rosout and "
         "parameter events.",

@@ -10,10 +10,10 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
 
 from rich.console import Console
 
+from harness.command_line import OneLineParser
 from harness.errors import HarnessError, UsageError
 from harness.robots import MODELS_DIR, ROVERS, find_rover
 from harness.validation.realism import compare
@@ -77,16 +77,8 @@ def _check(options: argparse.Namespace) -> None:
         raise UsageError("--realism compares with logs of rover_zero4wd; leave out --robot")
 
 
-class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line."""
-
-    def error(self, message: str) -> NoReturn:
-        """Prints the message and leaves with exit code 2."""
-        self.exit(2, f"harness.validate: {message}; see --help\n")
-
-
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = OneLineParser(
         prog="python -m harness.validate",
         description="Drives standard manoeuvres and compares the rovers with their sources.",
     )

@@ -1,0 +1,15 @@
+"""What all commands share on their command line: a known mistake is one line and exit code 2."""
+
+import argparse
+from typing import NoReturn
+
+from harness.errors import UsageError
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """A parser whose errors are one line that begins with the command's name."""
+
+    def error(self, message: str) -> NoReturn:
+        """Prints the message and leaves with exit code 2."""
+        command = self.prog.removeprefix("python -m ")
+        self.exit(UsageError.exit_code, f"{command}: {message}; see --help\n")
