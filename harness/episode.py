@@ -34,7 +34,7 @@ from harness.simulation import (
 )
 from harness.truth import Truth, TruthRecorder
 from harness.world.dem import TerrainFile, file_world, is_terrain_file
-from harness.world.scene import build_scene, model_hash
+from harness.world.scene import HAZARD_CONTACT, build_scene, model_hash
 from harness.world.world import DEFAULT_DIFFICULTY, World, build_world, find_terrain, terrain_hash
 
 SCAN_RATE, POSE_RATE, STATE_RATE = 20, 50, 50  # [Hz]: RoboTerrain's
@@ -166,6 +166,7 @@ class Episode:
         )
         self.simulation = Simulation(scene, timestep_ns)
         self._recorder = TruthRecorder(self.simulation)
+        self._hazard_contact = self.simulation.summed(HAZARD_CONTACT)
         lidar_spec = LidarSpec(beams=config.lidar_beams)
         lidar = Lidar(self.simulation.model, lidar_spec)
         driver_rng, scan_rng, imu_rng = _generators(config.seed, 3)
@@ -182,7 +183,13 @@ class Episode:
         self._noise = None if preset is None else SensorNoise(preset, limits, scan_rng, imu_rng)
         self._drive = DiffDrive(rover, TICK_NS / NANOSECONDS)
         self._driver = find_driver(config.driver)(
-            DriverContext(rover, world.ground.half_size, beam_bearings(lidar_spec), driver_rng)
+            DriverContext(
+                rover,
+                world.ground.half_size,
+                beam_bearings(lidar_spec),
+                driver_rng,
+                world.obstacles,
+            )
         )
         self._last_scan: LaserScan | None = None
 
@@ -214,7 +221,14 @@ class Episode:
     def _observe(self) -> Observation:
         x, y, _ = self.simulation.position
         ranges = None if self._last_scan is None else self._last_scan.ranges
-        return Observation(self.simulation.time_ns, x, y, self.simulation.yaw, ranges)
+        return Observation(
+            time_ns=self.simulation.time_ns,
+            x=x,
+            y=y,
+            yaw=self.simulation.yaw,
+            ranges=ranges,
+            touches_hazard=bool(self._hazard_contact[0]),
+        )
 
     def _tick(self, index: int) -> Tick:
         self.simulation.command_wheels(self._drive.wheel_speeds())

@@ -64,6 +64,21 @@ class RoverSpec:
         return MODELS_DIR / self.name / f"{self.name}.xml"
 
     @property
+    def length(self) -> float:
+        """Of the footprint [m]."""
+        return self.footprint[1] - self.footprint[0]
+
+    @property
+    def width(self) -> float:
+        """Of the footprint [m]."""
+        return self.footprint[3] - self.footprint[2]
+
+    @property
+    def top_speed(self) -> float:
+        """At which the wheels turn as fast as they can [m/s]."""
+        return self.wheel_speed_limit * self.wheel_radius
+
+    @property
     def joints(self) -> tuple[str, ...]:
         """Every joint of /joint_states, in its order."""
         return self.wheel_joints + self.passive_joints

@@ -2,6 +2,8 @@
 
 from harness.drivers.base import Driver, DriverContext, Observation
 from harness.drivers.cmd_vel import CmdVel
+from harness.drivers.encounters import Graze, PassBy, Ram, ReverseInto, Swing
+from harness.drivers.roam import Roam
 from harness.drivers.scripted import Figure8, Spin, Straight
 from harness.drivers.wander import Wander
 from harness.errors import UsageError
@@ -14,6 +16,12 @@ DRIVERS: dict[str, type[Driver]] = {
     "spin": Spin,
     "figure8": Figure8,
     "cmd_vel": CmdVel,
+    "roam": Roam,
+    "ram": Ram,
+    "reverse_into": ReverseInto,
+    "graze": Graze,
+    "swing": Swing,
+    "pass_by": PassBy,
 }
 
 

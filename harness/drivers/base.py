@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from harness.robots import RoverSpec
 from harness.samples import Twist
+from harness.world.obstacles import Obstacle
 
 CONTROL_PERIOD_NS = 50_000_000  # 20 Hz, the lidar's rate: every command can use a fresh scan
 CONTROL_PERIOD = CONTROL_PERIOD_NS / 1e9
@@ -22,6 +23,7 @@ class Observation:
         x: Position [m] in the world, as a localisation would tell; likewise `y`.
         yaw: Heading [rad].
         ranges: The last scan, shape (beams,), or None before the first.
+        touches_hazard: What a bumper all around the rover would tell; for staged encounters.
     """
 
     time_ns: int
@@ -29,6 +31,7 @@ class Observation:
     y: float
     yaw: float
     ranges: NDArray[np.float32] | None
+    touches_hazard: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,12 +43,14 @@ class DriverContext:
         half_size: Half the side length of the map [m].
         bearings: Direction [rad] of each lidar beam in the rover's frame, 0 ahead, left positive.
         rng: The driver's own source of randomness.
+        obstacles: What stands in the world; only a driver that stages encounters may look.
     """
 
     rover: RoverSpec
     half_size: float
     bearings: NDArray[np.float64]
     rng: np.random.Generator
+    obstacles: tuple[Obstacle, ...] = ()
 
 
 class Driver(Protocol):

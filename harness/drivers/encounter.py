@@ -1,0 +1,154 @@
+"""Drivers that meet hazards on purpose: drive up, line up, act, leave, and on to the next one.
+
+They know where the hazards are, which no rover does: they exist to produce contacts and near misses
+of every kind for `harness.tune`, not to drive well.
+"""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from harness.drivers.approach import Line, Point
+from harness.drivers.base import CONTROL_PERIOD, DriverContext, Observation
+from harness.samples import Twist
+from harness.world.obstacles import Obstacle, ObstacleKind
+
+BORDER = 2.0  # [m] along the map's edge where no hazard is visited
+NEAREST = 4  # hazards to choose from
+RUN_UP = 1.2  # [m] of straight line before the hazard
+ARRIVED, LINED_UP = 0.25, 0.06  # [m], [rad]
+GO_PATIENCE, FACE_PATIENCE = 20.0, 6.0  # [s]
+LOOKAHEAD = 0.5  # [m] along the line within which the rover steers back onto it
+PUSHING = (0.05, 0.4)  # [s] in contact before it leaves: soon its wheels would climb and tip it over
+LEAVING = 1.5  # [s]
+SLOWEST, FASTEST = 0.25, 0.9  # of the rover's top speed
+
+
+@dataclass(frozen=True, slots=True)
+class Meeting:
+    """One planned encounter.
+
+    Attributes:
+        line: Along which the rover drives; its `through` is beside the hazard's middle.
+        speed: Along it [m/s]; negative backwards.
+        reach: Half the hazard's length along the line [m].
+    """
+
+    line: Line
+    speed: float
+    reach: float
+
+    @property
+    def heading(self) -> float:
+        """Of the rover while it acts [rad]."""
+        return self.line.heading + (math.pi if self.speed < 0.0 else 0.0)
+
+
+class Encounter(ABC):
+    """Goes from hazard to hazard; a subclass says how each is met.
+
+    Without hazards it stands still.
+    """
+
+    summary: ClassVar[str]
+
+    def __init__(self, context: DriverContext) -> None:
+        self.rover, self.rng = context.rover, context.rng
+        reach = context.half_size - BORDER
+        self._hazards = [
+            o
+            for o in context.obstacles
+            if o.kind is ObstacleKind.HAZARD and max(map(abs, o.position[:2])) < reach
+        ]
+        self._now = Observation(time_ns=0, x=0.0, y=0.0, yaw=0.0, ranges=None)
+        self._script = self._visits()
+
+    @abstractmethod
+    def plan(self, hazard: Obstacle, bearing: float) -> Meeting:
+        """How to meet a hazard that lies in that direction [rad] of the world."""
+
+    def act(self, meeting: Meeting) -> Iterator[Twist]:
+        """What happens once the rover is lined up: along the line, past the hazard or into it."""
+        yield from self.follow(meeting, meeting.reach + RUN_UP / 2)
+
+    def command(self, observation: Observation) -> Twist:
+        """The next word of the script."""
+        self._now = observation
+        return next(self._script, Twist())
+
+    @property
+    def here(self) -> Point:
+        """Where the rover is [m]."""
+        return self._now.x, self._now.y
+
+    @property
+    def touches(self) -> bool:
+        """Whether the rover touches a hazard."""
+        return self._now.touches_hazard
+
+    def turn_to(self, heading: float) -> float:
+        """Angle from the rover's heading to another [rad], -pi..pi."""
+        return math.remainder(heading - self._now.yaw, math.tau)
+
+    def follow(self, meeting: Meeting, until: float) -> Iterator[Twist]:
+        """Drives along a meeting's line to `until` metres past the hazard's middle, or for a push."""
+        patience = self.rng.uniform(*PUSHING)
+        while meeting.line.along(self.here) < until and patience > 0.0:
+            correction = math.atan2(-meeting.line.aside(self.here), LOOKAHEAD)
+            # In reverse the tail leads, and the same turn brings it onto the line.
+            turn = self.turn_to(meeting.heading + correction)
+            yield Twist(meeting.speed, self._yaw_rate(turn))
+            patience -= self.touches * CONTROL_PERIOD
+
+    def spin(self, seconds: float, rate: float) -> Iterator[Twist]:
+        """Turns in place, until it touches something."""
+        for _ in range(round(seconds / CONTROL_PERIOD)):
+            if self.touches:
+                return
+            yield Twist(0.0, rate)
+
+    def random_speed(self) -> float:
+        """A speed that the rover can drive [m/s]."""
+        return self.rng.uniform(SLOWEST, FASTEST) * self.rover.top_speed
+
+    def _visits(self) -> Iterator[Twist]:
+        last: Obstacle | None = None
+        while self._hazards:
+            hazard = self._next_hazard(last)
+            last = hazard
+            x, y, _ = hazard.position
+            here = self.here
+            meeting = self.plan(hazard, math.atan2(y - here[1], x - here[0]))
+            start = meeting.line.at(-(meeting.reach + self.rover.length / 2 + RUN_UP))
+            yield from self._go(start)
+            if math.dist(self.here, start) < 2 * ARRIVED:
+                yield from self._face(meeting.heading)
+                yield from self.act(meeting)
+            away = -0.5 * math.copysign(self.rover.cruise_speed, meeting.speed)
+            for _ in range(round(LEAVING / CONTROL_PERIOD)):
+                yield Twist(away)
+
+    def _next_hazard(self, last: Obstacle | None) -> Obstacle:
+        others = [h for h in self._hazards if h is not last] or self._hazards
+        nearest = sorted(others, key=lambda h: math.dist(h.position[:2], self.here))[:NEAREST]
+        return nearest[int(self.rng.integers(len(nearest)))]
+
+    def _go(self, goal: Point) -> Iterator[Twist]:
+        for _ in range(round(GO_PATIENCE / CONTROL_PERIOD)):
+            x, y = self.here
+            if math.dist(goal, (x, y)) < ARRIVED or self.touches:
+                return
+            error = self.turn_to(math.atan2(goal[1] - y, goal[0] - x))
+            yield Twist(self.rover.cruise_speed * max(0.0, math.cos(error)), self._yaw_rate(error))
+
+    def _face(self, heading: float) -> Iterator[Twist]:
+        for _ in range(round(FACE_PATIENCE / CONTROL_PERIOD)):
+            error = self.turn_to(heading)
+            if abs(error) < LINED_UP:
+                return
+            yield Twist(0.0, self._yaw_rate(error))
+
+    def _yaw_rate(self, error: float) -> float:
+        return max(-1.0, min(1.0, 2.5 * error)) * self.rover.cruise_yaw_rate

@@ -1,0 +1,75 @@
+"""The ways to meet a hazard: head on, in reverse, grazing, swinging round beside it, just missing it."""
+
+import math
+from collections.abc import Iterator
+from typing import ClassVar
+
+from harness.drivers.approach import half_extent, line_past
+from harness.drivers.encounter import Encounter, Meeting
+from harness.samples import Twist
+from harness.world.obstacles import Obstacle
+
+SPREAD = 0.5  # [rad]: how much the direction of approach varies
+HEAD_ON = 0.6  # of the width within which rover and hazard meet
+GRAZE_OVERLAP = (0.0, 0.08)  # [m] by which the rover's side would enter the hazard
+PASSING_GAP = (0.04, 0.5)  # [m] between the rover's side and the hazard
+SWING_GAP = (0.0, 0.1)  # [m], less than what the corners stand out beyond the sides when turning
+SWING_TIME = 3.0  # [s]
+
+
+class Ram(Encounter):
+    """Straight into it."""
+
+    summary: ClassVar[str] = "drives into hazards head on (knowing where they are)"
+
+    def plan(self, hazard: Obstacle, bearing: float) -> Meeting:
+        """Through the middle or a little beside it, forwards."""
+        heading = bearing + self.rng.normal(0.0, SPREAD)
+        width = half_extent(hazard, heading + math.pi / 2) + self.rover.width / 2
+        line = line_past(hazard, heading, self.rng.uniform(-HEAD_ON, HEAD_ON) * width)
+        return Meeting(line, self.random_speed(), half_extent(hazard, heading))
+
+
+class ReverseInto(Ram):
+    """Backwards into it."""
+
+    summary: ClassVar[str] = "drives into hazards backwards (knowing where they are)"
+
+    def random_speed(self) -> float:
+        """Backwards [m/s]."""
+        return -super().random_speed()
+
+
+class PassBy(Encounter):
+    """Past it, close but without touching."""
+
+    summary: ClassVar[str] = "passes hazards closely without touching (knowing where they are)"
+    gap: ClassVar[tuple[float, float]] = PASSING_GAP
+
+    def plan(self, hazard: Obstacle, bearing: float) -> Meeting:
+        """On its left or right, mostly forwards."""
+        heading = bearing + self.rng.normal(0.0, SPREAD)
+        width = half_extent(hazard, heading + math.pi / 2) + self.rover.width / 2
+        side = math.copysign(1.0, self.rng.uniform(-1.0, 1.0))
+        line = line_past(hazard, heading, side * (width + self.rng.uniform(*self.gap)))
+        return Meeting(line, self.random_speed(), half_extent(hazard, heading))
+
+
+class Graze(PassBy):
+    """Along its flank."""
+
+    summary: ClassVar[str] = "scrapes along hazards with its side (knowing where they are)"
+    gap: ClassVar[tuple[float, float]] = (-GRAZE_OVERLAP[1], -GRAZE_OVERLAP[0])
+
+
+class Swing(PassBy):
+    """Beside it, and then round: the corners reach farther than the sides."""
+
+    summary: ClassVar[str] = "turns in place beside hazards (knowing where they are)"
+    gap: ClassVar[tuple[float, float]] = SWING_GAP
+
+    def act(self, meeting: Meeting) -> Iterator[Twist]:
+        """Stops beside the hazard's middle and turns one way, then the other."""
+        yield from self.follow(meeting, 0.0)
+        for rate in (self.rover.cruise_yaw_rate, -self.rover.cruise_yaw_rate):
+            yield from self.spin(SWING_TIME, rate)
