@@ -2,7 +2,7 @@
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test test-jazzy lint format bench lock clean setup
+.PHONY: run test test-jazzy lint format bench lock audit clean setup
 
 run: setup  ## a rover over rocky terrain, metrics logged to CSV
 	$(BIN)/python -m harness.run --terrain rocky $(ARGS)
@@ -25,12 +25,15 @@ format: setup  ## lets ruff lay out the code
 bench: setup  ## tables of ratios, measured side by side
 	$(BIN)/python -m benchmarks
 
-lock: setup  ## pins the newest versions that pyproject.toml allows into constraints.txt
+lock: setup  ## pins the newest versions that pyproject.toml allows, and the hashes of their files
 	tools/lock.sh --upgrade
+
+audit: setup  ## known vulnerabilities of everything pinned, where an index of advisories can be reached
+	$(BIN)/python tools/audit.py
 
 setup: $(READY)
 
-$(READY): pyproject.toml constraints.txt tools/setup.sh
+$(READY): pyproject.toml requirements.txt tools/build.txt tools/setup.sh
 	tools/setup.sh
 
 clean:  ## removes the environment and everything that was built

@@ -1,8 +1,18 @@
 #!/bin/sh
-# Regenerates constraints.txt: every package that pyproject.toml and its extras pull in, pinned for
-# all supported Pythons (3.11 to 3.13) at once. Called by `make lock`.
+# Regenerates the locks, each for all supported Pythons at once and with the hash of every file: what
+# `make setup` installs in requirements.txt, what builds it in tools/build.txt, and the environments
+# of `make test-jazzy` and `make audit` in tools/jazzy.txt and tools/audit.txt. Called by `make lock`.
 set -eu
 cd "$(dirname "$0")/.."
-exec "${PYTHON:-.venv/bin/python}" -m uv pip compile --quiet --universal --python-version 3.11 \
-    --all-extras --no-annotate --custom-compile-command "make lock" "$@" \
-    pyproject.toml -o constraints.txt
+
+# The index is always PyPI: what this machine has configured beside it must not end up in a lock.
+lock() {
+    "${PYTHON:-.venv/bin/python}" -m uv pip compile --quiet --no-config --universal --generate-hashes \
+        --default-index https://pypi.org/simple --no-annotate --custom-compile-command "make lock" "$@"
+}
+
+lock --python-version 3.10 "$@" tools/build.in -o tools/build.txt
+lock --python-version 3.11 "$@" --extra ros --extra dev --constraint tools/build.txt \
+    pyproject.toml -o requirements.txt
+lock --python-version 3.10 "$@" tools/jazzy.in -o tools/jazzy.txt
+lock --python-version 3.11 "$@" tools/audit.in -o tools/audit.txt

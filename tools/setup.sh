@@ -38,14 +38,25 @@ else
 fi
 [ -x .venv/bin/python ] || "$python" -m venv $site .venv
 if .venv/bin/python -c 'import rclpy, sys; sys.exit(rclpy.__file__.startswith(sys.prefix))' 2>/dev/null; then
-    extras=dev
+    left_out='^ros-'
     echo "setup: using the ROS 2 that $python imports already"
 else
-    extras=ros,dev
+    left_out='^$'
 fi
+awk -v left_out="$left_out" '/^[^ #]/ { keep = $0 !~ left_out } keep' requirements.txt >.venv/requirements.txt
 
-.venv/bin/python -m pip install --quiet --disable-pip-version-check \
-    --constraint constraints.txt --editable ".[$extras]"
+# Every file that is fetched must have the hash in a lock. What builds comes first, so that nothing is
+# fetched unseen to build this project and the few dependencies that have no wheel.
+install() {
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-build-isolation "$@" ||
+        fail "pip could not install what $locked pins, see above. A hash that does not match means that the
+index serves another file than the one that was locked: do not use it. Wanted on purpose? make lock"
+}
+locked=tools/build.txt
+install --require-hashes --requirement "$locked"
+locked=requirements.txt
+install --require-hashes --requirement .venv/requirements.txt
+.venv/bin/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps --editable .
 # Compiles the lidar's kernels into their cache, so that the first run need not.
 .venv/bin/python -c 'import harness.sensors.lidar'
 touch .venv/.ready
