@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from benchmarks.measuring import Effort, Rounds, Table, timed
 from benchmarks.scenes import poses, scene_on_hills
 from harness.sensors.heightfield_rays import HeightfieldRays
-from harness.sensors.lidar import Lidar, LidarSpec
+from harness.sensors.lidar import Lidar
+from harness.sensors.lidar_spec import LidarSpec
 from harness.world.scene import Scene
 
 Array = NDArray[np.float64]

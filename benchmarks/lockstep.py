@@ -2,7 +2,7 @@
 
 from benchmarks import ros_runs
 from benchmarks.measuring import Effort, Rounds, Table
-from harness.episode import EpisodeConfig
+from harness.config import EpisodeConfig
 from harness.result import RunResult
 
 TARGETS = {"in this process": ">= 10", "across processes (--wait-for)": ">= 8"}

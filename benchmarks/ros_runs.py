@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from harness.episode import EpisodeConfig
+from harness.config import EpisodeConfig
 from harness.interrupt import Interrupted, StopRequest
 from harness.result import Progress, RunResult
 from harness.ros.session import RosOptions, run_through_ros

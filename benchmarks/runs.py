@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from benchmarks import ros_runs
 from benchmarks.measuring import Effort, Rounds, Table
-from harness.episode import Episode, EpisodeConfig
+from harness.config import EpisodeConfig
+from harness.episode import Episode
 from harness.robots import ROVERS
 
 Commands = list[NDArray[np.float64]]

@@ -8,7 +8,7 @@ import pytest
 from emergency_stop import EmergencyStop
 from std_msgs.msg import Bool
 
-from harness.episode import EpisodeConfig
+from harness.config import EpisodeConfig
 from harness.testing import Trial
 
 Start = Callable[[EpisodeConfig], Trial]

@@ -19,7 +19,7 @@ from rich.table import Table
 from rich.text import Text
 
 from harness.command_line import OneLineParser
-from harness.episode import Batch, EpisodeConfig
+from harness.config import Batch, EpisodeConfig
 from harness.errors import HarnessError, UsageError
 from harness.fingerprint import Fingerprint, direct, direct_in_fresh_process, fingerprint
 from harness.interrupt import StopRequest

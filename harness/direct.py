@@ -11,7 +11,8 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
-from harness.episode import Batch, Episode, EpisodeConfig
+from harness.config import Batch, EpisodeConfig
+from harness.episode import Episode
 from harness.errors import RunFailed, UsageError
 from harness.interrupt import StopRequest
 from harness.pacing import Pacer
@@ -20,7 +21,7 @@ from harness.row_schedule import RowSchedule
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick
 from harness.sensors.fault_spec import parse_faults
 from harness.sensors.faults import FaultInjector
-from harness.simulation import NANOSECONDS
+from harness.sim_time import NANOSECONDS
 from rover_metrics.csv_log import CsvLog
 from rover_metrics.errors import LogError
 from rover_metrics.metrics import TraversalMetrics

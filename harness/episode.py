@@ -6,132 +6,33 @@ in batches of one control period, either in this process or through harness.stre
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.config import Batch, EpisodeConfig, EpisodeInfo
 from harness.drive import DiffDrive
 from harness.drivers import CmdVel, DriverContext, Observation, find_driver
 from harness.drivers.base import CONTROL_PERIOD_NS
-from harness.errors import RunFailed, UsageError
+from harness.errors import RunFailed
 from harness.robots import find_rover
-from harness.samples import LaserScan, Sample, Tick, Twist, sent_by_fields
+from harness.samples import LaserScan, Sample, Tick, Twist
 from harness.sensors.base import Sensor, period_ticks
-from harness.sensors.fault_spec import parse_faults
 from harness.sensors.imu import ImuSensor
-from harness.sensors.lidar import Lidar, LidarSpec
+from harness.sensors.lidar import Lidar
+from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import SensorNoise, chosen_preset
 from harness.sensors.odometry import WheelOdometry
 from harness.sensors.pose import GroundTruthSensor, JointSensor, PoseSensor
-from harness.simulation import (
-    DEFAULT_TIMESTEP_NS,
-    NANOSECONDS,
-    TICK_NS,
-    Simulation,
-    parse_timestep,
-)
-from harness.truth import Truth, TruthRecorder
-from harness.world.dem import TerrainFile, file_world, is_terrain_file
+from harness.sim_time import NANOSECONDS, TICK_NS, parse_timestep
+from harness.simulation import Simulation
+from harness.truth_recorder import TruthRecorder
 from harness.world.scene import HAZARD_CONTACT, build_scene, model_hash
-from harness.world.world import DEFAULT_DIFFICULTY, World, build_world, find_terrain, terrain_hash
+from harness.world.world import terrain_hash
 
 SCAN_RATE, POSE_RATE, STATE_RATE = 20, 50, 50  # [Hz]: RoboTerrain's
-LIDAR_BEAMS, IMU_RATE = 640, 20
-FEWEST_BEAMS, MOST_BEAMS = 2, 100_000
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
 RANDOM_STREAM = 10  # keeps the episode's generators apart from those that made the world
-
-
-@dataclass(frozen=True, kw_only=True)
-class EpisodeConfig:
-    """Everything that determines an episode; checked by `validate`."""
-
-    terrain: str = "rocky"
-    robot: str = "leo"
-    seed: int = 0
-    duration: float = 60.0
-    driver: str = "wander"
-    difficulty: float = DEFAULT_DIFFICULTY
-    terrain_size: tuple[float, float] | None = None  # [m] along x and y, of a terrain from a file
-    terrain_height: float | None = None  # [m] of relief, likewise
-    timestep: float = DEFAULT_TIMESTEP_NS / NANOSECONDS
-    noise: bool | str = False  # a preset's name; True for the default one
-    lidar_beams: int = LIDAR_BEAMS
-    imu_rate: int = IMU_RATE
-    faults: tuple[str, ...] = ()  # on the way to listeners; the episode itself does not see them
-
-    @property
-    def total_ticks(self) -> int:
-        """Clock ticks from start to end."""
-        return round(self.duration * NANOSECONDS) // TICK_NS
-
-    def world(self) -> World:
-        """Builds the world.
-
-        Raises:
-            UsageError: The terrain's file is not usable.
-        """
-        if is_terrain_file(self.terrain):
-            return file_world(self._terrain_file(), self.seed)
-        return build_world(self.terrain, self.seed, self.difficulty)
-
-    def _terrain_file(self) -> TerrainFile:
-        return TerrainFile(path=Path(self.terrain), size=self.terrain_size, relief=self.terrain_height)
-
-    def _validate_terrain(self) -> None:
-        if is_terrain_file(self.terrain):
-            self._terrain_file().check()
-            if self.difficulty != DEFAULT_DIFFICULTY:
-                raise UsageError("a terrain from a file has no difficulty; leave out --difficulty")
-            return
-        find_terrain(self.terrain)
-        if self.terrain_size is not None or self.terrain_height is not None:
-            raise UsageError("--terrain-size and --terrain-height apply to terrains from files only")
-
-    def validate(self) -> None:
-        """Checks every value that can be checked without building the world.
-
-        Raises:
-            UsageError: A value is not valid; the message names those that are.
-        """
-        self._validate_terrain()
-        find_rover(self.robot)
-        find_driver(self.driver)
-        parse_timestep(self.timestep)
-        period_ticks(self.imu_rate)
-        parse_faults(self.faults)
-        chosen_preset(self.noise)
-        if not (math.isfinite(self.duration) and self.total_ticks >= 1):
-            raise UsageError(f"duration {self.duration:g} s is not valid; give 0.01 s or more")
-        if self.seed < 0:
-            raise UsageError(f"seed {self.seed} is not valid; give a whole number from 0 up")
-        if not 0.0 <= self.difficulty <= 1.0:
-            raise UsageError(f"difficulty {self.difficulty:g} is not valid; give 0 to 1")
-        if not FEWEST_BEAMS <= self.lidar_beams <= MOST_BEAMS:
-            raise UsageError(
-                f"{self.lidar_beams} lidar beams are not valid; give {FEWEST_BEAMS} to {MOST_BEAMS}"
-            )
-
-
-@dataclass(frozen=True, slots=True)
-class EpisodeInfo:
-    """What an episode was made of, for the manifest."""
-
-    model_hash: str
-    terrain_hash: str
-    obstacles: int
-    map_size: float
-
-
-@sent_by_fields
-@dataclass(frozen=True, slots=True)
-class Batch:
-    """The ticks of one control period and the truth at their end."""
-
-    ticks: tuple[Tick, ...]
-    truth: Truth
 
 
 class LidarSensor:

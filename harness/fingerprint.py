@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from harness.config import Batch, EpisodeConfig
 from harness.direct import run_direct
-from harness.episode import Batch, EpisodeConfig
 from harness.errors import RunFailed
 from harness.interrupt import Interrupted, StopRequest
 from harness.result import Progress, RunResult

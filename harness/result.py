@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from harness.episode import EpisodeConfig, EpisodeInfo
-from harness.simulation import NANOSECONDS
+from harness.config import EpisodeConfig, EpisodeInfo
+from harness.sim_time import NANOSECONDS
 from harness.truth import Truth
 from rover_metrics.thresholds import DEFAULT_THRESHOLDS, Thresholds
 

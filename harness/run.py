@@ -19,10 +19,9 @@ from rich.console import Console
 
 from harness import __version__, headless
 from harness.command_line import OneLineParser
+from harness.config import Batch, EpisodeConfig
 from harness.console import RunProgress, print_choices, print_summary
-from harness.direct import run_direct
 from harness.drivers import DRIVERS
-from harness.episode import Batch, EpisodeConfig
 from harness.errors import HarnessError, UsageError
 from harness.interrupt import StopRequest
 from harness.manifest import check_writable, write_manifest
@@ -93,6 +92,9 @@ def _run(
     title = f"{config.robot} on {config.terrain}"
     with RunProgress(console, title, config.duration) as bar:
         if options.direct:
+            # Loads MuJoCo and compiled kernels, which through ROS only the simulation's process needs.
+            from harness.direct import run_direct  # noqa: PLC0415
+
             return run_direct(config, options.log_dir, options.rate, stop, bar.show, watch)
         return _run_through_ros(options, config, ros_args, stop, bar.show, watch)
 

@@ -10,14 +10,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import RunFailed, UsageError
+from harness.errors import RunFailed
 from harness.samples import Quaternion, Vector3
+from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.world.scene import Scene
 
-NANOSECONDS = 1_000_000_000
-TICK_NS = 10_000_000  # /clock at 100 Hz
-SMALLEST_TIMESTEP_NS, LARGEST_TIMESTEP_NS = 100_000, 5_000_000
-DEFAULT_TIMESTEP_NS = 2_500_000
 SETTLE_LIMIT_NS = 5 * NANOSECONDS
 AT_REST_SPEED = 2e-3  # [m/s] and [rad/s]: below it a rover counts as settled
 DROP_HEIGHT = 0.01  # [m] over the highest ground below the footprint
@@ -29,42 +26,6 @@ HEALTH_WARNINGS = {
     mujoco.mjtWarning.mjWARN_BADQACC: "acceleration",
     mujoco.mjtWarning.mjWARN_BADCTRL: "wheel command",
 }
-
-
-def parse_timestep(seconds: float) -> int:
-    """Converts a timestep to nanoseconds.
-
-    Raises:
-        UsageError: It does not divide the 10 ms tick, is too large for the contact model, or too small
-            to get anywhere; the message names the nearest valid values.
-    """
-    nanoseconds = round(seconds * NANOSECONDS) if np.isfinite(seconds) else 0
-    in_limits = SMALLEST_TIMESTEP_NS <= nanoseconds <= LARGEST_TIMESTEP_NS
-    if in_limits and TICK_NS % nanoseconds == 0:
-        return nanoseconds
-    message = (
-        f"timestep {seconds:g} s is refused: {_why_not(nanoseconds)}; "
-        f"nearest valid: {_nearest_timesteps(nanoseconds)}"
-    )
-    raise UsageError(message)
-
-
-def _why_not(timestep_ns: int) -> str:
-    if timestep_ns > LARGEST_TIMESTEP_NS:
-        return (
-            "above 5 ms the wheels' contacts (time constant 20 ms) are sampled too coarsely: "
-            "they chatter and shake the IMU"
-        )
-    if timestep_ns < SMALLEST_TIMESTEP_NS:
-        return "give 0.0001 or more"
-    return "it must divide the 10 ms clock tick"
-
-
-def _nearest_timesteps(timestep_ns: int) -> str:
-    valid = [TICK_NS // n for n in range(1, 101) if TICK_NS % n == 0]
-    usable = [v for v in valid if SMALLEST_TIMESTEP_NS <= v <= LARGEST_TIMESTEP_NS]
-    nearest = sorted(usable, key=lambda v: abs(v - timestep_ns))[:2]
-    return " or ".join(f"{v / NANOSECONDS:g}" for v in nearest)
 
 
 class Simulation:

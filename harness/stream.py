@@ -14,12 +14,15 @@ from dataclasses import dataclass
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from types import TracebackType
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
-from harness.episode import Batch, Episode, EpisodeConfig, EpisodeInfo
+from harness.config import Batch, EpisodeConfig, EpisodeInfo
 from harness.errors import HarnessError, RunFailed
 from harness.interrupt import HANDLED
 from harness.samples import Twist
+
+if TYPE_CHECKING:
+    from harness.episode import Episode
 
 EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
 
@@ -133,6 +136,9 @@ def _simulate(config: EpisodeConfig, connection: Connection) -> None:
 
 
 def _stream(config: EpisodeConfig, connection: Connection) -> None:
+    # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
+    from harness.episode import Episode  # noqa: PLC0415
+
     episode = Episode(config)
     connection.send(episode.info)
     for batch in _steered(episode, connection) if config.driver == "cmd_vel" else episode.batches():
@@ -140,7 +146,7 @@ def _stream(config: EpisodeConfig, connection: Connection) -> None:
     connection.send(_End())
 
 
-def _steered(episode: Episode, connection: Connection) -> Iterator[Batch]:
+def _steered(episode: "Episode", connection: Connection) -> Iterator[Batch]:
     batches = episode.batches()
     while True:
         episode.command(connection.recv())

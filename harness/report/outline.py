@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from harness.report.recorder import PlacedScan
 from harness.robots import RoverSpec
-from harness.sensors.lidar import LidarSpec
+from harness.sensors.lidar_spec import LidarSpec
 from harness.world.obstacles import Obstacle
 
 OUTLINE_POINTS = 24

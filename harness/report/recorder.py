@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from harness.config import Batch
 from harness.drivers.base import CONTROL_PERIOD_NS
-from harness.episode import Batch
 from harness.samples import Imu, LaserScan, Pose, Tick, Vector3
-from harness.simulation import NANOSECONDS
+from harness.sim_time import NANOSECONDS
 from harness.truth import Truth
 
 BATCHES_PER_STRETCH = 2  # at first: 0.1 s

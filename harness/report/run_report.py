@@ -4,9 +4,8 @@ import os
 import tempfile
 from pathlib import Path
 
-from harness.episode import Batch
+from harness.config import Batch
 from harness.errors import HarnessError, UsageError
-from harness.report.page import render
 from harness.report.recorder import RunRecorder
 from harness.result import RunResult
 
@@ -55,6 +54,9 @@ class RunReport:
         """
         if self._path is None:
             return None
+        # Loads MuJoCo and plotly: not before the run, whose publishing process needs neither.
+        from harness.report.page import render  # noqa: PLC0415
+
         page = render(result, self._recorder)
         partial = self._path.with_name(f".{self._path.name}.{os.getpid()}.part")
         try:

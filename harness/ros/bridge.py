@@ -21,7 +21,7 @@ from sensor_msgs.msg import Imu, JointState, LaserScan
 from harness import samples
 from harness.robots import RoverSpec
 from harness.ros import messages
-from harness.sensors.lidar import LidarSpec
+from harness.sensors.lidar_spec import LidarSpec
 
 RELIABLE = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,

@@ -17,7 +17,7 @@ from sensor_msgs.msg import Imu, JointState, LaserScan
 
 from harness import samples
 from harness.robots import RoverSpec
-from harness.sensors.lidar import LidarSpec
+from harness.sensors.lidar_spec import LidarSpec
 
 NANOSECONDS = 1_000_000_000
 GROUND_TRUTH_POSE_VARIANCE = 0.01  # on the diagonal, as RoboTerrain's PoseConverterNode says

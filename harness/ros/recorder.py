@@ -23,7 +23,7 @@ from rosbags.typesys import Stores, get_typestore
 from harness import __version__
 from harness.errors import RunFailed, UsageError
 from harness.ros.bridge import Bridge, Channel
-from harness.simulation import NANOSECONDS
+from harness.sim_time import NANOSECONDS
 
 CHUNK_SIZE = 1024 * 1024  # [B]
 SEPARATOR = "\n" + "=" * 80 + "\n"

@@ -9,7 +9,7 @@ from pathlib import Path
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 
-from harness.episode import Batch, EpisodeConfig
+from harness.config import Batch, EpisodeConfig
 from harness.errors import RunFailed
 from harness.interrupt import GRACE, Overdue, StopRequest
 from harness.pacing import Pacer
@@ -28,8 +28,8 @@ from harness.ros.startup import (
 )
 from harness.sensors.fault_spec import parse_faults
 from harness.sensors.faults import FaultInjector, disturb_time
-from harness.sensors.lidar import LidarSpec
-from harness.simulation import NANOSECONDS
+from harness.sensors.lidar_spec import LidarSpec
+from harness.sim_time import NANOSECONDS
 from harness.stream import EpisodeProcess
 from rover_metrics.row import COLUMNS
 

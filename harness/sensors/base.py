@@ -4,7 +4,7 @@ from typing import Protocol
 
 from harness.errors import UsageError
 from harness.samples import Sample
-from harness.simulation import NANOSECONDS, TICK_NS
+from harness.sim_time import NANOSECONDS, TICK_NS
 
 HIGHEST_RATE = NANOSECONDS // TICK_NS  # [Hz]: one sample per clock tick
 

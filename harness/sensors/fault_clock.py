@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.sensors.fault_spec import Fault
-from harness.simulation import NANOSECONDS
+from harness.sim_time import NANOSECONDS
 
 LATEST_NS = (2**31 - 1) * NANOSECONDS  # a stamp's seconds have 31 bits
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from harness.errors import UsageError
 from harness.sensors.fault_kinds import CLOCK, LONGEST, SENSORS, Kind, kinds
-from harness.simulation import NANOSECONDS
+from harness.sim_time import NANOSECONDS
 
 FORM = "SENSOR:FAULT[=VALUE][@START[+LENGTH]]"
 _SPEC = re.compile(r"([^:=@+]+):([^:=@+]+)(?:=([^@]+))?(?:@([^+]+)(?:\+(.+))?)?")

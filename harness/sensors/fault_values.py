@@ -17,7 +17,7 @@ from harness.samples import (
     Sample,
     Twist,
 )
-from harness.simulation import NANOSECONDS
+from harness.sim_time import NANOSECONDS
 
 HUGE = 1e30  # fits float32; its square fits float64
 SPIKE_SHARE = 0.1

@@ -17,7 +17,7 @@ from harness.sensors.fault_clock import FaultyClock
 from harness.sensors.fault_kinds import CLOCK, SENSORS
 from harness.sensors.fault_spec import Fault
 from harness.sensors.fault_values import CORRUPT
-from harness.simulation import NANOSECONDS
+from harness.sim_time import NANOSECONDS
 
 RANDOM_STREAM = 11  # keeps these generators apart from those of the episode
 

@@ -9,7 +9,8 @@ import math
 import numpy as np
 
 from harness.samples import Odometry, Twist
-from harness.simulation import NANOSECONDS, TICK_NS, Simulation
+from harness.sim_time import NANOSECONDS, TICK_NS
+from harness.simulation import Simulation
 
 
 class WheelOdometry:

@@ -1,6 +1,6 @@
 """Test your own ROS 2 node against a simulated rover: in lock-step, on simulated time, without sleeps.
 
-    from harness.episode import EpisodeConfig
+    from harness.config import EpisodeConfig
     from harness.testing import Trial
 
     with Trial(EpisodeConfig(terrain="maze", driver="cmd_vel", faults=("scan:dropout@2",))) as trial:

@@ -5,7 +5,7 @@ from contextlib import ExitStack
 
 import pytest
 
-from harness.episode import EpisodeConfig
+from harness.config import EpisodeConfig
 from harness.testing.trial import Trial
 
 

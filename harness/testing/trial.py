@@ -11,7 +11,8 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
-from harness.episode import Episode, EpisodeConfig
+from harness.config import EpisodeConfig
+from harness.episode import Episode
 from harness.errors import UsageError
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
@@ -20,8 +21,8 @@ from harness.ros.lockstep import LockStep
 from harness.samples import GroundTruth, Tick, Twist
 from harness.sensors.fault_spec import parse_faults
 from harness.sensors.faults import FaultInjector, disturb_time
-from harness.sensors.lidar import LidarSpec
-from harness.simulation import NANOSECONDS, TICK_NS
+from harness.sensors.lidar_spec import LidarSpec
+from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.testing.domain import reserved_domain
 from harness.testing.heard import Heard
 from harness.testing.subject import Subject, await_node, started, stop

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from harness.drive import DiffDrive
 from harness.robots import RoverSpec
 from harness.samples import Twist
-from harness.simulation import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, Simulation
+from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS
+from harness.simulation import Simulation
 from harness.validation.grounds import Course
 from harness.world.scene import ROCK_CONTACT, build_scene
 

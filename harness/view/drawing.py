@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Self
 
-from harness.episode import Batch, EpisodeConfig
+from harness.config import Batch, EpisodeConfig
 from harness.errors import HarnessError, UsageError
 from harness.view.files import check_target
 from harness.view.states import StateWriter

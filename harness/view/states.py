@@ -13,11 +13,11 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.episode import Batch, EpisodeConfig
+from harness.config import Batch, EpisodeConfig
 from harness.errors import UsageError
 from harness.robots import find_rover
 from harness.samples import JointStates, Pose, Tick
-from harness.simulation import NANOSECONDS
+from harness.sim_time import NANOSECONDS
 
 PERIOD_NS = 40_000_000  # 25 states a second, as a video shows them
 POSE_SIZE = 7

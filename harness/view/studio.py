@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.robots import find_rover
-from harness.sensors.lidar import Lidar, LidarSpec
+from harness.sensors.lidar import Lidar
+from harness.sensors.lidar_spec import LidarSpec
 from harness.view.camera import View
 from harness.view.marks import Mark, add_marks, beam_marks, path_marks, track_marks
 from harness.view.stage import Quality, aim_sun, prepare, visible_groups

@@ -8,7 +8,8 @@ import pytest
 
 from harness import check
 from harness.check import judged, main
-from harness.episode import Episode, EpisodeConfig
+from harness.config import EpisodeConfig
+from harness.episode import Episode
 from harness.errors import RunFailed, UsageError
 from harness.fingerprint import Fingerprint, StreamHash, direct, direct_in_fresh_process, fingerprint
 from harness.interrupt import StopRequest

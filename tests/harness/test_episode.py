@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.episode import Episode, EpisodeConfig
+from harness.config import EpisodeConfig
+from harness.episode import Episode
 from harness.errors import RunFailed, UsageError
 from harness.robots import LEO, ROVER_ZERO4WD, ROVERS
 from harness.samples import (

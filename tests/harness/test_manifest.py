@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.episode import EpisodeConfig
+from harness.config import EpisodeConfig
 from harness.errors import UsageError
 from harness.manifest import check_writable, manifest, write_manifest
 from harness.result import RunResult, TopicCount

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from harness.episode import Episode, EpisodeConfig
+from harness.config import EpisodeConfig
+from harness.episode import Episode
 from harness.errors import UsageError
 from harness.robots import LEO
 from harness.run import main

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from harness.config import EpisodeConfig
 from harness.direct import run_direct
-from harness.episode import EpisodeConfig
 from harness.interrupt import StopRequest
 from harness.report.page import render
 from harness.report.recorder import RunRecorder

@@ -3,7 +3,8 @@ import multiprocessing
 
 import pytest
 
-from harness.episode import Batch, Episode, EpisodeConfig
+from harness.config import Batch, EpisodeConfig
+from harness.episode import Episode
 from harness.errors import RunFailed, UsageError
 from harness.samples import LaserScan, Twist
 from harness.stream import EpisodeProcess

@@ -16,7 +16,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Float64
 
-from harness.episode import EpisodeConfig
+from harness.config import EpisodeConfig
 from harness.errors import RunFailed, UsageError
 from harness.testing import Trial
 from harness.testing.domain import reserved_domain

@@ -100,7 +100,7 @@ def test_the_manifest_of_harness_run_marks_the_end_too(log: Path, status: str) -
 
 def test_the_outcome_of_the_real_manifest_is_the_one_that_is_looked_for(log: Path) -> None:
     manifest = pytest.importorskip("harness.manifest")
-    from harness.episode import EpisodeConfig  # noqa: PLC0415 - the harness is optional here
+    from harness.config import EpisodeConfig  # noqa: PLC0415 - the harness is optional here
     from harness.result import RunResult  # noqa: PLC0415
 
     write_record(log, None, {})

@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 
+from harness.config import EpisodeConfig
 from harness.drivers import find_driver
 from harness.drivers.approach import Line, half_extent, line_past
 from harness.drivers.base import DriverContext, Observation
-from harness.episode import Episode, EpisodeConfig
+from harness.episode import Episode
 from harness.robots import LEO, ROVER_ZERO4WD
 from harness.samples import Twist
 from harness.truth import Truth

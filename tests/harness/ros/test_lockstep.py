@@ -19,7 +19,7 @@ from harness.ros.bridge import Bridge
 from harness.ros.executor import make_executor, spin_until
 from harness.ros.lockstep import HostedMetrics, LockStep
 from harness.samples import Imu, Pose, Tick, Twist
-from harness.sensors.lidar import LidarSpec
+from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.metrics_node import MetricsNode
 
 TICK_NS = 10_000_000

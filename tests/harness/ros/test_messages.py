@@ -11,7 +11,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from harness import samples
 from harness.robots import LEO, ROVER_ZERO4WD, RoverSpec
 from harness.ros import messages
-from harness.sensors.lidar import LidarSpec
+from harness.sensors.lidar_spec import LidarSpec
 
 STAMP_NS = 12_345_678_901
 

@@ -23,7 +23,7 @@ from harness.errors import RunFailed, UsageError
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.recorder import Recorder, full_definition, padding_of
-from harness.sensors.lidar import LidarSpec
+from harness.sensors.lidar_spec import LidarSpec
 
 BEAMS = 16
 STEP_NS = 50_000_000

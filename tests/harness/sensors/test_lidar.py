@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from harness.errors import UsageError
 from harness.robots import ROVERS, RoverSpec
-from harness.sensors.lidar import Lidar, LidarSpec
+from harness.sensors.lidar import Lidar
+from harness.sensors.lidar_spec import LidarSpec
 
 Array = NDArray[np.float64]
 Scene = tuple[mujoco.MjModel, mujoco.MjData]

@@ -1,0 +1,49 @@
+"""Simulation time: whole nanoseconds, the clock tick, and the physics steps that divide it.
+
+Free of MuJoCo: whoever only counts ticks need not load it.
+"""
+
+import math
+
+from harness.errors import UsageError
+
+NANOSECONDS = 1_000_000_000
+TICK_NS = 10_000_000  # /clock at 100 Hz
+SMALLEST_TIMESTEP_NS, LARGEST_TIMESTEP_NS = 100_000, 5_000_000
+DEFAULT_TIMESTEP_NS = 2_500_000
+
+
+def parse_timestep(seconds: float) -> int:
+    """Converts a timestep to nanoseconds.
+
+    Raises:
+        UsageError: It does not divide the 10 ms tick, is too large for the contact model, or too small
+            to get anywhere; the message names the nearest valid values.
+    """
+    nanoseconds = round(seconds * NANOSECONDS) if math.isfinite(seconds) else 0
+    in_limits = SMALLEST_TIMESTEP_NS <= nanoseconds <= LARGEST_TIMESTEP_NS
+    if in_limits and TICK_NS % nanoseconds == 0:
+        return nanoseconds
+    message = (
+        f"timestep {seconds:g} s is refused: {_why_not(nanoseconds)}; "
+        f"nearest valid: {_nearest_timesteps(nanoseconds)}"
+    )
+    raise UsageError(message)
+
+
+def _why_not(timestep_ns: int) -> str:
+    if timestep_ns > LARGEST_TIMESTEP_NS:
+        return (
+            "above 5 ms the wheels' contacts (time constant 20 ms) are sampled too coarsely: "
+            "they chatter and shake the IMU"
+        )
+    if timestep_ns < SMALLEST_TIMESTEP_NS:
+        return "give 0.0001 or more"
+    return "it must divide the 10 ms clock tick"
+
+
+def _nearest_timesteps(timestep_ns: int) -> str:
+    valid = [TICK_NS // n for n in range(1, 101) if TICK_NS % n == 0]
+    usable = [v for v in valid if SMALLEST_TIMESTEP_NS <= v <= LARGEST_TIMESTEP_NS]
+    nearest = sorted(usable, key=lambda v: abs(v - timestep_ns))[:2]
+    return " or ".join(f"{v / NANOSECONDS:g}" for v in nearest)
