@@ -2,7 +2,7 @@
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test test-jazzy lint format bench lock audit clean setup
+.PHONY: run test test-jazzy lint format bench soak lock audit clean setup
 
 run: setup  ## a rover over rocky terrain, metrics logged to CSV
 	$(BIN)/python -m harness.run --terrain rocky $(ARGS)
@@ -24,6 +24,9 @@ format: setup  ## lets ruff lay out the code
 
 bench: setup  ## tables of ratios, measured side by side
 	$(BIN)/python -m benchmarks
+
+soak: setup  ## hours of simulated driving with faults, a quarter of an hour; its table goes into benchmarks/README.md
+	$(BIN)/python -m benchmarks.soak --write
 
 lock: setup  ## pins the newest versions that pyproject.toml allows, and the hashes of their files
 	tools/lock.sh --upgrade

@@ -8,12 +8,12 @@ import os
 import sys
 from collections.abc import Sequence
 
-from rich import table as rich_table
 from rich.console import Console
 
 from benchmarks.measuring import FULL, QUICK, Effort, Table
 from benchmarks.readme import README, conditions, write_readme
 from benchmarks.registry import BENCHMARKS, Benchmark
+from benchmarks.show import printable
 from harness.command_line import OneLineParser
 from harness.errors import HarnessError
 from harness.interrupt import StopRequest
@@ -33,7 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # Runs through ROS 2 shall meet neither a rover nor another run.
     os.environ.setdefault("ROS_DOMAIN_ID", str(os.getpid() % 100 + 1))
     effort = QUICK if options.quick else FULL
-    told = conditions(effort)
+    told = f"{conditions()} Medians of {effort.rounds} rounds."
     console.print(told, highlight=False)
     try:
         with StopRequest():  # else a signal would leave folders and nodes behind
@@ -59,23 +59,8 @@ def _measured(chosen: Sequence[Benchmark], effort: Effort, console: Console) -> 
     for benchmark in chosen:
         with console.status(f"{benchmark.name}: {benchmark.question}"):
             tables.append(benchmark.measure(effort))
-        console.print(_printable(tables[-1]))
+        console.print(printable(tables[-1]))
     return tables
-
-
-def _printable(table: Table) -> rich_table.Table:
-    printable = rich_table.Table(title=table.title, title_justify="left")
-    for index, column in enumerate(table.columns):
-        printable.add_column(column, justify="right" if index else "left")
-    for row in table.rows:
-        printable.add_row(*(_bold(cell) for cell in row))
-    return printable
-
-
-def _bold(cell: str) -> str:
-    """Markdown's bold, which the cells use, as rich writes it."""
-    bare = cell.replace("**", "")
-    return f"[bold]{bare}[/]" if bare != cell else cell
 
 
 def _name(word: str) -> str:

@@ -7,12 +7,13 @@ from datetime import date
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from benchmarks.measuring import Effort, Table
+from benchmarks.measuring import Table
 from harness import __version__
 
 README = Path(__file__).with_name("README.md")
 PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy", "pybullet")
 
+SOAK = "## The soak"
 TEMPLATE = """\
 # Benchmarks
 
@@ -22,9 +23,10 @@ python -m benchmarks lidar runs      # some of them; --list names them
 python -m benchmarks --hour          # with memory over a simulated hour
 python -m benchmarks --quick         # does everything still work? The figures mean nothing
 python -m benchmarks --write         # all of them, into this file
+make soak                            # hours of broken sensors; its table at the end of this file
 ```
 
-Written by `python -m benchmarks --write`: change benchmarks/readme.py, not this file.
+Written by `python -m benchmarks --write` and `make soak`: change benchmarks/readme.py, not this file.
 
 ## How to read it
 
@@ -46,23 +48,37 @@ Written by `python -m benchmarks --write`: change benchmarks/readme.py, not this
 - *lost* counts every published message that a callback did not handle, best-effort topics included. It
   must be 0.
 - The targets are those of this project's design, for 2 cores.
+- *The soak* passes or fails; its speeds are a by-product. A lost message is one that the callbacks of
+  some metrics node did not handle. "Bytes as without ROS": the log of each node against the one that
+  `--direct` writes for the same drive with the same faults, on an undisturbed machine.
 - PyBullet is the optional extra `[bench]`. Where it or ROS 2 is missing, the table says so.
 """
 
 
 def write_readme(conditions: str, tables: Iterable[Table]) -> None:
-    """Writes the README with these tables, measured under these conditions."""
+    """Writes the README with these tables, measured under these conditions; the soak's stays."""
     parts = [TEMPLATE, f"## Results\n\n{conditions}\n", *(markdown(t) for t in tables)]
-    README.write_text("\n".join(parts))
+    README.write_text("\n".join([*parts, *_soak_of(README.read_text())]))
 
 
-def conditions(effort: Effort) -> str:
-    """Machine, its load before the first round, date, versions and effort."""
+def write_soak(conditions: str, table: Table) -> None:
+    """Writes the soak's table into the README; everything else stays."""
+    text = README.read_text().partition(SOAK)[0].rstrip()
+    README.write_text(f"{text}\n\n{SOAK}\n\n{conditions}\n\n{markdown(table)}")
+
+
+def _soak_of(text: str) -> list[str]:
+    _, marker, rest = text.partition(SOAK)
+    return [marker + rest] if marker else []
+
+
+def conditions() -> str:
+    """Machine, its load before the first round, date and versions."""
     versions = ", ".join(f"{name} {found}" for name in PACKAGES if (found := _version(name)))
     return (
         f"{os.cpu_count()} cores, {cpu_model()}, load average {os.getloadavg()[0]:.1f} at the start; "
         f"{date.today():%Y-%m-%d}. rover-harness {__version__}, Python {platform.python_version()}, "
-        f"{versions}. Medians of {effort.rounds} rounds."
+        f"{versions}."
     )
 
 

@@ -3,13 +3,14 @@
 import sys
 from collections.abc import Callable
 from importlib import import_module
+from pathlib import Path
 
 import pytest
 
 from benchmarks import lidar
 from benchmarks.__main__ import main
 from benchmarks.measuring import QUICK, Rounds, Table
-from benchmarks.readme import README, TEMPLATE, markdown
+from benchmarks.readme import README, SOAK, TEMPLATE, markdown, write_readme, write_soak
 from benchmarks.registry import BENCHMARKS, Benchmark
 
 SHORT = [name for name, benchmark in BENCHMARKS.items() if not benchmark.takes_minutes]
@@ -78,7 +79,25 @@ def test_tables_become_markdown() -> None:
 def test_readme_is_the_one_that_the_benchmarks_wrote() -> None:
     text = README.read_text()
     assert text.startswith(TEMPLATE)
-    assert text.count("\n### ") == len(BENCHMARKS)
+    assert text.partition(SOAK)[0].count("\n### ") == len(BENCHMARKS)
+
+
+def test_each_command_writes_its_part_of_the_readme_and_keeps_the_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    readme = tmp_path / "README.md"
+    readme.write_text("")
+    monkeypatch.setattr("benchmarks.readme.README", readme)
+    tables = {t: Table(title=t, columns=("way",), rows=(("here",),)) for t in ("Speed", "Hours", "Days")}
+    write_readme("one core.", [tables["Speed"]])
+    write_soak("two cores.", tables["Hours"])
+    write_soak("three cores.", tables["Days"])
+    write_readme("four cores.", [tables["Speed"]])
+    text = readme.read_text()
+    assert text.startswith(TEMPLATE)
+    assert "one core." not in text
+    assert text.index("four cores.") < text.index("### Speed") < text.index(SOAK)
+    assert text.partition(SOAK)[2] == f"\n\nthree cores.\n\n{markdown(tables['Days'])}"
 
 
 @pytest.mark.parametrize(
