@@ -1,0 +1,126 @@
+"""Distances from lidar returns to a rover's outline, and what an outline must be."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rover_metrics.errors import ParameterError
+from rover_metrics.footprint import Footprint, FootprintClearance, LidarPose
+
+SQUARE = Footprint.rectangle(-0.2, 0.2, -0.2, 0.2)
+LIDAR = LidarPose(0.174, 0.0, math.pi)  # of both rovers: it looks backwards
+AHEAD, BEHIND, LEFT = 0.0, math.pi, math.pi / 2  # bearings in the base frame
+U_SHAPE = Footprint.from_flat([-1, -1, 1, -1, 1, 1, 0.5, 1, 0.5, 0, -0.5, 0, -0.5, 1, -1, 1])
+
+PLACES = st.floats(-2.0, 2.0)
+READINGS = st.floats(0.0, 12.0, width=32) | st.sampled_from([math.inf, -math.inf, math.nan])
+
+
+@st.composite
+def stars(draw: st.DrawFn) -> Footprint:
+    """A simple polygon: corners around a point at growing angles, rarely convex."""
+    radii = draw(st.lists(st.floats(0.05, 1.5), min_size=3, max_size=9))
+    corners = [
+        (r * math.cos(math.tau * i / len(radii)), r * math.sin(math.tau * i / len(radii)))
+        for i, r in enumerate(radii)
+    ]
+    return Footprint(tuple(corners[:: draw(st.sampled_from([1, -1]))]))
+
+
+def clearance(footprint: Footprint, x: float, y: float) -> float:
+    """Of one point, by the definition: 0 where the boundary winds around it."""
+    corners = np.array(footprint.corners) - (x, y)
+    following = np.roll(corners, -1, axis=0)
+    cross = corners[:, 0] * following[:, 1] - corners[:, 1] * following[:, 0]
+    turns = np.arctan2(cross, (corners * following).sum(axis=1)).sum() / math.tau
+    if abs(round(turns)) == 1:
+        return 0.0
+    along = following - corners
+    shares = np.clip(-(corners * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
+    return float(np.linalg.norm(corners + shares[:, None] * along, axis=1).min())
+
+
+@settings(max_examples=300)
+@given(
+    footprint=stars(),
+    pose=st.builds(LidarPose, PLACES, PLACES, st.floats(-7.0, 7.0)),
+    ranges=st.lists(READINGS, max_size=40),
+)
+def test_the_nearest_of_a_scan_is_the_nearest_of_its_returns(
+    footprint: Footprint, pose: LidarPose, ranges: list[float]
+) -> None:
+    bearings = np.linspace(-3.0, 3.0, len(ranges))
+    places = [
+        (pose.x + r * math.cos(b + pose.yaw), pose.y + r * math.sin(b + pose.yaw))
+        for r, b in zip(ranges, bearings, strict=True)
+        if math.isfinite(r)
+    ]
+    expected = min((clearance(footprint, *place) for place in places), default=math.inf)
+    found = FootprintClearance(footprint, pose, bearings).nearest(ranges)
+    assert found == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("bearing", "distance", "expected"),
+    [(AHEAD, 0.126, 0.1), (BEHIND, 0.474, 0.1), (LEFT, 0.3, 0.1), (BEHIND, 0.3, 0.0)],
+)
+def test_a_wall_a_decimetre_away_is_a_decimetre_away_on_every_side(
+    bearing: float, distance: float, expected: float
+) -> None:
+    scan = FootprintClearance(SQUARE, LIDAR, [bearing - LIDAR.yaw])
+    assert scan.nearest([distance]) == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_return_in_the_notch_of_a_footprint_is_outside() -> None:
+    scan = FootprintClearance(U_SHAPE, LidarPose(0.0, 3.0, -math.pi / 2), [0.0])
+    assert scan.nearest([2.4]) == pytest.approx(0.5)  # to either arm; 0.6 to the bottom
+    assert scan.nearest([3.5]) == 0.0
+
+
+def test_misses_and_faults_are_no_returns() -> None:
+    scan = FootprintClearance(SQUARE, LIDAR, [0.0, 1.0, 2.0])
+    assert scan.nearest([math.inf, math.nan, -math.inf]) == math.inf
+    assert FootprintClearance(SQUARE, LIDAR, []).nearest([]) == math.inf
+
+
+def test_near_returns_are_contacts_only_if_they_shall_be() -> None:
+    bearings, ranges = [0.0, 1.0], [-math.inf, 5.0]
+    assert FootprintClearance(SQUARE, LIDAR, bearings).nearest(ranges) > 4.0
+    strict = FootprintClearance(SQUARE, LIDAR, bearings, near_returns_are_contacts=True)
+    assert strict.nearest(ranges) == 0.0
+    assert strict.nearest([math.nan, 5.0]) > 4.0
+
+
+def test_ranges_that_do_not_fit_the_bearings_are_refused() -> None:
+    with pytest.raises(ValueError, match="3 ranges do not fit 2 bearings"):
+        FootprintClearance(SQUARE, LIDAR, [0.0, 1.0]).nearest([1.0, 1.0, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("numbers", "complaint"),
+    [
+        ([], "has 0 corners"),
+        ([0, 0, 1, 0], "has 2 corners"),
+        ([0, 0, 1, 0, 1], "one corner lacks its y"),
+        ([0, 0, 1, 0, math.nan, 1], "not within 1000 m"),
+        ([0, 0, 1e9, 0, 1, 1], "not within 1000 m"),
+        ([0, 0, 1, 0, 1, 0, 1, 1], "the same corner twice"),
+        ([0, 0, 1, 1, 1, 0, 0, 1], "with edges 1 and 3"),  # a bow tie
+        ([0, 0, 2, 0, 1, 0], "with edges 1 and 2"),  # folded flat
+        ([0, 0, 2, 0, 2, 2, 1, 0, 0, 2], "with edges 1 and 3"),  # touches its own edge
+        ([0, 0] * 101, "has 101 corners"),
+    ],
+)
+def test_what_is_no_simple_polygon_is_refused_in_one_line(numbers: list[float], complaint: str) -> None:
+    with pytest.raises(ParameterError, match=complaint) as refused:
+        Footprint.from_flat(numbers)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("numbers", [[], [1, 2], [1, 2, 3, 4], [0, 0, math.inf]])
+def test_a_lidar_pose_is_three_finite_numbers(numbers: list[float]) -> None:
+    with pytest.raises(ParameterError, match=r"lidar_pose .* x and y in metres, yaw in radians"):
+        LidarPose.from_flat(numbers)
