@@ -9,21 +9,14 @@ sets /clock, sim Hz is what its listeners see.
 
 import argparse
 import math
-import os
-import re
 import sys
 import time
-from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
-from importlib import import_module
-from importlib.util import find_spec
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.live import Live
-from rich.table import Table
 
 from harness.command_line import OneLineParser
 from harness.errors import HarnessError, UsageError
@@ -32,128 +25,10 @@ from harness.interrupt import Overdue, StopRequest
 if TYPE_CHECKING:
     from rclpy.executors import Executor
 
-WINDOW = 5.0  # [s] of the past that a rate is taken over
+    from harness.ros.onlooker import Onlooker
+
 LOOK_PERIOD = 0.5  # [s] from one look at the graph, and one table, to the next
 SPIN_TIMEOUT = 0.1  # [s]: how long Ctrl-C may wait
-QUEUE = 100  # messages of a topic that may wait for this process
-CLOCK = "/clock"
-PLUMBING = ("/rosout", "/parameter_events")  # every node has them
-COLUMNS = ("topic", "type", "Hz", "sim Hz", "age [s]", "QoS", "publishers", "subscribers")
-TYPE = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)")
-
-
-class Pace:
-    """How fast something grows, and when it last did: messages of a topic, or a simulation's time."""
-
-    def __init__(self) -> None:
-        self._points: deque[tuple[float, float]] = deque()
-        self._last: float | None = None
-
-    def note(self, now: float, value: float) -> None:
-        """Takes down a value [any unit] at a time [s]; a value that falls starts anew."""
-        if self._points and value < self._points[-1][1]:
-            self._points.clear()
-        self._points.append((now, value))
-        self._last = now
-        self._forget(now)
-
-    def rate(self, now: float) -> float | None:
-        """Growth per second over the last WINDOW; None if fewer than two values fell into it."""
-        self._forget(now)
-        if len(self._points) < 2 or self._points[0][0] == self._points[-1][0]:
-            return None
-        (begin, first), (end, last) = self._points[0], self._points[-1]
-        return (last - first) / (end - begin)
-
-    def age(self, now: float) -> float | None:
-        """Seconds since the last value; None before the first."""
-        return None if self._last is None else now - self._last
-
-    def _forget(self, now: float) -> None:
-        while self._points and self._points[0][0] < now - WINDOW:
-            self._points.popleft()
-
-
-class Onlooker:
-    """A node that listens to everything below a namespace, in best effort so that it holds up nobody."""
-
-    def __init__(self, node: Any, namespace: str, now: Callable[[], float] = time.monotonic) -> None:  # noqa: ANN401 - rclpy has no types
-        from rclpy.qos import QoSProfile, ReliabilityPolicy  # noqa: PLC0415 - see _look
-
-        self._node, self._now, self._below = node, now, f"/{namespace.strip('/')}/".replace("//", "/")
-        self._qos = QoSProfile(depth=QUEUE, reliability=ReliabilityPolicy.BEST_EFFORT)
-        self.types: dict[str, str] = {}
-        self.counts: dict[str, int] = {}
-        self.paces: dict[str, Pace] = {}
-        self.clock = Pace()
-
-    def look_around(self) -> None:
-        """Listens to topics that have turned up."""
-        for topic, types in self._node.get_topic_names_and_types():
-            shown = topic.startswith(self._below) or topic == CLOCK
-            if topic not in self.types and shown and topic not in PLUMBING:
-                self.types[topic] = ", ".join(types)
-                self.counts[topic], self.paces[topic] = 0, Pace()
-                self._listen(topic, message_class(types[0]))
-
-    def table(self) -> Table:
-        """What is known now, one row a topic."""
-        now, speed = self._now(), self.clock.rate(self._now())
-        table = Table(*COLUMNS, title=f"{len(self.types)} topics", title_justify="left")
-        for topic in sorted(self.types):
-            pace = self.paces[topic]
-            rate = pace.rate(now)
-            simulated = rate / speed if rate is not None and speed else None
-            publishers = self._node.get_publishers_info_by_topic(topic)
-            subscribers = self._node.get_subscriptions_info_by_topic(topic)
-            others = [s for s in subscribers if s.node_name != self._node.get_name()]
-            cells = (_number(rate, 1), _number(simulated, 1), _number(pace.age(now), 2))
-            qos = ", ".join(sorted({quality(p.qos_profile) for p in publishers})) or "-"
-            table.add_row(topic, self.types[topic], *cells, qos, str(len(publishers)), str(len(others)))
-        if speed is not None:
-            table.caption = f"{CLOCK} runs at {speed:.1f}x real time"
-        return table
-
-    def _listen(self, topic: str, kind: type | None) -> None:
-        if kind is None:
-            return  # a type that is not installed here: shown, not counted
-
-        def received(message: Any) -> None:  # noqa: ANN401 - bytes, or a Clock
-            self.counts[topic] += 1
-            self.paces[topic].note(self._now(), self.counts[topic])
-            if topic == CLOCK:
-                self.clock.note(self._now(), message.clock.sec + message.clock.nanosec * 1e-9)
-
-        self._node.create_subscription(kind, topic, received, self._qos, raw=topic != CLOCK)
-
-
-def message_class(type_name: str) -> type | None:
-    """The class of a type such as sensor_msgs/msg/Imu; None if it is not installed here.
-
-    The name comes from the network: nothing is imported unless it is a package of ROS messages.
-    """
-    match = TYPE.fullmatch(type_name)
-    spec = find_spec(match[1]) if match else None
-    folders = spec.submodule_search_locations if spec else None
-    if not match or not folders or not any(Path(f, "msg", "__init__.py").is_file() for f in folders):
-        return None
-    return getattr(import_module(f"{match[1]}.msg"), match[2], None)
-
-
-def quality(profile: Any) -> str:  # noqa: ANN401 - rclpy has no types
-    """Reliability, durability unless volatile, and the depth where the middleware tells it."""
-    words = [profile.reliability.name.lower().replace("_", " ")]
-    if profile.durability.name not in ("VOLATILE", "SYSTEM_DEFAULT", "UNKNOWN"):
-        words.append(profile.durability.name.lower().replace("_", " "))
-    if profile.history.name == "KEEP_ALL":
-        words.append("all")
-    elif profile.depth > 0:  # Fast DDS does not tell: 0
-        words.append(str(profile.depth))
-    return " ".join(words)
-
-
-def _number(value: float | None, decimals: int) -> str:
-    return "-" if value is None else f"{value:.{decimals}f}"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -170,32 +45,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _look(options: argparse.Namespace, stop: StopRequest, console: Console) -> None:
     try:  # as in harness.run: whoever has no ROS shall read one line
-        import rclpy  # noqa: PLC0415
-        from rclpy.signals import SignalHandlerOptions  # noqa: PLC0415
-
-        from harness.ros.executor import make_executor  # noqa: PLC0415
+        from harness.ros.onlooker import looking  # noqa: PLC0415
     except ImportError as error:
         message = f"ROS 2 is not importable ({error}); pip install -e '.[ros]' or source a ROS 2"
         raise UsageError(message) from error
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    context = rclpy.Context()
-    try:
-        rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
-    except RuntimeError as error:
-        message = f"ROS 2 refuses to start: {' '.join(str(error).split())}"
-        raise UsageError(message) from error
-    executor = make_executor(context)
-    try:
-        node = rclpy.create_node(f"topics_{os.getpid()}", context=context, enable_rosout=False)
-        executor.add_node(node)
-        _watch(Onlooker(node, options.namespace), executor, options.seconds, stop, console)
-    finally:
-        executor.shutdown()
-        context.try_shutdown()
+    with looking(options.namespace) as (onlooker, executor):
+        _watch(onlooker, executor, options.seconds, stop, console)
 
 
 def _watch(
-    onlooker: Onlooker, executor: "Executor", seconds: float, stop: StopRequest, console: Console
+    onlooker: "Onlooker", executor: "Executor", seconds: float, stop: StopRequest, console: Console
 ) -> None:
     end = time.monotonic() + seconds
     with Live(console=console, auto_refresh=False) as live:
@@ -230,7 +89,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--seconds", type=_seconds, default=math.inf, metavar="S", help="look so long, print, end"
     )
-    parser.add_argument("--namespace", default="", metavar="NS", help=f"topics below it, and {CLOCK}")
+    parser.add_argument("--namespace", default="", metavar="NS", help="topics below it, and /clock")
     return parser
 
 

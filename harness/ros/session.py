@@ -16,16 +16,12 @@ from harness.pacing import Pacer
 from harness.result import Progress, RunResult, TopicCount
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
+from harness.ros.context import ros_context
 from harness.ros.executor import make_executor
 from harness.ros.lockstep import SECOND_PUBLISHER, HostedMetrics, Listener, LockStep
 from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, RemoteNode
-from harness.ros.startup import (
-    await_match,
-    metrics_node,
-    refuse_other_publishers,
-    ros_context,
-)
+from harness.ros.startup import await_match, metrics_node, refuse_other_publishers
 from harness.sensors.fault_spec import parse_faults
 from harness.sensors.faults import FaultInjector, disturb_time
 from harness.sensors.lidar_spec import LidarSpec

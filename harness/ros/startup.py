@@ -1,15 +1,10 @@
-"""What must stand before a run can begin: a context, the hosted node, connected topics, no strangers."""
+"""What must stand before a run can begin: the hosted node, connected topics, no strangers."""
 
-import os
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from pathlib import Path
 
-import rclpy
 from rclpy.context import Context
 from rclpy.executors import Executor
 from rclpy.parameter import Parameter
-from rclpy.signals import SignalHandlerOptions
 
 from harness.errors import UsageError
 from harness.ros.bridge import Bridge
@@ -19,31 +14,6 @@ from rover_metrics.errors import RoverMetricsError
 from rover_metrics.metrics_node import MetricsNode
 
 MATCH_PATIENCE = 15.0  # [s] for DDS to match the topics of this process
-
-
-@contextmanager
-def ros_context(ros_args: Sequence[str]) -> Iterator[Context]:
-    """A context of this run's own that leaves signals to the command; shut down at the end.
-
-    Raises:
-        UsageError: ROS 2 refuses the arguments or the environment.
-    """
-    # Nothing shall leave the machine unless the user said so.
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    context = Context()
-    try:
-        rclpy.init(
-            args=list(ros_args),
-            context=context,
-            signal_handler_options=SignalHandlerOptions.NO,
-        )
-    except RuntimeError as error:
-        message = f"ROS 2 refuses to start: {' '.join(str(error).split())}"
-        raise UsageError(message) from error
-    try:
-        yield context
-    finally:
-        context.try_shutdown()
 
 
 def metrics_node(context: Context, log_dir: Path) -> MetricsNode:

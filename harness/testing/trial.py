@@ -17,6 +17,7 @@ from harness.errors import UsageError
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.executor import make_executor, spin_until
+from harness.ros.locality import stay_local
 from harness.ros.lockstep import LockStep
 from harness.samples import GroundTruth, Tick, Twist
 from harness.sensors.fault_spec import parse_faults
@@ -84,7 +85,7 @@ class Trial:
     def _start(self, at_end: ExitStack) -> None:
         if rclpy.ok():
             raise UsageError("rclpy is initialised already; a trial does that itself, in its own domain")
-        os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        stay_local()
         self.domain = at_end.enter_context(reserved_domain())
         self._episode = Episode(self.config)
         self._ticks = self._all_ticks()

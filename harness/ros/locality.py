@@ -1,0 +1,41 @@
+"""Keeps ROS 2 on this machine unless the user has asked for more.
+
+ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST alone is not enough: with it Fast DDS announces itself to this
+machine only, but its sockets still receive on every network device, and whoever knows their ports can
+talk to them. The profile beside this file ties them to the loopback device. Other middlewares ignore it.
+"""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+LOCAL = "LOCALHOST"
+PROFILE = Path(__file__).with_name("local_machine.xml")
+PROFILE_VARIABLE = "FASTDDS_DEFAULT_PROFILES_FILE"
+FORMER_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
+FORMER_DISTRIBUTIONS = ("humble", "iron", "jazzy")  # know only that
+OWN_PROFILE = "DEFAULT_FASTDDS_PROFILES.xml"  # in the current folder; Fast DDS reads it by itself
+# Whoever sets one of these has arranged the network, or the middleware, as it shall be.
+USERS_OWN = (PROFILE_VARIABLE, FORMER_VARIABLE, "ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER")
+
+
+def stay_local() -> None:
+    """Sets up the environment of this process and its children; call it before rclpy.init."""
+    os.environ.update(local_settings(os.environ, Path.cwd()))
+
+
+def local_settings(environment: Mapping[str, str], folder: Path) -> dict[str, str]:
+    """What to add to an environment so that nothing listens beyond the machine.
+
+    Args:
+        environment: As the user has it; what it says about the network stays so.
+        folder: In which the process runs.
+    """
+    if environment.get(RANGE, LOCAL).upper() != LOCAL:
+        return {}
+    settings = {RANGE: LOCAL}
+    if any(environment.get(name) for name in USERS_OWN) or (folder / OWN_PROFILE).exists():
+        return settings
+    former = environment.get("ROS_DISTRO") in FORMER_DISTRIBUTIONS
+    return settings | {FORMER_VARIABLE if former else PROFILE_VARIABLE: str(PROFILE)}
