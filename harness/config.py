@@ -16,6 +16,7 @@ from harness.sensors.fault_spec import parse_faults
 from harness.sensors.noise import chosen_preset
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, parse_timestep
 from harness.truth import Truth
+from harness.truth_events import ContactEvent
 from harness.world.dem import TerrainFile, file_world, is_terrain_file
 from harness.world.world import DEFAULT_DIFFICULTY, World, build_world, find_terrain
 
@@ -107,7 +108,14 @@ class EpisodeInfo:
 @sent_by_fields
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """The ticks of one control period and the truth at their end."""
+    """The ticks of one control period and the truth at their end.
+
+    Attributes:
+        events: Contact events that ended; with the last batch of an episode all are.
+        open_events: Those that had not, as they stood at the end: what an interrupted run has of them.
+    """
 
     ticks: tuple[Tick, ...]
     truth: Truth
+    events: tuple[ContactEvent, ...] = ()
+    open_events: tuple[ContactEvent, ...] = ()

@@ -24,6 +24,7 @@ from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import SensorNoise, chosen_preset
 from harness.sensors.odometry import WheelOdometry
 from harness.sensors.pose import GroundTruthSensor, JointSensor, PoseSensor
+from harness.sensors.truth import TRUTH_RATE, TruthSensor
 from harness.sim_time import NANOSECONDS, TICK_NS, parse_timestep
 from harness.simulation import Simulation
 from harness.truth_recorder import TruthRecorder
@@ -79,6 +80,7 @@ class Episode:
             WheelOdometry(self.simulation, period_ticks(rover.odometry_rate)),
             GroundTruthSensor(self.simulation, period_ticks(STATE_RATE)),
             JointSensor(self.simulation, period_ticks(STATE_RATE)),
+            TruthSensor(self._recorder, period_ticks(TRUTH_RATE)),
         )
         preset, limits = chosen_preset(config.noise), (lidar_spec.range_min, lidar_spec.range_max)
         self._noise = None if preset is None else SensorNoise(preset, limits, scan_rng, imu_rng)
@@ -115,9 +117,15 @@ class Episode:
                 ticks.extend(self._tick(index) for index in range(start + 1, stop + 1))
             except RunFailed as error:
                 failure = error
-            yield Batch(tuple(ticks), self._recorder.truth())
+            if failure is not None or stop == self.config.total_ticks:
+                self._recorder.events.close()
+            yield self._batch(tuple(ticks))
             if failure is not None:
                 raise failure
+
+    def _batch(self, ticks: tuple[Tick, ...]) -> Batch:
+        events = self._recorder.events
+        return Batch(ticks, self._recorder.truth(), events.take_closed(), events.open)
 
     def _observe(self) -> Observation:
         x, y, _ = self.simulation.position

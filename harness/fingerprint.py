@@ -53,13 +53,13 @@ class StreamHash:
         self._digest = hashlib.sha256()
 
     def add(self, batch: Batch) -> None:
-        """Takes the next batch: everything in its ticks, and its truth."""
+        """Takes the next batch: everything in its ticks, its truth and its contact events."""
         for tick in batch.ticks:
             self._digest.update(repr(replace(tick, samples=())).encode())
             for sample in tick.samples:
                 self._digest.update(_canonical(sample))
             self.samples += len(tick.samples)
-        self._digest.update(repr(batch.truth).encode())
+        self._digest.update(repr((batch.truth, batch.events)).encode())
 
     def hexdigest(self) -> str:
         """The hash of everything taken so far."""

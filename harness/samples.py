@@ -109,7 +109,35 @@ class JointStates:
     effort: tuple[float, ...]
 
 
-Sample = LaserScan | Imu | Pose | Odometry | GroundTruth | JointStates
+@sent_by_fields
+@dataclass(frozen=True, slots=True)
+class TruthState:
+    """What only the simulator knows, now and in the 50 ms since the last one; faults leave it alone.
+
+    Attributes:
+        hazard_contact: Whether any part touched a hazard since the last one; likewise `rock_contact`.
+        scrape: Whether anything but a wheel touched the ground since the last one.
+        contact_force: Largest normal force at one contact point with a hazard since the last one [N].
+        speed: True forward speed of the model frame, negative backwards [m/s].
+        path_length: Of the model frame since the start, in three dimensions [m].
+        slip: Slip ratio of each wheel in the order of RoverSpec.wheel_joints, -1..1; positive when it
+            turns faster than it moves (harness.wheels).
+        roughness: Of the terrain under the wheels [m]: the root of the mean, over the windows of 0.3 m
+            around the four wheels, of the squared height above the mean of the 0.3 m around.
+    """
+
+    stamp_ns: int
+    hazard_contact: bool
+    rock_contact: bool
+    scrape: bool
+    contact_force: float
+    speed: float
+    path_length: float
+    slip: tuple[float, float, float, float]
+    roughness: float
+
+
+Sample = LaserScan | Imu | Pose | Odometry | GroundTruth | JointStates | TruthState
 
 
 @sent_by_fields

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.contacts import ContactWatch
 from harness.errors import RunFailed
 from harness.samples import Quaternion, Vector3
 from harness.sim_time import NANOSECONDS, TICK_NS
@@ -37,6 +38,7 @@ class Simulation:
         step_count: Steps since time zero.
         steps_per_tick: Steps of one clock tick.
         tick_sum: MuJoCo's sensor values, each summed over the steps of the last tick.
+        contacts: What the rover touched in the last tick.
     """
 
     def __init__(self, scene: Scene, timestep_ns: int) -> None:
@@ -50,6 +52,7 @@ class Simulation:
         self.steps_per_tick = TICK_NS // timestep_ns
         self.step_count = 0
         self.tick_sum = np.zeros(self.model.nsensordata)
+        self.contacts = ContactWatch(self.model, self.data)
         self._wheels = np.array([self.model.actuator(n).id for n in scene.rover.wheel_joints])
         self._edge = scene.world.ground.half_size - EDGE_MARGIN
         self._settle()
@@ -104,10 +107,14 @@ class Simulation:
             RunFailed: The state diverged, or the rover reached the edge of the map.
         """
         model, data, total = self.model, self.data, self.tick_sum
+        contacts, counts = self.contacts, self.contacts.counts
         total.fill(0.0)
+        contacts.begin()
         for _ in range(self.steps_per_tick):
             mujoco.mj_step(model, data)
             total += data.sensordata
+            if any(counts.tolist()):
+                contacts.look()
         self.step_count += self.steps_per_tick
         self._check_health()
         self._check_edge()

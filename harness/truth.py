@@ -8,9 +8,7 @@ import math
 from dataclasses import dataclass
 
 from harness.samples import sent_by_fields
-from harness.sim_time import NANOSECONDS
 
-EVENT_GAP_NS = NANOSECONDS // 2  # contacts closer together than this are one event
 SLIP_SPEED = 0.02  # [m/s]: a wheel and a rover both slower than this do not slip, they stand
 TIPPED_OVER = math.radians(75.0)  # between the static tip angles (44-59 deg) and lying on a side
 
@@ -24,10 +22,12 @@ class Truth:
         time_ns: Simulation time that they cover.
         path_length: Length of the model frame's path in three dimensions [m].
         position: Where that frame is now [m].
-        hazard_contacts: Contact events of any rover part with a hazard.
+        hazard_contacts: Contact events of any rover part with a hazard (harness.truth_events);
+            likewise `rock_contacts`, and `scrapes` of the body along the ground.
         hazard_contact_s: Time in contact with a hazard [s]; so for rocks and for the body scraping
             the ground.
-        mean_slip: Mean magnitude of the wheels' slip ratio while they or the rover move, 0..1.
+        wheel_slip: Mean magnitude of each wheel's slip ratio, over the times at which it turns or is
+            moved, 0..1, at 20 Hz; `mean_slip` is that over all wheels.
         largest_tilt: Largest angle between the rover's and the world's vertical [rad].
         tipped_over: The rover has lain on its side or roof.
     """
@@ -36,10 +36,13 @@ class Truth:
     path_length: float = 0.0
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     hazard_contacts: int = 0
+    rock_contacts: int = 0
+    scrapes: int = 0
     hazard_contact_s: float = 0.0
     rock_contact_s: float = 0.0
     scrape_s: float = 0.0
     mean_slip: float = 0.0
+    wheel_slip: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     largest_tilt: float = 0.0
     tipped_over: bool = False
 

@@ -1,84 +1,121 @@
-"""Watches a simulation and sums up what only it knows: path, contacts, slip, tilt.
+"""Watches a simulation and tells what only it knows: path, contacts, slip, tilt.
 
-Observed once per clock tick from the contact counts of every step, so that no contact between two
-sensor samples is missed.
+Observed once per clock tick, with the contacts of every step, so that no contact between two samples
+is missed.
 """
 
 import math
+from functools import cached_property
+from typing import TYPE_CHECKING
 
-import numpy as np
-
+from harness.contact_events import ContactEvents
+from harness.samples import TruthState
 from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.simulation import Simulation
-from harness.truth import EVENT_GAP_NS, SLIP_SPEED, TIPPED_OVER, Truth, slip_ratio
-from harness.world.scene import HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT
+from harness.truth import TIPPED_OVER, Truth
+from harness.wheels import WheelMotion, Wheels
+from harness.world.roughness import RoughnessMap
+
+if TYPE_CHECKING:
+    from harness.truth_events import ContactKind
 
 
 class TruthRecorder:
-    """Watches a simulation; call `observe` after every tick."""
+    """Watches a simulation; call `observe` after every tick.
+
+    Attributes:
+        events: The contact events.
+    """
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
-        rover, model = simulation.scene.rover, simulation.model
-        self._wheel_dofs = np.array([int(model.joint(n).dofadr[0]) for n in rover.wheel_joints])
-        self._radius, self._half_track = rover.wheel_radius, rover.track / 2
-        self._hazard = simulation.summed(HAZARD_CONTACT)
-        self._rock = simulation.summed(ROCK_CONTACT)
-        names = [model.sensor(i).name for i in range(model.nsensor)]
-        self._scrapes = [simulation.summed(n) for n in names if n.startswith(SCRAPE_CONTACT)]
+        self._wheels = Wheels(simulation)
+        self.events = ContactEvents(simulation.contacts.name_of)
         self._previous = simulation.position
         self._path = 0.0
-        self._hazard_events = 0
-        self._last_hazard_ns = -EVENT_GAP_NS
-        self._hazard_ticks = self._rock_ticks = self._scrape_ticks = 0
-        self._slip_sum, self._slip_samples = 0.0, 0
         self._lowest_upright = 1.0
+        self._contact_ticks: dict[ContactKind, int] = {"hazard": 0, "rock": 0, "scrape": 0}
+        self._touched: set[ContactKind] = set()  # since the last state
+        self._force = 0.0
+        self._slip_sums, self._slip_counts = [0.0] * 4, [0] * 4
+
+    @cached_property
+    def _roughness(self) -> RoughnessMap:
+        return RoughnessMap(self._simulation.scene.world.ground)
 
     def observe(self) -> None:
         """Takes the tick that has just been simulated into account."""
         position = self._simulation.position
         self._path += math.dist(position, self._previous)
         self._previous = position
+        _, x, y, _ = self._simulation.data.qpos[3:7].tolist()
+        self._lowest_upright = min(self._lowest_upright, 1.0 - 2.0 * (x * x + y * y))
         self._observe_contacts()
-        self._observe_attitude_and_slip()
 
     def _observe_contacts(self) -> None:
-        self._rock_ticks += bool(self._rock[0])
-        self._scrape_ticks += any(scrape[0] for scrape in self._scrapes)
-        if self._hazard[0]:
-            now_ns = self._simulation.time_ns
-            self._hazard_events += now_ns - self._last_hazard_ns > EVENT_GAP_NS
-            self._last_hazard_ns = now_ns
-            self._hazard_ticks += 1
+        strongest = self._simulation.contacts.strongest
+        self.events.observe(self._simulation.time_ns, strongest)
+        for kind, touch in strongest.items():
+            self._contact_ticks[kind] += 1
+            self._touched.add(kind)
+            if kind == "hazard":
+                self._force = max(self._force, touch.force)
 
-    def _observe_attitude_and_slip(self) -> None:
+    def state(self) -> TruthState:
+        """The truth now and since the last call."""
+        wheels = self._wheels.motion()
+        self._count_slip(wheels)
+        front_left, rear_left, front_right, rear_right = wheels
+        squares = [self._roughness.mean_square(wheel.x, wheel.y) for wheel in wheels]
+        touched = self._touched
+        state = TruthState(
+            stamp_ns=self._simulation.time_ns,
+            hazard_contact="hazard" in touched,
+            rock_contact="rock" in touched,
+            scrape="scrape" in touched,
+            contact_force=self._force,
+            speed=self._speed(),
+            path_length=self._path,
+            slip=(front_left.slip, rear_left.slip, front_right.slip, rear_right.slip),
+            roughness=math.sqrt(sum(squares) / len(squares)),
+        )
+        self._touched.clear()
+        self._force = 0.0
+        return state
+
+    def _speed(self) -> float:
         data = self._simulation.data
         w, x, y, z = data.qpos[3:7].tolist()
-        self._lowest_upright = min(self._lowest_upright, 1.0 - 2.0 * (x * x + y * y))
-        forward = (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y))
-        vx, vy, vz, _, _, yaw_rate = data.qvel[:6].tolist()
-        speed = vx * forward[0] + vy * forward[1] + vz * forward[2]
-        left, right = speed - yaw_rate * self._half_track, speed + yaw_rate * self._half_track
-        rates = data.qvel[self._wheel_dofs].tolist()
-        for rate, ground_speed in zip(rates, (left, left, right, right), strict=True):
-            wheel_speed = rate * self._radius
-            if max(abs(wheel_speed), abs(ground_speed)) >= SLIP_SPEED:
-                self._slip_sum += abs(slip_ratio(wheel_speed, ground_speed))
-                self._slip_samples += 1
+        vx, vy, vz = data.qvel[:3].tolist()
+        ahead = (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y))
+        speed: float = vx * ahead[0] + vy * ahead[1] + vz * ahead[2]
+        return speed
+
+    def _count_slip(self, wheels: list[WheelMotion]) -> None:
+        for index, wheel in enumerate(wheels):
+            if wheel.moves:
+                self._slip_sums[index] += abs(wheel.slip)
+                self._slip_counts[index] += 1
 
     def truth(self) -> Truth:
         """The totals up to now."""
         tick_s = TICK_NS / NANOSECONDS
         tilt = math.acos(max(-1.0, min(1.0, self._lowest_upright)))
+        begun, ticks = self.events.begun, self._contact_ticks
+        slips = zip(self._slip_sums, self._slip_counts, strict=True)
+        front_left, rear_left, front_right, rear_right = [total / (n or 1) for total, n in slips]
         return Truth(
             time_ns=self._simulation.time_ns,
             path_length=self._path,
             position=self._previous,
-            hazard_contacts=self._hazard_events,
-            hazard_contact_s=self._hazard_ticks * tick_s,
-            rock_contact_s=self._rock_ticks * tick_s,
-            scrape_s=self._scrape_ticks * tick_s,
-            mean_slip=self._slip_sum / self._slip_samples if self._slip_samples else 0.0,
+            hazard_contacts=begun["hazard"],
+            rock_contacts=begun["rock"],
+            scrapes=begun["scrape"],
+            hazard_contact_s=ticks["hazard"] * tick_s,
+            rock_contact_s=ticks["rock"] * tick_s,
+            scrape_s=ticks["scrape"] * tick_s,
+            mean_slip=sum(self._slip_sums) / (sum(self._slip_counts) or 1),
+            wheel_slip=(front_left, rear_left, front_right, rear_right),
             largest_tilt=tilt,
             tipped_over=tilt > TIPPED_OVER,
         )

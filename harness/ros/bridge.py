@@ -7,6 +7,7 @@ and namespaces work; in the root namespace they are those of the README's table.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 from geometry_msgs.msg import PoseArray, Twist
@@ -17,6 +18,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, JointState, LaserScan
+from std_msgs.msg import Bool, Float64MultiArray
 
 from harness import samples
 from harness.robots import RoverSpec
@@ -56,7 +58,7 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     """Publishes ticks; hands /cmd_vel to `on_command`.
 
     Attributes:
-        channels: The topics by kind of sample, in publishing order.
+        of: The topics of each kind of sample, in publishing order.
         clock_channel: /clock.
     """
 
@@ -69,15 +71,18 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         on_command: Callable[[samples.Twist], None] | None = None,
     ) -> None:
         super().__init__("harness", context=context)
-        self.channels: dict[type, Channel] = {
-            samples.LaserScan: self._channel(LaserScan, "scan", messages.laser_scan(lidar)),
-            samples.Imu: self._channel(Imu, "imu/data", messages.imu(rover)),
-            samples.Pose: self._channel(
-                PoseArray, "rover/pose_array", messages.pose_array(), BEST_EFFORT
+        channel = self._channel
+        self.of: dict[type, tuple[Channel, ...]] = {
+            samples.LaserScan: (channel(LaserScan, "scan", messages.laser_scan(lidar)),),
+            samples.Imu: (channel(Imu, "imu/data", messages.imu(rover)),),
+            samples.Pose: (channel(PoseArray, "rover/pose_array", messages.pose_array(), BEST_EFFORT),),
+            samples.Odometry: (channel(Odometry, "odometry/wheels", messages.wheel_odometry(rover)),),
+            samples.GroundTruth: (channel(Odometry, "odom_ground_truth", messages.ground_truth()),),
+            samples.JointStates: (channel(JointState, "joint_states", messages.joint_states(rover)),),
+            samples.TruthState: (
+                channel(Bool, "rover/truth/contact", messages.contact()),
+                channel(Float64MultiArray, "rover/truth/traversal", messages.traversal()),
             ),
-            samples.Odometry: self._channel(Odometry, "odometry/wheels", messages.wheel_odometry(rover)),
-            samples.GroundTruth: self._channel(Odometry, "odom_ground_truth", messages.ground_truth()),
-            samples.JointStates: self._channel(JointState, "joint_states", messages.joint_states(rover)),
         }
         # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.
         self.clock_channel = self._channel(Clock, "/clock", messages.clock())
@@ -90,10 +95,16 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         publisher = self.create_publisher(kind, topic, qos)
         return Channel(publisher, fill, publisher.topic_name)  # a publisher forgets at shutdown
 
+    @property
+    def channels(self) -> tuple[Channel, ...]:
+        """Every topic, in publishing order; /clock is the last."""
+        return (*chain.from_iterable(self.of.values()), self.clock_channel)
+
     def publish_samples(self, tick: samples.Tick) -> None:
         """Publishes a tick's samples; its clock goes out with `publish_clock`, after them."""
         for sample in tick.samples:
-            self.channels[type(sample)].publish(sample)
+            for channel in self.of[type(sample)]:
+                channel.publish(sample)
 
     def publish_clock(self, tick: samples.Tick) -> None:
         """Lets simulation time reach the tick's stamp."""
@@ -101,7 +112,7 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
     def published(self) -> dict[str, int]:
         """Messages published so far, by resolved topic name."""
-        return {c.topic: c.published for c in (*self.channels.values(), self.clock_channel)}
+        return {channel.topic: channel.published for channel in self.channels}
 
     def _receive(self, message: Twist) -> None:
         linear, angular = message.linear.x, message.angular.z

@@ -82,8 +82,7 @@ class HostedMetrics:
     def __init__(self, bridge: Bridge, executor: Executor, node: MetricsNode) -> None:
         self._executor, self._node = executor, node
         self._clock = node.get_clock()
-        channels = [*bridge.channels.values(), bridge.clock_channel]
-        self._channels = [channel for channel in channels if channel.topic in node.received]
+        self._channels = [channel for channel in bridge.channels if channel.topic in node.received]
         self._clock_topic = bridge.clock_channel.topic
         self._possible_ns = {self._clock.now().nanoseconds}  # what its clock may show
         self.clock_received = 0

@@ -14,6 +14,7 @@ from geometry_msgs.msg import Point, Pose, PoseArray, Quaternion, Vector3
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, JointState, LaserScan
+from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
 from harness import samples
 from harness.robots import RoverSpec
@@ -21,6 +22,14 @@ from harness.sensors.lidar_spec import LidarSpec
 
 NANOSECONDS = 1_000_000_000
 GROUND_TRUTH_POSE_VARIANCE = 0.01  # on the diagonal, as RoboTerrain's PoseConverterNode says
+
+TRAVERSAL = (  # the values of /rover/truth/traversal, in order
+    "contact_force",
+    *("rock_contact", "scrape"),
+    *("speed", "path_length"),
+    *("slip_front_left", "slip_rear_left", "slip_front_right", "slip_rear_right"),
+    "roughness",
+)
 
 Fill = Callable[[Any], Any]  # a sample of the topic's kind -> the refilled message
 
@@ -141,6 +150,41 @@ def joint_states(rover: RoverSpec) -> Fill:
         message.position = array("d", sample.position)
         message.velocity = array("d", sample.velocity)
         message.effort = array("d", sample.effort)
+        return message
+
+    return fill
+
+
+def contact() -> Fill:
+    """A filler of Bool messages: whether the rover has touched a hazard."""
+    message = Bool()
+
+    def fill(truth: samples.TruthState) -> Bool:
+        message.data = truth.hazard_contact
+        return message
+
+    return fill
+
+
+def traversal() -> Fill:
+    """A filler of Float64MultiArray messages; the label of the one dimension names the values."""
+    size = len(TRAVERSAL)
+    message = Float64MultiArray()
+    message.layout.dim = [MultiArrayDimension(label=",".join(TRAVERSAL), size=size, stride=size)]
+
+    def fill(truth: samples.TruthState) -> Float64MultiArray:
+        message.data = array(
+            "d",
+            (
+                truth.contact_force,
+                truth.rock_contact,
+                truth.scrape,
+                truth.speed,
+                truth.path_length,
+                *truth.slip,
+                truth.roughness,
+            ),
+        )
         return message
 
     return fill

@@ -109,7 +109,7 @@ class Recorder:
 
     def tap(self, bridge: Bridge) -> None:
         """Records everything that the bridge publishes from now on."""
-        for channel in (*bridge.channels.values(), bridge.clock_channel):
+        for channel in bridge.channels:
             channel.fill = self._recording(channel)
 
     def _recording(self, channel: Channel) -> Callable[[Any], bytes]:

@@ -74,10 +74,9 @@ class RemoteNode:
 
     def _topics_match(self) -> bool:
         """Whether each publisher knows the readers that the graph shows for its topic."""
-        channels = [*self._bridge.channels.values(), self._bridge.clock_channel]
         return all(
             c.publisher.get_subscription_count() >= self._bridge.count_subscribers(c.topic)
-            for c in channels
+            for c in self._bridge.channels
         )
 
     def _ask_received(self, patience: float = ANSWER_PATIENCE) -> dict[str, int]:

@@ -176,13 +176,12 @@ class _Run:
         return f"ROS 2, {hosted}{waited}"
 
     def _progress(self, batch: Batch, wall_s: float) -> Progress:
-        channels = (*self._bridge.channels.values(), self._bridge.clock_channel)
         return Progress(
             simulated_s=batch.truth.time_ns / NANOSECONDS,
             total_s=self._config.duration,
             wall_s=wall_s,
             path_length=batch.truth.path_length,
-            messages=sum(channel.published for channel in channels),
+            messages=sum(self._bridge.published().values()),
         )
 
     def _counted(self, result: RunResult) -> RunResult:

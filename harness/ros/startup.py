@@ -38,8 +38,8 @@ def await_match(bridge: Bridge, executor: Executor, topics: tuple[str, ...]) -> 
     Raises:
         UsageError: DDS does not connect them.
     """
-    channels = [c for c in bridge.channels.values() if c.topic in topics]
-    channels.append(bridge.clock_channel)
+    needed = (*topics, bridge.clock_channel.topic)
+    channels = [channel for channel in bridge.channels if channel.topic in needed]
     if not spin_until(
         executor,
         lambda: all(c.publisher.get_subscription_count() for c in channels),

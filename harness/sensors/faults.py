@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from harness.samples import Sample, Tick
+from harness.samples import Sample, Tick, TruthState
 from harness.sensors.fault_clock import FaultyClock
 from harness.sensors.fault_kinds import CLOCK, SENSORS
 from harness.sensors.fault_spec import Fault
@@ -129,6 +129,7 @@ class FaultInjector:
             for effect in effects:
                 readings = effect.through(readings, tick.stamp_ns)
             sent.extend(readings)
+        sent.extend(sample for sample in tick.samples if isinstance(sample, TruthState))
         return Tick(clock.told_ns, tuple(sent), clock.tells)
 
 

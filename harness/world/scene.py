@@ -18,6 +18,8 @@ TERRAIN_GROUP, OBSTACLE_GROUP, VISUAL_GROUP, COLLISION_GROUP = 0, 1, 2, 3
 GROUND_CONTACT = {"contype": 2, "conaffinity": 1}  # the rover's geoms carry (1, 2)
 BASE_THICKNESS = 1.0  # [m] of solid ground below the lowest point
 
+TERRAIN = "terrain"
+BODY_PREFIX = "body_"  # of the names of the rover's geoms that are not wheels
 ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT = "rock_contact", "hazard_contact", "scrape_contact"
 OBSTACLE_BODIES = {ObstacleKind.ROCK: "rocks", ObstacleKind.HAZARD: "hazards"}
 OBSTACLE_COLORS = {
@@ -104,7 +106,7 @@ def _add_terrain(spec: mujoco.MjSpec, world: World) -> None:
     material = spec.add_material(name="ground", texrepeat=[20, 20], specular=0.0, reflectance=0.0)
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "ground"
     spec.worldbody.add_geom(
-        name="terrain",
+        name=TERRAIN,
         type=mujoco.mjtGeom.mjGEOM_HFIELD,
         hfieldname="terrain",
         material="ground",
@@ -143,9 +145,9 @@ def _add_truth_sensors(spec: mujoco.MjSpec) -> None:
     _add_contact_count(spec, ROCK_CONTACT, (subtree, "rover"), (body, "rocks"))
     _add_contact_count(spec, HAZARD_CONTACT, (subtree, "rover"), (body, "hazards"))
     for part in spec.bodies:
-        if any(g.name.startswith("body_") for g in part.geoms):
+        if any(g.name.startswith(BODY_PREFIX) for g in part.geoms):
             name = f"{SCRAPE_CONTACT}_{part.name}"
-            _add_contact_count(spec, name, (body, part.name), (geom, "terrain"))
+            _add_contact_count(spec, name, (body, part.name), (geom, TERRAIN))
 
 
 def _add_contact_count(

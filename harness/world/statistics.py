@@ -81,14 +81,24 @@ def slopes(ground: Heightfield) -> Field:
 
 def residual_rms(ground: Heightfield, window: float) -> float:
     """RMS residual [m] over square windows of that side length [m]."""
-    reach = math.floor(window / (2.0 * ground.cell) + 1e-9)  # vertices either side
-    inner = slice(reach, -reach)
-    residual = ground.heights[inner, inner] - _box_means(ground.heights, 2 * reach + 1)
-    return float(np.sqrt(np.mean(residual**2)))
+    return float(np.sqrt(np.mean(residuals(ground, window) ** 2)))
 
 
-def _box_means(heights: Field, width: int) -> Field:
-    """Means of all windows of `width` x `width` vertices that lie in the map."""
+def residuals(ground: Heightfield, window: float) -> Field:
+    """Residual [m] of every vertex whose window lies in the map: all but `reach` at each edge."""
+    inset = reach(ground, window)
+    inner = slice(inset, -inset)
+    return np.asarray(ground.heights[inner, inner] - box_means(ground.heights, inset))
+
+
+def reach(ground: Heightfield, window: float) -> int:
+    """Vertices of a window [m] on either side of its middle; one at least, on a coarse map."""
+    return max(1, math.floor(window / (2.0 * ground.cell) + 1e-9))
+
+
+def box_means(heights: Field, reach: int) -> Field:
+    """Means of all windows that lie in the map, `reach` vertices on either side of their middle."""
+    width = 2 * reach + 1
     windows = np.lib.stride_tricks.sliding_window_view
     rows = windows(heights, width, axis=0).mean(axis=-1)
     return np.asarray(windows(rows, width, axis=1).mean(axis=-1))

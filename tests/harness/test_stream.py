@@ -35,6 +35,16 @@ def test_child_streams_the_same_samples_as_an_episode_here() -> None:
     assert streamed[-1].truth == local[-1].truth
 
 
+def test_contact_events_cross_to_this_process() -> None:
+    ramming = config(robot="rover_zero4wd", seed=1, driver="ram", duration=11.5)
+    with EpisodeProcess(ramming) as process:
+        _ = process.info
+        streamed = [event for batch in process.batches() for event in batch.events]
+    local = [event for batch in Episode(ramming).batches() for event in batch.events]
+    assert streamed == local
+    assert [event.kind for event in streamed] == ["hazard"]
+
+
 def test_commands_reach_the_child_in_the_next_control_period() -> None:
     with EpisodeProcess(config(terrain="flat", driver="cmd_vel")) as process:
         _ = process.info

@@ -41,7 +41,7 @@ class Nodes:
         self.executor.add_node(self.bridge)
         self.executor.add_node(self.metrics)
         self.hosted = HostedMetrics(self.bridge, self.executor, self.metrics)
-        channels = [c for c in self.bridge.channels.values() if c.topic in self.hosted.topics]
+        channels = [c for c in self.bridge.channels if c.topic in self.hosted.topics]
         self.until(
             lambda: all(
                 c.publisher.get_subscription_count() for c in (*channels, self.bridge.clock_channel)
@@ -90,7 +90,7 @@ def test_message_that_never_arrives_is_given_up_and_counted(
     monkeypatch.setattr(lockstep, "PATIENCE", 0.2)
     step = LockStep(nodes.bridge, nodes.executor, (nodes.hosted,))
     step.advance(tick(1))
-    nodes.bridge.channels[Imu].published += 3  # three that DDS swallowed
+    nodes.bridge.of[Imu][0].published += 3  # three that DDS swallowed
     step.advance(tick(2))
     step.advance(tick(3))
     assert nodes.hosted.lost["/imu/data"] == 3
@@ -99,7 +99,7 @@ def test_message_that_never_arrives_is_given_up_and_counted(
 
 
 def test_topics_have_the_stated_reliability(nodes: Nodes) -> None:
-    policies = {c.topic: c.publisher.qos_profile.reliability for c in nodes.bridge.channels.values()}
+    policies = {c.topic: c.publisher.qos_profile.reliability for c in nodes.bridge.channels}
     assert policies.pop("/rover/pose_array") is ReliabilityPolicy.BEST_EFFORT
     assert set(policies) == {
         "/scan",
@@ -107,6 +107,9 @@ def test_topics_have_the_stated_reliability(nodes: Nodes) -> None:
         "/odometry/wheels",
         "/odom_ground_truth",
         "/joint_states",
+        "/rover/truth/contact",
+        "/rover/truth/traversal",
+        "/clock",
     }
     assert set(policies.values()) == {ReliabilityPolicy.RELIABLE}
 

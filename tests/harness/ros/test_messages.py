@@ -89,3 +89,33 @@ def test_joint_states_name_every_joint() -> None:
 def test_clock_splits_nanoseconds() -> None:
     clock = over_the_wire(messages.clock()(STAMP_NS)).clock
     assert (clock.sec, clock.nanosec) == (12, 345_678_901)
+
+
+def test_truth_arrives_on_two_topics_whose_layout_names_the_values() -> None:
+    truth = samples.TruthState(
+        STAMP_NS,
+        hazard_contact=True,
+        rock_contact=False,
+        scrape=True,
+        contact_force=12.5,
+        speed=-0.25,
+        path_length=3.5,
+        slip=(0.1, -0.2, 0.3, -0.4),
+        roughness=0.0125,
+    )
+    assert over_the_wire(messages.contact()(truth)).data is True
+    traversal = over_the_wire(messages.traversal()(truth))
+    (dimension,) = traversal.layout.dim
+    assert dimension.size == dimension.stride == len(traversal.data)
+    assert dict(zip(dimension.label.split(","), traversal.data, strict=True)) == {
+        "contact_force": 12.5,
+        "rock_contact": 0.0,
+        "scrape": 1.0,
+        "speed": -0.25,
+        "path_length": 3.5,
+        "slip_front_left": 0.1,
+        "slip_rear_left": -0.2,
+        "slip_front_right": 0.3,
+        "slip_rear_right": -0.4,
+        "roughness": 0.0125,
+    }

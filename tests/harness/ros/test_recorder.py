@@ -34,6 +34,8 @@ TOPICS = {
     "/odometry/wheels": "nav_msgs/msg/Odometry",
     "/odom_ground_truth": "nav_msgs/msg/Odometry",
     "/joint_states": "sensor_msgs/msg/JointState",
+    "/rover/truth/contact": "std_msgs/msg/Bool",
+    "/rover/truth/traversal": "std_msgs/msg/Float64MultiArray",
     "/clock": "rosgraph_msgs/msg/Clock",
 }
 
@@ -63,6 +65,7 @@ def publish(bridge: Bridge, recorder: Recorder, ticks: int) -> None:
                 samples.Odometry(t, 0.0, 0.0, 0.1, samples.Twist(0.5, 0.1)),
                 samples.GroundTruth(t, 0.0, 0.0, 0.1, (0.5, 0.0, 0.0), (0.0, 0.0, 0.1)),
                 samples.JointStates(t, joints, joints, joints),
+                samples.TruthState(t, True, False, True, 12.5, 0.5, 0.1, (0.1, 0.2, -0.1, 0.0), 0.003),
             ),
         )
         bridge.publish_samples(tick)
@@ -70,14 +73,12 @@ def publish(bridge: Bridge, recorder: Recorder, ticks: int) -> None:
 
 
 def record(path: Path, bridge: Bridge, ticks: int) -> None:
-    original = {kind: channel.fill for kind, channel in bridge.channels.items()}
-    clock = bridge.clock_channel.fill
+    original = [(channel, channel.fill) for channel in bridge.channels]
     with Recorder(path) as recorder:
         recorder.tap(bridge)
         publish(bridge, recorder, ticks)
-    for kind, fill in original.items():
-        bridge.channels[kind].fill = fill
-    bridge.clock_channel.fill = clock
+    for channel, fill in original:
+        channel.fill = fill
 
 
 def test_every_topic_is_recorded_with_its_stamps_type_and_qos(bridge: Bridge, tmp_path: Path) -> None:
@@ -121,7 +122,7 @@ def test_definition_holds_every_nested_type_once() -> None:
 
 def test_file_holds_the_bytes_that_were_published(bridge: Bridge, tmp_path: Path) -> None:
     sent: list[bytes] = []
-    channel = bridge.channels[samples.Pose]
+    (channel,) = bridge.of[samples.Pose]
     with Recorder(tmp_path / "bag.mcap") as recorder:
         recorder.tap(bridge)
         fill = channel.fill

@@ -1,0 +1,63 @@
+"""How the wheels of a rover move over the ground: where they are and how much they slip."""
+
+import math
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+
+from harness.simulation import Simulation
+from harness.truth import SLIP_SPEED, slip_ratio
+
+
+class WheelMotion(NamedTuple):
+    """One wheel at one instant.
+
+    Attributes:
+        x: Position of its centre in the world [m]; likewise `y`.
+        slip: Slip ratio, -1..1.
+        moves: Whether its rim or its centre is faster than what counts as standing.
+    """
+
+    x: float
+    y: float
+    slip: float
+    moves: bool
+
+
+class Wheels:
+    """The wheels of a simulation's rover, in the order of its wheel joints; axles lie along its y."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._model, self._data = simulation.model, simulation.data
+        rover = simulation.scene.rover
+        self._radius = rover.wheel_radius
+        self._rover = int(self._model.body("rover").id)
+        self._bodies = [int(self._model.joint(name).bodyid[0]) for name in rover.wheel_joints]
+        self._rows = np.array(self._bodies)
+        self._velocity = np.zeros(6)
+
+    def motion(self) -> list[WheelMotion]:
+        """What each wheel does now.
+
+        A wheel's ground speed is that of its centre in its plane, which for a wheel that rolls is w r
+        on any shape of ground; negative backwards. w is its whole angular velocity about the axle, the
+        rover's own pitching included.
+        """
+        model, data, velocity = self._model, self._data, self._velocity
+        mujoco.mj_kinematics(model, data)  # after a step, poses and velocities are those before it
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_comVel(model, data)
+        axes = data.xmat[self._rover].tolist()
+        ahead_x, axle_x, up_x, ahead_y, axle_y, up_y, ahead_z, axle_z, up_z = axes
+        wheels = []
+        for body, (x, y, _) in zip(self._bodies, data.xpos[self._rows].tolist(), strict=True):
+            mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, body, velocity, 0)
+            wx, wy, wz, vx, vy, vz = velocity.tolist()
+            forward = vx * ahead_x + vy * ahead_y + vz * ahead_z
+            upward = vx * up_x + vy * up_y + vz * up_z
+            ground_speed = math.copysign(math.hypot(forward, upward), forward)
+            wheel_speed = (wx * axle_x + wy * axle_y + wz * axle_z) * self._radius
+            moves = abs(wheel_speed) >= SLIP_SPEED or abs(ground_speed) >= SLIP_SPEED
+            wheels.append(WheelMotion(x, y, slip_ratio(wheel_speed, ground_speed), moves))
+        return wheels

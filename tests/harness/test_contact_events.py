@@ -1,0 +1,66 @@
+from harness.contact_events import ContactEvents
+from harness.contacts import Touch
+from harness.sim_time import TICK_NS
+from harness.truth_events import EVENT_GAP_NS, ContactKind
+
+GAP_TICKS = EVENT_GAP_NS // TICK_NS
+UPRIGHT = [1.0, 0.0, 0.0, 0.0]
+TURNED_LEFT = [0.5**0.5, 0.0, 0.0, 0.5**0.5]
+
+
+def touch(force: float, part: int = 1, position: tuple[float, ...] = (1.0, 2.0, 0.5)) -> Touch:
+    return Touch(force, part, 7, list(position), [1.0, 2.0, 0.0, *UPRIGHT])
+
+
+def observe(events: ContactEvents, *ticks: tuple[int, dict[ContactKind, Touch]]) -> None:
+    for tick, strongest in ticks:
+        events.observe(tick * TICK_NS, strongest)
+
+
+def watched() -> ContactEvents:
+    return ContactEvents({1: "wheel_FL", 2: "chassis", 7: "hazard_0"}.__getitem__)
+
+
+def test_contacts_up_to_the_gap_apart_are_one_event_and_farther_ones_are_two() -> None:
+    events = watched()
+    first, last = 10, 10 + GAP_TICKS
+    observe(events, (first, {"hazard": touch(1.0)}), (last, {"hazard": touch(1.0)}))
+    observe(events, (last + GAP_TICKS, {}))
+    assert events.take_closed() == ()
+    assert len(events.open) == 1
+    observe(events, (last + GAP_TICKS + 1, {"hazard": touch(1.0)}))
+    (event,) = events.take_closed()
+    assert (event.start_ns, event.end_ns) == ((first - 1) * TICK_NS, last * TICK_NS)
+    assert events.begun == {"hazard": 2, "rock": 0, "scrape": 0}
+    assert events.take_closed() == ()
+
+
+def test_an_event_names_its_strongest_contact() -> None:
+    events = watched()
+    observe(
+        events,
+        (1, {"hazard": touch(5.0, part=1)}),
+        (2, {"hazard": touch(80.0, part=2, position=(1.2, 1.9, 0.4))}),
+        (3, {"hazard": touch(20.0, part=1)}),
+    )
+    events.close()
+    (event,) = events.take_closed()
+    assert (event.force, event.part, event.other) == (80.0, "chassis", "hazard_0")
+    assert [round(value, 9) for value in event.point] == [0.2, -0.1, 0.4]
+    assert event.end_ns == 3 * TICK_NS
+
+
+def test_the_point_is_in_the_model_frame_whatever_the_heading() -> None:
+    events = watched()
+    turned = Touch(5.0, 1, 7, [1.0, 2.3, 0.1], [1.0, 2.0, 0.0, *TURNED_LEFT])
+    observe(events, (1, {"hazard": turned}))
+    assert [round(value, 9) for value in events.open[0].point] == [0.3, 0.0, 0.1]
+
+
+def test_kinds_are_events_of_their_own() -> None:
+    events = watched()
+    observe(events, (1, {"hazard": touch(1.0), "rock": touch(2.0)}), (2, {"scrape": touch(3.0)}))
+    assert [event.kind for event in events.open] == ["hazard", "rock", "scrape"]
+    events.close()
+    assert events.open == ()
+    assert len(events.take_closed()) == 3
