@@ -4,7 +4,6 @@ import json
 import math
 import os
 import platform
-import tempfile
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 
 from harness import __version__
 from harness.errors import UsageError
+from harness.files import whole_file
 from harness.result import RunResult
 
 PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy")
@@ -51,9 +51,8 @@ def write_manifest(result: RunResult, path: Path) -> None:
     """
     text = json.dumps(manifest(result), indent=2, allow_nan=False) + "\n"
     try:
-        with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".part", delete=False) as file:
-            file.write(text)
-        Path(file.name).replace(path)
+        with whole_file(path) as part:
+            part.write_text(text, encoding="utf-8")
     except OSError as error:
         message = f"cannot write the summary to {path}: {error.strerror}"
         raise UsageError(message) from error

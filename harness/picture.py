@@ -15,8 +15,8 @@ import mujoco
 from PIL import Image
 
 from harness.errors import HarnessError
+from harness.files import whole_file
 from harness.view.camera import best_view
-from harness.view.files import whole_file
 from harness.view.stage import Quality
 from harness.view.studio import Studio
 

@@ -6,8 +6,8 @@ import av
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.files import whole_file
 from harness.view.camera import View, chase_view
-from harness.view.files import whole_file
 from harness.view.stage import Quality
 from harness.view.states import States
 from harness.view.studio import Studio

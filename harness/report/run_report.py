@@ -1,11 +1,11 @@
 """The report of a run as its command sees it: asked for or not, watching, written at the end."""
 
-import os
 import tempfile
 from pathlib import Path
 
 from harness.config import Batch
 from harness.errors import HarnessError, UsageError
+from harness.files import whole_file
 from harness.report.recorder import RunRecorder
 from harness.result import RunResult
 
@@ -58,12 +58,10 @@ class RunReport:
         from harness.report.page import render  # noqa: PLC0415
 
         page = render(result, self._recorder)
-        partial = self._path.with_name(f".{self._path.name}.{os.getpid()}.part")
         try:
-            partial.write_text(page, encoding="utf-8", newline="\n")
-            partial.replace(self._path)
+            with whole_file(self._path) as part:
+                part.write_text(page, encoding="utf-8", newline="\n")
         except OSError as error:
-            partial.unlink(missing_ok=True)
             message = f"cannot write the report to {self._path}: {error.strerror}"
             raise HarnessError(message) from error
         return self._path

@@ -11,7 +11,7 @@ from typing import Self
 
 from harness.config import Batch, EpisodeConfig
 from harness.errors import HarnessError, UsageError
-from harness.view.files import check_target
+from harness.files import check_target
 from harness.view.states import StateWriter
 
 BACKENDS = ("egl", "osmesa")  # of MuJoCo, in the order in which they are tried

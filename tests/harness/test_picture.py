@@ -11,11 +11,11 @@ from PIL import Image
 from harness.config import EpisodeConfig
 from harness.episode import Episode
 from harness.errors import UsageError
+from harness.files import whole_file
 from harness.robots import LEO
 from harness.run import main
 from harness.view.camera import best_view, chase_view
 from harness.view.drawing import Drawing
-from harness.view.files import whole_file
 from harness.view.marks import beam_marks, path_marks, track_marks
 from harness.view.states import States, StateWriter, read_states
 from harness.world.scene import build_scene

@@ -11,7 +11,7 @@ from harness.errors import UsageError
 
 @contextlib.contextmanager
 def whole_file(target: Path) -> Iterator[Path]:
-    """A file beside the target that takes its place if all goes well."""
+    """A file beside the target that takes its place if all goes well; a link there is not followed."""
     handle, name = tempfile.mkstemp(dir=target.parent, suffix=".part")
     os.close(handle)
     part = Path(name)

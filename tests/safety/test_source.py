@@ -1,0 +1,109 @@
+"""No pickle, no eval, no shell, no YAML that makes objects: nothing in the code could, so no input can.
+
+What the two processes of a run send each other is pickled by multiprocessing, over a pipe that they
+inherit (harness/stream.py): nobody else can write into it.
+"""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+FOLDERS = ("harness", "rover_metrics", "benchmarks", "tools", "examples")
+UNPICKLING = ("pickle", "cPickle", "_pickle", "dill", "cloudpickle", "marshal", "shelve")
+CALLS = ("eval", "exec", "compile", "__import__")
+METHODS = {  # of these modules, whatever they are called there
+    "os": ("system", "popen"),
+    "yaml": ("load", "load_all", "unsafe_load", "full_load"),
+    "joblib": ("load",),
+    "pandas": ("read_pickle",),
+    "subprocess": ("getoutput", "getstatusoutput"),
+}
+
+
+def harms(source: str) -> list[str]:
+    """What of the forbidden a source does, with its line."""
+    tree = ast.parse(source)
+    names = {
+        alias.asname or alias.name: alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import)
+        for alias in node.names
+    }
+    return [f"{harm} in line {line}" for node in ast.walk(tree) for line, harm in _of(node, names)]
+
+
+def _of(node: ast.AST, names: dict[str, str]) -> Iterator[tuple[int, str]]:
+    if isinstance(node, ast.Import):
+        yield from ((node.lineno, alias.name) for alias in node.names if _unpickles(alias.name))
+    elif isinstance(node, ast.ImportFrom):
+        module = node.module or ""
+        banned = METHODS.get(module, ())
+        if _unpickles(module) or any(alias.name in banned for alias in node.names):
+            yield node.lineno, module
+    elif isinstance(node, ast.Call):
+        yield from ((node.lineno, harm) for harm in _calls(node, names))
+
+
+def _unpickles(module: str) -> bool:
+    return module.partition(".")[0] in UNPICKLING
+
+
+def _calls(call: ast.Call, names: dict[str, str]) -> Iterator[str]:
+    given = {keyword.arg: ast.unparse(keyword.value) for keyword in call.keywords}
+    if given.get("shell", "False") != "False":
+        yield "shell"
+    if given.get("allow_pickle", "False") != "False":
+        yield "allow_pickle"
+    if isinstance(call.func, ast.Name):
+        if call.func.id in CALLS:
+            yield call.func.id
+        if call.func.id == "YAML" and given.get("typ") != "'safe'":
+            yield "YAML that is not typ='safe'"
+    elif isinstance(call.func, ast.Attribute) and isinstance(call.func.value, ast.Name):
+        module = names.get(call.func.value.id, call.func.value.id)
+        if call.func.attr in METHODS.get(module, ()):
+            yield f"{module}.{call.func.attr}"
+        if (module, call.func.attr) == ("numpy", "load") and "allow_pickle" not in given:
+            yield "numpy.load that does not say allow_pickle=False"
+
+
+def test_no_source_unpickles_evaluates_or_starts_a_shell() -> None:
+    found = [path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py")]
+    assert len(found) > 200
+    assert {str(path): harm for path in found if (harm := harms(path.read_text()))} == {}
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "import pickle",
+        "from pickle import loads",
+        "import cloudpickle as c",
+        "eval('1')",
+        "exec(text)",
+        "__import__(name)",
+        "import os\nos.system('ls')",
+        "import subprocess as s\ns.run('ls', shell=True)",
+        "subprocess.Popen(x, shell=asked)",
+        "import yaml\nyaml.load(f)",
+        "from yaml import unsafe_load",
+        "YAML().load(f)",
+        "YAML(typ='unsafe')",
+        "import numpy as np\nnp.load(f)",
+        "import numpy as np\nnp.load(f, allow_pickle=True)",
+        "import joblib\njoblib.load(f)",
+        "import pandas as pd\npd.read_pickle(f)",
+    ],
+)
+def test_each_of_these_would_be_found(source: str) -> None:
+    assert harms(source)
+
+
+def test_harmless_neighbours_are_not() -> None:
+    assert not harms(
+        "import json, re, numpy as np\njson.load(f)\nre.compile(x)\nmodel.eval()\n"
+        "YAML(typ='safe')\nnp.load(f, allow_pickle=False)\nsubprocess.run(x)"
+    )
