@@ -35,7 +35,7 @@ def test_names_of_logs_do_not_decide_where_analyze_writes(
     logs, output = tmp_path / "logs", tmp_path / "output"
     logs.mkdir()
     for name in HOSTILE_NAMES:
-        rows = [f"{i},0,0,{i},1,{i % 5},{i},{i % 4},{i % 7},0,0.5,Normal operation" for i in range(9)]
+        rows = [f"{i},0,0,{i},1,{i % 5},{i},{i % 4},{i % 7},0,0.5,Normal operation" for i in range(20)]
         (logs / name).write_text("\n".join([",".join(COLUMNS), *rows]) + "\n")
     before = tree(tmp_path)
     files = [str(logs / name) for name in HOSTILE_NAMES]
