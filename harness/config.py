@@ -97,12 +97,20 @@ class EpisodeConfig:
 
 @dataclass(frozen=True, slots=True)
 class EpisodeInfo:
-    """What an episode was made of, for the manifest."""
+    """What an episode was made of, for the manifest.
+
+    Attributes:
+        model_hash: SHA-256 of the rover's model file; `terrain_hash` is that of heights and obstacles.
+        obstacles: How many there are.
+        map_size: Side length [m].
+        notes: What was done to a heightmap file to make this map of it.
+    """
 
     model_hash: str
     terrain_hash: str
     obstacles: int
     map_size: float
+    notes: tuple[str, ...] = ()
 
 
 @sent_by_fields

@@ -89,7 +89,8 @@ def _metrics_table(run: result.RunResult) -> Table:
     table.add_row("clearance", _metric(row, "Obstacle Clearance", " m"), "")
     table.add_row("velocity", _metric(row, "Current Velocity", " m/s"), "")
     table.add_row("wheel slip", "", f"{truth.mean_slip:.2f}")
-    table.add_row("on rocks, scraping", "", f"{truth.rock_contact_s:.2f} s, {truth.scrape_s:.2f} s")
+    table.add_row("on rocks", "", f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s")
+    table.add_row("scraping the ground", "", f"{truth.scrapes} times, {truth.scrape_s:.2f} s")
     tipped = ", tipped over" if truth.tipped_over else ""
     table.add_row("largest tilt", "", f"{math.degrees(truth.largest_tilt):.0f} deg{tipped}")
     return table

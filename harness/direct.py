@@ -22,6 +22,7 @@ from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick
 from harness.sensors.fault_spec import parse_faults
 from harness.sensors.faults import FaultInjector
 from harness.sim_time import NANOSECONDS
+from harness.truth_account import TruthAccount
 from rover_metrics.csv_log import CsvLog
 from rover_metrics.errors import LogError
 from rover_metrics.metrics import TraversalMetrics
@@ -106,13 +107,14 @@ def run_direct(
         result = RunResult(config=config, mode="direct, no ROS", info=episode.info, log_path=log.path)
         begun = time.monotonic()
         pacer = Pacer(rate, sleep=stop.sleep)
-        faults = FaultInjector(parse_faults(config.faults), config.seed)
+        faults, account = FaultInjector(parse_faults(config.faults), config.seed), TruthAccount()
         try:
             with stop.deferred():
                 for batch in episode.batches():
                     for tick in batch.ticks:
                         pacer.wait_until(tick.stamp_ns)
                         metrics.take(faults.corrupt(tick))
+                    account.take(batch)
                     if watch is not None:
                         watch(batch)
                     now = time.monotonic()
@@ -126,7 +128,7 @@ def run_direct(
         except (RunFailed, LogError) as error:
             result = replace(result, failure=str(error))
         _mark(log, COMPLETE if result.failure is None else failed(result.failure))
-        return _counted(result, metrics)
+        return _counted(replace(result, along=account.along()), metrics)
 
 
 def _progress(result: RunResult, metrics: DirectMetrics) -> Progress:

@@ -65,6 +65,7 @@ class Episode:
             terrain_hash=terrain_hash(world),
             obstacles=len(world.obstacles),
             map_size=2 * world.ground.half_size,
+            notes=world.notes,
         )
         self.simulation = Simulation(scene, timestep_ns)
         self._recorder = TruthRecorder(self.simulation)

@@ -4,6 +4,7 @@ import json
 import math
 import os
 import platform
+import re
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -13,14 +14,15 @@ from harness import __version__
 from harness.errors import UsageError
 from harness.files import whole_file
 from harness.result import RunResult
+from harness.sim_time import NANOSECONDS
+from harness.truth_events import ContactEvent
 
+FLAT_LIST = re.compile(r"\[[^\[\]{}\"]+\]")  # of numbers: one line for each is too much
 PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy")
 
 
 def manifest(result: RunResult) -> dict[str, Any]:
     """The run as JSON values; infinite numbers become null."""
-    truth = asdict(result.truth)
-    truth["time_s"] = truth.pop("time_ns") / 1e9
     values: dict[str, Any] = _json_safe(
         {
             "arguments": asdict(result.config),
@@ -37,7 +39,10 @@ def manifest(result: RunResult) -> dict[str, Any]:
             "rows": result.rows,
             "log": None if result.log_path is None else str(result.log_path),
             "last_row": result.last_row,
-            "truth": truth,
+            "node": _node(result),
+            "recording": None if result.recording is None else str(result.recording),
+            "report": None if result.report is None else str(result.report),
+            "truth": _truth(result),
         }
     )
     return values
@@ -50,6 +55,7 @@ def write_manifest(result: RunResult, path: Path) -> None:
         UsageError: It cannot be written there.
     """
     text = json.dumps(manifest(result), indent=2, allow_nan=False) + "\n"
+    text = FLAT_LIST.sub(lambda found: re.sub(r"\s+", " ", found[0]), text)
     try:
         with whole_file(path) as part:
             part.write_text(text, encoding="utf-8")
@@ -80,6 +86,38 @@ def _outcome(result: RunResult) -> dict[str, str | None]:
     if result.lost:
         return {"status": "failed", "reason": f"{result.lost} messages lost"}
     return {"status": "complete", "reason": None}
+
+
+def _node(result: RunResult) -> dict[str, Any] | None:
+    """What the metrics node says of its session, as it would in a record of its own."""
+    if result.reception is None:
+        return None
+    return {"segments": result.segments, "topics": result.reception}
+
+
+def _truth(result: RunResult) -> dict[str, Any]:
+    truth, along = asdict(result.truth), result.along
+    truth["time_s"] = truth.pop("time_ns") / NANOSECONDS
+    return truth | {
+        "mean_speed": result.mean_speed,
+        "roughness": {"p50": along.roughness_p50, "p95": along.roughness_p95},
+        "event_count": along.event_count,
+        "events": [_event(event) for event in along.events],
+        "path_period_s": along.path_period_s,
+        "path": along.path,
+    }
+
+
+def _event(event: ContactEvent) -> dict[str, Any]:
+    return {
+        "kind": event.kind,
+        "start_s": event.start_ns / NANOSECONDS,
+        "end_s": event.end_ns / NANOSECONDS,
+        "part": event.part,
+        "other": event.other,
+        "force_n": event.force,
+        "point": event.point,
+    }
 
 
 def _versions() -> dict[str, str | None]:

@@ -2,10 +2,12 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from harness.config import EpisodeConfig, EpisodeInfo
 from harness.sim_time import NANOSECONDS
 from harness.truth import Truth
+from harness.truth_account import TruthAlong
 from rover_metrics.thresholds import DEFAULT_THRESHOLDS, Thresholds
 
 
@@ -51,6 +53,11 @@ class RunResult:
         log_path: The metrics CSV; None without one.
         last_row: Its last row by column name.
         thresholds: Those that the metrics had at the end.
+        along: What the rover met on its way, as the simulator knows it.
+        reception: The metrics node's own account of each topic; None without one.
+        segments: How often its time began anew, plus one; None without one.
+        recording: The MCAP file; None without one.
+        report: The page that was asked for; None if none was.
     """
 
     config: EpisodeConfig
@@ -66,6 +73,11 @@ class RunResult:
     log_path: Path | None = None
     last_row: dict[str, int | float | str] | None = None
     thresholds: Thresholds = DEFAULT_THRESHOLDS
+    along: TruthAlong = field(default_factory=TruthAlong)
+    reception: dict[str, Any] | None = None
+    segments: int | None = None
+    recording: Path | None = None
+    report: Path | None = None
 
     @property
     def simulated_s(self) -> float:
@@ -76,6 +88,11 @@ class RunResult:
     def real_time_factor(self) -> float:
         """Simulated seconds per wall second."""
         return self.simulated_s / self.wall_s if self.wall_s > 0 else 0.0
+
+    @property
+    def mean_speed(self) -> float:
+        """True path over time [m/s]."""
+        return self.truth.path_length / self.simulated_s if self.simulated_s else 0.0
 
     @property
     def lost(self) -> int:

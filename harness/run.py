@@ -9,6 +9,7 @@ import argparse
 import signal
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         report = RunReport(options.report)
         with StopRequest() as stop, drawing:
             result = _run(options, ros_args, stop, console, drawing, report)
+            result = replace(result, report=options.report)
             exit_code = _report(result, options.summary, stop, console)
             if (page := report.write(result)) is not None:
                 console.print(f"report: {page}", soft_wrap=True, highlight=False)

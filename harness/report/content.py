@@ -17,7 +17,7 @@ from harness.report.log import Log, read_log
 from harness.report.outline import scan_points
 from harness.report.recorder import RunRecorder
 from harness.report.series import MOST_ROWS, series_figure
-from harness.report.tables import comparisons, facts, key_figures
+from harness.report.tables import comparisons, contact_rows, facts, key_figures
 from harness.report.terrain_map import map_figure
 from harness.result import RunResult
 from harness.robots import find_rover
@@ -58,6 +58,7 @@ def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
         "key_figures": key_figures(result),
         "map": terrain_map,
         "comparisons": comparisons(result, log),
+        "contacts": contact_rows(result),
         "series": series,
         "notes": log.notes,
         "figures": {plot.name: plot.figure for plot in (terrain_map, *series)},

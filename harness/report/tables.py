@@ -9,8 +9,11 @@ import numpy as np
 from harness.report.figure import DASH, MINUS, TIMES
 from harness.report.log import Log
 from harness.result import RunResult
+from harness.sim_time import NANOSECONDS
 
 NOTHING = DASH
+MOST_CONTACTS = 50
+DOING = {"hazard": "hits", "rock": "on", "scrape": "scrapes"}
 UNITS = {"duration": "s", "timestep": "s", "imu_rate": "Hz", "map_size": "m"}  # of the manifest
 
 
@@ -33,7 +36,7 @@ def comparisons(result: RunResult, log: Log) -> list[Comparison]:
     tipped = ", tipped over" if truth.tipped_over else ""
     return [
         _compared("Distance", "m", _number(row.get("Distance Traveled")), truth.path_length),
-        _compared("Mean speed", "m/s", _mean(log, "Current Velocity"), _mean_speed(result)),
+        _compared("Mean speed", "m/s", _mean(log, "Current Velocity"), result.mean_speed),
         Comparison(
             "Collisions",
             f"{row['Total Collisions']} scans below {threshold:g} m" if row else NOTHING,
@@ -42,9 +45,22 @@ def comparisons(result: RunResult, log: Log) -> list[Comparison]:
         Comparison("Smallest clearance logged", f"{min(clearances):.2f} m" if clearances else NOTHING),
         Comparison("Rough terrain", f"{sum(rough):.0f} of {len(rough)} rows" if rough else NOTHING),
         Comparison("Wheel slip, mean", truth=f"{truth.mean_slip:.2f}"),
-        Comparison("Time on rocks", truth=f"{truth.rock_contact_s:.2f} s"),
-        Comparison("Body scraping the ground", truth=f"{truth.scrape_s:.2f} s"),
+        Comparison("On rocks", truth=f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s"),
+        Comparison("Body scraping the ground", truth=f"{truth.scrapes} times, {truth.scrape_s:.2f} s"),
         Comparison("Largest tilt", truth=f"{math.degrees(truth.largest_tilt):.0f}°{tipped}"),
+    ]
+
+
+def contact_rows(result: RunResult) -> list[tuple[str, str, str, str]]:
+    """The first MOST_CONTACTS contact events: what with what, when, how hard, all for people."""
+    return [
+        (
+            f"{event.part} {DOING[event.kind]} {event.other}",
+            f"{event.start_ns / NANOSECONDS:.2f} s",
+            f"{(event.end_ns - event.start_ns) / NANOSECONDS:.2f} s",
+            f"{event.force:.0f} N",
+        )
+        for event in result.along.events[:MOST_CONTACTS]
     ]
 
 
@@ -85,10 +101,6 @@ def _percent(ratio: float) -> str:
     rounded = round(100.0 * ratio, 1)
     sign = "+" if rounded > 0.0 else MINUS if rounded < 0.0 else ""
     return f"{sign}{abs(rounded)} %"
-
-
-def _mean_speed(result: RunResult) -> float:
-    return result.truth.path_length / result.simulated_s if result.simulated_s else 0.0
 
 
 def _mean(log: Log, column: str) -> float:

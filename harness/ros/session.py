@@ -27,6 +27,7 @@ from harness.sensors.faults import FaultInjector, disturb_time
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
 from harness.stream import EpisodeProcess
+from harness.truth_account import TruthAccount
 from rover_metrics.row import COLUMNS
 
 
@@ -135,6 +136,7 @@ class _Run:
         self._executor.spin_once(timeout_sec=0.0)
         refuse_other_publishers(self._bridge, self._hosted.topics if self._hosted else ())
         result = RunResult(config=self._config, mode=self._mode(), info=info)
+        account = TruthAccount()
         begun = time.monotonic()
         pacer = Pacer(self._options.rate, sleep=stop.sleep)
         try:
@@ -145,6 +147,7 @@ class _Run:
                         if self._recorder is not None:
                             self._recorder.time_ns = tick.stamp_ns
                         lockstep.advance(self._faults.corrupt(tick))
+                    account.take(batch)
                     if watch is not None:
                         watch(batch)
                     result = self._after(batch, result, begun, started)
@@ -162,7 +165,7 @@ class _Run:
                 raise
             self._remotes = []
             result = replace(result, failure="ROS 2 was shut down from outside this run")
-        return self._counted(result)
+        return self._counted(replace(result, along=account.along()))
 
     def _after(self, batch: Batch, result: RunResult, begun: float, started: float) -> RunResult:
         now = time.monotonic()
@@ -194,12 +197,14 @@ class _Run:
             for topic, received in remote.received(patience).items():
                 lost = max(topics[topic].lost, topics[topic].published - received)
                 topics[topic] = replace(topics[topic], received=received, lost=lost)
-        result = replace(result, topics=topics)
+        recording = self._options.record if any(c.published for c in topics.values()) else None
+        result = replace(result, topics=topics, recording=recording)
         foreign = [t for t, c in topics.items() if c.received is not None and c.received > c.published]
         if foreign and result.failure is None:
             result = replace(result, failure=f"{foreign[0]} {SECOND_PUBLISHER}")
         if self._node is None:
             return result
+        self._node.log.close()  # what waits for the disk is tried a last time, then it is lost
         row, lost_rows = self._node.last_row, self._node.lost_rows
         if lost_rows and result.failure is None:
             result = replace(result, failure=f"{lost_rows} rows could not be written")
@@ -209,4 +214,6 @@ class _Run:
             log_path=self._node.log.path,
             last_row=None if row is None else dict(zip(COLUMNS, row.as_fields(), strict=True)),
             thresholds=self._node.settings.thresholds,
+            reception=self._node.reception.account(),
+            segments=self._node.timer.times.segments,
         )

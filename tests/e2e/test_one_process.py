@@ -15,6 +15,9 @@ import pytest
 
 from harness.robots import ROVERS
 from harness.run import main
+from rover_metrics.csv_log import CsvLog
+from rover_metrics.errors import LogError
+from rover_metrics.row import MetricsRow
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
@@ -46,13 +49,35 @@ def test_thirty_seconds_on_rocky_give_thirty_true_rows_and_lose_nothing(
     assert all(c["received"] == c["published"] and c["lost"] == 0 for c in heard.values())
     assert manifest["topics"]["/clock"]["published"] == 3000
     assert manifest["topics"]["/rover/pose_array"]["published"] == 1500
+    assert manifest["node"]["segments"] == 1
+    assert manifest["node"]["topics"]["/scan"]["received"] == 600
+    assert len(manifest["truth"]["path"]) == 30
 
     again = run(tmp_path / "again", "--robot", robot)
     assert again.read_bytes() == log.read_bytes()
     direct = run(tmp_path / "direct", "--robot", robot, "--direct")
     assert direct.read_bytes() == log.read_bytes()
+    assert json.loads(direct.with_suffix(".json").read_text())["truth"] == manifest["truth"]
     other = run(tmp_path / "other", "--robot", robot, "--direct", "--seed", "1")
     assert other.read_bytes() != log.read_bytes()
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_a_row_that_the_disk_takes_at_the_end_is_no_lost_row(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write, refusals = CsvLog.write, iter([LogError("no space")])
+
+    def write_late(log: CsvLog, row: MetricsRow) -> None:
+        if log.rows == 1 and (refusal := next(refusals, None)):
+            raise refusal
+        write(log, row)
+
+    monkeypatch.setattr(CsvLog, "write", write_late)
+    assert main(["--terrain", "flat", "--duration", "2", "--log-dir", str(tmp_path)]) == 0
+    (log,) = logs(tmp_path)
+    assert len(log.read_bytes().splitlines()) == 1 + 2
+    assert json.loads(log.with_suffix(".json").read_text())["rows"] == 2
 
 
 @pytest.mark.usefixtures("ros_domain")

@@ -9,6 +9,8 @@ from harness.errors import UsageError
 from harness.manifest import check_writable, manifest, write_manifest
 from harness.result import RunResult, TopicCount
 from harness.truth import Truth
+from harness.truth_account import TruthAlong
+from harness.truth_events import ContactEvent
 
 
 def result(**changes: object) -> RunResult:
@@ -32,6 +34,47 @@ def test_written_manifest_is_valid_json_with_infinities_as_null(tmp_path: Path) 
     assert read["last_row"]["Obstacle Clearance"] is None
     assert read["versions"]["mujoco"]
     assert [path.name for path in tmp_path.iterdir()] == ["run.json"]
+
+
+def test_truth_tells_what_happened_where_and_how_hard(tmp_path: Path) -> None:
+    point = (0.2, 0.1, 0.05)
+    event = ContactEvent("hazard", 1_500_000_000, 1_520_000_000, "wheel_FL", "hazard_3", 41.5, point)
+    along = TruthAlong(
+        events=(event,),
+        event_count=7,
+        path=((0.0, 0.0, 0.1), (0.4, 0.0, 0.1)),
+        roughness_p50=0.002,
+        roughness_p95=0.01,
+    )
+    write_manifest(result(along=along), tmp_path / "run.json")
+    text = (tmp_path / "run.json").read_text()
+    truth = json.loads(text)["truth"]
+    assert truth["events"] == [
+        {
+            "kind": "hazard",
+            "start_s": 1.5,
+            "end_s": 1.52,
+            "part": "wheel_FL",
+            "other": "hazard_3",
+            "force_n": 41.5,
+            "point": [0.2, 0.1, 0.05],
+        }
+    ]
+    assert truth["event_count"] == 7
+    assert (truth["path_period_s"], truth["path"]) == (1.0, [[0.0, 0.0, 0.1], [0.4, 0.0, 0.1]])
+    assert "[ 0.4, 0.0, 0.1 ]" in text, "a point of the path takes one line"
+    assert truth["roughness"] == {"p50": 0.002, "p95": 0.01}
+    assert truth["mean_speed"] == pytest.approx(0.4)
+
+
+def test_the_nodes_own_account_and_other_files_are_named() -> None:
+    account = {"/scan": {"received": 40, "rejected": 1, "lost": 0, "remarks": {"empty": 1}}}
+    told = manifest(
+        result(reception=account, segments=2, recording=Path("a.mcap"), report=Path("b.html"))
+    )
+    assert told["node"] == {"segments": 2, "topics": account}
+    assert (told["recording"], told["report"]) == ("a.mcap", "b.html")
+    assert manifest(result())["node"] is None
 
 
 @pytest.mark.parametrize(

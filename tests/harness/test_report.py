@@ -15,6 +15,7 @@ from harness.report.page import render
 from harness.report.recorder import RunRecorder
 from harness.result import RunResult, TopicCount
 from harness.run import main
+from harness.truth_events import ContactEvent
 from rover_metrics.row import COLUMNS
 
 QUICK = ["--direct", "--terrain", "flat", "--duration", "2"]
@@ -98,6 +99,18 @@ def test_page_tells_arguments_versions_hashes_and_truth(run: tuple[RunResult, Ru
     assert re.search(r"mujoco</th><td>\d", page)
     assert re.search(r"timestep</th><td>0.0025 s<", page)
     assert f"{result.truth.path_length:.2f} m" in page
+
+
+def test_page_lists_contacts_and_says_how_many_there_are_more(
+    run: tuple[RunResult, RunRecorder],
+) -> None:
+    result, recorder = run
+    touched = ContactEvent("hazard", 10**9, 15 * 10**8, "wheel_FL", "hazard_3", 41.6, (0.2, 0.1, 0.0))
+    along = replace(result.along, events=(touched,) * 60, event_count=2000)
+    page = without_plotly(render(replace(result, along=along), recorder))
+    row = ">wheel_FL hits hazard_3</th><td>1.00 s</td><td>0.50 s</td><td>42 N<"
+    assert page.count(row) == 50
+    assert "The first 50 of 2000." in page
 
 
 def test_page_refers_to_nothing_outside_itself(run: tuple[RunResult, RunRecorder]) -> None:

@@ -1,0 +1,63 @@
+import math
+
+import pytest
+
+from harness.config import Batch
+from harness.samples import Tick, TruthState
+from harness.sim_time import NANOSECONDS
+from harness.truth import Truth
+from harness.truth_account import MOST_EVENTS, MOST_POINTS, TruthAccount
+from harness.truth_events import ContactEvent
+
+
+def event(second: float) -> ContactEvent:
+    start = round(second * NANOSECONDS)
+    return ContactEvent("rock", start, start + 10_000_000, "wheel_FL", "rock_1", 5.0, (0.1, 0.2, 0.0))
+
+
+def batch(second: float, roughness: float = 0.0, events: tuple[ContactEvent, ...] = ()) -> Batch:
+    stamp = round(second * NANOSECONDS)
+    state = TruthState(stamp, False, False, False, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0, 0.0), roughness)
+    truth = Truth(time_ns=stamp, position=(second, 0.0, 0.0))
+    return Batch((Tick(stamp, (state,)),), truth, events)
+
+
+def test_roughness_is_weighted_by_time() -> None:
+    account = TruthAccount()
+    for index in range(100):
+        account.take(batch(index, roughness=0.002 if index < 90 else 0.05))
+    along = account.along()
+    assert along.roughness_p50 == pytest.approx(0.002)
+    assert along.roughness_p95 == pytest.approx(0.05)
+    assert math.isnan(TruthAccount().along().roughness_p50)
+
+
+def test_the_path_has_a_point_each_second_and_thins_out_before_it_grows_too_long() -> None:
+    account = TruthAccount()
+    for twentieth in range(1, 60):
+        account.take(batch(twentieth / 20))
+    assert [x for x, _, _ in account.along().path] == [1.0, 2.0]
+    for second in range(3, 3 * MOST_POINTS):
+        account.take(batch(second))
+        assert len(account.along().path) < MOST_POINTS
+    along = account.along()
+    assert along.path_period_s == 4.0
+    assert [x for x, _, _ in along.path] == [4.0 * n for n in range(1, len(along.path) + 1)]
+    assert along.path[-1][0] == 3 * MOST_POINTS - 4
+
+
+def test_events_are_counted_beyond_those_that_are_kept() -> None:
+    account = TruthAccount()
+    for second in range(MOST_EVENTS + 5):
+        account.take(batch(second, events=(event(second),)))
+    along = account.along()
+    assert (len(along.events), along.event_count) == (MOST_EVENTS, MOST_EVENTS + 5)
+    assert along.events[-1].start_ns == (MOST_EVENTS - 1) * NANOSECONDS
+
+
+def test_an_interrupted_run_has_the_events_that_lasted() -> None:
+    account = TruthAccount()
+    account.take(Batch((), Truth(), (event(1.0),), open_events=(event(2.0),)))
+    along = account.along()
+    assert along.events == (event(1.0), event(2.0))
+    assert along.event_count == 2
