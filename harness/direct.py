@@ -14,64 +14,88 @@ from pathlib import Path
 from harness.config import Batch, EpisodeConfig
 from harness.episode import Episode
 from harness.errors import RunFailed, UsageError
+from harness.extended import SampleIntake, extended_settings
 from harness.interrupt import StopRequest
 from harness.pacing import Pacer
 from harness.result import Progress, RunResult, TopicCount
-from harness.row_schedule import RowSchedule
-from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick
+from harness.robots import find_rover
+from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState
 from harness.sensors.fault_spec import parse_faults
 from harness.sensors.faults import FaultInjector
+from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
 from harness.truth_account import TruthAccount
 from rover_metrics.csv_log import CsvLog
 from rover_metrics.errors import LogError
+from rover_metrics.extended.metrics import ExtendedMetrics
+from rover_metrics.extended.row import EXTENDED_HEADER
 from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.row import COLUMNS, MetricsRow
+from rover_metrics.row import COLUMNS, Row
+from rover_metrics.row_schedule import RowSchedule
 from rover_metrics.session_record import COMPLETE, Outcome, failed, write_record
 
-TOPICS: dict[type, str] = {
-    LaserScan: "/scan",
-    Imu: "/imu/data",
-    Pose: "/rover/pose_array",
-    Odometry: "/odometry/wheels",
+TOPICS: dict[type, tuple[str, ...]] = {
+    LaserScan: ("/scan",),
+    Imu: ("/imu/data",),
+    Pose: ("/rover/pose_array",),
+    Odometry: ("/odometry/wheels",),
+}
+TRUTH_TOPICS: dict[type, tuple[str, ...]] = {
+    GroundTruth: ("/odom_ground_truth",),
+    TruthState: ("/rover/truth/contact", "/rover/truth/traversal"),
 }
 
 
 class DirectMetrics:
     """Feeds ticks to the metric core and writes a row each simulated second.
 
+    Args:
+        log: Where the rows go.
+        metrics: The twelve columns.
+        extended: Those after them, and how samples get there; None without.
+
     Attributes:
         fed: Samples taken, by the name of the topic that they would have had.
         last_row: The latest row, or None.
     """
 
-    def __init__(self, log: CsvLog, metrics: TraversalMetrics) -> None:
-        self.log, self._metrics = log, metrics
-        self.fed = dict.fromkeys(TOPICS.values(), 0)
+    def __init__(
+        self, log: CsvLog, metrics: TraversalMetrics, extended: SampleIntake | None = None
+    ) -> None:
+        self.log, self._metrics, self._extended = log, metrics, extended
+        self._topics = TOPICS if extended is None else TOPICS | TRUTH_TOPICS
+        self.fed = {topic: 0 for topics in self._topics.values() for topic in topics}
         self._schedule = RowSchedule(NANOSECONDS)
-        self.last_row: MetricsRow | None = None
+        self.last_row: Row | None = None
 
     def take(self, tick: Tick) -> None:
         """Takes a tick; the row of a full second comes after its samples."""
         for sample in tick.samples:
-            self._take_sample(sample)
+            used = self._take_sample(sample)
+            if self._extended is not None:
+                self._extended.take(sample, used=used)
+            for topic in self._topics.get(type(sample), ()):
+                self.fed[topic] += 1
         if tick.tells_time and self._schedule.is_due(tick.stamp_ns):
-            self.last_row = self._metrics.row(tick.stamp_ns // NANOSECONDS)
+            self.last_row = self._row(tick.stamp_ns)
             self.log.write(self.last_row)
 
-    def _take_sample(self, sample: Sample) -> None:
+    def _row(self, now_ns: int) -> Row:
+        if self._extended is None:
+            return self._metrics.row(now_ns // NANOSECONDS)
+        return self._extended.metrics.row(now_ns)
+
+    def _take_sample(self, sample: Sample) -> bool:
         match sample:
             case LaserScan():
-                self._metrics.add_scan(sample.ranges)
+                return self._metrics.add_scan(sample.ranges)
             case Imu():
-                self._metrics.add_imu(sample.linear_acceleration, sample.angular_velocity)
+                return self._metrics.add_imu(sample.linear_acceleration, sample.angular_velocity)
             case Pose():
-                self._metrics.add_pose(sample.position)
+                return self._metrics.add_pose(sample.position)
             case Odometry():
-                self._metrics.add_odometry((sample.twist.linear, 0.0, 0.0))
-            case _:
-                return
-        self.fed[TOPICS[type(sample)]] += 1
+                return self._metrics.add_odometry((sample.twist.linear, 0.0, 0.0))
+        return False
 
 
 def run_direct(
@@ -81,6 +105,8 @@ def run_direct(
     stop: StopRequest,
     show: Callable[[Progress], None],
     watch: Callable[[Batch], None] | None = None,
+    *,
+    extended: bool = False,
 ) -> RunResult:
     """Runs an episode without ROS and returns what it came to, also when it failed underway.
 
@@ -91,6 +117,7 @@ def run_direct(
         stop: Ends the run early.
         show: Is told the progress after every batch.
         watch: Sees every batch once it has been taken.
+        extended: Whether to write the extended columns too.
 
     Raises:
         UsageError: The arguments are not valid or the log cannot be created.
@@ -98,12 +125,12 @@ def run_direct(
     started = time.monotonic()
     episode = Episode(config)
     try:
-        log = CsvLog(log_dir, datetime.now())
+        log = CsvLog(log_dir, datetime.now(), columns=EXTENDED_HEADER if extended else COLUMNS)
     except LogError as error:
         raise UsageError(str(error)) from error
     with log:
         _mark(log, None)
-        metrics = DirectMetrics(log, TraversalMetrics())
+        metrics = _metrics(log, config, extended=extended)
         result = RunResult(config=config, mode="direct, no ROS", info=episode.info, log_path=log.path)
         begun = time.monotonic()
         pacer = Pacer(rate, sleep=stop.sleep)
@@ -131,6 +158,15 @@ def run_direct(
         return _counted(replace(result, along=account.along()), metrics)
 
 
+def _metrics(log: CsvLog, config: EpisodeConfig, *, extended: bool) -> DirectMetrics:
+    metrics = TraversalMetrics()
+    if not extended:
+        return DirectMetrics(log, metrics)
+    settings = extended_settings(find_rover(config.robot))
+    lidar = LidarSpec(beams=config.lidar_beams)
+    return DirectMetrics(log, metrics, SampleIntake(ExtendedMetrics(metrics, settings), lidar))
+
+
 def _progress(result: RunResult, metrics: DirectMetrics) -> Progress:
     return Progress(
         simulated_s=result.simulated_s,
@@ -153,5 +189,5 @@ def _counted(result: RunResult, metrics: DirectMetrics) -> RunResult:
         result,
         topics={name: TopicCount(published=n, received=n) for name, n in metrics.fed.items()},
         rows=metrics.log.rows,
-        last_row=None if row is None else dict(zip(COLUMNS, row.as_fields(), strict=True)),
+        last_row=None if row is None else dict(zip(row.columns, row.as_fields(), strict=True)),
     )

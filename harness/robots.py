@@ -55,6 +55,7 @@ class RoverSpec:
     cruise_yaw_rate: float
     encoder_ticks: float
     odometry_rate: int
+    lidar_x: float
     lidar_height: float
     clearance: float
 
@@ -107,6 +108,7 @@ LEO = RoverSpec(
     cruise_yaw_rate=1.0,
     encoder_ticks=878.4,  # leo_fw default_firmware_params.yaml
     odometry_rate=20,
+    lidar_x=0.174,
     lidar_height=0.798,
     clearance=0.106,
 )
@@ -139,6 +141,7 @@ ROVER_ZERO4WD = RoverSpec(
     cruise_yaw_rate=2.0,
     encoder_ticks=4096.0,  # estimate: fine enough to stay below the simulator's own slip
     odometry_rate=50,
+    lidar_x=0.174,
     lidar_height=0.323,
     clearance=0.049,
 )

@@ -24,11 +24,12 @@ from harness.config import Batch, EpisodeConfig
 from harness.console import RunProgress, print_choices, print_summary
 from harness.drivers import DRIVERS
 from harness.errors import HarnessError, UsageError
+from harness.extended import extended_ros_args
 from harness.interrupt import StopRequest
 from harness.manifest import check_writable, write_manifest
 from harness.report import RunReport
 from harness.result import Progress, RunResult
-from harness.robots import ROVERS
+from harness.robots import ROVERS, find_rover
 from harness.sensors.fault_kinds import describe_faults
 from harness.sensors.fault_spec import FORM
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
@@ -97,7 +98,10 @@ def _run(
             # Loads MuJoCo and compiled kernels, which through ROS only the simulation's process needs.
             from harness.direct import run_direct  # noqa: PLC0415
 
-            return run_direct(config, options.log_dir, options.rate, stop, bar.show, watch)
+            return run_direct(
+                *(config, options.log_dir, options.rate, stop, bar.show, watch),
+                extended=options.extended,
+            )
         return _run_through_ros(options, config, ros_args, stop, bar.show, watch)
 
 
@@ -123,7 +127,11 @@ def _run_through_ros(
         host_metrics=not options.no_metrics,
         wait_for=tuple(options.wait_for),
         rate=options.rate,
-        ros_args=[*_namespace_args(options.namespace), *ros_args],
+        ros_args=[
+            *_namespace_args(options.namespace),
+            *(extended_ros_args(find_rover(config.robot)) if options.extended else ()),
+            *ros_args,
+        ],
         record=options.record,
     )
     return run_through_ros(config, ros, stop, show, watch)
@@ -191,6 +199,10 @@ def _namespace_args(namespace: str) -> list[str]:
 
 
 def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> None:
+    if options.extended and options.no_metrics:
+        raise UsageError(
+            "--extended is for the hosted metrics_node; start yours with -p extended_columns:=true"
+        )
     if not options.direct:
         return
     for given, flag in (
@@ -304,6 +316,11 @@ def _parser() -> argparse.ArgumentParser:
     )
     run.add_argument("--no-metrics", action="store_true", help="publish only; host no metrics_node")
     run.add_argument("--direct", action="store_true", help="no ROS: samples go straight to the CSV")
+    run.add_argument(
+        "--extended",
+        action="store_true",
+        help="log the extended columns too (docs/metrics.md), with the rover's footprint",
+    )
     run.add_argument(
         "--wait-for",
         action="append",

@@ -28,7 +28,6 @@ from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
 from harness.stream import EpisodeProcess
 from harness.truth_account import TruthAccount
-from rover_metrics.row import COLUMNS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -212,7 +211,7 @@ class _Run:
             result,
             rows=self._node.rows,
             log_path=self._node.log.path,
-            last_row=None if row is None else dict(zip(COLUMNS, row.as_fields(), strict=True)),
+            last_row=None if row is None else dict(zip(row.columns, row.as_fields(), strict=True)),
             thresholds=self._node.settings.thresholds,
             reception=self._node.reception.account(),
             segments=self._node.timer.times.segments,

@@ -31,6 +31,9 @@ def generate_launch_description() -> LaunchDescription:
                 for name, description in OPTIONS.items()
             ),
             DeclareLaunchArgument(
+                "extended", default_value="false", description="true logs the extended columns too"
+            ),
+            DeclareLaunchArgument(
                 "params_file", default_value=NOT_GIVEN, description="YAML of metrics_node's parameters"
             ),
             DeclareLaunchArgument(
@@ -56,6 +59,8 @@ def _harness(context: LaunchContext) -> list[ExecuteProcess]:
 
     # --name=value, so that a value that begins with a dash stays a value
     words = [f"--{name.replace('_', '-')}={given(name)}" for name in OPTIONS if given(name)]
+    if given("extended").lower() == "true":
+        words.append("--extended")
     ros_args = [
         *(["--params-file", given("params_file")] if given("params_file") else []),
         *(["-r", f"__ns:=/{given('namespace').strip('/')}"] if given("namespace").strip("/") else []),

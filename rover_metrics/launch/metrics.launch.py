@@ -17,6 +17,7 @@ PARAMETERS = {
     "use_sim_time": (bool, "follow /clock, as with every simulator"),
     "log_dir": (str, "folder for the CSV"),
     "debug_mode": (bool, "report clearance, collisions and distance while running"),
+    "extended_columns": (bool, "log the extended columns after the twelve"),
     "debug_interval": (int, "callbacks of a topic from one debug report to the next"),
 }
 

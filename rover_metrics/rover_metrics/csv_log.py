@@ -4,7 +4,7 @@ import csv
 import errno
 import io
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from datetime import datetime
 from itertools import count
@@ -13,7 +13,7 @@ from types import TracebackType
 from typing import BinaryIO
 
 from rover_metrics.errors import LogError
-from rover_metrics.row import COLUMNS, MetricsRow
+from rover_metrics.row import COLUMNS, Field, Row
 
 _MENDS = {
     errno.EEXIST: "a file stands where a folder should be; remove it or choose another folder",
@@ -38,6 +38,7 @@ class CsvLog:
         directory: Folder for the file; created if it does not exist.
         started: When the session started, for the name.
         fsync: Whether a row is on the disk itself before `write` returns.
+        columns: The header.
 
     Attributes:
         path: The file, absolute.
@@ -48,7 +49,14 @@ class CsvLog:
         LogError: The folder or the file cannot be created.
     """
 
-    def __init__(self, directory: str | Path, started: datetime, *, fsync: bool = False) -> None:
+    def __init__(
+        self,
+        directory: str | Path,
+        started: datetime,
+        *,
+        fsync: bool = False,
+        columns: Sequence[str] = COLUMNS,
+    ) -> None:
         directory = Path(directory).absolute()
         try:
             self.path, self._file = _create(directory, f"metrics_log_{started:%Y%m%d_%H%M%S}")
@@ -58,7 +66,7 @@ class CsvLog:
         self.rows = 0
         self._size = 0  # bytes of whole lines
         try:
-            self._write_line(COLUMNS)
+            self._write_line(columns)
         except LogError:
             self.close()
             with suppress(OSError):
@@ -76,7 +84,7 @@ class CsvLog:
     ) -> None:
         self.close()
 
-    def write(self, row: MetricsRow) -> None:
+    def write(self, row: Row) -> None:
         """Append a row.
 
         Raises:
@@ -90,7 +98,7 @@ class CsvLog:
         """Close the file; closing twice is fine."""
         self._file.close()
 
-    def _write_line(self, cells: Iterable[int | float | str]) -> None:
+    def _write_line(self, cells: Iterable[Field]) -> None:
         line = _csv_line(cells)
         try:
             _write_all(self._file, line)
@@ -135,7 +143,7 @@ def _create(directory: Path, stem: str) -> tuple[Path, BinaryIO]:
     raise AssertionError  # count() does not end
 
 
-def _csv_line(cells: Iterable[int | float | str]) -> bytes:
+def _csv_line(cells: Iterable[Field]) -> bytes:
     line = io.StringIO(newline="")
     csv.writer(line).writerow(cells)
     return line.getvalue().encode()

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from rover_metrics.metrics import LARGEST_ACCELERATION, LARGEST_SPEED, Vector3
 
 NOT_FINITE = "not finite"
+NOT_FINITE_OR_OTHER = "not finite, or not the truth that harness.run publishes"
 NO_POSE = "no pose"
 HUGE_ACCELERATION = "acceleration beyond all physics"
 HUGE_ANGULAR_RATE = "angular velocity beyond all physics"

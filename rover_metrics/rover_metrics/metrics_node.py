@@ -5,7 +5,7 @@ import sys
 from collections.abc import Callable, Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rover_metrics.errors import ParameterError, RoverMetricsError, missing_ros
 
@@ -17,8 +17,10 @@ try:
     from rclpy.node import Node
     from rclpy.parameter import Parameter
     from sensor_msgs.msg import Imu, LaserScan
+    from std_msgs.msg import Bool, Float64MultiArray
     from std_srvs.srv import Trigger
 
+    from rover_metrics import extended_parameters
     from rover_metrics.parameters import BEST_EFFORT, Settings, declare_settings, wrong_type
     from rover_metrics.program import run_node
     from rover_metrics.row_timer import RowTimer
@@ -27,16 +29,22 @@ except ImportError as error:
     raise missing_ros(error) from None
 
 from rover_metrics.csv_log import CsvLog
+from rover_metrics.extended.messages import MessageIntake
+from rover_metrics.extended.metrics import ExtendedMetrics
+from rover_metrics.extended.row import EXTENDED_HEADER
+from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic
 from rover_metrics.metrics import TraversalMetrics
 from rover_metrics.patient_log import PatientLog
-from rover_metrics.reception import Reception
+from rover_metrics.reception import LOST, Reception
+from rover_metrics.row import COLUMNS
 from rover_metrics.sensor_callbacks import SensorCallbacks
 from rover_metrics.session_record import SessionRecord
 
 if TYPE_CHECKING:
-    from rover_metrics.row import MetricsRow
+    from rover_metrics.row import Row
 
 LOG_PERIOD = 1.0  # seconds of ROS time
+NANOSECONDS = 1_000_000_000
 
 
 class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
@@ -50,6 +58,7 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     Attributes:
         settings: The current parameter values.
         metrics: The metrics of this session.
+        extended: Those of the extended columns; None without them.
         log: The CSV log of this session.
         record: The JSON beside it.
         reception: What arrived on each topic, what was odd about it and what is missing.
@@ -74,14 +83,15 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         try:
             self.settings: Settings = declare_settings(self)
             self.metrics = TraversalMetrics(self.settings.thresholds)
-            self.sensors = SensorCallbacks(self.metrics, self.reception, self._debug)
+            self.extended = self._extended_metrics()
+            intake = None if self.extended is None else MessageIntake(self.extended)
+            self.sensors = SensorCallbacks(self.metrics, self.reception, self._debug, intake)
             self.setup_subscribers()
-            folder = Path(self.settings.log_dir).expanduser()
-            self.log = PatientLog(CsvLog(folder, now(), fsync=self.settings.fsync), self._tell)
+            self.log = PatientLog(self._csv_log(now()), self._tell)
         except RoverMetricsError:
             super().destroy_node()
             raise
-        self.last_row: MetricsRow | None = None
+        self.last_row: Row | None = None
         self.record = SessionRecord(self.get_fully_qualified_name(), now, self._tell)
         self.record.begin(self.log.path)
         self.timer = RowTimer(self, LOG_PERIOD, self._each_second, self._tell, self.settings.stale_after)
@@ -110,7 +120,7 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         return self.log.dropped + self.log.waiting
 
     def setup_subscribers(self) -> None:
-        """Subscribe to the four sensor topics, relative to the node's namespace."""
+        """Subscribe to the topics, relative to the node's namespace."""
         sensors, heard = self.sensors, self.reception
         sensors.scan = subscribe(self, LaserScan, "scan", sensors.lidar_callback, heard)
         sensors.imu = subscribe(self, Imu, "imu/data", sensors.imu_callback, heard)
@@ -125,10 +135,27 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
             depth=1,
         )
         sensors.odometry = subscribe(self, Odometry, "odometry/wheels", sensors.odometry_callback, heard)
+        if self.extended is not None:
+            self._subscribe_to_truth()
+
+    def _subscribe_to_truth(self) -> None:
+        """Subscribe to what only simulators publish."""
+        sensors = self.sensors
+
+        def truth(kind: type, name: str, callback: Callable[[Any], None]) -> str:
+            return subscribe(self, kind, name, callback, self.reception, may_be_missing=True)
+
+        sensors.ground_truth = truth(Odometry, "odom_ground_truth", sensors.ground_truth_callback)
+        sensors.contact = truth(Bool, "rover/truth/contact", sensors.contact_callback)
+        sensors.traversal = truth(Float64MultiArray, "rover/truth/traversal", sensors.traversal_callback)
 
     def periodic_logging(self) -> None:
         """Write a row; what a failing disk refuses waits in memory."""
-        self.last_row = self.metrics.row(self.get_clock().now().to_msg().sec)
+        now_ns = self.get_clock().now().nanoseconds
+        if self.extended is None:
+            self.last_row = self.metrics.row(now_ns // NANOSECONDS)
+        else:
+            self.last_row = self.extended.row(now_ns, self._reported_lost())
         self.log.write(self.last_row)
 
     def fail(self, reason: str) -> None:
@@ -150,6 +177,26 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         self.record.end(self.log.path, self.lost_rows, details)
         self.timer.close()
         super().destroy_node()
+
+    def _extended_metrics(self) -> ExtendedMetrics | None:
+        settings = self.settings
+        return ExtendedMetrics(self.metrics, settings.extended) if settings.extended_columns else None
+
+    def _csv_log(self, started: datetime) -> CsvLog:
+        settings = self.settings
+        columns = EXTENDED_HEADER if settings.extended_columns else COLUMNS
+        folder = Path(settings.log_dir).expanduser()
+        return CsvLog(folder, started, fsync=settings.fsync, columns=columns)
+
+    def _reported_lost(self) -> dict[Topic, int]:
+        sensors, remarks = self.sensors, self.reception.remarks
+        topics = {
+            SCAN: sensors.scan,
+            IMU: sensors.imu,
+            POSE: sensors.pose,
+            ODOMETRY: sensors.odometry,
+        }
+        return {topic: remarks[name][LOST] for topic, name in topics.items()}
 
     def _each_second(self) -> None:
         self.periodic_logging()
@@ -176,9 +223,15 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def _use_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
         """Take changed parameters into use at once, all of them or none."""
         try:
-            self.settings = self.settings.updated(parameters)
+            settings = self.settings.updated(parameters)
+            extended_parameters.refuse_switching(
+                self.settings.extended_columns, settings.extended_columns
+            )
         except ParameterError as error:
             return SetParametersResult(successful=False, reason=str(error))
+        if self.extended is not None and settings.extended != self.settings.extended:
+            self.extended.use(settings.extended)
+        self.settings = settings
         self.metrics.thresholds = self.settings.thresholds
         self.log.fsync = self.settings.fsync
         self.timer.stale_after = self.settings.stale_after

@@ -8,7 +8,9 @@ from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from rover_metrics import extended_parameters
 from rover_metrics.errors import ParameterError, ThresholdError
+from rover_metrics.extended.settings import DEFAULT_EXTENDED, ExtendedSettings
 from rover_metrics.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO, Thresholds
 
 DEFAULT_LOG_DIR = "metrics_analyzer/data/metric_logs/"
@@ -27,7 +29,9 @@ class Settings:
         log_dir: Folder for the log, relative to the working directory unless absolute.
         fsync: Whether each row is forced onto the disk itself.
         stale_after: From which silence on a topic is reported [s]; 0 is never.
+        extended_columns: Whether the log has the extended columns; fixed once the node runs.
         thresholds: The thresholds, each a parameter of its own name.
+        extended: What only the extended columns read, likewise.
     """
 
     debug_mode: bool = False
@@ -35,7 +39,9 @@ class Settings:
     log_dir: str = DEFAULT_LOG_DIR
     fsync: bool = False
     stale_after: float = 5.0
+    extended_columns: bool = False
     thresholds: Thresholds = DEFAULT_THRESHOLDS
+    extended: ExtendedSettings = DEFAULT_EXTENDED
 
     def updated(self, parameters: Iterable[Parameter]) -> "Settings":
         """Give these settings with some parameters changed; names of others are ignored.
@@ -50,12 +56,24 @@ class Settings:
             message = "parameter log_dir must be the path of a folder, not empty text"
             raise ParameterError(message)
         try:
-            return replace(self, thresholds=replace(self.thresholds, **thresholds), **own)
+            return replace(
+                self,
+                thresholds=replace(self.thresholds, **thresholds),
+                extended=extended_parameters.updated(self.extended, values),
+                **own,
+            )
         except ThresholdError as error:
             raise ParameterError(str(error)) from error
 
 
-_OWN_NAMES = ("debug_mode", "debug_interval", "log_dir", "fsync", "stale_after")
+_OWN_NAMES = (
+    "debug_mode",
+    "debug_interval",
+    "log_dir",
+    "fsync",
+    "stale_after",
+    extended_parameters.SWITCH,
+)
 
 
 def declare_settings(node: Node) -> Settings:
@@ -77,6 +95,9 @@ def declare_settings(node: Node) -> Settings:
     ]
     for name, info in THRESHOLD_INFO.items():
         declared.append(_declare(node, name, info.default, _threshold(name)))
+    for name, (default, descriptor) in extended_parameters.descriptors().items():
+        declared.append(_declare(node, name, default, descriptor))
+    extended_parameters.fill_empty(node)
     return defaults.updated(declared)
 
 
@@ -119,9 +140,7 @@ def wrong_type(node: Node, parameters: Iterable[Parameter]) -> str | None:
     return None
 
 
-def _declare(
-    node: Node, name: str, default: bool | float | str, descriptor: ParameterDescriptor
-) -> Parameter:
+def _declare(node: Node, name: str, default: object, descriptor: ParameterDescriptor) -> Parameter:
     try:
         return node.declare_parameter(name, default, descriptor)
     except ParameterException as error:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rover_metrics.csv_log import CsvLog
 from rover_metrics.errors import LogError
-from rover_metrics.row import MetricsRow
+from rover_metrics.row import Row
 from rover_metrics.throttle import is_worth_a_line
 
 CAPACITY = 3600  # rows: an hour, about 2 MB
@@ -29,7 +29,7 @@ class PatientLog:
 
     def __init__(self, log: CsvLog, tell: Callable[[str], None], capacity: int = CAPACITY) -> None:
         self._log, self._tell, self._capacity = log, tell, capacity
-        self._waiting: deque[MetricsRow] = deque()
+        self._waiting: deque[Row] = deque()
         self._refusal: str | None = None
         self._closed = False
         self.dropped = 0
@@ -58,7 +58,7 @@ class PatientLog:
     def fsync(self, value: bool) -> None:
         self._log.fsync = value
 
-    def write(self, row: MetricsRow) -> None:
+    def write(self, row: Row) -> None:
         """Append a row, after those that wait.
 
         Raises:

@@ -35,18 +35,22 @@ class Reception:
         self._stamps: dict[str, StampWatch] = {}
         self._silences: dict[str, SilenceWatch] = {}
         self._publishers: dict[str, int] = {}
+        self._silent_by_right: set[str] = set()
 
-    def listen(self, topic: str) -> None:
-        """Open the account of a topic."""
+    def listen(self, topic: str, *, may_be_missing: bool = False) -> None:
+        """Open the account of a topic; one that may be missing is not missed before it has spoken."""
+        if may_be_missing:
+            self._silent_by_right.add(topic)
         self.received[topic] = self.rejected[topic] = 0
         self.remarks[topic] = Counter()
         self._stamps[topic] = StampWatch()
         self._silences[topic] = SilenceWatch()
 
-    def arrived(self, topic: str, stamp_ns: int) -> None:
-        """Count a message with the stamp of its header [ns]."""
+    def arrived(self, topic: str, stamp_ns: int | None) -> None:
+        """Count a message with the stamp of its header [ns]; None if its type has none."""
         self.received[topic] += 1
-        finding = self._stamps[topic].take(stamp_ns)
+        self._silent_by_right.discard(topic)
+        finding = None if stamp_ns is None else self._stamps[topic].take(stamp_ns)
         if finding is not None:
             self.remark(topic, *finding)
 
@@ -72,6 +76,8 @@ class Reception:
         """
         for topic, silence in self._silences.items():
             self._stamps[topic].learn()
+            if topic in self._silent_by_right:
+                continue
             change = silence.look(self.received[topic], now_ns, stale_after_ns)
             if change is None:
                 continue

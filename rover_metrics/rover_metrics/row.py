@@ -1,23 +1,33 @@
 """One line of the metrics log: twelve columns, in the order and format of RoboTerrain's logs."""
 
 from dataclasses import dataclass, fields
+from typing import Protocol
 
-COLUMNS = (
-    "Timestamp",
-    "Total Collisions",
-    "Current Collision Status",
-    "Smoothness Metric",
-    "Current Smoothness",
-    "Obstacle Clearance",
-    "Distance Traveled",
-    "Current Velocity",
-    "IMU Acceleration Magnitude",
-    "Is Rough Terrain",
-    "Vertical Roughness",
-    "Notes",
-)
+from rover_metrics.seed_columns import SEED_COLUMNS
+
+COLUMNS: tuple[str, ...] = tuple(column.header for column in SEED_COLUMNS)
 
 DECIMALS = 4
+
+Field = int | float | str
+
+
+class Row(Protocol):
+    """A line of a log."""
+
+    @property
+    def stamp_s(self) -> int:
+        """ROS time [s]."""
+        ...
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The header that fits it."""
+        ...
+
+    def as_fields(self) -> tuple[Field, ...]:
+        """Its CSV cells."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -52,10 +62,15 @@ class MetricsRow:
     vertical_roughness: float
     notes: str = "Normal operation"
 
-    def as_fields(self) -> tuple[int | float | str, ...]:
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The header that fits the row."""
+        return COLUMNS
+
+    def as_fields(self) -> tuple[Field, ...]:
         """Give the CSV cells, floats rounded to four decimals."""
         return tuple(_cell(getattr(self, column.name)) for column in fields(self))
 
 
-def _cell(value: int | float | str) -> int | float | str:
+def _cell(value: Field) -> Field:
     return round(value, DECIMALS) if isinstance(value, float) else value

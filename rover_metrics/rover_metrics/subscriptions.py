@@ -32,6 +32,7 @@ def subscribe(
     *,
     reliability: str = RELIABLE,
     depth: int = 10,
+    may_be_missing: bool = False,
 ) -> str:
     """Subscribe and open the topic's account.
 
@@ -43,6 +44,7 @@ def subscribe(
         reception: Is told of messages lost and of publishers that are not heard.
         reliability: Unless the topic's standard ROS parameter says otherwise.
         depth: How many messages may wait.
+        may_be_missing: Whether nobody need publish it.
 
     Returns:
         The topic's resolved name.
@@ -65,7 +67,7 @@ def subscribe(
     def not_heard(event: Any) -> None:  # noqa: ANN401
         reception.remark(topic, NOT_HEARD, detail=_mend(event, reliability, parameter))
 
-    reception.listen(topic)
+    reception.listen(topic, may_be_missing=may_be_missing)
     events = SubscriptionEventCallbacks(incompatible_qos=not_heard, message_lost=lost)
     try:
         node.create_subscription(message_type, name, callback, qos, event_callbacks=events)

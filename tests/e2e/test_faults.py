@@ -36,7 +36,7 @@ def run(log_dir: Path, *arguments: str) -> Path:
 def test_faulty_run_writes_the_same_rows_through_ros_as_without_and_loses_nothing(
     faults: tuple[str, ...], tmp_path: Path
 ) -> None:
-    words = [word for fault in faults for word in ("--fault", fault)]
+    words = ["--extended", *(word for fault in faults for word in ("--fault", fault))]
     through_ros = run(tmp_path / "ros", *words)
     direct = run(tmp_path / "direct", *words, "--direct")
     assert through_ros.read_bytes() == direct.read_bytes()

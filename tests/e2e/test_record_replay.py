@@ -15,6 +15,12 @@ from rover_metrics.replay import main as replay
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 PATIENCE = 60.0  # seconds; reached only when a test fails
+PARAMETERS = """
+metrics_node:
+  ros__parameters:
+    footprint: [-0.212, -0.214, 0.218, -0.214, 0.218, 0.214, -0.212, 0.214]
+    lidar_pose: [0.174, 0.0, 3.141592653589793]
+"""
 
 
 def rows(log: Path) -> list[list[str]]:
@@ -34,15 +40,36 @@ def complaint(capsys: pytest.CaptureFixture[str], *words: str) -> str:
 def test_recorded_run_replays_to_the_same_rows_byte_for_byte_in_every_time(tmp_path: Path) -> None:
     bags = [tmp_path / "one.mcap", tmp_path / "two.mcap"]
     words = ["--terrain", "rocky", "--duration", "10.5", "--log-dir", str(tmp_path / "live")]
-    for bag in bags:
-        assert run([*words, "--record", str(bag)]) == 0
+    for bag, more in zip(bags, ([], ["--extended"]), strict=True):
+        assert run([*words, "--record", str(bag), *more]) == 0
     assert bags[0].read_bytes() == bags[1].read_bytes()
-    live = next((tmp_path / "live").glob("*.csv")).read_bytes()
+    live, extended = (log.read_bytes() for log in sorted((tmp_path / "live").glob("*.csv"), key=size))
     assert live.count(b"\n") == 11
+    params = tmp_path / "leo.yaml"
+    params.write_text(PARAMETERS)
     for source in ("auto", "sim", "recorded", "header"):
-        output = tmp_path / f"{source}.csv"
-        assert replay([str(bags[0]), "-o", str(output), "--time", source]) == 0
-        assert output.read_bytes() == live
+        outputs = tmp_path / f"{source}.csv", tmp_path / f"{source}_extended.csv"
+        assert replay([str(bags[0]), "-o", str(outputs[0]), "--time", source]) == 0
+        more = ["--extended", "--params", str(params), "--time", source]
+        assert replay([str(bags[0]), "-o", str(outputs[1]), *more]) == 0
+        assert outputs[0].read_bytes() == live
+        assert outputs[1].read_bytes() == extended
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_replay_writes_its_rows_when_the_live_node_did_whatever_the_clock_did(tmp_path: Path) -> None:
+    bag, output = tmp_path / "bag.mcap", tmp_path / "replayed.csv"
+    words = ["--terrain", "flat", "--duration", "12", "--lidar-beams", "8", "--record", str(bag)]
+    for fault in ("reset@2.2", "jump=5@4.5", "jump=-0.3@6.2", "freeze@7.5+1.2", "jump=-2@9.9"):
+        words += ["--fault", f"clock:{fault}"]
+    assert run([*words, "--log-dir", str(tmp_path / "live")]) == 0
+    assert replay([str(bag), "-o", str(output)]) == 0
+    (log,) = (tmp_path / "live").glob("*.csv")
+    assert rows(log) == rows(output)
+
+
+def size(path: Path) -> int:
+    return path.stat().st_size
 
 
 @pytest.mark.usefixtures("ros_domain")

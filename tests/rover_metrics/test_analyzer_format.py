@@ -13,7 +13,11 @@ import pytest
 from pandas.api.types import is_numeric_dtype
 
 from rover_metrics.csv_log import CsvLog
+from rover_metrics.extended.metrics import ExtendedMetrics
+from rover_metrics.extended.row import EXTENDED_HEADER
+from rover_metrics.extended.settings import DEFAULT_EXTENDED
 from rover_metrics.metrics import TraversalMetrics
+from rover_metrics.row import COLUMNS, Row
 
 # Its codes and the columns it reads for them.
 ANALYZER_COLUMNS = {
@@ -29,18 +33,24 @@ ANALYZER_COLUMNS = {
 }
 
 
-@pytest.fixture
-def log(tmp_path: Path) -> Path:
-    """A log of one row before any sensor spoke, and nine of a drive."""
+@pytest.fixture(params=["twelve", "extended"])
+def log(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """A log of one row before any sensor spoke, and nine of a drive; without and with more columns."""
     metrics = TraversalMetrics()
-    with CsvLog(tmp_path, datetime(2025, 1, 16, 12, 4, 57)) as log:
-        log.write(metrics.row(0))
+    extended = ExtendedMetrics(metrics, DEFAULT_EXTENDED) if request.param == "extended" else None
+
+    def row(second: int) -> Row:
+        return metrics.row(second) if extended is None else extended.row(second * 10**9)
+
+    columns = COLUMNS if extended is None else EXTENDED_HEADER
+    with CsvLog(tmp_path, datetime(2025, 1, 16, 12, 4, 57), columns=columns) as log:
+        log.write(row(0))
         for second in range(1, 10):
             metrics.add_scan([0.15 + 0.1 * second, 3.0])
             metrics.add_imu((1.0, 2.0, 9.8 * second), (0.1, 0.2, 0.3))
             metrics.add_pose((0.25 * second, 0.0, 0.0))
             metrics.add_odometry((0.25, 0.0, 0.0))
-            log.write(metrics.row(second))
+            log.write(row(second))
     return log.path
 
 
@@ -62,7 +72,8 @@ def test_every_column_the_analyzer_needs_is_there_and_numeric(log: Path) -> None
 def test_the_header_is_the_first_line_and_no_row_is_longer_or_shorter(log: Path) -> None:
     lines = log.read_text(encoding="ascii").splitlines()
     assert lines[0].startswith("Timestamp,Total Collisions,")
-    assert {line.count(",") for line in lines} == {11}
+    assert lines[0].split(",")[:12] == list(COLUMNS)
+    assert {line.count(",") for line in lines} == {lines[0].count(",")}
     assert not any(name.startswith("Unnamed") or not name.strip() for name in lines[0].split(","))
     assert '"' not in log.read_text()
 

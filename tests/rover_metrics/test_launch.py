@@ -135,8 +135,8 @@ def test_every_argument_is_described_and_may_be_left_out(file: Path) -> None:
 
 
 def test_metrics_declares_what_its_users_change() -> None:
-    names = ["use_sim_time", "log_dir", "debug_mode", "debug_interval", "params_file", "namespace"]
-    assert list(arguments(METRICS)) == names
+    names = ["use_sim_time", "log_dir", "debug_mode", "extended_columns", "debug_interval"]
+    assert list(arguments(METRICS)) == [*names, "params_file", "namespace"]
 
 
 def test_metrics_launches_the_installed_program() -> None:
@@ -181,7 +181,8 @@ def test_the_parameter_file_holds_the_defaults_in_every_namespace(
     assert told
     for name, value in told.items():
         has = getattr(defaults, name, None)
-        has = getattr(defaults.thresholds, name) if has is None else has
+        for part in (defaults.thresholds, defaults.extended):
+            has = getattr(part, name, None) if has is None else has
         assert plain(value) == has, name
 
 
@@ -210,11 +211,12 @@ def test_harness_passes_on_every_option_as_the_program_knows_it(tmp_path: Path) 
         "rate": "max",
         "log_dir": str(tmp_path),
     }
-    command = launched(HARNESS, options).cmd
+    command = launched(HARNESS, options | {"extended": "true"}).cmd
     parsed = run._parser().parse_args(command[3:])
     assert (parsed.terrain, parsed.robot, parsed.driver) == ("maze", "rover_zero4wd", "spin")
     assert (parsed.seed, parsed.duration, parsed.rate) == (-3, 7.5, None)
     assert parsed.log_dir == tmp_path
+    assert parsed.extended
 
 
 @pytest.mark.parametrize("namespace", ["rover1", "/rover1", "/rover1/"])

@@ -278,6 +278,9 @@ def test_thresholds_of_the_launch_are_in_use(rig: "Rig") -> None:
         ("stale_after", -1.0, "from 0.0 to 86400.0 s"),
         ("log_dir", 5, "the path of a folder"),
         ("log_dir", "", "the path of a folder"),
+        ("extended_columns", 1, "true or false"),
+        ("footprint", [1, 2, 3, 4, 5, 6], "a list of numbers with decimal points"),
+        ("lidar_pose", 3.0, "a list of three numbers"),
     ],
 )
 def test_a_launch_with_a_value_that_is_not_valid_says_what_is(
@@ -333,6 +336,11 @@ def test_parameters_that_are_not_the_nodes_own_can_still_be_set(rig: "Rig") -> N
         ("debug_interval", 0, "Min: 1"),
         ("debug_mode", 1, "must be true or false, not 0 or 1"),
         ("log_dir", "/elsewhere", "read-only"),
+        ("extended_columns", True, "fixed once the node runs, for the header of this log is written"),
+        ("footprint", [0.0, 0.0, 1.0], "one corner lacks its y"),
+        ("lidar_pose", [0.0], "give x and y in metres, yaw in radians"),
+        ("lidar_pose", [0, 0, 3], "a list of three numbers with decimal points"),
+        ("footprint_threshold", 1, "a number with a decimal point"),
     ],
 )
 def test_a_change_that_is_not_valid_is_rejected_with_the_reason(
@@ -417,7 +425,7 @@ def test_a_removed_folder_costs_no_row_and_lost_rows_are_those_not_in_the_log(
             node.periodic_logging()
         assert (node.rows, node.lost_rows) == (0, 3)
     assert node.last_row is not None
-    assert node.last_row.total_collisions == 1
+    assert node.metrics.total_collisions == 1
     node.periodic_logging()
     assert (node.rows, node.lost_rows) == (4, 0)
     assert len(node.log.path.read_bytes().splitlines()) == 5

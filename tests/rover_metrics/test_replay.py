@@ -15,8 +15,10 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.typesys import Stores, get_typestore
 
+from rover_metrics.extended.row import EXTENDED_HEADER
 from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.playback import CLOCK, LONGEST_GAP, SENSORS, FullSeconds, RosTimer
+from rover_metrics.recorded_time import LONGEST_GAP, ClockSeconds, FullSeconds
+from rover_metrics.recorded_topics import CLOCK, SENSORS
 from rover_metrics.replay import main
 from rover_metrics.row import MetricsRow
 
@@ -479,7 +481,7 @@ def test_place_without_a_recording_is_refused(
     assert "/scan is json-encoded" in refused(capsys, str(bag))
 
 
-def due(timer: FullSeconds | RosTimer, *times: float) -> list[int]:
+def due(timer: FullSeconds | ClockSeconds, *times: float) -> list[int]:
     return [second for t in times for second in timer.due(round(t * NANOSECONDS))]
 
 
@@ -499,7 +501,7 @@ def test_message_that_is_late_by_less_than_a_second_makes_no_second_row() -> Non
 
 
 def test_timer_on_the_clock_topic_skips_what_it_missed_as_in_the_node() -> None:
-    timer = RosTimer()
+    timer = ClockSeconds()
     assert due(timer, 0.01, 0.99, 1.0, 1.01, 1.5, 2.0) == [1, 2]
     assert due(timer, 5.5, 5.9, 6.0) == [5, 6]
     assert due(timer, 3.25, 4.0, 4.2, 4.25) == [4]
@@ -515,3 +517,50 @@ def test_replay_needs_no_ros(tmp_path: Path) -> None:
     )
     command = [sys.executable, "-c", script, str(bag), "-o", str(tmp_path / "rows.csv")]
     assert subprocess.run(command, check=False, timeout=30).returncode == 0
+
+
+def test_without_its_libraries_replay_says_so_in_one_line_and_exits_2() -> None:
+    script = "import sys; sys.modules['mcap'] = None; import rover_metrics.replay"
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert run.returncode == 2
+    assert run.stderr.startswith("replay needs two libraries: pip install rosbags mcap (")
+    assert run.stderr.count("\n") == 1
+
+
+def test_parameter_file_sets_the_extended_columns_as_for_the_node(tmp_path: Path) -> None:
+    bag = write_mcap(tmp_path / "bag.mcap", drive())
+    file, output = tmp_path / "params.yaml", tmp_path / "rows.csv"
+    file.write_text(
+        "metrics_node:\n  ros__parameters:\n"
+        "    extended_columns: true\n"
+        "    lidar_pose: [0.1, 0.0, 0.0]\n"
+        "    footprint: [-0.2, -0.2, 0.0, -0.2, 0.0, 0.2, -0.2, 0.2]\n"
+        "    footprint_threshold: 0.35\n"
+    )
+    assert main([str(bag), "-o", str(output), "--params", str(file)]) == 0
+    with output.open(newline="") as rows:
+        first, *_, last = csv.DictReader(rows)
+    assert list(first) == list(EXTENDED_HEADER)
+    assert first["Footprint Clearance [m]"] == "0.22"  # 0.12 m ahead of a lidar 0.1 m ahead of it
+    assert (first["Footprint Collisions"], last["Footprint Collisions"]) == ("7", "7")
+    assert (last["Odometry Rate [Hz]"], last["True Speed [m/s]"]) == ("10.0", "")
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("footprint: [1.0, 2.0]", "footprint has 1 corners, not 3 to 100"),
+        ("footprint: [1, 2, 3]", "parameter footprint must be a list of numbers with decimal points"),
+        ("lidar_pose: [1.0]", "lidar_pose has 1 numbers"),
+        ("extended_columns: 1", "parameter extended_columns must be true or false"),
+        ("footprint_threshold: -1.0", "footprint_threshold = -1.0 is not valid"),
+        ("extended_column: true", "did you mean extended_columns?"),
+    ],
+)
+def test_bad_extended_parameter_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], line: str, expected: str
+) -> None:
+    file = tmp_path / "params.yaml"
+    file.write_text(f"metrics_node:\n  ros__parameters:\n    {line}\n")
+    bag = write_mcap(tmp_path / "bag.mcap", drive(1.0))
+    assert expected in refused(capsys, str(bag), "--params", str(file))

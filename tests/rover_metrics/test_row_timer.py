@@ -69,7 +69,7 @@ def test_a_simulator_that_starts_again_begins_a_new_segment_and_totals_go_on(
     assert stamps(node) == [1, 2, 3, 1, 2, 3]
     assert node.timer.times.segments == 2
     assert node.last_row is not None
-    assert node.last_row.total_collisions == 1
+    assert node.metrics.total_collisions == 1
     told = capfd.readouterr().err
     assert told.count("the clock went back: segment 2 of this log begins, totals go on") == 1
 

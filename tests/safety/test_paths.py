@@ -8,9 +8,10 @@ import pytest
 from harness.errors import HarnessError
 from harness.files import whole_file
 from harness.run import main as run
-from rover_metrics import analyze, replay
+from rover_metrics import analyze
 from rover_metrics.bag_reader import Bag, BagError
 from rover_metrics.errors import RoverMetricsError
+from rover_metrics.parameter_file import read_parameters
 from rover_metrics.row import COLUMNS
 
 SECRET = "not for you"  # noqa: S105 - what must not be touched
@@ -64,7 +65,7 @@ def test_metadata_cannot_make_a_bag_read_files_elsewhere(tmp_path: Path, listed:
 OBJECT = "!!python/object/apply:pathlib.Path.touch [!!python/object/apply:pathlib.Path [{}]]\n"
 
 
-@pytest.mark.parametrize("read", [replay.read_thresholds, lambda path: Bag(path.parent)])
+@pytest.mark.parametrize("read", [read_parameters, lambda path: Bag(path.parent)])
 def test_yaml_makes_no_objects(read: Callable[[Path], object], tmp_path: Path) -> None:
     bag = tmp_path / "bag"
     bag.mkdir()

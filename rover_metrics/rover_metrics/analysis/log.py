@@ -37,7 +37,9 @@ class Log:
 
     def has(self, metric: Metric) -> bool:
         """Whether the log has the columns that a metric needs."""
-        return all(column in self.columns for column in metric.columns)
+        return metric.extended_column in self.columns or all(
+            column in self.columns for column in metric.columns
+        )
 
     @property
     def episodes(self) -> list[slice]:

@@ -8,6 +8,8 @@ from types import MappingProxyType
 STAMP = "Timestamp"
 ROUGH = "Is Rough Terrain"
 DISTANCE = "Distance Traveled"
+NOTES = "Notes"
+VORT = "VORT [m/s]"
 
 
 class Kind(Enum):
@@ -34,6 +36,7 @@ class Metric:
         kind: How the column is read.
         thresholds: Names in thresholds.py that bound this very quantity.
         rough_only: Whether only rows with Is Rough Terrain = 1 count.
+        extended_column: The column of an extended log that says it better, and is used if it is there.
     """
 
     code: str
@@ -43,6 +46,7 @@ class Metric:
     kind: Kind = Kind.LEVEL
     thresholds: tuple[str, ...] = ()
     rough_only: bool = False
+    extended_column: str = ""
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -68,7 +72,14 @@ _ALL = (
     ),
     Metric("DT", DISTANCE, "Distance traveled", "m/min", Kind.COUNTER),
     Metric("CV", "Current Velocity", "Current velocity", "m/s"),
-    Metric("VORT", "Current Velocity", "Velocity over rough terrain", "m/s", rough_only=True),
+    Metric(
+        "VORT",
+        "Current Velocity",
+        "Velocity over rough terrain",
+        "m/s",
+        rough_only=True,
+        extended_column=VORT,
+    ),
     Metric(
         "IM",
         "IMU Acceleration Magnitude",
@@ -84,4 +95,5 @@ METRICS: Mapping[str, Metric] = MappingProxyType({metric.code: metric for metric
 
 COUNTERS = tuple(metric.column for metric in _ALL if metric.kind is Kind.COUNTER)
 FLAGS = tuple(metric.column for metric in _ALL if metric.kind is Kind.FLAG)
+EXTENDED_COLUMNS = tuple(metric.extended_column for metric in _ALL if metric.extended_column)
 METRIC_COLUMNS = tuple(dict.fromkeys(metric.column for metric in _ALL))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from rover_metrics.analysis.header import UnreadableLog, shown
 from rover_metrics.analysis.log import Floats, Integers
-from rover_metrics.analysis.metric import COUNTERS, METRIC_COLUMNS, STAMP
+from rover_metrics.analysis.metric import COUNTERS, EXTENDED_COLUMNS, METRIC_COLUMNS, NOTES, STAMP
 from rover_metrics.analysis.table import Table, Tally
 
 _CHUNK = 200_000  # rows
@@ -99,8 +99,11 @@ def _usable(chunk: pd.DataFrame, table: Table) -> Part:
     known = [name for name in (STAMP, *METRIC_COLUMNS) if name in chunk.columns]
     numbers = {name: _numbers(chunk[name]) for name in known}
     lacks_number = np.any([np.isnan(column) for column in numbers.values()], axis=0)
+    numbers |= {name: _numbers(chunk[name]) for name in EXTENDED_COLUMNS if name in table.cells}
+    # Columns after the notes are extended ones, which may well be empty.
+    last = chunk[NOTES] if NOTES in chunk.columns else chunk.iloc[:, -2]
     long = _has_extra_field(chunk)
-    short = ~long & chunk.iloc[:, -2].isna().to_numpy(dtype=bool) & lacks_number
+    short = ~long & last.isna().to_numpy(dtype=bool) & lacks_number
     untimed = ~long & ~short & ~np.isfinite(numbers[STAMP])
     for tally, rows in ((table.long, long), (table.short, short), (table.untimed, untimed)):
         tally.add(lines[rows])
@@ -131,6 +134,8 @@ def _numbers(column: "pd.Series[float]") -> Floats:
 
 def _tally_cells(column: "pd.Series[float]", numbers: Floats, lines: Integers, table: Table) -> None:
     name, missing = str(column.name), np.isnan(numbers)
+    if name in EXTENDED_COLUMNS:
+        missing &= column.notna().to_numpy(dtype=bool)  # an empty cell of those is nothing odd
     if missing.any():
         texts = column[missing].dropna()
         table.cells[name].add(lines[missing], shown(str(texts.iloc[0])) if len(texts) else "")

@@ -31,7 +31,8 @@ def read_log(
         UnreadableLog: The file is missing, is no metrics log, or has no usable row.
     """
     header = read_header(path)
-    needed = dict.fromkeys([*COUNTERS, *(column for m in metrics for column in m.columns)])
+    columns = (column for m in metrics for column in (*m.columns, m.extended_column))
+    needed = dict.fromkeys([*COUNTERS, *columns])
     table = read_table(path, header, [name for name in needed if name in header])
     if not any(metric.column in header for metric in metrics):
         raise UnreadableLog(f"it has no column for {', '.join(metric.code for metric in metrics)}")

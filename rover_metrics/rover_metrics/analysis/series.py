@@ -50,8 +50,10 @@ def metric_series(log: Log, metric: Metric) -> Series:
 
     Returns:
         Rates per minute for a counter, 0 or 100 for a flag, else the column itself; for a metric of
-        rough terrain only the rows with Is Rough Terrain = 1.
+        rough terrain only the rows with Is Rough Terrain = 1, unless an extended column tells more.
     """
+    if metric.extended_column in log.columns:
+        return Series(log.columns[metric.extended_column].astype(np.float64), _ones(log))
     column = log.columns[metric.column].astype(np.float64)
     if metric.kind is Kind.COUNTER:
         return _rates(log, column)
@@ -59,7 +61,11 @@ def metric_series(log: Log, metric: Metric) -> Series:
         column *= 100.0
     if metric.rough_only:
         column = np.where(log.columns[ROUGH] == 1.0, column, np.nan)
-    return Series(column, np.broadcast_to(1.0, len(log)))
+    return Series(column, _ones(log))
+
+
+def _ones(log: Log) -> Floats:
+    return np.broadcast_to(1.0, len(log))
 
 
 def rate_per_metre(log: Log, metric: Metric) -> float | None:

@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.row_schedule import RosTimer
 from harness.samples import (
     GroundTruth,
     Imu,
@@ -20,6 +19,7 @@ from harness.samples import (
 from harness.sensors.fault_kinds import CLOCK, SENSORS, describe_faults, kinds
 from harness.sensors.fault_spec import Fault, parse_faults
 from harness.sensors.faults import FaultInjector, disturb_time
+from rover_metrics.row_schedule import RosTimer
 
 TICK = 10_000_000
 SECOND = 1_000_000_000

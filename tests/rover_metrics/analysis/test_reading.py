@@ -8,6 +8,7 @@ import pytest
 from rover_metrics.analysis.header import UnreadableLog
 from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analysis.reading import read_log
+from rover_metrics.extended.row import EXTENDED_HEADER
 from rover_metrics.row import COLUMNS
 
 Row = Callable[..., str]
@@ -203,3 +204,23 @@ def test_lines_are_counted_right_across_chunks(
     assert len(log) == 50
     assert log.findings == ("1 cell without a number in Current Velocity (line 42, 'fast'): left out",)
     assert log.columns["Distance Traveled"].tolist() == [0.5 * i for i in range(50)]
+
+
+def test_an_extended_log_reads_as_the_twelve_and_its_empty_cells_are_nothing_odd(
+    write_log: WriteLog, row: Row, tmp_path: Path
+) -> None:
+    header = ",".join(EXTENDED_HEADER)
+    empty = "," * (len(EXTENDED_HEADER) - len(COLUMNS))
+    lines = [row(i) + (empty if i % 2 else f",0.25{empty[1:]}") for i in range(10)]
+    path = tmp_path / "extended.csv"
+    path.write_text("\n".join([header, *lines, row(10) + ",0."]))
+    log = read_log(path)
+    twelve = read_log(write_log(lines=10))
+    for name, column in twelve.columns.items():
+        np.testing.assert_array_equal(log.columns[name], column)
+    assert np.isfinite(log.columns["VORT [m/s]"]).tolist() == [True, False] * 5
+    assert log.findings == ("1 row with fewer fields than the header (line 12): left out",)
+    path.write_text("\n".join([header, *lines, row(10) + f",rough{empty[1:]}", ""]))
+    assert read_log(path).findings == (
+        "1 cell without a number in VORT [m/s] (line 12, 'rough'): left out",
+    )

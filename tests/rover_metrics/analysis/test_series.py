@@ -68,3 +68,14 @@ def test_episodes_begin_at_resets_gaps_and_falling_counters(
     stamps: list[float], counter: list[float], starts: list[int]
 ) -> None:
     assert list(episode_starts(np.array(stamps, float), [np.array(counter, float)])) == starts
+
+
+def test_an_extended_log_says_itself_what_the_velocity_over_rough_terrain_was(make_log: MakeLog) -> None:
+    columns = {
+        "Current Velocity": [9, 9, 9],
+        "Is Rough Terrain": [1, 1, 0],
+        "VORT [m/s]": [0.5, np.nan, 0.3],
+    }
+    series = metric_series(make_log(columns), METRICS["VORT"])
+    assert series.finite()[0].tolist() == [0.5, 0.3]
+    assert make_log({"VORT [m/s]": [0.5]}).has(METRICS["VORT"])

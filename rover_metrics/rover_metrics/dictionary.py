@@ -1,0 +1,105 @@
+"""Command: the data dictionary of the log, made from the code that writes it.
+
+python -m rover_metrics.dictionary [--write docs/metrics.md]
+"""
+
+import argparse
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from rover_metrics.column import Column
+from rover_metrics.extended.row import EXTENDED_COLUMNS
+from rover_metrics.extended.settings import DEFAULT_EXTENDED
+from rover_metrics.seed_columns import SEED_COLUMNS
+from rover_metrics.thresholds import THRESHOLD_INFO
+
+COMMAND = "python -m rover_metrics.dictionary --write docs/metrics.md"
+
+HEAD = f"""<!-- Made by `{COMMAND}`; edit the code instead. -->
+# What the columns of a metrics log mean
+
+A log has one row per second of ROS time, numbers rounded to four decimals. The first twelve columns
+are those of RoboTerrain, with its names, order and meaning. a is the specific force that an IMU
+measures, gravity included, w the angular velocity; frames and units follow REP-103.
+
+*Same at any rate* says whether a sensor that runs faster or slower gives the same value. What is not
+finite or impossible counts in no column but *Rejected*.
+"""
+
+EXTENDED_HEAD = """With `extended_columns:=true` (`harness.run --extended`,
+`rover_metrics.replay --extended`) these follow, with their units in their names. An empty cell means
+that there was nothing to say: no such topic, no sample since the row before, no footprint. It never
+stands for 0. *Since the row before* is one second, unless the clock jumped.
+"""
+
+THRESHOLDS_HEAD = """Parameters of `metrics_node`, which can be changed while it runs.
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; gives its exit code."""
+    parser = argparse.ArgumentParser(prog="python -m rover_metrics.dictionary", description=__doc__)
+    parser.add_argument("--write", type=Path, metavar="FILE", help="write it there, not to stdout")
+    options = parser.parse_args(arguments)
+    if options.write is None:
+        print(dictionary(), end="")
+        return 0
+    try:
+        options.write.write_text(dictionary(), encoding="utf-8")
+    except OSError as error:
+        print(f"dictionary: cannot write {options.write}: {error.strerror}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def dictionary() -> str:
+    """Give the data dictionary as Markdown."""
+    parts = (
+        HEAD,
+        "## The twelve\n",
+        _table(COLUMN_TITLES, map(_cells, SEED_COLUMNS)),
+        "## Extended columns\n",
+        EXTENDED_HEAD,
+        _table(COLUMN_TITLES, map(_cells, EXTENDED_COLUMNS)),
+        "## Thresholds\n",
+        THRESHOLDS_HEAD,
+        _table(("parameter", "default", "unit", "valid", "meaning"), _thresholds()),
+    )
+    return "\n".join(parts)
+
+
+COLUMN_TITLES = ("column", "unit", "meaning", "formula", "source", "same at any rate")
+
+
+def _cells(column: Column) -> tuple[str, ...]:
+    return (
+        f"`{column.header}`",
+        column.unit,
+        column.meaning,
+        column.formula,
+        column.source,
+        column.rate_invariant,
+    )
+
+
+def _thresholds() -> Iterator[tuple[str, ...]]:
+    for name, info in THRESHOLD_INFO.items():
+        valid = f"{info.minimum:g} to {info.maximum:g}"
+        yield f"`{name}`", f"{info.default:g}", info.unit, valid, info.description
+    threshold = f"{DEFAULT_EXTENDED.footprint_threshold:g}"
+    meaning = "a scan whose footprint clearance is below this is a footprint collision"
+    yield "`footprint_threshold`", threshold, "m", "0 to 100", meaning
+
+
+def _table(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [titles, ["---"] * len(titles), *rows]
+    return "".join(f"| {' | '.join(map(_escaped, line))} |\n" for line in lines)
+
+
+def _escaped(cell: str) -> str:
+    return cell.replace("|", r"\|")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

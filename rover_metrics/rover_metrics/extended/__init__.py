@@ -1,0 +1,1 @@
+"""Extended columns: what RoboTerrain's twelve leave unsaid, from the same samples. No ROS."""

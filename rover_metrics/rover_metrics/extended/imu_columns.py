@@ -1,0 +1,91 @@
+"""Columns of the IMU: how rough the ride is without gravity, and how hard its jerks are."""
+
+import math
+
+from rover_metrics.column import Cell, Column
+from rover_metrics.metrics import Vector3
+
+GRAVITY = 9.80665  # m/s^2, standard
+SETTLING = 1.0  # s: time constant of the gravity estimate where there is no orientation
+LONGEST_STEP = 1.0  # s: samples further apart say nothing of what was between
+NOT_FILLED = (0.0, 0.0, 0.0, 1.0)  # what a message has that nobody gave an orientation
+
+Quaternion = tuple[float, float, float, float]  # x, y, z, w
+
+
+class ImuColumns:
+    """The IMU's account."""
+
+    COLUMNS = (
+        Column(
+            name="Roughness RMS",
+            unit="m/s^2",
+            meaning="How strongly the rover is shaken; 0 at rest, on a slope too.",
+            formula="sqrt(mean(|a - g|^2)) over the samples since the row before. g: the orientation's "
+            f"vertical in the IMU frame times {GRAVITY} m/s^2; where the orientation is not filled in, "
+            f"the first-order low-pass of a with a time constant of {SETTLING:g} s.",
+            source="/imu/data linear_acceleration, orientation",
+            rate_invariant="yes, within the sensor's bandwidth",
+        ),
+        Column(
+            name="Peak Jerk",
+            unit="m/s^3",
+            meaning="The hardest jerk.",
+            formula="max |a2 - a1| / (t2 - t1) since the row before, a the specific force vector, t "
+            f"the header stamps, steps of up to {LONGEST_STEP:g} s.",
+            source="/imu/data linear_acceleration",
+            rate_invariant="no: a faster IMU resolves shorter, harder jerks; compare equal rates",
+        ),
+    )
+
+    def __init__(self) -> None:
+        self._last: tuple[int, Vector3] | None = None
+        self._gravity: Vector3 = (0.0, 0.0, 0.0)
+        self._begin()
+
+    def _begin(self) -> None:
+        self._squares, self._count = 0.0, 0
+        self._jerk: float | None = None
+
+    def add(self, stamp_ns: int, acceleration: Vector3, orientation: Quaternion | None) -> None:
+        """Take a sample that the metrics have used; None for an orientation that is not known."""
+        step = self._step(stamp_ns)
+        if step is not None and self._last is not None:
+            jerk = math.dist(acceleration, self._last[1]) / step
+            self._jerk = jerk if self._jerk is None else max(self._jerk, jerk)
+        self._settle(step, acceleration)
+        vertical = None if orientation is None else up(orientation)
+        gravity = self._gravity
+        if vertical is not None:
+            gravity = (GRAVITY * vertical[0], GRAVITY * vertical[1], GRAVITY * vertical[2])
+        self._squares += math.dist(acceleration, gravity) ** 2
+        self._count += 1
+        self._last = (stamp_ns, acceleration)
+
+    def cells(self) -> tuple[Cell, ...]:
+        """The cells of a row; both begin anew."""
+        rms = math.sqrt(self._squares / self._count) if self._count else None
+        jerk = self._jerk
+        self._begin()
+        return rms, jerk
+
+    def _step(self, stamp_ns: int) -> float | None:
+        """Time since the last sample [s]; None if it is not to be told."""
+        if self._last is None:
+            return None
+        step = (stamp_ns - self._last[0]) / 1e9
+        return step if 0.0 < step <= LONGEST_STEP else None
+
+    def _settle(self, step: float | None, acceleration: Vector3) -> None:
+        """Let the estimate of gravity follow; after a gap it starts from the sample."""
+        share = 1.0 if step is None else -math.expm1(-step / SETTLING)
+        x, y, z = (g + share * (a - g) for g, a in zip(self._gravity, acceleration, strict=True))
+        self._gravity = (x, y, z)
+
+
+def up(orientation: Quaternion) -> Vector3 | None:
+    """Give the world's vertical in the sensor's frame; None if no orientation was filled in."""
+    x, y, z, w = orientation
+    if orientation == NOT_FILLED or not 0.99 < math.hypot(x, y, z, w) < 1.01:
+        return None
+    return 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)

@@ -1,0 +1,121 @@
+"""Columns of the lidar: events instead of scans, near returns, clearance of the footprint."""
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rover_metrics.column import Cell, Column
+from rover_metrics.extended.events import CONTACT_GAP_NS, EventCounter
+from rover_metrics.extended.settings import ExtendedSettings
+from rover_metrics.footprint import Footprint, FootprintClearance
+
+_FOOTPRINT = "footprint, lidar_pose; LaserScan ranges, angle_min, angle_increment"
+
+
+Beams = tuple[float, float, int]  # first azimuth, step [rad], how many
+
+
+class ScanColumns:
+    """The lidar's account.
+
+    Args:
+        settings: The footprint and how to measure its clearance.
+    """
+
+    COLUMNS = (
+        Column(
+            name="Collision Events",
+            meaning="Collisions so far, a lasting one counted once.",
+            formula="Scans that Total Collisions counts; a new event begins after "
+            f"{CONTACT_GAP_NS / 1e9:g} s or more without one, by the scans' stamps.",
+            source="/scan",
+        ),
+        Column(
+            name="Near Return Scans",
+            meaning="Scans so far with something nearer than range_min, which no other column sees.",
+            formula="Scans with at least one range of -inf (REP-117).",
+            source="/scan",
+            rate_invariant="no: it counts scans",
+        ),
+        Column(
+            name="Footprint Clearance",
+            unit="m",
+            meaning="Distance from the nearest lidar return to the rover's outline; inf without one.",
+            formula="Minimum since the row before over scans and finite ranges of the distance to the "
+            "polygon, 0 inside; with near_returns_as_contact, -inf is 0.",
+            source=_FOOTPRINT,
+            rate_invariant="nearly: more scans see a shorter minimum",
+        ),
+        Column(
+            name="Footprint Collisions",
+            meaning="Scans so far whose footprint clearance was below footprint_threshold.",
+            formula="Count; strictly below.",
+            source=_FOOTPRINT,
+            rate_invariant="no: it counts scans",
+        ),
+    )
+
+    def __init__(self, settings: ExtendedSettings) -> None:
+        self._events = EventCounter(CONTACT_GAP_NS)
+        self._heard = False
+        self._near_returns = 0
+        self._measured = False
+        self._collisions = 0
+        self._nearest: float | None = None
+        self.use(settings)
+
+    def use(self, settings: ExtendedSettings) -> None:
+        """Measure by other settings from now on."""
+        self._settings = settings
+        self._beams: Beams | None = None
+        self._clearance: FootprintClearance | None = None
+
+    def add(
+        self,
+        stamp_ns: int,
+        ranges: ArrayLike,
+        *,
+        angle_min: float,
+        angle_increment: float,
+        collides: bool,
+    ) -> None:
+        """Take a scan; angles as in sensor_msgs/LaserScan [rad]."""
+        values = np.asarray(ranges, dtype=np.float32)
+        self._heard = True
+        if collides:
+            self._events.active(stamp_ns)
+        self._near_returns += bool(np.isneginf(values).any())
+        footprint = self._settings.footprint
+        if footprint is not None:
+            beams = (angle_min, angle_increment, values.size)
+            self._measure(self._tables(footprint, beams).nearest(values))
+
+    def cells(self) -> tuple[Cell, ...]:
+        """The cells of a row; the minimum begins anew."""
+        nearest, self._nearest = self._nearest, None
+        return (
+            self._events.count if self._heard else None,
+            self._near_returns if self._heard else None,
+            nearest,
+            self._collisions if self._measured else None,
+        )
+
+    def _measure(self, distance: float) -> None:
+        self._measured = True
+        self._nearest = distance if self._nearest is None else min(self._nearest, distance)
+        self._collisions += distance < self._settings.footprint_threshold
+
+    def _tables(self, footprint: Footprint, beams: Beams) -> FootprintClearance:
+        """Those of this kind of scan; lidars rarely change theirs."""
+        if self._clearance is None or beams != self._beams:
+            settings, (angle_min, angle_increment, count) = self._settings, beams
+            fan = angle_min + angle_increment * np.arange(count)
+            self._beams = beams
+            self._clearance = FootprintClearance(
+                footprint,
+                settings.lidar_pose,
+                fan if math.isfinite(angle_min + angle_increment) else np.zeros(count),
+                near_returns_are_contacts=settings.near_returns_as_contact,
+            )
+        return self._clearance

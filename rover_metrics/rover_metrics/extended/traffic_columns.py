@@ -1,0 +1,121 @@
+"""Columns of the topics themselves: how fast they come, how old they are, what is missing of them."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from rover_metrics.column import Cell, Column
+from rover_metrics.stamps import MISSING, StampWatch
+
+OTHER_CLOCK = 86_400.0  # s: a stamp that far from now is of another clock
+
+
+class Topic(NamedTuple):
+    """A sensor topic: its name in the columns, and by default."""
+
+    title: str
+    name: str
+
+
+SCAN = Topic("Scan", "/scan")
+IMU = Topic("IMU", "/imu/data")
+POSE = Topic("Pose", "/rover/pose_array")
+ODOMETRY = Topic("Odometry", "/odometry/wheels")
+TOPICS = (SCAN, IMU, POSE, ODOMETRY)
+
+
+def _columns(topic: Topic) -> tuple[Column, ...]:
+    return (
+        Column(
+            name=f"{topic.title} Rate",
+            unit="Hz",
+            meaning=f"How often {topic.name} comes; 0 when it has stopped.",
+            formula="Messages since the row before / time since then; empty in the first row.",
+            source=topic.name,
+            rate_invariant="it is the rate",
+        ),
+        Column(
+            name=f"{topic.title} Age",
+            unit="s",
+            meaning=f"How old the newest reading of {topic.name} is.",
+            formula="Time of the row - newest header stamp; empty without stamps, or with those of a "
+            "clock that is more than a day away.",
+            source=f"{topic.name} header.stamp",
+            rate_invariant="no: up to a period",
+        ),
+        Column(
+            name=f"{topic.title} Rejected",
+            meaning=f"Messages of {topic.name} so far that were empty, not finite or impossible.",
+            formula="Count of the messages that no metric used.",
+            source=topic.name,
+            rate_invariant="no: it counts messages",
+        ),
+        Column(
+            name=f"{topic.title} Lost",
+            meaning=f"Messages of {topic.name} so far that never arrived.",
+            formula="The larger of what the middleware reports and of what is missing by the gaps "
+            "between stamps, in periods of their running median.",
+            source=f"{topic.name} header.stamp",
+            rate_invariant="no: it counts messages",
+        ),
+    )
+
+
+class TrafficColumns:
+    """The account of the four sensor topics."""
+
+    COLUMNS = tuple(column for topic in TOPICS for column in _columns(topic))
+
+    def __init__(self) -> None:
+        self._accounts = {topic: _Account() for topic in TOPICS}
+        self._previous_ns: int | None = None
+
+    def add(self, topic: Topic, stamp_ns: int, *, used: bool) -> None:
+        """Take a message with the stamp of its header [ns]."""
+        self._accounts[topic].add(stamp_ns, used=used)
+
+    def cells(self, now_ns: int, reported_lost: Mapping[Topic, int]) -> tuple[Cell, ...]:
+        """The cells of a row.
+
+        Args:
+            now_ns: Time of the row [ns].
+            reported_lost: Messages that the middleware says it has lost so far.
+        """
+        previous, self._previous_ns = self._previous_ns, now_ns
+        interval = None if previous is None or now_ns <= previous else (now_ns - previous) / 1e9
+        return tuple(
+            cell
+            for topic, account in self._accounts.items()
+            for cell in account.cells(now_ns, interval, reported_lost.get(topic, 0))
+        )
+
+
+class _Account:
+    """What is known of one topic."""
+
+    def __init__(self) -> None:
+        self._stamps = StampWatch()
+        self._newest_ns = 0
+        self._messages = self._messages_before = 0
+        self._rejected = self._missing = 0
+
+    def add(self, stamp_ns: int, *, used: bool) -> None:
+        self._messages += 1
+        self._rejected += not used
+        self._newest_ns = stamp_ns
+        finding = self._stamps.take(stamp_ns)
+        if finding is not None and finding[0] == MISSING:
+            self._missing += finding[1]
+
+    def cells(self, now_ns: int, interval: float | None, reported_lost: int) -> tuple[Cell, ...]:
+        came, self._messages_before = self._messages - self._messages_before, self._messages
+        self._stamps.learn()
+        if not self._messages:
+            return (None, None, None, None)
+        age = (now_ns - self._newest_ns) / 1e9
+        known = self._newest_ns != 0 and abs(age) <= OTHER_CLOCK
+        return (
+            None if interval is None else came / interval,
+            age if known else None,
+            self._rejected,
+            max(self._missing, reported_lost),
+        )

@@ -1,0 +1,120 @@
+"""Columns of motion: speed over rough terrain, slip, efficiency of the path.
+
+Samples of different topics are put together by their stamps, when a row is due: the order in which
+they arrive within an instant is the middleware's.
+"""
+
+import math
+from bisect import bisect_right
+from collections import deque
+
+from rover_metrics.column import Cell, Column
+from rover_metrics.metrics import Vector3
+
+MOST_SAMPLES = 10_000  # of an interval; rows do not come while a clock stands still
+STANDSTILL = 0.02  # m/s: slower wheels on a slower rover do not slip, they stand
+LONGEST_STEP = 1.0  # s
+SHORTEST_PATH = 0.1  # m
+
+_ODOMETRY = "/odometry/wheels twist.twist.linear"
+
+
+class TravelColumns:
+    """The account of odometry and pose."""
+
+    COLUMNS = (
+        Column(
+            name="VORT",
+            unit="m/s",
+            meaning="Velocity over rough terrain; empty where the terrain was not rough.",
+            formula="Mean wheel speed since the row before, of the odometry samples whose latest IMU "
+            "sample by stamp was rough (|a| > rough_terrain_threshold).",
+            source=f"{_ODOMETRY}; /imu/data linear_acceleration",
+            rate_invariant="of the odometry, yes; a faster IMU finds more, shorter rough moments",
+        ),
+        Column(
+            name="Slip",
+            meaning="Of the wheels: 0 none, towards 1 they spin, below 0 the rover outruns them.",
+            formula="(w - p) / max(w, p), w the mean wheel speed and p the pose's path over time "
+            f"since the row before (two-sided, as Wong); 0 while both are below {STANDSTILL:g} m/s. "
+            "Steps of distance_threshold or more are left out.",
+            source=f"{_ODOMETRY}; /rover/pose_array position",
+            rate_invariant="yes, unless the pose is noisy: noise lengthens a path, and a fast one more",
+        ),
+        Column(
+            name="Path Efficiency",
+            meaning="How straight the way was: 1 a line, 0 back at the start.",
+            formula="|sum of the steps| / sum of their lengths, since the start, steps of "
+            f"distance_threshold or more left out; empty below {SHORTEST_PATH:g} m of path.",
+            source="/rover/pose_array position",
+            rate_invariant="yes, unless the pose is noisy: noise lengthens a path, and a fast one more",
+        ),
+    )
+
+    def __init__(self) -> None:
+        self._was_rough = False
+        self._rough: deque[tuple[int, bool]] = deque(maxlen=MOST_SAMPLES)
+        self._speeds: deque[tuple[int, float]] = deque(maxlen=MOST_SAMPLES)
+        self._pose: tuple[int, Vector3] | None = None
+        self._net, self._path = (0.0, 0.0, 0.0), 0.0
+        self._stretch, self._stretch_s = 0.0, 0.0  # of the path since the row before
+
+    def add_imu(self, stamp_ns: int, *, is_rough: bool) -> None:
+        """Take the verdict on an IMU sample that the metrics have used."""
+        self._rough.append((stamp_ns, is_rough))
+
+    def add_odometry(self, stamp_ns: int, speed: float) -> None:
+        """Take a wheel speed that the metrics have used [m/s]."""
+        self._speeds.append((stamp_ns, speed))
+
+    def add_pose(self, stamp_ns: int, position: Vector3, jump: float) -> None:
+        """Take a position that the metrics have used [m]; steps of `jump` or more are no travel."""
+        last, self._pose = self._pose, (stamp_ns, position)
+        if last is None:
+            return
+        length = math.dist(position, last[1])
+        if length >= jump:
+            return
+        x, y, z = (n + b - a for n, a, b in zip(self._net, last[1], position, strict=True))
+        self._net = (x, y, z)
+        self._path += length
+        step = (stamp_ns - last[0]) / 1e9
+        if 0.0 < step <= LONGEST_STEP:
+            self._stretch += length
+            self._stretch_s += step
+
+    def cells(self) -> tuple[Cell, ...]:
+        """The cells of a row; all but the efficiency begin anew."""
+        cells = (self._vort(), self._slip(), self._efficiency())
+        if self._rough:
+            self._was_rough = max(self._rough)[1]
+        self._rough.clear()
+        self._speeds.clear()
+        self._stretch = self._stretch_s = 0.0
+        return cells
+
+    def _vort(self) -> float | None:
+        stamps, verdicts = _columns(self._rough)
+        speeds = []
+        for stamp, speed in self._speeds:
+            latest = bisect_right(stamps, stamp) - 1
+            if verdicts[latest] if latest >= 0 else self._was_rough:
+                speeds.append(speed)
+        return math.fsum(speeds) / len(speeds) if speeds else None
+
+    def _slip(self) -> float | None:
+        if not self._speeds or self._stretch_s == 0.0:
+            return None
+        wheels = math.fsum(speed for _, speed in self._speeds) / len(self._speeds)
+        pose = self._stretch / self._stretch_s
+        fastest = max(wheels, pose)
+        return (wheels - pose) / fastest if fastest >= STANDSTILL else 0.0
+
+    def _efficiency(self) -> float | None:
+        return min(math.hypot(*self._net) / self._path, 1.0) if self._path >= SHORTEST_PATH else None
+
+
+def _columns(samples: deque[tuple[int, bool]]) -> tuple[list[int], list[bool]]:
+    """Stamps in order, and what was there at each."""
+    ordered = sorted(samples)
+    return [stamp for stamp, _ in ordered], [value for _, value in ordered]

@@ -1,0 +1,136 @@
+"""Columns of the truth, which only a simulator publishes; empty with a real rover."""
+
+import math
+from collections.abc import Sequence
+
+from rover_metrics.column import Cell, Column
+from rover_metrics.metrics import Vector3
+
+CONTACT_PAUSE = 10  # messages without contact before a new event: 0.5 s at the harness's 20 Hz
+
+WHEELS = ("Front Left", "Rear Left", "Front Right", "Rear Right")
+SLIPS = ("slip_front_left", "slip_rear_left", "slip_front_right", "slip_rear_right")
+ROUGHNESS = "roughness"
+# The values of /rover/truth/traversal, if the label of its dimension does not name them.
+TRAVERSAL = (
+    "contact_force",
+    "rock_contact",
+    "scrape",
+    "speed",
+    "path_length",
+    *SLIPS,
+    ROUGHNESS,
+)
+
+_CONTACT = "/rover/truth/contact"
+_TRAVERSAL = "/rover/truth/traversal"
+
+
+class TruthColumns:
+    """The account of the truth topics."""
+
+    COLUMNS = (
+        Column(
+            name="True Contact Events",
+            meaning="Contacts with hazards so far, a lasting one counted once.",
+            formula=f"A new event begins with a contact after {CONTACT_PAUSE} messages or more without "
+            "(0.5 s at 20 Hz).",
+            source=_CONTACT,
+        ),
+        Column(
+            name="True Contact Share",
+            meaning="Share of the time in contact with a hazard.",
+            formula="Messages that say contact / messages, since the row before.",
+            source=_CONTACT,
+        ),
+        Column(
+            name="True Speed",
+            unit="m/s",
+            meaning="How fast the rover moves.",
+            formula="Mean of |v| since the row before; empty while no message has filled the twist in, "
+            "as RoboTerrain's pose converter does not.",
+            source="/odom_ground_truth twist.twist.linear",
+        ),
+        *(
+            Column(
+                name=f"True Slip {wheel}",
+                meaning=f"Slip ratio of the {wheel.lower()} wheel, -1 to 1.",
+                formula="Mean since the row before.",
+                source=f"{_TRAVERSAL} {slip}",
+            )
+            for wheel, slip in zip(WHEELS, SLIPS, strict=True)
+        ),
+        Column(
+            name="True Roughness",
+            unit="m",
+            meaning="How rough the terrain under the wheels is.",
+            formula="Mean since the row before.",
+            source=f"{_TRAVERSAL} {ROUGHNESS}",
+        ),
+    )
+
+    def __init__(self) -> None:
+        self._events = 0
+        self._pause = CONTACT_PAUSE
+        self._contact = _Mean()
+        self._speed = _Mean()
+        self._moved = False
+        self._traversal = {name: _Mean() for name in (*SLIPS, ROUGHNESS)}
+
+    def add_contact(self, *, touches: bool) -> None:
+        """Take whether the rover has touched a hazard since the last message."""
+        self._contact.add(float(touches))
+        if not touches:
+            self._pause += 1
+            return
+        self._events += self._pause >= CONTACT_PAUSE
+        self._pause = 0
+
+    def add_velocity(self, velocity: Vector3) -> bool:
+        """Take the true velocity [m/s]; tells whether it was usable."""
+        speed = math.hypot(*velocity)
+        if not math.isfinite(speed):
+            return False
+        self._moved |= speed > 0.0
+        if self._moved:
+            self._speed.add(speed)
+        return True
+
+    def add_traversal(self, values: Sequence[float], names: Sequence[str] = TRAVERSAL) -> bool:
+        """Take the values of a message and their names; tells whether they were usable."""
+        if len(values) != len(names) or not all(map(math.isfinite, values)):
+            return False
+        told = dict(zip(names, values, strict=True))
+        if not self._traversal.keys() <= told.keys():
+            return False
+        for name, mean in self._traversal.items():
+            mean.add(told[name])
+        return True
+
+    def cells(self) -> tuple[Cell, ...]:
+        """The cells of a row; the means begin anew."""
+        return (
+            self._events if self._contact.heard else None,
+            self._contact.take(),
+            self._speed.take(),
+            *(mean.take() for mean in self._traversal.values()),
+        )
+
+
+class _Mean:
+    """A running mean from row to row."""
+
+    def __init__(self) -> None:
+        self.heard = False
+        self._sum, self._count = 0.0, 0
+
+    def add(self, value: float) -> None:
+        self.heard = True
+        self._sum += value
+        self._count += 1
+
+    def take(self) -> float | None:
+        """The mean since the last call; None if there was nothing."""
+        mean = self._sum / self._count if self._count else None
+        self._sum, self._count = 0.0, 0
+        return mean

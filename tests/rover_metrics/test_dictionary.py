@@ -1,0 +1,33 @@
+"""The data dictionary is what the code says."""
+
+from pathlib import Path
+
+import pytest
+
+from rover_metrics.dictionary import main
+from rover_metrics.extended.row import EXTENDED_HEADER
+
+DOCUMENT = Path(__file__).parents[2] / "docs/metrics.md"
+
+
+def test_the_document_is_what_the_code_gives(tmp_path: Path) -> None:
+    made = tmp_path / "metrics.md"
+    assert main(["--write", str(made)]) == 0
+    assert DOCUMENT.read_text() == made.read_text(), (
+        "run: python -m rover_metrics.dictionary --write ..."
+    )
+
+
+def test_every_column_is_in_it_once_and_no_two_share_a_name(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    told = capsys.readouterr().out
+    assert len(set(EXTENDED_HEADER)) == len(EXTENDED_HEADER)
+    for name in EXTENDED_HEADER:
+        assert told.count(f"| `{name}` |") == 1, name
+
+
+def test_a_place_that_cannot_be_written_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--write", "/nowhere/metrics.md"]) == 2
+    assert capsys.readouterr().err == (
+        "dictionary: cannot write /nowhere/metrics.md: No such file or directory\n"
+    )

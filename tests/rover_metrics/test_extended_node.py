@@ -1,0 +1,142 @@
+"""Extended columns through a MetricsNode over real DDS."""
+
+# the skip stands before the imports that need ROS
+
+import csv
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
+
+from geometry_msgs.msg import PoseArray
+from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
+
+from rover_metrics.extended.row import EXTENDED_HEADER
+from rover_metrics.extended.truth_columns import TRAVERSAL
+from rover_metrics.row import COLUMNS
+
+if TYPE_CHECKING:
+    from rover_metrics.metrics_node import MetricsNode
+    from tests.rover_metrics.conftest import Rig
+
+# The rosidl wheels import an old lark, which imports a deprecated module of the standard library.
+pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+
+SQUARE = [0.2, 0.2, -0.2, 0.2, -0.2, -0.2, 0.2, -0.2]
+
+
+def start(rig: "Rig", **parameters: object) -> "MetricsNode":
+    return rig.start(extended_columns=True, use_sim_time=True, **parameters)
+
+
+def row(node: "MetricsNode") -> dict[str, Any]:
+    node.periodic_logging()
+    assert node.last_row is not None
+    return dict(zip(node.last_row.columns, node.last_row.as_fields(), strict=True))
+
+
+def test_messages_of_every_topic_reach_their_columns(rig: "Rig") -> None:
+    node = start(rig, footprint=SQUARE)
+    truth = Float64MultiArray(data=[0.0, 0.0, 0.0, 0.5, 9.0, 0.1, 0.2, 0.3, 0.4, 0.02])
+    truth.layout.dim = [MultiArrayDimension(label=",".join(TRAVERSAL), size=10, stride=10)]
+    tilted = rig.imu((1.0, 0.0, 9.8), stamp=1.0)
+    tilted.orientation_covariance[0] = -1.0
+    messages = {
+        "scan": rig.scan(0.5, stamp=1.0),
+        "imu/data": tilted,
+        "rover/pose_array": rig.pose(0.0, 0.0, 0.0, stamp=1.0),
+        "odometry/wheels": rig.odometry(0.5, 0.0, 0.0, stamp=1.0),
+        "odom_ground_truth": rig.odometry(0.3, 0.4, 0.0, stamp=1.0),
+        "rover/truth/contact": Bool(data=True),
+        "rover/truth/traversal": truth,
+    }
+    for topic, message in messages.items():
+        rig.publisher(type(message), topic).publish(message)
+    rig.spin_until(lambda: all(node.received[f"/{topic}"] == 1 for topic in messages))
+    cells = row(node)
+    assert cells["Footprint Clearance [m]"] == 0.3
+    assert cells["Roughness RMS [m/s^2]"] == 0.0  # no orientation: the first sample is gravity
+    assert cells["Scan Age [s]"] == -1.0  # no /clock yet
+    assert (cells["True Contact Events"], cells["True Speed [m/s]"]) == (1, 0.5)
+    assert (cells["True Slip Rear Right"], cells["True Roughness [m]"]) == (0.4, 0.02)
+    with node.log.path.open(newline="") as file:
+        header, *rows = csv.reader(file)
+    assert tuple(header) == EXTENDED_HEADER
+    assert rows == [[str(cell) for cell in cells.values()]]
+    assert node.rejected == dict.fromkeys(node.received, 0)
+
+
+def test_without_the_parameter_nothing_listens_to_the_truth_and_the_log_has_twelve_columns(
+    rig: "Rig",
+) -> None:
+    node = rig.start()
+    assert "/rover/truth/contact" not in node.received
+    assert tuple(node.log.path.read_text().rstrip().split(",")) == COLUMNS
+
+
+def test_truth_that_nobody_publishes_is_not_missed_and_one_that_stops_is(
+    rig: "Rig", capfd: pytest.CaptureFixture[str]
+) -> None:
+    node = start(rig, stale_after=2.0)
+    reception = node.reception
+    for second in range(10):
+        reception.look(second * 10**9, 2 * 10**9)
+    told = capfd.readouterr().err
+    assert "/scan: nothing for 2 s" in told
+    assert "/rover/truth" not in told
+    node.sensors.contact_callback(Bool(data=False))
+    for second in range(10, 20):
+        reception.look(second * 10**9, 2 * 10**9)
+    assert "/rover/truth/contact: nothing for 2 s" in capfd.readouterr().err
+
+
+def test_another_truth_is_counted_and_left_out(rig: "Rig", capfd: pytest.CaptureFixture[str]) -> None:
+    node = start(rig)
+    node.sensors.traversal_callback(Float64MultiArray(data=[1.0]))
+    assert node.rejected["/rover/truth/traversal"] == 1
+    assert row(node)["True Roughness [m]"] == ""
+    assert "not the truth that harness.run publishes, left out" in capfd.readouterr().err
+
+
+def test_the_footprint_can_be_set_and_changed_while_the_node_runs(rig: "Rig") -> None:
+    node = start(rig)
+    node.sensors.lidar_callback(rig.scan(0.5))
+    assert row(node)["Footprint Clearance [m]"] == ""
+    for footprint, pose, clearance in (
+        (SQUARE, [0.0, 0.0, 0.0], 0.3),
+        (SQUARE, [0.1, 0.0, 0.0], 0.4),
+        ([2.0 * value for value in SQUARE], [0.1, 0.0, 0.0], 0.2),
+    ):
+        changes = [Parameter("footprint", value=footprint), Parameter("lidar_pose", value=pose)]
+        assert node.set_parameters_atomically(changes).successful
+        node.sensors.lidar_callback(rig.scan(0.5))
+        assert row(node)["Footprint Clearance [m]"] == clearance
+
+
+def test_all_parameters_can_be_read_at_once_as_ros2_param_dump_does(rig: "Rig") -> None:
+    node = rig.start()
+    client = AsyncParameterClient(rig.simulator, "metrics_node")
+    rig.spin_until(client.services_are_ready)
+    names = [*node._parameters]
+    assert "footprint" in names
+    future = client.get_parameters(names)
+    rig.spin_until(future.done)
+    assert len(future.result().values) == len(names)
+
+
+def test_callbacks_serve_all_four_sensors_and_refuse_what_the_twelve_refuse(rig: "Rig") -> None:
+    node = start(rig)
+    sensors = node.sensors
+    sensors.lidar_callback(LaserScan())
+    sensors.imu_callback(rig.imu((float("nan"), 0.0, 0.0)))
+    sensors.pose_array_callback(PoseArray())
+    sensors.odometry_callback(rig.odometry(float("inf"), 0.0, 0.0))
+    sensors.ground_truth_callback(rig.odometry(float("nan"), 0.0, 0.0))
+    cells = row(node)
+    rejected = {name: cells[f"{name} Rejected"] for name in ("Scan", "IMU", "Pose", "Odometry")}
+    assert rejected == {"Scan": 0, "IMU": 1, "Pose": 1, "Odometry": 1}
+    assert node.rejected["/odom_ground_truth"] == 1
