@@ -62,8 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             exit_code = _report(result, options.summary, stop, console)
             if (page := report.write(result)) is not None:
                 console.print(f"report: {page}", soft_wrap=True, highlight=False)
-            for path in drawing.finish():
-                console.print(f"drawn: {path}", soft_wrap=True, highlight=False)
+            _draw(drawing, stop, console)
     except HarnessError as error:
         print(f"harness.run: {error}", file=sys.stderr)
         return error.exit_code
@@ -153,6 +152,17 @@ def _report(result: RunResult, summary: Path | None, stop: StopRequest, console:
     for complaint in complaints:
         print(f"harness.run: {complaint}", file=sys.stderr)
     return 1 if complaints else stop.exit_code
+
+
+def _draw(drawing: Drawing, stop: StopRequest, console: Console) -> None:
+    """Draws, which takes its time: whoever ended the run from outside is not kept waiting."""
+    if drawing.wanted and stop.signal in (signal.SIGTERM, signal.SIGHUP):
+        print(f"harness.run: nothing was drawn: stopped by {stop.signal.name}", file=sys.stderr)
+        return
+    if drawing.wanted and stop.signal is not None:
+        console.print("drawing what there is; Ctrl-C again leaves it out", highlight=False)
+    for path in drawing.finish():
+        console.print(f"drawn: {path}", soft_wrap=True, highlight=False)
 
 
 def _write(result: RunResult, path: Path) -> str | None:

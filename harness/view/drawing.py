@@ -42,6 +42,11 @@ class Drawing:
         self._states: Path | None = None
         self._writer: StateWriter | None = None
 
+    @property
+    def wanted(self) -> bool:
+        """Whether anything is to be drawn."""
+        return self._picture is not None or self._video is not None
+
     def __enter__(self) -> Self:
         return self
 
@@ -54,7 +59,7 @@ class Drawing:
         Raises:
             UsageError: The files cannot be written, a package or OpenGL is missing.
         """
-        if self._picture is None and self._video is None:
+        if not self.wanted:
             if self._lidar:
                 raise UsageError("--picture-lidar needs --picture or --video")
             return

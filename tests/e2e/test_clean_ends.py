@@ -24,11 +24,13 @@ from typing import Any
 
 import pytest
 
+from harness.config import Batch, EpisodeConfig
 from harness.drivers.base import Observation
 from harness.drivers.wander import Wander
 from harness.interrupt import Interrupted, Overdue, StopRequest
 from harness.run import main
 from harness.samples import Tick, Twist
+from harness.view.drawing import Drawing
 
 SOON = 1.0  # [s]: the promise; a machine with other work may need more for one of several ends
 NO_HANG = 5.0  # [s]: far less than any patience of a run for DDS or a node
@@ -263,6 +265,54 @@ def test_sleeper_wakes_up_at_a_request() -> None:
         began = time.monotonic()
         stop.sleep(PATIENCE)
     assert time.monotonic() - began < SOON
+
+
+class SlowDrawing(Drawing):
+    """Draws nothing; a signal comes while the run drives, and another while it is drawn."""
+
+    signals: Iterator[signal.Signals]
+
+    def prepare(self, config: EpisodeConfig) -> None:
+        """Needs no OpenGL."""
+
+    def watch(self, batch: Batch) -> None:  # noqa: ARG002 - as the real one
+        self.signalled()
+
+    def finish(self) -> list[Path]:
+        self.signalled()
+        return [Path("drawn.mp4")]
+
+    def signalled(self) -> None:
+        for number in SlowDrawing.signals:
+            signal.raise_signal(number)
+            return
+
+
+@pytest.mark.parametrize(
+    ("signals", "told", "not_told"),
+    [
+        ([signal.SIGTERM], "nothing was drawn: stopped by SIGTERM", "drawn: drawn.mp4"),
+        ([signal.SIGHUP], "nothing was drawn: stopped by SIGHUP", "drawn: drawn.mp4"),
+        ([signal.SIGINT], "drawn: drawn.mp4", "nothing was drawn"),
+        ([signal.SIGINT, signal.SIGINT], "Ctrl-C again leaves it out", "drawn: drawn.mp4"),
+    ],
+)
+def test_who_stops_a_run_is_not_kept_waiting_by_its_video(
+    signals: list[signal.Signals],
+    told: str,
+    not_told: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(SlowDrawing, "signals", iter(signals), raising=False)
+    monkeypatch.setattr("harness.run.Drawing", SlowDrawing)
+    words = [*ENDLESS, "--direct", "--video", "drawn.mp4", "--log-dir", str(tmp_path)]
+    assert main(words) == 128 + signals[0]
+    shown = "".join(capsys.readouterr())
+    assert told in shown
+    assert not_told not in shown
+    assert manifest(tmp_path)["outcome"] == {"status": "interrupted", "reason": signals[0].name}
 
 
 def crash(self: Wander, observation: Observation) -> Twist:  # noqa: ARG001 - a driver's method
