@@ -10,6 +10,7 @@ from contextlib import suppress
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from harness.config import Batch, EpisodeConfig
 from harness.episode import Episode
@@ -27,12 +28,13 @@ from harness.sim_time import NANOSECONDS
 from harness.truth_account import TruthAccount
 from rover_metrics.csv_log import CsvLog
 from rover_metrics.errors import LogError
-from rover_metrics.extended.metrics import ExtendedMetrics
-from rover_metrics.extended.row import EXTENDED_HEADER
+from rover_metrics.extended.row_source import RowSource
 from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.row import COLUMNS, Row
 from rover_metrics.row_schedule import RowSchedule
 from rover_metrics.session_record import COMPLETE, Outcome, failed, write_record
+
+if TYPE_CHECKING:
+    from rover_metrics.row import Row
 
 TOPICS: dict[type, tuple[str, ...]] = {
     LaserScan: ("/scan",),
@@ -51,18 +53,16 @@ class DirectMetrics:
 
     Args:
         log: Where the rows go.
-        metrics: The twelve columns.
-        extended: Those after them, and how samples get there; None without.
+        source: The metrics.
+        extended: How samples get into the extended columns; None without.
 
     Attributes:
         fed: Samples taken, by the name of the topic that they would have had.
         last_row: The latest row, or None.
     """
 
-    def __init__(
-        self, log: CsvLog, metrics: TraversalMetrics, extended: SampleIntake | None = None
-    ) -> None:
-        self.log, self._metrics, self._extended = log, metrics, extended
+    def __init__(self, log: CsvLog, source: RowSource, extended: SampleIntake | None = None) -> None:
+        self.log, self._source, self._extended = log, source, extended
         self._topics = TOPICS if extended is None else TOPICS | TRUTH_TOPICS
         self.fed = {topic: 0 for topics in self._topics.values() for topic in topics}
         self._schedule = RowSchedule(NANOSECONDS)
@@ -77,24 +77,20 @@ class DirectMetrics:
             for topic in self._topics.get(type(sample), ()):
                 self.fed[topic] += 1
         if tick.tells_time and self._schedule.is_due(tick.stamp_ns):
-            self.last_row = self._row(tick.stamp_ns)
+            self.last_row = self._source.row(tick.stamp_ns)
             self.log.write(self.last_row)
 
-    def _row(self, now_ns: int) -> Row:
-        if self._extended is None:
-            return self._metrics.row(now_ns // NANOSECONDS)
-        return self._extended.metrics.row(now_ns)
-
     def _take_sample(self, sample: Sample) -> bool:
+        metrics = self._source.metrics
         match sample:
             case LaserScan():
-                return self._metrics.add_scan(sample.ranges)
+                return metrics.add_scan(sample.ranges)
             case Imu():
-                return self._metrics.add_imu(sample.linear_acceleration, sample.angular_velocity)
+                return metrics.add_imu(sample.linear_acceleration, sample.angular_velocity)
             case Pose():
-                return self._metrics.add_pose(sample.position)
+                return metrics.add_pose(sample.position)
             case Odometry():
-                return self._metrics.add_odometry((sample.twist.linear, 0.0, 0.0))
+                return metrics.add_odometry((sample.twist.linear, 0.0, 0.0))
         return False
 
 
@@ -125,12 +121,17 @@ def run_direct(
     started = time.monotonic()
     episode = Episode(config)
     try:
-        log = CsvLog(log_dir, datetime.now(), columns=EXTENDED_HEADER if extended else COLUMNS)
+        settings = extended_settings(find_rover(config.robot)) if extended else None
+        source = RowSource(TraversalMetrics(), settings)
+        log = CsvLog(log_dir, datetime.now(), columns=source.columns)
     except LogError as error:
         raise UsageError(str(error)) from error
     with log:
         _mark(log, None)
-        metrics = _metrics(log, config, extended=extended)
+        intake = None
+        if source.extended is not None:
+            intake = SampleIntake(source.extended, LidarSpec(beams=config.lidar_beams))
+        metrics = DirectMetrics(log, source, intake)
         result = RunResult(config=config, mode="direct, no ROS", info=episode.info, log_path=log.path)
         begun = time.monotonic()
         pacer = Pacer(rate, sleep=stop.sleep)
@@ -156,15 +157,6 @@ def run_direct(
             result = replace(result, failure=str(error))
         _mark(log, COMPLETE if result.failure is None else failed(result.failure))
         return _counted(replace(result, along=account.along()), metrics)
-
-
-def _metrics(log: CsvLog, config: EpisodeConfig, *, extended: bool) -> DirectMetrics:
-    metrics = TraversalMetrics()
-    if not extended:
-        return DirectMetrics(log, metrics)
-    settings = extended_settings(find_rover(config.robot))
-    lidar = LidarSpec(beams=config.lidar_beams)
-    return DirectMetrics(log, metrics, SampleIntake(ExtendedMetrics(metrics, settings), lidar))
 
 
 def _progress(result: RunResult, metrics: DirectMetrics) -> Progress:

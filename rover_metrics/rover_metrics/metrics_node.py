@@ -5,38 +5,35 @@ import sys
 from collections.abc import Callable, Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rover_metrics.errors import ParameterError, RoverMetricsError, missing_ros
 
 try:
-    from geometry_msgs.msg import PoseArray
-    from nav_msgs.msg import Odometry
     from rcl_interfaces.msg import SetParametersResult
     from rclpy.context import Context
     from rclpy.node import Node
     from rclpy.parameter import Parameter
-    from sensor_msgs.msg import Imu, LaserScan
-    from std_msgs.msg import Bool, Float64MultiArray
     from std_srvs.srv import Trigger
 
     from rover_metrics import extended_parameters
-    from rover_metrics.parameters import BEST_EFFORT, Settings, declare_settings, wrong_type
+    from rover_metrics.metrics_publisher import MetricsPublisher
+    from rover_metrics.parameters import Settings, declare_settings, wrong_type
     from rover_metrics.program import run_node
     from rover_metrics.row_timer import RowTimer
-    from rover_metrics.subscriptions import subscribe
+    from rover_metrics.topics import subscribe_to_sensors, subscribe_to_truth
 except ImportError as error:
     raise missing_ros(error) from None
 
 from rover_metrics.csv_log import CsvLog
 from rover_metrics.extended.messages import MessageIntake
-from rover_metrics.extended.metrics import ExtendedMetrics
-from rover_metrics.extended.row import EXTENDED_HEADER
+from rover_metrics.extended.row_source import RowSource
+from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic
+from rover_metrics.live_view import LiveView, Status
 from rover_metrics.metrics import TraversalMetrics
 from rover_metrics.patient_log import PatientLog
 from rover_metrics.reception import LOST, Reception
-from rover_metrics.row import COLUMNS
 from rover_metrics.sensor_callbacks import SensorCallbacks
 from rover_metrics.session_record import SessionRecord
 
@@ -44,7 +41,6 @@ if TYPE_CHECKING:
     from rover_metrics.row import Row
 
 LOG_PERIOD = 1.0  # seconds of ROS time
-NANOSECONDS = 1_000_000_000
 
 
 class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
@@ -58,12 +54,13 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     Attributes:
         settings: The current parameter values.
         metrics: The metrics of this session.
-        extended: Those of the extended columns; None without them.
+        source: Makes the rows of them, with the extended columns if they are wanted.
         log: The CSV log of this session.
         record: The JSON beside it.
         reception: What arrived on each topic, what was odd about it and what is missing.
         sensors: The callbacks of the subscriptions.
         timer: Fires when a row is due.
+        publisher: Publishes the metrics.
         last_row: The latest row, written or not; None before the first.
 
     Raises:
@@ -83,8 +80,9 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         try:
             self.settings: Settings = declare_settings(self)
             self.metrics = TraversalMetrics(self.settings.thresholds)
-            self.extended = self._extended_metrics()
-            intake = None if self.extended is None else MessageIntake(self.extended)
+            self.source = RowSource(self.metrics, self._extended_settings())
+            extended = self.source.extended
+            intake = None if extended is None else MessageIntake(extended)
             self.sensors = SensorCallbacks(self.metrics, self.reception, self._debug, intake)
             self.setup_subscribers()
             self.log = PatientLog(self._csv_log(now()), self._tell)
@@ -94,6 +92,8 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         self.last_row: Row | None = None
         self.record = SessionRecord(self.get_fully_qualified_name(), now, self._tell)
         self.record.begin(self.log.path)
+        self._view = LiveView()
+        self.publisher = MetricsPublisher(self, self._tell, enabled=self.settings.publish_metrics)
         self.timer = RowTimer(self, LOG_PERIOD, self._each_second, self._tell, self.settings.stale_after)
         self.add_on_set_parameters_callback(self._use_parameters)
         self.create_service(Trigger, "~/received", self._report_received)
@@ -121,41 +121,14 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
     def setup_subscribers(self) -> None:
         """Subscribe to the topics, relative to the node's namespace."""
-        sensors, heard = self.sensors, self.reception
-        sensors.scan = subscribe(self, LaserScan, "scan", sensors.lidar_callback, heard)
-        sensors.imu = subscribe(self, Imu, "imu/data", sensors.imu_callback, heard)
-        # Only the newest pose matters; reliable delivery would queue old ones.
-        sensors.pose = subscribe(
-            self,
-            PoseArray,
-            "rover/pose_array",
-            sensors.pose_array_callback,
-            heard,
-            reliability=BEST_EFFORT,
-            depth=1,
-        )
-        sensors.odometry = subscribe(self, Odometry, "odometry/wheels", sensors.odometry_callback, heard)
-        if self.extended is not None:
-            self._subscribe_to_truth()
-
-    def _subscribe_to_truth(self) -> None:
-        """Subscribe to what only simulators publish."""
-        sensors = self.sensors
-
-        def truth(kind: type, name: str, callback: Callable[[Any], None]) -> str:
-            return subscribe(self, kind, name, callback, self.reception, may_be_missing=True)
-
-        sensors.ground_truth = truth(Odometry, "odom_ground_truth", sensors.ground_truth_callback)
-        sensors.contact = truth(Bool, "rover/truth/contact", sensors.contact_callback)
-        sensors.traversal = truth(Float64MultiArray, "rover/truth/traversal", sensors.traversal_callback)
+        subscribe_to_sensors(self, self.sensors, self.reception)
+        if self.source.extended is not None:
+            subscribe_to_truth(self, self.sensors, self.reception)
 
     def periodic_logging(self) -> None:
         """Write a row; what a failing disk refuses waits in memory."""
         now_ns = self.get_clock().now().nanoseconds
-        if self.extended is None:
-            self.last_row = self.metrics.row(now_ns // NANOSECONDS)
-        else:
-            self.last_row = self.extended.row(now_ns, self._reported_lost())
+        self.last_row = self.source.row(now_ns, self._reported_lost())
         self.log.write(self.last_row)
 
     def fail(self, reason: str) -> None:
@@ -178,15 +151,12 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         self.timer.close()
         super().destroy_node()
 
-    def _extended_metrics(self) -> ExtendedMetrics | None:
-        settings = self.settings
-        return ExtendedMetrics(self.metrics, settings.extended) if settings.extended_columns else None
+    def _extended_settings(self) -> ExtendedSettings | None:
+        return self.settings.extended if self.settings.extended_columns else None
 
     def _csv_log(self, started: datetime) -> CsvLog:
-        settings = self.settings
-        columns = EXTENDED_HEADER if settings.extended_columns else COLUMNS
-        folder = Path(settings.log_dir).expanduser()
-        return CsvLog(folder, started, fsync=settings.fsync, columns=columns)
+        folder = Path(self.settings.log_dir).expanduser()
+        return CsvLog(folder, started, fsync=self.settings.fsync, columns=self.source.columns)
 
     def _reported_lost(self) -> dict[Topic, int]:
         sensors, remarks = self.sensors, self.reception.remarks
@@ -207,7 +177,14 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         for topic in watched:
             self.reception.publishers(topic, self.count_publishers(topic))
         stale_after_ns = round(self.settings.stale_after * 1e9)
-        self.reception.look(self.get_clock().now().nanoseconds, stale_after_ns)
+        now_ns = self.get_clock().now().nanoseconds
+        self.reception.look(now_ns, stale_after_ns)
+        self.publisher.publish(now_ns, lambda: self._statuses(now_ns))
+
+    def _statuses(self, now_ns: int) -> list[Status]:
+        assert self.last_row is not None  # noqa: S101 - a row comes first
+        states = self.reception.states()
+        return self._view.statuses(self.last_row, states, self.settings.thresholds, now_ns)
 
     def _uses_sim_time(self) -> bool:
         return bool(self.get_parameter("use_sim_time").value)
@@ -229,11 +206,12 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
             )
         except ParameterError as error:
             return SetParametersResult(successful=False, reason=str(error))
-        if self.extended is not None and settings.extended != self.settings.extended:
-            self.extended.use(settings.extended)
+        if self.source.extended is not None and settings.extended != self.settings.extended:
+            self.source.extended.use(settings.extended)
         self.settings = settings
         self.metrics.thresholds = self.settings.thresholds
         self.log.fsync = self.settings.fsync
+        self.publisher.enabled = self.settings.publish_metrics
         self.timer.stale_after = self.settings.stale_after
         return SetParametersResult(successful=True)
 

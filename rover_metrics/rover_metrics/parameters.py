@@ -29,6 +29,7 @@ class Settings:
         log_dir: Folder for the log, relative to the working directory unless absolute.
         fsync: Whether each row is forced onto the disk itself.
         stale_after: From which silence on a topic is reported [s]; 0 is never.
+        publish_metrics: Whether rover/metrics is published.
         extended_columns: Whether the log has the extended columns; fixed once the node runs.
         thresholds: The thresholds, each a parameter of its own name.
         extended: What only the extended columns read, likewise.
@@ -39,6 +40,7 @@ class Settings:
     log_dir: str = DEFAULT_LOG_DIR
     fsync: bool = False
     stale_after: float = 5.0
+    publish_metrics: bool = True
     extended_columns: bool = False
     thresholds: Thresholds = DEFAULT_THRESHOLDS
     extended: ExtendedSettings = DEFAULT_EXTENDED
@@ -72,6 +74,7 @@ _OWN_NAMES = (
     "log_dir",
     "fsync",
     "stale_after",
+    "publish_metrics",
     extended_parameters.SWITCH,
 )
 
@@ -92,6 +95,7 @@ def declare_settings(node: Node) -> Settings:
         _declare(node, "log_dir", defaults.log_dir, _log_dir()),
         _declare(node, "fsync", defaults.fsync, _fsync()),
         _declare(node, "stale_after", defaults.stale_after, _stale_after()),
+        _declare(node, "publish_metrics", defaults.publish_metrics, _publish_metrics()),
     ]
     for name, info in THRESHOLD_INFO.items():
         declared.append(_declare(node, name, info.default, _threshold(name)))
@@ -189,6 +193,14 @@ def _stale_after() -> ParameterDescriptor:
         description="report a topic, or /clock, that has been silent for so long; 0 is never [s]",
         additional_constraints=f"a number with a decimal point (5.0, not 5) from 0.0 to {longest} s",
         floating_point_range=[FloatingPointRange(from_value=0.0, to_value=longest, step=0.0)],
+    )
+
+
+def _publish_metrics() -> ParameterDescriptor:
+    return ParameterDescriptor(
+        description="publish each row, and the state of each topic, on rover/metrics "
+        "(diagnostic_msgs/DiagnosticArray)",
+        additional_constraints="true or false, not 0 or 1",
     )
 
 

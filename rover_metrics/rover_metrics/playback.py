@@ -17,8 +17,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from rover_metrics.bag_reader import Bag, BagError, Message
 from rover_metrics.extended.messages import MessageIntake
-from rover_metrics.extended.metrics import ExtendedMetrics
-from rover_metrics.metrics import TraversalMetrics
+from rover_metrics.extended.row_source import RowSource
 from rover_metrics.recorded_time import NANOSECONDS, ClockSeconds, FullSeconds, TimeSource
 from rover_metrics.recorded_topics import CLOCK, CLOCK_TYPE, SENSORS, TRUTH, Sink, Source
 from rover_metrics.row import Row
@@ -41,13 +40,12 @@ class Playback:
 
     Args:
         bag: The recording.
-        metrics: Where the samples go.
-        extended: Those of the extended columns, if the rows shall have them.
+        source: Where the samples go, and what makes the rows of them.
         remaps: Recorded topic by the topic that the metrics node listens to, both absolute.
         time_source: Which time the rows follow.
 
     Attributes:
-        metrics: As given.
+        metrics: Those of the source.
         time_source: The one in use, never AUTO.
         counts: Messages by recorded topic, of the topics in use.
         missing: Why a topic is not in use; a line each.
@@ -59,13 +57,13 @@ class Playback:
     def __init__(
         self,
         bag: Bag,
-        metrics: TraversalMetrics,
-        extended: ExtendedMetrics | None = None,
+        source: RowSource,
         remaps: Mapping[str, str] = MappingProxyType({}),
         time_source: TimeSource = TimeSource.AUTO,
     ) -> None:
-        self._bag, self.metrics, self._extended = bag, metrics, extended
-        self._sink = Sink(metrics, None if extended is None else MessageIntake(extended))
+        self._bag, self._source, self.metrics = bag, source, source.metrics
+        extended = source.extended
+        self._sink = Sink(source.metrics, None if extended is None else MessageIntake(extended))
         wished = {remaps.get(name, name): sensor for name, sensor in SENSORS.items()}
         if len(wished) < len(SENSORS):
             raise BagError("two topics are remapped to the same one; each sensor needs its own")
@@ -105,16 +103,11 @@ class Playback:
             if now is not None:
                 for second in self._timer.due(now):
                     at_clock = self.time_source is TimeSource.SIM
-                    yield self._row(now if at_clock else second * NANOSECONDS)
+                    yield self._source.row(now if at_clock else second * NANOSECONDS)
             if parsed is not None:
                 self._take(message.topic, parsed)
         for second in self._timer.rest():
-            yield self._row(second * NANOSECONDS)
-
-    def _row(self, now_ns: int) -> Row:
-        if self._extended is None:
-            return self.metrics.row(now_ns // NANOSECONDS)
-        return self._extended.row(now_ns)
+            yield self._source.row(second * NANOSECONDS)
 
     def _parsed(self, message: Message) -> Any | None:  # noqa: ANN401
         """The message as an object; None if nobody wants it or it is not readable."""

@@ -2,14 +2,34 @@
 
 from collections import Counter
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 from rover_metrics.silence import SilenceWatch
-from rover_metrics.stamps import StampWatch
+from rover_metrics.stamps import MISSING, StampWatch
 from rover_metrics.throttle import is_worth_a_line
 
 LOST = "lost on the way"
 NOT_HEARD = "publisher is not heard"
+
+
+class TopicState(NamedTuple):
+    """What is known of a topic at one moment.
+
+    Attributes:
+        topic: Its resolved name.
+        received: Messages so far; likewise `rejected`, and `lost` on the way, as far as that shows.
+        stamp_ns: The latest stamp [ns]; 0 without one.
+        is_silent: Whether it has been silent for too long.
+        publishers: How many there are.
+    """
+
+    topic: str
+    received: int
+    rejected: int
+    lost: int
+    stamp_ns: int
+    is_silent: bool
+    publishers: int
 
 
 class Reception:
@@ -103,6 +123,22 @@ class Reception:
             )
         else:
             self._tell(f"{topic}: no second publisher any more")
+
+    def states(self) -> list[TopicState]:
+        """Give the state of each topic, but for those that may be missing and are."""
+        return [
+            TopicState(
+                topic=topic,
+                received=self.received[topic],
+                rejected=self.rejected[topic],
+                lost=max(remarks[LOST], remarks[MISSING]),
+                stamp_ns=self._stamps[topic].latest_ns,
+                is_silent=self._silences[topic].is_silent,
+                publishers=self._publishers.get(topic, 0),
+            )
+            for topic, remarks in self.remarks.items()
+            if topic not in self._silent_by_right
+        ]
 
     def account(self) -> dict[str, Any]:
         """All counts by topic, as JSON values."""

@@ -24,11 +24,9 @@ except ImportError as error:
 
 from rover_metrics.csv_log import CsvLog
 from rover_metrics.errors import LogError, RoverMetricsError
-from rover_metrics.extended.metrics import ExtendedMetrics
-from rover_metrics.extended.row import EXTENDED_HEADER
+from rover_metrics.extended.row_source import RowSource
 from rover_metrics.metrics import TraversalMetrics
 from rover_metrics.replay_options import DEFAULT_LOG_DIR, parser
-from rover_metrics.row import COLUMNS
 
 INTERRUPTED = 130
 
@@ -48,14 +46,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _replay(options: argparse.Namespace) -> int:
     parameters = read_parameters(options.params) if options.params else FileParameters()
-    metrics = TraversalMetrics(parameters.thresholds)
     is_extended = options.extended or parameters.extended_columns
-    extended = ExtendedMetrics(metrics, parameters.extended) if is_extended else None
-    columns = EXTENDED_HEADER if is_extended else COLUMNS
+    source = RowSource(
+        TraversalMetrics(parameters.thresholds), parameters.extended if is_extended else None
+    )
     code = 0
     with Bag(options.bag) as bag:
-        playback = Playback(bag, metrics, extended, dict(options.remap), TimeSource(options.time))
-        with _log(options.output, options.bag, columns, overwrite=options.overwrite) as log:
+        playback = Playback(bag, source, dict(options.remap), TimeSource(options.time))
+        with _log(options.output, options.bag, source.columns, overwrite=options.overwrite) as log:
             try:
                 for row in playback.rows():
                     log.write(row)

@@ -24,6 +24,11 @@ class SilenceWatch:
         self._quiet_ns = 0
         self._is_silent = False
 
+    @property
+    def is_silent(self) -> bool:
+        """Whether a silence has been noticed that is not over."""
+        return self._is_silent
+
     def look(self, progress: int, now_ns: int, limit_ns: int) -> Silence | None:
         """Look again.
 

@@ -31,6 +31,11 @@ class StampWatch:
         self._intervals: deque[int] = deque(maxlen=RECENT)
         self._longest: float = JUMP
 
+    @property
+    def latest_ns(self) -> int:
+        """The latest stamp [ns]; 0 before the first."""
+        return self._last or 0
+
     def take(self, stamp_ns: int) -> Finding | None:
         """Take the stamp of the next message [ns]; gives what is odd about it."""
         last, self._last = self._last, stamp_ns

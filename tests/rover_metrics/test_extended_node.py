@@ -44,7 +44,8 @@ def test_messages_of_every_topic_reach_their_columns(rig: "Rig") -> None:
     truth = Float64MultiArray(data=[0.0, 0.0, 0.0, 0.5, 9.0, 0.1, 0.2, 0.3, 0.4, 0.02])
     truth.layout.dim = [MultiArrayDimension(label=",".join(TRAVERSAL), size=10, stride=10)]
     tilted = rig.imu((1.0, 0.0, 9.8), stamp=1.0)
-    tilted.orientation_covariance[0] = -1.0
+    tilted.orientation.x, tilted.orientation.w = 0.6, 0.8
+    tilted.orientation_covariance[0] = -1.0  # which says that there is none
     messages = {
         "scan": rig.scan(0.5, stamp=1.0),
         "imu/data": tilted,

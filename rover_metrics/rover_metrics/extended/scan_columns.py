@@ -68,8 +68,7 @@ class ScanColumns:
     def use(self, settings: ExtendedSettings) -> None:
         """Measure by other settings from now on."""
         self._settings = settings
-        self._beams: Beams | None = None
-        self._clearance: FootprintClearance | None = None
+        self._lidar: tuple[Beams, FootprintClearance] | None = None
 
     def add(
         self,
@@ -108,14 +107,14 @@ class ScanColumns:
 
     def _tables(self, footprint: Footprint, beams: Beams) -> FootprintClearance:
         """Those of this kind of scan; lidars rarely change theirs."""
-        if self._clearance is None or beams != self._beams:
+        if self._lidar is None or beams != self._lidar[0]:
             settings, (angle_min, angle_increment, count) = self._settings, beams
             fan = angle_min + angle_increment * np.arange(count)
-            self._beams = beams
-            self._clearance = FootprintClearance(
+            clearance = FootprintClearance(
                 footprint,
                 settings.lidar_pose,
                 fan if math.isfinite(angle_min + angle_increment) else np.zeros(count),
                 near_returns_are_contacts=settings.near_returns_as_contact,
             )
-        return self._clearance
+            self._lidar = (beams, clearance)
+        return self._lidar[1]

@@ -1,0 +1,129 @@
+"""What a row says to whoever watches; over DDS in test_metrics_publisher.py."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from rover_metrics.extended.row_source import RowSource
+from rover_metrics.extended.settings import DEFAULT_EXTENDED
+from rover_metrics.live_view import Level, LiveView, Status
+from rover_metrics.metrics import TraversalMetrics
+from rover_metrics.reception import TopicState
+from rover_metrics.row import COLUMNS, MetricsRow
+from rover_metrics.thresholds import Thresholds
+
+CALM = MetricsRow(
+    stamp_s=7,
+    total_collisions=0,
+    collision_status=0,
+    smoothness_metric=98000.0,
+    current_smoothness=9.8,
+    obstacle_clearance=2.0,
+    distance_traveled=1.0,
+    current_velocity=0.4,
+    imu_acceleration_magnitude=9.8,
+    is_rough_terrain=0,
+    vertical_roughness=9.8,
+)
+HEARD = TopicState("/rover1/imu/data", 100, 0, 0, 6_900_000_000, is_silent=False, publishers=1)
+
+
+def traversal(row: MetricsRow) -> Status:
+    return LiveView().statuses(row, (), Thresholds(), 0)[0]
+
+
+def topic(*states: TopicState) -> Status:
+    """The status of the last of some states, a second apart."""
+    view = LiveView()
+    for second, state in enumerate(states):
+        _, status = view.statuses(CALM, [state], Thresholds(), (6 + second) * 10**9)
+    return status
+
+
+def test_a_calm_row_is_ok_and_has_every_column_as_plain_decimals() -> None:
+    status = traversal(CALM)
+    assert (status.level, status.message) == (Level.OK, "within all thresholds")
+    values = dict(status.values)
+    assert tuple(values) == COLUMNS
+    assert values["Smoothness Metric"] == "98000.0000"
+    assert values["Total Collisions"] == "0"
+    assert "e" not in dict(traversal(replace(CALM, smoothness_metric=1e20)).values)["Smoothness Metric"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "level", "words"),
+    [
+        ({"total_collisions": 3}, Level.ERROR, "collision: 3 scans"),
+        ({"collision_status": 1}, Level.ERROR, "collision: the mean"),
+        ({"obstacle_clearance": 0.4}, Level.WARN, "clearance 0.4000 m is below min_safe_clearance"),
+        ({"is_rough_terrain": 1}, Level.WARN, "rough terrain"),
+        ({"current_smoothness": 10.1}, Level.WARN, "smoothness 10.1000 is above smoothness_threshold"),
+        ({"obstacle_clearance": math.inf}, Level.OK, "within"),
+    ],
+)
+def test_what_is_beyond_a_threshold_sets_the_level(
+    changes: dict[str, float], level: Level, words: str
+) -> None:
+    status = traversal(replace(CALM, **changes))  # type: ignore[arg-type]
+    assert status.level is level
+    assert status.message.startswith(words)
+
+
+def test_the_worst_sets_the_level_and_all_are_told() -> None:
+    status = traversal(replace(CALM, total_collisions=1, is_rough_terrain=1, obstacle_clearance=0.1))
+    assert status.level is Level.ERROR
+    assert status.message.count("; ") == 2
+
+
+def test_a_collision_is_an_error_once_not_for_ever() -> None:
+    view, hit = LiveView(), replace(CALM, total_collisions=3)
+    levels = [view.statuses(row, (), Thresholds(), 0)[0].level for row in (CALM, hit, hit)]
+    assert levels == [Level.OK, Level.ERROR, Level.OK]
+
+
+def test_empty_cells_are_left_out_and_extended_ones_are_there() -> None:
+    source = RowSource(TraversalMetrics(), DEFAULT_EXTENDED)
+    assert source.extended is not None
+    source.extended.add_contact(touches=True)
+    row = source.row(10**9)
+    values = dict(LiveView().statuses(row, (), Thresholds(), 0)[0].values)
+    assert values["True Contact Share"] == "1.0000"
+    assert "VORT [m/s]" not in values
+
+
+def test_a_topic_tells_rate_age_and_losses() -> None:
+    status = topic(HEARD._replace(received=80), HEARD)
+    assert (status.level, status.message, status.name) == (Level.OK, "heard", "topic rover1 imu data")
+    assert dict(status.values) == {
+        "topic": "/rover1/imu/data",
+        "rate [Hz]": "20.0000",
+        "age [s]": "0.1000",
+        "lost": "0",
+        "rejected": "0",
+        "publishers": "1",
+    }
+
+
+@pytest.mark.parametrize(
+    ("state", "level", "words"),
+    [
+        (HEARD._replace(is_silent=True, publishers=0), Level.STALE, "silent, publishers: 0"),
+        (HEARD._replace(received=0), Level.STALE, "not heard yet, publishers: 1"),
+        (HEARD._replace(lost=2, rejected=1), Level.WARN, "2 lost and 1 rejected since the row before"),
+        (HEARD._replace(publishers=2), Level.WARN, "2 publishers"),
+    ],
+)
+def test_a_topic_that_is_not_well_says_why(state: TopicState, level: Level, words: str) -> None:
+    status = topic(HEARD, state)
+    assert status.level is level
+    assert status.message.startswith(words)
+
+
+def test_losses_of_long_ago_are_no_warning_any_more() -> None:
+    assert topic(HEARD._replace(lost=5), HEARD._replace(lost=5)).level is Level.OK
+
+
+@pytest.mark.parametrize("stamp", [0, 1_737_000_000 * 10**9])
+def test_a_topic_without_stamps_or_with_another_clock_has_no_age(stamp: int) -> None:
+    assert "age [s]" not in dict(topic(HEARD._replace(stamp_ns=stamp)).values)
