@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from harness.drivers import find_driver
+from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.errors import UsageError
 from harness.robots import find_rover
 from harness.samples import Tick, sent_by_fields
@@ -21,6 +22,7 @@ from harness.world.dem import TerrainFile, file_world, is_terrain_file
 from harness.world.world import DEFAULT_DIFFICULTY, World, build_world, find_terrain
 
 LIDAR_BEAMS, IMU_RATE = 640, 20
+TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
 FEWEST_BEAMS, MOST_BEAMS = 2, 100_000
 
 
@@ -46,6 +48,11 @@ class EpisodeConfig:
     def total_ticks(self) -> int:
         """Clock ticks from start to end."""
         return round(self.duration * NANOSECONDS) // TICK_NS
+
+    @property
+    def total_periods(self) -> int:
+        """Control periods from start to end, which is how many batches there are."""
+        return math.ceil(self.total_ticks / TICKS_PER_CONTROL)
 
     def world(self) -> World:
         """Builds the world.

@@ -10,10 +10,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.config import Batch, EpisodeConfig, EpisodeInfo
+from harness.config import TICKS_PER_CONTROL, Batch, EpisodeConfig, EpisodeInfo
 from harness.drive import DiffDrive
-from harness.drivers import CmdVel, DriverContext, Observation, find_driver
-from harness.drivers.base import CONTROL_PERIOD_NS
+from harness.drivers import CmdVel, Driver, DriverContext, Observation, find_driver
 from harness.errors import RunFailed
 from harness.robots import find_rover
 from harness.samples import LaserScan, Sample, Tick, Twist
@@ -32,7 +31,6 @@ from harness.world.scene import HAZARD_CONTACT, build_scene, model_hash
 from harness.world.world import terrain_hash
 
 SCAN_RATE, POSE_RATE, STATE_RATE = 20, 50, 50  # [Hz]: RoboTerrain's
-TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
 RANDOM_STREAM = 10  # keeps the episode's generators apart from those that made the world
 
 
@@ -72,35 +70,60 @@ class Episode:
         self._hazard_contact = self.simulation.summed(HAZARD_CONTACT)
         lidar_spec = LidarSpec(beams=config.lidar_beams)
         lidar = Lidar(self.simulation.model, lidar_spec)
-        driver_rng, scan_rng, imu_rng = _generators(config.seed, 3)
+        _, scan_rng, imu_rng = _generators(config.seed, 3)
         self._imu = ImuSensor(self.simulation, period_ticks(config.imu_rate))
+        self._odometry = WheelOdometry(self.simulation, period_ticks(rover.odometry_rate))
         self._sensors: tuple[Sensor, ...] = (
             LidarSensor(self.simulation, lidar, period_ticks(SCAN_RATE)),
             self._imu,
             PoseSensor(self.simulation, period_ticks(POSE_RATE)),
-            WheelOdometry(self.simulation, period_ticks(rover.odometry_rate)),
+            self._odometry,
             GroundTruthSensor(self.simulation, period_ticks(STATE_RATE)),
             JointSensor(self.simulation, period_ticks(STATE_RATE)),
             TruthSensor(self._recorder, period_ticks(TRUTH_RATE)),
         )
         preset, limits = chosen_preset(config.noise), (lidar_spec.range_min, lidar_spec.range_max)
         self._noise = None if preset is None else SensorNoise(preset, limits, scan_rng, imu_rng)
-        self._drive = DiffDrive(rover, TICK_NS / NANOSECONDS)
-        self._driver = find_driver(config.driver)(
+        self._bearings = beam_bearings(lidar_spec)
+        self._begin()
+
+    def _begin(self) -> None:
+        """A driver that has done nothing yet, at a rover that stands."""
+        self._began_ns = self.simulation.time_ns
+        self._drive = DiffDrive(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
+        self._driver = self._new_driver()
+        self._last_scan: LaserScan | None = None
+
+    def _new_driver(self) -> Driver:
+        scene, (rng, *_) = self.simulation.scene, _generators(self.config.seed, 3)
+        return find_driver(self.config.driver)(
             DriverContext(
-                rover,
-                world.ground.half_size,
-                beam_bearings(lidar_spec),
-                driver_rng,
-                world.obstacles,
+                scene.rover,
+                scene.world.ground.half_size,
+                self._bearings,
+                rng,
+                scene.world.obstacles,
             )
         )
-        self._last_scan: LaserScan | None = None
 
     def command(self, twist: Twist) -> None:
         """Hands a command to the cmd_vel driver; other drivers make their own."""
         if isinstance(self._driver, CmdVel):
             self._driver.latest = twist
+
+    def reset(self) -> None:
+        """Puts the rover back to its start, between two batches; time and duration go on.
+
+        From then on it drives as it did at first, step for step. The IMU begins a new window. Wheel
+        odometry goes on without a jump, as that of Gazebo's DiffDrive after a set_pose, and so do the
+        biases of noise. Joints stand as they stood.
+        """
+        encoders = self._odometry.encoders()
+        self.simulation.return_to_start()
+        self._odometry.go_on_from(encoders)
+        self._imu.forget()
+        self._recorder.carried_away()
+        self._begin()
 
     def batches(self) -> Iterator[Batch]:
         """Drives the episode, one control period at a time.
@@ -132,7 +155,7 @@ class Episode:
         x, y, _ = self.simulation.position
         ranges = None if self._last_scan is None else self._last_scan.ranges
         return Observation(
-            time_ns=self.simulation.time_ns,
+            time_ns=self.simulation.time_ns - self._began_ns,
             x=x,
             y=y,
             yaw=self.simulation.yaw,

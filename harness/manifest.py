@@ -32,6 +32,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
             "outcome": _outcome(result),
             "simulated_s": result.simulated_s,
             "wall_s": result.wall_s,
+            "paused_s": result.paused_s,
             "real_time_factor": result.real_time_factor,
             "first_row_s": result.first_row_s,
             "topics": {topic: asdict(count) for topic, count in result.topics.items()},

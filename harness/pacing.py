@@ -25,6 +25,10 @@ class Pacer:
         self._clock, self._sleep = clock, sleep
         self._start_ns = clock()
 
+    def postpone(self, seconds: float) -> None:
+        """Lets simulation time be later by some wall time, in which it was to stand still."""
+        self._start_ns += round(seconds * NANOSECONDS)
+
     def wait_until(self, simulation_ns: int) -> None:
         """Waits until wall time has caught up with a simulation time."""
         if self._rate is None:

@@ -47,6 +47,8 @@ class RunResult:
     """Everything the summary and the manifest tell of a run.
 
     Attributes:
+        wall_s: Wall time from the first batch on [s], without the time in which it was paused.
+        paused_s: That time [s].
         failure: Why the run did not come to its end; None if it did or was interrupted.
         interrupted: The signal's name if somebody stopped it.
         topics: Counts by topic name.
@@ -65,6 +67,7 @@ class RunResult:
     info: EpisodeInfo | None = None
     truth: Truth = field(default_factory=Truth)
     wall_s: float = 0.0
+    paused_s: float = 0.0
     first_row_s: float | None = None
     failure: str | None = None
     interrupted: str | None = None

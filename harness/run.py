@@ -6,6 +6,7 @@ Parses, calls, prints; the work is in harness.ros.session (through ROS) and harn
 """
 
 import argparse
+import importlib
 import signal
 import sys
 from collections.abc import Callable, Sequence
@@ -56,6 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             backend=headless.REQUESTED,
         )
         report = RunReport(options.report)
+        _load(options)
         with StopRequest() as stop, drawing:
             result = _run(options, ros_args, stop, console, drawing, report)
             result = replace(result, report=options.report)
@@ -67,6 +69,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"harness.run: {error}", file=sys.stderr)
         return error.exit_code
     return exit_code
+
+
+def _load(options: argparse.Namespace) -> None:
+    """Loads what only these options need: MuJoCo and compiled kernels.
+
+    Not with this module: through ROS, only the process that simulates needs them. Not later: a signal
+    would then be raised in the midst of modules that are not prepared for it.
+    """
+    if options.direct:
+        importlib.import_module("harness.direct")
+    if options.report is not None:
+        importlib.import_module("harness.report.page")
 
 
 def _run(
@@ -94,8 +108,7 @@ def _run(
     title = f"{config.robot} on {config.terrain}"
     with RunProgress(console, title, config.duration) as bar:
         if options.direct:
-            # Loads MuJoCo and compiled kernels, which through ROS only the simulation's process needs.
-            from harness.direct import run_direct  # noqa: PLC0415
+            from harness.direct import run_direct  # noqa: PLC0415 - see _load
 
             return run_direct(
                 *(config, options.log_dir, options.rate, stop, bar.show, watch),

@@ -21,6 +21,7 @@ AT_REST_SPEED = 2e-3  # [m/s] and [rad/s]: below it a rover counts as settled
 DROP_HEIGHT = 0.01  # [m] over the highest ground below the footprint
 EDGE_MARGIN = 0.5  # [m] of map that must remain around the rover's origin
 
+WHOLE_STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
 HEALTH_WARNINGS = {
     mujoco.mjtWarning.mjWARN_BADQPOS: "position",
     mujoco.mjtWarning.mjWARN_BADQVEL: "velocity",
@@ -56,6 +57,9 @@ class Simulation:
         self._wheels = np.array([self.model.actuator(n).id for n in scene.rover.wheel_joints])
         self._edge = scene.world.ground.half_size - EDGE_MARGIN
         self._settle()
+        # All that the next step depends on, warm start included: it goes on bit for bit.
+        self._start = np.empty(mujoco.mj_stateSize(self.model, WHOLE_STATE))
+        mujoco.mj_getState(self.model, self.data, self._start, WHOLE_STATE)
 
     @property
     def time_ns(self) -> int:
@@ -118,6 +122,12 @@ class Simulation:
         self.step_count += self.steps_per_tick
         self._check_health()
         self._check_edge()
+
+    def return_to_start(self) -> None:
+        """Puts the rover back to where and how it stood at time zero; time goes on."""
+        mujoco.mj_setState(self.model, self.data, self._start, WHOLE_STATE)
+        self.tick_sum.fill(0.0)
+        self.contacts.begin()
 
     def _check_health(self) -> None:
         if not self._warnings.any():

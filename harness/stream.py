@@ -1,8 +1,9 @@
 """An episode in a child process: simulation on one core, its consumer (ROS) on the other.
 
-The child simulates ahead until the pipe is full, so the consumer never waits for physics nor physics
-for the consumer; the stream itself is the episode's, bit for bit. With the cmd_vel driver the child
-waits for the command of each control period instead.
+The child simulates AHEAD batches ahead, so the consumer hardly waits for physics nor physics for the
+consumer; the stream itself is the episode's, bit for bit. Each batch has an order: the consumer sends
+one for each that it has taken, so what it orders comes into effect after the batches that are ordered
+already, at a time that it knows. With the cmd_vel driver the child waits for each command instead.
 """
 
 import contextlib
@@ -17,6 +18,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from harness.config import Batch, EpisodeConfig, EpisodeInfo
+from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.errors import HarnessError, RunFailed
 from harness.interrupt import HANDLED
 from harness.samples import Twist
@@ -24,6 +26,7 @@ from harness.samples import Twist
 if TYPE_CHECKING:
     from harness.episode import Episode
 
+AHEAD = 10  # batches: 0.5 s of simulated time
 EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
 
 
@@ -40,11 +43,25 @@ class _End:
     """The episode came to its planned end."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Order:
+    """What a batch shall begin with, unless it is just the next one.
+
+    Attributes:
+        command: For the cmd_vel driver.
+        reset: Whether the rover is put back first.
+    """
+
+    command: Twist | None
+    reset: bool
+
+
 class EpisodeProcess:
     """Runs an episode in a child; a context manager that leaves no process behind."""
 
     def __init__(self, config: EpisodeConfig) -> None:
-        self._waits_for_commands = config.driver == "cmd_vel"
+        self._config = config
+        self._obeys = config.driver == "cmd_vel"
         context = multiprocessing.get_context("spawn")
         self._connection, remote = context.Pipe()
         self._process = context.Process(target=_simulate, args=(config, remote), daemon=True)
@@ -57,7 +74,10 @@ class EpisodeProcess:
                 self._process.join()
             raise
         remote.close()
-        self._latest = Twist()
+        self._latest, self._reset = Twist(), False
+        self._ordered = 0
+        for _ in range(0 if self._obeys else AHEAD):
+            self._order()
 
     def __enter__(self) -> Self:
         return self
@@ -87,6 +107,17 @@ class EpisodeProcess:
         """Sets the command of the next control periods (cmd_vel driver)."""
         self._latest = twist
 
+    def reset(self) -> int | None:
+        """Puts the rover back to its start, as `Episode.reset`; a command in force is forgotten.
+
+        Returns:
+            The simulation time [ns] at which that happens; None if the episode ends before.
+        """
+        if self._ordered == self._config.total_periods:
+            return None
+        self._latest, self._reset = Twist(), True
+        return self._ordered * CONTROL_PERIOD_NS
+
     def batches(self) -> Iterator[Batch]:
         """The episode's batches, in order.
 
@@ -94,13 +125,21 @@ class EpisodeProcess:
             RunFailed: As `Episode.batches`, or the child died.
         """
         while True:
-            if self._waits_for_commands:
-                self._connection.send(self._latest)
+            self._order()
             received = self._receive()
             if isinstance(received, _End):
                 return
             assert isinstance(received, Batch)  # noqa: S101 - the protocol of _simulate below
             yield received
+
+    def _order(self) -> None:
+        if self._ordered == self._config.total_periods:
+            return
+        special = self._obeys or self._reset
+        order = _Order(self._latest if self._obeys else None, self._reset) if special else None
+        with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # the next receipt tells why
+            self._connection.send(order)
+        self._ordered, self._reset = self._ordered + 1, False
 
     def _receive(self) -> object:
         try:
@@ -141,16 +180,18 @@ def _stream(config: EpisodeConfig, connection: Connection) -> None:
 
     episode = Episode(config)
     connection.send(episode.info)
-    for batch in _steered(episode, connection) if config.driver == "cmd_vel" else episode.batches():
-        connection.send(batch)
+    batches = episode.batches()
+    for _ in range(config.total_periods):
+        _obey(connection.recv(), episode)
+        connection.send(next(batches))
+    next(batches, None)  # raises what the last of them failed of
     connection.send(_End())
 
 
-def _steered(episode: "Episode", connection: Connection) -> Iterator[Batch]:
-    batches = episode.batches()
-    while True:
-        episode.command(connection.recv())
-        batch = next(batches, None)
-        if batch is None:
-            return
-        yield batch
+def _obey(order: _Order | None, episode: "Episode") -> None:
+    if order is None:
+        return
+    if order.reset:
+        episode.reset()
+    if order.command is not None:
+        episode.command(order.command)

@@ -30,6 +30,7 @@ class Truth:
             moved, 0..1, at 20 Hz; `mean_slip` is that over all wheels.
         largest_tilt: Largest angle between the rover's and the world's vertical [rad].
         tipped_over: The rover has lain on its side or roof.
+        resets: How often it was put back to its start; the way back is not in `path_length`.
     """
 
     time_ns: int = 0
@@ -45,6 +46,7 @@ class Truth:
     wheel_slip: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     largest_tilt: float = 0.0
     tipped_over: bool = False
+    resets: int = 0
 
 
 def slip_ratio(wheel_speed: float, ground_speed: float) -> float:

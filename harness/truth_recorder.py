@@ -38,6 +38,7 @@ class TruthRecorder:
         self._touched: set[ContactKind] = set()  # since the last state
         self._force = 0.0
         self._slip_sums, self._slip_counts = [0.0] * 4, [0] * 4
+        self._resets = 0
 
     @cached_property
     def _roughness(self) -> RoughnessMap:
@@ -60,6 +61,12 @@ class TruthRecorder:
             self._touched.add(kind)
             if kind == "hazard":
                 self._force = max(self._force, touch.force)
+
+    def carried_away(self) -> None:
+        """Takes note of a reset: the way back is no path, and what was touched is left."""
+        self._previous = self._simulation.position
+        self.events.close()
+        self._resets += 1
 
     def state(self) -> TruthState:
         """The truth now and since the last call."""
@@ -118,4 +125,5 @@ class TruthRecorder:
             wheel_slip=(front_left, rear_left, front_right, rear_right),
             largest_tilt=tilt,
             tipped_over=tilt > TIPPED_OVER,
+            resets=self._resets,
         )

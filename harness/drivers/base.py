@@ -19,7 +19,7 @@ class Observation:
     """What a driver may use.
 
     Attributes:
-        time_ns: Simulation time.
+        time_ns: Simulation time since the drive began, at the start or at a reset.
         x: Position [m] in the world, as a localisation would tell; likewise `y`.
         yaw: Heading [rad].
         ranges: The last scan, shape (beams,), or None before the first.

@@ -17,6 +17,7 @@ from harness.result import Progress, RunResult, TopicCount
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.context import ros_context
+from harness.ros.controls import Controls
 from harness.ros.executor import make_executor
 from harness.ros.lockstep import SECOND_PUBLISHER, HostedMetrics, Listener, LockStep
 from harness.ros.recorder import Recorder
@@ -107,6 +108,7 @@ class _Run:
         self._executor = make_executor(context, time_jumps=disturb_time(faults))
         at_end.callback(self._executor.shutdown)
         self._executor.add_node(self._bridge)
+        self._controls = Controls(self._bridge, self._executor, source.reset)
         self._node = metrics_node(context, options.log_dir) if options.host_metrics else None
         self._hosted: HostedMetrics | None = None
         if self._node is not None:
@@ -141,11 +143,7 @@ class _Run:
         try:
             with stop.deferred():
                 for batch in self._source.batches():
-                    for tick in batch.ticks:
-                        pacer.wait_until(tick.stamp_ns)
-                        if self._recorder is not None:
-                            self._recorder.time_ns = tick.stamp_ns
-                        lockstep.advance(self._faults.corrupt(tick))
+                    self._publish(batch, lockstep, pacer, stop)
                     account.take(batch)
                     if watch is not None:
                         watch(batch)
@@ -166,11 +164,21 @@ class _Run:
             result = replace(result, failure="ROS 2 was shut down from outside this run")
         return self._counted(replace(result, along=account.along()))
 
+    def _publish(self, batch: Batch, lockstep: LockStep, pacer: Pacer, stop: StopRequest) -> None:
+        for tick in batch.ticks:
+            pacer.postpone(self._controls.hold(stop))
+            pacer.wait_until(tick.stamp_ns)
+            self._controls.time_ns = tick.stamp_ns
+            if self._recorder is not None:
+                self._recorder.time_ns = tick.stamp_ns
+            lockstep.advance(self._faults.corrupt(tick))
+
     def _after(self, batch: Batch, result: RunResult, begun: float, started: float) -> RunResult:
         now = time.monotonic()
         if result.first_row_s is None and self._node is not None and self._node.rows:
             result = replace(result, first_row_s=now - started)
-        return replace(result, truth=batch.truth, wall_s=now - begun)
+        held = self._controls.held_s
+        return replace(result, truth=batch.truth, wall_s=now - begun - held, paused_s=held)
 
     def _mode(self) -> str:
         hosted = "hosted metrics_node" if self._hosted else "no metrics_node"

@@ -17,7 +17,7 @@ class ImuSensor:
     def __init__(self, simulation: Simulation, period_ticks: int) -> None:
         self.period_ticks = period_ticks
         self._simulation = simulation
-        self._steps = period_ticks * simulation.steps_per_tick
+        self._steps = 0  # in the window so far
         self._force_in_tick = simulation.summed("imu_accelerometer")
         self._rate_in_tick = simulation.summed("imu_gyro")
         self._force_sum, self._rate_sum = np.zeros(3), np.zeros(3)
@@ -28,6 +28,7 @@ class ImuSensor:
         """Adds the tick that has just been simulated to the window."""
         self._force_sum += self._force_in_tick
         self._rate_sum += self._rate_in_tick
+        self._steps += self._simulation.steps_per_tick
 
     def read(self) -> Imu:
         """The window's means [m/s^2, rad/s] and the attitude at its end; starts a new window."""
@@ -37,9 +38,14 @@ class ImuSensor:
             angular_velocity=_vector(self._rate_sum / self._steps),
             linear_acceleration=_vector(self._force_sum / self._steps),
         )
+        self.forget()
+        return reading
+
+    def forget(self) -> None:
+        """Starts a new window; what is in the present one is never read."""
         self._force_sum.fill(0.0)
         self._rate_sum.fill(0.0)
-        return reading
+        self._steps = 0
 
     def _orientation(self) -> Quaternion:
         mujoco.mju_mulQuat(self._attitude, self._simulation.data.qpos[3:7], self._mounting)

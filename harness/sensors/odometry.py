@@ -1,7 +1,8 @@
 """Wheel odometry: what a rover's controller integrates from its quantised encoders.
 
 It uses the controller's radius and separation, so it inherits their errors and the skid's, as
-RoboTerrain's DiffDrive odometry does. Planar, in the odom frame, zero at the start.
+RoboTerrain's DiffDrive odometry does. Planar, in the odom frame, zero at the start; it knows nothing of
+a rover that is carried to another place.
 """
 
 import math
@@ -24,17 +25,25 @@ class WheelOdometry:
         self._angles = np.array([int(model.joint(n).qposadr[0]) for n in self._rover.wheel_joints])
         self._metres_per_count = math.tau * self._rover.controller_radius / self._rover.encoder_ticks
         self._period = period_ticks * TICK_NS / NANOSECONDS
-        self._counts = self._read_encoders()
+        self._offset = [0] * len(self._angles)
+        self._counts = self.encoders()
         self._x = self._y = self._yaw = 0.0
 
-    def _read_encoders(self) -> list[int]:
+    def encoders(self) -> list[int]:
+        """Counts of the wheels up to now."""
         counts_per_radian = self._rover.encoder_ticks / math.tau
         angles = self._simulation.data.qpos[self._angles].tolist()
-        return [math.floor(angle * counts_per_radian) for angle in angles]
+        turned = zip(angles, self._offset, strict=True)
+        return [math.floor(angle * counts_per_radian) + offset for angle, offset in turned]
+
+    def go_on_from(self, encoders: list[int]) -> None:
+        """Takes wheels that were put elsewhere for unmoved: their counts are still those given."""
+        moved = zip(encoders, self.encoders(), self._offset, strict=True)
+        self._offset = [offset + before - now for before, now, offset in moved]
 
     def read(self) -> Odometry:
         """The pose integrated to now and the mean twist since the last reading."""
-        counts = self._read_encoders()
+        counts = self.encoders()
         front_left, rear_left, front_right, rear_right = (
             (now - before) * self._metres_per_count
             for now, before in zip(counts, self._counts, strict=True)

@@ -170,6 +170,13 @@ class Trial:
             raise UsageError(f'driver "{self.config.driver}" drives by itself; choose "cmd_vel"')
         self._episode.command(Twist(linear, angular))
 
+    def reset(self) -> None:
+        """Puts the rover back to its start, at the end of the present control period of 50 ms.
+
+        Time goes on. It drives again as it did at first; with driver "cmd_vel" it stands.
+        """
+        self._episode.reset()
+
     def step(self, seconds: float) -> None:
         """Lets simulated time go on; returns when every node has handled everything up to then.
 

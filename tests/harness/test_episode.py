@@ -1,5 +1,6 @@
 import hashlib
 import math
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -153,6 +154,72 @@ def test_cmd_vel_driver_stands_until_commanded() -> None:
             episode.command(Twist(linear=0.3))
     assert path[19] < 1e-3
     assert path[-1] > 0.4
+
+
+@pytest.mark.parametrize("robot", ROVERS)
+def test_after_a_reset_the_rover_drives_as_it_did_at_first(robot: str) -> None:
+    episode = Episode(config(robot=robot, terrain="rocky", driver="wander", duration=5.1, seed=3))
+    batches = []
+    for batch in episode.batches():
+        batches.append(batch)
+        if len(batches) == 51:
+            episode.reset()
+    first, second = batches[:51], batches[51:]
+    offset_ns = 51 * 50_000_000
+    assert [t.stamp_ns for b in batches for t in b.ticks] == [10_000_000 * n for n in range(1, 511)]
+    for before, after in zip(first, second, strict=True):
+        assert after.truth.position == before.truth.position
+        for kind in (LaserScan, Imu):  # of the same phase at both times
+            one, other = (
+                next(s for s in batch.ticks[-1].samples if type(s) is kind) for batch in (before, after)
+            )
+            assert repr(replace(one, stamp_ns=one.stamp_ns + offset_ns)) == repr(other)
+    assert second[-1].truth.path_length == pytest.approx(2 * first[-1].truth.path_length)
+    assert [b.truth.resets for b in (first[-1], second[0])] == [0, 1]
+
+
+@pytest.mark.parametrize("robot", ROVERS)
+def test_odometry_does_not_see_a_reset(robot: str) -> None:
+    driven = {}
+    for resets in (False, True):
+        episode = Episode(config(robot=robot, duration=2.1))
+        readings = []
+        for index, batch in enumerate(episode.batches()):
+            readings += [s for t in batch.ticks for s in t.samples if isinstance(s, Odometry)]
+            if resets and index == 20:
+                episode.reset()
+        assert all(0.0 <= b.x - a.x < 0.03 for a, b in pairwise(readings))
+        driven[resets] = readings
+    half = len(driven[True]) // 2
+    assert driven[True][half - 1] == driven[False][half - 1]
+    assert driven[True][-1].x == pytest.approx(2 * driven[True][half - 1].x, abs=0.01)
+
+
+def test_an_imu_window_that_a_reset_cuts_short_holds_what_came_after_it() -> None:
+    episode = Episode(config(driver="spin", imu_rate=10, duration=0.5))
+    batches = []
+    for batch in episode.batches():
+        batches.append(batch)
+        if len(batches) == 9:
+            episode.reset()
+    (cut_short,) = [s for s in batches[-1].ticks[-1].samples if isinstance(s, Imu)]
+    whole = samples(config(driver="spin", imu_rate=20, duration=0.05), Imu)[0]
+    assert replace(whole, stamp_ns=cut_short.stamp_ns) == cut_short
+
+
+def test_a_contact_ends_where_the_rover_is_taken_away() -> None:
+    episode = Episode(
+        config(robot="rover_zero4wd", terrain="rocky", seed=1, driver="ram", duration=11.0)
+    )
+    batches = []
+    for batch in episode.batches():
+        batches.append(batch)
+        if batch.open_events and not batch.truth.resets:
+            episode.reset()
+    (event,) = [event for batch in batches for event in batch.events]
+    (last,) = [batch.truth for batch in batches if batch.open_events]
+    assert event.end_ns <= last.time_ns
+    assert batches[-1].truth.hazard_contact_s == last.hazard_contact_s
 
 
 def test_reaching_the_edge_stops_the_run_and_says_where_and_when() -> None:

@@ -4,6 +4,7 @@ import multiprocessing
 import pytest
 
 from harness.config import Batch, EpisodeConfig
+from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.episode import Episode
 from harness.errors import RunFailed, UsageError
 from harness.samples import LaserScan, Twist
@@ -24,25 +25,19 @@ def flattened(batches: list[Batch]) -> list[str]:
     ]
 
 
-def test_child_streams_the_same_samples_as_an_episode_here() -> None:
-    with EpisodeProcess(config()) as process:
+def test_child_streams_the_same_samples_and_contacts_as_an_episode_here() -> None:
+    ramming = config(robot="rover_zero4wd", seed=1, driver="ram", duration=11.5)
+    with EpisodeProcess(ramming) as process:
         info = process.info
         streamed = list(process.batches())
-    here = Episode(config())
+    here = Episode(ramming)
     assert info == here.info
     local = list(here.batches())
     assert flattened(streamed) == flattened(local)
     assert streamed[-1].truth == local[-1].truth
-
-
-def test_contact_events_cross_to_this_process() -> None:
-    ramming = config(robot="rover_zero4wd", seed=1, driver="ram", duration=11.5)
-    with EpisodeProcess(ramming) as process:
-        _ = process.info
-        streamed = [event for batch in process.batches() for event in batch.events]
-    local = [event for batch in Episode(ramming).batches() for event in batch.events]
-    assert streamed == local
-    assert [event.kind for event in streamed] == ["hazard"]
+    events = [event for batch in streamed for event in batch.events]
+    assert events == [event for batch in local for event in batch.events]
+    assert [event.kind for event in events] == ["hazard"]
 
 
 def test_commands_reach_the_child_in_the_next_control_period() -> None:
@@ -56,6 +51,28 @@ def test_commands_reach_the_child_in_the_next_control_period() -> None:
     assert path[9] < 1e-3
     assert path[12] > path[9] + 1e-3
     assert path[-1] > 0.4
+
+
+def test_a_reset_forgets_the_command_in_force() -> None:
+    with EpisodeProcess(config(terrain="flat", driver="cmd_vel")) as process:
+        _ = process.info
+        process.command(Twist(linear=0.4))
+        path = []
+        for index, batch in enumerate(process.batches()):
+            path.append(batch.truth.path_length)
+            if index == 19:
+                assert process.reset() == 20 * CONTROL_PERIOD_NS
+        assert process.reset() is None, "the episode is over"
+    assert path[19] > 0.2
+    assert path[-1] - path[19] < 0.01
+
+
+def test_a_run_that_fails_says_so_although_orders_wait() -> None:
+    fast = config(terrain="flat", driver="straight", duration=120.0, timestep=0.005, lidar_beams=2)
+    with EpisodeProcess(fast) as process:
+        _ = process.info
+        with pytest.raises(RunFailed, match="reached the edge of the map"):
+            list(process.batches())
 
 
 def test_leaving_early_leaves_no_process_behind() -> None:

@@ -1,3 +1,4 @@
+import math
 import os
 import shutil
 import subprocess
@@ -126,6 +127,11 @@ def test_rover_obeys_the_test_and_then_the_node() -> None:
         assert one.until(lambda: one.speed > 0.25, within=1.0) < 1.0
         one.step(1.5 - one.time)
         assert one.until(lambda: abs(one.speed) < 0.01, within=0.6) > 0.05
+        assert math.hypot(*one.truth.position[:2]) > 0.2
+        one.reset()
+        one.step(0.1)
+        assert math.hypot(*one.truth.position[:2]) < 0.05
+        assert one.truth.resets == 1
 
 
 def test_condition_that_does_not_come_true_fails_the_test_in_simulated_time() -> None:

@@ -1,0 +1,77 @@
+"""The services of the node `harness` that act on a run: ~/reset and ~/pause.
+
+Their callbacks run wherever the executor spins, in the midst of a tick: they only take note. What they
+ask for happens between two ticks (pause) or with a batch to come (reset).
+"""
+
+import time
+from collections.abc import Callable
+
+from rclpy.executors import Executor
+from std_srvs.srv import SetBool, Trigger
+
+from harness.interrupt import StopRequest
+from harness.ros.bridge import Bridge
+from harness.ros.executor import SPIN_TIMEOUT
+from harness.sim_time import NANOSECONDS
+
+
+class Controls:
+    """Offers both services.
+
+    Args:
+        bridge: The node.
+        executor: Spins it.
+        reset: Puts the rover back; gives the simulation time [ns] at which that happens, or None if
+            the episode ends before.
+
+    Attributes:
+        time_ns: Simulation time, to be kept up to date: the services tell it.
+        held_s: Wall time for which the run was paused [s].
+    """
+
+    def __init__(self, bridge: Bridge, executor: Executor, reset: Callable[[], int | None]) -> None:
+        self._executor, self._reset = executor, reset
+        self._paused = False
+        self.time_ns, self.held_s = 0, 0.0
+        bridge.create_service(Trigger, "~/reset", self._answer_reset)
+        bridge.create_service(SetBool, "~/pause", self._answer_pause)
+
+    def hold(self, stop: StopRequest) -> float:
+        """Returns when the run may go on, or shall stop, and how long that took [s].
+
+        Meanwhile services, this node's parameters and those of hosted nodes are served.
+        """
+        if not self._paused:
+            return 0.0
+        began = time.monotonic()
+        while self._paused and stop.signal is None:
+            self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+        held = time.monotonic() - began
+        self.held_s += held
+        return held
+
+    def _answer_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        at_ns = self._reset()
+        response.success = at_ns is not None
+        response.message = (
+            f"not reset at t = {self._now()}: the run ends before it would come into effect"
+            if at_ns is None
+            else f"the rover goes back to its start at t = {at_ns / NANOSECONDS:.2f} s"
+        )
+        return response
+
+    def _answer_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        was, self._paused = self._paused, request.data
+        said = {
+            (False, True): "paused",
+            (True, True): "paused already",
+            (True, False): "goes on",
+            (False, False): "was not paused",
+        }
+        response.success = True
+        response.message = f"{said[was, self._paused]} at t = {self._now()}"
+        return response
+
+    def _now(self) -> str:
+        return f"{self.time_ns / NANOSECONDS:.2f} s"
