@@ -40,6 +40,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
             "rows": result.rows,
             "log": None if result.log_path is None else str(result.log_path),
             "last_row": result.last_row,
+            "thresholds": asdict(result.thresholds),
             "node": _node(result),
             "recording": None if result.recording is None else str(result.recording),
             "report": None if result.report is None else str(result.report),

@@ -7,64 +7,26 @@ metadata.yaml.
 """
 
 import re
-import sqlite3
-import struct
 import tempfile
 from collections.abc import Collection, Iterator
-from contextlib import ExitStack, closing
+from contextlib import ExitStack
 from pathlib import Path, PurePath
 from types import TracebackType
-from typing import Any, NamedTuple
-from urllib.parse import quote
+from typing import Any
 
 import zstandard
-from mcap import records
-from mcap.exceptions import EndOfFile, McapError
-from mcap.reader import SeekingReader
-from mcap.stream_reader import StreamReader, breakup_chunk
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
-from rover_metrics.errors import RoverMetricsError
+from rover_metrics.bag_mcap import McapFile
+from rover_metrics.bag_message import BagError, Message, UnreadableError
+from rover_metrics.bag_sqlite import SqliteFile
 
 SUFFIXES = (".mcap", ".db3", ".mcap.zstd", ".db3.zstd")
 MCAP_MAGIC = b"\x89MCAP0\r\n"
 SQLITE_MAGIC = b"SQLite format 3\0"
 ROS1_MAGIC = b"#ROSBAG"
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
-NANOSECONDS = 1_000_000_000
-LARGEST_RECORD = 2**30  # bytes; a longer one is a damaged length
-LARGEST_SKIP = 2**32  # rows
-
-# What reading damaged bytes as MCAP raises; lz4 has no better type than RuntimeError.
-_DAMAGE = (
-    McapError,
-    struct.error,
-    ValueError,
-    zstandard.ZstdError,
-    RuntimeError,
-    KeyError,
-    MemoryError,
-    OSError,
-)
-
-
-class BagError(RoverMetricsError):
-    """A path that is no rosbag2 recording, or one of which nothing can be read."""
-
-
-class Message(NamedTuple):
-    """One recorded message.
-
-    Attributes:
-        topic: Its topic.
-        time_ns: When it was recorded, on the recorder's clock [ns].
-        data: Its CDR bytes; empty where they were not asked for.
-    """
-
-    topic: str
-    time_ns: int
-    data: bytes
 
 
 class Bag:
@@ -86,7 +48,7 @@ class Bag:
         self.problems: list[str] = []
         self._at_end = ExitStack()
         self._message_compression = False
-        self._files: list[_McapFile | _SqliteFile] = []
+        self._files: list[McapFile | SqliteFile] = []
         try:
             self._open(self._paths())
         except BaseException:
@@ -147,25 +109,25 @@ class Bag:
         for path in paths:
             try:
                 self._files.append(self._opened(path))
-            except (_UnreadableError, OSError) as error:  # noqa: PERF203 - one bad file of several
+            except (UnreadableError, OSError) as error:  # noqa: PERF203 - one bad file of several
                 reason = error.strerror if isinstance(error, OSError) else error
                 refusals.append(f"{path.name}: {reason}")
         if not self._files:
             raise BagError("; ".join(refusals))
         self.problems.extend(f"{refusal}; left out" for refusal in refusals)
 
-    def _opened(self, path: Path) -> "_McapFile | _SqliteFile":
+    def _opened(self, path: Path) -> McapFile | SqliteFile:
         """Open a file as what its first bytes say it is."""
         if _first_bytes(path).startswith(ZSTD_MAGIC):
             path = self._decompressed_file(path)
         start = _first_bytes(path)
         if start.startswith(MCAP_MAGIC):
-            return _McapFile(path)
+            return McapFile(path)
         if start.startswith(SQLITE_MAGIC):
-            return _SqliteFile(path)
+            return SqliteFile(path)
         if start.startswith(ROS1_MAGIC):
-            raise _UnreadableError("a ROS 1 bag; convert it: rosbags-convert --src FILE --dst FOLDER")
-        raise _UnreadableError("neither MCAP nor sqlite3" if start else "the file is empty")
+            raise UnreadableError("a ROS 1 bag; convert it: rosbags-convert --src FILE --dst FOLDER")
+        raise UnreadableError("neither MCAP nor sqlite3" if start else "the file is empty")
 
     def _decompressed_file(self, path: Path) -> Path:
         folder = self._at_end.enter_context(tempfile.TemporaryDirectory(prefix="replay_"))
@@ -184,172 +146,6 @@ class Bag:
         except zstandard.ZstdError:
             data = b""  # counts as an unreadable message of its topic
         return message._replace(data=data)
-
-
-class _UnreadableError(Exception):
-    """A file of which nothing can be read."""
-
-
-class _McapFile:
-    """An MCAP file, finished or not; `topics` has the message type of each topic with messages."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        summarised = self._summarised_topics()
-        self.topics = self._scanned_topics() if summarised is None else summarised
-
-    def messages(self, wanted: Collection[str], problems: list[str]) -> Iterator[Message]:
-        """Yield each message, in the order of the file."""
-        topics: dict[int, str] = {}
-        for record in self._records(problems):
-            if isinstance(record, records.Message) and record.channel_id in topics:
-                topic = topics[record.channel_id]
-                yield Message(topic, record.log_time, record.data if topic in wanted else b"")
-            elif isinstance(record, records.Channel):
-                topics[record.id] = record.topic
-
-    def _records(self, problems: list[str]) -> Iterator[records.McapRecord]:
-        bad_chunks: list[records.Chunk] = []
-        name = self._path.name
-        with self._path.open("rb") as file:
-            reader = StreamReader(file, emit_chunks=True, record_size_limit=LARGEST_RECORD)
-            try:
-                for record in reader.records:
-                    yield from _unpacked(record, bad_chunks)
-            except (EndOfFile, struct.error):
-                problems.append(
-                    f"{name} has no end, as when a recording is killed or cut off; what is there was "
-                    f"read (to mend the file: mcap recover {name} -o mended.mcap)"
-                )
-            except _DAMAGE as error:
-                problems.append(
-                    f"{name} is damaged before byte {file.tell()} ({error}); what follows is lost"
-                )
-        if bad_chunks:
-            first = bad_chunks[0].message_start_time / NANOSECONDS
-            problems.append(
-                f"{name}: {len(bad_chunks)} damaged chunk(s) left out, the first from t = {first:.2f} s"
-            )
-
-    def _summarised_topics(self) -> dict[str, str] | None:
-        """The topics as the summary at the end of the file tells them; None without one."""
-        with self._path.open("rb") as file:
-            try:
-                summary = SeekingReader(file, record_size_limit=LARGEST_RECORD).get_summary()
-            except _DAMAGE:
-                return None
-        if summary is None or summary.statistics is None or not summary.channels:
-            return None
-        counts = summary.statistics.channel_message_counts
-        there = [channel for channel in summary.channels.values() if counts.get(channel.id)]
-        return {channel.topic: _type(channel, summary.schemas) for channel in there}
-
-    def _scanned_topics(self) -> dict[str, str]:
-        schemas: dict[int, records.Schema] = {}
-        topics: dict[str, str] = {}
-        for record in self._records([]):
-            if isinstance(record, records.Schema):
-                schemas[record.id] = record
-            elif isinstance(record, records.Channel):
-                topics[record.topic] = _type(record, schemas)
-        return topics
-
-
-class _SqliteFile:
-    """A .db3 file; `topics` has the message type of each topic with messages.
-
-    Raises:
-        _UnreadableError: It is not a rosbag2 database, or its list of topics is lost.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self._names: dict[int, str] = {}
-        self.topics: dict[str, str] = {}
-        try:
-            with closing(self._connect()) as database:
-                for key, name, kind in database.execute("SELECT id, name, type FROM topics"):
-                    self._names[key] = str(name)
-                    if _has_messages(database, key):
-                        self.topics[str(name)] = str(kind)
-        except sqlite3.Error as error:
-            raise _UnreadableError(f"not readable as a rosbag2 database ({error})") from error
-
-    def messages(self, wanted: Collection[str], problems: list[str]) -> Iterator[Message]:
-        """Yield each message, in the order of recording."""
-        gaps: list[str] = []
-        with closing(self._connect()) as database:
-            for key, time_ns, data in self._rows(database, wanted, gaps):
-                if key in self._names and isinstance(time_ns, int):
-                    yield Message(self._names[key], time_ns, data if isinstance(data, bytes) else b"")
-        if gaps:
-            problems.append(
-                f"{self._path.name} is damaged; messages were lost in {len(gaps)} place(s), "
-                f"the first {gaps[0]}"
-            )
-
-    def _rows(
-        self, database: sqlite3.Connection, wanted: Collection[str], gaps: list[str]
-    ) -> Iterator[tuple[int, object, object]]:
-        """Walk the messages; past a bad page, look ever further ahead for the next good one."""
-        keys = ",".join(str(key) for key, name in self._names.items() if name in wanted)
-        query = (
-            "SELECT id, topic_id, timestamp, "  # noqa: S608 - the keys are whole numbers
-            f"CASE WHEN topic_id IN ({keys}) THEN data END FROM messages WHERE id > ? ORDER BY id"
-        )
-        after, skip = -1, 1
-        while skip < LARGEST_SKIP:
-            try:
-                for row_id, key, time_ns, data in database.execute(query, (after,)):
-                    after, skip = row_id, 1
-                    yield key, time_ns, data
-            except sqlite3.Error as error:  # noqa: PERF203 - each try walks on behind a gap
-                if skip == 1:
-                    gaps.append(f"after row {after} ({error})")
-                after, skip = after + skip, skip * 2
-            else:
-                return
-
-    def _connect(self) -> sqlite3.Connection:
-        """Open for reading; nothing is written, unless a write-ahead log has to be taken in."""
-        wal = self._path.with_name(f"{self._path.name}-wal")
-        mode = "mode=ro" if wal.exists() else "mode=ro&immutable=1"
-        database = sqlite3.connect(f"file:{quote(str(self._path.absolute()))}?{mode}", uri=True)
-        # Lets SQLite open a file that is shorter than its header says.
-        database.execute("PRAGMA writable_schema=ON")
-        return database
-
-
-def _unpacked(
-    record: records.McapRecord, bad_chunks: list[records.Chunk]
-) -> Iterator[records.McapRecord]:
-    """The records in a chunk, or the record itself; a chunk that is damaged is set aside."""
-    if not isinstance(record, records.Chunk):
-        yield record
-        return
-    try:
-        unpacked = breakup_chunk(record, validate_crc=True)
-    except _DAMAGE:
-        bad_chunks.append(record)
-        return
-    yield from unpacked
-
-
-def _type(channel: records.Channel, schemas: dict[int, records.Schema]) -> str:
-    """The message type, or the encoding where that is none of ROS 2's."""
-    if channel.message_encoding != "cdr":
-        return f"{channel.message_encoding}-encoded"
-    schema = schemas.get(channel.schema_id)
-    return schema.name if schema else "of an unknown type"
-
-
-def _has_messages(database: sqlite3.Connection, topic: int) -> bool:
-    """Whether a topic has messages; where the database is damaged, they are only to be hoped for."""
-    try:
-        found = database.execute("SELECT 1 FROM messages WHERE topic_id = ? LIMIT 1", (topic,))
-        return found.fetchone() is not None
-    except sqlite3.DatabaseError:
-        return True
 
 
 def _first_bytes(path: Path) -> bytes:

@@ -12,6 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO
 
+from rover_metrics.cells import harmless
 from rover_metrics.errors import LogError
 from rover_metrics.row import COLUMNS, Field, Row
 
@@ -145,7 +146,7 @@ def _create(directory: Path, stem: str) -> tuple[Path, BinaryIO]:
 
 def _csv_line(cells: Iterable[Field]) -> bytes:
     line = io.StringIO(newline="")
-    csv.writer(line).writerow(cells)
+    csv.writer(line).writerow(map(harmless, cells))
     return line.getvalue().encode()
 
 

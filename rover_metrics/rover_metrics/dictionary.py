@@ -33,7 +33,8 @@ that there was nothing to say: no such topic, no sample since the row before, no
 stands for 0. *Since the row before* is one second, unless the clock jumped.
 """
 
-THRESHOLDS_HEAD = """Parameters of `metrics_node`, which can be changed while it runs.
+THRESHOLDS_HEAD = """Parameters of `metrics_node`, which can be changed while it runs; the
+`.json` beside a log keeps the values at its end.
 """
 
 

@@ -3,6 +3,7 @@
 import json
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -146,7 +147,12 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         """Close the log, mark its end and leave the graph."""
         self.log.close()
         segments = self.timer.times.segments
-        details = {"rows": self.rows, "segments": segments, "topics": self.reception.account()}
+        details = {
+            "rows": self.rows,
+            "segments": segments,
+            "topics": self.reception.account(),
+            "thresholds": asdict(self.settings.thresholds),
+        }
         self.record.end(self.log.path, self.lost_rows, details)
         self.timer.close()
         super().destroy_node()

@@ -15,7 +15,8 @@ from typing import Any
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
 
-from rover_metrics.bag_reader import Bag, BagError, Message
+from rover_metrics.bag_message import BagError, Message
+from rover_metrics.bag_reader import Bag
 from rover_metrics.extended.messages import MessageIntake
 from rover_metrics.extended.row_source import RowSource
 from rover_metrics.recorded_time import NANOSECONDS, ClockSeconds, FullSeconds, TimeSource

@@ -13,7 +13,8 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
-from rover_metrics.errors import LogError
+from rover_metrics.errors import LogError, ThresholdError
+from rover_metrics.thresholds import THRESHOLD_INFO, Thresholds
 
 Outcome = Mapping[str, str | None]
 
@@ -100,13 +101,30 @@ def write_record(log: Path, outcome: Outcome | None, details: Mapping[str, Any])
 
 def session_end(log: str | Path) -> SessionEnd:
     """Tell how the session of a log has ended."""
+    record = _read(log)
+    if "outcome" not in record:
+        return SessionEnd.UNKNOWN
+    return SessionEnd.UNMARKED if record["outcome"] is None else SessionEnd.MARKED
+
+
+def session_thresholds(log: str | Path) -> Thresholds | None:
+    """Give the thresholds at the end of a log's session; None if its record does not tell."""
+    told = _read(log).get("thresholds")
+    if not isinstance(told, dict):
+        return None
+    try:
+        return Thresholds(**{name: float(told[name]) for name in THRESHOLD_INFO if name in told})
+    except (ThresholdError, TypeError, ValueError):
+        return None
+
+
+def _read(log: str | Path) -> dict[str, Any]:
+    """The record of a log; empty if there is none."""
     try:
         record = json.loads(Path(log).with_suffix(".json").read_bytes())
     except (OSError, ValueError):
-        return SessionEnd.UNKNOWN
-    if not isinstance(record, dict) or "outcome" not in record:
-        return SessionEnd.UNKNOWN
-    return SessionEnd.UNMARKED if record["outcome"] is None else SessionEnd.MARKED
+        return {}
+    return record if isinstance(record, dict) else {}
 
 
 def _replace(path: Path, text: str) -> None:

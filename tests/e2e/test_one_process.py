@@ -92,6 +92,23 @@ def test_remapped_topics_and_node_parameters_work_the_ros_way(tmp_path: Path) ->
 
 
 @pytest.mark.usefixtures("ros_domain")
+def test_extended_columns_know_the_rovers_footprint_and_take_the_users(tmp_path: Path) -> None:
+    words = ["--terrain", "maze", "--duration", "1", "--extended", "--log-dir", str(tmp_path)]
+    square = [1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0]
+    clearances = []
+    for more in ([], ["--direct"], ["--ros-args", "-p", f"footprint:={square}"]):
+        assert main([*words, *more]) == 0
+        (log,) = tmp_path.glob("*.csv")
+        with log.open(newline="") as file:
+            (row,) = csv.DictReader(file)
+        clearances.append(float(row["Footprint Clearance [m]"]))
+        log.unlink()
+    leo, direct, larger = clearances
+    assert leo == direct
+    assert leo - 1.2 < larger < leo - 0.5
+
+
+@pytest.mark.usefixtures("ros_domain")
 def test_ctrl_c_keeps_the_rows_prints_the_summary_and_exits_130(tmp_path: Path) -> None:
     words = [sys.executable, "-m", "harness.run", "--duration", "36000", "--log-dir", str(tmp_path)]
     with subprocess.Popen(

@@ -1,6 +1,7 @@
 """Record a run, replay it: the same rows, also from what a killed run left."""
 
 import csv
+import json
 import subprocess
 import sys
 import time
@@ -43,7 +44,11 @@ def test_recorded_run_replays_to_the_same_rows_byte_for_byte_in_every_time(tmp_p
     for bag, more in zip(bags, ([], ["--extended"]), strict=True):
         assert run([*words, "--record", str(bag), *more]) == 0
     assert bags[0].read_bytes() == bags[1].read_bytes()
-    live, extended = (log.read_bytes() for log in sorted((tmp_path / "live").glob("*.csv"), key=size))
+    logs = sorted((tmp_path / "live").glob("*.csv"), key=size)
+    live, extended = (log.read_bytes() for log in logs)
+    counts = json.loads(logs[1].with_suffix(".json").read_text())["topics"]
+    for topic in ("/odom_ground_truth", "/rover/truth/contact", "/rover/truth/traversal"):
+        assert counts[topic]["received"] == counts[topic]["published"] > 200
     assert live.count(b"\n") == 11
     params = tmp_path / "leo.yaml"
     params.write_text(PARAMETERS)

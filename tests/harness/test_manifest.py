@@ -11,6 +11,8 @@ from harness.result import RunResult, TopicCount
 from harness.truth import Truth
 from harness.truth_account import TruthAlong
 from harness.truth_events import ContactEvent
+from rover_metrics.session_record import session_thresholds
+from rover_metrics.thresholds import DEFAULT_THRESHOLDS
 
 
 def result(**changes: object) -> RunResult:
@@ -33,6 +35,7 @@ def test_written_manifest_is_valid_json_with_infinities_as_null(tmp_path: Path) 
     assert read["truth"]["time_s"] == pytest.approx(2.0)
     assert read["last_row"]["Obstacle Clearance"] is None
     assert read["versions"]["mujoco"]
+    assert session_thresholds(tmp_path / "run.csv") == DEFAULT_THRESHOLDS
     assert [path.name for path in tmp_path.iterdir()] == ["run.json"]
 
 

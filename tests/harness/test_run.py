@@ -85,6 +85,7 @@ def test_list_names_terrains_robots_and_drivers(capsys: pytest.CaptureFixture[st
         (["--wheels", "6"], "unrecognized arguments: --wheels 6"),
         (["--direct", "--wait-for", "/x"], "--wait-for needs ROS; leave out --direct"),
         (["--direct", "--no-metrics"], "--no-metrics needs ROS; leave out --direct"),
+        (["--extended", "--no-metrics"], "start yours with -p extended_columns:=true"),
         (["--direct", "--driver", "cmd_vel"], "--driver cmd_vel needs ROS; leave out --direct"),
         (["--direct", "--ros-args", "-r", "a:=b"], "--ros-args needs ROS; leave out --direct"),
         (["--summary", "/nowhere/x.json"], "there is no folder /nowhere; create it first"),

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -18,7 +19,7 @@ from rover_metrics import csv_log
 from rover_metrics.csv_log import CsvLog
 from rover_metrics.errors import LogError
 from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.row import MetricsRow
+from rover_metrics.row import COLUMNS, MetricsRow
 
 STARTED = datetime(2025, 1, 16, 12, 4, 57)
 ROW = TraversalMetrics().row(7)
@@ -274,3 +275,17 @@ def test_a_row_that_the_disk_does_not_confirm_is_an_error_and_not_in_the_file(
         assert log.path.read_bytes() == HEADER
         log.write(ROW)
         assert log.path.read_bytes() == HEADER + LINE
+
+
+@pytest.mark.parametrize("start", ["=", "+", "-", "@", "\t", "\r", "\n"])
+def test_no_text_cell_starts_a_formula_and_negative_numbers_stay_numbers(
+    tmp_path: Path, start: str
+) -> None:
+    row = replace(TraversalMetrics().row(1), notes=f"{start}cmd|calc", obstacle_clearance=-1.5)
+    with CsvLog(tmp_path, STARTED, columns=(f"{start}SUM(A1)", *COLUMNS[1:])) as log:
+        log.write(row)
+    with log.path.open(newline="") as file:
+        header, cells = csv.reader(file)
+    assert header[0] == f"'{start}SUM(A1)"
+    assert cells[-1] == f"'{start}cmd|calc"
+    assert cells[5] == "-1.5"

@@ -15,10 +15,12 @@ from pathlib import Path
 import pytest
 
 import rover_metrics
-from rover_metrics.log_reader import read_rows
-from rover_metrics.session_record import SessionEnd, session_end
+from rover_metrics.analysis.reading import read_log
+from rover_metrics.session_record import SessionEnd, session_end, session_thresholds
+from rover_metrics.thresholds import Thresholds
 
 TIMEOUT = 30.0  # seconds; reached only when a test fails
+UNMARKED = "the session has no end mark: it was killed, or is still running"
 PACKAGE = str(Path(rover_metrics.__file__).parents[1])
 COMMAND = [sys.executable, "-m", "rover_metrics.metrics_node"]
 
@@ -86,7 +88,8 @@ def test_a_signal_ends_the_program_cleanly_and_marks_the_end(
     assert rest == ""
     assert log.read_bytes().endswith(b",Normal operation\r\n")
     assert session_end(log) is SessionEnd.MARKED
-    assert read_rows(log).findings == ()
+    assert session_thresholds(log) == Thresholds()
+    assert UNMARKED not in read_log(log).findings
 
 
 @pytest.mark.usefixtures("_ros")
@@ -94,9 +97,9 @@ def test_a_killed_program_leaves_its_rows_and_no_end_mark(tmp_path: Path) -> Non
     with running(tmp_path, "--ros-args", "-p", "fsync:=true") as (program, log):
         program.kill()
         program.communicate(timeout=TIMEOUT)
-    read = read_rows(log)
-    assert len(read.rows) >= 1
-    assert read.findings == ("the session has no end mark: it was killed, or is still running",)
+    read = read_log(log)
+    assert len(read) >= 1
+    assert UNMARKED in read.findings
 
 
 @pytest.mark.usefixtures("_ros")

@@ -11,6 +11,7 @@ from rover_metrics.session_record import (
     SessionRecord,
     failed,
     session_end,
+    session_thresholds,
     write_record,
 )
 
@@ -106,3 +107,25 @@ def test_the_outcome_of_the_real_manifest_is_the_one_that_is_looked_for(log: Pat
     write_record(log, None, {})
     manifest.write_manifest(RunResult(config=EpisodeConfig(), mode="direct"), log.with_suffix(".json"))
     assert session_end(log) is SessionEnd.MARKED
+
+
+@pytest.mark.parametrize(
+    ("record", "collision"),
+    [
+        ('{"thresholds": {"collision_threshold": 0.3, "of_another_version": 1.0}}', 0.3),
+        ('{"thresholds": {}}', 0.2),
+        ('{"thresholds": {"collision_threshold": -1.0}}', None),
+        ('{"thresholds": {"collision_threshold": "much"}}', None),
+        ('{"thresholds": [1]}', None),
+        ('{"outcome": null}', None),
+        ("[]", None),
+        ("{", None),
+    ],
+)
+def test_thresholds_are_read_from_the_record_as_far_as_they_make_sense(
+    tmp_path: Path, record: str, collision: float | None
+) -> None:
+    (tmp_path / "log.json").write_text(record)
+    told = session_thresholds(tmp_path / "log.csv")
+    assert (None if told is None else told.collision_threshold) == collision
+    assert session_thresholds(tmp_path / "other.csv") is None

@@ -9,7 +9,8 @@ from harness.errors import HarnessError
 from harness.files import whole_file
 from harness.run import main as run
 from rover_metrics import analyze
-from rover_metrics.bag_reader import Bag, BagError
+from rover_metrics.bag_message import BagError
+from rover_metrics.bag_reader import Bag
 from rover_metrics.errors import RoverMetricsError
 from rover_metrics.parameter_file import read_parameters
 from rover_metrics.row import COLUMNS

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rover_metrics.analysis.metric import Metric
+from rover_metrics.thresholds import Thresholds
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -24,6 +25,7 @@ class Log:
             file has no number or infinity.
         starts: First row of each episode, ascending; the first is 0.
         findings: What was odd about the file, one line each.
+        thresholds: Those at the end of its session, where its record tells.
     """
 
     path: Path
@@ -31,6 +33,7 @@ class Log:
     columns: Mapping[str, NDArray[np.floating]]
     starts: Integers
     findings: tuple[str, ...] = ()
+    thresholds: Thresholds | None = None
 
     def __len__(self) -> int:
         return len(self.stamps)

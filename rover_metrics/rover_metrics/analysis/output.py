@@ -18,7 +18,9 @@ from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.series import metric_series
 from rover_metrics.analysis.study import Study
 from rover_metrics.analysis.time_axis import TimeAxis
+from rover_metrics.cells import harmless
 from rover_metrics.errors import RoverMetricsError
+from rover_metrics.row import Field
 
 PlotName = Literal["time_series", "correlation", "aggregate", "comparison"]
 PLOTS: tuple[PlotName, ...] = get_args(PlotName)
@@ -94,13 +96,13 @@ def save_outliers(study: Study, folder: Path) -> Path:
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(("Log", "Path", "Timestamp", "Metric", "Value", "Unit"))
-            writer.writerows(_outlier_rows(study))
+            writer.writerows(map(harmless, row) for row in _outlier_rows(study))
     except OSError as error:
         raise _output_error(folder, error) from error
     return path
 
 
-def _outlier_rows(study: Study) -> Iterator[tuple[str, str, float, str, float, str]]:
+def _outlier_rows(study: Study) -> Iterator[tuple[Field, ...]]:
     for member in study.members:
         for metric in study.options.metrics:
             if member.log.has(metric):

@@ -12,6 +12,7 @@ from rover_metrics.analysis.log import Log
 from rover_metrics.analysis.metric import COUNTERS, FLAGS, METRICS, Metric
 from rover_metrics.analysis.parsing import read_table
 from rover_metrics.analysis.table import Table
+from rover_metrics.session_record import SessionEnd, session_end, session_thresholds
 
 
 def read_log(
@@ -40,10 +41,13 @@ def read_log(
     findings = describe_table(table, header, metrics)
     findings += _drop_wrong_flags(table)
     findings += describe_time(table, gap)
+    if session_end(path) is SessionEnd.UNMARKED:
+        findings.append(f"the session has no end mark: {SessionEnd.UNMARKED.value}")
     _drop_duplicates(table)
     counters = [table.columns[name] for name in COUNTERS if name in table.columns]
     starts = episode_starts(table.stamps, counters, gap)
-    return Log(path, table.stamps, table.columns, starts, tuple(findings))
+    thresholds = session_thresholds(path)
+    return Log(path, table.stamps, table.columns, starts, tuple(findings), thresholds)
 
 
 def _check_usable(table: Table, header: Sequence[str]) -> None:

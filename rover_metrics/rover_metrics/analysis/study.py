@@ -9,6 +9,7 @@ from rover_metrics.analysis.metric import METRICS, Metric
 from rover_metrics.analysis.outliers import DEFAULT_MULTIPLIER, outliers
 from rover_metrics.analysis.result import Unit
 from rover_metrics.analysis.series import Series, metric_series
+from rover_metrics.thresholds import DEFAULT_THRESHOLDS
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,11 @@ class Study:
     def with_metric(self, metric: Metric) -> list[Member]:
         """The logs that have the columns of a metric."""
         return [member for member in self.members if member.log.has(metric)]
+
+    def bounds(self, metric: Metric) -> dict[str, list[float]]:
+        """Give the values of the thresholds that bound a metric, by name: those that its logs had."""
+        had = [member.log.thresholds or DEFAULT_THRESHOLDS for member in self.with_metric(metric)]
+        return {name: sorted({getattr(each, name) for each in had}) for name in metric.thresholds}
 
     def series(self, log: Log, metric: Metric) -> Series:
         """Derive a metric of a log, without outliers if they are to be removed."""

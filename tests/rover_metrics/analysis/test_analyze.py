@@ -112,7 +112,7 @@ def test_outliers_are_counted_but_removed_only_on_request(
 ) -> None:
     lines = [row(i) for i in range(60)]
     lines[30] = row(30, Obstacle_Clearance=50.0)
-    log = write_log(lines=lines)
+    log = write_log("=1+1.csv", lines)
 
     def clearance(*words: str) -> Any:  # noqa: ANN401  # from JSON
         (found,) = as_json(run(log, "-m", "OC", "CV", "-p", "--json", *words))["logs"]
@@ -128,7 +128,7 @@ def test_outliers_are_counted_but_removed_only_on_request(
     with (tmp_path / "out/outliers.csv").open(newline="") as file:
         (saved,) = csv.DictReader(file)
     assert saved == {
-        "Log": "log",
+        "Log": "'=1+1",  # no formula
         "Path": str(log),
         "Timestamp": "130.0",
         "Metric": "OC",

@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from rover_metrics.analysis.plots.style import look, save, styled
 from rover_metrics.analysis.plots.time_series import draw_time_series
 from rover_metrics.analysis.study import Member, Options, Study
 from rover_metrics.analysis.time_axis import AxisName, TimeAxis
+from rover_metrics.thresholds import Thresholds
 
 MakeLog = Callable[..., Log]
 OKABE_ITO = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"}
@@ -223,3 +225,26 @@ def test_files_are_png_and_pdf_and_the_same_bytes_again(study: Study, tmp_path: 
     assert pixels.shape[:2] == (720, 1440)
     drawn = np.any(pixels < 0.9, axis=-1)
     assert 0.01 < drawn.mean() < 0.3
+
+
+def test_the_thresholds_drawn_are_those_that_the_logs_had(study: Study) -> None:
+    had = Thresholds(collision_threshold=0.3, min_safe_clearance=0.9)
+    first, *others = ungrouped(study).members
+    told = Member(replace(first.log, thresholds=had), first.label, "all")
+    clearance, axis = METRICS["OC"], TimeAxis("none")
+    alone = Study((told,), ("all",), study.options)
+    assert alone.bounds(clearance) == {"collision_threshold": [0.3], "min_safe_clearance": [0.9]}
+    mixed = Study((told, *others), ("all",), study.options)
+    assert mixed.bounds(clearance) == {
+        "collision_threshold": [0.2, 0.3],
+        "min_safe_clearance": [0.5, 0.9],
+    }
+    for figure in (
+        draw_time_series(alone, clearance, axis),
+        draw_aggregate(replace(alone, options=Options((clearance,))), axis),
+        draw_comparison(replace(alone, options=Options((clearance,))), analyse(alone)),
+    ):
+        axes = only_axes(figure)
+        levels = [ys(line)[0] for line in axes.get_lines() if list(xs(line)) == [0, 1]]
+        assert levels == [0.3, 0.9]
+        assert "collision threshold 0.3 m" in " ".join(text.get_text() for text in axes.texts)

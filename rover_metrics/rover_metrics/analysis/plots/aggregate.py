@@ -8,10 +8,9 @@ from scipy import stats
 from rover_metrics.analysis.log import Floats
 from rover_metrics.analysis.metric import Kind, Metric
 from rover_metrics.analysis.plots.grid import metric_grid
-from rover_metrics.analysis.plots.style import draw_thresholds, legend_columns, look
+from rover_metrics.analysis.plots.style import draw_thresholds, highest_bound, legend_columns, look
 from rover_metrics.analysis.study import Study
 from rover_metrics.analysis.time_axis import TimeAxis, on_grid
-from rover_metrics.thresholds import THRESHOLD_INFO
 
 _PERCENT_STEP = 2.0
 _STEPS = 60  # of a time axis whose interval nobody chose
@@ -75,11 +74,11 @@ def _draw_panel(axes: Axes, study: Study, metric: Metric, axis: TimeAxis, grid: 
                 label=f"{group} ({len(curves)} episode{'s' if len(curves) > 1 else ''})",
             )
             top = max(top, float(np.nanmax(mean)) * 1.4, float(np.nanquantile(high, 0.97)) * 1.1)
-    thresholds = [1.3 * THRESHOLD_INFO[name].default for name in metric.thresholds]
+    bounds = study.bounds(metric)
     top = min(top, 105.0) if metric.kind is Kind.FLAG else top
-    axes.set_ylim(0, max([top, *thresholds]) or 1.0)
+    axes.set_ylim(0, max(top, 1.3 * highest_bound(bounds)) or 1.0)
     axes.margins(x=0)
-    draw_thresholds(axes, metric)
+    draw_thresholds(axes, bounds)
 
 
 def _curves(study: Study, metric: Metric, group: str, axis: TimeAxis, grid: Floats) -> Floats:

@@ -10,12 +10,11 @@ from rover_metrics.analysis.comparison import Comparison
 from rover_metrics.analysis.log import Floats
 from rover_metrics.analysis.metric import Kind, Metric
 from rover_metrics.analysis.plots.grid import metric_grid
-from rover_metrics.analysis.plots.style import MARKERS, draw_thresholds, look
+from rover_metrics.analysis.plots.style import MARKERS, draw_thresholds, highest_bound, look
 from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.study import Study
 from rover_metrics.analysis.summary import t_interval
 from rover_metrics.analysis.tables import probability
-from rover_metrics.thresholds import THRESHOLD_INFO
 
 _MOST_TICKS = 12
 _LINE = 115  # characters that fit below the panels
@@ -104,10 +103,10 @@ def _draw_logs(axes: Axes, study: Study, metric: Metric) -> None:
     ticks = range(0, len(study.members), -(-len(study.members) // _MOST_TICKS))
     axes.set_xticks(ticks, [str(place + 1) for place in ticks])
     axes.set_xlim(-0.6, len(study.members) - 0.4)
-    thresholds = [1.3 * THRESHOLD_INFO[name].default for name in metric.thresholds]
-    axes.set_ylim(0, max([axes.get_ylim()[1], *thresholds]))
+    bounds = study.bounds(metric)
+    axes.set_ylim(0, max(axes.get_ylim()[1], 1.3 * highest_bound(bounds)))
     axes.grid(visible=False, axis="x")
-    draw_thresholds(axes, metric)
+    draw_thresholds(axes, bounds)
 
 
 def _draw_box(axes: Axes, place: int, values: Floats, colour: str) -> None:

@@ -1,6 +1,6 @@
 """How every figure looks: fonts, colours that the colour-blind tell apart, thresholds, wording."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -58,24 +58,35 @@ def axis_label(metric: Metric) -> str:
     return f"{metric.title} [{metric.unit}]"
 
 
-def draw_thresholds(axes: Axes, metric: Metric) -> None:
-    """Draw the thresholds that bound a metric and say which they are, one at each end."""
-    for name, dash, end in zip(metric.thresholds, ("--", ":"), ("right", "left"), strict=False):
-        info = THRESHOLD_INFO[name]
-        axes.axhline(info.default, color=THRESHOLD_LINE, linewidth=1.0, linestyle=dash, zorder=1.5)
-        axes.annotate(
-            f" {name.replace('_', ' ')} {info.default:g} {info.unit.replace('^2', '²')} ",
-            (1.0 if end == "right" else 0.0, info.default),
-            xycoords=("axes fraction", "data"),
-            xytext=(0, 1.5),
-            textcoords="offset points",
-            ha=end,
-            va="bottom",
-            fontsize=7.5,
-            color=THRESHOLD_LINE,
-            bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.5},
-            zorder=4,
-        )
+def draw_thresholds(axes: Axes, bounds: Mapping[str, Sequence[float]]) -> None:
+    """Draw the thresholds that bound a metric and say which they are, one at each end.
+
+    Args:
+        axes: Where to.
+        bounds: Their values by name; logs of several sessions may have had several.
+    """
+    for (name, values), dash, end in zip(bounds.items(), ("--", ":"), ("right", "left"), strict=False):
+        unit = THRESHOLD_INFO[name].unit.replace("^2", "²")
+        for value in values:
+            axes.axhline(value, color=THRESHOLD_LINE, linewidth=1.0, linestyle=dash, zorder=1.5)
+            axes.annotate(
+                f" {name.replace('_', ' ')} {value:g} {unit} ",
+                (1.0 if end == "right" else 0.0, value),
+                xycoords=("axes fraction", "data"),
+                xytext=(0, 1.5),
+                textcoords="offset points",
+                ha=end,
+                va="bottom",
+                fontsize=7.5,
+                color=THRESHOLD_LINE,
+                bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.5},
+                zorder=4,
+            )
+
+
+def highest_bound(bounds: Mapping[str, Sequence[float]]) -> float:
+    """Give the largest threshold, which a figure has to show; 0 without any."""
+    return max((value for values in bounds.values() for value in values), default=0.0)
 
 
 def save(figure: Figure, folder: Path, name: str) -> list[Path]:

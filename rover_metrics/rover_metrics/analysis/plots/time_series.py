@@ -13,12 +13,12 @@ from rover_metrics.analysis.plots.style import (
     WIDTH,
     axis_label,
     draw_thresholds,
+    highest_bound,
     legend_columns,
     look,
 )
 from rover_metrics.analysis.study import Member, Study
 from rover_metrics.analysis.time_axis import TimeAxis
-from rover_metrics.thresholds import THRESHOLD_INFO
 
 _MOST_NAMED = 12  # logs; more make a legend that nobody reads
 _MOST_WITH_ROWS = 3  # logs; the rows of more hide each other
@@ -58,9 +58,10 @@ def draw_time_series(study: Study, metric: Metric, axis: TimeAxis) -> Figure | N
             means += drawn[1]
     if not any(np.isfinite(mean).any() for mean in means):
         return None
-    _limit(axes, metric, rows if show_rows else means)
+    bounds = study.bounds(metric)
+    _limit(axes, metric, rows if show_rows else means, highest_bound(bounds))
     axes.margins(x=0)
-    draw_thresholds(axes, metric)
+    draw_thresholds(axes, bounds)
     axes.set_xlabel(axis.label)
     axes.set_ylabel(axis_label(metric))
     axes.set_title(_title(metric, axis, show_rows=show_rows), loc="left")
@@ -94,10 +95,9 @@ def _draw_log(
     return rows, means
 
 
-def _limit(axes: Axes, metric: Metric, values: list[Floats]) -> None:
+def _limit(axes: Axes, metric: Metric, values: list[Floats], threshold: float) -> None:
     """End the y axis where it shows the bulk and the thresholds, and say what lies beyond."""
-    thresholds = [THRESHOLD_INFO[name].default for name in metric.thresholds]
-    end, beyond, highest = upper_limit(values, 1.15 * max(thresholds, default=0.0))
+    end, beyond, highest = upper_limit(values, 1.15 * threshold)
     if metric.kind is Kind.FLAG:
         end = min(end, 105.0)
     axes.set_ylim(0, end)
