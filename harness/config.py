@@ -15,7 +15,7 @@ from harness.samples import Tick, sent_by_fields
 from harness.sensors.base import period_ticks
 from harness.sensors.fault_spec import parse_faults
 from harness.sensors.noise import chosen_preset
-from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, parse_timestep
+from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
 from harness.truth import Truth
 from harness.truth_events import ContactEvent
 from harness.world.dem import TerrainFile, file_world, is_terrain_file
@@ -90,8 +90,7 @@ class EpisodeConfig:
         period_ticks(self.imu_rate)
         parse_faults(self.faults)
         chosen_preset(self.noise)
-        if not (math.isfinite(self.duration) and self.total_ticks >= 1):
-            raise UsageError(f"duration {self.duration:g} s is not valid; give 0.01 s or more")
+        check_duration(self.duration)
         if self.seed < 0:
             raise UsageError(f"seed {self.seed} is not valid; give a whole number from 0 up")
         if not 0.0 <= self.difficulty <= 1.0:

@@ -10,6 +10,8 @@ from rich.table import Table
 from harness import result
 from harness.drivers import DRIVERS
 from harness.robots import ROVERS
+from harness.sensors.noise import PRESETS
+from harness.world.terrain import Terrain
 from harness.world.terrains import TERRAINS
 
 
@@ -101,14 +103,12 @@ def _metric(row: dict[str, int | float | str], column: str, unit: str) -> str:
 
 
 def print_choices(console: Console) -> None:
-    """Prints terrains, robots and drivers with a line about each."""
+    """Prints terrains, robots, drivers and noise presets with what there is to know of each."""
     for title, lines in (
-        (
-            "terrains",
-            [(name, f"{t.summary}\n[dim]{t.describe()}[/]") for name, t in TERRAINS.items()],
-        ),
+        ("terrains", [(name, _about(terrain)) for name, terrain in TERRAINS.items()]),
         ("robots", [(name, rover.summary) for name, rover in ROVERS.items()]),
         ("drivers", [(name, driver.summary) for name, driver in DRIVERS.items()]),
+        ("noise", [(name, preset.summary) for name, preset in PRESETS.items()]),
     ):
         table = Table(title=title, title_justify="left", show_header=False, box=None)
         table.add_column(style="bold", no_wrap=True)
@@ -116,3 +116,8 @@ def print_choices(console: Console) -> None:
         for name, summary in lines:
             table.add_row(name, summary)
         console.print(table)
+
+
+def _about(terrain: type[Terrain]) -> str:
+    promise = f"at difficulty 0.5: {terrain.promise.describe()}"
+    return f"{terrain.summary}\n[dim]{terrain.describe()}\n{promise}[/]"

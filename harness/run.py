@@ -370,7 +370,7 @@ def _parser() -> argparse.ArgumentParser:
         "--video", type=Path, metavar="FILE.mp4", help="draw the run in at most 10 s (extra [video])"
     )
     pictures.add_argument("--picture-lidar", action="store_true", help="show the lidar's beams in them")
-    parser.add_argument("--list", action="store_true", help="print terrains, robots and drivers")
+    parser.add_argument("--list", action="store_true", help="print terrains, robots, drivers and noise")
     parser.add_argument("--version", action="version", version=f"rover-harness {__version__}")
     return parser
 

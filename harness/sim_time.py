@@ -13,6 +13,23 @@ SMALLEST_TIMESTEP_NS, LARGEST_TIMESTEP_NS = 100_000, 5_000_000
 DEFAULT_TIMESTEP_NS = 2_500_000
 
 
+def check_duration(seconds: float) -> None:
+    """Checks that an episode can last that long.
+
+    Raises:
+        UsageError: It is no whole number of clock ticks, or none at all; the message names what is.
+    """
+    shortest = TICK_NS / NANOSECONDS
+    if not (math.isfinite(seconds) and round(seconds * NANOSECONDS) >= TICK_NS):
+        raise UsageError(f"duration {seconds:g} s is not valid; give {shortest:g} s or more")
+    below, rest_ns = divmod(round(seconds * NANOSECONDS), TICK_NS)
+    if rest_ns:
+        raise UsageError(
+            f"duration {seconds:.9g} s is refused: it must be whole clock ticks of 10 ms; "
+            f"nearest valid: {below * shortest:.9g} or {(below + 1) * shortest:.9g}"
+        )
+
+
 def parse_timestep(seconds: float) -> int:
     """Converts a timestep to nanoseconds.
 

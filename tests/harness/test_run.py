@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from harness.run import main
+from harness.world.terrains import TERRAINS
 
 QUICK = ["--direct", "--terrain", "flat", "--duration", "2"]
 
@@ -56,13 +57,17 @@ def test_run_that_reaches_the_edge_keeps_its_rows_and_exits_1(
     assert "edge of the map" in outcome["reason"]
 
 
-def test_list_names_terrains_robots_and_drivers(capsys: pytest.CaptureFixture[str]) -> None:
+def test_list_names_terrains_with_their_promises_robots_drivers_and_noise(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     assert main(["--list"]) == 0
     listed = capsys.readouterr().out
     terrains = ("flat", "slope", "rolling", "gravel", "rocky", "washboard", "dunes", "posts", "maze")
     drivers = ("wander", "straight", "spin", "figure8", "cmd_vel")
     for name in (*terrains, *drivers, "leo", "rover_zero4wd"):
         assert f"{name} " in listed
+    assert {f" {name} " in listed for name in ("white", "hardware", "gazebo")} == {True}
+    assert " ".join(TERRAINS["rocky"].promise.describe().split()) in " ".join(listed.split())
 
 
 @pytest.mark.parametrize(
