@@ -52,11 +52,14 @@ class Truth:
 def slip_ratio(wheel_speed: float, ground_speed: float) -> float:
     """Longitudinal slip in -1..1: positive when driving, negative when braking, 0 at rest.
 
-    (w r - v) / max(|w r|, |v|), the two-sided form of Wong, Theory of Ground Vehicles, section 1.3.
+    (w r - v) / max(|w r|, |v|), the two-sided form of Wong, Theory of Ground Vehicles, section 1.3; a
+    wheel that turns against its motion slips fully, it cannot do more.
 
     Args:
         wheel_speed: Circumferential speed of the wheel [m/s].
         ground_speed: Speed of the wheel's centre along its heading [m/s].
     """
     reference = max(abs(wheel_speed), abs(ground_speed))
-    return 0.0 if reference < SLIP_SPEED else (wheel_speed - ground_speed) / reference
+    if reference < SLIP_SPEED:
+        return 0.0
+    return max(-1.0, min(1.0, (wheel_speed - ground_speed) / reference))

@@ -12,6 +12,7 @@ from harness.sensors.fault_kinds import SENSORS
 from harness.sensors.fault_spec import parse_faults
 from harness.sensors.faults import FaultInjector
 from harness.truth_events import ContactEvent
+from harness.truth_recorder import TruthRecorder
 
 PERIOD_NS = 50_000_000
 
@@ -91,6 +92,22 @@ def test_wheels_that_roll_hardly_slip_and_wheels_that_turn_in_place_do(robot: st
     assert max(front_left, rear_left) < -0.1
     assert min(front_right, rear_right) > 0.1
     assert abs(spin.speed) < 0.05
+
+
+@pytest.mark.parametrize("robot", ROVERS)
+def test_a_rover_on_its_roof_scrapes_the_ground_with_its_body(robot: str) -> None:
+    simulation = Episode(EpisodeConfig(terrain="flat", robot=robot, duration=1.0)).simulation
+    recorder = TruthRecorder(simulation)
+    simulation.data.qpos[2:7] = 0.5, 0.0, 1.0, 0.0, 0.0
+    for _ in range(100):
+        simulation.tick()
+        recorder.observe()
+    recorder.events.close()
+    kinds = {event.kind for event in recorder.events.take_closed()}
+    assert kinds == {"scrape"}
+    assert recorder.state().scrape
+    assert recorder.truth().scrape_s > 0.3
+    assert recorder.truth().tipped_over
 
 
 def test_no_fault_changes_the_truth() -> None:
