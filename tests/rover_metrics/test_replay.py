@@ -509,6 +509,10 @@ def test_timer_on_the_clock_topic_skips_what_it_missed_as_in_the_node() -> None:
     assert list(timer.rest()) == []
 
 
+def test_a_recording_that_begins_amid_a_run_has_its_first_row_at_a_full_second() -> None:
+    assert due(ClockSeconds(), 100.3, 100.9, 101.0, 102.0) == [101, 102]
+
+
 def test_replay_needs_no_ros(tmp_path: Path) -> None:
     bag = write_mcap(tmp_path / "bag.mcap", drive())
     script = (

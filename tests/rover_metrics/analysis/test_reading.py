@@ -220,6 +220,10 @@ def test_an_extended_log_reads_as_the_twelve_and_its_empty_cells_are_nothing_odd
         np.testing.assert_array_equal(log.columns[name], column)
     assert np.isfinite(log.columns["VORT [m/s]"]).tolist() == [True, False] * 5
     assert log.findings == ("1 row with fewer fields than the header (line 12): left out",)
+    path.write_text("\n".join([header, *lines, row(10, Obstacle_Clearance="") + empty, ""]))
+    assert read_log(path).findings == (
+        "1 cell without a number in Obstacle Clearance (line 12): left out",
+    )
     path.write_text("\n".join([header, *lines, row(10) + f",rough{empty[1:]}", ""]))
     assert read_log(path).findings == (
         "1 cell without a number in VORT [m/s] (line 12, 'rough'): left out",
