@@ -15,3 +15,7 @@ class UsageError(HarnessError):
 
 class RunFailed(HarnessError):
     """A run that could not be brought to its end; its message says what happened and when."""
+
+
+class Diverged(RunFailed):
+    """The simulation blew up: what it said before is not to be trusted either."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.contacts import ContactWatch
-from harness.errors import RunFailed
+from harness.errors import Diverged, RunFailed
 from harness.samples import Quaternion, Vector3
 from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.world.scene import Scene
@@ -139,7 +139,7 @@ class Simulation:
                     f"(NaN, infinite or huge {quantity}); position {_rounded(self.data.qpos[:3])} m, "
                     f"velocity {_rounded(self.data.qvel[:3])} m/s; try a smaller --timestep"
                 )
-                raise RunFailed(message)
+                raise Diverged(message)
 
     def _check_edge(self) -> None:
         x, y = self.data.qpos[0], self.data.qpos[1]

@@ -40,20 +40,3 @@ def line_past(obstacle: Obstacle, heading: float, aside: float) -> Line:
     """The line of that heading [rad] whose foot lies `aside` metres to the left of an obstacle."""
     x, y, _ = obstacle.position
     return Line((x - aside * math.sin(heading), y + aside * math.cos(heading)), heading)
-
-
-def half_extent(obstacle: Obstacle, direction: float) -> float:
-    """Half the length of an obstacle along a direction [rad], seen from above [m].
-
-    The support function of the upright shape; a tilt of a few degrees is left out.
-    """
-    w, _, _, z = obstacle.quaternion
-    off = direction - 2.0 * math.atan2(z, w)
-    along, across = abs(math.cos(off)), abs(math.sin(off))
-    match obstacle.shape:
-        case "cylinder":
-            return obstacle.half_size[0]
-        case "box":
-            return obstacle.half_size[0] * along + obstacle.half_size[1] * across
-        case "ellipsoid":
-            return math.hypot(obstacle.half_size[0] * along, obstacle.half_size[1] * across)

@@ -4,10 +4,11 @@ import math
 from collections.abc import Iterator
 from typing import ClassVar
 
-from harness.drivers.approach import half_extent, line_past
+from harness.drivers.approach import line_past
 from harness.drivers.encounter import Encounter, Meeting
 from harness.samples import Twist
 from harness.world.obstacles import Obstacle
+from harness.world.outline import half_extent
 
 SPREAD = 0.5  # [rad]: how much the direction of approach varies
 HEAD_ON = 0.6  # of the width within which rover and hazard meet

@@ -9,14 +9,15 @@ from harness.report.events import collisions, contacts
 from harness.report.hillshade import shade
 from harness.report.legend import keys
 from harness.report.log import Log
-from harness.report.outline import outline, scan_points
 from harness.report.recorder import PlacedScan, Stretch
+from harness.report.scan_points import scan_points
 from harness.report.series import series_figure, thinned
 from harness.report.terrain_map import map_figure, roughness
 from harness.robots import LEO
 from harness.samples import LaserScan, Pose
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
+from harness.world.outline import outline
 from harness.world.world import build_world
 from rover_metrics.thresholds import DEFAULT_THRESHOLDS, Thresholds
 

@@ -7,13 +7,14 @@ import pytest
 
 from harness.config import EpisodeConfig
 from harness.drivers import find_driver
-from harness.drivers.approach import Line, half_extent, line_past
+from harness.drivers.approach import Line, line_past
 from harness.drivers.base import DriverContext, Observation
 from harness.episode import Episode
 from harness.robots import LEO, ROVER_ZERO4WD
 from harness.samples import Twist
 from harness.truth import Truth
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
+from harness.world.outline import half_extent
 
 MEETING = ("ram", "reverse_into", "graze", "swing", "pass_by")
 
