@@ -1,7 +1,6 @@
 """What a report shows, gathered: the names of the template's variables are the keys here."""
 
 import math
-from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
@@ -10,12 +9,12 @@ import numpy as np
 from harness.manifest import manifest
 from harness.report.columns import describe
 from harness.report.events import collisions, contacts
-from harness.report.figure import MINUS, TIMES, Figure
+from harness.report.figure import MINUS, TIMES
 from harness.report.hillshade import shade
-from harness.report.legend import Key, keys
 from harness.report.log import Log, read_log
-from harness.report.outline import scan_points
+from harness.report.plot import Plot
 from harness.report.recorder import RunRecorder
+from harness.report.scan_points import scan_points
 from harness.report.series import MOST_ROWS, series_figure
 from harness.report.tables import comparisons, contact_rows, facts, key_figures
 from harness.report.terrain_map import map_figure
@@ -23,27 +22,6 @@ from harness.result import RunResult
 from harness.robots import find_rover
 
 LISTED = ("arguments", "versions", "world")  # parts of the manifest that are tables of their own
-
-
-@dataclass(frozen=True)
-class Plot:
-    """A figure with what stands around it.
-
-    Attributes:
-        name: Identifies it on the page.
-        summary: What it shows, in words, for who cannot see it.
-    """
-
-    name: str
-    heading: str
-    caption: str
-    summary: str
-    figure: Figure
-
-    @property
-    def legend(self) -> list[Key]:
-        """What its colours and symbols mean."""
-        return keys(self.figure)
 
 
 def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:

@@ -1,41 +1,7 @@
-"use strict";
-// Draws the figures, in the colours of the page; time axes move together, and the map follows the pointer.
+// Time axes move together, and the map follows the pointer; plots.js, which comes first, draws.
 
-const figures = JSON.parse(document.getElementById("figures").textContent);
 const map = document.getElementById("map");
-const series = [...document.querySelectorAll(".plot")].filter((plot) => plot !== map);
-const touch = matchMedia("(pointer: coarse)");
-const config = {
-  responsive: true,
-  displaylogo: false,
-  displayModeBar: touch.matches ? true : "hover",
-  plotlyServerURL: "",
-  // All that there are: none that would upload the plot.
-  modeBarButtons: [["toImage"], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"]],
-};
-
-/** A copy of a JSON value with "--name" replaced by the style sheet's custom property of that name. */
-function themed(value, style) {
-  if (typeof value === "string") return value.startsWith("--") ? style.getPropertyValue(value).trim() : value;
-  if (Array.isArray(value)) return value.map((v) => themed(v, style));
-  if (value === null || typeof value !== "object") return value;
-  return Object.fromEntries(Object.entries(value).map(([key, v]) => [key, themed(v, style)]));
-}
-
-/** An axis with the range that it shows at present. */
-const kept = (axis, shown) => ({ ...axis, ...(shown && { range: shown.range, autorange: shown.autorange }) });
-
-function draw() {
-  const style = getComputedStyle(document.documentElement);
-  return Promise.all([map, ...series].map((plot) => {
-    const { data, layout } = themed(figures[plot.id], style);
-    const xaxis = kept(layout.xaxis, plot.layout?.xaxis);
-    const yaxis = kept(layout.yaxis, plot.layout?.yaxis);
-    // A finger on a plot scrolls the page until a tool is chosen.
-    const dragmode = touch.matches ? false : "zoom";
-    return Plotly.react(plot, data, { ...layout, xaxis, yaxis, dragmode }, config);
-  }));
-}
+const series = plots.filter((plot) => plot !== map);
 
 let moving = false; // while one plot's range is taken over to others, theirs must not come back
 
@@ -79,7 +45,7 @@ function point(time) {
 
 const view = (layout) => Plotly.relayout(map, { "xaxis.range": layout[0], "yaxis.range": layout[1] });
 
-draw().then(() => {
+start(() => {
   const { xaxis, yaxis, images } = figures.map.layout;
   const [ground] = images;
   const whole = [[ground.x, ground.x + ground.sizex], [ground.y - ground.sizey, ground.y]];
@@ -97,6 +63,4 @@ draw().then(() => {
         ? { "yaxis.range": [...figures[plot.id].layout.yaxis.range] } : { "yaxis.autorange": true }),
     }));
   }
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
-  document.documentElement.dataset.drawn = "yes";
 });

@@ -1,0 +1,60 @@
+"""What all pages share: a template filled with what it shows, and a policy that lets nothing out."""
+
+import base64
+import hashlib
+from collections.abc import Mapping
+from importlib.resources import files
+from typing import Any
+
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+
+PACKAGE, ASSETS = "harness.report", "assets"
+STYLE, PLOTLY, DRAWING = "report.css", "plotly-basic.min.js", "plots.js"
+
+
+def fill(name: str, content: Mapping[str, Any], package: str = PACKAGE) -> str:
+    """The HTML of a page.
+
+    Args:
+        name: Of its assets: NAME.html.j2, which extends shell.html.j2, and NAME.js. A page of another
+            package adds NAME.css to the common style.
+        content: The template's variables; `figures` are Plotly's, by the name of their plot.
+        package: Whose folder of assets has them.
+    """
+    plotly = _asset(PACKAGE, PLOTLY)
+    script = _asset(PACKAGE, DRAWING) + _asset(package, f"{name}.js")
+    style = _asset(PACKAGE, STYLE) + ("" if package == PACKAGE else _asset(package, f"{name}.css"))
+    return (
+        _environment(package)
+        .get_template(f"{name}.html.j2")
+        .render(content, style=style, plotly=plotly, script=script, policy=_policy(plotly, script))
+    )
+
+
+def _environment(package: str) -> Environment:
+    environment = Environment(
+        loader=ChoiceLoader(
+            [PackageLoader(folder, ASSETS) for folder in dict.fromkeys((package, PACKAGE))]
+        ),
+        autoescape=True,  # names come from users
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
+    return environment
+
+
+def _policy(*scripts: str) -> str:
+    """A content security policy: these scripts and no other, and nothing from the network."""
+    hashes = " ".join(f"'sha256-{_digest(script)}'" for script in scripts)
+    # Plotly sets styles of its own; pictures are data and, when a plot is saved, blobs.
+    return f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; img-src data: blob:"
+
+
+def _digest(script: str) -> str:
+    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
+
+
+def _asset(package: str, name: str) -> str:
+    return files(package).joinpath(ASSETS, name).read_text(encoding="utf-8")
