@@ -14,7 +14,13 @@ from collections.abc import Mapping
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-LOCKS = ("requirements.txt", "tools/build.txt", "tools/jazzy.txt", "tools/audit.txt")
+LOCKS = (
+    "requirements.txt",
+    "tools/build.txt",
+    "tools/jazzy.txt",
+    "tools/cluster.txt",
+    "tools/audit.txt",
+)
 PINNED = ROOT / "tools/audit.txt"
 ENVIRONMENT = ROOT / "build/audit"
 READY = ENVIRONMENT / ".ready"

@@ -9,7 +9,13 @@ import pytest
 import tomllib
 
 ROOT = Path(__file__).parents[2]
-LOCKS = ("requirements.txt", "tools/build.txt", "tools/jazzy.txt", "tools/audit.txt")
+LOCKS = (
+    "requirements.txt",
+    "tools/build.txt",
+    "tools/jazzy.txt",
+    "tools/cluster.txt",
+    "tools/audit.txt",
+)
 PIN = re.compile(r"([a-z0-9-]+)(?:\[[^]]*\])?==\S+( ; [^\\]+)? \\")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 

@@ -1,0 +1,1 @@
+"""Threshold tuning: episodes without ROS, scored against the truth, chosen and checked apart."""

@@ -1,0 +1,86 @@
+"""Processes of this machine: joblib's loky."""
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import BrokenExecutor
+from contextlib import contextmanager
+from multiprocessing import resource_tracker
+
+from joblib import Parallel, delayed, parallel_config
+from joblib.externals.loky import get_reusable_executor
+
+from harness.tuning.backend.base import Backend, Item, Outcome, WorkerLost, closed_quietly
+
+TERMINAL_SIGNALS = {signal.SIGINT, signal.SIGHUP}
+WATCH = 1.0  # [s] between two looks at whether the process that gives work is still there
+
+
+def usable_cpus() -> int:
+    """How many CPUs this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class LocalBackend(Backend):
+    """Local processes; with one job, this process itself.
+
+    Args:
+        jobs: How many.
+    """
+
+    def __init__(self, jobs: int) -> None:
+        self.jobs = jobs
+        self._started = False
+
+    def map(
+        self, work: Callable[[Item], Outcome], items: Sequence[Item]
+    ) -> Generator[Outcome, None, None]:
+        """See Backend."""
+        if not items:
+            return
+        # One thread each: numerical libraries would start one per CPU in every process.
+        with parallel_config(
+            "loky", inner_max_num_threads=1, initializer=_leave_with, initargs=(os.getpid(),)
+        ):
+            parallel = Parallel(n_jobs=self.jobs, return_as="generator_unordered", batch_size=1)
+        self._started = True
+        with _deaf_children():
+            outcomes = parallel(delayed(work)(item) for item in items)
+        try:
+            yield from closed_quietly(outcomes)
+        except BrokenExecutor as error:
+            raise WorkerLost("a worker process was killed (out of memory?)") from error
+
+    def close(self) -> None:
+        """Ends the processes, which joblib would keep for the next work."""
+        if self._started and self.jobs > 1:
+            get_reusable_executor(reuse=True).shutdown(kill_workers=True)
+
+
+@contextmanager
+def _deaf_children() -> Iterator[None]:
+    """Ctrl-C reaches every process of a terminal; processes that start within leave it to this one.
+
+    They inherit blocked signals, as does the thread that starts them anew; what arrives here meanwhile
+    is delivered afterwards.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
+    try:
+        resource_tracker.ensure_running()  # which unblocks SIGINT when it starts, so not later
+        signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _leave_with(parent: int) -> None:
+    """In a worker: ends it with the process that started it, even if that was killed."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(WATCH)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()

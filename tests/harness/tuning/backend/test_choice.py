@@ -1,0 +1,113 @@
+"""What a user may choose; everything else is one line that names the mend."""
+
+import socket
+import sys
+from collections.abc import Iterator
+
+import pytest
+
+pytest.importorskip("joblib", reason="needs the extra [tune]")
+
+from harness.errors import UsageError
+from harness.tuning.backend import backend_of, trial
+from harness.tuning.backend.address import Address, parse_address
+from harness.tuning.backend.trial import workers_at
+
+
+@pytest.mark.parametrize(
+    ("name", "address", "jobs", "told"),
+    [
+        ("slurm", None, None, "unknown backend 'slurm'; choose one of: local, ray, dask"),
+        ("local", "10.0.0.1:8786", None, "--address needs --backend ray or --backend dask"),
+        ("local", None, 0, "0 jobs are not valid; give 1 or more"),
+        ("local", None, -1, "-1 jobs are not valid; give 1 or more"),
+        ("ray", "auto", 2, "--jobs is for local processes; --backend ray uses all workers"),
+        ("dask", None, None, "--backend dask needs the address of a cluster: --address HOST:PORT"),
+    ],
+)
+def test_a_wrong_choice_is_refused(name: str, address: str | None, jobs: int | None, told: str) -> None:
+    with pytest.raises(UsageError, match=f"^{told}"):
+        backend_of(name, address, jobs)
+
+
+@pytest.mark.parametrize(("name", "package"), [("ray", "ray"), ("dask", "distributed")])
+def test_a_missing_extra_is_named(name: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    monkeypatch.delitem(sys.modules, f"harness.tuning.backend.{name}_cluster", raising=False)
+
+    with pytest.raises(UsageError, match=rf"needs {package}: pip install 'rover-harness\[{name}\]'$"):
+        backend_of(name, "127.0.0.1:1", None)
+
+
+@pytest.mark.parametrize(
+    ("text", "host", "port"),
+    [("head:6379", "head", 6379), ("tcp://10.0.0.1:1", "10.0.0.1", 1), ("[::1]:65535", "::1", 65535)],
+)
+def test_addresses(text: str, host: str, port: int) -> None:
+    assert parse_address(text, ["tcp"]) == Address(text, host, port)
+
+
+def test_a_name_may_stand_for_an_address() -> None:
+    assert parse_address("auto", ["ray"], ["auto"]) == Address("auto")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "head", "head:", ":1", "head:0", "head:65536", "http://head:1", "a b:1", "head:1/x", "auto"],
+)
+def test_what_is_no_address_is_refused(text: str) -> None:
+    with pytest.raises(UsageError, match=r"is not valid; give one of: HOST:PORT, tcp://HOST:PORT$"):
+        parse_address(text, ["tcp"])
+
+
+@pytest.fixture
+def listener() -> Iterator[Address]:
+    """Something that listens, and says nothing."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        yield Address(f"127.0.0.1:{port}", "127.0.0.1", port)
+
+
+def told_of(address: Address, code: str) -> str:
+    with pytest.raises(UsageError) as caught:
+        workers_at(address, code, "Ray cluster", "start one")
+    return str(caught.value)
+
+
+def test_a_closed_port_is_told_at_once() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+    address = Address(f"127.0.0.1:{port}", "127.0.0.1", port)
+
+    told = told_of(address, "raise SystemExit('not asked')")
+
+    assert told == f"no Ray cluster answers at {address.text} (Connection refused); start one"
+
+
+@pytest.mark.parametrize(
+    ("code", "told"),
+    [
+        ("import time; time.sleep(60)", r"no Ray cluster answers at .* \(a connection, but no answer"),
+        (
+            "import sys, time; print('[1 W] denied', file=sys.stderr, flush=True); time.sleep(60)",
+            r"no answer within 0\.5 s: denied\); start one$",
+        ),
+        (
+            "raise ValueError('not mine')",
+            r"no Ray cluster answers at .* \(ValueError: not mine\); start",
+        ),
+        ("pass", r"no Ray cluster answers at .* \(it left without a word\)"),
+        ("print(0)", r"the Ray cluster at .* has no worker"),
+    ],
+)
+def test_what_does_not_answer_as_a_cluster_is_told(
+    listener: Address, code: str, told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(trial, "PATIENCE", 0.5)
+
+    with pytest.raises(UsageError, match=told):
+        workers_at(listener, code, "Ray cluster", "start one")
+
+
+def test_a_cluster_tells_its_workers(listener: Address) -> None:
+    assert workers_at(listener, "import sys; print('hello'); print(3.0)", "Ray cluster", "") == 3
