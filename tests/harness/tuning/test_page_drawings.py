@@ -1,0 +1,109 @@
+"""Drawings and curves of the tuning report, against what can be worked out by hand."""
+
+import math
+from dataclasses import replace
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+
+from harness.robots import LEO, ROVER_ZERO4WD, ROVERS, RoverSpec
+from harness.tuning.page.curves import MOST_POINTS, Labelled, precision_recall, roc
+from harness.tuning.page.reach import blind_strips, reach
+from harness.tuning.page.side_view import HAZARDS, side_view
+from harness.tuning.page.silhouette import ABOVE, SIDE, silhouette
+from harness.tuning.page.top_view import Distances, frame, top_view
+
+SQUARE = replace(LEO, footprint=(-1.0, 1.0, -1.0, 1.0), lidar_x=0.0)
+AROUND = Distances(range_min=0.15, default=0.2, tuned=0.44, clearance=0.05)
+
+
+@pytest.mark.parametrize(
+    ("threshold", "told"),
+    [
+        (1.5, 1.0),  # beyond the corners
+        (math.sqrt(1.25), 0.5),  # half of each side
+        (0.9, 0.0),
+    ],
+)
+def test_a_threshold_covers_the_part_of_the_outline_within_its_circle(
+    threshold: float, told: float
+) -> None:
+    covered = reach(SQUARE, 0.15, threshold)
+    assert covered.told == pytest.approx(told, abs=2e-3)
+    assert covered.too_far == pytest.approx(1.0 - told, abs=2e-3)
+    assert covered.too_near == 0.0
+
+
+def test_what_is_nearer_than_range_min_is_not_told() -> None:
+    covered = reach(SQUARE, math.sqrt(1.25), 1.5)
+    assert covered.too_near == pytest.approx(0.5, abs=2e-3)
+    assert covered.told == pytest.approx(0.5, abs=2e-3)
+    assert reach(SQUARE, math.sqrt(1.25), 1.0).told == pytest.approx(0.0)
+
+
+def test_strips_run_beside_the_corners_that_are_too_far_and_the_middles_that_are_too_near() -> None:
+    far = list(blind_strips(SQUARE, 0.0, math.sqrt(1.25), 0.1, 0.2))
+    assert len(far) == 8  # both ends of each side
+    for strip in far:
+        inner, outer = np.abs(strip).max(axis=1)[:2], np.abs(strip).max(axis=1)[2:]
+        assert inner == pytest.approx([1.1, 1.1])
+        assert outer == pytest.approx([1.3, 1.3])
+        along = np.sort(np.abs(strip).min(axis=1))
+        assert along == pytest.approx([0.5, 0.5, 1.0, 1.0], abs=2e-3)
+    near = list(blind_strips(SQUARE, math.sqrt(1.25), 1.5, 0.0, 0.2))
+    assert len(near) == 4
+    assert all(np.ptp(strip, axis=0).max() == pytest.approx(1.0, abs=4e-3) for strip in near)
+    assert list(blind_strips(SQUARE, 0.0, 1.5, 0.0, 0.2)) == []
+
+
+@pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
+def test_a_silhouette_fills_the_footprint_and_reaches_up_to_the_lidar(rover: RoverSpec) -> None:
+    above, side = (np.concatenate(silhouette(rover, axes)) for axes in (ABOVE, SIDE))
+    x_min, x_max, y_min, y_max = rover.footprint
+    assert above.min(axis=0) == pytest.approx([x_min, y_min], abs=0.01)
+    assert above.max(axis=0) == pytest.approx([x_max, y_max], abs=0.01)
+    assert side[:, 1].min() == pytest.approx(0.0, abs=0.01)
+    assert rover.lidar_height < side[:, 1].max() < rover.lidar_height + 0.03
+
+
+def test_what_a_lidar_sees_of_a_hazard_depends_on_its_height() -> None:
+    seen = {
+        rover.name: [hazard.seen(rover.lidar_height) for hazard in HAZARDS]
+        for rover in (LEO, ROVER_ZERO4WD)
+    }
+    assert seen["leo"] == ["not seen", "some seen", "seen"]  # cube, boulder, post
+    assert seen["rover_zero4wd"] == ["seen", "seen", "seen"]
+
+
+def test_drawings_are_well_formed_and_to_one_scale() -> None:
+    rovers = (LEO, ROVER_ZERO4WD)
+    room = frame([(rover, AROUND) for rover in rovers])
+    above = [ET.fromstring(top_view(rover, AROUND, room)) for rover in rovers]  # noqa: S314 - ours
+    side = [ET.fromstring(side_view(rover, rovers)) for rover in rovers]  # noqa: S314 - likewise
+    assert above[0].attrib["viewBox"] == above[1].attrib["viewBox"]
+    assert side[0].attrib["viewBox"] == side[1].attrib["viewBox"]
+    default, tuned = (above[0].find(f"circle[@class='{kind}']") for kind in ("default", "tuned"))
+    assert default is not None
+    assert tuned is not None
+    ratio = float(tuned.attrib["r"]) / float(default.attrib["r"])
+    assert ratio == pytest.approx(AROUND.tuned / AROUND.default, rel=0.01)  # type: ignore[operator]  # given
+
+
+def test_curves_of_many_values_are_thinned_and_keep_their_ends_and_their_area() -> None:
+    rng = np.random.default_rng(0)
+    truth = rng.random(20_000) < 0.1
+    labelled = Labelled(rng.normal(truth * 2.0), truth)
+    curve = roc(labelled)
+    assert len(curve.x) <= MOST_POINTS + 1
+    assert (curve.x[0], curve.y[0], curve.x[-1], curve.y[-1]) == (0.0, 0.0, 1.0, 1.0)
+    assert np.trapezoid(curve.y, curve.x) == pytest.approx(curve.area, abs=0.002)
+    assert curve.area == pytest.approx(0.921, abs=0.01)  # Phi(2 / sqrt 2)
+    along = precision_recall(labelled)
+    assert (along.x[0] > 0.0, along.x[-1], along.y[-1]) == (True, 1.0, pytest.approx(truth.mean()))
+
+
+def test_a_curve_needs_both_classes() -> None:
+    assert not Labelled(np.zeros(3), np.ones(3, dtype=bool)).has_both_classes
+    assert not Labelled(np.zeros(0), np.zeros(0, dtype=bool)).has_both_classes
+    assert Labelled(np.zeros(2), np.array([True, False])).has_both_classes
