@@ -20,17 +20,20 @@ def extended_settings(rover: RoverSpec) -> ExtendedSettings:
     )
 
 
-def extended_ros_args(rover: RoverSpec) -> list[str]:
-    """The same for a metrics_node; what the user says after it wins."""
+def outline_parameters(rover: RoverSpec) -> dict[str, list[float]]:
+    """The same as parameters of a metrics_node."""
     settings = extended_settings(rover)
     corners = () if settings.footprint is None else settings.footprint.corners
-    footprint = [value for corner in corners for value in corner]
     pose = settings.lidar_pose
-    parameters = {
-        "extended_columns": "true",
-        "footprint": footprint,
+    return {
+        "footprint": [value for corner in corners for value in corner],
         "lidar_pose": [pose.x, pose.y, pose.yaw],
     }
+
+
+def extended_ros_args(rover: RoverSpec) -> list[str]:
+    """The arguments for a metrics_node with extended columns; what the user says after them wins."""
+    parameters = {"extended_columns": "true"} | outline_parameters(rover)
     words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={value}")]
     return ["--ros-args", *words, "--"]
 

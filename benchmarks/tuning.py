@@ -1,0 +1,47 @@
+"""How fast episodes of a threshold sweep are driven, and what a second process buys."""
+
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from benchmarks.measuring import Effort, Rounds, Table, timed
+from harness.robots import ROVERS
+from harness.tuning.backend import backend_of
+from harness.tuning.plan import plan
+from harness.tuning.store import Store
+from harness.tuning.sweep import sweep
+
+WORLDS, ROUNDS = 8, 3
+TARGETS = {1: "-", 2: ">= 1.8"}
+
+
+def measure(effort: Effort) -> Table:
+    """Simulated seconds per second with one process and with two."""
+    planned = plan(tuple(ROVERS), WORLDS, 0, effort.seconds)
+    simulated: list[float] = []
+
+    def driving(jobs: int) -> Callable[[], float]:
+        def drive() -> None:
+            with TemporaryDirectory() as folder, backend_of("local", None, jobs) as backend:
+                store = Store(Path(folder), planned)
+                records = sweep(planned, store, backend, lambda _: None)
+            simulated.append(sum(record.duration for record in records.values()))
+
+        return timed(drive)
+
+    contestants = {str(jobs): driving(jobs) for jobs in TARGETS}
+    driving(2)()  # joblib keeps its processes: neither contestant is to wait for them
+    rounds = Rounds(contestants, min(effort.rounds, ROUNDS))
+    return Table(
+        title=f"Episodes of a threshold sweep: {len(planned)} of {effort.seconds:g} simulated seconds",
+        columns=("processes", "simulated seconds per second", "speed against one", "target"),
+        rows=tuple(
+            (
+                str(jobs),
+                f"**{simulated[-1] / rounds.median(str(jobs)):.0f}** (>= 40)",
+                f"**{rounds.ratio('1', str(jobs)):.2f}**",
+                target,
+            )
+            for jobs, target in TARGETS.items()
+        ),
+    )

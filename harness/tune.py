@@ -1,0 +1,118 @@
+"""Command: compute a rover's metric thresholds from drives whose truth is known; say how good they are.
+
+    python -m harness.tune --robot leo --robot rover_zero4wd --episodes 64 --jobs 2 --out tuning/
+
+Parses, calls, prints; the work is in harness.tuning.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from harness.command_line import OneLineParser
+from harness.errors import HarnessError
+from harness.interrupt import Interrupted, StopRequest
+from harness.robots import ROVERS, find_rover
+from harness.tuning.backend import BACKENDS, backend_of
+from harness.tuning.output import write_results
+from harness.tuning.plan import plan
+from harness.tuning.progress import SweepProgress, print_studies
+from harness.tuning.store import Store
+from harness.tuning.study import RobotStudy, study
+from harness.tuning.sweep import sweep
+
+EPISODES, DURATION, OUT = 64, 90.0, Path("tuning")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command; returns its exit code: 1 where the data do not support a threshold."""
+    options = _parser().parse_args(arguments)
+    console = Console()
+    try:
+        with StopRequest():
+            return _tune(options, console)
+    except Interrupted as error:
+        print(
+            f"harness.tune: {error}; the same command goes on with the episodes in {options.out}",
+            file=sys.stderr,
+        )
+        return error.exit_code
+    except HarnessError as error:
+        print(f"harness.tune: {error}", file=sys.stderr)
+        return error.exit_code
+
+
+def _tune(options: argparse.Namespace, console: Console) -> int:
+    robots = options.robot or list(ROVERS)
+    for robot in robots:
+        find_rover(robot)
+    planned = plan(robots, options.episodes, options.seed, options.duration)
+    with backend_of(options.backend, options.address, options.jobs) as backend:
+        store = Store(options.out, planned)
+        with SweepProgress(console, len(planned), options.duration) as progress:
+            records = sweep(planned, store, backend, progress.show)
+    studies = [study(robot, records, options.seed) for robot in robots]
+    command = _command(robots, options)
+    print_studies(console, studies)
+    for path in write_results(options.out, studies, records, command):
+        console.print(f"written: {path}", soft_wrap=True, highlight=False)
+    return _report_lacks(studies)
+
+
+def _report_lacks(studies: Sequence[RobotStudy]) -> int:
+    lacks = [
+        f"{study.robot}: no value for {verdict.name}, {verdict.lack}"
+        for study in studies
+        for verdict in study.verdicts
+        if verdict.lack is not None
+    ]
+    for lack in lacks:
+        print(f"harness.tune: {lack}", file=sys.stderr)
+    return 1 if lacks else 0
+
+
+def _command(robots: Sequence[str], options: argparse.Namespace) -> str:
+    """What makes these files, without what does not change them."""
+    named = " ".join(f"--robot {robot}" for robot in robots)
+    return (
+        f"python -m harness.tune {named} --episodes {options.episodes} "
+        f"--duration {options.duration:g} --seed {options.seed}"
+    )
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = OneLineParser(
+        prog="python -m harness.tune",
+        description="Drives rovers into, past and far from hazards over all kinds of ground, scores the "
+        "thresholds of metrics_node against the truth, and writes a parameter file per rover.",
+        epilog="An interrupted sweep goes on where it was: give the same command again.",
+    )
+    parser.add_argument(
+        "--robot",
+        action="append",
+        metavar="NAME",
+        help=f"{', '.join(ROVERS)}; repeatable, all by default",
+    )
+    parser.add_argument(
+        "--episodes", type=int, default=EPISODES, metavar="N", help="worlds; each robot drives in all"
+    )
+    parser.add_argument(
+        "--duration", type=float, default=DURATION, metavar="S", help="simulated seconds of each episode"
+    )
+    parser.add_argument("--seed", type=int, default=0, metavar="N")
+    parser.add_argument(
+        "--jobs", type=int, metavar="N", help="processes; by default as many as there are CPUs"
+    )
+    parser.add_argument(
+        "--backend", default="local", metavar="NAME", help=f"who drives: {', '.join(BACKENDS)}"
+    )
+    parser.add_argument("--address", metavar="URL", help="of the Ray or Dask cluster")
+    parser.add_argument("--out", type=Path, default=OUT, metavar="DIR")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

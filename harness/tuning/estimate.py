@@ -1,0 +1,101 @@
+"""Numbers with their uncertainty: whole episodes are resampled, for what happens in one hangs together.
+
+Whatever is scored comes down to counts per episode; a measure turns their sums into a number.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+RESAMPLES, LEVEL = 2000, 0.95
+FEWEST_EPISODES = 8  # that have what is counted; with fewer, resampling means little
+COLLAPSED = "other"  # strata of a single episode, together
+
+Counts = NDArray[np.float64]  # shape (..., episodes, kinds)
+Sums = NDArray[np.float64]  # shape (..., kinds)
+Measure = Callable[[Sums], NDArray[np.float64]]  # shape (...)
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A number and its interval.
+
+    Attributes:
+        value: NaN if there was nothing to count.
+        low: End of the 95 % interval, as is `high`; None if there are too few episodes for one.
+    """
+
+    value: float
+    low: float | None = None
+    high: float | None = None
+
+    def is_above(self, other: "Estimate") -> bool:
+        """Whether the two intervals do not overlap and this one is the higher."""
+        return self.low is not None and other.high is not None and self.low > other.high
+
+    def text(self, digits: int = 2) -> str:
+        """As '0.93 (0.88 to 0.97)'."""
+        if math.isnan(self.value):
+            return "undefined"
+        if self.low is None or self.high is None:
+            return f"{self.value:.{digits}f} (too few episodes for an interval)"
+        return f"{self.value:.{digits}f} ({self.low:.{digits}f} to {self.high:.{digits}f})"
+
+
+def estimate(counts: Counts, measure: Measure, strata: Sequence[str]) -> Estimate:
+    """A measure over episodes, with its percentile bootstrap interval.
+
+    Args:
+        counts: Shape (episodes, kinds).
+        measure: Of the sums over episodes.
+        strata: What kind each episode is of; the plan fixes how many of each there are, so a resample
+            keeps that too.
+    """
+    value = float(measure(counts.sum(axis=0)))
+    if math.isnan(value) or np.count_nonzero(counts.any(axis=1)) < FEWEST_EPISODES:
+        return Estimate(value)
+    resampled = measure(_weights(tuple(strata)) @ counts)
+    if np.isnan(resampled).any():
+        return Estimate(value)  # resamples without any: too few episodes have it
+    tail = (1.0 - LEVEL) / 2.0
+    low, high = np.quantile(resampled, (tail, 1.0 - tail))
+    return Estimate(value, float(low), float(high))
+
+
+def ratio(part: NDArray[np.float64], whole: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Part / whole, NaN where there is no whole."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.where(whole > 0, part / whole, np.nan))
+
+
+def _weights(strata: tuple[str, ...]) -> NDArray[np.float64]:
+    """How often each episode is in each resample, shape (RESAMPLES, episodes).
+
+    The rescaled bootstrap for stratified samples of Rao and Wu (1988): of the n episodes of a stratum
+    n - 1 are drawn, each with weight n / (n - 1), so that small strata are not taken for certain.
+    SciPy's bootstrap, which draws n of n, makes intervals too narrow for strata of three.
+    """
+    rng = np.random.default_rng(0)  # the interval belongs to the data, not to the sweep's seed
+    weights = np.zeros((RESAMPLES, len(strata)))
+    for members in _collapsed(strata):
+        size = len(members)
+        drawn = rng.multinomial(size - 1, np.full(size, 1.0 / size), size=RESAMPLES)
+        weights[:, members] = drawn * (size / (size - 1))
+    return weights
+
+
+def _collapsed(strata: tuple[str, ...]) -> list[NDArray[np.intp]]:
+    """Indices of the episodes of each stratum; those with one episode are one stratum."""
+    labels = np.array(strata)
+    names, sizes = np.unique(labels, return_counts=True)
+    labels = np.where(np.isin(labels, names[sizes == 1]), COLLAPSED, labels)
+    groups = [np.flatnonzero(labels == name) for name in np.unique(labels)]
+    alone = [group for group in groups if len(group) == 1]
+    for group in alone:  # one episode without its like joins the largest
+        groups = [other for other in groups if other is not group]
+        largest = max(range(len(groups)), key=lambda place: len(groups[place]))
+        groups[largest] = np.concatenate((groups[largest], group))
+    return groups

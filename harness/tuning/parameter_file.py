@@ -1,0 +1,89 @@
+"""Tuned thresholds as a ROS 2 parameter file for metrics_node."""
+
+from io import StringIO
+
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap, CommentedSeq
+
+from harness import __version__
+from harness.extended import outline_parameters
+from harness.robots import find_rover
+from harness.tuning.plan import Part
+from harness.tuning.result import Candidate, Verdict
+from harness.tuning.study import RobotStudy
+
+INDENT = 4  # of a parameter in the file
+FOOTPRINT_DETECTOR = "footprint clearance, near returns count"
+FOOTPRINT_UNITS = {
+    "footprint": "corners x, y [m]; read with extended_columns:=true",
+    "lidar_pose": "x, y [m], yaw [rad]",
+}
+
+
+def parameter_file(study: RobotStudy, command: str) -> str:
+    """The text of ROBOT.yaml.
+
+    A threshold that the data do not support is not in it; a comment says why. `/**` holds for the node
+    in every namespace.
+
+    Args:
+        study: Of the robot.
+        command: What makes this file.
+    """
+    parameters, left_out = CommentedMap(), list[str]()
+    for verdict in study.verdicts:
+        if verdict.value is None or verdict.tuned is None:
+            left_out.append(_left_out(verdict))
+        else:
+            parameters[verdict.name] = verdict.value
+            _comment(parameters, verdict, verdict.tuned)
+    _add_footprint(parameters, study)
+    header = [
+        f"{study.robot}: {find_rover(study.robot).summary}",
+        f"Made by: {command} (rover-harness {__version__})",
+        "Use: metrics_node --ros-args --params-file THIS_FILE",
+        *left_out,
+    ]
+    document = CommentedMap({"/**": CommentedMap({"ros__parameters": parameters})})
+    return "".join(f"# {line}\n" for line in header) + _dumped(document)
+
+
+def _left_out(verdict: Verdict) -> str:
+    why = verdict.lack or "no value is proven to be better on unseen seeds"
+    return f"{verdict.name} stays at {verdict.default.value:g} {verdict.unit}: {why}"
+
+
+def _comment(parameters: CommentedMap, verdict: Verdict, tuned: Candidate) -> None:
+    """Puts the scores above a parameter and its unit behind it."""
+    score = tuned.scores[Part.CHECKING][verdict.measure]
+    default = verdict.default.scores[Part.CHECKING][verdict.measure]
+    scores = (
+        f"{verdict.measure} on unseen seeds {score.text()}; with the default, "
+        f"{verdict.default.value:g}: {default.text()}"
+    )
+    lines = [scores, *([verdict.note] if verdict.note else [])]
+    parameters.yaml_set_comment_before_after_key(verdict.name, "\n".join(lines), indent=INDENT)
+    parameters.yaml_add_eol_comment(verdict.unit, verdict.name)
+
+
+def _add_footprint(parameters: CommentedMap, study: RobotStudy) -> None:
+    """What the columns of the footprint need, which come with extended_columns:=true."""
+    for name, values in outline_parameters(find_rover(study.robot)).items():
+        parameters[name] = CommentedSeq(round(value, 5) for value in values)
+        parameters[name].fa.set_flow_style()
+        parameters.yaml_add_eol_comment(FOOTPRINT_UNITS[name], name)
+    tuned = next((d for d in study.collision.detectors if d.name == FOOTPRINT_DETECTOR), None)
+    if tuned is None:
+        return
+    parameters["near_returns_as_contact"] = True
+    parameters["footprint_threshold"] = tuned.events.value
+    score = f"F1 on unseen seeds {tuned.events.scores[Part.CHECKING]['F1'].text()}"
+    parameters.yaml_set_comment_before_after_key("footprint_threshold", score, indent=INDENT)
+    parameters.yaml_add_eol_comment("m", "footprint_threshold")
+
+
+def _dumped(document: CommentedMap) -> str:
+    yaml, text = YAML(), StringIO()
+    yaml.width = 1000  # no line is folded
+    yaml.dump(document, text)
+    return text.getvalue()

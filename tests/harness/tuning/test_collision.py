@@ -1,0 +1,79 @@
+"""collision_threshold: choosing and judging."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+import pytest
+
+from harness.tuning.collision import study_collisions
+from harness.tuning.plan import Part
+from harness.tuning.record import EpisodeRecord, Sight, Zone
+from harness.tuning.words import judgement, unreachable
+
+MakeRecords = Callable[..., EpisodeRecord]
+AtDistance = Callable[..., list[EpisodeRecord]]
+
+
+@pytest.fixture
+def at(make_record: MakeRecords) -> AtDistance:
+    """Ten episodes in each of which the rover comes to a distance, with or without touching."""
+
+    def make(distance: float, *, touches: bool, count: int = 10, **more: object) -> list[EpisodeRecord]:
+        ranges = np.concatenate([np.linspace(3.0, distance, 40), np.linspace(distance, 3.0, 40)])
+        contacts = [(2.0, 2.1)] if touches else []
+        return [make_record(ranges, contacts=contacts, **more) for _ in range(count)]
+
+    return make
+
+
+def both(records: Sequence[EpisodeRecord]) -> Mapping[Part, Sequence[EpisodeRecord]]:
+    return dict.fromkeys(Part, records)
+
+
+def test_it_finds_the_distance_that_separates_touching_from_passing(at: AtDistance) -> None:
+    study = study_collisions(both([*at(0.225, touches=True), *at(0.35, touches=False)]))
+
+    assert study.verdict.value is not None
+    assert 0.225 < study.verdict.value <= 0.35
+    assert study.verdict.is_proven
+    assert "is wrong for rover" in judgement("rover", study.verdict)
+
+
+def test_a_value_that_fails_on_unseen_episodes_is_not_written(at: AtDistance) -> None:
+    chosen_on = [*at(0.3, touches=True), *at(0.5, touches=False)]
+    checked_on = [*at(0.19, touches=True), *at(0.25, touches=False)]
+    study = study_collisions({Part.CHOOSING: chosen_on, Part.CHECKING: checked_on})
+
+    assert study.verdict.tuned is not None
+    assert study.verdict.value is None
+    assert "nothing better is proven" in judgement("rover", study.verdict)
+
+
+@pytest.mark.parametrize("touches", [0, 9])
+def test_too_few_contacts_support_no_value(at: AtDistance, touches: int) -> None:
+    records = [*at(0.225, touches=True, count=touches), *at(0.35, touches=False)]
+    study = study_collisions(both(records))
+
+    assert study.verdict.value is None
+    assert study.detectors == ()
+    assert f"{touches} contacts with hazards in the choosing episodes" in judgement("r", study.verdict)
+
+
+def test_contacts_that_the_lidar_cannot_know_of_are_their_own_line(at: AtDistance) -> None:
+    records = [
+        *at(0.22, touches=True, zone=Zone.SIDE),
+        *at(3.0, touches=True, count=5, sight=Sight.TOO_LOW),
+        *at(3.0, touches=True, count=2, sight=Sight.TOO_NEAR),
+    ]
+    study = study_collisions(both(records))
+
+    assert study.contacts == 17
+    assert {spot.sight: spot.contacts for spot in study.blind_spots if spot.contacts} == {
+        Sight.TOO_LOW: 5,
+        Sight.TOO_NEAR: 2,
+    }
+    assert "7 of 17 contacts (41 %)" in unreachable(study)
+    side = next(row for row in study.zones if row.zone is Zone.SIDE)
+    assert side.contacts == 10
+    assert side.found["default"] == 0
+    assert side.found["nearest range"] == 10
