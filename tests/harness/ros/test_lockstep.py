@@ -18,7 +18,7 @@ from harness.ros import lockstep
 from harness.ros.bridge import Bridge
 from harness.ros.executor import make_executor, spin_until
 from harness.ros.lockstep import HostedMetrics, LockStep
-from harness.samples import Imu, Pose, Tick, Twist
+from harness.samples import Imu, Pose, Tick, TruthState, Twist
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.metrics_node import MetricsNode
 
@@ -28,14 +28,15 @@ TICK_NS = 10_000_000
 class Nodes:
     """A bridge and a hosted MetricsNode in a context of their own."""
 
-    def __init__(self, log_dir: Path) -> None:
+    def __init__(self, log_dir: Path, **parameters: object) -> None:
         self.context = rclpy.Context()
         rclpy.init(context=self.context)
         self.commands: list[Twist] = []
         self.bridge = Bridge(
             LEO, LidarSpec(beams=4), context=self.context, on_command=self.commands.append
         )
-        overrides = [Parameter("use_sim_time", value=True), Parameter("log_dir", value=str(log_dir))]
+        values = {"use_sim_time": True, "log_dir": str(log_dir), **parameters}
+        overrides = [Parameter(name, value=value) for name, value in values.items()]
         self.metrics = MetricsNode(context=self.context, parameter_overrides=overrides)
         self.executor = make_executor(self.context)
         self.executor.add_node(self.bridge)
@@ -96,6 +97,24 @@ def test_message_that_never_arrives_is_given_up_and_counted(
     assert nodes.hosted.lost["/imu/data"] == 3
     assert nodes.hosted.lost["/rover/pose_array"] == 0
     assert nodes.hosted.received()["/imu/data"] == 3
+
+
+def test_truth_for_the_extended_columns_is_waited_for_and_missed_as_every_topic(
+    ros_domain: int,  # noqa: ARG001 - sets the domain
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(lockstep, "PATIENCE", 0.2)
+    nodes = Nodes(tmp_path, extended_columns=True)
+    step = LockStep(nodes.bridge, nodes.executor, (nodes.hosted,))
+    state = TruthState(TICK_NS, True, False, False, 5.0, 0.3, 1.0, (0.1, 0.1, 0.1, 0.1), 0.01)
+    step.advance(Tick(TICK_NS, (state,)))
+    contact, traversal = nodes.bridge.of[TruthState]
+    assert (nodes.hosted.received()[contact.topic], nodes.hosted.received()[traversal.topic]) == (1, 1)
+    contact.published += 1  # one that DDS swallowed
+    step.advance(tick(2))
+    assert nodes.hosted.lost[contact.topic] == 1
+    nodes.close()
 
 
 def test_topics_have_the_stated_reliability(nodes: Nodes) -> None:
