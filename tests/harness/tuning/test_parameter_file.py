@@ -1,0 +1,55 @@
+"""The parameter file of a tuning: what metrics_node makes of it."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from ruamel.yaml import YAML
+
+from harness.tuning.parameter_file import parameter_file
+
+if TYPE_CHECKING:
+    from tests.harness.tuning.conftest import Sweep
+
+pytest.importorskip("rclpy", reason="needs ROS 2")
+
+from harness import run
+from rover_metrics.thresholds import DEFAULT_THRESHOLDS
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_metrics_node_takes_every_value_and_keeps_the_other_defaults(
+    small_sweep: "Sweep", tmp_path: Path
+) -> None:
+    study = small_sweep[0][0]
+    file = tmp_path / "leo.yaml"
+    file.write_text(parameter_file(study, "a command"))
+    parameters = YAML(typ="safe").load(file)["/**"]["ros__parameters"]
+    words = ["--duration", "1", "--log-dir", str(tmp_path), "--extended"]
+
+    exit_code = run.main([*words, "--ros-args", "--params-file", str(file)])
+
+    (manifest,) = tmp_path.glob("*.json")
+    thresholds = json.loads(manifest.read_text())["thresholds"]
+    assert exit_code == 0
+    assert parameters["collision_threshold"] == study.collision.verdict.value
+    for name, value in thresholds.items():
+        assert value == parameters.get(name, getattr(DEFAULT_THRESHOLDS, name))
+
+
+def test_a_threshold_that_is_not_supported_is_only_a_comment(small_sweep: "Sweep") -> None:
+    study = small_sweep[0][1]  # drove on a smooth floor and touched nothing
+
+    text = parameter_file(study, "a command")
+
+    parameters = YAML(typ="safe").load(text)["/**"]["ros__parameters"]
+    unsupported = [verdict for verdict in study.verdicts if verdict.lack is not None]
+    assert unsupported
+    for verdict in unsupported:
+        assert verdict.name not in parameters
+        assert (
+            f"# {verdict.name} stays at {verdict.default.value:g} {verdict.unit}: {verdict.lack}" in text
+        )
+    assert parameters["footprint"] == [-0.272, -0.223, 0.268, -0.223, 0.268, 0.223, -0.272, 0.223]
+    assert "footprint_threshold" not in parameters
