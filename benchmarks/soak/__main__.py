@@ -63,8 +63,8 @@ def soak(plan: Plan, console: Console) -> Iterator[Outcome]:
         for scenario in SCENARIOS:
             with console.status(str(scenario.__doc__)):
                 outcome = scenario(plan, reference, _made(folder / scenario.__name__))
-            verdict = "; ".join(outcome.complaints) or f"{outcome.scenario}: well"
-            console.print(verdict, highlight=False)
+            console.print("; ".join(outcome.complaints) or "well", highlight=False, end=": ")
+            console.print(", ".join(outcome.cells()).replace("**", ""), highlight=False)
             yield outcome
 
 
