@@ -2,7 +2,6 @@
 
 import math
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -53,7 +52,12 @@ def _furthest(obstacle: Obstacle, directions: Points) -> Points:
 
 
 def rotation_matrix(quaternion: tuple[float, float, float, float]) -> Points:
-    """Rotation matrix of a quaternion w, x, y, z."""
-    flat = np.empty(9)
-    mujoco.mju_quat2Mat(flat, np.array(quaternion))
-    return flat.reshape(3, 3)
+    """Rotation matrix of a unit quaternion w, x, y, z."""
+    w, x, y, z = quaternion
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
