@@ -11,7 +11,7 @@ def square(number: int) -> tuple[int, int]:
 
 
 def threads(_: int) -> str | None:
-    return os.environ.get("NUMBA_NUM_THREADS")
+    return os.environ.get("OPENBLAS_NUM_THREADS")
 
 
 def die_the_first_time(item: tuple[int, Path]) -> int:

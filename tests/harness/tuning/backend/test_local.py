@@ -49,6 +49,13 @@ def test_every_item_comes_back_once(two_processes: LocalBackend, stand_ins: Modu
 
     assert sorted(found) == [(number, number * number) for number in range(20)]
     assert list(two_processes.map(stand_ins.square, [])) == []
+
+
+def test_a_process_has_one_thread_whatever_the_environment_says(
+    two_processes: LocalBackend, stand_ins: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "4")
+
     assert set(two_processes.map(stand_ins.threads, range(4))) == {"1"}
 
 
