@@ -6,9 +6,13 @@ Parses, calls, prints; the work is in harness.tuning.
 """
 
 import argparse
+import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+
+if __name__ == "__main__":  # what follows takes a second to load; Ctrl-C must not show where it was
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 from rich.console import Console
 
