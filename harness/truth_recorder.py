@@ -81,7 +81,7 @@ class TruthRecorder:
             rock_contact="rock" in touched,
             scrape="scrape" in touched,
             contact_force=self._force,
-            speed=self._speed(),
+            speed=self._simulation.velocity[0],
             path_length=self._path,
             slip=(front_left.slip, rear_left.slip, front_right.slip, rear_right.slip),
             roughness=math.sqrt(sum(squares) / len(squares)),
@@ -89,14 +89,6 @@ class TruthRecorder:
         self._touched.clear()
         self._force = 0.0
         return state
-
-    def _speed(self) -> float:
-        data = self._simulation.data
-        w, x, y, z = data.qpos[3:7].tolist()
-        vx, vy, vz = data.qvel[:3].tolist()
-        ahead = (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y))
-        speed: float = vx * ahead[0] + vy * ahead[1] + vz * ahead[2]
-        return speed
 
     def _count_slip(self, wheels: list[WheelMotion]) -> None:
         for index, wheel in enumerate(wheels):

@@ -4,7 +4,6 @@ import math
 from typing import NamedTuple
 
 import mujoco
-import numpy as np
 
 from harness.simulation import Simulation
 from harness.truth import SLIP_SPEED, slip_ratio
@@ -34,8 +33,6 @@ class Wheels:
         self._radius = rover.wheel_radius
         self._rover = int(self._model.body("rover").id)
         self._bodies = [int(self._model.joint(name).bodyid[0]) for name in rover.wheel_joints]
-        self._rows = np.array(self._bodies)
-        self._velocity = np.zeros(6)
 
     def motion(self) -> list[WheelMotion]:
         """What each wheel does now.
@@ -44,16 +41,20 @@ class Wheels:
         on any shape of ground; negative backwards. w is its whole angular velocity about the axle, the
         rover's own pitching included.
         """
-        model, data, velocity = self._model, self._data, self._velocity
+        model, data = self._model, self._data
         mujoco.mj_kinematics(model, data)  # after a step, poses and velocities are those before it
         mujoco.mj_comPos(model, data)
         mujoco.mj_comVel(model, data)
         axes = data.xmat[self._rover].tolist()
         ahead_x, axle_x, up_x, ahead_y, axle_y, up_y, ahead_z, axle_z, up_z = axes
+        com_x, com_y, com_z = data.subtree_com[self._rover].tolist()
+        positions, velocities = data.xpos.tolist(), data.cvel.tolist()
         wheels = []
-        for body, (x, y, _) in zip(self._bodies, data.xpos[self._rows].tolist(), strict=True):
-            mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, body, velocity, 0)
-            wx, wy, wz, vx, vy, vz = velocity.tolist()
+        for body in self._bodies:
+            x, y, z = positions[body]
+            wx, wy, wz, vx, vy, vz = velocities[body]  # of the point that is at the centre of mass
+            dx, dy, dz = x - com_x, y - com_y, z - com_z
+            vx, vy, vz = vx + wy * dz - wz * dy, vy + wz * dx - wx * dz, vz + wx * dy - wy * dx
             forward = vx * ahead_x + vy * ahead_y + vz * ahead_z
             upward = vx * up_x + vy * up_y + vz * up_z
             ground_speed = math.copysign(math.hypot(forward, upward), forward)

@@ -27,18 +27,16 @@ class GroundTruthSensor:
         self._simulation = simulation
 
     def read(self) -> GroundTruth:
-        """The truth; a free joint's qvel is linear in the world frame, angular in the body's."""
+        """The truth; a free joint's angular qvel is in the model frame."""
         simulation = self._simulation
         x, y, _ = simulation.position
-        rotation = simulation.rotation()
-        vx, vy, vz = (rotation.T @ simulation.data.qvel[:3]).tolist()
         wx, wy, wz = simulation.data.qvel[3:6].tolist()
         return GroundTruth(
             stamp_ns=simulation.time_ns,
             x=x,
             y=y,
             yaw=simulation.yaw,
-            linear_velocity=(vx, vy, vz),
+            linear_velocity=simulation.velocity,
             angular_velocity=(wx, wy, wz),
         )
 
