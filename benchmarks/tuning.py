@@ -30,7 +30,6 @@ def measure(effort: Effort) -> Table:
         return timed(drive)
 
     contestants = {str(jobs): driving(jobs) for jobs in TARGETS}
-    driving(2)()  # joblib keeps its processes: neither contestant is to wait for them
     rounds = Rounds(contestants, min(effort.rounds, ROUNDS))
     return Table(
         title=f"Episodes of a threshold sweep: {len(planned)} of {effort.seconds:g} simulated seconds",

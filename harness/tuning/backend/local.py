@@ -15,6 +15,7 @@ from joblib.externals.loky import get_reusable_executor
 from harness.tuning.backend.base import Backend, Item, Outcome, WorkerLost, closed_quietly
 
 TERMINAL_SIGNALS = {signal.SIGINT, signal.SIGHUP}
+WARNINGS = "PYTHONWARNINGS"
 WATCH = 1.0  # [s] between two looks at whether the process that gives work is still there
 
 
@@ -46,7 +47,7 @@ class LocalBackend(Backend):
         ):
             parallel = Parallel(n_jobs=self.jobs, return_as="generator_unordered", batch_size=1)
         self._started = True
-        with _deaf_children():
+        with _deaf_children(), _silent_tracker():
             outcomes = parallel(delayed(work)(item) for item in items)
         try:
             yield from closed_quietly(outcomes)
@@ -73,6 +74,23 @@ def _deaf_children() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _silent_tracker() -> Iterator[None]:
+    """The process in which loky keeps track of semaphores, started within, does its work without a word.
+
+    After Ctrl-C it cleans up what an executor had no time to, which is its purpose and no news.
+    """
+    before = os.environ.get(WARNINGS)
+    os.environ[WARNINGS] = ",".join(filter(None, (before, "ignore:resource_tracker:UserWarning")))
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[WARNINGS]
+        else:
+            os.environ[WARNINGS] = before
 
 
 def _leave_with(parent: int) -> None:
