@@ -11,13 +11,14 @@ from harness.tuning.plan import plan
 from harness.tuning.store import Store
 from harness.tuning.sweep import sweep
 
-WORLDS, ROUNDS = 8, 3
+MOST_WORLDS, ROUNDS = 8, 3
 TARGETS = {1: "-", 2: ">= 1.8"}
 
 
 def measure(effort: Effort) -> Table:
     """Simulated seconds per second with one process and with two."""
-    planned = plan(tuple(ROVERS), WORLDS, 0, effort.seconds)
+    worlds = min(2 * effort.rounds, MOST_WORLDS)
+    planned = plan(tuple(ROVERS), worlds, 0, effort.seconds)
     simulated: list[float] = []
 
     def driving(jobs: int) -> Callable[[], float]:
