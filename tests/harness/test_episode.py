@@ -3,12 +3,15 @@ import math
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any, ClassVar
 
+import mujoco
 import numpy as np
 import pytest
 
 from harness.config import EpisodeConfig
-from harness.episode import Episode
+from harness.drivers import Observation
+from harness.episode import Episode, LidarSensor, beam_bearings
 from harness.errors import RunFailed, UsageError
 from harness.robots import LEO, ROVER_ZERO4WD, ROVERS
 from harness.samples import (
@@ -20,8 +23,11 @@ from harness.samples import (
     Pose,
     Sample,
     Tick,
+    TruthState,
     Twist,
 )
+from harness.sensors.lidar_spec import LidarSpec
+from harness.world.world import terrain_hash
 
 SECOND = 1_000_000_000
 
@@ -85,7 +91,7 @@ def test_number_of_beams_is_an_option() -> None:
 
 
 def test_same_seed_gives_the_same_samples_and_another_seed_does_not() -> None:
-    rocky = {"terrain": "rocky", "driver": "wander", "duration": 3.0}
+    rocky = {"terrain": "rocky", "driver": "wander", "duration": 1.0, "lidar_beams": 60}
     assert digest(config(**rocky, seed=5)) == digest(config(**rocky, seed=5))
     assert digest(config(**rocky, seed=5)) != digest(config(**rocky, seed=6))
 
@@ -158,15 +164,15 @@ def test_cmd_vel_driver_stands_until_commanded() -> None:
 
 @pytest.mark.parametrize("robot", ROVERS)
 def test_after_a_reset_the_rover_drives_as_it_did_at_first(robot: str) -> None:
-    episode = Episode(config(robot=robot, terrain="rocky", driver="wander", duration=5.1, seed=3))
+    episode = Episode(config(robot=robot, terrain="rocky", driver="wander", duration=2.1, seed=3))
     batches = []
     for batch in episode.batches():
         batches.append(batch)
-        if len(batches) == 51:
+        if len(batches) == 21:
             episode.reset()
-    first, second = batches[:51], batches[51:]
-    offset_ns = 51 * 50_000_000
-    assert [t.stamp_ns for b in batches for t in b.ticks] == [10_000_000 * n for n in range(1, 511)]
+    first, second = batches[:21], batches[21:]
+    offset_ns = 21 * 50_000_000
+    assert [t.stamp_ns for b in batches for t in b.ticks] == [10_000_000 * n for n in range(1, 211)]
     for before, after in zip(first, second, strict=True):
         assert after.truth.position == before.truth.position
         for kind in (LaserScan, Imu):  # of the same phase at both times
@@ -207,32 +213,165 @@ def test_an_imu_window_that_a_reset_cuts_short_holds_what_came_after_it() -> Non
     assert replace(whole, stamp_ns=cut_short.stamp_ns) == cut_short
 
 
-def test_a_contact_ends_where_the_rover_is_taken_away() -> None:
-    episode = Episode(
-        config(robot="rover_zero4wd", terrain="rocky", seed=1, driver="ram", duration=11.0)
-    )
-    batches = []
-    for batch in episode.batches():
-        batches.append(batch)
-        if batch.open_events and not batch.truth.resets:
+def on_its_roof(**changes: object) -> Episode:
+    """A rover that begins to scrape the ground with its body."""
+    episode = Episode(config(driver="cmd_vel", lidar_beams=8, **changes))
+    episode.simulation.data.qpos[2:7] = 0.5, 0.0, 1.0, 0.0, 0.0
+    return episode
+
+
+def test_an_event_that_lasts_at_the_end_is_told_with_the_last_batch() -> None:
+    *before, last = on_its_roof(duration=0.5).batches()
+    (lasting,) = before[-1].open_events
+    assert not any(batch.events for batch in before)
+    (event,) = last.events
+    assert (event.kind, event.start_ns) == (lasting.kind, lasting.start_ns) == ("scrape", event.start_ns)
+    assert event.end_ns > lasting.end_ns
+    assert last.open_events == ()
+    assert last.truth.scrapes == 1
+
+
+def test_a_run_that_fails_gives_its_last_ticks_and_events_first() -> None:
+    episode = on_its_roof(duration=1.0)
+    batches = episode.batches()
+    for _ in range(8):
+        last = next(batches)
+    assert last.open_events
+    tick, called = episode.simulation.tick, []
+
+    def leave_the_map() -> None:
+        called.append(tick())
+        if len(called) == 3:
+            raise RunFailed("left")
+
+    episode.simulation.tick = leave_the_map  # type: ignore[method-assign]
+    last = next(batches)
+    assert [one.stamp_ns for one in last.ticks] == [410_000_000, 420_000_000]
+    assert (len(last.events), last.open_events) == (1, ())
+    with pytest.raises(RunFailed, match="left"):
+        next(batches)
+
+
+def test_batches_are_control_periods_and_the_last_may_be_shorter() -> None:
+    lengths = [len(batch.ticks) for batch in Episode(config(duration=0.12, lidar_beams=8)).batches()]
+    assert lengths == [5, 5, 2]
+
+
+def test_a_ticks_samples_come_in_publishing_order_with_the_truth_last() -> None:
+    told = ticks(config(duration=0.1, lidar_beams=8))
+    order = [LaserScan, Imu, Pose, Odometry, GroundTruth, JointStates, TruthState]
+    assert [type(sample) for sample in told[9].samples] == order
+    assert [[type(s) for s in told[n].samples] for n in (0, 1)] == [[], [Pose, GroundTruth, JointStates]]
+    assert [type(s) for s in told[4].samples] == [LaserScan, Imu, Odometry, TruthState]
+
+
+class Spy:
+    """A driver and a noise that remember what they were made of and shown."""
+
+    made: ClassVar[list["Spy"]] = []
+    summary = "remembers"
+
+    def __init__(self, *given: Any) -> None:  # noqa: ANN401 - of a driver or of a noise
+        self.given, self.seen = given, list[Any]()
+        Spy.made.append(self)
+
+    def command(self, observation: Observation) -> Twist:
+        self.seen.append(observation)
+        return Twist(0.3, 0.2)
+
+    def corrupt(self, sample: Sample) -> Sample:
+        return replace(sample, ranges=sample.ranges + 1) if isinstance(sample, LaserScan) else sample
+
+
+@pytest.fixture
+def spied(monkeypatch: pytest.MonkeyPatch) -> list[Spy]:
+    """The spies that an episode makes: a noise, then a driver, and another after a reset."""
+    monkeypatch.setattr(Spy, "made", [])
+    monkeypatch.setattr("harness.episode.SensorNoise", Spy)
+    monkeypatch.setattr("harness.episode.find_driver", lambda _: Spy)
+    return Spy.made
+
+
+def test_driver_scan_noise_and_imu_noise_draw_from_streams_of_their_own(spied: list[Spy]) -> None:
+    """The streams are part of what a seed means: they are spawned from it in this order."""
+    episode = Episode(config(seed=6, noise="hardware", duration=0.1))
+    episode.reset()
+    noise, driver, again = spied
+    preset, limits, scan_rng, imu_rng = noise.given
+    assert preset.name == "hardware"
+    assert limits == (0.15, 10.0)
+    children = np.random.SeedSequence(6, spawn_key=(10,)).spawn(3)
+    given = (driver.given[0].rng, scan_rng, imu_rng)
+    expected = [np.random.default_rng(child).random() for child in children]
+    assert [rng.random() for rng in given] == expected
+    assert again.given[0].rng.random() == expected[0], "a reset drives as at first"
+
+
+def test_a_driver_sees_where_the_rover_is_and_the_last_scan_as_it_was_sent(spied: list[Spy]) -> None:
+    episode = Episode(config(terrain="rocky", noise=True, duration=0.3, lidar_beams=8))
+    batches, where = episode.batches(), []
+    for index in range(6):
+        where.append((*episode.simulation.position[:2], episode.simulation.yaw))
+        last = next(batches)
+        if index == 2:
             episode.reset()
-    (event,) = [event for batch in batches for event in batch.events]
-    (last,) = [batch.truth for batch in batches if batch.open_events]
-    assert event.end_ns <= last.time_ns
-    assert batches[-1].truth.hazard_contact_s == last.hazard_contact_s
+    _, first, second = spied
+    context = first.given[0]
+    world = episode.config.world()
+    assert (context.rover, context.half_size) == (LEO, world.ground.half_size)
+    assert repr(context.obstacles) == repr(world.obstacles)
+    seen = [*first.seen, *second.seen]
+    assert [o.time_ns for o in seen] == [0, 50_000_000, 100_000_000] * 2
+    assert [(o.x, o.y, o.yaw) for o in seen] == where
+    assert where[0] != where[1] != where[2]
+    assert [o.ranges is None for o in seen] == [True, False, False] * 2
+    scans = [s for s in last.ticks[-1].samples if isinstance(s, LaserScan)]
+    assert np.isfinite(scans[0].ranges).any()
+    assert not any(o.touches_hazard for o in seen)
 
 
-def test_reaching_the_edge_stops_the_run_and_says_where_and_when() -> None:
-    stamps: list[int] = []
+def test_a_driver_is_told_of_a_hazard_only_while_something_touches_it(spied: list[Spy]) -> None:
+    episode = Episode(config(duration=0.3, lidar_beams=8))
+    batches, sums = episode.batches(), episode.simulation.summed
+    for kind in ("rock_contact", "scrape_contact_rover", "hazard_contact"):
+        next(batches)
+        episode.simulation.tick_sum.fill(0.0)
+        sums(kind)[0] = 1.0
+    next(batches)
+    assert [o.touches_hazard for o in spied[0].seen] == [False, False, False, True]
 
-    def drive() -> None:
-        for batch in Episode(config(duration=120.0)).batches():
-            stamps.extend(tick.stamp_ns for tick in batch.ticks)
 
-    with pytest.raises(RunFailed, match=r"reached the edge of the map at t = \d+\.\d\d s \(x = 19\.5"):
-        drive()
-    assert all(b - a == 10_000_000 for a, b in pairwise(stamps))
-    assert stamps[-1] > 50 * SECOND
+@pytest.mark.parametrize("beams", [4, 5, 640])
+def test_the_first_beam_looks_ahead_as_the_lidar_looks_backwards(beams: int) -> None:
+    bearings = beam_bearings(LidarSpec(beams=beams))
+    angles = np.linspace(-3.14159, 3.14159, beams)
+    expected = np.angle(np.exp(1j * (angles + math.pi)))
+    assert np.exp(1j * bearings) == pytest.approx(np.exp(1j * expected))
+    assert np.abs(bearings).max() <= math.pi
+    assert bearings[0] == pytest.approx(0.0, abs=1e-5)
+
+
+def test_a_scan_is_taken_from_where_the_rover_is_now() -> None:
+    simulation = Episode(config(lidar_beams=8, duration=0.1)).simulation
+
+    class Mast:
+        def scan(self, data: mujoco.MjData) -> np.ndarray:
+            return np.array(data.body("rover").xpos - data.qpos[:3])
+
+    simulation.data.qvel[0] = 0.5
+    simulation.tick()
+    scan = LidarSensor(simulation, Mast(), 5).read()  # type: ignore[arg-type]  # a stand-in
+    assert scan.stamp_ns == 10_000_000
+    assert scan.ranges == pytest.approx(np.zeros(3), abs=1e-12)
+
+
+def test_an_episode_says_what_it_is_made_of() -> None:
+    made, world = Episode(config(terrain="rocky", lidar_beams=8)), config(terrain="rocky").world()
+    info = made.info
+    assert info.terrain_hash == terrain_hash(world)
+    assert info.model_hash == hashlib.sha256(LEO.model_path.read_bytes()).hexdigest()
+    assert (info.obstacles, info.notes) == (len(world.obstacles), world.notes)
+    assert info.map_size == pytest.approx(40.0)
 
 
 def test_divergence_is_reported_with_time_and_state(

@@ -1,120 +1,319 @@
-from dataclasses import replace
-from itertools import chain
+"""The truth of a drive, summed up beside it from MuJoCo's raw state of every step."""
 
+import copy
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+import mujoco
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
-from harness.config import Batch, EpisodeConfig
-from harness.episode import Episode
+from harness.contacts import Touch
 from harness.robots import ROVERS
 from harness.samples import TruthState
-from harness.sensors.fault_kinds import SENSORS
-from harness.sensors.fault_spec import parse_faults
-from harness.sensors.faults import FaultInjector
+from harness.simulation import Simulation
+from harness.truth import Truth
 from harness.truth_events import ContactEvent
 from harness.truth_recorder import TruthRecorder
+from harness.wheels import WheelMotion
+from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.roughness import RoughnessMap
 
-PERIOD_NS = 50_000_000
+Vector = NDArray[np.float64]
+
+TICK_NS, STATE_TICKS = 10_000_000, 5
+WHEELS = ROVERS["rover_zero4wd"].wheel_joints
+KINDS = ("hazard", "rock", "scrape")
+WALL = Obstacle(
+    kind=ObstacleKind.HAZARD, shape="box", half_size=(0.05, 0.6, 0.3), position=(0.75, 0.1, 0.3)
+)
+STONE = Obstacle(
+    kind=ObstacleKind.ROCK, shape="ellipsoid", half_size=(0.06, 0.09, 0.04), position=(0.5, -0.18, 0.0)
+)
+
+
+@dataclass
+class Contact:
+    """One contact point in one step, and the pose of the rover then."""
+
+    force: float
+    part: str
+    other: str
+    place: Vector
+    pose: Vector
+
+    @property
+    def point(self) -> Vector:
+        """Where it is in the model frame."""
+        w, x, y, z = self.pose[3:]
+        inverse = Rotation.from_quat([x, y, z, w]).inv()
+        return np.asarray(inverse.apply(self.place - self.pose[:3]))
+
+
+@dataclass
+class Tick:
+    """What MuJoCo's state says of one clock tick."""
+
+    end_ns: int
+    position: Vector
+    tilt: float
+    speed: float
+    touches: dict[str, list[Contact]]
+    wheels: list[Vector]
+
+
+@dataclass
+class Drive:
+    """A drive twice: as the recorder tells it, and as it was."""
+
+    start: Vector
+    simulation: Simulation
+    ticks: list[Tick] = field(default_factory=list)
+    states: list[TruthState] = field(default_factory=list)
+    events: list[ContactEvent] = field(default_factory=list)
+    truth: Truth = field(default_factory=Truth)
+
+
+class Contacts:
+    """Every contact of a step that is not a wheel's with the ground, by kind."""
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        self._model = model
+        geoms = [model.geom(index) for index in range(model.ngeom)]
+        bodies = [model.body(int(geom.bodyid[0])).name for geom in geoms]
+        kinds = {"world": "scrape", "rocks": "rock", "hazards": "hazard"}
+        self._kinds = {geom: kinds[name] for geom, name in enumerate(bodies) if name in kinds}
+        self._names = [geom.name.removeprefix("body_") for geom in geoms]
+        self._names[model.geom("terrain").id] = "ground"
+        wheels = {int(model.joint(name).bodyid[0]) for name in WHEELS}
+        self._wheels = {geom.id for geom in geoms if int(geom.bodyid[0]) in wheels}
+
+    def of(self, data: mujoco.MjData) -> Iterator[tuple[str, Contact]]:
+        for index, geoms in enumerate(data.contact.geom.tolist()):
+            part, other = sorted(geoms, key=lambda geom: geom in self._kinds)
+            kind = self._kinds[other]
+            if kind == "scrape" and part in self._wheels:
+                continue
+            wrench = np.zeros(6)
+            mujoco.mj_contactForce(self._model, data, index, wrench)
+            place, pose = data.contact.pos[index].copy(), data.qpos[:7].copy()
+            yield kind, Contact(wrench[0], self._names[part], self._names[other], place, pose)
+
+
+def tick_by_hand(simulation: Simulation, contacts: Contacts) -> Tick:
+    """The next tick, on a copy of the state."""
+    model, data = simulation.model, copy.copy(simulation.data)
+    touches: dict[str, list[Contact]] = {kind: [] for kind in KINDS}
+    for _ in range(4):
+        mujoco.mj_step(model, data)
+        for kind, touch in contacts.of(data):
+            touches[kind].append(touch)
+    mujoco.mj_forward(model, data)
+    w, x, y, z = data.qpos[3:7]
+    attitude = Rotation.from_quat([x, y, z, w])
+    return Tick(
+        end_ns=simulation.time_ns + TICK_NS,
+        position=data.qpos[:3].copy(),
+        tilt=math.acos(min(1.0, attitude.apply([0.0, 0.0, 1.0])[2])),
+        speed=attitude.inv().apply(data.qvel[:3])[0],
+        touches=touches,
+        wheels=[data.body(int(model.joint(n).bodyid[0])).xpos.copy() for n in WHEELS],
+    )
 
 
 @pytest.fixture(scope="module")
-def drive() -> list[Batch]:
-    """A drive that meets a hazard, then a rock."""
-    config = EpisodeConfig(robot="rover_zero4wd", seed=1, driver="ram", duration=12.5)
-    return list(Episode(config).batches())
-
-
-def states(batches: list[Batch]) -> list[TruthState]:
-    samples = chain.from_iterable(tick.samples for batch in batches for tick in batch.ticks)
-    return [sample for sample in samples if isinstance(sample, TruthState)]
-
-
-def events(batches: list[Batch]) -> list[ContactEvent]:
-    return [event for batch in batches for event in batch.events]
-
-
-def test_truth_comes_last_in_its_tick_at_20_hz(drive: list[Batch]) -> None:
-    stamps = [state.stamp_ns for state in states(drive)]
-    assert stamps == [PERIOD_NS * n for n in range(1, 251)]
-    assert all(isinstance(batch.ticks[-1].samples[-1], TruthState) for batch in drive)
-
-
-def test_states_say_contact_exactly_while_an_event_lasts(drive: list[Batch]) -> None:
-    (hazard,) = [event for event in events(drive) if event.kind == "hazard"]
-    touching = [s.stamp_ns for s in states(drive) if s.hazard_contact]
-    assert touching[0] - PERIOD_NS <= hazard.start_ns < touching[0]
-    assert touching[-1] - PERIOD_NS < hazard.end_ns <= touching[-1]
-    assert hazard.force == max(s.contact_force for s in states(drive)) > 100.0
-    assert all((s.contact_force > 0.0) == s.hazard_contact for s in states(drive))
-
-
-def test_an_event_says_which_part_met_which_obstacle_and_where_on_the_rover(drive: list[Batch]) -> None:
-    (hazard,) = [event for event in events(drive) if event.kind == "hazard"]
-    assert (hazard.part, hazard.other) == ("wheel_FR", "hazard_0")
-    x, y, z = hazard.point
-    _, front, right, _ = ROVERS["rover_zero4wd"].footprint
-    assert front - 0.03 < x < front + 0.01
-    assert right - 0.01 < y < right + 0.09
-    assert 0.0 < z < 0.25
-
-
-def test_an_event_that_lasts_at_the_end_of_the_drive_is_told_with_the_last_batch(
-    drive: list[Batch],
-) -> None:
-    *before, last = drive
-    assert "rock" not in {event.kind for event in events(before)}
-    (open_rock,) = before[-1].open_events
-    (rock,) = last.events
-    assert (rock.kind, rock.start_ns) == (open_rock.kind, open_rock.start_ns)
-    assert last.open_events == ()
-
-
-def test_totals_agree_with_events_and_states(drive: list[Batch]) -> None:
-    truth, last = drive[-1].truth, states(drive)[-1]
-    kinds = [event.kind for event in events(drive)]
-    assert truth.hazard_contacts == kinds.count("hazard") == 1
-    assert truth.rock_contacts == kinds.count("rock") == 1
-    assert truth.path_length == last.path_length
-    moving = np.abs([state.slip for state in states(drive)])
-    assert truth.mean_slip == pytest.approx(moving.mean(), abs=0.01)
-    assert truth.wheel_slip == pytest.approx(moving.mean(axis=0), abs=0.01)
-
-
-@pytest.mark.parametrize("robot", ROVERS)
-def test_wheels_that_roll_hardly_slip_and_wheels_that_turn_in_place_do(robot: str) -> None:
-    config = EpisodeConfig(terrain="flat", robot=robot, duration=3.0, driver="straight")
-    straight = states(list(Episode(config).batches()))[-1]
-    assert np.abs(straight.slip).max() < 0.05
-    assert straight.speed == pytest.approx(0.3, rel=0.06)
-    assert straight.roughness == 0.0
-    spin = states(list(Episode(replace(config, driver="spin")).batches()))[-1]
-    front_left, rear_left, front_right, rear_right = spin.slip
-    assert max(front_left, rear_left) < -0.1
-    assert min(front_right, rear_right) > 0.1
-    assert abs(spin.speed) < 0.05
-
-
-@pytest.mark.parametrize("robot", ROVERS)
-def test_a_rover_on_its_roof_scrapes_the_ground_with_its_body(robot: str) -> None:
-    simulation = Episode(EpisodeConfig(terrain="flat", robot=robot, duration=1.0)).simulation
+def drive(make_simulation: Callable[..., Simulation]) -> Drive:
+    """Over a stone against a wall, back, against it again; then on its side, upright, on its nose."""
+    heights = np.random.default_rng(3).uniform(0.0, 0.01, (41, 41))
+    simulation = make_simulation(heights=heights, obstacles=(WALL, STONE))
     recorder = TruthRecorder(simulation)
-    simulation.data.qpos[2:7] = 0.5, 0.0, 1.0, 0.0, 0.0
-    for _ in range(100):
-        simulation.tick()
-        recorder.observe()
+    told, contacts = Drive(np.array(simulation.position), simulation), Contacts(simulation.model)
+    for ticks, speed, pose in (
+        (90, 7.0, None),
+        (60, -7.0, None),
+        (60, 7.0, None),
+        (20, 0.0, (-0.8, 0.5, 0.40, *quaternion(roll=2.8))),
+        (15, 2.0, (-0.8, 0.5, 0.05, *quaternion(yaw=1.0))),
+        (5, 0.0, (-0.8, 0.5, 0.50, *quaternion(pitch=1.2))),
+    ):
+        if pose is not None:
+            simulation.data.qpos[:7], simulation.data.qvel[:] = pose, 0.0
+        simulation.command_wheels(np.full(4, speed))
+        for _ in range(ticks):
+            told.ticks.append(tick_by_hand(simulation, contacts))
+            simulation.tick()
+            recorder.observe()
+            if len(told.ticks) % STATE_TICKS == 0:
+                told.states.append(recorder.state())
     recorder.events.close()
-    kinds = {event.kind for event in recorder.events.take_closed()}
-    assert kinds == {"scrape"}
-    assert recorder.state().scrape
-    assert recorder.truth().scrape_s > 0.3
-    assert recorder.truth().tipped_over
+    told.events += recorder.events.take_closed()
+    told.truth = recorder.truth()
+    return told
 
 
-def test_no_fault_changes_the_truth() -> None:
-    faults = [f"{sensor}:{kind}" for sensor in SENSORS for kind in ("nan", "dropout", "duplicate")]
-    config = EpisodeConfig(terrain="flat", duration=0.2)
-    injector = FaultInjector(parse_faults([*faults, "clock:jump=10@0.1"]), seed=0)
-    for batch in Episode(config).batches():
-        for tick in batch.ticks:
-            sent = [s for s in injector.corrupt(tick).samples if isinstance(s, TruthState)]
-            assert sent == [s for s in tick.samples if isinstance(s, TruthState)]
+def quaternion(*, roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0) -> tuple[float, ...]:
+    x, y, z, w = Rotation.from_euler("ZYX", [yaw, pitch, roll]).as_quat()
+    return w, x, y, z
+
+
+def path_lengths(drive: Drive) -> list[float]:
+    """Of the path up to the end of each tick [m]."""
+    positions = np.array([drive.start, *(tick.position for tick in drive.ticks)])
+    return np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1)).tolist()
+
+
+def test_path_and_place_are_those_of_the_model_frame(drive: Drive) -> None:
+    assert drive.truth.time_ns == drive.ticks[-1].end_ns == 250 * TICK_NS
+    assert drive.truth.path_length == pytest.approx(path_lengths(drive)[-1])
+    assert drive.truth.position == pytest.approx(drive.ticks[-1].position)
+
+
+def test_seconds_in_contact_are_the_ticks_with_a_contact_of_that_kind(drive: Drive) -> None:
+    truth = drive.truth
+    told = (truth.hazard_contact_s, truth.rock_contact_s, truth.scrape_s)
+    counted = [sum(bool(tick.touches[kind]) for tick in drive.ticks) for kind in KINDS]
+    assert min(counted) > 5
+    assert len(set(counted)) == 3
+    assert told == pytest.approx([0.01 * count for count in counted])
+
+
+def test_the_largest_tilt_is_that_of_the_whole_drive(drive: Drive) -> None:
+    tilts = [tick.tilt for tick in drive.ticks]
+    assert max(tilts) > max(tilts[-20:]) + 0.1
+    assert drive.truth.largest_tilt == pytest.approx(max(tilts), abs=1e-6)
+    assert drive.truth.tipped_over
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_event_lasts_from_its_first_contact_to_its_last_and_names_the_strongest(
+    kind: str, drive: Drive
+) -> None:
+    touching = [tick for tick in drive.ticks if tick.touches[kind]]
+    expected: list[list[Tick]] = []
+    for tick in touching:
+        if expected and tick.end_ns - expected[-1][-1].end_ns <= 500_000_000:
+            expected[-1].append(tick)
+        else:
+            expected.append([tick])
+    told = sorted((e for e in drive.events if e.kind == kind), key=lambda event: event.start_ns)
+    assert len(told) == len(expected)
+    truth = drive.truth
+    begun = dict(zip(KINDS, (truth.hazard_contacts, truth.rock_contacts, truth.scrapes), strict=True))
+    assert begun[kind] == len(expected)
+    for event, ticks in zip(told, expected, strict=True):
+        assert (event.start_ns, event.end_ns) == (ticks[0].end_ns - TICK_NS, ticks[-1].end_ns)
+        strongest = max((t for tick in ticks for t in tick.touches[kind]), key=lambda touch: touch.force)
+        assert event.force == pytest.approx(strongest.force)
+        assert (event.part, event.other) == (strongest.part, strongest.other)
+        assert event.point == pytest.approx(strongest.point, abs=1e-9)
+
+
+def test_the_wall_was_hit_twice(drive: Drive) -> None:
+    hits = [event for event in drive.events if event.kind == "hazard"]
+    assert [event.other for event in hits] == ["hazard_0", "hazard_0"]
+    assert all(event.point[0] > 0.2 for event in hits), "the front of the rover"
+
+
+def test_each_state_tells_of_its_own_fifty_milliseconds(drive: Drive) -> None:
+    paths, roughness = path_lengths(drive), RoughnessMap(drive.simulation.scene.world.ground)
+    for index, state in enumerate(drive.states, start=1):
+        ticks = drive.ticks[(index - 1) * STATE_TICKS : index * STATE_TICKS]
+        now = ticks[-1]
+        touched = {kind: [t for tick in ticks for t in tick.touches[kind]] for kind in KINDS}
+        assert state.stamp_ns == now.end_ns
+        told = (state.hazard_contact, state.rock_contact, state.scrape)
+        assert told == tuple(bool(touched[kind]) for kind in KINDS)
+        force = max((touch.force for touch in touched["hazard"]), default=0.0)
+        assert state.contact_force == pytest.approx(force)
+        assert state.speed == pytest.approx(now.speed, abs=1e-9)
+        assert state.path_length == pytest.approx(paths[index * STATE_TICKS - 1])
+        squares = [roughness.mean_square(x, y) for x, y, _ in now.wheels]
+        assert state.roughness == pytest.approx(math.sqrt(np.mean(squares)))
+
+
+class StandIn(SimpleNamespace):
+    """As much of a simulation as a recorder looks at."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            time_ns=0,
+            position=(0.0, 0.0, 0.0),
+            velocity=(0.0, 0.0, 0.0),
+            data=SimpleNamespace(qpos=np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])),
+            contacts=SimpleNamespace(strongest={}, name_of=str),
+        )
+
+    def tip(self, degrees: float) -> None:
+        x, y, z, w = Rotation.from_euler("ZYX", [30.0, degrees, 0.0], degrees=True).as_quat()
+        self.data.qpos[3:7] = w, x, y, z
+
+
+@pytest.fixture
+def stand_in() -> StandIn:
+    return StandIn()
+
+
+@pytest.fixture
+def recorder(stand_in: StandIn, monkeypatch: pytest.MonkeyPatch) -> TruthRecorder:
+    """A recorder whose wheels do what `motions` yields, on even ground."""
+    motions = iter(
+        [
+            [motion(0.5), motion(-0.25), motion(1.0), motion(0.0, moves=False)],
+            [motion(0.0, moves=False), motion(0.75), motion(0.0), motion(0.0, moves=False)],
+        ]
+    )
+    wheels = SimpleNamespace(motion=lambda: next(motions))
+    monkeypatch.setattr("harness.truth_recorder.Wheels", lambda _: wheels)
+    made = TruthRecorder(stand_in)  # type: ignore[arg-type]  # a stand-in
+    made.__dict__["_roughness"] = SimpleNamespace(mean_square=lambda x, y: x + 10.0 * y)
+    return made
+
+
+def motion(slip: float, *, moves: bool = True) -> WheelMotion:
+    return WheelMotion(x=0.01, y=0.02, slip=slip, moves=moves)
+
+
+def test_slip_is_averaged_over_the_wheels_that_move(recorder: TruthRecorder) -> None:
+    assert recorder.truth().mean_slip == 0.0
+    states = [recorder.state(), recorder.state()]
+    assert [state.slip for state in states] == [(0.5, -0.25, 1.0, 0.0), (0.0, 0.75, 0.0, 0.0)]
+    truth = recorder.truth()
+    assert truth.wheel_slip == (0.5, 0.5, 0.5, 0.0)
+    assert truth.mean_slip == pytest.approx((0.5 + 0.25 + 1.0 + 0.75 + 0.0) / 5)
+    assert states[0].roughness == pytest.approx(math.sqrt(0.21))
+
+
+@pytest.mark.parametrize(
+    ("degrees", "tipped"), [(0.0, False), (74.9, False), (75.1, True), (180.0, True)]
+)
+def test_a_rover_has_tipped_over_beyond_75_degrees(
+    degrees: float, tipped: bool, recorder: TruthRecorder, stand_in: StandIn
+) -> None:
+    for tilt in (degrees, 0.0):
+        stand_in.tip(tilt)
+        recorder.observe()
+    truth = recorder.truth()
+    assert math.degrees(truth.largest_tilt) == pytest.approx(degrees, abs=1e-5)
+    assert truth.tipped_over == tipped
+
+
+def test_the_way_back_to_the_start_is_no_path_and_ends_every_contact(
+    recorder: TruthRecorder, stand_in: StandIn
+) -> None:
+    stand_in.time_ns, stand_in.position = TICK_NS, (3.0, 4.0, 12.0)
+    stand_in.contacts.strongest = {"hazard": Touch(5.0, 1, 2, [0.0] * 3, [0.0] * 3 + [1.0] + [0.0] * 3)}
+    recorder.observe()
+    stand_in.position, stand_in.contacts.strongest = (0.0, 0.0, 0.0), {}
+    recorder.carried_away()
+    assert recorder.events.open == ()
+    assert len(recorder.events.take_closed()) == 1
+    stand_in.time_ns, stand_in.position = 2 * TICK_NS, (1.0, 0.0, 0.0)
+    recorder.observe()
+    truth = recorder.truth()
+    assert truth.path_length == 13.0 + 1.0
+    assert (truth.resets, truth.hazard_contacts) == (1, 1)
+    assert (truth.hazard_contact_s, truth.rock_contact_s, truth.scrape_s) == (0.01, 0.0, 0.0)

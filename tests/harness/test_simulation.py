@@ -1,0 +1,171 @@
+"""The simulation against MuJoCo stepped beside it, and against scipy's rotations."""
+
+import copy
+import math
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from harness.errors import Diverged, RunFailed
+from harness.robots import ROVER_ZERO4WD, ROVERS
+from harness.simulation import Simulation
+
+TICK_NS = 10_000_000
+SPEEDS = np.array([1.0, 2.0, 3.0, 4.0])  # [rad/s] of the wheels, all different
+Make = Callable[..., Simulation]
+
+
+@pytest.fixture
+def simulation(make_simulation: Make) -> Simulation:
+    return make_simulation()
+
+
+def stepped_by_hand(simulation: Simulation, steps: int) -> tuple[mujoco.MjData, NDArray[np.float64]]:
+    """A copy of the state after so many steps, and the sum of the sensor values of each."""
+    data, total = copy.copy(simulation.data), np.zeros(simulation.model.nsensordata)
+    for _ in range(steps):
+        mujoco.mj_step(simulation.model, data)
+        total += data.sensordata
+    return data, total
+
+
+@pytest.mark.parametrize(("timestep_ns", "steps"), [(2_500_000, 4), (5_000_000, 2)])
+def test_a_tick_is_ten_milliseconds_of_steps_whose_sensor_values_are_summed(
+    timestep_ns: int, steps: int, make_simulation: Make
+) -> None:
+    simulation = make_simulation(timestep_ns=timestep_ns)
+    gyro = simulation.summed("imu_gyro")
+    assert simulation.time_ns == 0
+    for tick in (1, 2):
+        simulation.command_wheels(SPEEDS)
+        expected, total = stepped_by_hand(simulation, steps)
+        simulation.tick()
+        assert simulation.time_ns == tick * TICK_NS
+        assert np.array_equal(simulation.data.qpos, expected.qpos)
+        assert np.array_equal(simulation.tick_sum, total)
+        place = simulation.model.sensor("imu_gyro").adr[0]
+        assert np.array_equal(gyro, total[place : place + 3])
+        assert gyro.any()
+
+
+@pytest.mark.parametrize("robot", ROVERS)
+def test_wheel_speeds_go_to_the_actuators_of_their_joints(robot: str, make_simulation: Make) -> None:
+    simulation = make_simulation(robot)
+    simulation.command_wheels(SPEEDS)
+    names = ROVERS[robot].wheel_joints
+    assert [simulation.data.actuator(name).ctrl[0] for name in names] == SPEEDS.tolist()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_attitude_and_velocity_are_those_of_the_model_frame(seed: int, simulation: Simulation) -> None:
+    rng = np.random.default_rng(seed)
+    attitude = Rotation.random(random_state=seed)
+    x, y, z, w = attitude.as_quat()
+    position, velocity = rng.normal(size=3), rng.normal(size=3)
+    simulation.data.qpos[:7] = *position, w, x, y, z
+    simulation.data.qvel[:3] = velocity
+    assert simulation.position == tuple(position)
+    assert simulation.orientation == (x, y, z, w)
+    ahead = attitude.apply([1.0, 0.0, 0.0])
+    assert simulation.yaw == pytest.approx(math.atan2(ahead[1], ahead[0]))
+    assert simulation.rotation() == pytest.approx(attitude.as_matrix())
+    assert simulation.velocity == pytest.approx(attitude.inv().apply(velocity))
+    simulation.refresh_kinematics()
+    assert simulation.data.body("rover").xpos == pytest.approx(position)
+    assert simulation.data.body("rover").xmat.reshape(3, 3) == pytest.approx(attitude.as_matrix())
+
+
+@pytest.mark.parametrize("robot", ROVERS)
+def test_it_begins_at_rest_on_the_ground_at_time_zero(robot: str, make_simulation: Make) -> None:
+    simulation = make_simulation(robot, heights=np.full((41, 41), 0.7))
+    height = 0.7 + ROVERS[robot].rest_height
+    assert simulation.position == pytest.approx((0.0, 0.0, height), abs=0.003)
+    assert (simulation.time_ns, simulation.data.time) == (0, 0.0)
+    assert np.abs(simulation.data.qvel).max() < 2e-3
+    assert simulation.data.ncon >= 4
+    assert not simulation.contacts.strongest
+
+
+@pytest.mark.parametrize(
+    ("rows", "columns", "highest"),
+    [
+        (slice(0, 18), slice(None), 0.23),  # a plateau 0.3 m to the right, a ramp of 0.1 m before it
+        (slice(0, None), slice(0, 18), 0.72),  # the same behind
+        (slice(21, None), slice(None), 1.0),  # one that reaches below the left wheels
+        (slice(0, None), slice(22, None), 1.0),  # and below the front ones
+    ],
+)
+def test_it_is_let_down_from_a_centimetre_above_the_highest_ground_below_its_footprint(
+    rows: slice, columns: slice, highest: float, make_simulation: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The footprint begins 0.272 m behind and 0.223 m to the right of the origin."""
+    heights = np.zeros((41, 41))
+    heights[rows, columns] = 0.25
+
+    def watched(_: mujoco.MjModel, data: mujoco.MjData) -> None:
+        raise RuntimeError(f"{data.qpos[2]:.6f}")
+
+    monkeypatch.setattr("harness.simulation.mujoco.mj_step", watched)
+    expected = highest * 0.25 + ROVER_ZERO4WD.rest_height + 0.01
+    with pytest.raises(RuntimeError, match=f"{expected:.6f}"):
+        make_simulation(heights=heights)
+
+
+def test_back_at_its_start_it_drives_as_at_first_while_time_goes_on(simulation: Simulation) -> None:
+    drives = []
+    for _ in range(2):
+        simulation.command_wheels(SPEEDS)
+        drive = []
+        for _ in range(5):
+            simulation.tick()
+            drive.append((simulation.data.qpos.tolist(), simulation.tick_sum.tolist()))
+        drives.append(drive)
+        simulation.return_to_start()
+        assert not simulation.tick_sum.any()
+    assert drives[0] == drives[1]
+    assert simulation.time_ns == 10 * TICK_NS
+
+
+@pytest.mark.parametrize(
+    ("warning", "quantity"),
+    [
+        (mujoco.mjtWarning.mjWARN_BADQPOS, "position"),
+        (mujoco.mjtWarning.mjWARN_BADQVEL, "velocity"),
+        (mujoco.mjtWarning.mjWARN_BADQACC, "acceleration"),
+        (mujoco.mjtWarning.mjWARN_BADCTRL, "wheel command"),
+    ],
+)
+def test_a_diverged_state_ends_the_run_and_is_described(
+    warning: mujoco.mjtWarning, quantity: str, simulation: Simulation
+) -> None:
+    simulation.tick()
+    simulation.data.qpos[:3], simulation.data.qvel[:3] = (0.5, -0.25, 1.0), 0.0
+    simulation.data.warning[warning].number = 1
+    expected = rf"t = 0\.02 s \(NaN, infinite or huge {quantity}\); position \[0\.5, -0\.25, "
+    with pytest.raises(Diverged, match=expected + r".* m, velocity \[.*, -0\.0\d+\] m/s; try"):
+        simulation.tick()
+
+
+def test_a_warning_of_another_kind_is_no_divergence(simulation: Simulation) -> None:
+    simulation.data.warning[mujoco.mjtWarning.mjWARN_INERTIA].number = 1
+    simulation.tick()
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_half_a_metre_before_the_edge_of_the_map_the_run_ends(
+    axis: int, side: float, simulation: Simulation
+) -> None:
+    simulation.data.qpos[axis] = 1.48 * side
+    simulation.tick()
+    simulation.data.qpos[axis] = 1.52 * side
+    place = ["0.00", "0.00"]
+    place[axis] = f"{1.52 * side:.2f}"
+    with pytest.raises(
+        RunFailed, match=rf"edge .* t = 0\.02 s \(x = -?{place[0]} m, y = -?{place[1]} m\)"
+    ):
+        simulation.tick()
