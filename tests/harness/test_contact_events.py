@@ -47,7 +47,14 @@ def test_an_event_names_its_strongest_contact() -> None:
     (event,) = events.take_closed()
     assert (event.force, event.part, event.other) == (80.0, "chassis", "hazard_0")
     assert [round(value, 9) for value in event.point] == [0.2, -0.1, 0.4]
-    assert event.end_ns == 3 * TICK_NS
+    assert (event.start_ns, event.end_ns) == (0, 3 * TICK_NS)
+
+
+def test_of_equally_strong_contacts_the_first_is_told() -> None:
+    events = watched()
+    observe(events, (1, {"rock": touch(5.0, part=1)}), (2, {"rock": touch(5.0, part=2)}))
+    assert [event.part for event in events.open] == ["wheel_FL"]
+    assert events.begun == {"hazard": 0, "rock": 1, "scrape": 0}
 
 
 def test_the_point_is_in_the_model_frame_whatever_the_heading() -> None:

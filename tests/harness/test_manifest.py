@@ -1,10 +1,11 @@
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from harness.config import EpisodeConfig
+from harness.config import EpisodeConfig, EpisodeInfo
 from harness.errors import UsageError
 from harness.manifest import check_writable, manifest, write_manifest
 from harness.result import RunResult, TopicCount
@@ -93,6 +94,65 @@ def test_outcome_says_how_the_run_ended(
     changes: dict[str, object], status: str, reason: str | None
 ) -> None:
     assert manifest(result(**changes))["outcome"] == {"status": status, "reason": reason}
+
+
+def test_every_figure_of_a_run_stands_in_its_manifest() -> None:
+    truth = Truth(2_000_000_000, 0.8, (1.0, 2.0, 3.0), 4, 5, 6, 0.4, 0.5, 0.6, 0.7, (0.1, 0.2, 0.3, 0.4))
+    told = manifest(
+        result(
+            truth=replace(truth, largest_tilt=1.5, tipped_over=True, resets=8),
+            info=EpisodeInfo("model", "terrain", 3, 40.0, ("cut",)),
+            paused_s=9.0,
+            first_row_s=0.25,
+            rows=2,
+            log_path=Path("logs/a.csv"),
+            thresholds=replace(DEFAULT_THRESHOLDS, collision_threshold=0.125),
+            topics={"/scan": TopicCount(40, 39, 1)},
+        )
+    )
+    assert told["simulated_s"] == 2.0
+    assert (told["wall_s"], told["paused_s"], told["first_row_s"]) == (0.5, 9.0, 0.25)
+    assert (told["rows"], told["log"], told["lost"], told["mode"]) == (2, "logs/a.csv", 1, "direct")
+    assert told["topics"] == {"/scan": {"published": 40, "received": 39, "lost": 1}}
+    assert told["thresholds"]["collision_threshold"] == 0.125
+    assert told["world"] == {
+        "model_hash": "model",
+        "terrain_hash": "terrain",
+        "obstacles": 3,
+        "map_size": 40.0,
+        "notes": ["cut"],
+    }
+    expected = {
+        "time_s": 2.0,
+        "path_length": 0.8,
+        "position": [1.0, 2.0, 3.0],
+        "mean_speed": 0.4,
+        "hazard_contacts": 4,
+        "rock_contacts": 5,
+        "scrapes": 6,
+        "resets": 8,
+        "hazard_contact_s": 0.4,
+        "rock_contact_s": 0.5,
+        "scrape_s": 0.6,
+        "mean_slip": 0.7,
+        "wheel_slip": [0.1, 0.2, 0.3, 0.4],
+        "largest_tilt": 1.5,
+        "tipped_over": True,
+        "event_count": 0,
+        "events": [],
+        "path": [],
+        "path_period_s": 1.0,
+        "roughness": {"p50": None, "p95": None},
+    }
+    assert told["truth"] == expected
+    assert manifest(result(truth=replace(truth, path_length=math.inf)))["truth"]["path_length"] is None
+    empty = manifest(result())
+    assert [empty[name] for name in ("world", "log", "recording", "report")] == [None] * 4
+
+
+def test_a_manifest_that_cannot_be_written_is_an_error_that_names_it(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"cannot write the summary to .*absent/a\.json: No such file"):
+        write_manifest(result(), tmp_path / "absent" / "a.json")
 
 
 def test_unwritable_summary_is_refused_with_the_mend(tmp_path: Path) -> None:

@@ -18,29 +18,24 @@ class FakeTime:
         self.now_ns += round(seconds * SECOND)
 
 
-def test_real_time_waits_for_the_difference() -> None:
+@pytest.mark.parametrize(
+    ("rate", "gone_s", "waits_s"),
+    [(1.0, 0.25, [0.75]), (2.0, 0.0, [0.5]), (0.5, 0.5, [1.5]), (2.0, 1.0, []), (None, 0.0, [])],
+)
+def test_it_waits_until_wall_time_has_caught_up_with_a_second_of_simulation(
+    rate: float | None, gone_s: float, waits_s: list[float]
+) -> None:
+    time = FakeTime()
+    pacer = Pacer(rate, time.clock, time.sleep)
+    time.now_ns += round(gone_s * SECOND)
+    pacer.wait_until(SECOND)
+    assert time.slept == pytest.approx(waits_s)
+
+
+def test_a_pause_is_not_caught_up_with() -> None:
     time = FakeTime()
     pacer = Pacer(1.0, time.clock, time.sleep)
-    time.now_ns += SECOND // 4
+    time.now_ns += 7 * SECOND
+    pacer.postpone(7.0)
     pacer.wait_until(SECOND)
-    assert time.slept == [pytest.approx(0.75)]
-
-
-def test_a_late_run_does_not_wait() -> None:
-    time = FakeTime()
-    pacer = Pacer(2.0, time.clock, time.sleep)
-    time.now_ns += SECOND
-    pacer.wait_until(SECOND)
-    assert time.slept == []
-
-
-def test_double_rate_waits_half_as_long() -> None:
-    time = FakeTime()
-    Pacer(2.0, time.clock, time.sleep).wait_until(SECOND)
-    assert time.slept == [pytest.approx(0.5)]
-
-
-def test_max_never_waits() -> None:
-    time = FakeTime()
-    Pacer(None, time.clock, time.sleep).wait_until(1000 * SECOND)
-    assert time.slept == []
+    assert time.slept == pytest.approx([1.0])

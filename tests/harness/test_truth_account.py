@@ -6,13 +6,22 @@ from harness.config import Batch
 from harness.samples import Tick, TruthState
 from harness.sim_time import NANOSECONDS
 from harness.truth import Truth
-from harness.truth_account import MOST_EVENTS, MOST_POINTS, TruthAccount
+from harness.truth_account import TruthAccount
 from harness.truth_events import ContactEvent
+
+MOST_POINTS, MOST_EVENTS = 10, 8
 
 
 def event(second: float) -> ContactEvent:
     start = round(second * NANOSECONDS)
     return ContactEvent("rock", start, start + 10_000_000, "wheel_FL", "rock_1", 5.0, (0.1, 0.2, 0.0))
+
+
+@pytest.fixture(autouse=True)
+def small(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Limits that a test reaches in milliseconds."""
+    monkeypatch.setattr("harness.truth_account.MOST_POINTS", MOST_POINTS)
+    monkeypatch.setattr("harness.truth_account.MOST_EVENTS", MOST_EVENTS)
 
 
 def batch(second: float, roughness: float = 0.0, events: tuple[ContactEvent, ...] = ()) -> Batch:
@@ -43,7 +52,7 @@ def test_the_path_has_a_point_each_second_and_thins_out_before_it_grows_too_long
     along = account.along()
     assert along.path_period_s == 4.0
     assert [x for x, _, _ in along.path] == [4.0 * n for n in range(1, len(along.path) + 1)]
-    assert along.path[-1][0] == 3 * MOST_POINTS - 4
+    assert along.path[-1][0] == 28.0, "the last multiple of 4 s"
 
 
 def test_events_are_counted_beyond_those_that_are_kept() -> None:
@@ -53,6 +62,36 @@ def test_events_are_counted_beyond_those_that_are_kept() -> None:
     along = account.along()
     assert (len(along.events), along.event_count) == (MOST_EVENTS, MOST_EVENTS + 5)
     assert along.events[-1].start_ns == (MOST_EVENTS - 1) * NANOSECONDS
+    account.take(Batch((), Truth(), open_events=(event(99.0),)))
+    along = account.along()
+    assert (len(along.events), along.event_count) == (MOST_EVENTS, MOST_EVENTS + 6)
+
+
+def test_a_batch_that_ends_more_events_than_there_is_room_for_gives_its_first() -> None:
+    account = TruthAccount()
+    account.take(Batch((), Truth(), tuple(event(second) for second in range(MOST_EVENTS - 1))))
+    account.take(Batch((), Truth(), (event(90.0), event(91.0)), open_events=(event(92.0),)))
+    along = account.along()
+    assert [e.start_ns // NANOSECONDS for e in along.events] == [*range(MOST_EVENTS - 1), 90]
+    assert along.event_count == MOST_EVENTS + 2
+
+
+@pytest.mark.parametrize(
+    ("values", "p50", "p95"),
+    [
+        ([0.00314], 0.0031, 0.0031),  # told to a tenth of a millimetre
+        ([0.001] * 19 + [0.002], 0.001, 0.001),
+        ([0.001] * 18 + [0.002] * 2, 0.001, 0.002),
+        ([0.001, 0.002], 0.001, 0.002),
+        ([5.0], 1.0, 1.0),  # what is rougher than a metre counts as one
+    ],
+)
+def test_percentiles_of_roughness(values: list[float], p50: float, p95: float) -> None:
+    account = TruthAccount()
+    for index, value in enumerate(values):
+        account.take(batch(index, roughness=value))
+    along = account.along()
+    assert (along.roughness_p50, along.roughness_p95) == pytest.approx((p50, p95))
 
 
 def test_an_interrupted_run_has_the_events_that_lasted() -> None:
@@ -61,3 +100,5 @@ def test_an_interrupted_run_has_the_events_that_lasted() -> None:
     along = account.along()
     assert along.events == (event(1.0), event(2.0))
     assert along.event_count == 2
+    account.take(Batch((), Truth()))
+    assert account.along().events == (event(1.0),)

@@ -1,5 +1,6 @@
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,10 +15,12 @@ from harness.samples import (
     Pose,
     Sample,
     Tick,
+    TruthState,
     Twist,
 )
 from harness.sensors.fault_kinds import CLOCK, SENSORS, describe_faults, kinds
 from harness.sensors.fault_spec import Fault, parse_faults
+from harness.sensors.fault_values import measured_as
 from harness.sensors.faults import FaultInjector, disturb_time
 from rover_metrics.row_schedule import RosTimer
 
@@ -112,6 +115,9 @@ def test_help_names_every_sensor_and_fault() -> None:
     for sensor in (*SENSORS, CLOCK):
         assert sensor in told
         assert all(f"  {name}" in told for name in kinds(sensor))
+    forms = {line.split()[0] for line in told.splitlines() if line.startswith("  ")}
+    assert {"dropout[=SHARE]", "latency=S", "freeze", "jump[=S]@START", "reset@START"} <= forms
+    assert "  beams=N               only the first N ranges" in told
 
 
 @pytest.mark.parametrize("sensor", [*SENSORS, CLOCK])
@@ -175,13 +181,18 @@ def test_dropout_rate_is_the_share_that_is_not_sent() -> None:
     assert len(imus("imu:dropout=0.25")) == pytest.approx(300, abs=30)
 
 
-def test_same_seed_gives_the_same_faults_and_another_seed_others() -> None:
-    assert imus("imu:spike", seed=3) == imus("imu:spike", seed=3)
-    assert imus("imu:spike", seed=3) != imus("imu:spike", seed=4)
-
-
-def test_another_fault_behind_it_does_not_change_the_chance_of_the_first() -> None:
-    assert times(imus("imu:dropout=0.5")) == times(imus("imu:dropout=0.5", "scan:spike"))
+@pytest.mark.parametrize("seed", [0, 3])
+def test_each_fault_has_a_random_stream_of_its_own(seed: int) -> None:
+    """The streams are part of what a seed means: numpy's for the key (11, place of the fault)."""
+    told = sent("imu:dropout=0.5", "scan:dropout=0.5", "clock:dropout=0.25", seed=seed)
+    sent_at = (
+        [any(type(s) is Imu for s in one.samples) for one in told],
+        [any(type(s) is LaserScan for s in one.samples) for one in told],
+        [one.tells_time for one in told],
+    )
+    for place, (share, told_at) in enumerate(zip((0.5, 0.5, 0.25), sent_at, strict=True)):
+        rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(11, place)))
+        assert told_at == (rng.random(len(told)) >= share).tolist()
 
 
 def test_frozen_sensor_repeats_its_last_reading_with_new_stamps() -> None:
@@ -207,8 +218,91 @@ def test_late_readings_come_in_order_with_their_own_stamps() -> None:
     assert {then - stamp for then, stamp in arrivals if not 1.0 <= stamp / SECOND < 2.2} == {0}
 
 
-def test_lower_rate_leaves_readings_evenly_out() -> None:
+def test_lower_rate_leaves_readings_evenly_out_from_the_start_of_the_fault() -> None:
     assert times(scans("scan:rate=5@1+1"))[98:106] == [0.99, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.01]
+    assert times(scans("scan:rate=2@1.3+1.2"))[128:134] == [1.29, 1.3, 1.8, 2.3, 2.5, 2.51]
+
+
+@pytest.mark.parametrize(
+    "fault", ["zero", "freeze", "stamp-freeze", "stamp-shift=-0.05", "duplicate", "dropout", "spike"]
+)
+def test_a_lasting_fault_touches_every_tick_from_its_start_to_before_its_end(fault: str) -> None:
+    clean, faulty = sent(seconds=2.0), sent(f"imu:{fault}@1+0.5", seconds=2.0)
+    changed = [n for n, (a, b) in enumerate(zip(clean, faulty, strict=True), 1) if repr(a) != repr(b)]
+    if fault == "spike":  # hits one value in ten
+        assert changed
+        assert set(changed) <= set(range(100, 150))
+    else:
+        assert changed == list(range(100, 150))
+
+
+@pytest.mark.parametrize(
+    ("sensor", "expected"),
+    [
+        ("imu", Imu(TICK, UPRIGHT, (7.0,) * 3, (7.0,) * 3)),
+        ("pose", Pose(TICK, (7.0,) * 3, UPRIGHT)),
+        ("odometry", Odometry(TICK, 7.0, 7.0, 0.5, Twist(7.0, 7.0))),
+        ("ground_truth", GroundTruth(TICK, 7.0, 7.0, 0.5, (7.0,) * 3, (7.0,) * 3)),
+        ("joint_states", JointStates(TICK, (7.0,) * 3, (7.0,) * 3, (7.0,) * 3)),
+    ],
+)
+def test_everything_measured_is_hit_and_no_attitude(sensor: str, expected: Sample) -> None:
+    (found,) = readings(sent(f"{sensor}:stuck=7", seconds=0.01), type(expected))
+    assert found == expected
+
+
+def test_a_twist_keeps_its_axes() -> None:
+    """Values that differ: forward must not become yaw."""
+    reading = Odometry(TICK, 1.0, 2.0, 3.0, Twist(4.0, 5.0))
+    assert measured_as(reading, lambda values: values + 10.0) == Odometry(
+        TICK, 11.0, 12.0, 3.0, Twist(14.0, 15.0)
+    )
+
+
+def test_no_fault_changes_the_truth() -> None:
+    state = TruthState(TICK, True, False, True, 5.0, 0.1, 0.2, (0.0, 0.1, 0.2, 0.3), 0.01)
+    faults = [f"{sensor}:{kind}" for sensor in SENSORS for kind in ("nan", "dropout", "freeze")]
+    injector = FaultInjector(parse_faults([*faults, "clock:jump=10@0.01"]), seed=0)
+    clean = tick(1)
+    assert injector.corrupt(replace(clean, samples=(*clean.samples, state))).samples[-1] is state
+
+
+@pytest.mark.parametrize(
+    ("fault", "value"),
+    [
+        *((f"imu:{kind}", 1.0) for kind in ("dropout", "zero", "nan", "inf", "huge")),
+        *(("imu:spike", 10.0), ("imu:duplicate", 2.0), ("clock:jump@1", 10.0)),
+        *(("clock:dropout", 1.0), ("scan:freeze", 0.0)),
+    ],
+)
+def test_a_value_that_is_left_out_has_a_default(fault: str, value: float) -> None:
+    assert parse_faults([fault])[0].value == value
+
+
+@pytest.mark.parametrize(
+    ("form", "valid", "invalid"),
+    [
+        ("imu:dropout={}", (1e-9, 1.0), (0.0, 1.0001)),
+        ("imu:spike={}", (1e-9, 1e300), (0.0, math.inf)),
+        ("imu:duplicate={}", (2, 10), (1, 11, 2.5)),
+        ("scan:beams={}", (0, 100_000), (-1, 100_001)),
+        ("imu:latency={}", (1e-9, 60.0), (0.0, 60.001)),
+        ("imu:rate={}", (1e-9, 100.0), (0.0, 100.001)),
+        ("imu:stamp-shift={}", (-1e8, 1e8), (-1.001e8, 1.001e8)),
+        ("clock:jump={}@1", (-1e8, 1e8), (-1.001e8, 1.001e8)),
+        ("clock:speed={}", (1e-9, 100.0), (0.0, 100.001)),
+        ("imu:nan@{}", (0.0, 1e8), (-0.001, 1.001e8)),
+        ("imu:nan@1+{}", (1e-9, 1e8), (0.0, 1.001e8)),
+        ("imu:stuck={}", (-1e300, "nan", "-inf"), ("x",)),
+    ],
+)
+def test_limits_belong_to_what_is_valid(
+    form: str, valid: tuple[object, ...], invalid: tuple[object, ...]
+) -> None:
+    parse_faults([form.format(value) for value in valid])
+    for value in invalid:
+        with pytest.raises(UsageError):
+            parse_faults([form.format(value)])
 
 
 def test_duplicates_follow_each_other() -> None:
@@ -231,8 +325,9 @@ def test_empty_messages_hold_no_readings() -> None:
     assert scan.ranges.size == 0
     assert isinstance(pose, Pose)
     assert pose.empty
+    assert np.isnan(pose.position).all()
     assert isinstance(joints, JointStates)
-    assert joints.position == ()
+    assert (joints.position, joints.velocity, joints.effort) == ((), (), ())
 
 
 def test_beams_are_cut_or_added() -> None:
@@ -280,7 +375,13 @@ def test_stamps_go_on_while_the_clock_alone_fails_and_it_then_catches_up() -> No
 
 def test_time_never_leaves_what_a_stamp_can_hold() -> None:
     jumps = [f"clock:jump=1e8@{n / 10}" for n in range(30)]
-    assert 0 < max(one.stamp_ns for one in sent(*jumps)) < 2**31 * SECOND
+    assert max(one.stamp_ns for one in sent(*jumps)) == (2**31 - 1) * SECOND
+
+
+def test_time_runs_faster_for_as_long_as_the_fault_lasts() -> None:
+    assert clock_times("clock:speed=3@1+1")[-1] == 4.0 + 2 * 1.0
+    assert clock_times("clock:speed=3@1+1", "clock:speed=2@1+1")[-1] == 4.0 + 5 * 1.0
+    assert clock_times("clock:speed=3@1+1")[97:101] == [0.98, 0.99, 1.02, 1.05]
 
 
 def test_only_clock_faults_disturb_time() -> None:

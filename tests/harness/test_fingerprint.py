@@ -1,0 +1,100 @@
+"""Whatever differs between two streams shows in their hashes."""
+
+import hashlib
+import signal
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.config import Batch, EpisodeConfig
+from harness.errors import RunFailed
+from harness.fingerprint import Fingerprint, StreamHash, fingerprint
+from harness.interrupt import Interrupted, StopRequest
+from harness.result import RunResult, TopicCount
+from harness.samples import LaserScan, Pose, Tick
+from harness.truth import Truth
+from harness.truth_events import ContactEvent
+
+SCAN = LaserScan(5, np.array([1.0, np.inf, 2.0], dtype=np.float32))
+POSE = Pose(5, (1.0, 2.0, 3.0), (0.0, 0.0, 0.0, 1.0))
+TICK = Tick(5, (SCAN, POSE))
+EVENT = ContactEvent("rock", 0, 5, "wheel_FL", "rock_1", 5.0, (0.1, 0.2, 0.0))
+BATCH = Batch((TICK,), Truth(time_ns=5), (EVENT,))
+
+
+def digest(*batches: Batch) -> str:
+    stream = StreamHash()
+    for batch in batches:
+        stream.add(batch)
+    return stream.hexdigest()
+
+
+def of_tick(**changes: object) -> Batch:
+    return replace(BATCH, ticks=(replace(TICK, **changes),))  # type: ignore[arg-type]  # a table
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        of_tick(stamp_ns=6),
+        of_tick(tells_time=False),
+        of_tick(samples=(POSE, SCAN)),
+        of_tick(samples=(SCAN,)),
+        of_tick(samples=(replace(SCAN, stamp_ns=6), POSE)),
+        of_tick(samples=(replace(SCAN, ranges=SCAN.ranges[:2]), POSE)),
+        of_tick(samples=(replace(SCAN, ranges=np.nextafter(SCAN.ranges, np.float32(0.0))), POSE)),
+        of_tick(samples=(SCAN, replace(POSE, position=(1.0, 2.0, np.nextafter(3.0, 4.0))))),
+        replace(BATCH, truth=Truth(time_ns=5, largest_tilt=1e-300)),
+        replace(BATCH, events=()),
+        replace(BATCH, ticks=(TICK, TICK)),
+    ],
+)
+def test_every_bit_of_a_batch_counts(other: Batch) -> None:
+    assert digest(other) != digest(BATCH)
+    assert digest(BATCH, other) != digest(BATCH, BATCH)
+
+
+def test_equal_streams_have_equal_hashes_and_counts() -> None:
+    copied = replace(SCAN, ranges=SCAN.ranges.copy())
+    assert digest(of_tick(samples=(copied, POSE)), BATCH) == digest(BATCH, BATCH)
+    stream = StreamHash()
+    stream.add(replace(BATCH, ticks=(TICK, TICK)))
+    stream.add(BATCH)
+    assert stream.samples == 6
+
+
+def run(
+    config: EpisodeConfig, folder: Path, _: StopRequest, watch: object, **changes: object
+) -> RunResult:
+    """A run of one batch that wrote a log of two rows."""
+    watch(BATCH)  # type: ignore[operator]
+    log = folder / "log.csv"
+    log.write_bytes(b"a,b\r\n1,2\r\n")
+    topics = {"/scan": TopicCount(3, 1, 2)}
+    values = {"log_path": log, "rows": 2, "topics": topics} | changes
+    return RunResult(config=config, mode="", **values)  # type: ignore[arg-type]  # a table of keywords
+
+
+def test_a_fingerprint_is_that_of_the_stream_and_of_the_logs_bytes() -> None:
+    told = fingerprint(run, EpisodeConfig(), StopRequest())
+    csv = hashlib.sha256(b"a,b\r\n1,2\r\n").hexdigest()
+    assert told == Fingerprint(samples=2, rows=2, lost=2, stream=digest(BATCH), csv=csv)
+
+
+def test_a_run_that_failed_wrote_nothing_or_was_stopped_has_none() -> None:
+    def failing(*given: object) -> RunResult:
+        return run(*given, failure="it fell off")  # type: ignore[arg-type]
+
+    def silent(*given: object) -> RunResult:
+        return run(*given, log_path=None)  # type: ignore[arg-type]
+
+    with pytest.raises(RunFailed, match="it fell off"):
+        fingerprint(failing, EpisodeConfig(), StopRequest())
+    with pytest.raises(RunFailed, match="the run wrote no log"):
+        fingerprint(silent, EpisodeConfig(), StopRequest())
+    stop = StopRequest()
+    stop.signal = signal.SIGINT
+    with pytest.raises(Interrupted, match="SIGINT"):
+        fingerprint(run, EpisodeConfig(), stop)
