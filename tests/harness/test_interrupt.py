@@ -70,21 +70,29 @@ def test_outputs_on_a_closed_terminal_go_nowhere(monkeypatch: pytest.MonkeyPatch
 
 
 def test_a_request_that_nobody_answers_is_overdue_again_and_again() -> None:
-    with pytest.raises(Interrupted), StopRequest() as stop, stop.deferred():
-        signal.raise_signal(signal.SIGINT)
-        first, again = signal.getitimer(signal.ITIMER_REAL)
-        assert 0.0 < first <= GRACE == again
-        with pytest.raises(Overdue, match="stopped by SIGINT") as caught:
-            signal.raise_signal(signal.SIGALRM)
-        assert caught.value.exit_code == 130
-        raise RuntimeError("what a C++ binding makes of it")
+    def hang() -> None:
+        with StopRequest() as stop, stop.deferred():
+            signal.raise_signal(signal.SIGINT)
+            first, again = signal.getitimer(signal.ITIMER_REAL)
+            assert 0.0 < first <= GRACE == again
+            with pytest.raises(Overdue, match="stopped by SIGINT") as caught:
+                signal.raise_signal(signal.SIGALRM)
+            assert caught.value.exit_code == 130
+            raise RuntimeError("what a C++ binding makes of it")
+
+    with pytest.raises(Interrupted):
+        hang()
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
 
 
 def test_an_error_of_its_own_stays_what_it_is() -> None:
-    with pytest.raises(RuntimeError, match="mine"), StopRequest() as stop, stop.deferred():
-        signal.raise_signal(signal.SIGINT)
-        raise RuntimeError("mine")
+    def fail() -> None:
+        with StopRequest() as stop, stop.deferred():
+            signal.raise_signal(signal.SIGINT)
+            raise RuntimeError("mine")
+
+    with pytest.raises(RuntimeError, match="mine"):
+        fail()
 
 
 def test_a_sleep_is_as_long_as_asked_and_ends_with_a_request(monkeypatch: pytest.MonkeyPatch) -> None:

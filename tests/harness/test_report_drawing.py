@@ -1,14 +1,16 @@
 import base64
 import io
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from harness.report.events import collisions, contacts
+from harness.report.events import Event, collisions, contacts
 from harness.report.hillshade import shade
 from harness.report.legend import keys
 from harness.report.log import Log
+from harness.report.map_layout import map_layout
 from harness.report.recorder import PlacedScan, Stretch
 from harness.report.scan_points import scan_points
 from harness.report.series import series_figure, thinned
@@ -22,6 +24,7 @@ from harness.world.world import build_world
 from rover_metrics.thresholds import DEFAULT_THRESHOLDS, Thresholds
 
 NO_POINTS = np.empty((0, 2))
+_NOTHING: tuple[Thresholds, list[Stretch], list[Event]] = (DEFAULT_THRESHOLDS, [], [])
 
 
 def stretches(*changes: dict[str, float]) -> list[Stretch]:
@@ -37,6 +40,41 @@ def test_slopes_towards_the_north_west_are_lit_and_others_lie_in_the_shade() -> 
     cone = shade(Heightfield(heights=-np.hypot(x, y), cell=0.1)).pixels
     north_west, south_east = cone[10, 10], cone[30, 30]
     assert int(north_west) > int(south_east) + 100
+
+
+@pytest.mark.parametrize(
+    ("slope_x", "slope_y", "light"),
+    [
+        # Lambert: the cosine between the normal and the sun, in the north-west 45 degrees up.
+        (0.0, 0.0, math.sqrt(0.5)),
+        (0.7, 0.0, (math.sqrt(0.5) + 0.7 * 0.5) / math.hypot(1.0, 0.7)),
+        (-0.7, 0.0, (math.sqrt(0.5) - 0.7 * 0.5) / math.hypot(1.0, 0.7)),
+        (0.0, -0.7, (math.sqrt(0.5) + 0.7 * 0.5) / math.hypot(1.0, 0.7)),
+        (0.35, -0.35, 1.0),
+    ],
+)
+def test_a_plane_is_as_bright_as_the_cosine_between_its_normal_and_the_sun(
+    slope_x: float, slope_y: float, light: float
+) -> None:
+    """The slope that shows is that of 35 degrees, whatever the plane's own."""
+    axis = np.arange(21) * 0.1
+    hillshade = shade(Heightfield(slope_x * axis[None, :] + slope_y * axis[:, None], cell=0.1))
+    exaggeration = math.tan(math.radians(35.0)) / (math.hypot(slope_x, slope_y) or 1e-9)
+    assert hillshade.exaggeration == pytest.approx(min(exaggeration, 8.0))
+    x, y = (hillshade.exaggeration * slope for slope in (slope_x, slope_y))
+    normal = np.array([-x, -y, 1.0]) / math.sqrt(1.0 + x * x + y * y)
+    sun = np.array([-0.5, 0.5, math.sqrt(0.5)])
+    assert hillshade.pixels == pytest.approx(np.full((21, 21), 70 + 180 * (normal @ sun)), abs=0.51)
+    if hillshade.exaggeration == pytest.approx(1.0, abs=1e-3):
+        assert normal @ sun == pytest.approx(light, abs=1e-3)
+
+
+def test_north_is_up_in_the_hillshade() -> None:
+    heights = np.zeros((21, 21))
+    heights[18, 5] = 1.0  # north, as y is large
+    pixels = shade(Heightfield(heights, cell=0.1)).pixels.astype(int)
+    rows, columns = np.nonzero(pixels != pixels[20, 20])
+    assert (rows.mean(), columns.mean()) == pytest.approx((2.0, 5.0))
 
 
 def test_hillshade_is_a_png_whose_pixels_lie_around_the_vertices() -> None:
@@ -104,6 +142,23 @@ def test_logged_collisions_are_placed_where_a_scan_was_nearest() -> None:
     assert event.position == (2.0, 0.0, 0.0)
 
 
+def test_a_collision_between_two_stretches_is_placed_in_the_one_around_it() -> None:
+    track = stretches({}, {}, {})
+    (event,) = collisions(Log([1.2, 1.4, 2.9], {"Total Collisions": [0.0, 1.0, 1.0]}), track)
+    assert (event.start_s, event.end_s, event.position) == (1.2, 1.4, (2.0, 0.0, 0.0))
+    assert event.label == "1.2 to 1.4 s"
+    rising = Log([1.0, 1.6, 2.5], {"Total Collisions": [1.0, 1.0, 2.0]})
+    assert [(e.start_s, e.end_s) for e in collisions(rising, track)] == [(0.0, 1.0), (1.6, 2.5)]
+
+
+def test_contacts_half_a_second_apart_are_one_event_and_farther_ones_two() -> None:
+    track = [
+        Stretch(time, (time, 0.0, 0.0), 0.0, contact_s=touched)
+        for time, touched in ((0.5, 0.1), (1.0, 0.0), (1.5, 0.1), (2.1, 0.0), (2.5, 0.1))
+    ]
+    assert [(e.start_s, e.end_s) for e in contacts(track)] == [(0.0, 1.5), (2.1, 2.5)]
+
+
 def test_a_log_without_the_counter_has_no_collisions() -> None:
     assert collisions(Log(), stretches({}, {})) == []
 
@@ -157,6 +212,94 @@ def test_every_threshold_of_a_column_is_drawn_with_its_value_and_unit() -> None:
     }
     assert [shape["y0"] for shape in figure["layout"]["shapes"]] == [0.3, 0.5]
     assert figure["data"][0]["y"] == [1.0, None]
+
+
+def test_the_truth_is_drawn_beside_distance_and_velocity() -> None:
+    track = [Stretch(1.0, (0.0,) * 3, 0.5), Stretch(3.0, (0.0,) * 3, 1.5), Stretch(3.5, (0.0,) * 3, 1.6)]
+    log = Log(
+        [1.0, 2.0, 3.0], {name: [0.1, 0.2, 0.3] for name in ("Distance Traveled", "Current Velocity")}
+    )
+    log.columns["Total Collisions"] = [0.0, 1.0, 2.0]
+    distance = series_figure("Distance Traveled", log, DEFAULT_THRESHOLDS, track, [])
+    assert [(t["name"], t["x"], t["y"]) for t in distance["data"]] == [
+        ("log", [1.0, 2.0, 3.0], [0.1, 0.2, 0.3]),
+        ("truth", [1.0, 3.0, 3.5], [0.5, 1.5, 1.6]),
+    ]
+    velocity = series_figure("Current Velocity", log, DEFAULT_THRESHOLDS, track, [])
+    assert (velocity["data"][1]["x"], velocity["data"][1]["y"]) == ([3.0, 3.5], [0.5, 0.2])
+    assert len(series_figure("Total Collisions", log, DEFAULT_THRESHOLDS, track, [])["data"]) == 1
+    assert velocity["layout"]["xaxis"]["range"] == [0.0, 3.5]
+    assert [key.dash for key in keys(velocity)] == ["", "2 2"]
+
+
+def test_the_band_of_all_imu_samples_lies_behind_the_log() -> None:
+    name = "IMU Acceleration Magnitude"
+    track = stretches({"lowest_acceleration": 9.0, "highest_acceleration": 11.0}, {})
+    figure = series_figure(name, Log([1.0], {name: [9.8]}), DEFAULT_THRESHOLDS, track, [])
+    low, high, log = figure["data"]
+    assert (low["y"], high["y"], log["y"]) == ([9.0, None], [11.0, None], [9.8])
+    assert high["fill"] == "tonexty"
+    assert [key.name for key in keys(figure)][:2] == ["all samples, as simulated", "log"]
+    assert [shape["y0"] for shape in figure["layout"]["shapes"]] == [
+        DEFAULT_THRESHOLDS.rough_terrain_threshold,
+        9.81,
+    ]
+    assert "rangemode" not in figure["layout"]["yaxis"]
+    assert log["mode"] == "lines+markers", "a single point has no line"
+
+
+def test_contacts_are_bands_and_flags_are_steps() -> None:
+    name, touched = "Is Rough Terrain", [Event(1.0, 2.5, (0.0, 0.0, 0.0))]
+    log = Log([1.0, 2.0, 3.0], {name: [0.0, 1.0, 0.0]})
+    figure = series_figure(name, log, DEFAULT_THRESHOLDS, [], touched)
+    (band,) = figure["layout"]["shapes"]
+    assert (band["x0"], band["x1"], band["y0"], band["y1"]) == (1.0, 2.5, 0.0, 1.0)
+    assert figure["data"][0]["line"]["shape"] == "hv"
+    assert figure["layout"]["yaxis"]["range"] == [-0.1, 1.1]
+    counted = series_figure("Total Collisions", Log([1.0], {"Total Collisions": [0.0]}), *_NOTHING)
+    assert counted["layout"]["yaxis"]["rangemode"] == "tozero"
+    assert counted["layout"]["yaxis"]["autorangeoptions"] == {"include": [0, 4]}
+
+
+@pytest.mark.parametrize(
+    ("places", "x", "y"),
+    [
+        ([(0.0, 0.0), (2.0, 0.0)], [-3.0, 5.0], [-4.0, 4.0]),  # 8 m at least
+        ([(0.0, 0.0), (10.0, 4.0)], [-2.0, 12.0], [-5.0, 9.0]),  # 2 m around the path
+        ([(0.0, 0.0), (0.0, -19.0)], [-11.5, 11.5], [-20.0, 3.0]),  # not beyond the map
+        ([(-19.0, -19.0), (19.0, 19.0)], [-20.0, 20.0], [-20.0, 20.0]),
+    ],
+)
+def test_the_map_shows_a_square_around_the_path(
+    places: list[tuple[float, float]], x: list[float], y: list[float]
+) -> None:
+    track = [Stretch(1.0, (*place, 0.0), 0.0) for place in places]
+    hillshade = shade(Heightfield(np.zeros((5, 5)), cell=10.0))
+    layout = map_layout(20.0, hillshade, track)
+    assert (layout["xaxis"]["range"], layout["yaxis"]["range"]) == (x, y)
+    (picture,) = layout["images"]
+    assert [picture[name] for name in ("x", "y", "sizex", "sizey")] == [-25.0, 25.0, 50.0, 50.0]
+
+
+def test_the_path_is_coloured_by_roughness_with_the_roughest_on_top() -> None:
+    levels = (12.81, 9.81, 10.81)
+    track = stretches(*({"lowest_acceleration": 9.81, "highest_acceleration": h} for h in levels))
+    world = build_world("flat", seed=0)
+    one = Event(1.0, 2.0, (7.0, 8.0, 0.0))
+    other = replace(one, position=(5.0, 6.0, 0.0))
+    figure = map_figure(
+        world, shade(world.ground), track, collisions=[one], contacts=[other], scan=NO_POINTS
+    )
+    traces = {trace["name"]: trace for trace in figure["data"]}
+    path = traces["path"]
+    assert path["x"] == [2.0, 3.0, 1.0]
+    assert path["marker"]["color"] == pytest.approx([0.0, 1.0, 3.0])
+    assert path["customdata"][0] == [2.0, 0.0, 0.0]
+    assert path["marker"]["cmax"] == 5.0
+    assert (traces["start"]["x"], traces["end"]["x"]) == ([1.0], [3.0])
+    hit, counted = traces["contact with a hazard (truth)"], traces["collision (metric)"]
+    assert (hit["x"], hit["y"], counted["x"], counted["y"]) == ([5.0], [6.0], [7.0], [8.0])
+    assert counted["text"] == ["1.0 to 2.0 s"]
 
 
 def test_an_unknown_column_is_drawn_with_the_unit_in_its_name() -> None:

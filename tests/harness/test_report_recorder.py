@@ -38,6 +38,11 @@ def test_a_stretch_is_a_tenth_of_a_second_with_its_extremes() -> None:
     assert (stretch.lowest_acceleration, stretch.highest_acceleration) == (8.0, 12.0)
     assert stretch.nearest_range == 0.5
     assert stretch.contact_s == pytest.approx(0.03)
+    assert (stretch.path_length, stretch.position) == (0.02, (0.02, 0.0, 0.0))
+    recorder.take(batch(2, nearest=0.75, contact_s=0.07))
+    recorder.take(batch(3, nearest=0.25, contact_s=0.07))
+    assert recorder.track[1].contact_s == pytest.approx(0.04)
+    assert recorder.track[1].nearest_range == 0.25
 
 
 def test_the_end_of_a_run_is_recorded_even_if_a_stretch_is_not_full() -> None:

@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from harness.contacts import Touch
 from harness.errors import Diverged, RunFailed
 from harness.robots import ROVER_ZERO4WD, ROVERS
 from harness.simulation import Simulation
@@ -113,6 +114,14 @@ def test_it_is_let_down_from_a_centimetre_above_the_highest_ground_below_its_foo
     expected = highest * 0.25 + ROVER_ZERO4WD.rest_height + 0.01
     with pytest.raises(RuntimeError, match=f"{expected:.6f}"):
         make_simulation(heights=heights)
+
+
+def test_what_was_touched_is_told_for_one_tick_only(simulation: Simulation) -> None:
+    touch = Touch(5.0, 1, 2, [0.0] * 3, [0.0] * 7)
+    for go_on in (simulation.tick, simulation.return_to_start):
+        simulation.contacts.strongest = {"hazard": touch}
+        go_on()
+        assert simulation.contacts.strongest == {}
 
 
 def test_back_at_its_start_it_drives_as_at_first_while_time_goes_on(simulation: Simulation) -> None:

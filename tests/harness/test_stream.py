@@ -1,6 +1,8 @@
 import math
 import multiprocessing
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from harness.config import Batch, EpisodeConfig
@@ -67,8 +69,18 @@ def test_a_reset_forgets_the_command_in_force() -> None:
     assert path[-1] - path[19] < 0.01
 
 
-def test_a_run_that_fails_says_so_although_orders_wait() -> None:
-    fast = config(terrain="flat", driver="straight", duration=120.0, timestep=0.005, lidar_beams=2)
+def test_a_run_that_fails_says_so_although_orders_wait(tmp_path: Path) -> None:
+    small = tmp_path / "small.npy"
+    np.save(small, np.zeros((61, 61)))
+    fast = config(
+        terrain=str(small),
+        terrain_size=(6.0, 6.0),
+        terrain_height=0.0,
+        driver="straight",
+        duration=120.0,
+        timestep=0.005,
+        lidar_beams=2,
+    )
     with EpisodeProcess(fast) as process:
         _ = process.info
         with pytest.raises(RunFailed, match="reached the edge of the map"):

@@ -125,6 +125,90 @@ def tick_by_hand(simulation: Simulation, contacts: Contacts) -> Tick:
     )
 
 
+class StandIn(SimpleNamespace):
+    """As much of a simulation as a recorder looks at."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            time_ns=0,
+            position=(0.0, 0.0, 0.0),
+            velocity=(0.0, 0.0, 0.0),
+            data=SimpleNamespace(qpos=np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])),
+            contacts=SimpleNamespace(strongest={}, name_of=str),
+        )
+
+    def tip(self, degrees: float) -> None:
+        x, y, z, w = Rotation.from_euler("ZYX", [30.0, degrees, 0.0], degrees=True).as_quat()
+        self.data.qpos[3:7] = w, x, y, z
+
+
+@pytest.fixture
+def stand_in() -> StandIn:
+    return StandIn()
+
+
+@pytest.fixture
+def recorder(stand_in: StandIn, monkeypatch: pytest.MonkeyPatch) -> TruthRecorder:
+    """A recorder whose wheels do what `motions` yields, on even ground."""
+    motions = iter(
+        [
+            [motion(0.5), motion(-0.25), motion(1.0), motion(0.0, moves=False)],
+            [motion(0.0, moves=False), motion(0.75), motion(0.0), motion(0.0, moves=False)],
+        ]
+    )
+    wheels = SimpleNamespace(motion=lambda: next(motions))
+    monkeypatch.setattr("harness.truth_recorder.Wheels", lambda _: wheels)
+    made = TruthRecorder(stand_in)  # type: ignore[arg-type]  # a stand-in
+    made.__dict__["_roughness"] = SimpleNamespace(mean_square=lambda x, y: x + 10.0 * y)
+    return made
+
+
+def motion(slip: float, *, moves: bool = True) -> WheelMotion:
+    return WheelMotion(x=0.01, y=0.02, slip=slip, moves=moves)
+
+
+def test_slip_is_averaged_over_the_wheels_that_move(recorder: TruthRecorder) -> None:
+    assert recorder.truth().mean_slip == 0.0
+    states = [recorder.state(), recorder.state()]
+    assert [state.slip for state in states] == [(0.5, -0.25, 1.0, 0.0), (0.0, 0.75, 0.0, 0.0)]
+    truth = recorder.truth()
+    assert truth.wheel_slip == (0.5, 0.5, 0.5, 0.0)
+    assert truth.mean_slip == pytest.approx((0.5 + 0.25 + 1.0 + 0.75 + 0.0) / 5)
+    assert states[0].roughness == pytest.approx(math.sqrt(0.21))
+
+
+@pytest.mark.parametrize(
+    ("degrees", "tipped"), [(0.0, False), (74.9, False), (75.1, True), (180.0, True)]
+)
+def test_a_rover_has_tipped_over_beyond_75_degrees(
+    degrees: float, tipped: bool, recorder: TruthRecorder, stand_in: StandIn
+) -> None:
+    for tilt in (degrees, 0.0):
+        stand_in.tip(tilt)
+        recorder.observe()
+    truth = recorder.truth()
+    assert math.degrees(truth.largest_tilt) == pytest.approx(degrees, abs=1e-5)
+    assert truth.tipped_over == tipped
+
+
+def test_the_way_back_to_the_start_is_no_path_and_ends_every_contact(
+    recorder: TruthRecorder, stand_in: StandIn
+) -> None:
+    stand_in.time_ns, stand_in.position = TICK_NS, (3.0, 4.0, 12.0)
+    stand_in.contacts.strongest = {"hazard": Touch(5.0, 1, 2, [0.0] * 3, [0.0] * 3 + [1.0] + [0.0] * 3)}
+    recorder.observe()
+    stand_in.position, stand_in.contacts.strongest = (0.0, 0.0, 0.0), {}
+    recorder.carried_away()
+    assert recorder.events.open == ()
+    assert len(recorder.events.take_closed()) == 1
+    stand_in.time_ns, stand_in.position = 2 * TICK_NS, (1.0, 0.0, 0.0)
+    recorder.observe()
+    truth = recorder.truth()
+    assert truth.path_length == 13.0 + 1.0
+    assert (truth.resets, truth.hazard_contacts) == (1, 1)
+    assert (truth.hazard_contact_s, truth.rock_contact_s, truth.scrape_s) == (0.01, 0.0, 0.0)
+
+
 @pytest.fixture(scope="module")
 def drive(make_simulation: Callable[..., Simulation]) -> Drive:
     """Over a stone against a wall, back, against it again; then on its side, upright, on its nose."""
@@ -233,87 +317,3 @@ def test_each_state_tells_of_its_own_fifty_milliseconds(drive: Drive) -> None:
         assert state.path_length == pytest.approx(paths[index * STATE_TICKS - 1])
         squares = [roughness.mean_square(x, y) for x, y, _ in now.wheels]
         assert state.roughness == pytest.approx(math.sqrt(np.mean(squares)))
-
-
-class StandIn(SimpleNamespace):
-    """As much of a simulation as a recorder looks at."""
-
-    def __init__(self) -> None:
-        super().__init__(
-            time_ns=0,
-            position=(0.0, 0.0, 0.0),
-            velocity=(0.0, 0.0, 0.0),
-            data=SimpleNamespace(qpos=np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])),
-            contacts=SimpleNamespace(strongest={}, name_of=str),
-        )
-
-    def tip(self, degrees: float) -> None:
-        x, y, z, w = Rotation.from_euler("ZYX", [30.0, degrees, 0.0], degrees=True).as_quat()
-        self.data.qpos[3:7] = w, x, y, z
-
-
-@pytest.fixture
-def stand_in() -> StandIn:
-    return StandIn()
-
-
-@pytest.fixture
-def recorder(stand_in: StandIn, monkeypatch: pytest.MonkeyPatch) -> TruthRecorder:
-    """A recorder whose wheels do what `motions` yields, on even ground."""
-    motions = iter(
-        [
-            [motion(0.5), motion(-0.25), motion(1.0), motion(0.0, moves=False)],
-            [motion(0.0, moves=False), motion(0.75), motion(0.0), motion(0.0, moves=False)],
-        ]
-    )
-    wheels = SimpleNamespace(motion=lambda: next(motions))
-    monkeypatch.setattr("harness.truth_recorder.Wheels", lambda _: wheels)
-    made = TruthRecorder(stand_in)  # type: ignore[arg-type]  # a stand-in
-    made.__dict__["_roughness"] = SimpleNamespace(mean_square=lambda x, y: x + 10.0 * y)
-    return made
-
-
-def motion(slip: float, *, moves: bool = True) -> WheelMotion:
-    return WheelMotion(x=0.01, y=0.02, slip=slip, moves=moves)
-
-
-def test_slip_is_averaged_over_the_wheels_that_move(recorder: TruthRecorder) -> None:
-    assert recorder.truth().mean_slip == 0.0
-    states = [recorder.state(), recorder.state()]
-    assert [state.slip for state in states] == [(0.5, -0.25, 1.0, 0.0), (0.0, 0.75, 0.0, 0.0)]
-    truth = recorder.truth()
-    assert truth.wheel_slip == (0.5, 0.5, 0.5, 0.0)
-    assert truth.mean_slip == pytest.approx((0.5 + 0.25 + 1.0 + 0.75 + 0.0) / 5)
-    assert states[0].roughness == pytest.approx(math.sqrt(0.21))
-
-
-@pytest.mark.parametrize(
-    ("degrees", "tipped"), [(0.0, False), (74.9, False), (75.1, True), (180.0, True)]
-)
-def test_a_rover_has_tipped_over_beyond_75_degrees(
-    degrees: float, tipped: bool, recorder: TruthRecorder, stand_in: StandIn
-) -> None:
-    for tilt in (degrees, 0.0):
-        stand_in.tip(tilt)
-        recorder.observe()
-    truth = recorder.truth()
-    assert math.degrees(truth.largest_tilt) == pytest.approx(degrees, abs=1e-5)
-    assert truth.tipped_over == tipped
-
-
-def test_the_way_back_to_the_start_is_no_path_and_ends_every_contact(
-    recorder: TruthRecorder, stand_in: StandIn
-) -> None:
-    stand_in.time_ns, stand_in.position = TICK_NS, (3.0, 4.0, 12.0)
-    stand_in.contacts.strongest = {"hazard": Touch(5.0, 1, 2, [0.0] * 3, [0.0] * 3 + [1.0] + [0.0] * 3)}
-    recorder.observe()
-    stand_in.position, stand_in.contacts.strongest = (0.0, 0.0, 0.0), {}
-    recorder.carried_away()
-    assert recorder.events.open == ()
-    assert len(recorder.events.take_closed()) == 1
-    stand_in.time_ns, stand_in.position = 2 * TICK_NS, (1.0, 0.0, 0.0)
-    recorder.observe()
-    truth = recorder.truth()
-    assert truth.path_length == 13.0 + 1.0
-    assert (truth.resets, truth.hazard_contacts) == (1, 1)
-    assert (truth.hazard_contact_s, truth.rock_contact_s, truth.scrape_s) == (0.01, 0.0, 0.0)
