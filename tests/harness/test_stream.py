@@ -71,11 +71,11 @@ def test_a_reset_forgets_the_command_in_force() -> None:
 
 def test_a_run_that_fails_says_so_although_orders_wait(tmp_path: Path) -> None:
     small = tmp_path / "small.npy"
-    np.save(small, np.zeros((61, 61)))
+    np.save(small, np.zeros((101, 101)))
     fast = config(
         terrain=str(small),
-        terrain_size=(6.0, 6.0),
-        terrain_height=0.0,
+        terrain_size=(10.0, 10.0),
+        terrain_height=0.01,
         driver="straight",
         duration=120.0,
         timestep=0.005,

@@ -17,7 +17,7 @@ from harness.robots import ROVERS
 from harness.samples import TruthState
 from harness.simulation import Simulation
 from harness.truth import Truth
-from harness.truth_events import ContactEvent
+from harness.truth_events import ContactEvent, ContactKind
 from harness.truth_recorder import TruthRecorder
 from harness.wheels import WheelMotion
 from harness.world.obstacles import Obstacle, ObstacleKind
@@ -189,6 +189,24 @@ def test_a_rover_has_tipped_over_beyond_75_degrees(
     truth = recorder.truth()
     assert math.degrees(truth.largest_tilt) == pytest.approx(degrees, abs=1e-5)
     assert truth.tipped_over == tipped
+
+
+def test_each_kind_of_contact_is_counted_by_itself(recorder: TruthRecorder, stand_in: StandIn) -> None:
+    touch = Touch(5.0, 1, 2, [0.0] * 3, [0.0] * 3 + [1.0] + [0.0] * 3)
+    kinds: tuple[ContactKind, ...] = ("hazard", "rock", "rock", "scrape", "scrape", "scrape")
+    for place, kind in enumerate(kinds, start=1):
+        for tick in range(place):
+            stand_in.time_ns = 1_000_000_000 * place + tick * TICK_NS
+            stand_in.contacts.strongest = {kind: touch}
+            recorder.observe()
+        state = recorder.state() if place in (1, 6) else None
+        if state is not None:
+            assert (state.hazard_contact, state.scrape) == (place == 1, place == 6)
+            assert state.contact_force == (5.0 if place == 1 else 0.0)
+    truth = recorder.truth()
+    assert (truth.hazard_contacts, truth.rock_contacts, truth.scrapes) == (1, 2, 3)
+    seconds = (truth.hazard_contact_s, truth.rock_contact_s, truth.scrape_s)
+    assert seconds == pytest.approx((0.01, 0.02 + 0.03, 0.04 + 0.05 + 0.06))
 
 
 def test_the_way_back_to_the_start_is_no_path_and_ends_every_contact(
