@@ -238,10 +238,11 @@ def test_a_run_that_fails_gives_its_last_ticks_and_events_first() -> None:
     for _ in range(8):
         last = next(batches)
     assert last.open_events
-    tick, called = episode.simulation.tick, []
+    tick, called = episode.simulation.tick, list[None]()
 
     def leave_the_map() -> None:
-        called.append(tick())
+        tick()
+        called.append(None)
         if len(called) == 3:
             raise RunFailed("left")
 

@@ -27,6 +27,14 @@ def test_second_signal_interrupts_even_while_deferred() -> None:
             signal.raise_signal(signal.SIGINT)
 
 
+def test_after_the_deferral_a_signal_ends_the_command_at_once_again() -> None:
+    with StopRequest() as stop:
+        with stop.deferred():
+            pass
+        with pytest.raises(Interrupted):
+            signal.raise_signal(signal.SIGTERM)
+
+
 def test_previous_handlers_return() -> None:
     before = [signal.getsignal(number) for number in HANDLED]
     with StopRequest():

@@ -69,6 +69,11 @@ def test_a_plane_is_as_bright_as_the_cosine_between_its_normal_and_the_sun(
         assert normal @ sun == pytest.approx(light, abs=1e-3)
 
 
+def test_only_the_steepest_twentieth_is_exaggerated_less() -> None:
+    heights = np.tile(np.maximum(np.arange(41) - 36.0, 0.0) * 0.1, (41, 1))  # a tenth of it slopes
+    assert shade(Heightfield(heights, cell=0.1)).exaggeration == pytest.approx(0.7, abs=1e-3)
+
+
 def test_north_is_up_in_the_hillshade() -> None:
     heights = np.zeros((21, 21))
     heights[18, 5] = 1.0  # north, as y is large
@@ -147,6 +152,9 @@ def test_a_collision_between_two_stretches_is_placed_in_the_one_around_it() -> N
     (event,) = collisions(Log([1.2, 1.4, 2.9], {"Total Collisions": [0.0, 1.0, 1.0]}), track)
     assert (event.start_s, event.end_s, event.position) == (1.2, 1.4, (2.0, 0.0, 0.0))
     assert event.label == "1.2 to 1.4 s"
+    before = stretches({"nearest_range": 0.1}, {"nearest_range": 0.2}, {"nearest_range": 0.1})
+    (event,) = collisions(Log([1.0, 2.0], {"Total Collisions": [0.0, 1.0]}), before)
+    assert event.position == (2.0, 0.0, 0.0), "a stretch that ends with the row before is not in it"
     rising = Log([1.0, 1.6, 2.5], {"Total Collisions": [1.0, 1.0, 2.0]})
     assert [(e.start_s, e.end_s) for e in collisions(rising, track)] == [(0.0, 1.0), (1.6, 2.5)]
 

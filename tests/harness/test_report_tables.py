@@ -45,7 +45,7 @@ LOG = Log(
     [1.0, 2.0, 3.0],
     {
         "Current Velocity": [0.3, 0.3, 0.6],
-        "Obstacle Clearance": [math.inf, 2.0, 1.5],
+        "Obstacle Clearance": [math.nan, math.inf, 1.5],
         "Is Rough Terrain": [0.0, 1.0, 1.0],
     },
 )

@@ -265,7 +265,8 @@ def quaternion(*, roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0) -> tu
 def path_lengths(drive: Drive) -> list[float]:
     """Of the path up to the end of each tick [m]."""
     positions = np.array([drive.start, *(tick.position for tick in drive.ticks)])
-    return np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1)).tolist()
+    lengths: list[float] = np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1)).tolist()
+    return lengths
 
 
 def test_path_and_place_are_those_of_the_model_frame(drive: Drive) -> None:
