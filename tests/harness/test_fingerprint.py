@@ -59,6 +59,8 @@ def test_every_bit_of_a_batch_counts(other: Batch) -> None:
 def test_equal_streams_have_equal_hashes_and_counts() -> None:
     copied = replace(SCAN, ranges=SCAN.ranges.copy())
     assert digest(of_tick(samples=(copied, POSE)), BATCH) == digest(BATCH, BATCH)
+    quiet = replace(BATCH, events=())
+    assert digest(quiet) != digest(replace(quiet, truth=Truth(time_ns=6)))
     stream = StreamHash()
     stream.add(replace(BATCH, ticks=(TICK, TICK)))
     stream.add(BATCH)

@@ -219,6 +219,8 @@ def test_every_threshold_of_a_column_is_drawn_with_its_value_and_unit() -> None:
         "min_safe_clearance = 0.5 m",
     }
     assert [shape["y0"] for shape in figure["layout"]["shapes"]] == [0.3, 0.5]
+    assert [key.dash for key in keys(figure)] == ["", "6 4", "8 3 2 3"]
+    assert figure["layout"]["xaxis"]["range"] == [0.0, 2.0]
     assert figure["data"][0]["y"] == [1.0, None]
 
 
@@ -314,6 +316,10 @@ def test_an_unknown_column_is_drawn_with_the_unit_in_its_name() -> None:
     log = Log([1.0], {"Wheel Heat [K]": [300.0]})
     figure = series_figure("Wheel Heat [K]", log, DEFAULT_THRESHOLDS, [], [])
     assert figure["layout"]["yaxis"]["title"] == {"text": "[K]"}
+
+
+def test_a_gap_does_not_hide_the_peak_beside_it() -> None:
+    assert thinned([0.0, 1.0, 2.0, 3.0], [0.0, 7.0, math.inf, 1.0], most=2)[1] == [7.0, math.inf]
 
 
 def test_a_long_series_is_thinned_without_losing_peaks_or_gaps() -> None:

@@ -45,6 +45,15 @@ def test_a_stretch_is_a_tenth_of_a_second_with_its_extremes() -> None:
     assert recorder.track[1].nearest_range == 0.25
 
 
+def test_the_extremes_of_a_batch_are_over_all_its_samples() -> None:
+    recorder = RunRecorder()
+    ticks = (*batch(0, az=12.0, nearest=0.5).ticks, *batch(0, az=8.0, nearest=0.9).ticks)
+    recorder.take(Batch(ticks, Truth(time_ns=BATCH_NS)))
+    (stretch,) = recorder.track
+    assert (stretch.lowest_acceleration, stretch.highest_acceleration) == (8.0, 12.0)
+    assert stretch.nearest_range == 0.5
+
+
 def test_the_end_of_a_run_is_recorded_even_if_a_stretch_is_not_full() -> None:
     recorder = RunRecorder()
     for index in range(3):
