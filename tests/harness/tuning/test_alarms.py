@@ -154,7 +154,7 @@ def test_lead_time_runs_from_the_first_alarm_to_each_contact_that_was_found(
 ) -> None:
     # Told by two alarms; told only once it has begun; not told.
     record = near_at(
-        make_record, 0.5, 1.1, 2.2, contacts=[(1.0, 1.1), (2.0, 2.3), (3.5, 3.6)]
+        make_record, 0.5, 0.55, 1.1, 2.2, contacts=[(1.0, 1.1), (2.0, 2.3), (3.5, 3.6)]
     )
 
     assert lead_times(record, nearest_range(record), 0.2) == pytest.approx([0.5, 0.0])
