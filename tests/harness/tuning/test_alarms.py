@@ -79,9 +79,7 @@ def test_an_alarm_belongs_to_a_contact_shortly_after_it_or_during_it(
 def test_contacts_found_and_alarms_that_are_right_are_counted_apart(make_record: MakeRecord) -> None:
     # One long alarm over two contacts, three false ones, and a contact that none tells.
     long = [round(0.05 * n, 2) for n in range(20, 31)]
-    record = near_at(
-        make_record, 0.1, *long, 2.6, 3.9, contacts=[(1.0, 1.1), (1.4, 1.5), (2.1, 2.15)]
-    )
+    record = near_at(make_record, 0.1, *long, 2.6, 3.9, contacts=[(1.0, 1.1), (1.4, 1.5), (2.1, 2.15)])
     other = near_at(make_record, 2.0)
 
     counts = event_counts(nearest_range, [record, other], np.array([0.1, 0.2]))
@@ -153,9 +151,7 @@ def test_lead_time_runs_from_the_first_alarm_to_each_contact_that_was_found(
     make_record: MakeRecord,
 ) -> None:
     # Told by two alarms; told only once it has begun; not told.
-    record = near_at(
-        make_record, 0.5, 0.55, 1.1, 2.2, contacts=[(1.0, 1.1), (2.0, 2.3), (3.5, 3.6)]
-    )
+    record = near_at(make_record, 0.5, 0.55, 1.1, 2.2, contacts=[(1.0, 1.1), (2.0, 2.3), (3.5, 3.6)])
 
     assert lead_times(record, nearest_range(record), 0.2) == pytest.approx([0.5, 0.0])
     assert lead_times(record, nearest_range(record), 0.1).size == 0

@@ -28,9 +28,7 @@ def scoring(scores: Sequence[float]) -> Scoring:
     """One in which a value of the grid has this score in an episode, plus the episode's own path."""
     table = dict(zip(GRID.tolist(), scores, strict=True))
 
-    def count(
-        records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def count(records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -> NDArray[np.float64]:
         rows = [[(table[t] + r.path_length, 1.0) for r in records] for t in thresholds.tolist()]
         return np.array(rows)
 
@@ -113,9 +111,7 @@ def test_a_value_is_chosen_on_one_part_and_judged_against_the_default_on_the_oth
 ) -> None:
     one, other = scoring((0.0, 1.0, 2.0, 0.0, 0.0, 0.0)), scoring((0.0, 3.0, 0.0, 0.0, 9.0, 0.0))
 
-    def count(
-        records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def count(records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -> NDArray[np.float64]:
         return (one if len(records) < 9 else other).count(records, thresholds)
 
     verdict = judged(

@@ -88,7 +88,9 @@ def test_points_next_to_a_turned_hazard_are_its_own() -> None:
     turned = is_on(post(height=1.0, yaw=math.pi / 2), points)
     assert turned.tolist() == [True, False, True, False, True, False]
     slanted = points @ np.array([[math.cos(0.5), math.sin(0.5)], [-math.sin(0.5), math.cos(0.5)]])
-    about = np.array([1.0, 0.0]) @ np.array([[math.cos(0.5), math.sin(0.5)], [-math.sin(0.5), math.cos(0.5)]])
+    about = np.array([1.0, 0.0]) @ np.array(
+        [[math.cos(0.5), math.sin(0.5)], [-math.sin(0.5), math.cos(0.5)]]
+    )
     moved = slanted - about + (1.0, 0.0)
     assert is_on(post(height=1.0, yaw=0.5), moved).tolist() == [False, True, True, True, False, False]
 
@@ -176,4 +178,3 @@ def test_a_driven_episode_has_the_contacts_that_its_driver_seeks(driver: str, si
     assert record.scans["contact"][during].all()
     assert record.windows["largest_stride"].max() < 0.2
     assert (record.windows["largest_step"] <= record.windows["largest_stride"] + 1e-3).all()
-

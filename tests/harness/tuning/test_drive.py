@@ -1,16 +1,15 @@
 """How a driven episode ends, and what is kept of it then."""
 
+import numpy as np
 import pytest
 
-from harness.config import Batch, EpisodeConfig
+from harness.config import Batch
 from harness.errors import Diverged, RunFailed
 from harness.samples import LaserScan, Tick
 from harness.truth import Truth
 from harness.tuning.collected import Collected
 from harness.tuning.drive import _drive
 from harness.tuning.record import Ending
-
-import numpy as np
 
 
 class Scripted:

@@ -50,7 +50,17 @@ def test_hazards_of_every_kind_and_grounds_of_every_kind_are_driven() -> None:
         "maze": (meetings | {"roam"}) - {"swing"},
     }
     grounds = {t for t, driver in STRATA if driver == "roam"}
-    assert grounds == {"gravel", "flat", "rocky", "washboard", "rolling", "marsyard", "dunes", "maze", "posts"}
+    assert grounds == {
+        "gravel",
+        "flat",
+        "rocky",
+        "washboard",
+        "rolling",
+        "marsyard",
+        "dunes",
+        "maze",
+        "posts",
+    }
     assert ("gravel", "wander") in STRATA
     assert len(set(STRATA)) == len(STRATA) == 24
     # Contacts and grounds alternate, so that a short plan has some of each.

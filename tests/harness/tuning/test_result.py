@@ -9,7 +9,10 @@ from harness.tuning.result import Candidate, Verdict
 
 def candidate(value: float, score: Estimate) -> Candidate:
     other = Estimate(0.1, 0.0, 0.2)  # the part on which it was chosen says nothing
-    scores = {Part.CHOOSING: {"F1": other, "recall": other}, Part.CHECKING: {"F1": score, "recall": other}}
+    scores = {
+        Part.CHOOSING: {"F1": other, "recall": other},
+        Part.CHECKING: {"F1": score, "recall": other},
+    }
     return Candidate(value=value, scores=scores)
 
 
@@ -27,9 +30,7 @@ def verdict(gain: Estimate, tuned: Estimate, default: Estimate) -> Verdict:
 SOME = Estimate(0.5, 0.4, 0.6)
 
 
-@pytest.mark.parametrize(
-    ("low", "value"), [(0.001, 0.3), (0.0, None), (-0.001, None), (None, None)]
-)
+@pytest.mark.parametrize(("low", "value"), [(0.001, 0.3), (0.0, None), (-0.001, None), (None, None)])
 def test_a_value_is_given_only_if_the_whole_interval_of_its_gain_is_above_zero(
     low: float | None, value: float | None
 ) -> None:

@@ -5,9 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from harness.tuning.collision import CollisionStudy
 from harness.tuning.blind import BlindSpot
-from harness.tuning.collision import DetectorStudy
+from harness.tuning.collision import CollisionStudy, DetectorStudy
 from harness.tuning.estimate import Estimate
 from harness.tuning.plan import Part, plan
 from harness.tuning.record import Ending, EpisodeRecord, Sight
@@ -23,7 +22,9 @@ def test_what_diverged_is_counted_but_not_scored(make_record: MakeRecord) -> Non
     records = {
         episode: replace(make_record([3.0] * 20 * (episode.index + 1)), ending=ending)
         for episode, ending in reversed(
-            list(zip(planned, [*[Ending.COMPLETE] * 4, Ending.DIVERGED, Ending.TIPPED_OVER], strict=True))
+            list(
+                zip(planned, [*[Ending.COMPLETE] * 4, Ending.DIVERGED, Ending.TIPPED_OVER], strict=True)
+            )
         )
     }
 
@@ -103,7 +104,9 @@ def test_a_verdict_in_a_sentence(found: Verdict, said: str) -> None:
     assert judgement("leo", found) == said
 
 
-def collision(contacts: int, *spots: BlindSpot, detectors: tuple[DetectorStudy, ...] = ()) -> CollisionStudy:
+def collision(
+    contacts: int, *spots: BlindSpot, detectors: tuple[DetectorStudy, ...] = ()
+) -> CollisionStudy:
     found = verdict(None, Estimate(0.0))
     default = DetectorStudy(name="nearest range", events=found.default, scans={}, lead_s=None)
     return CollisionStudy(
@@ -125,7 +128,9 @@ def collision(contacts: int, *spots: BlindSpot, detectors: tuple[DetectorStudy, 
             "The lidar saw every one of the 7 hazards that were touched.",
         ),
         (
-            collision(16, BlindSpot(Sight.TOO_LOW, 3), BlindSpot(Sight.TOO_NEAR, 0), BlindSpot(Sight.MISSED, 1)),
+            collision(
+                16, BlindSpot(Sight.TOO_LOW, 3), BlindSpot(Sight.TOO_NEAR, 0), BlindSpot(Sight.MISSED, 1)
+            ),
             "No threshold can tell 4 of 16 contacts (25 %), for the lidar did not see the hazard: "
             "3 below the lidar, 1 out of its plane.",
         ),

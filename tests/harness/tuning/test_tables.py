@@ -5,11 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from harness.robots import ROVER_ZERO4WD
-from harness.samples import Imu, LaserScan, Pose, TruthState
-from harness.sim_time import TICK_NS
 from harness.config import Batch
-from harness.samples import Tick
+from harness.robots import ROVER_ZERO4WD
+from harness.samples import Imu, LaserScan, Pose, Tick, TruthState
+from harness.sim_time import TICK_NS
 from harness.truth import Truth
 from harness.tuning.collected import Collected
 from harness.tuning.tables import scan_rows, window_rows
@@ -19,7 +18,12 @@ MS = 1_000_000
 
 
 def state(stamp_ms: int, *, speed: float = 0.0, **more: bool | float) -> TruthState:
-    values = {"hazard_contact": False, "rock_contact": False, "path_length": 0.0, "roughness": 0.0} | more
+    values = {
+        "hazard_contact": False,
+        "rock_contact": False,
+        "path_length": 0.0,
+        "roughness": 0.0,
+    } | more
     return TruthState(
         stamp_ns=stamp_ms * MS,
         scrape=False,

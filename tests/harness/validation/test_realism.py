@@ -70,9 +70,7 @@ def test_the_agent_drives_as_its_driver_at_speeds_that_it_holds_for_six_to_fourt
     monkeypatch.setattr(agent, "Wander", driver)
     context = DriverContext(ROVER_ZERO4WD, 9.0, np.empty(0), np.random.default_rng(0))
     ours = RecordedAgent(context)
-    twists = [
-        ours.command(Observation(n * 100_000_000, 0.0, 0.0, 0.0, None)) for n in range(3000 * 10)
-    ]
+    twists = [ours.command(Observation(n * 100_000_000, 0.0, 0.0, 0.0, None)) for n in range(3000 * 10)]
 
     speeds = np.array([twist.linear for twist in twists])
     changes = np.flatnonzero(np.diff(speeds)) + 1
@@ -104,8 +102,12 @@ def test_distances_are_those_of_scipy_and_pass_up_to_twice_the_yardstick() -> No
 
 def test_the_comparison_is_printed_with_percentiles_shares_and_verdicts() -> None:
     values = np.linspace(0.0, 20.0, 201)
-    logs = {title: dict.fromkeys(COLUMNS, values + shift) for shift, title in enumerate(("ours", "a", "b"))}
-    found = dict.fromkeys(COLUMNS, Distances((2.0, 4.0), 2.0)) | {"Current Velocity": Distances((9.0, 1.0), 2.0)}
+    logs = {
+        title: dict.fromkeys(COLUMNS, values + shift) for shift, title in enumerate(("ours", "a", "b"))
+    }
+    found = dict.fromkeys(COLUMNS, Distances((2.0, 4.0), 2.0)) | {
+        "Current Velocity": Distances((9.0, 1.0), 2.0)
+    }
     console = Console(file=io.StringIO(), width=140)
 
     print_comparison(console, Comparison(logs, found))
@@ -131,9 +133,7 @@ def test_a_row_is_written_each_full_second_of_what_came_up_to_it() -> None:
 
     assert len(logger.rows) == 1
     assert logger.rows[0] == pytest.approx((13.0, 12.0, 0.7, 2.5))
-    where = SimpleNamespace(
-        simulation=SimpleNamespace(position=(1.0, 2.0, 3.0), time_ns=5, yaw=0.5)
-    )
+    where = SimpleNamespace(simulation=SimpleNamespace(position=(1.0, 2.0, 3.0), time_ns=5, yaw=0.5))
     seen = logger.observe(where)  # type: ignore[arg-type]
     assert (seen.time_ns, seen.x, seen.y, seen.yaw) == (5, 1.0, 2.0, 0.5)
     assert seen.ranges is scan.ranges

@@ -41,7 +41,6 @@ def test_blocks_stand_ahead_of_the_rover_and_are_felt() -> None:
     assert rig.stance.ahead + LEO.footprint[1] == pytest.approx(0.5, abs=0.1)
 
 
-
 @pytest.fixture(scope="module")
 def standing() -> Rig:
     """A Leo on a floor, facing away from the axes."""

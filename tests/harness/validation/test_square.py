@@ -74,7 +74,12 @@ def test_what_is_told_is_judged_by_the_yaw_ratio_and_the_believed_radius(
     rover: square.RoverSpec, believed: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     journey = SimpleNamespace(
-        told_path=8.2, true_path=8.0, told_yaw=11.0, true_yaw=2 * math.pi, told_place=1 + 1j, true_place=1j
+        told_path=8.2,
+        true_path=8.0,
+        told_yaw=11.0,
+        true_yaw=2 * math.pi,
+        told_place=1 + 1j,
+        true_place=1j,
     )
     monkeypatch.setattr(square, "Rig", lambda *_: None)
     monkeypatch.setattr(square, "_drive_square", lambda _: journey)

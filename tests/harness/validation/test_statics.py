@@ -61,9 +61,7 @@ def climbs(height: float, rover: RoverSpec, stand: Balance) -> bool:
 
     up, forwards, weight = np.array([0.0, 1.0]), np.array([1.0, 0.0]), np.array([0.0, -stand.weight])
     columns = [(*f, moment(p, f)) for p, f in ((front, up), (front, forwards), (edge, pull))]
-    lift, drive, _ = np.linalg.solve(
-        np.array(columns).T, -np.array([*weight, moment(mass, weight)])
-    )
+    lift, drive, _ = np.linalg.solve(np.array(columns).T, -np.array([*weight, moment(mass, weight)]))
     return bool(abs(drive) <= lift)
 
 
@@ -138,7 +136,7 @@ def test_the_table_rises_fast_and_slowly_near_the_angle_looked_for(rig: Rig) -> 
         table.tilt(0.0)
 
     assert found == pytest.approx(end, abs=math.radians(0.03))
-    assert (FAST, SLOW) == (math.radians(30.0), math.radians(2.5))
+    assert (math.radians(30.0), math.radians(2.5)) == (FAST, SLOW)
     # A second to 30 deg, then 0.4 s; to 75 deg from there 44 deg at 2.5 deg/s.
     assert still.ticks == pytest.approx(100 + 40 + 1760, abs=5)
     assert math.isnan(nothing)

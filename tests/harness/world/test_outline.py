@@ -28,7 +28,9 @@ def surface(shape: Shape, half: tuple[float, ...]) -> Points:
     if shape == "cylinder":
         edge = turn[0]
         ring = np.column_stack([half[0] * np.cos(edge), half[0] * np.sin(edge)])
-        return np.concatenate([np.column_stack([ring, np.full(len(edge), z)]) for z in (-half[1], half[1])])
+        return np.concatenate(
+            [np.column_stack([ring, np.full(len(edge), z)]) for z in (-half[1], half[1])]
+        )
     ball = np.stack([np.cos(turn) * np.sin(tilt), np.sin(turn) * np.sin(tilt), np.cos(tilt)], -1)
     return np.asarray(ball.reshape(-1, 3) * half)
 

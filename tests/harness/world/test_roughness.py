@@ -45,5 +45,10 @@ def test_it_is_the_mean_square_residual_around_the_nearest_vertex(cell: float, r
 def test_near_the_edge_the_nearest_value_that_there_is_stands() -> None:
     heights = np.random.default_rng(1).normal(0.0, 0.01, (21, 21))
     rough = RoughnessMap(ground(heights, cell=0.5))
-    for x, y, row, column in ((5.0, 5.0, 18, 18), (-5.0, -5.0, 2, 2), (4.9, -4.9, 2, 18), (0, 5, 18, 10)):
+    for x, y, row, column in (
+        (5.0, 5.0, 18, 18),
+        (-5.0, -5.0, 2, 2),
+        (4.9, -4.9, 2, 18),
+        (0, 5, 18, 10),
+    ):
         assert rough.mean_square(x, y) == pytest.approx(mean_square(heights, row, column, 1))

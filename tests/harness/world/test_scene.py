@@ -94,7 +94,8 @@ def test_ground_and_obstacles_meet_the_rover_and_never_each_other(model: mujoco.
 @pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
 def test_what_is_only_looked_at_is_left_out_unless_pictures_are_taken(rover: RoverSpec) -> None:
     groups = [
-        set(scene_of(rover, for_pictures=pictures).model.geom_group.tolist()) for pictures in (False, True)
+        set(scene_of(rover, for_pictures=pictures).model.geom_group.tolist())
+        for pictures in (False, True)
     ]
 
     assert groups == [{0, 1, 3}, {0, 1, 2, 3}]
@@ -123,7 +124,9 @@ def test_contacts_of_the_rover_are_counted_by_what_it_touches(rover: RoverSpec) 
         mujoco.mjtObj.mjOBJ_GEOM,
     )
     found = {
-        sensor.name: (*map(int, (sensor.objtype[0], sensor.objid[0], sensor.reftype[0], sensor.refid[0])),)
+        sensor.name: (
+            *map(int, (sensor.objtype[0], sensor.objid[0], sensor.reftype[0], sensor.refid[0])),
+        )
         for sensor in map(model.sensor, range(model.nsensor))
         if sensor.type[0] == mujoco.mjtSensor.mjSENS_CONTACT
     }
