@@ -1,5 +1,7 @@
 """How a driven episode ends, and what is kept of it then."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
@@ -18,7 +20,7 @@ class Scripted:
     def __init__(self, *batches: Batch, error: Exception | None = None) -> None:
         self._batches, self._error = batches, error
 
-    def batches(self):  # noqa: ANN201
+    def batches(self) -> Iterator[Batch]:
         yield from self._batches
         if self._error is not None:
             raise self._error

@@ -33,7 +33,7 @@ def test_the_interval_covers_the_truth_about_as_often_as_it_says() -> None:
     ("strata", "groups"),
     [
         (["a"] * 40, [range(40)]),
-        (["a"] * 3 + ["b"] * 37, [range(3), range(3, 40)]),
+        (["a"] * 3 + ["b"] * 3 + ["c"] * 34, [range(3), range(3, 6), range(6, 40)]),
         (["a"] * 30 + list("bcdefghijk"), [range(30), range(30, 40)]),  # single ones are one stratum
         (["a"] * 15 + ["b"] * 24 + ["c"], [range(15), range(15, 40)]),  # a lone one joins the largest
         (["a"] * 24 + ["b"] * 15 + ["c"], [[*range(24), 39], range(24, 39)]),
@@ -45,6 +45,7 @@ def test_a_sum_has_the_standard_error_of_a_stratified_sample(
     """The variance of a total is the sum of n_h s_h^2 over the strata; the interval is normal."""
     rng = np.random.default_rng(3)
     values = rng.normal(5.0, 1.0, 40)
+    values[list(groups[0])] -= 20.0
     values[list(groups[-1])] += 20.0  # strata differ: a wrong grouping widens the interval
     values[39] += 9.0
 

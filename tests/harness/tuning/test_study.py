@@ -69,6 +69,7 @@ def verdict(tuned: Estimate | None, gain: Estimate, note: str = "") -> Verdict:
 APART, OVERLAPPING = Estimate(0.7, 0.65, 0.8), Estimate(0.7, 0.55, 0.8)
 BEGIN = "collision_threshold: the default 0.2 m"
 WAS = "F1 0.50 (0.40 to 0.60)"
+BETTER, CLOSER = "0.70 (0.65 to 0.80)", "0.70 (0.55 to 0.80)"
 
 
 @pytest.mark.parametrize(
@@ -80,23 +81,32 @@ WAS = "F1 0.50 (0.40 to 0.60)"
         ),
         (
             verdict(APART, Estimate(0.2, -0.1, 0.3), "a note"),
-            f"{BEGIN} stays for leo, for nothing better is proven: {WAS} against 0.70 (0.65 to 0.80) with "
-            "0.3 m (a note) on unseen seeds.",
+            (
+                f"{BEGIN} stays for leo, for nothing better is proven: {WAS} against {BETTER} with "
+                "0.3 m (a note) on unseen seeds."
+            ),
         ),
         (
             verdict(APART, Estimate(0.05, 0.01, 0.3)),
-            f"{BEGIN} is wrong for leo: {WAS} against 0.70 (0.65 to 0.80) with 0.3 m on unseen seeds; the "
-            "intervals do not overlap.",
+            (
+                f"{BEGIN} is wrong for leo: {WAS} against {BETTER} with 0.3 m on unseen seeds; the "
+                "intervals do not overlap."
+            ),
         ),
         (
             verdict(APART, Estimate(0.049, 0.01, 0.3)),
-            f"{BEGIN} is a little worse than it could be for leo: {WAS} against 0.70 (0.65 to 0.80) with "
-            "0.3 m on unseen seeds; the intervals do not overlap.",
+            (
+                f"{BEGIN} is a little worse than it could be for leo: {WAS} against {BETTER} with "
+                "0.3 m on unseen seeds; the intervals do not overlap."
+            ),
         ),
         (
             verdict(OVERLAPPING, Estimate(0.2, 0.1, 0.3)),
-            f"{BEGIN} is worse than 0.3 m for leo: {WAS} against 0.70 (0.55 to 0.80) with 0.3 m on unseen "
-            "seeds; the intervals overlap, but on the same episodes the difference is 0.20 (0.10 to 0.30).",
+            (
+                f"{BEGIN} is worse than 0.3 m for leo: {WAS} against {CLOSER} with 0.3 m on unseen "
+                "seeds; the intervals overlap, but on the same episodes the difference is "
+                "0.20 (0.10 to 0.30)."
+            ),
         ),
     ],
 )
@@ -128,11 +138,11 @@ def collision(
             "The lidar saw every one of the 7 hazards that were touched.",
         ),
         (
-            collision(
-                16, BlindSpot(Sight.TOO_LOW, 3), BlindSpot(Sight.TOO_NEAR, 0), BlindSpot(Sight.MISSED, 1)
+            collision(16, *map(BlindSpot, (Sight.TOO_LOW, Sight.TOO_NEAR, Sight.MISSED), (3, 0, 1))),
+            (
+                "No threshold can tell 4 of 16 contacts (25 %), for the lidar did not see the hazard: "
+                "3 below the lidar, 1 out of its plane."
             ),
-            "No threshold can tell 4 of 16 contacts (25 %), for the lidar did not see the hazard: "
-            "3 below the lidar, 1 out of its plane.",
         ),
     ],
 )
@@ -152,6 +162,8 @@ def test_what_the_other_detectors_buy_in_sentences() -> None:
     first = replace(other, name="nearest range")
 
     assert list(alternatives(collision(9, detectors=(first, other)))) == [
-        "Footprint clearance below 0.05 m: F1 0.80 (0.70 to 0.90), recall 0.60 (too few episodes for an "
-        "interval), 3.1 (2.7 to 4.0) false alarms per km."
+        (
+            "Footprint clearance below 0.05 m: F1 0.80 (0.70 to 0.90), recall 0.60 (too few episodes for an "
+            "interval), 3.1 (2.7 to 4.0) false alarms per km."
+        )
     ]

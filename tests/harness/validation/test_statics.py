@@ -54,7 +54,7 @@ def climbs(height: float, rover: RoverSpec, stand: Balance) -> bool:
     front = front_axle - (0.0, radius)
     edge = np.array([math.sqrt(radius**2 - (radius - height) ** 2), height])
     normal = (rear_axle - edge) / radius
-    pull = normal + (normal[1], -normal[0])  # with friction at its limit, forwards
+    pull = normal + np.array([normal[1], -normal[0]])  # with friction at its limit, forwards
 
     def moment(point: np.ndarray, force: np.ndarray) -> float:
         return float(point[0] * force[1] - point[1] * force[0])
