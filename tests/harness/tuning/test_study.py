@@ -163,7 +163,7 @@ def test_what_the_other_detectors_buy_in_sentences() -> None:
 
     assert list(alternatives(collision(9, detectors=(first, other)))) == [
         (
-            "Footprint clearance below 0.05 m: F1 0.80 (0.70 to 0.90), recall 0.60 (too few episodes for an "
-            "interval), 3.1 (2.7 to 4.0) false alarms per km."
+            "Footprint clearance below 0.05 m: F1 0.80 (0.70 to 0.90), recall 0.60 "
+            "(too few episodes for an interval), 3.1 (2.7 to 4.0) false alarms per km."
         )
     ]
