@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from harness.sensors import heightfield_rays
 from harness.sensors.heightfield_rays import HeightfieldRays
 from harness.world.heightfield import Heightfield
+from tests.harness.sensors.plain_python import as_plain_python
 
 Array = NDArray[np.float64]
 
@@ -221,6 +223,27 @@ def test_only_nearer_hits_within_range_are_written() -> None:
     rays.cast(origin, down, 10.0, ranges)
     assert ranges == pytest.approx([0.5, 0.4, 0.5])
     assert (cast(rays, origin, down, range_max=0.49) == np.inf).all()
+
+
+def test_as_plain_python_the_walk_meets_mujoco_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    kernel = as_plain_python("harness.sensors.heightfield_kernel", monkeypatch)
+    monkeypatch.setattr(heightfield_rays, "cast_rays", kernel.cast_rays)
+    rng = np.random.default_rng(8)
+    for shape in ((2, 2), (5, 9), (21, 18)):  # the last with three levels of blocks and more
+        heights = 0.2 * rng.normal(size=shape)
+        scene = terrain_model(heights, 0.25, (0.5, -1.0))
+        rays = HeightfieldRays.from_model(scene[0])
+        size = np.array([0.25 * shape[1], 0.25 * shape[0], np.ptp(heights) + BASE])
+        for steepness in (0.05, 1.0, 3.0):
+            for _ in range(4):
+                origin = np.array([0.5, -1.0, 0.0]) + rng.uniform(-0.9, 0.9, 3) * size
+                directions = random_directions(rng, 20, steepness)
+                ours = cast(rays, origin, directions)
+                assert_same_hits(ours, mujoco_cast(scene, origin, directions))
+    flat = HeightfieldRays.from_model(terrain_model(np.zeros((3, 3)), 1.0)[0])
+    ranges = np.array([np.inf, 0.4, 0.6])
+    flat.cast(np.array([0.3, 0.2, 0.5]), np.tile([0.0, 0.0, -1.0], (3, 1)), 10.0, ranges)
+    assert ranges == pytest.approx([0.5, 0.4, 0.5])
 
 
 def test_other_than_an_upright_heightfield_is_refused() -> None:

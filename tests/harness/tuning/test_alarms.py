@@ -4,14 +4,17 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+from sklearn.metrics import confusion_matrix, f1_score, precision_score, recall_score
 
 from harness.tuning.alarms import (
+    DETECTORS,
     EVENT_MEASURES,
     SCAN_MEASURES,
     alarms,
     event_counts,
     lead_times,
-    nearest_or_near_return,
+    matches,
     nearest_range,
     scan_counts,
 )
@@ -20,52 +23,79 @@ from harness.tuning.record import EpisodeRecord
 MakeRecord = Callable[..., EpisodeRecord]
 
 FAR, NEAR = 3.0, 0.18
+THRESHOLD = np.array([0.2])
 
 
-def test_alarms_closer_than_half_a_second_are_one(make_record: MakeRecord) -> None:
-    record = make_record([NEAR] * 3 + [FAR] * 9 + [NEAR] * 2 + [FAR] * 12 + [NEAR])
+def near_at(make_record: MakeRecord, *times: float, **more: object) -> EpisodeRecord:
+    """Four seconds with a hazard nearby only in the scans at these times [s]."""
+    ranges = np.full(80, FAR)
+    ranges[[round(time * 20) - 1 for time in times]] = NEAR
+    return make_record(ranges, **more)
 
-    found = alarms(record, nearest_range(record), 0.2)
 
-    assert found == pytest.approx(np.array([[0.05, 0.7], [1.35, 1.35]]))
+def found_in(record: EpisodeRecord) -> NDArray[np.float64]:
+    return alarms(record, nearest_range(record), 0.2)
+
+
+@pytest.mark.parametrize(("gap_ms", "expected"), [(500, 1), (501, 2)])
+def test_alarms_up_to_half_a_second_apart_are_one(
+    make_record: MakeRecord, gap_ms: int, expected: int
+) -> None:
+    record = make_record([NEAR] * 3)
+    record.scans["stamp_ms"] = (1000, 1250, 1250 + gap_ms)
+
+    found = found_in(record)
+
+    ends = [[1.0, 1.25], [1.25 + gap_ms / 1e3] * 2] if expected == 2 else [[1.0, 1.75]]
+    assert found == pytest.approx(np.array(ends))
 
 
 def test_the_threshold_is_strict_as_in_the_metrics(make_record: MakeRecord) -> None:
     record = make_record([0.25] * 3)
 
-    assert len(alarms(record, nearest_range(record), 0.25)) == 0
+    assert alarms(record, nearest_range(record), 0.25).shape == (0, 2)
 
 
 @pytest.mark.parametrize(
-    ("alarm_s", "is_right"),
+    ("start", "end", "belongs"),
     [
-        (1.0, False),  # a second before the contact
-        (1.6, True),  # 0.4 s before: what is touched is then too near to be seen
-        (2.1, True),  # during
-        (2.5, False),  # after
+        (1.0, 1.499, False),  # too long before the contact
+        (1.0, 1.5, True),  # half a second before: what is touched may be too near to be seen
+        (1.9, 2.1, True),
+        (2.05, 2.1, True),
+        (2.25, 2.3, True),  # the scan that follows the last tick
+        (2.251, 2.3, False),
+        (1.0, 3.0, True),
     ],
 )
-def test_an_alarm_is_right_shortly_before_or_during_a_contact(
-    make_record: MakeRecord, alarm_s: float, is_right: bool
+def test_an_alarm_belongs_to_a_contact_shortly_after_it_or_during_it(
+    make_record: MakeRecord, start: float, end: float, *, belongs: bool
 ) -> None:
-    ranges = np.full(80, FAR)
-    ranges[round(alarm_s * 20) - 1] = NEAR
-    record = make_record(ranges, contacts=[(2.0, 2.2)])
+    record = make_record([], contacts=[(2.0, 2.2), (9.0, 9.1)])
 
-    contacts, found, raised, right, km = event_counts(nearest_range, [record], np.array([0.2]))[0, 0]
-
-    assert (contacts, raised) == (1, 1)
-    assert found == right == is_right
-    assert km == pytest.approx(0.004)
+    assert matches(record, np.array([[start, end]])).tolist() == [[belongs, False]]
 
 
-def test_a_long_alarm_is_one_and_finds_all_contacts_in_it(make_record: MakeRecord) -> None:
-    record = make_record([NEAR] * 80, contacts=[(1.0, 1.2), (3.0, 3.1)])
+def test_contacts_found_and_alarms_that_are_right_are_counted_apart(make_record: MakeRecord) -> None:
+    # One long alarm over two contacts, three false ones, and a contact that none tells.
+    long = [round(0.05 * n, 2) for n in range(20, 31)]
+    record = near_at(make_record, 0.1, *long, 2.6, 3.9, contacts=[(1.0, 1.1), (1.4, 1.5), (2.1, 2.15)])
+    other = near_at(make_record, 2.0)
 
-    sums = event_counts(nearest_range, [record], np.array([0.2]))[0].sum(axis=0)
+    counts = event_counts(nearest_range, [record, other], np.array([0.1, 0.2]))
 
-    assert {name: float(measure(sums)) for name, measure in EVENT_MEASURES.items()} == pytest.approx(
-        {"F1": 1.0, "precision": 1.0, "recall": 1.0, "false alarms per km": 0.0}
+    assert counts.shape == (2, 2, 5)
+    assert counts[0].tolist() == [[3, 0, 0, 0, 0.004], [0, 0, 0, 0, 0.004]]
+    assert counts[1].tolist() == [[3, 2, 4, 1, 0.004], [0, 0, 1, 0, 0.004]]
+    measured = {name: float(measure(counts[1, 0])) for name, measure in EVENT_MEASURES.items()}
+    precision, recall = 1 / 4, 2 / 3
+    assert measured == pytest.approx(
+        {
+            "F1": 2 * precision * recall / (precision + recall),
+            "precision": precision,
+            "recall": recall,
+            "false alarms per km": 3 / 0.004,
+        }
     )
 
 
@@ -75,33 +105,53 @@ def test_f1_is_zero_if_nothing_is_found_and_undefined_without_contacts(
     missed = make_record([FAR] * 20, contacts=[(0.5, 0.6)])
     none = make_record([FAR] * 20)
 
-    f1 = [
-        float(EVENT_MEASURES["F1"](event_counts(nearest_range, [r], np.array([0.2]))[0, 0]))
-        for r in (missed, none)
-    ]
+    f1 = EVENT_MEASURES["F1"](event_counts(nearest_range, [missed, none], THRESHOLD)[0])
 
-    assert f1[0] == 0.0
-    assert np.isnan(f1[1])
+    assert f1.tolist() == pytest.approx([0.0, np.nan], nan_ok=True)
 
 
-def test_scans_are_counted_one_by_one(make_record: MakeRecord) -> None:
-    record = make_record([FAR, NEAR, NEAR, FAR], contacts=[(0.05, 0.1)])  # scans 2 and 3 of 4
+def test_scans_are_scored_one_by_one_as_scikit_learn_does(make_record: MakeRecord) -> None:
+    rng = np.random.default_rng(0)
+    record = make_record(np.round(rng.uniform(0.0, 1.0, 200), 1))
+    record.scans["contact"] = rng.random(200) < 0.3
+    nearest, truth = nearest_range(record), record.scans["contact"]
 
-    sums = scan_counts(nearest_range, [record], np.array([0.2, 5.0])).sum(axis=1)
+    counts = scan_counts(nearest_range, [record, record], np.array([nearest[0], 0.45]))[:, 0]
 
-    assert sums.tolist() == [[2.0, 0.0, 0.0, 2.0], [2.0, 2.0, 0.0, 0.0]]
-    assert float(SCAN_MEASURES["precision"](sums[1])) == 0.5
+    for row, threshold in zip(counts, (nearest[0], 0.45), strict=True):
+        says = nearest < threshold  # strict, also where a scan is as near as the threshold
+        tn, fp, fn, tp = confusion_matrix(truth, says).ravel().tolist()
+        assert row.tolist() == [tp, fp, fn, tn]
+        assert {name: float(measure(row)) for name, measure in SCAN_MEASURES.items()} == pytest.approx(
+            {
+                "F1": f1_score(truth, says),
+                "precision": precision_score(truth, says),
+                "recall": recall_score(truth, says),
+                "false positive rate": fp / (fp + tn),
+            }
+        )
 
 
-def test_near_returns_count_as_contact_only_where_asked(make_record: MakeRecord) -> None:
-    record = make_record([FAR] * 4)
-    record.scans["near_returns"][2] = 7
+def test_each_detector_has_its_distance_and_near_returns_count_only_where_it_says_so(
+    make_record: MakeRecord,
+) -> None:
+    record = make_record([3.0, 2.0])
+    record.scans["footprint"] = (1.0, 0.5)
+    record.scans["near_returns"] = (0, 1)
 
-    assert len(alarms(record, nearest_range(record), 0.2)) == 0
-    assert len(alarms(record, nearest_or_near_return(record), 0.2)) == 1
+    assert {name: detector(record).tolist() for name, detector in DETECTORS.items()} == {
+        "nearest range": [3.0, 2.0],
+        "nearest range, near returns count": [3.0, -np.inf],
+        "footprint clearance": [1.0, 0.5],
+        "footprint clearance, near returns count": [1.0, -np.inf],
+    }
 
 
-def test_lead_time_runs_from_the_first_alarm_to_the_contact(make_record: MakeRecord) -> None:
-    record = make_record([FAR] * 10 + [NEAR] * 20, contacts=[(1.2, 1.5)])
+def test_lead_time_runs_from_the_first_alarm_to_each_contact_that_was_found(
+    make_record: MakeRecord,
+) -> None:
+    # Told by two alarms; told only once it has begun; not told.
+    record = near_at(make_record, 0.5, 0.55, 1.1, 2.2, contacts=[(1.0, 1.1), (2.0, 2.3), (3.5, 3.6)])
 
-    assert lead_times(record, nearest_range(record), 0.2) == pytest.approx([1.2 - 0.55])
+    assert lead_times(record, nearest_range(record), 0.2) == pytest.approx([0.5, 0.0])
+    assert lead_times(record, nearest_range(record), 0.1).size == 0

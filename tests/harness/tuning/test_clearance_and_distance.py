@@ -6,13 +6,17 @@ import numpy as np
 import pytest
 
 from harness.robots import LEO, ROVER_ZERO4WD, RoverSpec
-from harness.tuning.braking import LATENCY, Braking, measure_braking
-from harness.tuning.clearance import MARGIN, study_clearance
+from harness.tuning import clearance
+from harness.tuning.braking import Braking, measure_braking
+from harness.tuning.clearance import study_clearance
 from harness.tuning.distance import study_distance
 from harness.tuning.plan import Part
-from harness.tuning.record import EpisodeRecord, Zone
+from harness.tuning.record import EpisodeRecord, Sight, Zone
 
 MakeRecord = Callable[..., EpisodeRecord]
+
+STOP = Braking(speed=1.0, distance=0.1, time=0.2)  # at 5 m/s^2
+LATENCY = 0.1  # [s]: a scan and a control period at 20 Hz
 
 
 def both(records: Sequence[EpisodeRecord]) -> dict[Part, Sequence[EpisodeRecord]]:
@@ -30,63 +34,181 @@ def test_a_stop_from_top_speed_takes_what_the_controller_allows(rover: RoverSpec
 
 @pytest.mark.parametrize("speed", [0.3, 1.0])
 def test_a_warning_must_come_as_early_as_the_stopping_distance_takes(speed: float) -> None:
-    braking = Braking(speed=1.0, distance=0.1, time=0.2)  # 5 m/s^2
-
     stopping_distance = speed * LATENCY + speed**2 / (2 * 5.0)
 
-    assert braking.needed_lead(speed) == pytest.approx(stopping_distance / speed)
+    assert STOP.needed_lead(speed) == pytest.approx(stopping_distance / speed)
+    assert STOP.needed_lead(5.0) == STOP.needed_lead(1.0)  # faster it cannot be but downhill
 
 
-def approaching(make_record: MakeRecord, zone: Zone = Zone.FRONT) -> EpisodeRecord:
-    """At 1 m/s towards a wall, which the front touches when it is 0.094 m from the lidar."""
-    ranges = np.linspace(3.0, 0.1, 59)
-    return make_record(ranges, contacts=[(2.9, 3.0)], zone=zone)
+def test_the_stopping_distance_is_latency_and_braking_together() -> None:
+    assert Braking(speed=2.0, distance=0.3, time=9.0).stopping_distance == pytest.approx(0.5)
 
 
-def test_the_clearance_is_the_sum_of_its_parts_and_warns_in_time(make_record: MakeRecord) -> None:
-    records = both([approaching(make_record)] * 10)
-    study = study_clearance(records, ROVER_ZERO4WD, seed=0)
-
-    braking, tuned = study.braking, study.verdict.tuned
-    assert study.overhang == pytest.approx(0.268 - 0.174)
-    assert tuned is not None
-    expected = study.overhang + braking.speed * LATENCY + braking.distance + MARGIN
-    assert expected <= tuned.value < expected + 0.01
-    assert tuned.scores[Part.CHECKING]["recall"].value == 1.0
+@pytest.fixture
+def stops(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every rover stops as STOP says, without being driven."""
+    monkeypatch.setattr(clearance, "measure_braking", lambda _rover, _seed: STOP)
 
 
-def test_a_contact_beside_is_none_that_braking_could_have_avoided(make_record: MakeRecord) -> None:
-    records = both([approaching(make_record, Zone.SIDE)] * 10)
+def near_between(
+    make_record: MakeRecord, first: float, last: float, contacts: Sequence[tuple[float, float]]
+) -> EpisodeRecord:
+    """Six seconds at 1 m/s with something 0.3 m away in the scans from first to last [s]."""
+    scans = np.arange(1, 121) / 20
+    ranges = np.where((scans > first - 0.01) & (scans < last + 0.01), 0.3, 3.0)
+    return make_record(ranges, contacts=contacts)
+
+
+@pytest.mark.usefixtures("stops")
+def test_the_clearance_is_the_sum_of_its_parts_rounded_up(make_record: MakeRecord) -> None:
+    records = both([near_between(make_record, 1.0, 2.0, [(2.0, 2.1)])] * 10)
     study = study_clearance(records, LEO, seed=0)
 
-    assert np.isnan(study.verdict.default.scores[Part.CHECKING]["recall"].value)
-    assert study.verdict.value is None
-    assert "0 contacts ahead" in (study.verdict.lack or "")
+    # 0.218 m to the bumper - 0.174 m to the lidar + 0.1 m latency + 0.1 m braking + 0.1 m margin
+    assert study.overhang == pytest.approx(0.044)
+    assert study.verdict.tuned is not None
+    assert study.verdict.tuned.value == 0.35  # up from 0.344
+    assert (study.braking, study.margin) == (STOP, 0.1)
+    assert study.verdict.note == (
+        "0.044 m from lidar to bumper + 0.100 m in 0.1 s at 1.00 m/s + 0.100 m braking + 0.1 m margin"
+    )
+    assert study.verdict.tuned.scores[Part.CHECKING]["recall"].value == 1.0
+
+
+@pytest.mark.parametrize(
+    ("warned", "contact_s", "expected"),
+    [  # contacts, those warned of in time, warnings, those that a contact followed
+        ((1.0, 1.5), 1.25, (1, 1, 1, 1)),  # the warning comes 0.25 s before: 0.2 s are needed
+        ((1.0, 1.5), 1.15, (1, 0, 1, 1)),
+        ((1.0, 1.5), 3.5, (1, 1, 1, 1)),  # two seconds after it ended
+        ((1.0, 1.5), 3.55, (1, 0, 1, 0)),
+        ((1.0, 1.5), 0.95, (1, 0, 1, 0)),  # before the warning
+        ((1.0, 1.5), 1.0, (1, 0, 1, 1)),
+        ((9.0, 9.0), 2.0, (1, 0, 0, 0)),
+    ],
+)
+def test_a_warning_counts_if_it_comes_in_time_and_a_contact_follows(
+    make_record: MakeRecord,
+    warned: tuple[float, float],
+    contact_s: float,
+    expected: tuple[int, int, int, int],
+) -> None:
+    record = near_between(make_record, *warned, [(contact_s, contact_s + 0.1)])
+    other = make_record([3.0] * 20)
+
+    counts = clearance._counts(STOP, [record, other], np.array([0.1, 0.5]))
+
+    assert counts[1].tolist() == [[*expected, 0.006], [0, 0, 0, 0, 0.001]]
+    assert counts[0, :, 1:4].tolist() == [[0, 0, 0]] * 2
+
+
+def test_warning_in_the_nick_of_time_is_in_time(make_record: MakeRecord) -> None:
+    record = near_between(make_record, 1.0, 1.5, [(1.25, 1.3)])
+    just = Braking(speed=1.0, distance=0.1, time=0.25 * 2 - 0.2)  # needs 0.25 s
+
+    record.events["start_s"] = record.times[19] + just.needed_lead(1.0)
+
+    assert clearance._counts(just, [record], np.array([0.5]))[0, 0, 1] == 1
+
+
+@pytest.mark.parametrize(
+    ("changed", "contacts"),
+    [
+        ({}, 1),
+        ({"zone": Zone.SIDE}, 0),
+        ({"zone": Zone.REAR}, 0),
+        ({"sight": Sight.TOO_LOW}, 0),
+        ({"speed": 0.05}, 0),
+        ({"speed": 0.06}, 1),
+        ({"speed": -0.5}, 0),
+    ],
+)
+def test_only_contacts_ahead_that_were_seen_while_moving_could_have_been_avoided(
+    make_record: MakeRecord, changed: dict[str, object], contacts: int
+) -> None:
+    record = near_between(make_record, 1.0, 2.0, [(2.0, 2.1)])
+    for column, value in changed.items():
+        record.events[column] = value
+
+    counts = clearance._counts(STOP, [record], np.array([0.5]))[0, 0]
+
+    assert counts[:2].tolist() == [contacts, contacts]
+    assert counts[3] == 1  # any contact makes a warning right
+
+
+@pytest.mark.usefixtures("stops")
+@pytest.mark.parametrize(
+    ("ahead", "lack"),
+    [
+        (5, None),
+        (
+            4,
+            (
+                "4 contacts ahead with hazards that the lidar saw in the checking episodes; "
+                "5 are needed to check it"
+            ),
+        ),
+    ],
+)
+def test_five_contacts_ahead_are_needed_to_check_it(
+    make_record: MakeRecord, ahead: int, lack: str | None
+) -> None:
+    record = near_between(make_record, 1.0, 2.0, [(2.0, 2.1)])
+    records = {Part.CHOOSING: [record], Part.CHECKING: [record] * ahead}
+
+    assert study_clearance(records, LEO, seed=0).verdict.lack == lack
 
 
 def seconds(stride: float, from_start: float, count: int = 20) -> list[dict[str, float]]:
-    return [
-        {"largest_step": stride / 5, "largest_stride": stride, "from_start": from_start}
-        for _ in range(count)
-    ]
+    step = {"largest_step": stride / 5, "largest_stride": stride, "from_start": from_start}
+    return [step] * count
 
 
 def test_the_step_threshold_is_above_every_possible_step(make_record: MakeRecord) -> None:
     windows = [*seconds(0.1, 0.3), *seconds(0.1, 8.0)]
-    records = both([make_record([], windows=windows) for _ in range(10)])
+    other = make_record([], windows=seconds(0.125, 0.3, 40))
+    records = {
+        Part.CHOOSING: [make_record([], windows=windows) for _ in range(10)],
+        Part.CHECKING: [make_record([], windows=windows) for _ in range(9)] + [other],
+    }
     study = study_distance(records, ROVER_ZERO4WD)
 
-    assert study.possible_step == pytest.approx(ROVER_ZERO4WD.top_speed * 0.1)
-    assert study.largest_stride == pytest.approx(0.1)
-    assert study.verdict.value is not None
-    assert study.possible_step <= study.verdict.value <= 0.3
-    default, tuned = study.verdict.default, study.verdict.tuned
-    assert default.scores[Part.CHECKING]["false accept rate"].value == pytest.approx(0.5)
-    assert tuned is not None
-    assert tuned.scores[Part.CHECKING]["false accept rate"].value == 0.0
+    assert study.possible_step == pytest.approx(10.0 * 0.127 * 0.1)  # top speed over 5 poses at 50 Hz
+    assert study.largest_stride == pytest.approx(0.125)
+    assert study.largest_step == pytest.approx(0.025)
+    assert study.verdict.tuned is not None
+    # From the first hundredth of a metre above the possible step to the jumps of 0.3 m all is alike.
+    assert study.verdict.tuned.value == 0.22  # of 0.13 to 0.30 the upper of the middle two
+    default = study.verdict.default.scores[Part.CHOOSING]
+    assert {name: score.value for name, score in default.items()} == pytest.approx(
+        {"balanced accuracy": 0.75, "false accept rate": 0.5, "false reject rate": 0.0}
+    )
 
 
-def test_a_few_seconds_support_no_value(make_record: MakeRecord) -> None:
-    records = both([make_record([], windows=seconds(0.1, 5.0, 9))])
+def test_a_step_as_long_as_the_threshold_is_refused_and_no_travel(make_record: MakeRecord) -> None:
+    # Powers of two, so that no rounding is in the way.
+    windows = [*seconds(0.5, 0.5, 60), *seconds(0.25, 0.25, 20), *seconds(0.25, 9.0, 20)]
+    study = study_distance(both([make_record([], windows=windows)]), ROVER_ZERO4WD)
 
-    assert "9 s of poses" in (study_distance(records, LEO).verdict.lack or "")
+    scores = study.verdict.default.scores[Part.CHECKING]
+
+    assert study.verdict.default.value == 0.5
+    assert scores["false reject rate"].value == pytest.approx(0.6)
+    assert scores["false accept rate"].value == pytest.approx(0.2)
+    assert scores["balanced accuracy"].value == pytest.approx(0.6)
+
+
+@pytest.mark.parametrize(
+    ("count", "lack"),
+    [(100, None), (99, "99 s of poses in the checking episodes; 100 are needed")],
+)
+def test_a_hundred_seconds_of_each_part_are_needed(
+    make_record: MakeRecord, count: int, lack: str | None
+) -> None:
+    enough = make_record([], windows=seconds(0.1, 5.0, 100))
+    records = {
+        Part.CHOOSING: [enough],
+        Part.CHECKING: [make_record([], windows=seconds(0.1, 5.0, n)) for n in (50, count - 50)],
+    }
+
+    assert study_distance(records, LEO).verdict.lack == lack

@@ -33,10 +33,35 @@ def both(records: Sequence[EpisodeRecord]) -> Mapping[Part, Sequence[EpisodeReco
 def test_it_finds_the_distance_that_separates_touching_from_passing(at: AtDistance) -> None:
     study = study_collisions(both([*at(0.225, touches=True), *at(0.35, touches=False)]))
 
-    assert study.verdict.value is not None
-    assert 0.225 < study.verdict.value <= 0.35
+    assert study.verdict.value == 0.29  # the middle of 0.23 to 0.35
     assert study.verdict.is_proven
     assert "is wrong for rover" in judgement("rover", study.verdict)
+
+
+def test_every_detector_is_judged_at_its_own_best_where_it_was_not_chosen(at: AtDistance) -> None:
+    chosen_on = [*at(0.225, touches=True), *at(0.35, touches=False)]
+    checked_on = [*at(0.225, touches=True), *at(0.265, touches=True), *at(0.35, touches=False, count=5)]
+    for record in (*chosen_on, *checked_on):
+        record.scans["footprint"] = record.scans["nearest"] / 2
+    for record in checked_on[:10]:
+        record.scans["near_returns"][10] = 1  # 1.45 s before the contact
+    study = study_collisions({Part.CHOOSING: chosen_on, Part.CHECKING: checked_on})
+
+    assert [(d.name, d.events.value) for d in study.detectors] == [
+        ("nearest range", 0.29),
+        ("nearest range, near returns count", 0.29),
+        ("footprint clearance", 0.15),
+        ("footprint clearance, near returns count", 0.15),
+    ]
+    precision = [d.events.scores[Part.CHECKING]["precision"].value for d in study.detectors]
+    assert precision == pytest.approx([1.0, 20 / 30, 1.0, 20 / 30])
+    assert (study.default.name, study.default.events.value) == ("nearest range", 0.2)
+    assert study.default.events.scores[Part.CHECKING]["recall"].value == 0.0
+    assert study.default.lead_s is None
+    # Below 0.29 m the ranges come at the 40th scan, 2.0 s, in steps of 7 cm: 0 s before the contact.
+    assert study.detectors[0].lead_s == pytest.approx(0.0)
+    assert study.detectors[0].scans["recall"].value == pytest.approx(20 / 60)
+    assert study.contacts == 20
 
 
 def test_a_value_that_fails_on_unseen_episodes_is_not_written(at: AtDistance) -> None:

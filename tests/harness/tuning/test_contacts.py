@@ -10,11 +10,13 @@ from harness.report.recorder import PlacedScan
 from harness.robots import LEO, ROVER_ZERO4WD
 from harness.samples import LaserScan, Pose
 from harness.sensors.lidar_spec import LidarSpec
-from harness.tuning.contacts import is_on, sight, zone
+from harness.truth_events import ContactEvent
+from harness.tuning.contacts import event_rows, is_on, sight, zone
 from harness.tuning.drive import drive
 from harness.tuning.record import Sight, Zone
-from harness.tuning.store import encode
+from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
+from harness.world.world import World
 
 ANGLES = LidarSpec().angles
 
@@ -27,6 +29,9 @@ ANGLES = LidarSpec().angles
         ((-0.27, -0.1, 0.1), Zone.REAR),
         ((0.1, 0.22, 0.1), Zone.SIDE),
         ((-0.2, -0.22, 0.1), Zone.SIDE),
+        ((0.2, 0.16, 0.1), Zone.SIDE),  # 63 mm from the left edge, 68 mm from the front one
+        ((0.2, 0.15, 0.1), Zone.FRONT),
+        ((-0.2, 0.14, 0.1), Zone.REAR),
     ],
 )
 def test_a_point_belongs_to_the_nearest_edge(point: tuple[float, float, float], side: Zone) -> None:
@@ -51,25 +56,108 @@ def scanned(value: float) -> PlacedScan:
     return PlacedScan(LaserScan(0, ranges), Pose(0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
 
 
+LIDAR = LEO.lidar_height - 0.02  # [m]: what is lower may pass below the lidar's plane
+
+
 @pytest.mark.parametrize(
     ("height", "value", "expected"),
     [
         (3.0, 0.9 - 0.174, Sight.SEEN),
+        (3.0, 0.81 - 0.174, Sight.SEEN),
+        (3.0, 0.79 - 0.174, Sight.MISSED),
         (3.0, 5.0, Sight.MISSED),
         (3.0, -math.inf, Sight.TOO_NEAR),
-        (0.5, math.inf, Sight.TOO_LOW),
+        (LIDAR - 1e-3, math.inf, Sight.TOO_LOW),
+        (LIDAR + 1e-3, math.inf, Sight.MISSED),
         (0.5, -math.inf, Sight.TOO_LOW),
     ],
 )
 def test_what_the_lidar_had_of_a_hazard(height: float, value: float, expected: Sight) -> None:
     assert sight([scanned(math.inf), scanned(value)], post(height=height), LEO) is expected
+    assert sight([scanned(value), scanned(math.inf)], post(height=height), LEO) is expected
+
+
+def test_without_a_scan_a_hazard_was_missed() -> None:
+    assert sight([], post(height=0.1), LEO) is Sight.MISSED
 
 
 def test_points_next_to_a_turned_hazard_are_its_own() -> None:
-    points = np.array([[1.25, 0.0], [1.0, 0.25], [1.0, 0.15]])
+    points = np.array([[1.25, 0.0], [1.0, 0.25], [1.0, 0.15], [1.19, 0.29], [1.21, 0.0], [1.0, 0.31]])
 
-    assert is_on(post(height=1.0), points).tolist() == [False, True, True]
-    assert is_on(post(height=1.0, yaw=math.pi / 2), points).tolist() == [True, False, True]
+    assert is_on(post(height=1.0), points).tolist() == [False, True, True, True, False, False]
+    turned = is_on(post(height=1.0, yaw=math.pi / 2), points)
+    assert turned.tolist() == [True, False, True, False, True, False]
+    slanted = points @ np.array([[math.cos(0.5), math.sin(0.5)], [-math.sin(0.5), math.cos(0.5)]])
+    about = np.array([1.0, 0.0]) @ np.array(
+        [[math.cos(0.5), math.sin(0.5)], [-math.sin(0.5), math.cos(0.5)]]
+    )
+    moved = slanted - about + (1.0, 0.0)
+    assert is_on(post(height=1.0, yaw=0.5), moved).tolist() == [False, True, True, True, False, False]
+
+
+def test_the_outline_of_a_cylinder_is_as_wide_as_its_radius() -> None:
+    pole = Obstacle(
+        kind=ObstacleKind.HAZARD, shape="cylinder", half_size=(0.1, 2.0), position=(1.0, 0.5, 2.0)
+    )
+
+    assert is_on(pole, np.array([[1.19, 0.5], [1.0, 0.69], [1.21, 0.5], [1.0, 0.71]])).tolist() == [
+        True,
+        True,
+        False,
+        False,
+    ]
+
+
+def touch(start_s: float, end_s: float, other: str, kind: str = "hazard") -> ContactEvent:
+    return ContactEvent(
+        kind=kind,  # type: ignore[arg-type]  # one of three words
+        start_ns=round(start_s * 1e9),
+        end_ns=round(end_s * 1e9),
+        part="wheel_FL",
+        other=other,
+        force=12.5,
+        point=(0.26, 0.0, 0.1),
+    )
+
+
+def test_a_row_tells_when_where_how_fast_and_what_the_scans_around_its_start_had() -> None:
+    # A scan every 0.1 s; only those of 1.0 s and 3.0 s show the post, which is obstacle 1.
+    ranges = {10: 0.9 - 0.174, 30: 0.9 - 0.174}
+    scans = []
+    for number in range(1, 41):
+        placed = scanned(ranges.get(number, math.inf))
+        scans.append(PlacedScan(LaserScan(number * 100_000_000, placed.scan.ranges), placed.pose))
+    far = Obstacle(kind=ObstacleKind.ROCK, shape="box", half_size=(0.1,) * 3, position=(9.0, 9.0, 5.0))
+    world = World("w", Heightfield(np.zeros((3, 3)), 10.0), (far, post(height=3.0)), 0, 0.5)
+    speeds = np.arange(1, 41, dtype=np.float16)
+    events = [
+        touch(1.5, 1.6, "hazard_1"),  # half a second after the scan
+        touch(1.51, 1.6, "hazard_1"),
+        touch(1.6, 1.7, "rock_0", kind="rock"),  # no hazard
+        touch(2.81, 2.9, "hazard_1"),  # less than 0.2 s before the other scan
+        touch(2.79, 2.9, "hazard_1"),
+        touch(0.05, 0.1, "hazard_1"),  # before the first scan
+        touch(2.85, 2.9, "hazard_0"),
+    ]
+
+    rows = event_rows(events, scans, speeds, world, LEO)
+
+    assert rows["start_s"].tolist() == [1.5, 1.51, 2.81, 2.79, 0.05, 2.85]
+    assert rows["end_s"].tolist() == [1.6, 1.6, 2.9, 2.9, 0.1, 2.9]
+    assert rows["sight"].tolist() == [
+        Sight.SEEN,
+        Sight.MISSED,
+        Sight.SEEN,
+        Sight.MISSED,
+        Sight.MISSED,
+        Sight.MISSED,  # another hazard is seen
+    ]
+    assert rows["speed"].tolist() == [14, 15, 28, 27, 1, 28]  # of the last scan before
+    assert set(rows["zone"].tolist()) == {Zone.FRONT}
+    assert set(rows["part"].tolist()) == {"wheel_FL"}
+    assert set(rows["force"].tolist()) == {12.5}
+    without = event_rows(events[:1], [], np.empty(0, np.float16), world, LEO)
+    assert without["speed"].tolist() == [0.0]
 
 
 @pytest.mark.parametrize(("driver", "side"), [("ram", Zone.FRONT), ("reverse_into", Zone.REAR)])
@@ -90,9 +178,3 @@ def test_a_driven_episode_has_the_contacts_that_its_driver_seeks(driver: str, si
     assert record.scans["contact"][during].all()
     assert record.windows["largest_stride"].max() < 0.2
     assert (record.windows["largest_step"] <= record.windows["largest_stride"] + 1e-3).all()
-
-
-def test_the_same_episode_gives_the_same_bytes() -> None:
-    config = EpisodeConfig(terrain="gravel", driver="roam", seed=3, duration=5.0)
-
-    assert encode(drive(config)) == encode(drive(config))

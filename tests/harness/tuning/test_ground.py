@@ -4,14 +4,16 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
+from sklearn.metrics import balanced_accuracy_score, confusion_matrix, roc_auc_score
 
-from harness.tuning.felt import SIGNALS, current_smoothness, peak_acceleration
-from harness.tuning.ground import study_ground
+from harness.tuning.felt import SIGNALS, Felt, current_smoothness, peak_acceleration
+from harness.tuning.ground import MEASURES, counts_of, study_ground
 from harness.tuning.plan import Part
 from harness.tuning.record import EpisodeRecord
 from harness.tuning.words import judgement
 
 MakeRecord = Callable[..., EpisodeRecord]
+Seconds = list[dict[str, float]]
 ROUGH, SMOOTH = 0.006, 0.001  # [m]
 
 
@@ -19,7 +21,7 @@ def both(records: Sequence[EpisodeRecord]) -> dict[Part, Sequence[EpisodeRecord]
     return dict.fromkeys(Part, records)
 
 
-def seconds(peak: float, roughness: float, count: int = 30, **more: float) -> list[dict[str, float]]:
+def seconds(peak: float, roughness: float, count: int = 30, **more: float) -> Seconds:
     values = {"peak_acceleration": peak, "mean_smoothness": peak, "roughness": roughness}
     return [values | more for _ in range(count)]
 
@@ -29,69 +31,146 @@ def test_it_finds_the_acceleration_that_separates_the_classes(make_record: MakeR
     smooth = [make_record([], windows=seconds(10.0, SMOOTH), terrain="flat") for _ in range(10)]
     study = study_ground(both([*rough, *smooth]), SIGNALS[0])
 
-    assert study.verdict.value is not None
-    assert 10.0 <= study.verdict.value < 11.5
+    assert study.verdict.name == "rough_terrain_threshold"
+    assert study.verdict.value == pytest.approx((10.0 + 11.45) / 2, abs=0.026)  # middle of the best
     assert study.auc[Part.CHECKING].value == pytest.approx(1.0)
+    assert study.what == "largest |a| of a second"
     assert "is wrong for leo" in judgement("leo", study.verdict)
 
 
-def test_a_signal_that_says_nothing_has_an_area_of_one_half(make_record: MakeRecord) -> None:
-    rng = np.random.default_rng(0)
-    records = [
-        make_record(
-            [], windows=[s for r in (ROUGH, SMOOTH) for s in seconds(rng.uniform(10, 20), r, 1)] * 10
+def test_the_two_thresholds_have_their_signals(make_record: MakeRecord) -> None:
+    windows = seconds(11.0, ROUGH, 5)
+    for window in windows:
+        window["mean_smoothness"] = 13.0
+    record = make_record([], windows=windows)
+
+    assert {signal.parameter: float(signal.felt(record).signal[0]) for signal in SIGNALS} == {
+        "rough_terrain_threshold": 11.0,
+        "smoothness_threshold": 13.0,
+    }
+
+
+def test_counts_and_scores_of_a_threshold_are_those_of_scikit_learn() -> None:
+    rng = np.random.default_rng(1)
+    signal, rough = np.round(rng.uniform(10, 12, 300), 1), rng.random(300) < 0.4
+    felt = Felt(signal, rough, np.ones(300))
+
+    counts = counts_of([felt, felt], np.array([10.5, signal[0]]))
+
+    assert counts.shape == (2, 2, 4)
+    for row, threshold in zip(counts[:, 1], (10.5, signal[0]), strict=True):
+        says = signal > threshold  # strict
+        tn, fp, fn, tp = confusion_matrix(rough, says).ravel().tolist()
+        assert row.tolist() == [tp, fp, fn, tn]
+        assert {name: float(measure(row)) for name, measure in MEASURES.items()} == pytest.approx(
+            {
+                "balanced accuracy": balanced_accuracy_score(rough, says),
+                "rough ground found": tp / (tp + fn),
+                "smooth ground spared": tn / (tn + fp),
+            }
         )
-        for _ in range(60)
-    ]
-    for record in records:
-        record.windows["peak_acceleration"] = rng.uniform(10, 20, len(record.windows))
-    study = study_ground(both(records), SIGNALS[0])
-
-    auc = study.auc[Part.CHECKING]
-    assert auc.value == pytest.approx(0.5, abs=0.05)
-    assert auc.low is not None
-    assert auc.high is not None
-    assert auc.low < 0.5 < auc.high
 
 
-@pytest.mark.parametrize("roughness", [ROUGH, SMOOTH])
-def test_one_class_supports_no_value(make_record: MakeRecord, roughness: float) -> None:
-    records = [make_record([], windows=seconds(11.0, roughness)) for _ in range(20)]
-    study = study_ground(both(records), SIGNALS[0])
+def test_the_area_under_the_curve_is_that_of_scikit_learn(make_record: MakeRecord) -> None:
+    # Signals stand between the values of the grid, 9.80, 9.85...: equal ones tie for both.
+    rng = np.random.default_rng(0)
+    records = []
+    for number in range(20):
+        windows = seconds(0.0, ROUGH, 10) + seconds(0.0, SMOOTH, 10)
+        for window in windows:
+            step = rng.integers(0, 60) + 8 * (window["roughness"] == ROUGH)
+            window["peak_acceleration"] = 9.825 + 0.05 * step
+        records.append(make_record([], windows=windows, terrain=("flat", "maze")[number % 2]))
+    parts = {Part.CHOOSING: records[:12], Part.CHECKING: records}
+    study = study_ground(parts, SIGNALS[0])
 
-    assert study.verdict.value is None
-    assert "50 s of each are needed" in judgement("leo", study.verdict)
-    assert all(part.best is None for part in study.speed_bins)
+    for part, some in parts.items():
+        felt = [peak_acceleration(record) for record in some]
+        truth = np.concatenate([f.rough for f in felt])
+        signal = np.concatenate([f.signal for f in felt])
+        auc = study.auc[part]
+        assert auc.value == pytest.approx(roc_auc_score(truth, signal))
+        assert auc.low is not None
+        assert auc.high is not None
+        assert auc.low < auc.value < auc.high
 
 
-@pytest.mark.parametrize("touch", [{"contact": 1.0}, {"rocks": 0.2}, {"speed": 0.01}])
-def test_what_the_height_map_does_not_explain_is_left_out(
-    make_record: MakeRecord, touch: dict[str, float]
+@pytest.mark.parametrize(("rough", "smooth"), [(49, 60), (60, 49), (50, 50)])
+def test_fifty_seconds_of_each_class_are_needed(
+    make_record: MakeRecord, rough: int, smooth: int
 ) -> None:
-    record = make_record([], windows=[*seconds(11.0, ROUGH, 3), *seconds(40.0, SMOOTH, 2, **touch)])
+    enough = make_record([], windows=[*seconds(11.5, ROUGH, 60), *seconds(10.0, SMOOTH, 60)])
+    few = make_record([], windows=[*seconds(11.5, ROUGH, rough), *seconds(10.0, SMOOTH, smooth)])
+    study = study_ground({Part.CHOOSING: [enough], Part.CHECKING: [few]}, SIGNALS[0])
 
-    assert peak_acceleration(record).signal == pytest.approx([11.0] * 3)
+    lack = (
+        f"{rough} s on rough ground (over 3 mm RMS) and {smooth} s on smooth in the checking episodes; "
+        "50 s of each are needed"
+    )
+    assert study.verdict.lack == (None if min(rough, smooth) == 50 else lack)
+
+
+@pytest.mark.parametrize(
+    ("changed", "kept"),
+    [
+        ({"contact": 1.0}, False),
+        ({"rocks": 0.01}, False),
+        ({"speed": 0.049}, False),
+        ({"speed": 0.05}, True),
+    ],
+)
+def test_what_the_height_map_does_not_explain_is_left_out(
+    make_record: MakeRecord, changed: dict[str, float], *, kept: bool
+) -> None:
+    windows = [*seconds(11.0, ROUGH, 6), *seconds(40.0, SMOOTH, 1, **changed), *seconds(11.0, ROUGH, 6)]
+    record = make_record([], windows=windows)
+
+    assert len(peak_acceleration(record).signal) == (13 if kept else 12)
+    # Five seconds that have a second which is left out are left out.
+    assert len(current_smoothness(record).signal) == (9 if kept else 4)
+
+
+@pytest.mark.parametrize(("roughness", "rough"), [(0.003, False), (0.0031, True)])
+def test_ground_is_rough_above_three_millimetres(
+    make_record: MakeRecord, roughness: float, *, rough: bool
+) -> None:
+    felt = peak_acceleration(make_record([], windows=seconds(11.0, roughness, 2, speed=0.3)))
+
+    assert felt.rough.tolist() == [rough] * 2
+    assert felt.speed.tolist() == pytest.approx([0.3] * 2)
 
 
 def test_current_smoothness_is_the_mean_of_five_seconds(make_record: MakeRecord) -> None:
-    windows = [*seconds(10.0, SMOOTH, 4), *seconds(20.0, ROUGH, 1), *seconds(10.0, SMOOTH, 1)]
+    windows = [
+        *seconds(10.0, SMOOTH, 4, speed=0.2),
+        *seconds(20.0, 4 * ROUGH, 1, speed=0.7),
+        *seconds(15.0, SMOOTH, 1, speed=0.2),
+    ]
 
     felt = current_smoothness(make_record([], windows=windows))
 
-    assert felt.signal == pytest.approx([12.0, 12.0])
-    assert current_smoothness(make_record([], windows=windows[:4])).signal.size == 0
+    assert felt.signal == pytest.approx([12.0, 13.0])
+    assert felt.speed == pytest.approx([0.3, 0.3])
+    assert felt.rough.tolist() == [True, True]  # by the mean, 5.6 mm
+    assert len(current_smoothness(make_record([], windows=windows[:5])).signal) == 1
+    assert len(current_smoothness(make_record([], windows=windows[:4])).signal) == 0
 
 
-def test_speed_shifts_the_best_threshold(make_record: MakeRecord) -> None:
-    def classes(speed: float, rough_peak: float) -> list[dict[str, float]]:
-        rough = seconds(rough_peak, ROUGH, speed=speed)
-        return [*rough, *seconds(rough_peak - 2.0, SMOOTH, speed=speed)]
+def test_each_speed_has_its_own_best_threshold(make_record: MakeRecord) -> None:
+    def classes(speed: float, rough_peak: float, rough: int = 3) -> Seconds:
+        return [
+            *seconds(rough_peak, ROUGH, rough, speed=speed),
+            *seconds(rough_peak - 2.0, SMOOTH, 2, speed=speed),
+        ]
 
-    records = [make_record([], windows=[*classes(0.1, 12.0), *classes(0.7, 22.0)]) for _ in range(10)]
+    windows = [*classes(0.1, 12.0), *classes(0.2, 14.0), *classes(0.4, 16.0, 1), *classes(0.7, 22.0)]
+    records = [make_record([], windows=windows) for _ in range(5)]
     study = study_ground(both(records), SIGNALS[0])
 
-    slow, fast = study.speed_bins[0], study.speed_bins[-1]
-    assert slow.best is not None
-    assert fast.best is not None
-    assert slow.best < 12.0
-    assert fast.best >= 20.0
+    bins = [(b.speeds, b.windows, b.rough, b.auc, b.best) for b in study.speed_bins]
+    assert bins == [
+        ((0.05, 0.2), 50, 30, 1.0, 10.0),  # the first of the best: nothing smooth lies above
+        ((0.2, 0.4), 50, 30, 1.0, 12.0),  # a speed belongs to the bin that it begins
+        ((0.4, 0.6), 30, 10, None, None),  # 20 seconds of each class are needed
+        ((0.6, 2.0), 50, 30, 1.0, 20.0),
+    ]

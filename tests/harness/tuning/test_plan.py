@@ -2,6 +2,7 @@
 
 from collections import Counter
 
+import numpy as np
 import pytest
 
 from harness.errors import UsageError
@@ -19,6 +20,57 @@ def test_every_robot_drives_in_the_same_worlds() -> None:
 
     assert worlds[0] == worlds[1]
     assert len(set(worlds[0])) == 10
+
+
+def test_worlds_alternate_between_choosing_and_checking_and_turn_their_strata_and_difficulties() -> None:
+    planned = plan(ROBOTS, 4 * len(STRATA), 7, 60.0)
+    second = planned[5]  # of the third world
+
+    assert [episode.index for episode in planned] == list(range(8 * len(STRATA)))
+    assert second.name == "0005-rover_zero4wd-gravel-roam"
+    assert second.part is Part.CHOOSING
+    assert planned[6].part is planned[7].part is Part.CHECKING
+    assert second.config.duration == 60.0
+    assert second.config.seed == int(np.random.SeedSequence([7, 2]).generate_state(1)[0])
+    difficulties = [episode.config.difficulty for episode in planned[::4]]  # a pair of worlds each
+    expected = [
+        (0.5, 0.2, 0.8)[(turn + stratum) % 3] for turn in range(2) for stratum in range(len(STRATA))
+    ]
+    assert difficulties == expected
+    assert [(e.config.terrain, e.config.driver) for e in planned[::4]] == [*STRATA, *STRATA]
+
+
+def test_hazards_of_every_kind_and_grounds_of_every_kind_are_driven() -> None:
+    meetings = {"ram", "graze", "reverse_into", "swing", "pass_by"}
+    drivers = {terrain: {d for t, d in STRATA if t == terrain} for terrain in ("posts", "rocky", "maze")}
+
+    assert drivers == {
+        "posts": meetings | {"roam"},
+        "rocky": meetings | {"roam"},
+        "maze": (meetings | {"roam"}) - {"swing"},
+    }
+    grounds = {t for t, driver in STRATA if driver == "roam"}
+    assert grounds == {
+        "gravel",
+        "flat",
+        "rocky",
+        "washboard",
+        "rolling",
+        "marsyard",
+        "dunes",
+        "maze",
+        "posts",
+    }
+    assert ("gravel", "wander") in STRATA
+    assert len(set(STRATA)) == len(STRATA) == 24
+    # Contacts and grounds alternate, so that a short plan has some of each.
+    assert STRATA[:5] == (
+        ("posts", "ram"),
+        ("gravel", "roam"),
+        ("posts", "graze"),
+        ("posts", "reverse_into"),
+        ("flat", "roam"),
+    )
 
 
 def test_no_seed_is_used_for_choosing_and_checking() -> None:

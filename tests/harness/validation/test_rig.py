@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.robots import LEO
-from harness.validation.grounds import Block, floor, saddle
+from harness.validation.grounds import Block, floor
 from harness.validation.rig import Rig, steepest
 
 
@@ -33,13 +33,6 @@ def test_a_rover_drives_ahead_on_whatever_heading_it_was_set_down(seed: int) -> 
     assert rig.stance.aside == pytest.approx(0.0, abs=0.02)
 
 
-def test_seeds_change_heading_and_floor_and_the_same_seed_does_not() -> None:
-    one, same, other = floor(1), floor(1), floor(2)
-    assert one.heading == same.heading != other.heading
-    assert np.array_equal(one.world.ground.heights, same.world.ground.heights)
-    assert not np.array_equal(one.world.ground.heights, other.world.ground.heights)
-
-
 def test_blocks_stand_ahead_of_the_rover_and_are_felt() -> None:
     rig = Rig(LEO, floor(3, Block(shape="cylinder", half_size=(0.1, 0.2), x=0.6)))
     assert not rig.touches_block
@@ -48,9 +41,61 @@ def test_blocks_stand_ahead_of_the_rover_and_are_felt() -> None:
     assert rig.stance.ahead + LEO.footprint[1] == pytest.approx(0.5, abs=0.1)
 
 
-def test_a_saddle_lifts_the_diagonal_wheels_alike() -> None:
-    ground = saddle(0, 1.0).world.ground
-    corner = abs(ground.height_at(0.15, 0.18))
-    assert corner == pytest.approx(0.15 * 0.18, rel=0.15)
-    assert ground.height_at(0.15, 0.18) == pytest.approx(ground.height_at(-0.15, -0.18))
-    assert ground.height_at(0.15, -0.18) == pytest.approx(-ground.height_at(0.15, 0.18), rel=0.2)
+@pytest.fixture(scope="module")
+def standing() -> Rig:
+    """A Leo on a floor, facing away from the axes."""
+    return Rig(LEO, floor(2))
+
+
+def test_a_rover_is_set_down_at_the_origin_facing_its_heading(standing: Rig) -> None:
+    assert (standing.stance.ahead, standing.stance.aside) == pytest.approx((0.0, 0.0), abs=5e-3)
+    assert standing.stance.yaw == pytest.approx(floor(2).heading, abs=5e-3)
+    assert standing.simulation.time_ns == 500_000_000
+
+
+def test_the_wheels_stand_on_the_floor_and_the_body_does_not(standing: Rig) -> None:
+    model = standing.simulation.model
+    names = [model.body(model.geom_bodyid[geom]).name for geom in standing.wheel_geoms]
+    body = [g for g in range(model.ngeom) if model.geom(g).name.startswith("body_")]
+
+    assert names == [joint.removesuffix("_joint") for joint in LEO.wheel_joints]
+    assert all(standing.stands_on([geom]) for geom in standing.wheel_geoms)
+    assert not standing.stands_on(body)
+
+
+def test_points_of_the_world_are_seen_from_the_rover() -> None:
+    rig = Rig(LEO, floor(1))
+    heading = rig.simulation.yaw
+    x, y, z = rig.simulation.position
+    ahead = np.array([[x + math.cos(heading), y + math.sin(heading), z], [x, y, z + 1.0]])
+
+    assert rig.in_model_frame(ahead) == pytest.approx(np.array([[1, 0, 0], [0, 0, 1]]), abs=0.01)
+
+
+def test_stance_and_speeds_are_those_of_the_rover_seen_from_its_first_heading() -> None:
+    rig = Rig(LEO, floor(1))
+    data, heading = rig.simulation.data, rig.heading
+
+    data.qpos[:2] = np.array([math.cos(heading), math.sin(heading)]) * 2.0
+    data.qpos[:2] += np.array([-math.sin(heading), math.cos(heading)]) * 0.5
+    data.qvel[:6] = (3.0, 4.0, 12.0, 0.1, 0.2, 0.7)
+
+    assert (rig.stance.ahead, rig.stance.aside) == pytest.approx((2.0, 0.5), abs=1e-6)
+    assert rig.speed == pytest.approx(13.0)
+    assert rig.yaw_rate == pytest.approx(0.7)
+    data.joint("rocker_L_joint").qpos[0], data.joint("rocker_R_joint").qpos[0] = 0.11, -0.12
+    assert rig.joint_angles(LEO.passive_joints) == pytest.approx((0.11, -0.12))
+
+
+def test_turns_are_counted_in_full_and_observers_are_called_every_tick() -> None:
+    rig, seen = Rig(LEO, floor(1)), []
+    rig.observers.append(lambda: seen.append(rig.stance.yaw))
+    start = rig.stance.yaw
+    rig.command(0.0, 3.0)
+
+    assert rig.run_until(lambda: rig.stance.yaw - start > 2 * math.pi, 8.0)
+    assert np.abs(np.diff(seen)).max() < 0.1
+    before = len(seen)
+    assert not rig.run_until(lambda: False, 0.1)
+    rig.run(0.2)
+    assert len(seen) - before == 10 + 20

@@ -1,19 +1,27 @@
+import math
+import struct
 import zlib
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import tifffile
 from numpy.typing import NDArray
 from PIL import Image
+from scipy.ndimage import map_coordinates, uniform_filter1d
 
 from harness.errors import UsageError
+from harness.world import raster as raster_module
 from harness.world.dem import TerrainFile, file_world, is_terrain_file
 from harness.world.raster import read_raster
 from harness.world.regrid import filled, resampled
 from harness.world.statistics import slopes
 from harness.world.world import World, terrain_hash
+
+Array = NDArray[np.float64]
 
 MARSYARD = Path(__file__).parents[4] / "shared/data/marsyard/marsyard2021_terrain_hm.tif"
 needs_marsyard = pytest.mark.skipif(not MARSYARD.exists(), reason=f"there is no {MARSYARD}")
@@ -40,10 +48,19 @@ def saved(path: Path, values: NDArray[np.generic]) -> Path:
     return path
 
 
-def write_geotiff(path: Path, values: NDArray[np.generic], pixel: float, model_type: int = 1) -> Path:
-    keys = (1, 1, 0, 1, 1024, 0, 1, model_type)
+def write_geotiff(
+    path: Path,
+    values: NDArray[np.generic],
+    pixel: float,
+    *,
+    depth: float | None = None,
+    model_type: int = 1,
+    unit: int = 9001,
+) -> Path:
+    """Of pixels `pixel` wide along x and `depth` along y; the unit is EPSG's number of it."""
+    keys = (1, 1, 0, 2, 1024, 0, 1, model_type, 3076, 0, 1, unit)
     tags = [
-        (PIXEL_SCALE, "d", 3, (pixel, pixel, 0.0), True),
+        (PIXEL_SCALE, "d", 3, (pixel, pixel if depth is None else depth, 0.0), True),
         (TIE_POINT, "d", 6, (0.0, 0.0, 0.0, 500.0, 900.0, 0.0), True),
         (GEO_KEYS, "H", len(keys), keys, True),
     ]
@@ -85,12 +102,6 @@ def test_float_tiff_is_read_in_metres(tmp_path: Path, dtype: type, compression: 
     np.testing.assert_allclose(heights[::-1], hills() - hills().min(), atol=2e-6)
 
 
-def test_lzw_is_unpacked_by_libtiff(tmp_path: Path) -> None:
-    Image.fromarray(hills()).save(tmp_path / "a.tif", compression="tiff_lzw")
-    heights = world_of(tmp_path / "a.tif").ground.heights
-    np.testing.assert_allclose(heights[::-1], hills() - hills().min(), atol=2e-6)
-
-
 @pytest.mark.parametrize(("dtype", "step"), [(np.uint8, 1 / 255), (np.uint16, 1 / 65535)])
 def test_png_is_scaled_to_the_relief(tmp_path: Path, dtype: type, step: float) -> None:
     unit = (hills() - hills().min()) / np.ptp(hills())
@@ -121,6 +132,103 @@ def test_degrees_need_a_size(tmp_path: Path) -> None:
     assert world_of(path).ground.half_size == pytest.approx(10.0)
 
 
+def test_a_unit_other_than_the_metre_needs_a_size(tmp_path: Path) -> None:
+    path = write_geotiff(tmp_path / "a.tif", hills(), 0.2, unit=9002)  # feet
+    with pytest.raises(UsageError, match=r"unit is not the metre .*; give --terrain-size"):
+        world_of(path, size=None)
+
+
+def test_a_pixel_without_depth_says_no_size(tmp_path: Path) -> None:
+    path = write_geotiff(tmp_path / "a.tif", hills(), 0.2, depth=0.0)
+    with pytest.raises(UsageError, match=UNKNOWN_SIZE):
+        world_of(path, size=None)
+
+
+@pytest.mark.parametrize(("width", "depth"), [(0.2, 0.09), (0.09, 0.2), (600.0, 0.2)])
+def test_a_map_too_small_or_too_large_to_drive_in_is_refused(
+    tmp_path: Path, width: float, depth: float
+) -> None:
+    path = write_geotiff(tmp_path / "a.tif", hills(), width, depth=depth)
+    said = f"it is {100 * width:g} x {100 * depth:g} m; between 10 and 50000 m can be driven"
+    with pytest.raises(UsageError, match=said):
+        world_of(path, size=None)
+
+
+def test_whole_numbers_are_metres_if_the_file_is_georeferenced(tmp_path: Path) -> None:
+    values = np.arange(101, dtype=np.uint16)[None] + np.zeros((101, 1), np.uint16)
+    path = write_geotiff(tmp_path / "a.tif", values, 5.0)
+    assert np.ptp(world_of(path, size=None).ground.heights) == 100.0
+    tifffile.imwrite(tmp_path / "b.tif", values)
+    with pytest.raises(UsageError, match="its values are no metres; give --terrain-height"):
+        world_of(tmp_path / "b.tif")
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"byteorder": ">"},
+        {"compression": tifffile.COMPRESSION.DEFLATE},
+        {"compression": "zlib", "predictor": True, "dtype": np.uint16},
+    ],
+)
+def test_every_byte_order_and_deflate_is_read(tmp_path: Path, options: dict[str, Any]) -> None:
+    values = np.arange(64, dtype=options.pop("dtype", np.float32)).reshape(8, 8)
+    tifffile.imwrite(tmp_path / "a.tif", values, **options)
+    np.testing.assert_array_equal(read_raster(tmp_path / "a.tif").values, values)
+
+
+@pytest.mark.parametrize("mode", ["1", "L", "I;16"])
+def test_grey_pictures_are_read_as_they_are(tmp_path: Path, mode: str) -> None:
+    picture = Image.new(mode, (9, 8))
+    picture.putpixel((5, 2), 1)
+    picture.save(tmp_path / "a.png")
+    raster = read_raster(tmp_path / "a.png")
+    assert raster.values.shape == (8, 9)
+    assert np.argwhere(raster.values).tolist() == [[2, 5]]
+    assert (raster.pixel, raster.in_metres) == (None, False)
+
+
+def test_lzw_is_unpacked_by_libtiff(tmp_path: Path) -> None:
+    Image.fromarray(hills()).save(tmp_path / "a.tif", compression="tiff_lzw")
+    np.testing.assert_array_equal(read_raster(tmp_path / "a.tif").values, hills())
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.int16, np.float32])
+def test_only_floats_of_an_array_are_metres(tmp_path: Path, dtype: type) -> None:
+    raster = read_raster(saved(tmp_path / "a.npy", np.ones((9, 8), dtype)))
+    assert raster.in_metres is (dtype is np.float32)
+    assert (raster.values == 1.0).all()
+
+
+@pytest.mark.parametrize(("rows", "columns"), [(7, 9), (9, 7)])
+def test_a_side_of_fewer_than_eight_pixels_is_refused(tmp_path: Path, rows: int, columns: int) -> None:
+    values = np.zeros((rows, columns), np.float32)
+    tifffile.imwrite(tmp_path / "a.tif", values)
+    for path in (tmp_path / "a.tif", saved(tmp_path / "a.npy", values)):
+        with pytest.raises(UsageError, match=f"{columns} x {rows} pixels are too few; a side needs 8"):
+            read_raster(path)
+    assert read_raster(saved(tmp_path / "b.npy", np.zeros((8, 8)))).values.shape == (8, 8)
+
+
+def test_sixteen_million_pixels_are_read_and_no_more() -> None:
+    raster_module._check_size(4096, 4096)
+    with pytest.raises(UsageError, match="4096 x 4097 pixels are too many; at most 17 million"):
+        raster_module._check_size(4096, 4097)
+
+
+@pytest.mark.parametrize(
+    ("nodata", "value", "missing"),
+    [("-9999", -9999.005, True), ("-9999", -9998.9, False), ("0", 0.0, True), ("0", 1e-3, False)],
+)
+def test_no_data_is_what_the_tag_says_but_for_rounding(
+    tmp_path: Path, nodata: str, value: float, *, missing: bool
+) -> None:
+    values = np.full((9, 9), 5.0)
+    values[3, 4] = value
+    tifffile.imwrite(tmp_path / "a.tif", values, extratags=[(42113, "s", 0, nodata, True)])
+    assert np.argwhere(np.isnan(read_raster(tmp_path / "a.tif").values)).tolist() == [[3, 4]] * missing
+
+
 def test_gdal_nodata_and_nan_are_filled_and_reported(tmp_path: Path) -> None:
     values = hills()
     values[10:15, 20:25] = -9999.0
@@ -131,23 +239,43 @@ def test_gdal_nodata_and_nan_are_filled_and_reported(tmp_path: Path) -> None:
     np.testing.assert_allclose(world.ground.heights[::-1], hills() - hills().min(), atol=0.05)
 
 
-def test_filling_keeps_what_is_known_and_a_plane_nearly_plane() -> None:
-    y, x = np.mgrid[0:40, 0:57]
-    plane = 0.1 * x + 0.05 * y
-    holed = plane.copy()
-    holed[5:12, 30:37] = np.nan
-    known = ~np.isnan(holed)
-    np.testing.assert_array_equal(filled(holed)[known], plane[known])
-    np.testing.assert_allclose(filled(holed), plane, atol=0.25)
+def pull_push(values: Array) -> Array:
+    """What `filled` promises, by other means: means of blocks, then back between their middles."""
+    if not np.isnan(values).any():
+        return values
+    coarse = np.full([(size + 1) // 2 for size in values.shape], np.nan)
+    for row, column in np.ndindex(*coarse.shape):
+        block = values[2 * row : 2 * row + 2, 2 * column : 2 * column + 2]
+        if not np.isnan(block).all():
+            coarse[row, column] = np.nanmean(block)
+    middles = (np.indices(values.shape) - 0.5) / 2
+    smooth = map_coordinates(pull_push(coarse), middles, order=1, mode="nearest")
+    return np.where(np.isnan(values), smooth, values)
 
 
-def test_resampling_keeps_a_plane_and_evens_out_what_cells_cannot_show() -> None:
-    y, x = np.mgrid[0:61, 0:61].astype(float)
-    inner = slice(3, -3)
-    coarse = resampled(2.0 * x - y, (3.0, 3.0), 21)
-    np.testing.assert_allclose(coarse[inner, inner], (2.0 * x - y)[::3, ::3][inner, inner])
-    checks = resampled((-1.0) ** (x + y), (3.0, 3.0), 21)
-    assert np.abs(checks).max() < 0.2
+@pytest.mark.parametrize("shape", [(40, 57), (9, 8)])
+def test_gaps_are_filled_by_a_pyramid_of_means(shape: tuple[int, int]) -> None:
+    rng = np.random.default_rng(0)
+    values = rng.normal(size=shape)
+    values[2:7, 3:8] = np.nan
+    values[-1, -1] = values[0, 1] = np.nan
+    np.testing.assert_allclose(filled(values), pull_push(values), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("step", "count"), [((3.0, 3.0), 21), ((2.6, 1.2), 24), ((0.5, 4.4), 14), ((1.5, 1.5), 40)]
+)
+def test_coarser_cells_are_means_around_their_places_in_the_middle(
+    step: tuple[float, float], count: int
+) -> None:
+    values = np.random.default_rng(0).normal(size=(64, 61))
+    expected = values
+    for axis, stride in enumerate(step):
+        expected = uniform_filter1d(expected, 2 * (round(stride) // 2) + 1, axis=axis, mode="nearest")
+    offsets = np.arange(count) - (count - 1) / 2
+    places = np.meshgrid(31.5 + step[0] * offsets, 30.0 + step[1] * offsets, indexing="ij")
+    expected = map_coordinates(expected, places, order=1, mode="nearest")
+    np.testing.assert_allclose(resampled(values, step, count), expected, atol=1e-12)
 
 
 def test_fine_pixels_become_cells_of_5_cm(tmp_path: Path) -> None:
@@ -169,6 +297,116 @@ def test_oblong_map_is_cropped_to_its_middle_square(tmp_path: Path) -> None:
     assert world.ground.half_size == pytest.approx(10.0)
     assert np.ptp(world.ground.heights) == pytest.approx(1.0)
     assert world.notes == ("40 x 20 m cropped to the middle 20 m",)
+
+
+def test_pixels_that_are_no_squares_are_cropped_to_metres_and_resampled(tmp_path: Path) -> None:
+    """0.3 x 0.2 m: the plane keeps its slopes along x and y, and its middle stays in the middle."""
+    row, column = np.mgrid[0:101, 0:101]
+    values = 0.02 * column - 0.004 * row
+    path = write_geotiff(tmp_path / "a.tif", values, 0.3, depth=0.2)
+    by_flag = file_world(TerrainFile(path=saved(tmp_path / "b.npy", values), size=(30.0, 20.0)), seed=7)
+    for world in (file_world(TerrainFile(path=path), 7), by_flag):
+        ground = world.ground
+        assert world.notes == (
+            "30 x 20 m cropped to the middle 20 m",
+            "pixels of 0.3 x 0.2 m resampled to cells of 0.2 m",
+        )
+        assert (ground.cell, ground.half_size) == pytest.approx((0.2, 9.9))  # 66 pixels of 0.3 m
+        east = ground.height_at(9.0, 3.0) - ground.height_at(-9.0, 3.0)
+        north = ground.height_at(3.0, 9.0) - ground.height_at(3.0, -9.0)
+        assert (east, north) == pytest.approx((18 * 0.02 / 0.3, 18 * 0.004 / 0.2))
+        assert (world.seed, world.difficulty, world.obstacles) == (7, 0.5, ())
+        assert world.name in {"a.tif", "b.npy"}
+
+
+def test_the_middle_of_an_oblong_map_is_kept(tmp_path: Path) -> None:
+    for shape in ((101, 201), (201, 101)):
+        row, column = np.indices(shape)
+        bowl = 1e-4 * ((row - shape[0] // 2) ** 2 + (column - shape[1] // 2) ** 2)
+        world = file_world(TerrainFile(path=write_geotiff(tmp_path / "a.tif", bowl, 0.2)), 0)
+        assert world.ground.height_at(0.0, 0.0) == 0.0
+        assert world.ground.height_at(4.0, -6.0) == pytest.approx(1e-4 * (20**2 + 30**2))
+
+
+@pytest.mark.parametrize("missing", [200, 201])
+def test_up_to_half_of_the_heights_may_be_missing(tmp_path: Path, missing: int) -> None:
+    values = np.zeros(400)
+    values[:missing] = np.nan
+    path = saved(tmp_path / "a.npy", values.reshape(20, 20))
+    if missing == 200:
+        assert world_of(path).notes[0] == ("200 missing heights (50.00%) filled from their surroundings")
+        return
+    with pytest.raises(UsageError, match=r"50% of its heights are missing; at most 50% are filled"):
+        world_of(path)
+
+
+@pytest.mark.parametrize(
+    ("corner", "relief", "said"),
+    [
+        (10_000.0, 10_000.0, None),
+        (10_001.0, 0.0, r"its relief is 10001 m; give --terrain-height if that is no metres"),
+        (20_001.0, 0.0, None),  # no height at all: filled
+        (math.inf, 0.0, None),
+        (-math.inf, 0.0, None),
+    ],
+)
+def test_heights_beyond_any_mountain_are_refused_or_missing(
+    tmp_path: Path, corner: float, relief: float, said: str | None
+) -> None:
+    values = np.zeros((41, 41))
+    values[0, 0] = corner
+    path = saved(tmp_path / "a.npy", values)
+    if said is None:
+        assert np.ptp(world_of(path).ground.heights) == relief
+        return
+    with pytest.raises(UsageError, match=said):
+        world_of(path)
+
+
+def test_heights_up_to_twenty_kilometres_are_heights(tmp_path: Path) -> None:
+    values = np.full((41, 41), 19_999.0)
+    values[0, 0] = 20_000.0
+    assert world_of(saved(tmp_path / "a.npy", values)).ground.heights[-1, 0] == 1.0
+
+
+def test_values_without_a_unit_are_scaled_from_the_lowest_to_the_highest(tmp_path: Path) -> None:
+    values = np.tile(np.linspace(30_000, 60_000, 41).astype(np.uint16), (41, 1))
+    world = world_of(saved(tmp_path / "a.npy", values), relief=2.0)
+    assert world.ground.heights[0, [0, 20, 40]] == pytest.approx((0.0, 1.0, 2.0), abs=1e-4)
+    assert world.notes == ("values 30000 to 60000 scaled to 2 m of relief",)
+    level = world_of(saved(tmp_path / "b.npy", np.full((41, 41), 7, np.uint8)), relief=0.0)
+    assert (level.ground.heights == 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("size", "first_level", "start"),
+    # 45 deg up to a column, level from there on; no ground within 0.4 m may be steeper than 15 deg.
+    [(20.0, 56, 59), (15.0, 56, 60), (20.0, 72, 75), (20.0, 73, None)],
+)
+def test_the_start_is_the_vertex_next_to_the_middle_with_gentle_ground_around_it(
+    tmp_path: Path, size: float, first_level: int, start: int | None
+) -> None:
+    cell = size / 100
+    profile = cell * np.minimum(np.arange(101.0), first_level)
+    path = saved(tmp_path / "a.npy", np.tile(profile, (101, 1)))
+    sideways = saved(tmp_path / "b.npy", np.tile(profile[:, None], (1, 101)))
+    if start is None:
+        with pytest.raises(UsageError, match=r"no rover can stand within 5\.05 m of its middle"):
+            world_of(path, size)
+        return
+    across, along = world_of(path, size), world_of(sideways, size)
+    remaining = 2 * (100 - start) * cell
+    for world in (across, along):
+        moved = (start - 50) * cell
+        assert world.notes == (
+            f"starts {moved:.3g} m off its middle, on gentle ground; {remaining:.4g} m remain",
+        )
+        assert world.ground.half_size == pytest.approx(remaining / 2)
+    edge = (start - first_level) * cell  # from the start to where it gets steep
+    for drop in (0.0, 1.0, 2.0):
+        expected = pytest.approx(across.ground.height_at(0.0, 0.0) - drop * cell, abs=2e-6)
+        assert across.ground.height_at(-edge - drop * cell, 0.0) == expected
+        assert along.ground.height_at(0.0, edge + drop * cell) == expected  # north is up
 
 
 def test_start_moves_to_gentle_ground_near_the_middle(tmp_path: Path) -> None:
@@ -196,9 +434,21 @@ def test_the_same_file_gives_the_same_hash(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "expected"),
-    [("rocky", False), ("moon", False), ("moon.tif", True), ("x/moon", True), ("A.PNG", True)],
+    [
+        ("rocky", False),  # also where there is such a file
+        ("moon", True),
+        ("mars", False),
+        ("moon.tif", True),
+        ("x/moon", True),
+        ("A.PNG", True),
+    ],
 )
-def test_names_with_a_known_ending_or_a_folder_are_files(name: str, expected: bool) -> None:
+def test_names_with_a_known_ending_or_a_folder_or_of_a_file_are_files(
+    name: str, expected: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for there in ("rocky", "moon"):
+        Path(there).touch()
     assert is_terrain_file(name) is expected
 
 
@@ -223,6 +473,14 @@ def _bomb(path: Path) -> None:
     for field, value in zip(fields, (len(data), len(bomb)), strict=True):
         data[field : field + 4] = value.to_bytes(4, "little")
     path.write_bytes(bytes(data) + bomb)
+
+
+def _png_header(path: Path, columns: int, rows: int) -> None:
+    """The signature and the first chunk: what is looked at before anything is decoded."""
+    header = struct.pack(">4sIIBBBBB", b"IHDR", columns, rows, 8, 0, 0, 0, 0)
+    end = struct.pack(">I4sI", 0, b"IDAT", zlib.crc32(b"IDAT"))
+    crc = struct.pack(">I", zlib.crc32(header))
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + header + crc + end)
 
 
 def _bands(path: Path) -> None:
@@ -261,11 +519,8 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "noise.png": (_noise, "damaged or cut short"),
     "noise.npy": (_noise, "damaged or cut short"),
     "bomb.tif": (_bomb, "unpacks to more than its size"),
-    "bomb.png": (lambda path: Image.new("1", (30000, 30000)).save(path), "too many pixels"),
-    "huge.png": (
-        lambda path: Image.new("L", (12500, 8000)).save(path),
-        "x 8000 pixels are too many",
-    ),
+    "bomb.png": (lambda path: _png_header(path, 30000, 30000), "too many pixels"),
+    "huge.png": (lambda path: _png_header(path, 12500, 8000), "12500 x 8000 pixels are too many"),
     "huge.npy": (_huge_npy, "10000 x 10000 pixels are too many"),
     "one.npy": (lambda path: np.save(path, np.zeros((1, 1))), "1 x 1 pixels are too few"),
     "nan.npy": (lambda path: np.save(path, np.full((50, 50), np.nan)), "holds no height at all"),
@@ -304,8 +559,22 @@ def test_what_a_file_does_not_say_is_asked_for(tmp_path: Path) -> None:
         world_of(tmp_path / "a.png")
 
 
-@pytest.mark.parametrize(("size", "relief"), [(0.0, 1.0), (-5.0, 1.0), (1e9, 1.0), (20.0, -1.0)])
-def test_impossible_sizes_are_refused(tmp_path: Path, size: float, relief: float) -> None:
-    file = TerrainFile(path=saved(tmp_path / "a.npy", hills()), size=(size, size), relief=relief)
-    with pytest.raises(UsageError, match="is not valid; give"):
-        file_world(file, 0)
+@pytest.mark.parametrize(
+    ("size", "relief", "valid"),
+    [
+        ((10.0, 50_000.0), 0.0, True),
+        (None, 10_000.0, True),
+        (None, None, True),
+        ((9.99, 20.0), 1.0, False),
+        ((20.0, 50_001.0), 1.0, False),
+        ((20.0, math.nan), 1.0, False),
+        ((20.0, 20.0), -0.1, False),
+        ((20.0, 20.0), 10_001.0, False),
+    ],
+)
+def test_impossible_sizes_are_refused(
+    size: tuple[float, float] | None, relief: float | None, *, valid: bool
+) -> None:
+    file = TerrainFile(path=Path("a.npy"), size=size, relief=relief)
+    with nullcontext() if valid else pytest.raises(UsageError, match="is not valid; give"):
+        file.check()

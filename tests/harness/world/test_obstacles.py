@@ -1,8 +1,6 @@
-import math
-
-import mujoco
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Form, ObstacleKind, orientation, place, scatter
@@ -32,21 +30,17 @@ def test_scatter_of_nothing_is_an_empty_list_of_points() -> None:
     assert scatter(np.random.default_rng(1), 0, reach=1.0, spacing=1.0, keep_out=0.5).shape == (0, 2)
 
 
-def test_a_placed_form_stands_on_the_ground_sunk_as_told() -> None:
-    ground = Heightfield(np.full((5, 5), 2.0), cell=1.0)
-    form = Form(kind=ObstacleKind.HAZARD, shape="cylinder", half_size=(0.1, 0.5), sink=0.2)
+@pytest.mark.parametrize("kind", ObstacleKind)
+def test_a_placed_form_stands_on_the_ground_sunk_turned_and_tilted_as_told(kind: ObstacleKind) -> None:
+    y, x = np.mgrid[-2:3, -2:3]
+    ground = Heightfield(2.0 + 0.1 * x + 0.3 * y, cell=1.0)
+    form = Form(kind=kind, shape="cylinder", half_size=(0.1, 0.5), sink=0.2, yaw=0.7, tilt=0.3)
     obstacle = place(form, ground, 1.0, -1.0)
-    assert obstacle.position == pytest.approx((1.0, -1.0, 2.3))
-    assert obstacle.quaternion == (1.0, 0.0, 0.0, 0.0)
+    assert obstacle.position == pytest.approx((1.0, -1.0, 1.8 + 0.5 - 0.2))
+    assert (obstacle.kind, obstacle.shape, obstacle.half_size) == (kind, "cylinder", (0.1, 0.5))
+    turn = Rotation.from_euler("ZX", (0.7, 0.3))  # about z, then about its own x
+    assert obstacle.quaternion == pytest.approx(turn.as_quat(scalar_first=True))
 
 
-def test_orientation_turns_by_yaw_after_tilting_about_x() -> None:
-    yaw, tilt = 0.7, 0.3
-    rotated = np.zeros(3)
-    mujoco.mju_rotVecQuat(rotated, np.array([0.0, 0.0, 1.0]), np.array(orientation(yaw, tilt)))
-    expected = (
-        math.sin(yaw) * math.sin(tilt),
-        -math.cos(yaw) * math.sin(tilt),
-        math.cos(tilt),
-    )
-    assert rotated == pytest.approx(expected)
+def test_what_is_upright_is_not_turned() -> None:
+    assert orientation(0.0) == (1.0, 0.0, 0.0, 0.0)

@@ -3,7 +3,6 @@ import pytest
 
 from harness.world.heightfield import Heightfield
 from harness.world.roughness import RoughnessMap
-from harness.world.statistics import residual_rms
 
 
 def ground(heights: np.ndarray, cell: float = 0.05) -> Heightfield:
@@ -17,25 +16,39 @@ def test_a_plane_of_any_incline_is_smooth() -> None:
     )
 
 
-def test_over_the_whole_map_it_is_the_statistic_of_the_terrain() -> None:
-    heights = np.random.default_rng(0).normal(0.0, 0.01, (201, 201))
-    rough = RoughnessMap(ground(heights))
-    places = np.linspace(-4.0, 4.0, 161)
-    mean = np.mean([rough.mean_square(float(x), float(y)) for x in places for y in places])
-    assert np.sqrt(mean) == pytest.approx(residual_rms(ground(heights), 0.3), rel=0.02)
+def mean_square(heights: np.ndarray, row: int, column: int, reach: int) -> float:
+    """Over the window around a vertex, of the height above the mean of the window around each."""
+
+    def window(r: int, c: int) -> np.ndarray:
+        return heights[r - reach : r + reach + 1, c - reach : c + reach + 1]
+
+    near = range(-reach, reach + 1)
+    above = [
+        heights[row + r, column + c] - window(row + r, column + c).mean() for r in near for c in near
+    ]
+    return float(np.mean(np.square(above)))
 
 
-def test_it_is_local_and_x_runs_along_columns() -> None:
-    heights = np.zeros((81, 81))
-    heights[40, 60] = 0.1  # x = 1, y = 0
-    rough = RoughnessMap(ground(heights))
-    assert rough.mean_square(1.0, 0.0) > 1e-5
-    assert rough.mean_square(0.0, 1.0) == 0.0
-    assert rough.mean_square(1.0, 0.36) == 0.0
+@pytest.mark.parametrize(("cell", "reach"), [(0.05, 3), (0.1, 1), (0.5, 1)])
+def test_it_is_the_mean_square_residual_around_the_nearest_vertex(cell: float, reach: int) -> None:
+    heights = np.random.default_rng(0).normal(0.0, 0.01, (41, 41))
+    rough = RoughnessMap(ground(heights, cell))
+    half = 20 * cell
+    for row, column in ((20, 20), (12, 30), (2 * reach, 40 - 2 * reach)):
+        expected = pytest.approx(mean_square(heights, row, column, reach))
+        x, y = column * cell - half, row * cell - half
+        assert rough.mean_square(x, y) == expected
+        assert rough.mean_square(x + 0.49 * cell, y - 0.49 * cell) == expected
+        assert rough.mean_square(x - 0.49 * cell, y + 0.49 * cell) == expected
 
 
-def test_it_reaches_to_the_edge_of_the_map_and_works_on_coarse_ones() -> None:
+def test_near_the_edge_the_nearest_value_that_there_is_stands() -> None:
     heights = np.random.default_rng(1).normal(0.0, 0.01, (21, 21))
     rough = RoughnessMap(ground(heights, cell=0.5))
-    for x, y in ((5.0, 5.0), (-5.0, -5.0), (4.9, -4.9)):
-        assert rough.mean_square(x, y) > 0.0
+    for x, y, row, column in (
+        (5.0, 5.0, 18, 18),
+        (-5.0, -5.0, 2, 2),
+        (4.9, -4.9, 2, 18),
+        (0, 5, 18, 10),
+    ):
+        assert rough.mean_square(x, y) == pytest.approx(mean_square(heights, row, column, 1))

@@ -5,7 +5,7 @@ import pytest
 
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
-from harness.world.statistics import Promise, TerrainStatistics, measure, residual_rms, slopes
+from harness.world.statistics import Promise, TerrainStatistics, measure, reach, residual_rms, slopes
 
 AXIS = np.linspace(-10.0, 10.0, 201)
 X, Y = np.meshgrid(AXIS, AXIS)
@@ -23,6 +23,31 @@ def test_a_plane_has_its_slope_everywhere_and_no_residual() -> None:
 def test_slopes_of_a_cone_are_those_of_its_side() -> None:
     measured = slopes(Heightfield(np.hypot(X, Y), cell=0.1))
     assert np.median(measured) == pytest.approx(45.0, abs=0.1)
+
+
+def test_percentiles_of_a_trough_are_those_of_its_slopes() -> None:
+    statistics = measure(Heightfield(0.05 * X**2, cell=0.1))
+    p50, p95 = np.percentile(np.degrees(np.arctan(0.1 * np.abs(AXIS[1:-1]))), (50, 95))
+    assert statistics.slope_p50 == pytest.approx(p50, abs=0.3)
+    assert statistics.slope_p95 == pytest.approx(p95, abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("cell", "window", "vertices"),
+    [(0.05, 0.3, 3), (0.1, 0.3, 1), (0.1, 1.0, 5), (0.05, 1.0, 10), (0.5, 0.3, 1)],
+)
+def test_a_window_is_no_wider_than_it_says_but_three_vertices_at_least(
+    cell: float, window: float, vertices: int
+) -> None:
+    assert reach(Heightfield(np.zeros((9, 9)), cell), window) == vertices
+
+
+def test_the_two_roughnesses_are_those_of_their_windows() -> None:
+    noise = Heightfield(np.random.default_rng(1).standard_normal((60, 60)), cell=0.1)
+    measured = measure(noise)
+    wide, narrow = residual_rms(noise, 1.0), residual_rms(noise, 0.3)
+    assert (measured.rms_1m, measured.rms_03m) == (wide, narrow)
+    assert wide != narrow
 
 
 def test_the_residual_is_the_distance_to_the_best_fit_plane_at_the_window_centre() -> None:

@@ -1,0 +1,81 @@
+"""The fan of beams against mj_ray, obstacle by obstacle, compiled and as plain Python."""
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from harness.sensors import obstacle_rays
+from harness.sensors.obstacle_rays import ObstacleRays
+from tests.harness.sensors.plain_python import as_plain_python
+
+Array = NDArray[np.float64]
+
+BEAMS, RANGE_MAX = 61, 4.0
+FIRST, STEP = -math.pi, 2 * math.pi / (BEAMS - 1)
+SHAPES = (mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_CYLINDER, mujoco.mjtGeom.mjGEOM_ELLIPSOID)
+
+
+def scene(*geoms: dict[str, object]) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    spec = mujoco.MjSpec()
+    spec.worldbody.add_geom(type=SHAPES[0], size=[9, 9, 0.1], pos=[0, 0, -5], group=0)  # not seen
+    for geom in geoms:
+        spec.worldbody.add_geom(**({"group": 1} | geom))
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    return model, data
+
+
+def fans(world: tuple[mujoco.MjModel, mujoco.MjData], origin: Array, turn: Array) -> tuple[Array, Array]:
+    """Our ranges and MuJoCo's, of a fan in the xy plane of a frame."""
+    model, data = world
+    angles = FIRST + STEP * np.arange(BEAMS)
+    beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(BEAMS)]) @ turn.T
+    ours = np.full(BEAMS, np.inf)
+    fan = np.array([FIRST, STEP, RANGE_MAX])
+    pose = np.ascontiguousarray(np.vstack([origin, turn]))
+    ObstacleRays.from_model(model, 1).cast(data, pose, beams, fan, ours)
+    groups, hit = np.array([0, 1, 0, 0, 0, 0], np.uint8), np.zeros(1, np.int32)
+    theirs = np.array([mujoco.mj_ray(model, data, origin, b, groups, 1, -1, hit) for b in beams])
+    theirs[(theirs < 0) | (theirs > RANGE_MAX)] = np.inf
+    return ours, theirs
+
+
+@pytest.mark.parametrize("way", ["compiled", "plain"])
+def test_a_fan_meets_mujoco(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From outside and from within, level and tilted, over and beside, behind one another."""
+    if way == "plain":
+        kernel = as_plain_python("harness.sensors.obstacle_kernel", monkeypatch)
+        monkeypatch.setattr(obstacle_rays, "cast_fan", kernel.cast_fan)
+    rng = np.random.default_rng(0)
+    hits = misses = 0
+    for tilt in (0.0, 0.1, 1.0) * 8:
+        geoms = [
+            {
+                "type": shape,
+                "size": rng.uniform(0.1, 0.9, 3),
+                "pos": [*rng.uniform(-3, 3, 2), rng.uniform(-0.8, 0.8)],
+                "quat": rng.normal(size=4) if tilt else [1, 0, 0, 0],
+            }
+            for shape in SHAPES * 2
+        ]
+        turn, quaternion = np.empty(9), np.array([1.0, *(tilt * rng.normal(size=2)), rng.normal()])
+        mujoco.mju_quat2Mat(turn, quaternion / np.linalg.norm(quaternion))
+        ours, theirs = fans(scene(*geoms), rng.uniform(-1, 1, 3), turn.reshape(3, 3))
+        np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=1e-9)
+        hits, misses = hits + np.isfinite(ours).sum(), misses + np.isinf(ours).sum()
+    assert min(hits, misses) > 200
+
+
+def test_what_is_nearer_already_stays_and_without_obstacles_all_does() -> None:
+    model, data = scene({"type": SHAPES[0], "size": [0.5] * 3, "pos": [2.0, 0.0, 0.0]})
+    ranges, pose = np.array([1.0, 1.6]), np.vstack([np.zeros(3), np.eye(3)])
+    beams, fan = np.tile([1.0, 0.0, 0.0], (2, 1)), np.array([0.0, 1e-3, 9.0])
+
+    ObstacleRays.from_model(model, 2).cast(data, pose, beams, fan, ranges)
+    assert ranges.tolist() == [1.0, 1.6]
+    ObstacleRays.from_model(model, 1).cast(data, pose, beams, fan, ranges)
+    assert ranges == pytest.approx([1.0, 1.5])

@@ -1,0 +1,169 @@
+"""What a study takes of a sweep, and what it says of it in sentences."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from harness.tuning.blind import BlindSpot
+from harness.tuning.collision import CollisionStudy, DetectorStudy
+from harness.tuning.estimate import Estimate
+from harness.tuning.plan import Part, plan
+from harness.tuning.record import Ending, EpisodeRecord, Sight
+from harness.tuning.result import Candidate, Verdict
+from harness.tuning.study import Driven, _driven, _scored
+from harness.tuning.words import alternatives, judgement, unreachable
+
+MakeRecord = Callable[..., EpisodeRecord]
+
+
+def test_what_diverged_is_counted_but_not_scored(make_record: MakeRecord) -> None:
+    planned = plan(("leo",), 6, 0, 5.0)
+    records = {
+        episode: replace(make_record([3.0] * 20 * (episode.index + 1)), ending=ending)
+        for episode, ending in reversed(
+            list(
+                zip(planned, [*[Ending.COMPLETE] * 4, Ending.DIVERGED, Ending.TIPPED_OVER], strict=True)
+            )
+        )
+    }
+
+    scored = {part: [record.duration for record in _scored(records, part)] for part in Part}
+    driven = _driven(list(records.values()))
+
+    assert scored == {Part.CHOOSING: [1.0, 3.0], Part.CHECKING: [2.0, 4.0, 6.0]}  # in their order
+    assert driven.endings == {Ending.COMPLETE: 4, Ending.DIVERGED: 1, Ending.TIPPED_OVER: 1}
+    assert (driven.seconds, driven.path_length) == (16.0, 16.0)
+
+
+def test_what_was_driven_is_told_in_minutes_and_kilometres() -> None:
+    driven = Driven(
+        endings={Ending.TIPPED_OVER: 1, Ending.COMPLETE: 3}, seconds=630.0, path_length=1234.0
+    )
+
+    # 10.5 rounds to even.
+    assert driven.text() == "10 min and 1.23 km scored; 3 complete, 1 tipped over"
+
+
+def verdict(tuned: Estimate | None, gain: Estimate, note: str = "") -> Verdict:
+    default = Estimate(0.5, 0.4, 0.6)
+    found = None if tuned is None else tuned
+
+    def candidate(value: float, score: Estimate) -> Candidate:
+        return Candidate(
+            value=value, scores={Part.CHOOSING: {"F1": Estimate(0.99)}, Part.CHECKING: {"F1": score}}
+        )
+
+    return Verdict(
+        name="collision_threshold",
+        unit="m",
+        measure="F1",
+        default=candidate(0.2, default),
+        tuned=None if found is None else candidate(0.3, found),
+        gain={"F1": gain},
+        lack="no contacts" if found is None else None,
+        note=note,
+    )
+
+
+APART, OVERLAPPING = Estimate(0.7, 0.65, 0.8), Estimate(0.7, 0.55, 0.8)
+BEGIN = "collision_threshold: the default 0.2 m"
+WAS = "F1 0.50 (0.40 to 0.60)"
+BETTER, CLOSER = "0.70 (0.65 to 0.80)", "0.70 (0.55 to 0.80)"
+
+
+@pytest.mark.parametrize(
+    ("found", "said"),
+    [
+        (
+            verdict(None, Estimate(0.0)),
+            f"{BEGIN} stays for leo, because the data support no value: no contacts.",
+        ),
+        (
+            verdict(APART, Estimate(0.2, -0.1, 0.3), "a note"),
+            (
+                f"{BEGIN} stays for leo, for nothing better is proven: {WAS} against {BETTER} with "
+                "0.3 m (a note) on unseen seeds."
+            ),
+        ),
+        (
+            verdict(APART, Estimate(0.05, 0.01, 0.3)),
+            (
+                f"{BEGIN} is wrong for leo: {WAS} against {BETTER} with 0.3 m on unseen seeds; the "
+                "intervals do not overlap."
+            ),
+        ),
+        (
+            verdict(APART, Estimate(0.049, 0.01, 0.3)),
+            (
+                f"{BEGIN} is a little worse than it could be for leo: {WAS} against {BETTER} with "
+                "0.3 m on unseen seeds; the intervals do not overlap."
+            ),
+        ),
+        (
+            verdict(OVERLAPPING, Estimate(0.2, 0.1, 0.3)),
+            (
+                f"{BEGIN} is worse than 0.3 m for leo: {WAS} against {CLOSER} with 0.3 m on unseen "
+                "seeds; the intervals overlap, but on the same episodes the difference is "
+                "0.20 (0.10 to 0.30)."
+            ),
+        ),
+    ],
+)
+def test_a_verdict_in_a_sentence(found: Verdict, said: str) -> None:
+    assert judgement("leo", found) == said
+
+
+def collision(
+    contacts: int, *spots: BlindSpot, detectors: tuple[DetectorStudy, ...] = ()
+) -> CollisionStudy:
+    found = verdict(None, Estimate(0.0))
+    default = DetectorStudy(name="nearest range", events=found.default, scans={}, lead_s=None)
+    return CollisionStudy(
+        verdict=found,
+        default=default,
+        detectors=detectors,
+        zones=(),
+        blind_spots=spots,
+        contacts=contacts,
+    )
+
+
+@pytest.mark.parametrize(
+    ("study", "said"),
+    [
+        (collision(0), "No contact took place in the episodes that check."),
+        (
+            collision(7, BlindSpot(Sight.MISSED, 0)),
+            "The lidar saw every one of the 7 hazards that were touched.",
+        ),
+        (
+            collision(16, *map(BlindSpot, (Sight.TOO_LOW, Sight.TOO_NEAR, Sight.MISSED), (3, 0, 1))),
+            (
+                "No threshold can tell 4 of 16 contacts (25 %), for the lidar did not see the hazard: "
+                "3 below the lidar, 1 out of its plane."
+            ),
+        ),
+    ],
+)
+def test_contacts_that_no_threshold_tells_in_a_sentence(study: CollisionStudy, said: str) -> None:
+    assert unreachable(study) == said
+
+
+def test_what_the_other_detectors_buy_in_sentences() -> None:
+    scores = {
+        "F1": Estimate(0.8, 0.7, 0.9),
+        "recall": Estimate(0.6),
+        "false alarms per km": Estimate(3.14, 2.71, 4.0),
+    }
+    worse = dict.fromkeys(scores, Estimate(0.1))
+    events = Candidate(value=0.05, scores={Part.CHOOSING: worse, Part.CHECKING: scores})
+    other = DetectorStudy(name="footprint clearance", events=events, scans={}, lead_s=None)
+    first = replace(other, name="nearest range")
+
+    assert list(alternatives(collision(9, detectors=(first, other)))) == [
+        (
+            "Footprint clearance below 0.05 m: F1 0.80 (0.70 to 0.90), recall 0.60 "
+            "(too few episodes for an interval), 3.1 (2.7 to 4.0) false alarms per km."
+        )
+    ]

@@ -1,0 +1,169 @@
+"""What MuJoCo gets of a world and a rover, read back from the compiled model."""
+
+import hashlib
+import math
+
+import mujoco
+import numpy as np
+import pytest
+
+from harness.robots import LEO, ROVERS, RoverSpec
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind, orientation
+from harness.world.scene import Scene, build_scene, model_hash
+from harness.world.world import World
+
+OBSTACLES = (
+    Obstacle(
+        kind=ObstacleKind.HAZARD,
+        shape="box",
+        half_size=(0.1, 0.2, 0.3),
+        position=(1.0, -1.5, 2.0),
+        quaternion=orientation(0.7, 0.2),
+    ),
+    Obstacle(kind=ObstacleKind.ROCK, shape="ellipsoid", half_size=(0.3, 0.2, 0.1), position=(-1, 1, 0)),
+    Obstacle(kind=ObstacleKind.HAZARD, shape="cylinder", half_size=(0.1, 0.4), position=(1, 1, 0.4)),
+)
+HEIGHTS = -2.0 + np.array(
+    [[0, 0, 0, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 0, 0.25], [0, 0.5, 0, 0, 0]], float
+)
+
+
+def scene_of(rover: RoverSpec = LEO, timestep: float = 0.002, *, for_pictures: bool = False) -> Scene:
+    world = World("w", Heightfield(HEIGHTS, cell=2.0), OBSTACLES, 0, 0.5)
+    return build_scene(world, rover, timestep, for_pictures=for_pictures)
+
+
+@pytest.fixture(scope="module")
+def model() -> mujoco.MjModel:
+    return scene_of().model
+
+
+def test_the_ground_has_its_heights_where_the_world_has_them(model: mujoco.MjModel) -> None:
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    only_terrain = np.array([1, 0, 0, 0, 0, 0], np.uint8)
+
+    def top(x: float, y: float) -> float:
+        start, down, hit = np.array([x, y, 50.0]), np.array([0.0, 0.0, -1.0]), np.zeros(1, np.int32)
+        return 50.0 - mujoco.mj_ray(model, data, start, down, only_terrain, 1, -1, hit)
+
+    # Row 4, column 1 is y = 4, x = -2; the ray falls a hair inside the edge.
+    assert top(-2.0, 4.0 - 1e-9) == pytest.approx(-1.5, abs=1e-6)
+    assert top(4.0 - 1e-9, 2.0) == pytest.approx(-1.75, abs=1e-6)
+    assert top(0.0, 0.0) == pytest.approx(-2.0, abs=1e-6)
+    assert model.hfield_size[0] == pytest.approx((4.0, 4.0, 0.5, 1.0))  # a metre of solid ground
+
+
+def test_level_ground_is_level() -> None:
+    world = World("w", Heightfield(np.full((5, 5), 1.5), cell=2.0), (), 0, 0.5)
+    model = build_scene(world, LEO, 0.002).model
+
+    assert model.geom("terrain").pos[2] == 1.5
+    assert (model.hfield_data == 0.0).all()
+    assert model.hfield_size[0] == pytest.approx((4.0, 4.0, 0.001, 1.0))
+
+
+def test_obstacles_are_geoms_of_two_bodies_with_size_place_and_turn(model: mujoco.MjModel) -> None:
+    names = ("hazard_0", "rock_1", "hazard_2")
+    types = (mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_ELLIPSOID, mujoco.mjtGeom.mjGEOM_CYLINDER)
+    for name, kind, obstacle in zip(names, types, OBSTACLES, strict=True):
+        geom = model.geom(name)
+        assert geom.type[0] == kind
+        assert geom.size[: len(obstacle.half_size)] == pytest.approx(obstacle.half_size)
+        assert geom.pos == pytest.approx(obstacle.position)
+        assert geom.quat == pytest.approx(obstacle.quaternion)
+        body = {"hazard": "hazards", "rock": "rocks"}[name.split("_")[0]]
+        assert model.body(geom.bodyid[0]).name == body
+        assert geom.group[0] == 1
+    assert not np.array_equal(model.geom("hazard_0").rgba, model.geom("rock_1").rgba)
+    assert np.array_equal(model.geom("hazard_0").rgba, model.geom("hazard_2").rgba)
+
+
+def test_ground_and_obstacles_meet_the_rover_and_never_each_other(model: mujoco.MjModel) -> None:
+    for name in ("terrain", "hazard_0", "rock_1"):
+        geom = model.geom(name)
+        assert (geom.contype[0], geom.conaffinity[0]) == (2, 1)
+    assert model.geom("terrain").group[0] == 0
+    data = mujoco.MjData(model)
+    data.qpos[2] = 20.0  # the rover in the air; rock and pole stand in the ground
+    mujoco.mj_forward(model, data)
+    assert data.ncon == 0
+
+
+@pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
+def test_what_is_only_looked_at_is_left_out_unless_pictures_are_taken(rover: RoverSpec) -> None:
+    groups = [
+        set(scene_of(rover, for_pictures=pictures).model.geom_group.tolist())
+        for pictures in (False, True)
+    ]
+
+    assert groups == [{0, 1, 3}, {0, 1, 2, 3}]
+
+
+@pytest.mark.parametrize(("timestep", "factor"), [(0.001, 1.0), (0.02, None)])
+def test_constraints_are_as_stiff_as_in_the_model_file_as_far_as_the_time_step_allows(
+    timestep: float, factor: float | None
+) -> None:
+    file = mujoco.MjModel.from_xml_path(str(LEO.model_path))
+    model = scene_of(timestep=timestep).model
+
+    assert model.opt.timestep == timestep
+    assert file.neq > 0
+    expected = file.eq_solref[:, 0] if factor else np.full(file.neq, 2 * timestep)
+    assert model.eq_solref[:, 0] == pytest.approx(expected)
+    assert model.eq_solref[:, 1] == pytest.approx(file.eq_solref[:, 1])
+
+
+@pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
+def test_contacts_of_the_rover_are_counted_by_what_it_touches(rover: RoverSpec) -> None:
+    model = scene_of(rover).model
+    xbody, body, geom = (
+        mujoco.mjtObj.mjOBJ_XBODY,
+        mujoco.mjtObj.mjOBJ_BODY,
+        mujoco.mjtObj.mjOBJ_GEOM,
+    )
+    found = {
+        sensor.name: (
+            *map(int, (sensor.objtype[0], sensor.objid[0], sensor.reftype[0], sensor.refid[0])),
+        )
+        for sensor in map(model.sensor, range(model.nsensor))
+        if sensor.type[0] == mujoco.mjtSensor.mjSENS_CONTACT
+    }
+
+    root = model.body("rover").id
+    scraping = {
+        model.geom_bodyid[g] for g in range(model.ngeom) if model.geom(g).name.startswith("body_")
+    }
+    expected = {
+        "rock_contact": (xbody, root, body, model.body("rocks").id),
+        "hazard_contact": (xbody, root, body, model.body("hazards").id),
+    } | {
+        f"scrape_contact_{model.body(b).name}": (body, b, geom, model.geom("terrain").id)
+        for b in scraping
+    }
+    assert found == {name: tuple(map(int, ids)) for name, ids in expected.items()}
+    for name in found:
+        assert model.sensor(name).dim[0] == 1
+
+
+def test_a_touch_of_a_hazard_is_counted_as_such() -> None:
+    scene = scene_of()
+    data = mujoco.MjData(scene.model)
+    for place, counted in (((1.0, 1.0, 0.4), "hazard_contact"), ((-1.0, 1.0, 0.0), "rock_contact")):
+        data.qpos[:3] = place
+        mujoco.mj_forward(scene.model, data)
+        counts = {name: data.sensor(name).data[0] for name in ("hazard_contact", "rock_contact")}
+        assert {name for name, count in counts.items() if count} == {counted}
+        assert counts[counted] > 1  # contacts, not whether there are any
+
+
+def test_the_sun_shines_down_and_casts_shadows(model: mujoco.MjModel) -> None:
+    assert model.nlight == 1
+    assert model.light_type[0] == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
+    assert model.light_castshadow[0]
+    assert model.light_dir[0][2] / math.hypot(*model.light_dir[0]) < -0.7
+
+
+def test_the_hash_of_a_model_is_that_of_its_file() -> None:
+    assert model_hash(LEO) == hashlib.sha256(LEO.model_path.read_bytes()).hexdigest()
