@@ -286,7 +286,7 @@ def test_a_deleted_file_that_a_full_disk_takes_no_copy_of_is_put_back_later(
     def create_on_full_disk(directory: Path, stem: str) -> tuple[Path, BinaryIO]:
         path, file = create(directory, stem)
         file.close()
-        return path, Small(path, "r+")  # type: ignore[return-value]
+        return path, Small(path, "r+")
 
     create = csv_log._create
     with CsvLog(tmp_path / "logs", STARTED) as log:

@@ -132,28 +132,29 @@ LIMITS = Thresholds(
     rough_terrain_threshold=7.0,
 )
 # Quadruples of Pythagoras: magnitudes are exact, and some are at a threshold.
-VECTORS = [
+VECTORS: list[Vector3] = [
     (0.0, 0.0, 0.0),
-    *itertools.permutations((2.0, 3.0, -6.0)),  # 7
-    *itertools.permutations((-1.0, 4.0, 8.0)),  # 9
-    *itertools.permutations((1.0, 2.0, -2.0)),  # 3
-    *itertools.permutations((0.0, 1.5, 2.0)),  # 2.5
+    *itertools.permutations((2.0, 3.0, -6.0), 3),  # 7
+    *itertools.permutations((-1.0, 4.0, 8.0), 3),  # 9
+    *itertools.permutations((1.0, 2.0, -2.0), 3),  # 3
+    *itertools.permutations((0.0, 1.5, 2.0), 3),  # 2.5
 ]
 RANGES = (NAN, INF, -INF, -1.0, 0.0, 0.25, 0.5, 0.5, 0.75, 1.25, 9.5)
 
 
-@pytest.mark.parametrize("limits", [LIMITS, Thresholds()])
+@pytest.mark.parametrize("limits", [LIMITS, Thresholds(collision_threshold=0.75)])
 def test_every_column_is_what_its_definition_says_of_all_samples_so_far(limits: Thresholds) -> None:
     rng = random.Random(5)  # noqa: S311 - no secrets here
     metrics, history = TraversalMetrics(limits), History(limits)
     for number in range(900):
-        if number == 450:  # from here on nothing is near, so that the window's mean passes 0.5
+        if number == 450:  # from here on the mean of a window passes the threshold
             ranges: Sequence[float] = (0.25, 0.5)
         elif number < 450:
             ranges = RANGES
-        kind = rng.randrange(4)
+        kind = rng.randrange(4) if number else 0
         if kind == 0:
-            scan = rng.choices(ranges, k=rng.randrange(5))
+            # The first is at the threshold, and so is the mean then.
+            scan = rng.choices(ranges, k=rng.randrange(5)) if number else [limits.collision_threshold]
             finite = [value for value in scan if math.isfinite(value)]
             assert metrics.add_scan(scan) is bool(finite)
             history.scans += [finite] if finite else []

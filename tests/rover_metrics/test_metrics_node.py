@@ -108,37 +108,6 @@ def test_a_best_effort_pose_publisher_is_heard(rig: "Rig") -> None:
 # Messages that are not what they should be
 
 
-def test_samples_that_are_empty_or_not_finite_are_counted_and_left_out(
-    rig: "Rig", capfd: pytest.CaptureFixture[str]
-) -> None:
-    node = rig.start()
-    before = node.metrics.row(0)
-    node.sensors.imu_callback(rig.imu((math.nan, 0.0, 0.0), (0.0, 0.0, 0.0)))
-    node.sensors.pose_array_callback(PoseArray())
-    node.sensors.pose_array_callback(rig.pose(math.inf, 0.0, 0.0))
-    node.sensors.odometry_callback(rig.odometry(0.0, 0.0, math.nan))
-    assert node.metrics.row(0) == before
-    assert node.rejected == {
-        "/scan": 0,
-        "/imu/data": 1,
-        "/rover/pose_array": 2,
-        "/odometry/wheels": 1,
-    }
-    assert node.received["/rover/pose_array"] == 2
-    told = capfd.readouterr().err
-    assert "/rover/pose_array: no pose, left out (1 so far)" in told
-    assert "/rover/pose_array: not finite, left out (1 so far)" in told
-
-
-def test_scans_of_open_space_or_without_ranges_are_no_fault(rig: "Rig") -> None:
-    node = rig.start()
-    node.sensors.lidar_callback(rig.scan(math.inf, math.inf))
-    node.sensors.lidar_callback(rig.scan())
-    assert node.received["/scan"] == 2
-    assert node.rejected["/scan"] == 0
-    assert node.metrics.clearance == math.inf
-
-
 def test_a_broken_sensor_does_not_flood_the_terminal(
     rig: "Rig", capfd: pytest.CaptureFixture[str]
 ) -> None:
