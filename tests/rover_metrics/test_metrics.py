@@ -38,6 +38,7 @@ def csv_line(row: MetricsRow) -> str:
 def test_the_row_before_any_sample_is_the_seeds_to_the_byte(metrics: TraversalMetrics) -> None:
     expected = "1737047098,0,0,0.0,0,inf,0.0,0,0,0,0,Normal operation\r\n"
     assert csv_line(metrics.row(1737047098)) == expected
+    assert (metrics.clearance, metrics.farthest) == (INF, -INF)
 
 
 def test_a_row_of_hand_computed_values(metrics: TraversalMetrics) -> None:

@@ -1,4 +1,4 @@
-"""How a node's program ends when its executor does what a test says; test_metrics_program.py: a real one."""
+"""How a node's program ends when its executor does what a test says."""
 
 from typing import Any
 

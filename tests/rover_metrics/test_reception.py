@@ -65,10 +65,10 @@ def test_messages_missing_by_their_stamps_are_counted(listener: Listener) -> Non
 
 
 def test_messages_lost_on_the_way_are_in_the_account(listener: Listener) -> None:
-    listener.reception.remark("/scan", LOST, 3)
-    listener.reception.remark("/scan", LOST, 2)
-    assert listener.reception.account()["/scan"]["lost"] == 5
-    assert listener.told == [f"/scan: lost on the way ({total} so far)" for total in (3, 5)]
+    for times in (5, 1, 4):  # a power of two is passed by the first and the last
+        listener.reception.remark("/scan", LOST, times)
+    assert listener.reception.account()["/scan"]["lost"] == 10
+    assert listener.told == [f"/scan: lost on the way ({total} so far)" for total in (5, 10)]
 
 
 def test_a_detail_is_told_but_does_not_split_the_count(listener: Listener) -> None:
