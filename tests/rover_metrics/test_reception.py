@@ -58,7 +58,7 @@ def test_what_repeats_is_told_ever_more_rarely_and_counted_always(listener: List
 
 def test_messages_missing_by_their_stamps_are_counted(listener: Listener) -> None:
     listener.hear(*range(20))
-    listener.look(1)
+    listener.look(1, limit=0)
     listener.hear(20, 25, 26)
     assert listener.reception.remarks["/scan"] == {MISSING: 4}
     assert listener.told == ["/scan: missing, by the gap between two stamps (4 so far)"]
@@ -134,6 +134,25 @@ def test_a_topic_that_may_be_missing_is_missed_once_it_has_spoken(listener: List
     assert listener.told == [
         "/truth: nothing for 5 s (publishers: 0); its columns show what was last heard"
     ]
+
+
+def test_each_topic_is_judged_by_its_own_messages_be_they_left_out_or_not(listener: Listener) -> None:
+    reception = Reception(listener.told.append)
+    reception.listen("/truth", may_be_missing=True)
+    for topic in ("/imu", "/scan", "/pose"):
+        reception.listen(topic)
+    for second in range(9):
+        reception.arrived("/imu", None)
+        reception.rejected["/imu"] += 1
+        reception.look(second * SECOND, 5 * SECOND)
+    silence = "nothing for 5 s (publishers: 0); its columns show what was last heard"
+    assert listener.told == [f"/scan: {silence}", f"/pose: {silence}"]
+
+
+def test_a_header_without_a_stamp_is_remarked_upon_and_no_header_is_not(listener: Listener) -> None:
+    for stamp in (None, 0):
+        listener.reception.arrived("/scan", stamp)
+    assert listener.reception.remarks["/scan"] == {"no stamp": 1}
 
 
 def test_a_second_publisher_is_told_when_it_comes_and_when_it_goes(listener: Listener) -> None:

@@ -72,6 +72,12 @@ def test_rows_are_the_timers_calls_that_the_nodes_guard_lets_through(
         (0.0, [1.0, 2.0, 0.0, 0.9, 1.0], [1.0, 2.0, 1.0]),  # starts again
         (0.0, [1.0, 1.4, 0.6, 1.5, 1.6], [1.0, 1.6]),  # back before the latest call
         (0.0, [1.0, 1.9, 1.2, 2.0], [1.0, 2.0]),  # back, but not so far
+        # A late row, then back by half a period or more: the same second has another row,
+        (0.0, [1.7, 0.8, 1.1, 1.4, 1.7, 1.9], [1.7, 1.9]),
+        (0.0, [1.7, 1.35, 0.85, 1.2, 1.5, 1.86], [1.7, 1.86]),
+        (0.0, [1.7, 1.35, 0.86, 1.2, 1.5, 1.86], [1.7]),  # unless it was less,
+        (0.0, [1.7, 0.8, 1.3, 1.6, 1.85], [1.7]),  # or the clock leaps by half a period in between,
+        (0.0, [1.7, 0.8, 1.29, 1.6, 1.85], [1.7, 1.85]),  # not by less.
     ],
 )
 def test_rows_of_a_clock(start: float, clock: list[float], expected: list[float]) -> None:

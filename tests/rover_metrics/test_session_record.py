@@ -1,4 +1,5 @@
 import json
+import tempfile
 import time
 from collections.abc import Iterator
 from datetime import datetime, timedelta
@@ -120,6 +121,14 @@ def test_a_record_is_there_whole_or_not_at_all(log: Path) -> None:
         write_record(log, COMPLETE, {"bad": object()})
     assert log.with_suffix(".json").read_bytes() == before
     assert [path.name for path in log.parent.iterdir()] == [log.with_suffix(".json").name]
+
+
+def test_a_record_is_made_on_the_disk_on_which_it_stays(
+    log: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", "/nowhere")
+    write_record(log, None, {})
+    assert session_end(log) is SessionEnd.UNMARKED
 
 
 def test_a_record_that_cannot_replace_what_stands_there_leaves_no_part_behind(log: Path) -> None:

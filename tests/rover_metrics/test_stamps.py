@@ -122,6 +122,7 @@ def test_a_sensor_that_never_stamps_is_named() -> None:
     assert [watch.take(0) for _ in range(3)] == [(NO_STAMP, 1)] * 3
     assert watch.take(5) is None
     assert watch.latest_ns == 5
+    assert [watch.take(stamp) for stamp in (0, START)] == [(WENT_BACK, 1), (JUMPED_AHEAD, 1)]
 
 
 @given(st.lists(st.integers(-(2**63), 2**63), max_size=300))
