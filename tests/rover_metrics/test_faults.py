@@ -15,6 +15,7 @@ STILL = (0.0, 0.0, 0.0)
         (STILL, (0.0, math.inf, 0.0), faults.NOT_FINITE),
         ((1e300, 0.0, 0.0), (0.0, 0.0, math.nan), faults.NOT_FINITE),
         ((0.0, 1e300, 0.0), STILL, faults.HUGE_ACCELERATION),
+        ((-6e4, -6e4, -6e4), STILL, faults.HUGE_ACCELERATION),
         ((1e308, 1e308, 1e308), STILL, faults.HUGE_ACCELERATION),
         ((100000.1, 0.0, 0.0), (0.0, 0.0, -1e5), faults.HUGE_ACCELERATION),
         ((1e5, 0.0, 0.0), (0.0, 0.0, -1e5), faults.HUGE_ANGULAR_RATE),
@@ -32,6 +33,7 @@ def test_a_refused_imu_sample_has_a_reason(
         ((0.0, math.nan, 0.0), faults.NOT_FINITE),
         ((-math.inf, 0.0, 0.0), faults.NOT_FINITE),
         ((1e300, 0.0, 0.0), faults.HUGE_SPEED),
+        ((-6e3, -6e3, -6e3), faults.HUGE_SPEED),
         ((1e308, 1e308, 0.0), faults.HUGE_SPEED),
     ],
 )

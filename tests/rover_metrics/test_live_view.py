@@ -81,9 +81,10 @@ def test_the_worst_sets_the_level_and_all_are_told() -> None:
 def test_a_collision_is_an_error_once_not_for_ever() -> None:
     view, hit = LiveView(), replace(CALM, total_collisions=3)
     again = replace(CALM, total_collisions=4)
-    told = [view.statuses(row, (), Thresholds(), 0)[0] for row in (CALM, hit, hit, again)]
-    assert [status.level for status in told] == [Level.OK, Level.ERROR, Level.OK, Level.ERROR]
-    assert told[-1].message == "collision: 1 scans since the row before"
+    told = [view.statuses(row, (), Thresholds(), 0)[0] for row in (CALM, hit, hit, again, hit)]
+    expected = [Level.OK, Level.ERROR, Level.OK, Level.ERROR, Level.OK]
+    assert [status.level for status in told] == expected
+    assert told[-2].message == "collision: 1 scans since the row before"
 
 
 def test_empty_cells_are_left_out_and_extended_ones_are_there() -> None:
@@ -97,14 +98,15 @@ def test_empty_cells_are_left_out_and_extended_ones_are_there() -> None:
 
 
 def test_a_topic_tells_rate_age_and_losses() -> None:
-    status = topic(HEARD._replace(received=80), HEARD)
+    heard = HEARD._replace(lost=5, rejected=7)
+    status = topic(heard._replace(received=80), heard)
     assert (status.level, status.message, status.name) == (Level.OK, "heard", "topic rover1 imu data")
     assert dict(status.values) == {
         "topic": "/rover1/imu/data",
         "rate [Hz]": "20.0000",
         "age [s]": "0.1000",
-        "lost": "0",
-        "rejected": "0",
+        "lost": "5",
+        "rejected": "7",
         "publishers": "1",
     }
 

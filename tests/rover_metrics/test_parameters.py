@@ -214,15 +214,8 @@ def test_only_a_known_parameter_of_another_type_is_named() -> None:
     node = Stub()
     declare_settings(node)
     node.declare_parameter("use_sim_time", False, type(node.declared["fsync"][1])())
-    fine = [
-        Parameter("fsync", value=True),
-        Parameter("other", value=1),
-        Parameter("use_sim_time", value=1),
-    ]
+    fine = [Parameter(name, value=1) for name in ("other", "use_sim_time", "debug_interval")]
     assert wrong_type(node, fine) is None
-    wrong = [*fine, Parameter("stale_after", value=5), Parameter("fsync", value=1)]
-    told = wrong_type(node, wrong)
-    assert (
-        told
-        == "parameter stale_after must be a number with a decimal point (5.0, not 5) from 0.0 to 86400.0 s"
-    )
+    told = wrong_type(node, [*fine, Parameter("stale_after", value=5), Parameter("fsync", value=1)])
+    valid = "a number with a decimal point (5.0, not 5) from 0.0 to 86400.0 s"
+    assert told == f"parameter stale_after must be {valid}"

@@ -22,6 +22,7 @@ def due(timer: FullSeconds | ClockSeconds, *times: float) -> list[int]:
         ([0.9, 1.01, 0.99, 1.02, 2.01], [1, 2], [], []),  # late by less than a second
         ([2.5, 1.5, 2.6], [], [], []),  # late by a second, which is late still
         ([2.5, 1.4, 2.6], [2], [], ["time jumps from 2.50 s to 1.40 s"]),
+        ([2.5, 1.6, 1.4], [], [], ["time jumps from 2.50 s to 1.40 s"]),
         ([3.5, 2.0, 2.0, 3.5], [3], [], ["time jumps from 3.50 s to 2.00 s"]),
         ([0.5, 60.5], list(range(1, 61)), [], []),
         ([0.5, 61.0], list(range(1, 61)), [61], []),

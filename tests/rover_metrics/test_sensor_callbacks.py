@@ -152,10 +152,8 @@ def test_a_step_of_the_distance_threshold_or_more_is_remarked_upon(step: float, 
     bench = Bench()
     for x in (0.0, step, step):
         bench.sensors.pose_array_callback(poses((x, 0.0, 0.0)))
-    assert bench.remarks()["/pose"] == (
-        {"stamp stands still": 2}
-        | ({"step of distance_threshold or more, no travel": 1} if jumps else {})
-    )
+    odd = bench.remarks()["/pose"]
+    assert odd.get("step of distance_threshold or more, no travel", 0) == jumps
     assert bench.counts(bench.reception.rejected) == {}
 
 
@@ -181,6 +179,7 @@ def test_truth_is_counted_and_left_out_if_it_is_no_truth(
     for answer in (True, False):
         bench.intake.answer = answer
         getattr(bench.sensors, f"{kind}_callback")(message)
+        assert bench.reception.rejected[f"/{kind}"] == (not answer)
     assert bench.counts(bench.reception.received) == {f"/{kind}": 2}
     assert bench.counts(bench.reception.rejected) == {f"/{kind}": 1}
     assert bench.intake.taken == [(kind, message, None)] * 2
@@ -196,7 +195,7 @@ def test_truth_is_counted_and_left_out_if_it_is_no_truth(
 def test_scans_and_poses_are_reported_with_what_they_came_to() -> None:
     bench = Bench()
     for x in (0.0, 0.25, 0.5):
-        bench.sensors.lidar_callback(scan(0.125))
+        bench.sensors.lidar_callback(scan(0.125, 3.0))
         bench.sensors.pose_array_callback(poses((x, 0.0, 0.0)))
     bench.sensors.lidar_callback(scan(INF))
     bench.sensors.imu_callback(imu(STILL))

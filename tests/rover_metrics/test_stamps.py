@@ -86,6 +86,10 @@ def test_eight_intervals_tell_a_period_and_without_one_only_jumps_are_seen(
 ) -> None:
     watch = watching(intervals=intervals)
     assert watch.period_ns == period
+    more = watching(intervals=intervals - 1)
+    after(more, -PERIOD, PERIOD)  # what was learnt before a step back is kept
+    more.learn()
+    assert more.period_ns == period
     expected: list[Finding | None] = [(MISSING, 3)] if period else [None]
     assert after(watch, 4 * PERIOD) == expected
     assert after(watching(intervals=2), 10 * SECOND, 10 * SECOND + 1) == [None, (JUMPED_AHEAD, 1)]
