@@ -76,6 +76,7 @@ def test_topics_have_the_seeds_names_in_the_root_namespace(rig: "Rig") -> None:
 
 def test_topics_follow_the_namespace(rig: "Rig") -> None:
     node = rig.start("-r", "__ns:=/leo")
+    assert set(node.received) == {f"/leo/{topic}" for topic in TOPICS}
     rig.publisher(Imu, "/leo/imu/data").publish(rig.imu((0.0, 0.0, 9.8), (0.0, 0.0, 0.0)))
     rig.spin_until(lambda: node.received["/leo/imu/data"] == 1)
 
@@ -419,8 +420,9 @@ def test_rows_lost_at_the_end_are_told_and_make_the_session_a_failed_one(
 
 
 def test_fsync_and_stale_after_are_taken_from_the_launch_and_can_be_changed(rig: "Rig") -> None:
-    node = rig.start(fsync=True, stale_after=2.5)
+    node = rig.start(fsync=True, stale_after=2.5, publish_metrics=False)
     assert node.log.fsync
+    assert not node.publisher.enabled
     assert node.timer.stale_after == node.settings.stale_after == 2.5
     node.set_parameters([Parameter("fsync", value=False), Parameter("stale_after", value=9.0)])
     assert not node.log.fsync

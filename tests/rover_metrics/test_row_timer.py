@@ -6,12 +6,14 @@ import time
 from datetime import datetime
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
+from unittest.mock import Mock
 
 import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
 
 from rclpy.clock import ClockType
+from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 
@@ -167,7 +169,9 @@ def test_a_second_publisher_is_told(rig: "Rig", capfd: pytest.CaptureFixture[str
     first = rig.publisher(LaserScan, "scan")
     second = rig.simulator.create_publisher(LaserScan, "scan", 10)
     rig.spin_until(lambda: first.get_subscription_count() + second.get_subscription_count() == 2)
-    rig.spin_until(lambda: node.count_publishers("/scan") == 2)
+    for _ in range(2):
+        rig.simulator.create_publisher(Clock, "/clock", 10)  # which nobody here follows
+    rig.spin_until(lambda: node.count_publishers("/scan") == node.count_publishers("/clock") == 2)
     node.timer._fire()
     rig.simulator.destroy_publisher(second)
     rig.spin_until(lambda: node.count_publishers("/scan") == 1)
@@ -175,6 +179,8 @@ def test_a_second_publisher_is_told(rig: "Rig", capfd: pytest.CaptureFixture[str
     told = capfd.readouterr().err
     assert told.count("/scan: 2 publishers, whose messages mix in this log; stop all but one") == 1
     assert told.count("/scan: no second publisher any more") == 1
+    assert "/clock" not in told
+    assert "[WARN]" in told
 
 
 def test_a_second_clock_is_told(
@@ -187,20 +193,29 @@ def test_a_second_clock_is_told(
     assert "/clock: 2 publishers" in capfd.readouterr().err
 
 
-def test_the_record_tells_the_end_and_the_account(rig: "Rig", node: "MetricsNode") -> None:
+def test_the_record_tells_the_end_and_the_account(
+    rig: "Rig", node: "MetricsNode", monkeypatch: pytest.MonkeyPatch
+) -> None:
     record = node.log.path.with_suffix(".json")
     assert json.loads(record.read_text())["outcome"] is None
     node.sensors.imu_callback(rig.imu((float("nan"), 0.0, 0.0), stamp=1.0))
+    node.set_parameters([Parameter("collision_threshold", value=0.75)])
+    node.timer.times.went_back()
+    node.fail("ValueError: boo")
+    spy = Mock(wraps=node.timer.close)
+    monkeypatch.setattr(node.timer, "close", spy)
     rig.end(node)
+    spy.assert_called_once_with()
     told = json.loads(record.read_text())
-    assert told["outcome"] == {"status": "complete", "reason": None}
+    assert told["outcome"] == {"status": "failed", "reason": "ValueError: boo"}
+    assert told["thresholds"]["collision_threshold"] == 0.75
     assert told["topics"]["/imu/data"] == {
         "received": 1,
         "rejected": 1,
         "lost": 0,
         "remarks": {"not finite": 1},
     }
-    assert (told["rows"], told["lost_rows"], told["segments"]) == (0, 0, 1)
+    assert (told["rows"], told["lost_rows"], told["segments"]) == (0, 0, 2)
     assert datetime.fromisoformat(told["ended"]) == datetime.fromisoformat(told["started"])
 
 
