@@ -46,7 +46,7 @@ def tick(rig: "Rig", node: "MetricsNode", clock: Any, *seconds: int) -> None:  #
 
 
 def test_each_row_is_published_with_levels_and_a_topic_that_stops_goes_stale(rig: "Rig") -> None:
-    node = rig.start("-r", "__ns:=/leo", use_sim_time=True, stale_after=2.0)
+    node = rig.start("-r", "__ns:=/leo", use_sim_time=True, stale_after=2.0, min_safe_clearance=0.1)
     heard = listen(rig, node)
     clock = rig.publisher(Clock, "/clock")
     for second in range(1, 5):
@@ -65,6 +65,7 @@ def test_each_row_is_published_with_levels_and_a_topic_that_stops_goes_stale(rig
     scan = [each["metrics_node: topic leo scan"] for each in statuses]
     assert {status.hardware_id for each in statuses for status in each.values()} == {"leo"}
     assert traversal[0].level == DiagnosticStatus.ERROR
+    assert "min_safe_clearance" not in traversal[0].message
     assert {pair.key: pair.value for pair in traversal[1].values}["Total Collisions"] == "2"
     assert [status.level for status in scan] == [
         *[DiagnosticStatus.OK] * 3,
