@@ -41,9 +41,10 @@ class FullSeconds:
             return range(0)
         elif second - previous > LONGEST_GAP:
             previous = second - 1
-        if latest is not None and (time_ns < latest or previous != self._second):
+        if latest is not None and previous != self._second:
             self.jumps.append(_jump(latest, time_ns))
-        self._latest_ns, self._second = time_ns, second
+        # Not back where a second message of the moment at which a recording begins is not beyond it yet.
+        self._latest_ns, self._second = time_ns, max(previous, second)
         return range(previous + 1, second + 1)
 
     def rest(self) -> range:

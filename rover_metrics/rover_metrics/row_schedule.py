@@ -22,7 +22,7 @@ class RosTimer:
 
     def fires_at(self, now_ns: int) -> bool:
         """Takes the next time of /clock; whether the timer is called then."""
-        if now_ns < self._last_ns and self._next_ns > now_ns:
+        if now_ns < self._last_ns:
             self._last_ns, self._next_ns = now_ns, now_ns + self._period_ns
         if now_ns < self._next_ns:
             return False

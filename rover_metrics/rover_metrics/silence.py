@@ -40,9 +40,8 @@ class SilenceWatch:
         Returns:
             What has changed: a silence that is long enough now or that is over; else None.
         """
-        first = self._progress is None
-        passed = 0 if first else min(max(now_ns - self._looked_ns, 0), LONGEST_LOOK)
-        moved = progress != (0 if first else self._progress)
+        passed = min(max(now_ns - self._looked_ns, 0), LONGEST_LOOK)
+        moved = progress != self._progress
         self._progress, self._looked_ns = progress, now_ns
         quiet_ns = self._quiet_ns + passed
         self._quiet_ns = 0 if moved else quiet_ns

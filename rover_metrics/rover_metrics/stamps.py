@@ -61,4 +61,4 @@ class StampWatch:
         if interval > JUMP or self.period_ns is None:
             return JUMPED_AHEAD, 1
         self._intervals.append(interval)  # so that a slower sensor is soon nothing odd any more
-        return MISSING, max(1, math.floor(interval / self.period_ns + 0.5) - 1)
+        return MISSING, math.floor(interval / self.period_ns + 0.5) - 1

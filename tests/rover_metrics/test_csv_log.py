@@ -1,5 +1,6 @@
 import csv
 import errno
+import io
 import os
 import shutil
 import signal
@@ -21,7 +22,7 @@ from rover_metrics.errors import LogError
 from rover_metrics.metrics import TraversalMetrics
 from rover_metrics.row import COLUMNS, MetricsRow
 
-STARTED = datetime(2025, 1, 16, 12, 4, 57)
+STARTED = datetime(2025, 1, 16, 22, 4, 57)
 ROW = TraversalMetrics().row(7)
 LINE = b"7,0,0,0.0,0,inf,0.0,0,0,0,0,Normal operation\r\n"
 HEADER = (
@@ -30,12 +31,28 @@ HEADER = (
     b"Is Rough Terrain,Vertical Roughness,Notes\r\n"
 )
 FullDisk = Callable[[int], AbstractContextManager[None]]
+_CHOOSE = "choose another folder"
+MENDS = {
+    errno.EEXIST: f"a file stands where a folder should be; remove it or {_CHOOSE}",
+    errno.ENOTDIR: f"a file stands where a folder should be; remove it or {_CHOOSE}",
+    errno.EACCES: f"make it writable for this user or {_CHOOSE}",
+    errno.EPERM: f"make it writable for this user or {_CHOOSE}",
+    errno.EROFS: "choose a folder on a writable file system",
+    errno.ENOSPC: f"free some disk space or {_CHOOSE}",
+    errno.EDQUOT: f"free some of your disk quota or {_CHOOSE}",
+    errno.EIO: _CHOOSE,
+}
 REAL_LOGS = Path(__file__).parents[3] / "shared/data/roboterrain/logs"
+
+
+def open_files() -> int:
+    """How many files this process has open."""
+    return sum(1 for _ in Path("/proc/self/fd").iterdir())
 
 
 def test_the_folder_is_created_and_the_name_tells_the_start(tmp_path: Path) -> None:
     with CsvLog(tmp_path / "a/b", STARTED) as log:
-        assert log.path == tmp_path / "a/b/metrics_log_20250116_120457.csv"
+        assert log.path == tmp_path / "a/b/metrics_log_20250116_220457.csv"
         assert log.path.read_bytes() == HEADER
 
 
@@ -44,7 +61,7 @@ def test_a_relative_folder_gives_an_absolute_path(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     with CsvLog("logs", STARTED) as log:
-        assert log.path == tmp_path / "logs/metrics_log_20250116_120457.csv"
+        assert log.path == tmp_path / "logs/metrics_log_20250116_220457.csv"
 
 
 def test_rows_are_in_the_file_at_once_with_carriage_returns(tmp_path: Path) -> None:
@@ -61,15 +78,15 @@ def test_a_new_session_never_overwrites(tmp_path: Path) -> None:
         with CsvLog(tmp_path, STARTED) as log:
             log.write(ROW)
             paths.append(log.path.name)
-    stem = "metrics_log_20250116_120457"
+    stem = "metrics_log_20250116_220457"
     assert paths == [f"{stem}.csv", f"{stem}_1.csv", f"{stem}_2.csv"]
     assert all((tmp_path / path).read_bytes() == HEADER + LINE for path in paths)
 
 
 def test_a_dangling_link_is_not_followed(tmp_path: Path) -> None:
-    (tmp_path / "metrics_log_20250116_120457.csv").symlink_to(tmp_path / "elsewhere.csv")
+    (tmp_path / "metrics_log_20250116_220457.csv").symlink_to(tmp_path / "elsewhere.csv")
     with CsvLog(tmp_path, STARTED) as log:
-        assert log.path.name == "metrics_log_20250116_120457_1.csv"
+        assert log.path.name == "metrics_log_20250116_220457_1.csv"
 
 
 def test_rows_survive_the_death_of_the_process(tmp_path: Path) -> None:
@@ -96,8 +113,11 @@ def test_closing_twice_is_fine_and_writing_after_it_is_an_error(tmp_path: Path) 
     log = CsvLog(tmp_path, STARTED)
     log.close()
     log.close()
-    with pytest.raises(LogError, match="closed"):
+    with pytest.raises(LogError) as caught:
         log.write(ROW)
+    assert str(caught.value) == (
+        f"cannot write a row in {tmp_path}: I/O operation on closed file; choose another folder"
+    )
     assert log.rows == 0
 
 
@@ -119,27 +139,84 @@ def test_a_folder_that_takes_no_files_is_named_with_the_mend() -> None:
         CsvLog("/proc/1", STARTED)
 
 
-def test_a_disk_too_full_for_the_header_leaves_no_file_behind(
-    tmp_path: Path, full_disk: FullDisk
+@pytest.mark.parametrize("taken", range(len(LINE)))
+def test_wherever_a_row_is_torn_the_file_keeps_its_whole_lines_and_takes_the_row_again(
+    tmp_path: Path, full_disk: FullDisk, taken: int
 ) -> None:
-    with full_disk(10), pytest.raises(LogError, match="choose another folder"):
-        CsvLog(tmp_path, STARTED)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_row_that_was_cut_short_leaves_no_trace_and_the_next_one_is_whole(
-    tmp_path: Path, full_disk: FullDisk
-) -> None:
+    other = replace(ROW, stamp_s=123456789)
     with CsvLog(tmp_path, STARTED) as log:
         log.write(ROW)
-        for _ in range(2):
-            limit = len(HEADER) + len(LINE) + 5
-            with full_disk(limit), pytest.raises(LogError, match=str(tmp_path)):
-                log.write(TraversalMetrics().row(123456789))
-        assert log.path.read_bytes() == HEADER + LINE
+        for row in (ROW, other):
+            with (
+                full_disk(len(HEADER) + len(LINE) + taken),
+                pytest.raises(LogError, match=str(tmp_path)),
+            ):
+                log.write(row)
+            assert log.path.read_bytes() == HEADER + LINE
         log.write(ROW)
         assert log.path.read_bytes() == HEADER + 2 * LINE
-        assert log.rows == 2
+        log.write(other)
+        assert log.path.read_bytes() == HEADER + 2 * LINE + b"123456789" + LINE[1:]
+        assert log.rows == 3
+
+
+@pytest.mark.parametrize("taken", range(0, len(HEADER), 7))
+def test_wherever_the_header_is_torn_no_file_is_left(
+    tmp_path: Path, full_disk: FullDisk, taken: int
+) -> None:
+    before = open_files()
+    with full_disk(taken), pytest.raises(LogError, match="choose another folder"):
+        CsvLog(tmp_path, STARTED)
+    assert list(tmp_path.iterdir()) == []
+    assert open_files() == before
+
+
+def test_a_torn_row_that_cannot_be_cut_off_is_overwritten_by_the_next(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Stubborn(io.FileIO):
+        """Takes a few bytes, then nothing, and lets nothing be cut off; until it is `mended`."""
+
+        mended = True
+
+        def write(self, data: Any) -> int:  # noqa: ANN401 - a buffer
+            if self.mended:
+                return super().write(data)
+            if self.tell() > len(HEADER):
+                raise OSError(errno.EIO, os.strerror(errno.EIO))
+            return super().write(data[:9])
+
+        def truncate(self, size: int | None = None) -> int:
+            if not self.mended:
+                raise OSError(errno.EIO, os.strerror(errno.EIO))
+            return super().truncate(size)
+
+    path = tmp_path / "log.csv"
+    file = Stubborn(path, "x+")
+    monkeypatch.setattr(csv_log, "_create", lambda *_: (path, file))
+    with CsvLog(tmp_path, STARTED) as log:
+        file.mended = False
+        for _ in range(2):
+            with pytest.raises(LogError, match="Input/output error"):
+                log.write(ROW)
+        assert path.read_bytes() == HEADER + LINE[:9]
+        file.mended = True
+        log.write(ROW)
+        assert path.read_bytes() == HEADER + LINE
+
+
+def test_a_write_that_takes_a_part_is_gone_on_with(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Slow(io.FileIO):
+        def write(self, data: Any) -> int:  # noqa: ANN401 - a buffer
+            return super().write(data[:7])
+
+    path = tmp_path / "log.csv"
+    monkeypatch.setattr(csv_log, "_create", lambda *_: (path, Slow(path, "x+")))
+    with CsvLog(tmp_path, STARTED) as log:
+        log.write(ROW)
+    assert path.read_bytes() == HEADER + LINE
 
 
 @pytest.mark.skipif(not REAL_LOGS.is_dir(), reason="needs the RoboTerrain logs in ../shared/data")
@@ -186,8 +263,8 @@ def test_a_deleted_file_whose_name_is_taken_is_put_back_beside_it(tmp_path: Path
         log.path.unlink()
         log.path.write_text("mine")
         log.write(ROW)
-        assert (tmp_path / "metrics_log_20250116_120457.csv").read_text() == "mine"
-        assert log.path.name == "metrics_log_20250116_120457_1.csv"
+        assert (tmp_path / "metrics_log_20250116_220457.csv").read_text() == "mine"
+        assert log.path.name == "metrics_log_20250116_220457_1.csv"
         assert log.path.read_bytes() == HEADER + 2 * LINE
 
 
@@ -199,18 +276,25 @@ def test_a_moved_file_takes_its_rows_along(tmp_path: Path) -> None:
         assert not (tmp_path / "logs").exists()
 
 
+@pytest.mark.parametrize("taken", range(0, len(HEADER) + 2 * len(LINE), 31))
 def test_a_deleted_file_that_a_full_disk_takes_no_copy_of_is_put_back_later(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, taken: int
 ) -> None:
-    create = csv_log._create
+    class Small(io.FileIO):
+        def write(self, data: Any) -> int:  # noqa: ANN401 - a buffer
+            if not data[: taken - self.tell()]:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            return super().write(data[: taken - self.tell()])
 
     def create_on_full_disk(directory: Path, stem: str) -> tuple[Path, BinaryIO]:
         path, file = create(directory, stem)
         file.close()
-        return path, Path("/dev/full").open("r+b", buffering=0)
+        return path, Small(path, "r+")
 
+    create = csv_log._create
     with CsvLog(tmp_path / "logs", STARTED) as log:
         log.write(ROW)
+        before = open_files()
         shutil.rmtree(tmp_path / "logs")
         with monkeypatch.context() as patch:
             patch.setattr(csv_log, "_create", create_on_full_disk)
@@ -220,72 +304,117 @@ def test_a_deleted_file_that_a_full_disk_takes_no_copy_of_is_put_back_later(
         log.write(ROW)
         assert log.path.read_bytes() == HEADER + 2 * LINE
         assert log.rows == 2
+        assert open_files() == before
 
 
-def test_a_read_only_file_system_is_named_with_the_mend(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("number", MENDS)
+def test_a_read_only_file_system_is_named_with_the_mend_and_so_is_each_refusal(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int
 ) -> None:
-    def refuse(_: object, __: bytes) -> None:
-        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+    def refuse(*_: object) -> None:
+        raise OSError(number, os.strerror(number))
 
     with CsvLog(tmp_path, STARTED) as log:
         with monkeypatch.context() as patch:
             patch.setattr(csv_log, "_write_all", refuse)
-            with pytest.raises(LogError, match=r"Read-only file system; choose a folder on a writable"):
+            with pytest.raises(LogError) as caught:
                 log.write(ROW)
+        told = f"in {tmp_path}: {os.strerror(number)}; {MENDS[number]}"
+        assert str(caught.value) == f"cannot write a row {told}"
         log.write(ROW)
         assert log.path.read_bytes() == HEADER + LINE
+    monkeypatch.setattr(csv_log, "_create", refuse)
+    with pytest.raises(LogError) as caught:
+        CsvLog(tmp_path, STARTED)
+    assert str(caught.value) == f"cannot create a log {told}"
 
 
 # Power
 
 
-@pytest.mark.parametrize("fsync", [False, True])
-def test_with_fsync_each_line_and_the_files_name_are_on_the_disk_before_the_next(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fsync: bool
-) -> None:
-    synced: list[tuple[str, int]] = []
+@pytest.fixture
+def synced(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Path, int]]:
+    """Each file with its size, and each folder, that the disk was waited for."""
+    seen: list[tuple[Path, int]] = []
 
     def watch(descriptor: int) -> None:
         path = Path(f"/proc/self/fd/{descriptor}").readlink()
-        synced.append((path.name, path.stat().st_size if path.is_file() else 0))
+        seen.append((path, path.stat().st_size if path.is_file() else 0))
 
     monkeypatch.setattr(os, "fsync", watch)
-    with CsvLog(tmp_path, STARTED, fsync=fsync) as log:
-        log.write(ROW)
-        log.write(ROW)
-    name = log.path.name
-    sizes = [len(HEADER) + count * len(LINE) for count in range(3)]
-    expected = [(name, sizes[0]), (tmp_path.name, 0), (name, sizes[1]), (name, sizes[2])]
-    assert synced == (expected if fsync else [])
+    return seen
 
 
-def test_a_row_that_the_disk_does_not_confirm_is_an_error_and_not_in_the_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_with_fsync_each_line_and_the_files_name_are_on_the_disk_before_the_next(
+    tmp_path: Path, synced: list[tuple[Path, int]]
 ) -> None:
-    def refuse(_: int) -> None:
-        raise OSError(errno.EIO, os.strerror(errno.EIO))
+    before = open_files()
+    with CsvLog(tmp_path / "logs", STARTED, fsync=True) as log:
+        assert synced == [(log.path, len(HEADER)), (log.path.parent, 0)]
+        for count in (1, 2):
+            log.write(ROW)
+            assert synced[count + 1 :] == [(log.path, len(HEADER) + count * len(LINE))]
+        shutil.rmtree(log.path.parent)  # the one that is put back is waited for as well
+        synced.clear()
+        log.write(ROW)
+        assert synced[1:] == [(log.path, len(HEADER) + 3 * len(LINE)), (log.path.parent, 0)]
+        synced.clear()
+        log.fsync = False
+        log.write(ROW)
+        shutil.rmtree(log.path.parent)
+        log.write(ROW)
+        assert log.path.read_bytes() == HEADER + 5 * LINE
+    assert synced == []
+    assert open_files() == before
 
+
+def test_without_fsync_which_is_the_default_the_disk_is_not_waited_for(
+    tmp_path: Path, synced: list[tuple[Path, int]]
+) -> None:
     with CsvLog(tmp_path, STARTED) as log:
+        log.write(ROW)
+        assert log.fsync is False
+    assert synced == []
+
+
+@pytest.mark.parametrize("confirmed", [0, 1])
+def test_a_row_that_the_disk_does_not_confirm_is_an_error_and_not_in_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, confirmed: int
+) -> None:
+    calls: list[int] = []
+
+    def refuse(descriptor: int) -> None:
+        calls.append(descriptor)
+        if len(calls) > confirmed:
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    before = open_files()
+    with CsvLog(tmp_path / "logs", STARTED) as log:
         log.fsync = True
         with monkeypatch.context() as patch:
             patch.setattr(os, "fsync", refuse)
+            for _ in range(confirmed):
+                log.write(ROW)
             with pytest.raises(LogError, match="Input/output error"):
                 log.write(ROW)
-        assert log.path.read_bytes() == HEADER
+            with pytest.raises(LogError, match="Input/output error"):
+                CsvLog(tmp_path / "other", STARTED, fsync=True)
+        assert log.path.read_bytes() == HEADER + confirmed * LINE
+        assert list((tmp_path / "other").iterdir()) == []
         log.write(ROW)
-        assert log.path.read_bytes() == HEADER + LINE
+        assert log.path.read_bytes() == HEADER + (1 + confirmed) * LINE
+    assert open_files() == before
 
 
 @pytest.mark.parametrize("start", ["=", "+", "-", "@", "\t", "\r", "\n"])
 def test_no_text_cell_starts_a_formula_and_negative_numbers_stay_numbers(
     tmp_path: Path, start: str
 ) -> None:
-    row = replace(TraversalMetrics().row(1), notes=f"{start}cmd|calc", obstacle_clearance=-1.5)
+    row = replace(TraversalMetrics().row(1), notes=f"{start}cmd|calc \u00e9", obstacle_clearance=-1.5)
     with CsvLog(tmp_path, STARTED, columns=(f"{start}SUM(A1)", *COLUMNS[1:])) as log:
         log.write(row)
-    with log.path.open(newline="") as file:
+    with log.path.open(newline="", encoding="utf-8") as file:
         header, cells = csv.reader(file)
     assert header[0] == f"'{start}SUM(A1)"
-    assert cells[-1] == f"'{start}cmd|calc"
+    assert cells[-1] == f"'{start}cmd|calc \u00e9"
     assert cells[5] == "-1.5"

@@ -71,6 +71,25 @@ def test_messages_of_every_topic_reach_their_columns(rig: "Rig") -> None:
     assert node.rejected == dict.fromkeys(node.received, 0)
 
 
+def test_the_truth_follows_the_namespace_and_what_is_lost_of_each_sensor_is_in_its_column(
+    rig: "Rig",
+) -> None:
+    node = rig.start("-r", "__ns:=/leo", extended_columns=True, use_sim_time=True)
+    sensors = ("scan", "imu/data", "rover/pose_array", "odometry/wheels")
+    truth = ("odom_ground_truth", "rover/truth/contact", "rover/truth/traversal")
+    assert set(node.received) == {f"/leo/{topic}" for topic in (*sensors, *truth)}
+    node.sensors.lidar_callback(rig.scan(1.0))
+    node.sensors.imu_callback(rig.imu((0.0, 0.0, 9.8)))
+    node.sensors.pose_array_callback(rig.pose(0.0, 0.0, 0.0))
+    node.sensors.odometry_callback(rig.odometry(0.0, 0.0, 0.0))
+    for lost, topic in enumerate(sensors, start=1):
+        node.reception.remark(f"/leo/{topic}", "lost on the way", lost)
+        node.reception.remark(f"/leo/{topic}", "something else", 50)
+    cells = row(node)
+    told = [cells[f"{name} Lost"] for name in ("Scan", "IMU", "Pose", "Odometry")]
+    assert told == [1, 2, 3, 4]
+
+
 def test_without_the_parameter_nothing_listens_to_the_truth_and_the_log_has_twelve_columns(
     rig: "Rig",
 ) -> None:

@@ -15,8 +15,10 @@ STILL = (0.0, 0.0, 0.0)
         (STILL, (0.0, math.inf, 0.0), faults.NOT_FINITE),
         ((1e300, 0.0, 0.0), (0.0, 0.0, math.nan), faults.NOT_FINITE),
         ((0.0, 1e300, 0.0), STILL, faults.HUGE_ACCELERATION),
+        ((-6e4, -6e4, -6e4), STILL, faults.HUGE_ACCELERATION),
         ((1e308, 1e308, 1e308), STILL, faults.HUGE_ACCELERATION),
-        (STILL, (0.0, 0.0, -1e5), faults.HUGE_ANGULAR_RATE),
+        ((100000.1, 0.0, 0.0), (0.0, 0.0, -1e5), faults.HUGE_ACCELERATION),
+        ((1e5, 0.0, 0.0), (0.0, 0.0, -1e5), faults.HUGE_ANGULAR_RATE),
     ],
 )
 def test_a_refused_imu_sample_has_a_reason(
@@ -31,6 +33,7 @@ def test_a_refused_imu_sample_has_a_reason(
         ((0.0, math.nan, 0.0), faults.NOT_FINITE),
         ((-math.inf, 0.0, 0.0), faults.NOT_FINITE),
         ((1e300, 0.0, 0.0), faults.HUGE_SPEED),
+        ((-6e3, -6e3, -6e3), faults.HUGE_SPEED),
         ((1e308, 1e308, 0.0), faults.HUGE_SPEED),
     ],
 )
@@ -46,6 +49,8 @@ def test_a_refused_velocity_has_a_reason(velocity: tuple[float, float, float], n
         ([math.nan, math.inf], faults.ALL_NAN),
         ([-math.inf] * 640, faults.ALL_TOO_NEAR),
         ([-math.inf, math.inf], faults.ALL_TOO_NEAR),
+        ([-math.inf, math.nan], faults.ALL_NAN),
+        ([math.inf], None),
         ([math.inf] * 640, None),
     ],
 )
@@ -65,6 +70,9 @@ def test_a_scan_without_a_reading_is_odd_unless_it_is_open_space(
         (0.1, 9.9, (0.15, 10.0), faults.BELOW_LIMIT),
         (0.2, 10.1, (0.15, 10.0), faults.ABOVE_LIMIT),
         (0.1, 99.0, (0.0, 0.0), None),
+        (0.1, 99.0, (5.0, 5.0), None),
+        (0.1, 10.1, (0.15, 10.0), faults.BELOW_LIMIT),
+        (1e-9, 9.9, (0.0, 10.0), None),
         (0.1, 99.0, (10.0, 0.15), None),
         (0.1, 99.0, (math.nan, math.nan), None),
     ],

@@ -56,8 +56,10 @@ def test_a_calm_row_is_ok_and_has_every_column_as_plain_decimals() -> None:
     [
         ({"total_collisions": 3}, Level.ERROR, "collision: 3 scans"),
         ({"collision_status": 1}, Level.ERROR, "collision: the mean"),
-        ({"obstacle_clearance": 0.4}, Level.WARN, "clearance 0.4000 m is below min_safe_clearance"),
+        ({"obstacle_clearance": 0.4999}, Level.WARN, "clearance 0.4999 m is below min_safe_clearance"),
+        ({"obstacle_clearance": 0.5}, Level.OK, "within"),
         ({"is_rough_terrain": 1}, Level.WARN, "rough terrain"),
+        ({"current_smoothness": 10.0}, Level.OK, "within"),
         ({"current_smoothness": 10.1}, Level.WARN, "smoothness 10.1000 is above smoothness_threshold"),
         ({"obstacle_clearance": math.inf}, Level.OK, "within"),
     ],
@@ -78,8 +80,11 @@ def test_the_worst_sets_the_level_and_all_are_told() -> None:
 
 def test_a_collision_is_an_error_once_not_for_ever() -> None:
     view, hit = LiveView(), replace(CALM, total_collisions=3)
-    levels = [view.statuses(row, (), Thresholds(), 0)[0].level for row in (CALM, hit, hit)]
-    assert levels == [Level.OK, Level.ERROR, Level.OK]
+    again = replace(CALM, total_collisions=4)
+    told = [view.statuses(row, (), Thresholds(), 0)[0] for row in (CALM, hit, hit, again, hit)]
+    expected = [Level.OK, Level.ERROR, Level.OK, Level.ERROR, Level.OK]
+    assert [status.level for status in told] == expected
+    assert told[-2].message == "collision: 1 scans since the row before"
 
 
 def test_empty_cells_are_left_out_and_extended_ones_are_there() -> None:
@@ -93,14 +98,15 @@ def test_empty_cells_are_left_out_and_extended_ones_are_there() -> None:
 
 
 def test_a_topic_tells_rate_age_and_losses() -> None:
-    status = topic(HEARD._replace(received=80), HEARD)
+    heard = HEARD._replace(lost=5, rejected=7)
+    status = topic(heard._replace(received=80), heard)
     assert (status.level, status.message, status.name) == (Level.OK, "heard", "topic rover1 imu data")
     assert dict(status.values) == {
         "topic": "/rover1/imu/data",
         "rate [Hz]": "20.0000",
         "age [s]": "0.1000",
-        "lost": "0",
-        "rejected": "0",
+        "lost": "5",
+        "rejected": "7",
         "publishers": "1",
     }
 
@@ -110,6 +116,7 @@ def test_a_topic_tells_rate_age_and_losses() -> None:
     [
         (HEARD._replace(is_silent=True, publishers=0), Level.STALE, "silent, publishers: 0"),
         (HEARD._replace(received=0), Level.STALE, "not heard yet, publishers: 1"),
+        (HEARD._replace(received=1), Level.OK, "heard"),
         (HEARD._replace(lost=2, rejected=1), Level.WARN, "2 lost and 1 rejected since the row before"),
         (HEARD._replace(publishers=2), Level.WARN, "2 publishers"),
     ],
@@ -121,9 +128,39 @@ def test_a_topic_that_is_not_well_says_why(state: TopicState, level: Level, word
 
 
 def test_losses_of_long_ago_are_no_warning_any_more() -> None:
-    assert topic(HEARD._replace(lost=5), HEARD._replace(lost=5)).level is Level.OK
+    old = HEARD._replace(lost=5, rejected=7)
+    assert topic(HEARD, old, old).level is Level.OK
+    assert topic(old).message == "5 lost and 7 rejected since the row before"
+    assert topic(old, old._replace(lost=6)).message == "1 lost since the row before"
+    assert topic(old, old._replace(rejected=8)).message == "1 rejected since the row before"
 
 
-@pytest.mark.parametrize("stamp", [0, 1_737_000_000 * 10**9])
-def test_a_topic_without_stamps_or_with_another_clock_has_no_age(stamp: int) -> None:
-    assert "age [s]" not in dict(topic(HEARD._replace(stamp_ns=stamp)).values)
+@pytest.mark.parametrize(
+    ("stamp_s", "age"),
+    [
+        (0, None),  # no stamp
+        (1_737_000_000, None),  # another clock
+        (100_000 - 6, None),
+        (86_400 + 6, "-86400.0000"),
+        (86_407, None),
+        (9, "-3.0000"),
+        (-86_394, "86400.0000"),
+        (-86_395, None),
+    ],
+)
+def test_a_stamp_has_an_age_unless_it_is_more_than_a_day_from_now(stamp_s: int, age: str | None) -> None:
+    assert dict(topic(HEARD._replace(stamp_ns=stamp_s * 10**9)).values).get("age [s]") == age
+
+
+def test_a_rate_needs_two_rows_and_time_between_them() -> None:
+    view = LiveView()
+    rates = []
+    for received, half_seconds in ((100, 4), (110, 5), (150, 9), (200, 9), (250, 3), (251, 5)):
+        state = HEARD._replace(received=received)
+        _, status = view.statuses(CALM, [state], Thresholds(), half_seconds * 500_000_000)
+        rates.append(dict(status.values).get("rate [Hz]"))
+    assert rates == [None, "20.0000", "20.0000", None, None, "1.0000"]
+
+
+def test_levels_are_those_of_diagnostic_msgs() -> None:
+    assert [level.value for level in (Level.OK, Level.WARN, Level.ERROR, Level.STALE)] == [0, 1, 2, 3]

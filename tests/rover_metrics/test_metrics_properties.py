@@ -3,16 +3,11 @@
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rover_metrics.metrics import (
-    LARGEST_ACCELERATION,
-    LARGEST_ANGULAR_RATE,
-    LARGEST_SPEED,
-    WINDOW,
-    TraversalMetrics,
-)
+from rover_metrics.metrics import TraversalMetrics, Vector3
 
 ANY_FLOAT = st.floats(width=64) | st.sampled_from([math.nan, math.inf, -math.inf, 1e308, -1e308])
 ANY_VECTOR = st.tuples(ANY_FLOAT, ANY_FLOAT, ANY_FLOAT)
@@ -37,7 +32,7 @@ def give(metrics: TraversalMetrics, kind: str, value: object) -> bool:
     return metrics.add_odometry(value)  # type: ignore[arg-type]
 
 
-@settings(max_examples=200)
+@settings(max_examples=60)
 @given(st.lists(SAMPLES, max_size=40))
 def test_sums_stay_finite_and_never_fall(samples: list[tuple[str, object]]) -> None:
     metrics = TraversalMetrics()
@@ -57,27 +52,25 @@ def test_sums_stay_finite_and_never_fall(samples: list[tuple[str, object]]) -> N
         before = row
 
 
-@settings(max_examples=30)
-@given(st.lists(SAMPLES, max_size=20), st.integers(1, 40))
-def test_windows_never_hold_more_than_they_may(samples: list[tuple[str, object]], repeats: int) -> None:
-    metrics = TraversalMetrics()
-    for kind, value in samples * repeats:
-        give(metrics, kind, value)
-    windows = (metrics._clearances, metrics._imu, metrics._velocities)
-    assert all(len(window) <= WINDOW for window in windows)
-
-
 @given(st.floats(0.0, 427.0), st.floats(0.0, 70.0))
 def test_what_real_sensors_can_say_is_taken(acceleration: float, rate: float) -> None:
     assert TraversalMetrics().add_imu((0.0, 0.0, acceleration), (rate, 0.0, 0.0))
 
 
-def test_the_largest_values_are_taken_and_what_is_beyond_them_is_not() -> None:
-    for factor, taken in ((1.0, True), (1.001, False)):
-        metrics = TraversalMetrics()
-        assert metrics.add_imu((factor * LARGEST_ACCELERATION, 0.0, 0.0), (0.0,) * 3) is taken
-        assert metrics.add_imu((0.0,) * 3, (0.0, factor * LARGEST_ANGULAR_RATE, 0.0)) is taken
-        assert metrics.add_odometry((0.0, 0.0, factor * LARGEST_SPEED)) is taken
+@pytest.mark.parametrize("component", range(3))
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_largest_values_are_taken_and_what_is_beyond_them_is_not(
+    component: int, sign: float
+) -> None:
+    def vector(value: float) -> Vector3:
+        x, y, z = (sign * value * (axis == component) for axis in range(3))
+        return x, y, z
+
+    metrics, still = TraversalMetrics(), (0.0, 0.0, 0.0)
+    for acceleration, rate, speed, taken in ((1e5, 1e4, 1e4, True), (100000.1, 10000.1, 10000.1, False)):
+        assert metrics.add_imu(vector(acceleration), still) is taken
+        assert metrics.add_imu(still, vector(rate)) is taken
+        assert metrics.add_odometry(vector(speed)) is taken
 
 
 def test_a_huge_sample_does_not_swallow_the_sum_of_the_others() -> None:
@@ -86,13 +79,3 @@ def test_a_huge_sample_does_not_swallow_the_sum_of_the_others() -> None:
     for _ in range(1000):
         metrics.add_imu((0.0, 0.0, 9.8), (0.0, 0.0, 0.0))
     assert math.isclose(metrics.smoothness_metric, 9800.0)
-
-
-@given(ANY_RANGES)
-def test_nearest_and_farthest_are_those_of_the_finite_ranges(ranges: list[float]) -> None:
-    metrics = TraversalMetrics()
-    finite = [value for value in ranges if math.isfinite(value)]
-    assert metrics.add_scan(np.array(ranges, dtype=np.float32)) is bool(finite)
-    if finite:
-        assert metrics.clearance == min(finite)
-        assert metrics.farthest == max(finite)

@@ -16,7 +16,7 @@ import rover_metrics
 from rover_metrics.csv_log import CsvLog
 from rover_metrics.errors import LogError
 from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.patient_log import CAPACITY, PatientLog
+from rover_metrics.patient_log import PatientLog
 from rover_metrics.row import MetricsRow
 
 STARTED = datetime(2025, 1, 16, 12, 4, 57)
@@ -37,8 +37,8 @@ def seconds(path: Path) -> list[int]:
         return [int(line["Timestamp"]) for line in csv.DictReader(file)]
 
 
-def patient(folder: Path, told: Told, capacity: int = CAPACITY) -> PatientLog:
-    return PatientLog(CsvLog(folder, STARTED), told.append, capacity)
+def patient(folder: Path, told: Told, *capacity: int) -> PatientLog:
+    return PatientLog(CsvLog(folder, STARTED), told.append, *capacity)
 
 
 def test_rows_wait_while_the_disk_is_full_and_are_written_in_order_when_it_is_not(
@@ -69,7 +69,7 @@ def test_a_full_disk_is_told_once_and_its_end_once(tmp_path: Path, full_disk: Fu
     log.close()
     begin, end = told
     assert begin.startswith(f"cannot write a row in {tmp_path}: File too large")
-    assert f"Up to {CAPACITY} rows wait" in begin
+    assert begin.endswith(". Up to 3600 rows wait in memory until it is mended")  # an hour
     assert end == f"writing to {log.path} again: 51 rows caught up, 0 lost"
 
 
@@ -94,7 +94,7 @@ def test_another_reason_is_told_again(tmp_path: Path, monkeypatch: pytest.Monkey
 
 def test_above_the_bound_the_oldest_rows_go_and_are_counted(tmp_path: Path, full_disk: FullDisk) -> None:
     told = Told()
-    log = patient(tmp_path, told, capacity=10)
+    log = patient(tmp_path, told, 10)
     with full_disk(1):
         for second in range(25):
             log.write(row(second))
@@ -110,7 +110,7 @@ def test_above_the_bound_the_oldest_rows_go_and_are_counted(tmp_path: Path, full
 
 
 def test_at_the_bound_nothing_is_lost(tmp_path: Path, full_disk: FullDisk) -> None:
-    log = patient(tmp_path, Told(), capacity=10)
+    log = patient(tmp_path, Told(), 10)
     with full_disk(1):
         for second in range(10):
             log.write(row(second))
@@ -151,6 +151,17 @@ def test_rows_outlive_a_folder_that_is_removed_and_cannot_be_made_again(tmp_path
     assert seconds(log.path) == [0, 1, 2, 3, 4]
     assert len(told) == 2
     assert "a file stands where a folder should be; remove it" in told[0]
+    log.close()
+
+
+def test_whether_the_disk_is_waited_for_is_the_logs_own_affair(tmp_path: Path) -> None:
+    csv_log = CsvLog(tmp_path, STARTED)
+    log = PatientLog(csv_log, print)
+    for value in (True, False):
+        log.fsync = value
+        assert csv_log.fsync is log.fsync is value
+    csv_log.fsync = True
+    assert log.fsync is True
     log.close()
 
 

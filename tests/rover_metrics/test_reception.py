@@ -1,10 +1,10 @@
 import json
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rover_metrics.reception import LOST, NOT_HEARD, Reception
+from rover_metrics.reception import LOST, NOT_HEARD, Reception, TopicState
 from rover_metrics.stamps import MISSING, WENT_BACK
 
 SECOND = 10**9
@@ -58,17 +58,17 @@ def test_what_repeats_is_told_ever_more_rarely_and_counted_always(listener: List
 
 def test_messages_missing_by_their_stamps_are_counted(listener: Listener) -> None:
     listener.hear(*range(20))
-    listener.look(1)
+    listener.look(1, limit=0)
     listener.hear(20, 25, 26)
     assert listener.reception.remarks["/scan"] == {MISSING: 4}
     assert listener.told == ["/scan: missing, by the gap between two stamps (4 so far)"]
 
 
 def test_messages_lost_on_the_way_are_in_the_account(listener: Listener) -> None:
-    listener.reception.remark("/scan", LOST, 3)
-    listener.reception.remark("/scan", LOST, 4)
-    assert listener.reception.account()["/scan"]["lost"] == 7
-    assert listener.told[-1] == "/scan: lost on the way (7 so far)"
+    for times in (5, 1, 4):  # a power of two is passed by the first and the last
+        listener.reception.remark("/scan", LOST, times)
+    assert listener.reception.account()["/scan"]["lost"] == 10
+    assert listener.told == [f"/scan: lost on the way ({total} so far)" for total in (5, 10)]
 
 
 def test_a_detail_is_told_but_does_not_split_the_count(listener: Listener) -> None:
@@ -90,12 +90,79 @@ def test_a_topic_that_stops_is_told_once_and_its_return_once(listener: Listener)
     ]
 
 
+@pytest.mark.parametrize(
+    ("told", "remarks", "lost"),
+    [
+        ({}, {}, 0),
+        ({LOST: 3}, {}, 3),
+        ({}, {MISSING: 4}, 4),
+        ({LOST: 3}, {MISSING: 4}, 4),  # what the middleware tells is missing by the stamps too
+        ({LOST: 5}, {MISSING: 4}, 5),
+    ],
+)
+def test_the_state_of_a_topic_is_what_is_known_of_it(
+    listener: Listener, told: dict[str, int], remarks: dict[str, int], lost: int
+) -> None:
+    reception = listener.reception
+    reception.listen("/truth", may_be_missing=True)
+    reception.publishers("/scan", 3)
+    listener.hear(*range(20))
+    for what, times in (told | remarks).items():
+        reception.remark("/scan", what, times)
+    for _ in range(2):
+        reception.reject("/scan", "not finite")
+    assert reception.states() == [TopicState("/scan", 20, 2, lost, 20 * TICK, False, 3)]
+    assert reception.account()["/scan"] == {
+        "received": 20,
+        "rejected": 2,
+        "lost": told.get(LOST, 0),
+        "remarks": {**told, **remarks, "not finite": 2},
+    }
+    listener.look(*range(9))
+    assert [state.is_silent for state in reception.states()] == [True]
+    reception.arrived("/truth", None)
+    assert reception.states()[1] == TopicState("/truth", 1, 0, 0, 0, False, 0)
+
+
+def test_a_topic_that_may_be_missing_is_missed_once_it_has_spoken(listener: Listener) -> None:
+    reception = Reception(listener.told.append)
+    reception.listen("/truth", may_be_missing=True)
+    for second in range(20):
+        if second == 9:
+            reception.arrived("/truth", None)
+        reception.look(second * SECOND, 5 * SECOND)
+    assert listener.told == [
+        "/truth: nothing for 5 s (publishers: 0); its columns show what was last heard"
+    ]
+
+
+def test_each_topic_is_judged_by_its_own_messages_be_they_left_out_or_not(listener: Listener) -> None:
+    reception = Reception(listener.told.append)
+    reception.listen("/truth", may_be_missing=True)
+    for topic in ("/imu", "/scan", "/pose"):
+        reception.listen(topic)
+    for second in range(9):
+        reception.arrived("/imu", None)
+        reception.rejected["/imu"] += 1
+        reception.look(second * SECOND, 5 * SECOND)
+    silence = "nothing for 5 s (publishers: 0); its columns show what was last heard"
+    assert listener.told == [f"/scan: {silence}", f"/pose: {silence}"]
+
+
+def test_a_header_without_a_stamp_is_remarked_upon_and_no_header_is_not(listener: Listener) -> None:
+    for stamp in (None, 0):
+        listener.reception.arrived("/scan", stamp)
+    assert listener.reception.remarks["/scan"] == {"no stamp": 1}
+
+
 def test_a_second_publisher_is_told_when_it_comes_and_when_it_goes(listener: Listener) -> None:
-    for number in (0, 1, 2, 2, 2, 3, 1, 1, 0):
+    for number in (0, 1, 2, 2, 2, 3, 1, 1, 0, 2, 0):
         listener.reception.publishers("/scan", number)
     assert [line.split(";")[0] for line in listener.told] == [
         "/scan: 2 publishers, whose messages mix in this log",
         "/scan: 3 publishers, whose messages mix in this log",
+        "/scan: no second publisher any more",
+        "/scan: 2 publishers, whose messages mix in this log",
         "/scan: no second publisher any more",
     ]
 
@@ -106,6 +173,7 @@ def test_a_simulator_that_starts_again_is_one_remark_a_topic(listener: Listener)
     assert listener.reception.remarks["/scan"] == {WENT_BACK: 1}
 
 
+@settings(max_examples=40)
 @given(st.lists(st.integers(-(2**31) * SECOND, 2**31 * SECOND), max_size=200))
 def test_every_message_is_counted_and_no_count_falls(stamps: list[int]) -> None:
     listener = Listener()

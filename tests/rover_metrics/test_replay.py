@@ -17,7 +17,6 @@ from rosbags.typesys import Stores, get_typestore
 
 from rover_metrics.extended.row import EXTENDED_HEADER
 from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.recorded_time import LONGEST_GAP, ClockSeconds, FullSeconds
 from rover_metrics.recorded_topics import CLOCK, SENSORS
 from rover_metrics.replay import main
 from rover_metrics.row import MetricsRow
@@ -479,38 +478,6 @@ def test_place_without_a_recording_is_refused(
     assert "holds no .mcap and no .db3" in refused(capsys, str(tmp_path))
     bag = write_mcap(tmp_path / "bag.mcap", drive(1.0), encoding="json")
     assert "/scan is json-encoded" in refused(capsys, str(bag))
-
-
-def due(timer: FullSeconds | ClockSeconds, *times: float) -> list[int]:
-    return [second for t in times for second in timer.due(round(t * NANOSECONDS))]
-
-
-def test_full_seconds_go_on_in_short_silences_and_skip_long_ones() -> None:
-    timer = FullSeconds()
-    assert due(timer, 0.5, 3.2, 3.1, 3.9) == [1, 2, 3]
-    assert timer.jumps == []
-    assert due(timer, 4.5 + LONGEST_GAP) == [4 + LONGEST_GAP]
-    assert timer.jumps == ["time jumps from 3.90 s to 64.50 s"]
-    assert due(timer, 0.0, 0.9, 1.0, 2.0) == [1]
-    assert timer.jumps[1:] == ["time jumps from 64.50 s to 0.00 s"]
-    assert list(timer.rest()) == [2]
-
-
-def test_message_that_is_late_by_less_than_a_second_makes_no_second_row() -> None:
-    assert due(FullSeconds(), 0.9, 1.01, 0.99, 1.02, 2.01) == [1, 2]
-
-
-def test_timer_on_the_clock_topic_skips_what_it_missed_as_in_the_node() -> None:
-    timer = ClockSeconds()
-    assert due(timer, 0.01, 0.99, 1.0, 1.01, 1.5, 2.0) == [1, 2]
-    assert due(timer, 5.5, 5.9, 6.0) == [5, 6]
-    assert due(timer, 3.25, 4.0, 4.2, 4.25) == [4]
-    assert timer.jumps == ["time jumps from 2.00 s to 5.50 s", "time jumps from 6.00 s to 3.25 s"]
-    assert list(timer.rest()) == []
-
-
-def test_a_recording_that_begins_amid_a_run_has_its_first_row_at_a_full_second() -> None:
-    assert due(ClockSeconds(), 100.3, 100.9, 101.0, 102.0) == [101, 102]
 
 
 def test_replay_needs_no_ros(tmp_path: Path) -> None:

@@ -2,15 +2,22 @@
 
 import csv
 import json
+import time
 from datetime import datetime
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
+from unittest.mock import Mock
 
 import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
 
+from rclpy.clock import ClockType
+from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
+
+from rover_metrics.row_timer import RowTimer
 
 if TYPE_CHECKING:
     from rover_metrics.metrics_node import MetricsNode
@@ -162,7 +169,9 @@ def test_a_second_publisher_is_told(rig: "Rig", capfd: pytest.CaptureFixture[str
     first = rig.publisher(LaserScan, "scan")
     second = rig.simulator.create_publisher(LaserScan, "scan", 10)
     rig.spin_until(lambda: first.get_subscription_count() + second.get_subscription_count() == 2)
-    rig.spin_until(lambda: node.count_publishers("/scan") == 2)
+    for _ in range(2):
+        rig.simulator.create_publisher(Clock, "/clock", 10)  # which nobody here follows
+    rig.spin_until(lambda: node.count_publishers("/scan") == node.count_publishers("/clock") == 2)
     node.timer._fire()
     rig.simulator.destroy_publisher(second)
     rig.spin_until(lambda: node.count_publishers("/scan") == 1)
@@ -170,6 +179,8 @@ def test_a_second_publisher_is_told(rig: "Rig", capfd: pytest.CaptureFixture[str
     told = capfd.readouterr().err
     assert told.count("/scan: 2 publishers, whose messages mix in this log; stop all but one") == 1
     assert told.count("/scan: no second publisher any more") == 1
+    assert "/clock" not in told
+    assert "[WARN]" in told
 
 
 def test_a_second_clock_is_told(
@@ -182,18 +193,144 @@ def test_a_second_clock_is_told(
     assert "/clock: 2 publishers" in capfd.readouterr().err
 
 
-def test_the_record_tells_the_end_and_the_account(rig: "Rig", node: "MetricsNode") -> None:
+def test_the_record_tells_the_end_and_the_account(
+    rig: "Rig", node: "MetricsNode", monkeypatch: pytest.MonkeyPatch
+) -> None:
     record = node.log.path.with_suffix(".json")
     assert json.loads(record.read_text())["outcome"] is None
     node.sensors.imu_callback(rig.imu((float("nan"), 0.0, 0.0), stamp=1.0))
+    node.set_parameters([Parameter("collision_threshold", value=0.75)])
+    node.timer.times.went_back()
+    node.fail("ValueError: boo")
+    spy = Mock(wraps=node.timer.close)
+    monkeypatch.setattr(node.timer, "close", spy)
     rig.end(node)
+    spy.assert_called_once_with()
     told = json.loads(record.read_text())
-    assert told["outcome"] == {"status": "complete", "reason": None}
+    assert told["outcome"] == {"status": "failed", "reason": "ValueError: boo"}
+    assert told["thresholds"]["collision_threshold"] == 0.75
     assert told["topics"]["/imu/data"] == {
         "received": 1,
         "rejected": 1,
         "lost": 0,
         "remarks": {"not finite": 1},
     }
-    assert (told["rows"], told["lost_rows"], told["segments"]) == (0, 0, 1)
+    assert (told["rows"], told["lost_rows"], told["segments"]) == (0, 0, 2)
     assert datetime.fromisoformat(told["ended"]) == datetime.fromisoformat(told["started"])
+
+
+# The rules themselves, with a clock that shows what a test says
+
+
+class Stub:
+    """A node, its clock, its timer: what RowTimer asks of them."""
+
+    def __init__(self) -> None:
+        self.now_ns, self.wait_ns, self.ros_time_is_active = 0, 0, False
+        self.timers: list[tuple[float, Any, Any]] = []
+        self.resets = self.unregistered = 0
+        self.told: list[str] = []
+        self.fired: list[int] = []
+        self.timer = RowTimer(self, 2.0, lambda: self.fired.append(self.now_ns), self.told.append, 3.0)
+
+    def get_clock(self) -> "Stub":
+        return self
+
+    def create_timer(self, period: float, callback: Any, clock: Any = None) -> "Stub":  # noqa: ANN401
+        self.timers.append((period, callback, clock))
+        return self
+
+    def create_jump_callback(self, threshold: Any, *, post_callback: Any) -> "Stub":  # noqa: ANN401
+        self.threshold, self.jump = threshold, post_callback
+        return self
+
+    def now(self) -> SimpleNamespace:
+        return SimpleNamespace(nanoseconds=self.now_ns)
+
+    def time_until_next_call(self) -> int | None:
+        return self.wait_ns
+
+    def reset(self) -> None:
+        self.resets += 1
+
+    def unregister(self) -> None:
+        self.unregistered += 1
+
+
+def test_rows_follow_the_nodes_clock_and_the_look_after_it_steady_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    stub = Stub()
+    (period, fire, clock), (look_period, look, steady) = stub.timers
+    assert (period, clock) == (2.0, None)
+    assert (look_period, steady.clock_type) == (1.0, ClockType.STEADY_TIME)
+    for now in (2.0, 2.1, 3.0, 4.0):
+        stub.now_ns = round(now * SECOND)
+        fire()
+    assert stub.fired == [2 * SECOND, 3 * SECOND, 4 * SECOND]
+    assert stub.timer.times.suppressed == 1
+    monkeypatch.setattr(stub.timer, "look", stub.fired.append)
+    before = time.monotonic_ns()
+    look()
+    assert before <= stub.fired[-1] <= time.monotonic_ns()
+    stub.timer.close()
+    assert stub.unregistered == 1
+
+
+def test_a_jump_is_half_a_period_and_only_one_back_begins_a_segment_told_ever_more_rarely() -> None:
+    stub = Stub()
+    assert stub.threshold.min_forward.nanoseconds == SECOND
+    assert stub.threshold.min_backward.nanoseconds == -SECOND
+    assert not stub.threshold.on_clock_change
+    stub.now_ns = 10 * SECOND
+    stub.timer.on_time()
+    for delta, rows in ((-1, 2), (-1, 3), (1, 3), (-1, 4)):
+        stub.jump(SimpleNamespace(delta=SimpleNamespace(nanoseconds=delta)))
+        stub.timer.on_time()
+        assert len(stub.fired) == rows
+    assert stub.timer.times.segments == 4
+    stub.jump(SimpleNamespace(delta=SimpleNamespace(nanoseconds=-1)))
+    stub.jump(SimpleNamespace(delta=SimpleNamespace(nanoseconds=1)))
+    stub.timer.on_time()
+    assert len(stub.fired) == 4
+    assert stub.told == [
+        f"the clock went back: segment {segment} of this log begins, totals go on" for segment in (2, 4)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("ros_time", "wait_ns", "resets"),
+    [
+        (False, None, 0),
+        (False, 4 * SECOND, 0),
+        (False, 4 * SECOND + 1, 1),
+        (False, 3600 * SECOND, 1),
+        (True, 3600 * SECOND, 0),
+    ],
+)
+def test_a_timer_that_would_wait_more_than_two_periods_of_system_time_is_reset(
+    ros_time: bool, wait_ns: int, resets: int
+) -> None:
+    stub = Stub()
+    stub.ros_time_is_active, stub.wait_ns = ros_time, wait_ns
+    stub.timer.look(0)
+    assert stub.resets == resets
+    assert stub.timer.times.segments == 1 + resets
+
+
+def test_a_clock_that_stands_still_is_told_after_the_time_that_was_asked_for() -> None:
+    stub = Stub()
+    for stale_after, began in ((3.0, 100), (6.0, 200)):
+        stub.timer.stale_after = stale_after
+        stub.now_ns += round(4.5 * SECOND)
+        for steady in range(10):
+            stub.timer.look((began + steady) * SECOND)
+    stub.now_ns += 1
+    stub.timer.look(210 * SECOND)
+    stands, reason = "ROS time has stood still at", "no rows are written; is the simulation paused, or"
+    assert stub.told == [
+        f"{stands} 4.50 s for 3 s: {reason} does nobody publish /clock?",
+        "ROS time goes on after 11 s",
+        f"{stands} 9.00 s for 6 s: {reason} does nobody publish /clock?",
+        "ROS time goes on after 10 s",
+    ]

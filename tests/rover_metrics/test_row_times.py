@@ -1,4 +1,4 @@
-import itertools
+from collections.abc import Sequence
 
 import pytest
 from hypothesis import given
@@ -7,63 +7,68 @@ from hypothesis import strategies as st
 from rover_metrics.row_times import RowTimes
 
 SECOND = 10**9
+PERIOD = 6  # of the model: small, so that every edge is met
+BACK, AHEAD = "the clock went back", "the clock leapt ahead"
+
+Event = int | str  # a timer that fires at that time, or what the clock did
 
 
-@pytest.fixture
-def times() -> RowTimes:
-    return RowTimes(SECOND)
+def rows(times: RowTimes, events: Sequence[Event]) -> list[Event]:
+    """Give the firings of which a row was written."""
+    written: list[Event] = []
+    for event in events:
+        if event == BACK:
+            times.went_back()
+        elif event == AHEAD:
+            times.leapt_ahead()
+        elif times.is_due(int(event)):
+            written.append(event)
+    return written
 
 
-def due(times: RowTimes, *seconds: float) -> list[bool]:
-    return [times.is_due(round(second * SECOND)) for second in seconds]
+def rows_of_the_rule(events: Sequence[Event], period: int) -> list[Event]:
+    """The rule by its words: a row is refused to a firing less than half a period from the latest row,
+    with the same timestamp, unless the clock's latest deed since that row was to go back."""
+    written: list[Event] = []
+    deeds: list[Event] = []
+    for event in events:
+        if isinstance(event, str):
+            deeds.append(event)
+            continue
+        near = [at for at in range(event - period, event + period) if 2 * abs(at - event) < period]
+        same = [at for at in near if at // period == event // period]
+        if deeds[-1:] == [BACK] or not written or written[-1] not in same:
+            written.append(event)
+            deeds = []
+    return written
 
 
-def test_every_second_is_due(times: RowTimes) -> None:
-    assert all(due(times, *range(1, 100)))
-    assert times.segments == 1
-    assert times.suppressed == 0
+@given(st.lists(st.integers(0, 4 * PERIOD) | st.sampled_from([BACK, AHEAD]), max_size=40))
+def test_rows_segments_and_refusals_are_those_of_the_rule(events: list[Event]) -> None:
+    times = RowTimes(PERIOD)
+    written = rows(times, events)
+    assert written == rows_of_the_rule(events, PERIOD)
+    assert times.segments == 1 + events.count(BACK)
+    firings = sum(isinstance(event, int) for event in events)
+    assert times.suppressed == firings - len(written)
 
 
-def test_a_timer_that_fires_twice_is_due_once(times: RowTimes) -> None:
-    assert due(times, 1.0, 1.0, 1.01, 2.0, 2.0) == [True, False, False, True, False]
-    assert times.suppressed == 3
-
-
-def test_a_timer_that_fires_late_is_due_and_so_is_the_next(times: RowTimes) -> None:
-    assert due(times, 1.0, 2.9, 3.0, 4.0) == [True] * 4
-
-
-def test_seconds_that_end_unevenly_on_the_wall_clock_are_all_due(times: RowTimes) -> None:
-    assert due(times, 1.0004, 1.9998, 3.0001, 3.9999) == [True] * 4
-
-
-def test_an_hour_ahead_is_one_row(times: RowTimes) -> None:
-    due(times, 1.0)
-    times.leapt_ahead()
-    assert due(times, 3601.5, 3601.5, 3602.0) == [True, False, True]
-
-
-def test_after_a_restart_the_same_second_is_due_again(times: RowTimes) -> None:
-    due(times, 1.0)
-    times.went_back()
-    assert due(times, 1.01) == [True]
-    assert times.segments == 2
-
-
-def test_two_clocks_that_fight_make_no_burst(times: RowTimes) -> None:
-    due(times, 10.0)
-    written = 0
-    for tick in range(100):  # a second of both clocks
-        times.went_back()
-        times.leapt_ahead()
-        written += due(times, 11.5 + tick / 100)[0]
-    assert written <= 2
-
-
-@given(st.lists(st.integers(0, 100 * SECOND), max_size=100))
-def test_without_a_restart_two_rows_of_one_second_are_half_a_second_apart(nows: list[int]) -> None:
-    times = RowTimes(SECOND)
-    rows = [now for now in nows if times.is_due(now)]
-    for before, after in itertools.pairwise(rows):
-        assert before // SECOND != after // SECOND or abs(after - before) >= SECOND / 2
-    assert len(rows) + times.suppressed == len(nows)
+@pytest.mark.parametrize(
+    ("events", "expected"),
+    [
+        ([1.0, 2.0, 3.0], [1.0, 2.0, 3.0]),
+        ([1.0, 1.0, 1.01, 2.0, 2.0], [1.0, 2.0]),  # fires twice
+        ([1.0, 2.9, 3.0, 4.0], [1.0, 2.9, 3.0, 4.0]),  # fires late
+        ([1.0, 1.499999999, 1.5], [1.0, 1.5]),  # half a period is far enough
+        ([1.6, 1.0, 1.2], [1.6, 1.0]),  # back by more than half
+        ([1.0004, 1.9998, 3.0001, 3.9999], [1.0004, 1.9998, 3.0001, 3.9999]),  # a wall clock
+        ([1.0, AHEAD, 3601.5, 3601.5, 3602.0], [1.0, 3601.5, 3602.0]),
+        ([1.0, BACK, 1.01, 1.02], [1.0, 1.01]),  # a simulator that starts again
+        ([10.0, BACK, AHEAD, 10.1, BACK, AHEAD, 10.2], [10.0]),  # two clocks that fight
+    ],
+)
+def test_a_row_is_due_once_a_period_whatever_timer_and_clock_do(
+    events: list[float | str], expected: list[float]
+) -> None:
+    fired = [event if isinstance(event, str) else round(event * SECOND) for event in events]
+    assert rows(RowTimes(SECOND), fired) == [round(second * SECOND) for second in expected]

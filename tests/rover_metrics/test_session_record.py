@@ -1,5 +1,8 @@
 import json
-from datetime import datetime
+import tempfile
+import time
+from collections.abc import Iterator
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import pytest
@@ -9,7 +12,6 @@ from rover_metrics.session_record import (
     COMPLETE,
     SessionEnd,
     SessionRecord,
-    failed,
     session_end,
     session_thresholds,
     write_record,
@@ -23,41 +25,84 @@ def log(tmp_path: Path) -> Path:
     return tmp_path / "metrics_log_20250116_120457.csv"
 
 
+@pytest.fixture
+def _in_nepal(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A time zone that no other is taken for."""
+    with monkeypatch.context() as patch:
+        patch.setenv("TZ", "NPT-5:45")
+        time.tzset()
+        yield
+    time.tzset()
+
+
 def read(log: Path) -> dict[str, object]:
     record: dict[str, object] = json.loads(log.with_suffix(".json").read_text())
     return record
 
 
-def test_a_session_is_unmarked_until_it_ends(log: Path) -> None:
+class Clock:
+    """A wall clock that goes on by a minute each time it is asked."""
+
+    def __init__(self) -> None:
+        self.minutes = -1
+
+    def __call__(self) -> datetime:
+        self.minutes += 1
+        return STARTED + timedelta(minutes=self.minutes)
+
+
+@pytest.mark.usefixtures("_in_nepal")
+def test_a_session_is_unmarked_until_it_ends_and_its_record_tells_the_rest(log: Path) -> None:
     assert session_end(log) is SessionEnd.UNKNOWN
-    record = SessionRecord("/leo/metrics_node", lambda: STARTED, print)
+    record = SessionRecord("/leo/metrics_node", Clock(), print)
     record.begin(log)
     assert session_end(log) is SessionEnd.UNMARKED
-    assert read(log)["outcome"] is None
-    assert read(log)["ended"] is None
+    begun = {
+        "log": str(log),
+        "outcome": None,
+        "node": "/leo/metrics_node",
+        "started": "2025-01-16T12:04:57+05:45",
+        "ended": None,
+    }
+    assert read(log) == begun
     record.end(log, 0, {"rows": 7})
     assert session_end(log) is SessionEnd.MARKED
-    assert read(log)["outcome"] == {"status": "complete", "reason": None}
-    assert read(log)["node"] == "/leo/metrics_node"
-    assert str(read(log)["ended"]).startswith("2025-01-16T12:04:57")
+    assert read(log) == {
+        **begun,
+        "outcome": {"status": "complete", "reason": None},
+        "ended": "2025-01-16T12:05:57+05:45",
+        "lost_rows": 0,
+        "rows": 7,
+    }
+    record.end(log, 3, {"rows": 8})  # once is enough
     assert read(log)["rows"] == 7
 
 
-def test_a_session_that_lost_rows_or_broke_has_failed_with_the_reason(log: Path) -> None:
-    record = SessionRecord("/metrics_node", lambda: STARTED, print)
-    record.end(log, 12, {})
-    assert read(log)["outcome"] == failed("12 rows could not be written")
-    record = SessionRecord("/metrics_node", lambda: STARTED, print)
-    record.failure = "ValueError: boo"
-    record.end(log, 12, {})
-    assert read(log)["outcome"] == failed("ValueError: boo")
+def test_a_record_can_be_read_by_everybody_and_by_people(log: Path) -> None:
+    write_record(log, None, {"rows": 7})
+    path = log.with_suffix(".json")
+    assert path.stat().st_mode & 0o777 == 0o644
+    assert path.read_text() == f'{{\n  "log": "{log}",\n  "outcome": null,\n  "rows": 7\n}}\n'
 
 
-def test_the_end_is_written_once(log: Path) -> None:
+@pytest.mark.parametrize(
+    ("failure", "lost_rows", "reason"),
+    [
+        (None, 12, "12 rows could not be written"),
+        (None, 1, "1 rows could not be written"),
+        ("ValueError: boo", 0, "ValueError: boo"),
+        ("ValueError: boo", 12, "ValueError: boo"),
+    ],
+)
+def test_a_session_that_lost_rows_or_broke_has_failed_with_the_reason(
+    log: Path, failure: str | None, lost_rows: int, reason: str
+) -> None:
     record = SessionRecord("/metrics_node", lambda: STARTED, print)
-    record.end(log, 0, {"rows": 7})
-    record.end(log, 3, {"rows": 8})
-    assert read(log)["rows"] == 7
+    assert record.failure is None
+    record.failure = failure
+    record.end(log, lost_rows, {})
+    assert read(log)["outcome"] == {"status": "failed", "reason": reason}
+    assert read(log)["lost_rows"] == lost_rows
 
 
 def test_a_record_that_cannot_be_written_is_told_and_costs_nothing(tmp_path: Path) -> None:
@@ -76,6 +121,14 @@ def test_a_record_is_there_whole_or_not_at_all(log: Path) -> None:
         write_record(log, COMPLETE, {"bad": object()})
     assert log.with_suffix(".json").read_bytes() == before
     assert [path.name for path in log.parent.iterdir()] == [log.with_suffix(".json").name]
+
+
+def test_a_record_is_made_on_the_disk_on_which_it_stays(
+    log: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", "/nowhere")
+    write_record(log, None, {})
+    assert session_end(log) is SessionEnd.UNMARKED
 
 
 def test_a_record_that_cannot_replace_what_stands_there_leaves_no_part_behind(log: Path) -> None:
@@ -116,6 +169,8 @@ def test_the_outcome_of_the_real_manifest_is_the_one_that_is_looked_for(log: Pat
         ('{"thresholds": {}}', 0.2),
         ('{"thresholds": {"collision_threshold": -1.0}}', None),
         ('{"thresholds": {"collision_threshold": "much"}}', None),
+        ('{"thresholds": {"collision_threshold": "0.75"}}', 0.75),
+        ('{"thresholds": {"collision_threshold": null}}', None),
         ('{"thresholds": [1]}', None),
         ('{"outcome": null}', None),
         ("[]", None),

@@ -1,52 +1,69 @@
+from collections.abc import Sequence
+
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rover_metrics.silence import Silence, SilenceWatch
 
 SECOND = 10**9
+BEGUN, OVER = False, True
 
 
-def looks(
-    watch: SilenceWatch, *counts_and_seconds: tuple[int, float], limit: float = 5.0
-) -> list[Silence]:
-    changes = [
-        watch.look(count, round(seconds * SECOND), round(limit * SECOND))
-        for count, seconds in counts_and_seconds
-    ]
-    return [change for change in changes if change is not None]
+def changes_of_the_rule(looks: Sequence[tuple[int, int]], limit: int) -> list[Silence | None]:
+    """The rule by its words, over all looks so far: count and time in seconds."""
+    told: list[Silence | None] = []
+    quiet, silent, previous = 0, False, (0, looks[0][1])
+    for count, now in looks:
+        quiet += sorted((0, now - previous[1], 2))[1]  # a leap is no silence
+        change = None
+        if count != previous[0]:
+            change = Silence(OVER, quiet) if silent else None
+            quiet, silent = 0, False
+        elif limit and quiet >= limit and not silent:
+            change, silent = Silence(BEGUN, quiet), True
+        told.append(change)
+        previous = count, now
+    return told
 
 
-def test_a_silence_is_told_once_when_it_is_long_enough_and_once_when_it_is_over() -> None:
+@given(
+    st.lists(st.tuples(st.integers(0, 2), st.integers(-1, 3)), min_size=1, max_size=60),
+    st.integers(0, 6),
+)
+def test_begin_and_end_of_a_silence_are_those_of_the_rule(
+    steps: list[tuple[int, int]], limit: int
+) -> None:
+    looks, now = [], 0
+    for count, passed in steps:
+        now += passed
+        looks.append((count // 2, now))  # mostly the same count
+    watch, silent = SilenceWatch(), False
+    for (count, at), expected in zip(looks, changes_of_the_rule(looks, limit), strict=True):
+        assert watch.look(count, at * SECOND, limit * SECOND) == expected
+        silent = silent if expected is None else not expected.is_over
+        assert watch.is_silent is silent
+
+
+@pytest.mark.parametrize(
+    ("looks", "expected"),
+    [
+        ([(3, s) for s in range(6)], []),  # heard at 0, quiet for 4.999 s at most
+        ([(0, s) for s in range(9)], [Silence(BEGUN, 5.0)]),  # never heard
+        (
+            [(3, s) for s in range(100)] + [(4, 100), (5, 101)],
+            [Silence(BEGUN, 5.0), Silence(OVER, 100.0)],
+        ),
+        ([(s, s) for s in range(99)], []),
+        ([(9, 0), (9, 3), (1, 4), (2, 8)], []),  # a count that starts again
+        ([(1, 10), (1, 3610), (2, 3611)], []),  # a clock that jumps an hour
+        ([(1, 3600), (1, 0), (1, 1), (1, 2), (1, 3), (1, 4)], []),  # one that is reset
+    ],
+)
+def test_a_silence_of_five_seconds_is_told_once_and_so_is_its_end(
+    looks: list[tuple[int, float]], expected: list[Silence]
+) -> None:
     watch = SilenceWatch()
-    assert looks(watch, *((3, second) for second in range(5))) == []
-    assert looks(watch, *((3, second) for second in range(5, 100))) == [Silence(False, 5.0)]
-    assert looks(watch, (4, 100), (5, 101)) == [Silence(True, 100.0)]
-
-
-def test_what_has_never_been_heard_is_silent_too() -> None:
-    assert looks(SilenceWatch(), *((0, second) for second in range(9))) == [Silence(False, 5.0)]
-
-
-def test_what_goes_on_is_never_silent() -> None:
-    assert looks(SilenceWatch(), *((second, second) for second in range(1000))) == []
-
-
-def test_a_count_that_starts_again_is_no_silence() -> None:
-    assert looks(SilenceWatch(), (9, 0), (9, 3), (1, 4), (2, 8)) == []
-
-
-def test_a_limit_of_zero_is_never() -> None:
-    assert looks(SilenceWatch(), *((0, second) for second in range(999)), limit=0.0) == []
-
-
-def test_a_clock_that_jumps_an_hour_or_is_reset_makes_no_silence() -> None:
-    assert looks(SilenceWatch(), (1, 10), (1, 3610), (2, 3611)) == []
-    assert looks(SilenceWatch(), (1, 3600), (1, 0), (1, 1), (1, 2), (1, 3), (1, 4)) == []
-
-
-@given(st.lists(st.tuples(st.integers(0, 3), st.integers(-(2**62), 2**62)), max_size=60))
-def test_begin_and_end_take_turns_whatever_the_clock_does(seen: list[tuple[int, int]]) -> None:
-    watch = SilenceWatch()
-    changes = [watch.look(count, now, SECOND) for count, now in seen]
-    ends = [change.is_over for change in changes if change is not None]
-    assert ends == [bool(number % 2) for number in range(len(ends))]
+    limit = 5 * SECOND + (looks[-1] == (3, 5))
+    changes = [watch.look(count, round(now * SECOND), limit) for count, now in looks]
+    assert [change for change in changes if change is not None] == expected

@@ -3,7 +3,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rover_metrics.stamps import (
-    JUMP,
     JUMPED_AHEAD,
     MISSING,
     NO_STAMP,
@@ -14,70 +13,120 @@ from rover_metrics.stamps import (
     StampWatch,
 )
 
+SECOND = 10**9
 PERIOD = 50_000_000  # ns
-START = 1_737_000_000 * 10**9
+START = 1_737_000_000 * SECOND
 
 
-def taken(watch: StampWatch, *numbers: float) -> list[Finding | None]:
-    """Give messages by their number in an even stream."""
-    return [watch.take(START + round(number * PERIOD)) for number in numbers]
+def after(watch: StampWatch, *intervals_ns: int) -> list[Finding | None]:
+    """Give messages, each so long after the one before."""
+    return [watch.take(watch.latest_ns + interval) for interval in intervals_ns]
 
 
-@pytest.fixture
-def watch() -> StampWatch:
-    """A watch that has seen messages 0 to 19."""
+def watching(period_ns: int = PERIOD, intervals: int = 20) -> StampWatch:
+    """A watch that has learnt from an even stream."""
     watch = StampWatch()
-    assert not any(taken(watch, *range(20)))
+    assert watch.take(START) is None
+    assert not any(after(watch, *[period_ns] * intervals))
     watch.learn()
     return watch
 
 
-def test_an_even_stream_is_nothing_odd(watch: StampWatch) -> None:
-    assert watch.period_ns == PERIOD
-    assert not any(taken(watch, *range(20, 500)))
+@pytest.mark.parametrize(
+    ("intervals_ns", "finding"),
+    [
+        ([1], None),
+        ([PERIOD] * 500, None),
+        ([85_000_000], None),  # 1.7 periods: stamps jitter
+        ([85_000_001], (MISSING, 1)),
+        ([97_500_000], (MISSING, 1)),  # 1.95
+        ([124_999_999], (MISSING, 1)),
+        ([125_000_000], (MISSING, 2)),  # 2.5: half and more is one more
+        ([175_000_000], (MISSING, 3)),
+        ([7 * PERIOD], (MISSING, 6)),
+        ([10 * SECOND], (MISSING, 199)),
+        ([10 * SECOND + 1], (JUMPED_AHEAD, 1)),
+        ([0], (STANDS_STILL, 1)),
+        ([-1], (WENT_BACK, 1)),
+        ([-20 * PERIOD - START], (WENT_BACK, 1)),
+        ([-20 * PERIOD - START, 0], (NO_STAMP, 1)),
+        ([-10 * PERIOD, PERIOD], None),  # goes on from where it went
+        ([3600 * SECOND, PERIOD], None),
+        ([3600 * SECOND, 2 * PERIOD], (MISSING, 1)),
+    ],
+)
+def test_a_step_from_one_stamp_to_the_next_tells_what_is_odd(
+    intervals_ns: list[int], finding: Finding | None
+) -> None:
+    assert after(watching(), *intervals_ns)[-1] == finding
 
 
-def test_a_gap_tells_how_many_are_missing(watch: StampWatch) -> None:
-    assert taken(watch, 20, 22, 23, 30, 31) == [None, (MISSING, 1), None, (MISSING, 6), None]
+def test_a_gap_tells_how_many_are_missing() -> None:
+    gaps = (2 * PERIOD, PERIOD, 7 * PERIOD, PERIOD)
+    assert after(watching(), *gaps) == [(MISSING, 1), None, (MISSING, 6), None]
 
 
-def test_stamps_that_jitter_are_no_gap(watch: StampWatch) -> None:
-    assert not any(taken(watch, 20.3, 20.8, 22.2, 22.9, 24.4, 24.6))
+@given(st.lists(st.tuples(st.integers(0, 9), st.integers(-7_000_000, 7_000_000)), max_size=60))
+def test_whatever_is_lost_of_a_stream_that_jitters_is_counted_exactly(
+    heard: list[tuple[int, int]],
+) -> None:
+    watch = watching()
+    number, missing = 0, 0
+    for lost, jitter in heard:
+        number += 1 + lost
+        finding = watch.take(START + (20 + number) * PERIOD + jitter)
+        assert finding is None or finding[0] == MISSING
+        missing += 0 if finding is None else finding[1]
+    assert missing == sum(lost for lost, _ in heard)
 
 
-def test_without_a_known_period_only_jumps_are_seen() -> None:
+@pytest.mark.parametrize(("intervals", "period"), [(7, None), (8, PERIOD)])
+def test_eight_intervals_tell_a_period_and_without_one_only_jumps_are_seen(
+    intervals: int, period: int | None
+) -> None:
+    watch = watching(intervals=intervals)
+    assert watch.period_ns == period
+    more = watching(intervals=intervals - 1)
+    after(more, -PERIOD, PERIOD)  # what was learnt before a step back is kept
+    more.learn()
+    assert more.period_ns == period
+    expected: list[Finding | None] = [(MISSING, 3)] if period else [None]
+    assert after(watch, 4 * PERIOD) == expected
+    assert after(watching(intervals=2), 10 * SECOND, 10 * SECOND + 1) == [None, (JUMPED_AHEAD, 1)]
+
+
+def test_the_period_is_the_median_of_the_latest_64_intervals() -> None:
     watch = StampWatch()
-    assert taken(watch, 0, 1, 5, 100) == [None] * 4
+    after(watch, SECOND, *[3 * PERIOD] * 100, *[PERIOD] * 31, *[2 * PERIOD] * 32)
+    for period in (2 * PERIOD, 1.5 * PERIOD):
+        watch.learn()
+        assert watch.period_ns == period
+        after(watch, PERIOD)
+
+
+def test_a_sensor_slower_than_a_jump_is_judged_by_jumps() -> None:
+    watch = watching(8 * SECOND)
+    assert after(watch, 10 * SECOND, 10 * SECOND + 1) == [None, (JUMPED_AHEAD, 1)]
+
+
+def test_odd_steps_teach_no_period_but_those_of_a_slower_sensor_do() -> None:
+    watch = watching()
+    after(watch, *[-PERIOD, 0, 3600 * SECOND] * 30)
     watch.learn()
-    assert watch.period_ns is None
-    assert watch.take(START + 101 * PERIOD + JUMP) == (JUMPED_AHEAD, 1)
-
-
-def test_a_stamp_that_stands_still_goes_back_or_jumps_an_hour_is_named(watch: StampWatch) -> None:
-    hour = 72_000
-    assert taken(watch, 19, 20, 10, 11, hour, hour + 1) == [
-        (STANDS_STILL, 1),
-        None,
-        (WENT_BACK, 1),
-        None,
-        (JUMPED_AHEAD, 1),
-        None,
-    ]
     assert watch.period_ns == PERIOD
+    assert set(after(watch, *[4 * PERIOD] * 21)) == {(MISSING, 3)}
+    watch.learn()
+    assert watch.period_ns == 4 * PERIOD
+    assert not any(after(watch, *[4 * PERIOD] * 100))
 
 
 def test_a_sensor_that_never_stamps_is_named() -> None:
     watch = StampWatch()
+    assert watch.latest_ns == 0
     assert [watch.take(0) for _ in range(3)] == [(NO_STAMP, 1)] * 3
-
-
-def test_a_sensor_that_is_slower_for_good_is_odd_only_until_the_next_look(watch: StampWatch) -> None:
-    slow = [20 + 4 * number for number in range(100)]
-    assert taken(watch, *slow[:3]) == [None, (MISSING, 3), (MISSING, 3)]
-    taken(watch, *slow[3:64])
-    watch.learn()
-    assert watch.period_ns == 4 * PERIOD
-    assert not any(taken(watch, *slow[64:]))
+    assert watch.take(5) is None
+    assert watch.latest_ns == 5
+    assert [watch.take(stamp) for stamp in (0, START)] == [(WENT_BACK, 1), (JUMPED_AHEAD, 1)]
 
 
 @given(st.lists(st.integers(-(2**63), 2**63), max_size=300))
@@ -89,4 +138,3 @@ def test_whatever_the_stamps_memory_is_bounded_and_counts_are_positive(stamps: l
         if number % 20 == 0:
             watch.learn()
     assert len(watch._intervals) <= RECENT
-    assert all(0 < interval <= JUMP for interval in watch._intervals)

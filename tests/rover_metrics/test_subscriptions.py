@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
 
 from rclpy.event_handler import UnsupportedEventTypeError
-from rclpy.qos import QoSPolicyKind, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import LaserScan
 
 from rover_metrics import subscriptions
@@ -64,7 +64,8 @@ def test_the_reliability_parameter_is_described_and_fixed(rig: "Rig") -> None:
 
 def test_another_policy_that_does_not_fit_is_named() -> None:
     event = SimpleNamespace(last_policy_kind=QoSPolicyKind.DEADLINE)
-    assert "its deadline does not fit" in subscriptions._mend(event, "reliable", RELIABILITY)
+    told = subscriptions._mend(event, "reliable", RELIABILITY)
+    assert told == ": its deadline does not fit; this node asks for reliable, volatile"
 
 
 class Subscriber:
@@ -80,7 +81,8 @@ class Subscriber:
     def declare_parameter(self, _: str, default: str, __: object) -> SimpleNamespace:
         return SimpleNamespace(value=default)
 
-    def create_subscription(self, *_: object, event_callbacks: Any = None) -> None:  # noqa: ANN401
+    def create_subscription(self, *asked: object, event_callbacks: Any = None) -> None:  # noqa: ANN401
+        self.asked = asked
         if event_callbacks is not None and event_callbacks.message_lost and not self.tells_lost:
             raise UnsupportedEventTypeError
         self.events.append(event_callbacks)
@@ -97,10 +99,30 @@ def test_messages_that_the_middleware_reports_lost_are_counted() -> None:
     assert told[0] == "/scan: lost on the way (3 so far)"
 
 
-def test_a_middleware_that_does_not_tell_what_it_loses_is_subscribed_to_all_the_same() -> None:
-    node, reception = Subscriber(tells_lost=False), Reception(print)
-    assert subscriptions.subscribe(node, LaserScan, "scan", print, reception) == "/scan"
-    assert node.events == [None]
+@pytest.mark.parametrize(
+    ("asked", "reliability", "depth", "known"),
+    [
+        ({}, ReliabilityPolicy.RELIABLE, 10, 1),
+        ({"reliability": "best_effort", "depth": 1}, ReliabilityPolicy.BEST_EFFORT, 1, 1),
+        ({"may_be_missing": True}, ReliabilityPolicy.RELIABLE, 10, 0),
+    ],
+)
+@pytest.mark.parametrize("tells_lost", [True, False])
+def test_every_policy_of_a_subscription_is_what_was_asked_for(
+    asked: dict[str, Any], reliability: ReliabilityPolicy, depth: int, known: int, tells_lost: bool
+) -> None:
+    node, reception = Subscriber(tells_lost=tells_lost), Reception(print)
+    assert subscriptions.subscribe(node, LaserScan, "scan", print, reception, **asked) == "/scan"
+    kind, name, callback, qos = node.asked
+    assert (kind, name, callback) == (LaserScan, "scan", print)
+    assert isinstance(qos, QoSProfile)
+    assert (qos.reliability, qos.history, qos.depth, qos.durability) == (
+        reliability,
+        HistoryPolicy.KEEP_LAST,
+        depth,
+        DurabilityPolicy.VOLATILE,
+    )
+    assert len(reception.states()) == known
 
 
 def test_poses_overwritten_in_the_queue_are_seen_by_the_gap_of_their_stamps(rig: "Rig") -> None:

@@ -1,0 +1,41 @@
+import sys
+
+import pytest
+
+from rover_metrics import errors
+from rover_metrics.errors import MissingRosError, RoverMetricsError, missing_ros
+
+NO_ROS = ImportError("No module named 'rclpy'")
+TOLD = (
+    "metrics_node needs ROS 2, but: No module named 'rclpy'; source one "
+    "(source /opt/ros/<distro>/setup.bash) or install its wheels into this environment "
+    "(pip install 'rover-harness[ros]')"
+)
+
+
+@pytest.mark.parametrize("program", ["/usr/bin/metrics_node", "lib/rover_metrics/metrics_node.py"])
+def test_without_ros_the_program_ends_with_two_after_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], program: str
+) -> None:
+    monkeypatch.setattr(sys, "argv", [program, "--ros-args"])
+    end = missing_ros(NO_ROS)
+    assert isinstance(end, SystemExit)
+    assert end.code == 2
+    assert capsys.readouterr() == ("", f"{TOLD}\n")
+
+
+def test_without_ros_a_library_user_is_given_an_import_error(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["/usr/bin/pytest"])
+    error = missing_ros(NO_ROS)
+    assert isinstance(error, MissingRosError)
+    assert isinstance(error, ImportError)
+    assert str(error) == TOLD
+    assert capsys.readouterr() == ("", "")
+
+
+def test_every_known_mistake_can_be_caught_as_one_and_ends_a_program_with_two() -> None:
+    kinds = [kind for name, kind in vars(errors).items() if name.endswith("Error")]
+    assert len(kinds) == 6
+    assert all(issubclass(kind, RoverMetricsError) and kind.exit_code == 2 for kind in kinds)

@@ -1,0 +1,221 @@
+"""All parameters as they are declared, and how settings follow them; over DDS: test_metrics_node.py."""
+
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
+
+from rclpy.exceptions import InvalidParameterTypeException
+from rclpy.parameter import Parameter
+
+from rover_metrics import extended_parameters
+from rover_metrics.errors import ParameterError
+from rover_metrics.extended.settings import ExtendedSettings
+from rover_metrics.footprint import Footprint, LidarPose
+from rover_metrics.parameters import Settings, declare_reliability, declare_settings, wrong_type
+from rover_metrics.thresholds import Thresholds
+
+pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+
+DOUBLES = Parameter.Type.DOUBLE_ARRAY
+DECLARED: dict[str, tuple[object, tuple[float, float] | None]] = {  # default and range
+    "debug_mode": (False, None),
+    "debug_interval": (100, (1, 1_000_000)),
+    "log_dir": ("metrics_analyzer/data/metric_logs/", None),
+    "fsync": (False, None),
+    "stale_after": (5.0, (0.0, 86400.0)),
+    "publish_metrics": (True, None),
+    "collision_threshold": (0.2, (0.0, 100.0)),
+    "smoothness_threshold": (10.0, (0.0, 10000.0)),
+    "min_safe_clearance": (0.5, (0.0, 100.0)),
+    "distance_threshold": (0.5, (0.0, 1000.0)),
+    "rough_terrain_threshold": (15.0, (0.0, 10000.0)),
+    "extended_columns": (False, None),
+    "footprint": (DOUBLES, None),
+    "lidar_pose": ([0.0, 0.0, 0.0], None),
+    "near_returns_as_contact": (False, None),
+    "footprint_threshold": (0.05, (0.0, 100.0)),
+}
+FIXED = {"log_dir"}
+TRIANGLE = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0]
+CHANGES: list[tuple[str, Any, Any, Any]] = [  # value, what the settings then have, another value
+    ("debug_mode", True, True, False),
+    ("debug_interval", 7, 7, 8),
+    ("log_dir", "/logs", "/logs", "/others"),
+    ("fsync", True, True, False),
+    ("stale_after", 1.5, 1.5, 2.5),
+    ("publish_metrics", False, False, True),
+    ("extended_columns", True, True, False),
+    *((name, 0.75, 0.75, 0.25) for name in vars(Thresholds())),
+    ("footprint", TRIANGLE, Footprint(((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))), []),
+    ("lidar_pose", [0.1, 0.2, 0.3], LidarPose(0.1, 0.2, 0.3), [0.0, 0.0, 0.0]),
+    ("near_returns_as_contact", True, True, False),
+    ("footprint_threshold", 0.25, 0.25, 0.5),
+]
+
+
+class Stub:
+    """A node that keeps what is declared; `launch` gives values."""
+
+    def __init__(self, **launch: object) -> None:
+        self.launch = launch
+        self.declared: dict[str, tuple[object, Any]] = {}
+        self.parameters: dict[str, Parameter] = {}
+
+    def declare_parameter(self, name: str, default: object, descriptor: Any) -> Parameter:  # noqa: ANN401
+        self.declared[name] = default, descriptor
+        value = self.launch.get(name, None if default is DOUBLES else default)
+        if isinstance(value, Exception):
+            raise value
+        self.parameters[name] = Parameter(name, value=value)
+        return self.parameters[name]
+
+    def get_parameter_or(self, name: str) -> Parameter:
+        return self.parameters[name]
+
+    def set_parameters(self, parameters: list[Parameter]) -> None:
+        self.parameters.update({parameter.name: parameter for parameter in parameters})
+
+    def has_parameter(self, name: str) -> bool:
+        return name in self.parameters
+
+    def describe_parameter(self, name: str) -> Any:  # noqa: ANN401
+        descriptor = self.declared[name][1]
+        descriptor.type = self.parameters[name].type_.value
+        return descriptor
+
+
+def flat(settings: Settings) -> dict[str, object]:
+    """All values by the names of their parameters."""
+    own = {
+        name: value for name, value in vars(settings).items() if name not in ("thresholds", "extended")
+    }
+    return {**own, **vars(settings.thresholds), **vars(settings.extended)}
+
+
+def test_every_parameter_is_declared_with_default_range_description_and_constraint() -> None:
+    node = Stub()
+    settings = declare_settings(node)
+    assert {name: default for name, (default, _) in node.declared.items()} == {
+        name: default for name, (default, _) in DECLARED.items()
+    }
+    for name, (_, descriptor) in node.declared.items():
+        valid = [*descriptor.floating_point_range, *descriptor.integer_range]
+        bounds = [(each.from_value, each.to_value) for each in valid]
+        assert bounds == [each for each in (DECLARED[name][1],) if each is not None], name
+        assert all(str(bound) in descriptor.additional_constraints for pair in bounds for bound in pair)
+        assert descriptor.read_only is (name in FIXED)
+        assert len(descriptor.description) > 20
+        assert descriptor.additional_constraints
+    assert settings == Settings() == declare_settings(Stub())
+    expected = {name: default for name, (default, _) in DECLARED.items()}
+    assert flat(settings) == {**expected, "footprint": None, "lidar_pose": LidarPose(0.0, 0.0, 0.0)}
+    assert settings.thresholds == Thresholds()
+    assert settings.extended == ExtendedSettings()
+
+
+def test_thresholds_are_described_with_their_units_and_silence_in_seconds() -> None:
+    node = Stub()
+    declare_settings(node)
+    units = {
+        "collision_threshold": "[m]",
+        "smoothness_threshold": "[m/s^2 + rad/s]",
+        "min_safe_clearance": "[m]",
+        "distance_threshold": "[m]",
+        "rough_terrain_threshold": "[m/s^2]",
+        "footprint_threshold": "[m]",
+        "stale_after": "[s]",
+    }
+    for name, unit in units.items():
+        assert node.declared[name][1].description.endswith(unit)
+
+
+@pytest.mark.parametrize(("name", "value", "kept", "other"), CHANGES)
+def test_a_value_of_the_launch_or_a_change_is_in_the_settings_and_nothing_else_is_changed(
+    name: str, value: object, kept: object, other: object
+) -> None:
+    launched = declare_settings(Stub(**{name: value}))
+    assert flat(launched) == {**flat(Settings()), name: kept}
+    rest = [Parameter(each, value=given) for each, given, _, _ in CHANGES if each != name]
+    full = launched.updated([*rest, Parameter("use_sim_time", value=True)])
+    assert flat(full) == {each: expected for each, _, expected, _ in CHANGES}
+    again = full.updated([Parameter(name, DOUBLES if other == [] else None, other)])
+    assert {each for each in flat(full) if flat(full)[each] != flat(again)[each]} == {name}
+    assert full.updated([]) == full
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("log_dir", "", "parameter log_dir must be the path of a folder, not empty text"),
+        ("collision_threshold", -1.0, "collision_threshold = -1.0 is not valid: it must be from 0.0"),
+        ("footprint_threshold", 101.0, "footprint_threshold = 101.0 is not valid"),
+        ("footprint", [1.0], "footprint has 1 numbers"),
+        ("lidar_pose", [1.0], "lidar_pose has 1 numbers"),
+    ],
+)
+def test_a_change_that_is_not_valid_is_one_line(name: str, value: object, message: str) -> None:
+    with pytest.raises(ParameterError) as caught:
+        Settings().updated([Parameter("debug_mode", value=True), Parameter(name, value=value)])
+    assert str(caught.value).startswith(message)
+
+
+@pytest.mark.parametrize("name", DECLARED)
+def test_a_launch_with_a_wrong_type_is_told_the_constraint(name: str) -> None:
+    wrong = InvalidParameterTypeException(Parameter(name, value="x"), "other")
+    node = Stub(**{name: wrong})
+    with pytest.raises(ParameterError) as caught:
+        declare_settings(node)
+    assert (
+        str(caught.value) == f"parameter {name} must be {node.declared[name][1].additional_constraints}"
+    )
+
+
+def test_a_footprint_that_is_not_set_is_an_empty_list_and_one_that_is_stays() -> None:
+    for launch, kept in (({}, []), ({"footprint": TRIANGLE}, TRIANGLE)):
+        node = Stub(**launch)
+        declare_settings(node)
+        assert [*node.parameters["footprint"].value] == kept
+        assert node.parameters["footprint"].type_ is DOUBLES
+
+
+@pytest.mark.parametrize("now", [True, False])
+def test_the_extended_columns_are_fixed_once_the_node_runs(now: bool) -> None:
+    extended_parameters.refuse_switching(now, now)
+    with pytest.raises(
+        ParameterError, match=f"start the node with -p extended_columns:={not now}".lower()
+    ):
+        extended_parameters.refuse_switching(now, not now)
+
+
+@pytest.mark.parametrize(
+    ("default", "given", "value"),
+    [
+        ("reliable", None, "reliable"),
+        ("best_effort", None, "best_effort"),
+        ("reliable", "best_effort", "best_effort"),
+    ],
+)
+def test_the_reliability_of_a_topic_is_a_fixed_parameter_of_two_values(
+    default: str, given: str | None, value: str
+) -> None:
+    name = "qos_overrides./scan.subscription.reliability"
+    node = Stub(**({} if given is None else {name: given}))
+    assert declare_reliability(node, "/scan", default) == (name, value)
+    assert node.declared[name][1].read_only
+    with pytest.raises(
+        ParameterError, match=f"parameter {name} must be reliable or best_effort, as text"
+    ):
+        declare_reliability(Stub(**{name: "relyable"}), "/scan", default)
+
+
+def test_only_a_known_parameter_of_another_type_is_named() -> None:
+    node = Stub()
+    declare_settings(node)
+    node.declare_parameter("use_sim_time", False, type(node.declared["fsync"][1])())
+    fine = [Parameter(name, value=1) for name in ("other", "use_sim_time", "debug_interval")]
+    assert wrong_type(node, fine) is None
+    told = wrong_type(node, [*fine, Parameter("stale_after", value=5), Parameter("fsync", value=1)])
+    valid = "a number with a decimal point (5.0, not 5) from 0.0 to 86400.0 s"
+    assert told == f"parameter stale_after must be {valid}"

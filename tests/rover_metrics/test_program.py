@@ -1,0 +1,117 @@
+"""How a node's program ends when its executor does what a test says."""
+
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+
+from rover_metrics import program
+from rover_metrics.errors import LogError
+
+
+class Stage:
+    """ROS and a node, as far as a program sees them; what happens is written down."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.events: list[object] = []
+        self.ros_is_up = True
+        self.errors: dict[str, BaseException] = {}
+        monkeypatch.setattr(rclpy, "init", lambda *, args: self.happen("init", args))
+        monkeypatch.setattr(rclpy, "try_shutdown", lambda: self.happen("shutdown ROS"))
+        monkeypatch.setattr(rclpy, "ok", lambda: self.ros_is_up)
+        monkeypatch.setattr(program, "SingleThreadedExecutor", lambda: self)
+
+    def happen(self, what: str, *details: object) -> Any:  # noqa: ANN401 - the node too
+        self.events.append((what, *details) if details else what)
+        if what in self.errors:
+            raise self.errors[what]
+        return self
+
+    def make_node(self) -> Any:  # noqa: ANN401
+        return self.happen("make node")
+
+    def add_node(self, node: object) -> None:
+        assert node is self
+        self.happen("add node")
+
+    def spin(self) -> None:
+        self.happen("spin")
+
+    def shutdown(self) -> None:
+        self.happen("shutdown executor")
+
+    def fail(self, reason: str) -> None:
+        self.happen("fail", reason)
+
+    def destroy_node(self) -> None:
+        self.happen("destroy node")
+
+    def run(self) -> int:
+        return program.run_node("metrics_node", self.make_node, ["--ros-args"])
+
+
+@pytest.fixture
+def stage(monkeypatch: pytest.MonkeyPatch) -> Stage:
+    return Stage(monkeypatch)
+
+
+UP = [("init", ["--ros-args"])]
+DOWN = ["destroy node", "shutdown executor", "shutdown ROS"]
+
+
+@pytest.mark.parametrize("error", [None, KeyboardInterrupt(), ExternalShutdownException()])
+def test_a_signal_while_it_spins_is_a_clean_end_with_zero(
+    stage: Stage, error: BaseException | None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if error is not None:
+        stage.errors["spin"] = error
+    assert stage.run() == 0
+    assert stage.events == [*UP, "make node", "add node", "spin", *DOWN]
+    assert capsys.readouterr() == ("", "")
+
+
+def test_an_error_while_it_spins_is_in_the_record_before_the_node_goes(stage: Stage) -> None:
+    stage.errors["spin"] = ValueError("boo")
+    with pytest.raises(ValueError, match="boo"):
+        stage.run()
+    assert stage.events == [*UP, "make node", "add node", "spin", ("fail", "ValueError: boo"), *DOWN]
+
+
+@pytest.mark.parametrize("error", [RuntimeError("context"), AttributeError("handle")])
+@pytest.mark.parametrize("where", ["make node", "spin"])
+@pytest.mark.parametrize("ros_is_up", [True, False])
+def test_a_context_that_a_signal_pulled_away_is_a_clean_end_but_the_same_error_with_ros_up_is_not(
+    stage: Stage, error: Exception, where: str, ros_is_up: bool
+) -> None:
+    stage.errors[where] = error
+    stage.ros_is_up = ros_is_up
+    if ros_is_up:
+        with pytest.raises(type(error)):
+            stage.run()
+    else:
+        assert stage.run() == 0
+    failed = ("fail", f"{type(error).__name__}: {error}") in stage.events
+    assert failed is (ros_is_up and where == "spin")
+    assert stage.events[-2:] == DOWN[1:]
+
+
+def test_a_known_mistake_is_one_line_and_its_exit_code(
+    stage: Stage, capsys: pytest.CaptureFixture[str]
+) -> None:
+    stage.errors["make node"] = LogError("cannot create a log")
+    assert stage.run() == 2
+    assert stage.events == [*UP, "make node", *DOWN[1:]]
+    assert capsys.readouterr() == ("", "metrics_node: cannot create a log\n")
+
+
+def test_arguments_that_ros_refuses_are_one_line_and_two(
+    stage: Stage, capsys: pytest.CaptureFixture[str]
+) -> None:
+    stage.errors["init"] = RuntimeError("Couldn't parse\n  rule: 'x'")
+    assert stage.run() == 2
+    assert stage.events == UP
+    assert capsys.readouterr() == ("", "metrics_node: Couldn't parse rule: 'x'\n")
