@@ -69,7 +69,12 @@ def politis_white(values: Floats) -> int:
 
 SERIES = [
     autoregressive(phi, n, seed=n) for n in (4, 5, 11, 20, 21, 60, 301) for phi in (-0.9, 0.0, 0.5, 0.95)
-] + [np.arange(30.0), np.tile([0.0, 1.0], 20)]
+] + [
+    np.arange(30.0),
+    np.tile([0.0, 1.0], 5),
+    # Significant lags five apart, which four quiet ones part.
+    np.random.default_rng(3).normal(size=40) + 1.5 * np.cos(math.tau / 5 * np.arange(40)),
+]
 
 
 def test_autocorrelation_is_that_of_its_definition_also_over_segments(

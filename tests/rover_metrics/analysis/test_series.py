@@ -64,7 +64,7 @@ def test_a_rate_per_metre_is_the_ratio_of_the_gains_and_needs_a_metre(make_log: 
     for metres, expected in (
         ([10, 11, 12.5, 13, 0, 1], 7 / 3.5),
         ([10, 10.25, 10.5, 11, 0, 0.5], 7.0),  # exactly a metre
-        ([10, 10.25, 10.5, 11, 0, 0.4375], None),
+        ([10, 10.25, 10.5, 11, 0, 0.4999], None),
         ([10, NAN, 12.5, 13, 0, 1], 5 / 3.5),
     ):
         log = make_log({"Total Collisions": collisions, "Distance Traveled": metres}, stamps)
