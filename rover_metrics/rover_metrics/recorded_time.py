@@ -43,7 +43,7 @@ class FullSeconds:
             previous = second - 1
         if latest is not None and (time_ns < latest or previous != self._second):
             self.jumps.append(_jump(latest, time_ns))
-        self._latest_ns, self._second = time_ns, second
+        self._latest_ns, self._second = time_ns, max(second, previous)
         return range(previous + 1, second + 1)
 
     def rest(self) -> range:

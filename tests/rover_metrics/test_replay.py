@@ -468,6 +468,17 @@ def test_full_seconds_go_on_in_short_silences_and_skip_long_ones() -> None:
     assert list(timer.rest()) == [2]
 
 
+@pytest.mark.parametrize("timer", [FullSeconds, ClockSeconds])
+def test_a_recording_that_begins_at_a_full_second_has_its_first_row_a_second_later(
+    timer: type[FullSeconds | ClockSeconds],
+) -> None:
+    """Also where several messages share the first instant, as those of a simulator do."""
+    assert due(timer(), 5.0, 5.0, 5.5) == []
+    once, twice = timer(), timer()
+    assert [*due(once, 5.0, 5.5, 6.0), *once.rest()] == [6]
+    assert [*due(twice, 5.0, 5.0, 5.5, 6.0, 6.0), *twice.rest()] == [6]
+
+
 def test_message_that_is_late_by_up_to_a_second_makes_no_second_row() -> None:
     assert due(FullSeconds(), 0.9, 1.01, 0.99, 1.02, 2.01) == [1, 2]
     timer = FullSeconds()
