@@ -168,7 +168,7 @@ def write_mcap(path: Path, messages: list[Recorded], encoding: str = "cdr") -> P
             schema = writer.register_schema(TYPES[topic], "ros2msg", b"")
             channels[topic] = writer.register_channel(topic, encoding, schema)
         for topic, time_ns, data in messages:
-            writer.add_message(channels[topic], time_ns, data, publish_time=time_ns)
+            writer.add_message(channels[topic], time_ns, data, publish_time=1)
         writer.finish()  # type: ignore[no-untyped-call]  # mcap half types itself
     return path
 

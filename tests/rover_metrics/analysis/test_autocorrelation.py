@@ -72,6 +72,7 @@ SERIES = [
 ] + [
     np.arange(30.0),
     np.tile([0.0, 1.0], 5),
+    np.random.default_rng(5).normal(size=60).cumsum(),  # significant up to the longest lag
     # Significant lags five apart, which four quiet ones part.
     np.random.default_rng(3).normal(size=40) + 1.5 * np.cos(math.tau / 5 * np.arange(40)),
 ]

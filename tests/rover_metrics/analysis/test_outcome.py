@@ -90,11 +90,14 @@ def test_groups_are_summed_up_and_compared_by_the_means_of_their_logs(study: Stu
             assert result.across[name][code] == expected
     assert result.across["b"]["OC"].n == 2
     assert [item.code for item in result.comparisons] == list(CODES)
-    plain = [compare(c, *(np.array(v, float) for v in means[c]), 0.9) for c in CODES]  # type: ignore[call-arg]
+    plain = [
+        compare(code, np.array(first, float), np.array(second, float), 0.9)
+        for code, (first, second) in means.items()
+    ]
     adjusted = holm([item.p for item in plain])
-    for item, expected, p in zip(result.comparisons, plain, adjusted, strict=True):
-        assert item.difference == pytest.approx(expected.difference)
-        assert (item.n, item.p, item.p_holm) == (expected.n, expected.p, p)
+    for item, known, p in zip(result.comparisons, plain, adjusted, strict=True):
+        assert item.difference == pytest.approx(known.difference)
+        assert (item.n, item.p, item.p_holm) == (known.n, known.p, p)
     alone = replace(study, groups=("a",), members=study.members[:3])
     assert analyse(alone).comparisons == ()
 

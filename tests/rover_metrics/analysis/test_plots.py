@@ -286,7 +286,7 @@ def test_an_aggregate_has_a_panel_a_metric_and_a_curve_a_group(study: Study) -> 
         assert (edges[:, 1].min(), edges[:, 1].max()) == (np.min(curves), np.max(curves))
         high = np.max(curves, axis=0)
         highest.append(max(1.4 * np.mean(curves, axis=0).max(), 1.1 * np.quantile(high, 0.97)))
-    assert clearance.get_ylim() == (0, pytest.approx(max(highest)))
+    assert clearance.get_ylim() == pytest.approx((0, max(highest)))
     assert draw_aggregate(replace(study, options=Options((METRICS["VR"],))), TimeAxis()) is None
 
 
@@ -358,7 +358,7 @@ def test_a_comparison_shows_each_log_as_a_point_and_the_verdict(study: Study) ->
         interval = stats.t.interval(0.95, 1, values.mean(), stats.sem(values))
         np.testing.assert_allclose(bar, [[place + 0.28, interval[0]], [place + 0.28, interval[1]]])
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["a", "b"]
-    assert axes.get_ylim() == (0, pytest.approx(2 * max(map(max, means))))
+    assert axes.get_ylim() == pytest.approx((0, 2 * max(map(max, means))))
     clearance = next(item for item in result.comparisons if item.code == "OC")
     verdict = f"p = {clearance.p_holm:.3f}, g = {clearance.hedges_g:+.2f}"
     assert axes.get_title(loc="right") == verdict
@@ -382,11 +382,11 @@ def test_without_groups_a_comparison_shows_the_logs_side_by_side(study: Study) -
         assert isinstance(bar, Rectangle)
         assert isinstance(box, Rectangle)
         total = np.ptp(member.log.columns["Total Collisions"]) / member.log.duration * 60
-        assert (bar.get_height(), bar.get_x()) == (pytest.approx(total), place - 0.3)
+        assert [bar.get_height(), bar.get_x()] == pytest.approx([total, place - 0.3])
         low, first, middle, third, high = np.percentile(
             member.log.columns["Obstacle Clearance"], [5, 25, 50, 75, 95]
         )
-        assert (box.get_y(), box.get_height()) == (pytest.approx(first), pytest.approx(third - first))
+        assert [box.get_y(), box.get_height()] == pytest.approx([first, third - first])
         whisker, median = (
             np.asarray(c.get_segments()[0])  # type: ignore[attr-defined]
             for c in clearances.collections[2 * place : 2 * place + 2]
