@@ -86,7 +86,7 @@ def test_logs_are_combined_by_fishers_z_with_the_variance_of_ranks() -> None:
     mirrored = combine([replace(part, rho=-part.rho) for part in parts])
     assert [mirrored.rho, mirrored.p] == pytest.approx([-result.rho, result.p])
     assert combine(parts[1:]) == parts[1]
-    assert combine(parts[2:]) == parts[2]
+    assert combine([parts[2], replace(parts[2], rho=0.1)]) == parts[2]  # nothing to weigh by
     assert combine([replace(parts[0], rho=1.0)] * 2).rho == pytest.approx(1.0)
 
 
