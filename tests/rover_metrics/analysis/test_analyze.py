@@ -53,6 +53,7 @@ def as_json(outcome: tuple[int, str, str], code: int = 0) -> Any:  # noqa: ANN40
 
 def test_every_metric_of_a_log_is_worked_out(run: Run, write_log: WriteLog) -> None:
     result = as_json(run(write_log(lines=71), "-p", "--json"))
+    assert (result["confidence"], result["iqr_multiplier"], result["unit"]) == (0.95, 1.5, "log")
     (log,) = result["logs"]
     metrics = log["metrics"]
     assert list(metrics) == ["TC", "CS", "SM", "OC", "DT", "CV", "VORT", "IM", "RT", "VR"]
