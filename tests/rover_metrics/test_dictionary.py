@@ -22,6 +22,7 @@ def test_every_column_is_in_it_once_and_no_two_share_a_name(capsys: pytest.Captu
     assert main([]) == 0
     told = capsys.readouterr().out
     assert len(set(EXTENDED_HEADER)) == len(EXTENDED_HEADER)
+    assert told == DOCUMENT.read_text(encoding="utf-8")
     for name in EXTENDED_HEADER:
         assert told.count(f"| `{name}` |") == 1, name
 

@@ -3,7 +3,7 @@
 import csv
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +15,12 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.typesys import Stores, get_typestore
 
+from rover_metrics.bag_message import Message
 from rover_metrics.extended.row import EXTENDED_HEADER
+from rover_metrics.extended.row_source import RowSource
 from rover_metrics.metrics import TraversalMetrics
+from rover_metrics.playback import Count, Playback
+from rover_metrics.recorded_time import TimeSource
 from rover_metrics.recorded_topics import CLOCK, SENSORS
 from rover_metrics.replay import main
 from rover_metrics.row import MetricsRow
@@ -53,8 +57,8 @@ def quaternion() -> Any:  # noqa: ANN401
     return make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0)
 
 
-def pose(x: float) -> Any:  # noqa: ANN401
-    point = make("geometry_msgs/msg/Point", x=x, y=0.0, z=0.0)
+def pose(x: float, y: float = 0.0, z: float = 0.0) -> Any:  # noqa: ANN401
+    point = make("geometry_msgs/msg/Point", x=x, y=y, z=z)
     return make("geometry_msgs/msg/Pose", position=point, orientation=quaternion())
 
 
@@ -77,8 +81,8 @@ def imu_message(stamp_ns: int, z: float) -> bytes:
         "sensor_msgs/msg/Imu",
         header=header(stamp_ns),
         orientation=quaternion(),
-        angular_velocity=vector(0.1),
-        linear_acceleration=vector(0.0, 0.0, z),
+        angular_velocity=vector(0.1, -0.2, 0.3),
+        linear_acceleration=vector(0.3, -3.0, z),
         orientation_covariance=np.zeros(9),
         angular_velocity_covariance=np.zeros(9),
         linear_acceleration_covariance=np.zeros(9),
@@ -86,11 +90,13 @@ def imu_message(stamp_ns: int, z: float) -> bytes:
 
 
 def pose_message(stamp_ns: int, x: float) -> bytes:
-    return cdr("geometry_msgs/msg/PoseArray", header=header(stamp_ns), poses=[pose(x)])
+    return cdr(
+        "geometry_msgs/msg/PoseArray", header=header(stamp_ns), poses=[pose(x, -x, x / 3), pose(9.0)]
+    )
 
 
 def odometry_message(stamp_ns: int, speed: float) -> bytes:
-    twist = make("geometry_msgs/msg/Twist", linear=vector(speed), angular=vector())
+    twist = make("geometry_msgs/msg/Twist", linear=vector(speed, 0.1, -0.2), angular=vector(5.0))
     return cdr(
         "nav_msgs/msg/Odometry",
         header=header(stamp_ns),
@@ -125,9 +131,9 @@ def expected_rows(seconds: int = 4) -> list[MetricsRow]:
     metrics, rows = TraversalMetrics(), []
     for tick in range(1, seconds * 10 + 1):
         metrics.add_scan(np.array([np.inf, 0.1 + tick / 50, 9.0], dtype=np.float32))
-        metrics.add_imu((0.0, 0.0, 9.8 + tick % 7), (0.1, 0.0, 0.0))
-        metrics.add_pose((tick / 10, 0.0, 0.0))
-        metrics.add_odometry((tick / 100, 0.0, 0.0))
+        metrics.add_imu((0.3, -3.0, 9.8 + tick % 7), (0.1, -0.2, 0.3))
+        metrics.add_pose((tick / 10, -tick / 10, tick / 30))
+        metrics.add_odometry((tick / 100, 0.1, -0.2))
         if tick % 10 == 0:
             rows.append(metrics.row(tick // 10))
     return rows
@@ -162,7 +168,7 @@ def write_mcap(path: Path, messages: list[Recorded], encoding: str = "cdr") -> P
             schema = writer.register_schema(TYPES[topic], "ros2msg", b"")
             channels[topic] = writer.register_channel(topic, encoding, schema)
         for topic, time_ns, data in messages:
-            writer.add_message(channels[topic], time_ns, data, publish_time=time_ns)
+            writer.add_message(channels[topic], time_ns, data, publish_time=1)
         writer.finish()  # type: ignore[no-untyped-call]  # mcap half types itself
     return path
 
@@ -214,6 +220,10 @@ def test_every_kind_of_folder_gives_the_rows_of_its_samples(
     tmp_path: Path, storage: StoragePlugin, compression: CompressionMode
 ) -> None:
     bag = write_folder(tmp_path / "bag", drive(), storage=storage, compression=compression)
+    metadata = bag / "metadata.yaml"
+    told = metadata.read_text()
+    assert "compression_mode: message" in told or compression is not CompressionMode.MESSAGE
+    metadata.write_text(told.replace("mode: message", "mode: MESSAGE"))  # as rosbag2 itself writes it
     assert replay(bag) == cells(expected_rows())
 
 
@@ -316,40 +326,6 @@ def test_bad_argument_is_one_line(
     assert expected in refused(capsys, str(bag), *words)
 
 
-def test_parameter_file_sets_thresholds_as_for_the_node(tmp_path: Path) -> None:
-    bag = write_mcap(tmp_path / "bag.mcap", drive())
-    file = tmp_path / "params.yaml"
-    file.write_text(
-        "/**:\n  ros__parameters:\n    use_sim_time: true\n    collision_threshold: 9.0\n"
-        "other_node:\n  ros__parameters:\n    distance_threshold: 0.0\n"
-        "/ns/metrics_node:\n  ros__parameters:\n    distance_threshold: 0.05\n"
-    )
-    rows = replay(bag, "--params", str(file))
-    assert [row[1] for row in rows] == ["10", "20", "30", "40"]
-    assert [row[6] for row in rows] == ["0.0"] * 4
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("metrics_node: {ros__parameters: {collision_threshold: 1}}", "(1.0, not 1) from 0.0 to 100"),
-        ("metrics_node: {ros__parameters: {collision_threshold: -1.0}}", "must be from 0.0 to 100.0 m"),
-        ("metrics_node: {ros__parameters: {collision_threshold: .nan}}", "must be from 0.0 to 100.0 m"),
-        ("metrics_node: {ros__parameters: {colision_threshold: 1.0}}", "did you mean collision_thr"),
-        ("other: {ros__parameters: {collision_threshold: 1.0}}", "no section 'metrics_node"),
-        ("metrics_node: [", "cannot read parameters"),
-        ("", "no section 'metrics_node"),
-    ],
-)
-def test_bad_parameter_file_is_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, expected: str
-) -> None:
-    file = tmp_path / "params.yaml"
-    file.write_text(text)
-    bag = write_mcap(tmp_path / "bag.mcap", drive(1.0))
-    assert expected in refused(capsys, str(bag), "--params", str(file))
-
-
 def test_existing_file_is_replaced_only_on_request(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -432,6 +408,7 @@ def test_messages_that_are_not_readable_or_not_finite_are_counted(
     assert len(replay(write_mcap(tmp_path / "bag.mcap", messages), code=1)) == 4
     told = capsys.readouterr().err
     assert "/imu/data: 1 messages are not readable" in told
+    assert told.count("\n") == 2
     assert "/imu/data: 1 messages are empty, not finite" in told
 
 
@@ -498,40 +475,99 @@ def test_without_its_libraries_replay_says_so_in_one_line_and_exits_2() -> None:
     assert run.stderr.count("\n") == 1
 
 
-def test_parameter_file_sets_the_extended_columns_as_for_the_node(tmp_path: Path) -> None:
-    bag = write_mcap(tmp_path / "bag.mcap", drive())
+def test_parameters_and_recorded_truth_give_the_extended_columns(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    contact, truth = "/rover/truth/contact", "/rover1/odom_ground_truth"
+    types = TYPES | {contact: "std_msgs/msg/Bool", truth: TYPES["/odometry/wheels"]}
+    messages = drive()
+    last = messages[-1][1]
+    messages += [(contact, last, cdr("std_msgs/msg/Bool", data=True))] * 2
+    messages += [(truth, last, odometry_message(last, speed)) for speed in (0.2, float("nan"))]
+    bag = write_folder(tmp_path / "bag", messages, types=types)
     file, output = tmp_path / "params.yaml", tmp_path / "rows.csv"
     file.write_text(
         "metrics_node:\n  ros__parameters:\n"
         "    extended_columns: true\n"
+        "    distance_threshold: 0.01\n"
         "    lidar_pose: [0.1, 0.0, 0.0]\n"
         "    footprint: [-0.2, -0.2, 0.0, -0.2, 0.0, 0.2, -0.2, 0.2]\n"
         "    footprint_threshold: 0.35\n"
     )
-    assert main([str(bag), "-o", str(output), "--params", str(file)]) == 0
+    words = [str(bag), "-o", str(output), "--time", "header", "--remap", f"odom_ground_truth:={truth}"]
+    assert main([*words, "--params", str(file)]) == 1
     with output.open(newline="") as rows:
-        first, *_, last = csv.DictReader(rows)
+        first, *_, final = csv.DictReader(rows)
     assert list(first) == list(EXTENDED_HEADER)
     assert first["Footprint Clearance [m]"] == "0.22"  # 0.12 m ahead of a lidar 0.1 m ahead of it
-    assert (first["Footprint Collisions"], last["Footprint Collisions"]) == ("7", "7")
-    assert (last["Odometry Rate [Hz]"], last["True Speed [m/s]"]) == ("10.0", "")
+    assert (first["Footprint Collisions"], final["Footprint Collisions"]) == ("7", "7")
+    assert (final["Odometry Rate [Hz]"], final["Distance Traveled"]) == ("10.0", "0.0")
+    told = capsys.readouterr()
+    assert [line.split() for line in told.out.splitlines()[1:7]] == [
+        ["/imu/data", "45", "messages"],
+        ["/odometry/wheels", "45", "messages"],
+        ["/rover/pose_array", "45", "messages"],
+        [contact, "2", "messages"],
+        [truth, "1", "messages"],
+        ["/scan", "45", "messages"],
+    ]
+    assert told.out.splitlines()[0] == "rows follow header time"
+    assert told.out.splitlines()[7:] == ["0.00 m travelled, 4 collisions", f"4 rows in {output}"]
+    assert told.err == (f"replay: {truth}: 1 messages are empty, not finite or impossible, left out\n")
+    with_switch = ["--extended", "--remap", f"odom_ground_truth:={truth}", "--overwrite"]
+    assert main([str(bag), "-o", str(output), *with_switch]) == 1
+    assert output.read_text().startswith(",".join(EXTENDED_HEADER))
 
 
-@pytest.mark.parametrize(
-    ("line", "expected"),
-    [
-        ("footprint: [1.0, 2.0]", "footprint has 1 corners, not 3 to 100"),
-        ("footprint: [1, 2, 3]", "parameter footprint must be a list of numbers with decimal points"),
-        ("lidar_pose: [1.0]", "lidar_pose has 1 numbers"),
-        ("extended_columns: 1", "parameter extended_columns must be true or false"),
-        ("footprint_threshold: -1.0", "footprint_threshold = -1.0 is not valid"),
-        ("extended_column: true", "did you mean extended_columns?"),
-    ],
-)
-def test_bad_extended_parameter_is_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], line: str, expected: str
+class Recording:
+    """A bag in memory."""
+
+    path = Path("made")
+
+    def __init__(self, messages: list[Recorded], types: dict[str, str] = TYPES) -> None:
+        self.topics = {topic: types[topic] for topic, _, _ in messages}
+        self._messages = messages
+
+    def messages(self, wanted: Collection[str]) -> Iterator[Message]:
+        return (Message(*message) for message in self._messages if message[0] in wanted)
+
+
+def played(messages: list[Recorded], time: TimeSource, **kwargs: Any) -> tuple[list[int], Playback]:  # noqa: ANN401
+    """Stamps of the rows, and the playback."""
+    bag = Recording(messages, **kwargs)
+    playback = Playback(bag, RowSource(TraversalMetrics()), time_source=time)  # type: ignore[arg-type]
+    return [row.stamp_s for row in playback.rows()], playback
+
+
+@pytest.mark.parametrize(("ahead", "other"), [(3600.0, 0), (3600.5, 1), (-3600.0, 0), (-3600.5, 1)])
+def test_stamps_over_an_hour_from_the_recorded_time_are_of_another_clock(
+    ahead: float, other: int
 ) -> None:
-    file = tmp_path / "params.yaml"
-    file.write_text(f"metrics_node:\n  ros__parameters:\n    {line}\n")
-    bag = write_mcap(tmp_path / "bag.mcap", drive(1.0))
-    assert expected in refused(capsys, str(bag), "--params", str(file))
+    hour = 5000 * NANOSECONDS
+    stamps = [0, hour, hour]  # 0 was never set
+    recorded = [
+        ("/imu/data", hour - round(ahead * NANOSECONDS), imu_message(stamp, 9.8)) for stamp in stamps
+    ]
+    _, playback = played(recorded, TimeSource.RECORDED)
+    assert len(playback.notes) == other
+    assert all(note.startswith("header stamps (5000.00 s) are of another") for note in playback.notes)
+    rows, playback = played(recorded, TimeSource.HEADER)
+    assert rows == []
+    assert playback.notes == []
+    assert playback.counts["/imu/data"] == Count(used=3)
+
+
+def test_of_many_jumps_five_are_told() -> None:
+    seconds = [1, 2, 100, 1, 100, 1, 100, 1]
+    messages = [("/imu/data", t * NANOSECONDS, imu_message(t * NANOSECONDS, 9.8)) for t in seconds]
+    assert len(played(messages[:7], TimeSource.HEADER)[1].notes) == 5
+    _, playback = played(messages, TimeSource.RECORDED)
+    assert playback.notes[0] == "time jumps from 2.00 s to 100.00 s"
+    assert playback.notes[5:] == ["1 more jumps of time"]
+
+
+def test_types_without_msg_are_those_of_older_recorders() -> None:
+    types = {topic: kind.replace("/msg/", "/") for topic, kind in TYPES.items()}
+    rows, playback = played(drive(), TimeSource.AUTO, types=types)
+    assert (rows, playback.time_source) == ([1, 2, 3, 4], TimeSource.SIM)
+    assert playback.counts[CLOCK] == playback.counts["/scan"] == Count(used=45)

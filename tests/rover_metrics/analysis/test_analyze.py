@@ -10,14 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from rover_metrics.analyze import main
 
 Row = Callable[..., str]
 WriteLog = Callable[..., Path]
 Run = Callable[..., tuple[int, str, str]]
-
-PNG = b"\x89PNG"
 
 
 @pytest.fixture
@@ -34,6 +33,19 @@ def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
     return call
 
 
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> dict[str, Figure]:
+    """The figures of a run, by name, which are not written: that takes seconds."""
+    figures: dict[str, Figure] = {}
+
+    def keep(figure: Figure, folder: Path, name: str) -> list[Path]:
+        figures[name] = figure
+        return [folder / f"{name}.png"]
+
+    monkeypatch.setattr("rover_metrics.analysis.output.save", keep)
+    return figures
+
+
 def as_json(outcome: tuple[int, str, str], code: int = 0) -> Any:  # noqa: ANN401  # JSON
     assert outcome[0] == code, outcome[2]
     return json.loads(outcome[1])
@@ -41,6 +53,7 @@ def as_json(outcome: tuple[int, str, str], code: int = 0) -> Any:  # noqa: ANN40
 
 def test_every_metric_of_a_log_is_worked_out(run: Run, write_log: WriteLog) -> None:
     result = as_json(run(write_log(lines=71), "-p", "--json"))
+    assert (result["confidence"], result["iqr_multiplier"], result["unit"]) == (0.95, 1.5, "log")
     (log,) = result["logs"]
     metrics = log["metrics"]
     assert list(metrics) == ["TC", "CS", "SM", "OC", "DT", "CV", "VORT", "IM", "RT", "VR"]
@@ -57,38 +70,34 @@ def test_every_metric_of_a_log_is_worked_out(run: Run, write_log: WriteLog) -> N
     assert (log["rows"], log["duration"], log["episodes"]) == (71, 70.0, 1)
 
 
-def test_tables_name_metrics_units_and_numbers(run: Run, write_log: WriteLog) -> None:
-    code, out, err = run(write_log(), "-p", "correlation")
+def test_tables_name_metrics_units_and_numbers(
+    run: Run, write_log: WriteLog, drawn: dict[str, Figure]
+) -> None:
+    code, out, err = run(write_log(), "-p", "correlation", "aggregate")
     assert (code, err) == (0, "")
     (line,) = (line for line in out.splitlines() if "Collisions [scans/min]" in line)
     assert line.split()[:4] == ["TC", "Collisions", "[scans/min]", "120.0"]
     assert "log: 60 rows, 59 s" in out
     assert "2 files in" in out
+    assert list(drawn) == ["correlation", "aggregate"]
 
 
 def test_only_the_metrics_asked_for_are_reported_and_drawn(
-    run: Run, write_log: WriteLog, tmp_path: Path
+    run: Run, write_log: WriteLog, drawn: dict[str, Figure], tmp_path: Path
 ) -> None:
     result = as_json(run(write_log(), "-m", "OC", "vort", "OC", "--json"))
     assert list(result["logs"][0]["metrics"]) == ["OC", "VORT"]
-    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
-        "time_series_OC.pdf",
-        "time_series_OC.png",
-        "time_series_VORT.pdf",
-        "time_series_VORT.png",
-    ]
+    assert list(drawn) == ["time_series_OC", "time_series_VORT"]
+    assert result["files"] == [str(tmp_path / "out" / f"{name}.png") for name in drawn]
+    assert result["correlations"] == []
 
 
-def test_each_plot_is_written_when_asked_for(run: Run, write_log: WriteLog, tmp_path: Path) -> None:
-    words = ["-m", "OC", "CV", "-p", "correlation", "aggregate", "comparison", "--json"]
-    result = as_json(run(write_log(), *words))
-    pngs = [Path(path) for path in result["files"] if path.endswith(".png")]
-    assert [path.name for path in pngs] == ["correlation.png", "aggregate.png", "comparison.png"]
-    for png in pngs:
-        assert png.parent == tmp_path / "out"
-        assert png.read_bytes().startswith(PNG)
-        assert png.stat().st_size > 10_000
-        assert png.with_suffix(".pdf").stat().st_size > 5_000
+def test_a_plot_is_written_as_png_and_pdf(run: Run, write_log: WriteLog, tmp_path: Path) -> None:
+    result = as_json(run(write_log(), "-m", "OC", "CV", "-p", "correlation", "--json"))
+    png, pdf = map(Path, result["files"])
+    assert (png, pdf) == (tmp_path / "out/correlation.png", tmp_path / "out/correlation.pdf")
+    assert png.read_bytes().startswith(b"\x89PNG")
+    assert pdf.read_bytes().startswith(b"%PDF")
     assert [pair["first"] + pair["second"] for pair in result["correlations"]] == ["OCCV"]
 
 
@@ -97,14 +106,32 @@ def test_no_plot_is_drawn_if_none_is_named(run: Run, write_log: WriteLog, tmp_pa
     assert not (tmp_path / "out").exists()
 
 
-def test_the_time_axis_changes_the_plot(run: Run, write_log: WriteLog, tmp_path: Path) -> None:
-    log, pictures = write_log(), set()
-    for words in (["-n", "none"], ["-n", "percentage"], ["--fixed-interval", "5"]):
-        assert run(log, "-m", "OC", *words)[0] == 0
-        pictures.add((tmp_path / "out/time_series_OC.png").read_bytes())
-    assert run(log, "-m", "OC")[0] == 0
-    assert (tmp_path / "out/time_series_OC.png").read_bytes() in pictures  # percentage by default
-    assert len(pictures) == 3
+@pytest.mark.parametrize(
+    ("words", "label"),
+    [
+        ([], "Share of the episode [%]"),
+        (["-n", "none"], "Time since the episode began [s]"),
+        (["-n", "fixed_interval"], "Time since the episode began [s], means over 1 s"),
+        (["--fixed-interval", "5"], "Time since the episode began [s], means over 5 s"),
+    ],
+)
+def test_the_time_axis_is_that_asked_for(
+    run: Run, write_log: WriteLog, drawn: dict[str, Figure], words: list[str], label: str
+) -> None:
+    assert run(write_log(), "-m", "OC", *words)[0] == 0
+    assert drawn["time_series_OC"].axes[0].get_xlabel() == label
+
+
+def test_a_correlation_that_the_level_does_not_bear_out_is_white(
+    run: Run, write_log: WriteLog, row: Row, drawn: dict[str, Figure]
+) -> None:
+    noise = np.random.default_rng(0).normal(size=(2, 60))
+    lines = [row(i, Obstacle_Clearance=a + b, Current_Velocity=b) for i, (a, b) in enumerate(noise.T)]
+    log = write_log(lines=lines)
+    for level, white in (("0.95", False), ("0.9999999999", True)):
+        run(log, "-m", "OC", "CV", "-p", "correlation", "--confidence-level", level)
+        (cell,) = drawn["correlation"].axes[0].patches
+        assert (cell.get_facecolor() == (1.0, 1.0, 1.0, 1.0)) is white
 
 
 def test_outliers_are_counted_but_removed_only_on_request(
@@ -232,24 +259,23 @@ def test_a_log_named_twice_counts_once(run: Run, write_log: WriteLog) -> None:
     assert "is named more than once and counts once" in outcome[2]
 
 
-@pytest.mark.parametrize(
-    "name", ["$x_{.csv", "_hidden.csv", "[red]bold.csv", "a\nb\x1b[31m.csv", "..csv"]
-)
 def test_no_name_of_a_log_escapes_the_folder_or_breaks_tables_and_plots(
-    run: Run, write_log: WriteLog, tmp_path: Path, name: str
+    run: Run, write_log: WriteLog, tmp_path: Path
 ) -> None:
-    log = write_log(name)
+    names = ["$x_{.csv", "_hidden.csv", "[red]bold.csv", "a\nb\x1b[31m.csv", "..csv"]
+    logs = [write_log(name) for name in names]
     before = {path for path in tmp_path.rglob("*") if "out" not in path.parts}
-    code, out, err = run(log, tmp_path / "..\n..", "-m", "CV", "-p", "time_series", "comparison")
+    code, out, err = run(*logs, tmp_path / "..\n..", "-m", "CV", "-p", "time_series", "comparison")
     assert code == 1
     assert len(err.splitlines()) == 1
     assert "\x1b" not in out + err
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        "time_series_CV.png",
-        "time_series_CV.pdf",
-        "comparison.png",
+    assert "[red]bold: 60 rows" in out
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
         "comparison.pdf",
-    }
+        "comparison.png",
+        "time_series_CV.pdf",
+        "time_series_CV.png",
+    ]
     assert {path for path in tmp_path.rglob("*") if "out" not in path.parts} == before
 
 
@@ -263,6 +289,12 @@ def test_no_name_of_a_log_escapes_the_folder_or_breaks_tables_and_plots(
         (["x", "--confidence-level", "95"], "between 0 and 1, such as 0.95"),
         (["x", "--iqr-multiplier", "-1"], "not a number above 0"),
         (["x", "--fixed-interval", "nan"], "not a number above 0"),
+        (["x", "--gap", "0"], "not a number above 0"),
+        (["x", "--gap", "inf"], "not a number above 0"),
+        (["x", "--confidence-level", "1"], "between 0 and 1"),
+        (["x", "--confidence-level", "0"], "between 0 and 1"),
+        (["x", "--group-names", "a", "b"], "--group-names has no effect without --versus"),
+        (["x", "--versus", "y", "--group-names", "a", "b\n"], "names that can be printed"),
         (["x", "-n", "none", "--fixed-interval", "2"], "give -n fixed_interval"),
         (["x", "--unit", "episode"], "no effect without --versus"),
         (["x", "--versus", "x"], "is in both groups"),
@@ -286,25 +318,18 @@ def test_an_output_folder_that_cannot_be_is_told(run: Run, write_log: WriteLog) 
     assert len(err.splitlines()) == 1
 
 
-def test_json_has_no_number_that_json_does_not_know(run: Run, write_log: WriteLog) -> None:
-    _, out, _ = run(
-        write_log(lines=1),
-        "-m",
-        "CV",
-        "OC",
-        "RT",
-        "--json",
-        "-p",
-        "correlation",
-        "aggregate",
-        "comparison",
-    )
+def test_json_has_no_number_that_json_does_not_know(
+    run: Run, write_log: WriteLog, drawn: dict[str, Figure]
+) -> None:
+    words = ["-m", "CV", "OC", "RT", "--json", "-p", "correlation", "aggregate", "comparison"]
+    _, out, _ = run(write_log(lines=1), *words)
 
     def refuse(constant: str) -> None:
         raise AssertionError(constant)
 
     summary = json.loads(out, parse_constant=refuse)["logs"][0]["metrics"]["CV"]
     assert (summary["n"], summary["sd"], summary["interval"]) == (1, None, None)
+    assert list(drawn) == ["aggregate", "comparison"]  # one row correlates with nothing
 
 
 def test_the_command_needs_no_ros_and_ends_quietly_when_its_reader_leaves(

@@ -1,64 +1,104 @@
+"""Two groups of observations, against scipy and every pair or split counted."""
+
+from itertools import combinations
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy import stats
 
-from rover_metrics.analysis.comparison import cliffs_delta, compare
+from rover_metrics.analysis.comparison import MOST_SPLITS, cliffs_delta, compare, hedges_g
+from rover_metrics.analysis.log import Floats
 
 A = np.array([1.0, 2.0, 3.0, 4.0])
 B = np.array([6.0, 7.0, 8.0, 9.0])
+FEW = st.lists(st.integers(0, 6), min_size=2, max_size=5).map(lambda v: np.array(v, float))
 
 
-def test_few_observations_get_an_exact_permutation_test() -> None:
-    result = compare("CV", A, B, 0.95)
-    assert result.test == "exact permutation"
-    assert result.p == pytest.approx(2 / 70)  # the most extreme of 70 splits, on two sides
-    assert result.smallest_p == pytest.approx(2 / 70)
-    assert result.difference == 5.0
+def exact_p(first: Floats, second: Floats) -> float:
+    """Share of the splits whose means differ at least as much; two-sided as twice the nearer tail."""
+    everyone = np.concatenate((first, second))
+    seen, differences = second.mean() - first.mean(), []
+    for chosen in combinations(range(everyone.size), first.size):
+        rest = np.delete(everyone, chosen)
+        differences.append(rest.mean() - everyone[list(chosen)].mean())
+    above, below = np.array(differences) >= seen - 1e-9, np.array(differences) <= seen + 1e-9
+    return float(min(1.0, 2 * min(above.mean(), below.mean())))
 
 
-def test_many_observations_get_mann_whitney() -> None:
+@pytest.mark.filterwarnings("ignore:Precision loss")  # of scipy, where a group is constant
+@given(FEW, FEW)
+def test_few_observations_are_judged_by_every_split_and_pair(first: Floats, second: Floats) -> None:
+    result = compare("CV", first, second, 0.9)
+    assert (result.code, result.n, result.test) == (
+        "CV",
+        (first.size, second.size),
+        "exact permutation",
+    )
+    assert list(result.means) == pytest.approx([first.mean(), second.mean()])
+    assert result.difference == pytest.approx(second.mean() - first.mean())
+    assert result.p == pytest.approx(exact_p(first, second))
+    signs = np.sign(second[:, None] - first[None, :])
+    assert result.cliffs_delta == pytest.approx(signs.mean())
+    freedom = first.size + second.size - 2
+    pooled = np.sqrt(
+        (((first - first.mean()) ** 2).sum() + ((second - second.mean()) ** 2).sum()) / freedom
+    )
+    if pooled:
+        g = (second.mean() - first.mean()) / pooled * (1 - 3 / (4 * freedom - 1))
+        assert result.hedges_g == pytest.approx(g)
+        welch = stats.ttest_ind(second, first, equal_var=False).confidence_interval(0.9)
+        assert result.interval == pytest.approx((welch.low, welch.high))
+    else:
+        assert (result.hedges_g, result.interval) == (None, None)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "test", "smallest"),
+    [
+        ((3, 3), "exact permutation", 2 / 20),
+        ((2, 1 + 1), "exact permutation", 2 / 6),
+        ((8, 8), "exact permutation", 2 / 12_870),
+        ((9, 8), "Mann-Whitney U", 2 / 24_310),
+    ],
+)
+def test_the_number_of_splits_chooses_the_test(
+    sizes: tuple[int, int], test: str, smallest: float
+) -> None:
+    assert MOST_SPLITS == 20_000
     rng = np.random.default_rng(0)
-    a, b = rng.exponential(1, 30), rng.exponential(2, 30)
+    a, b = rng.exponential(1, sizes[0]), 100 + rng.exponential(2, sizes[1])
     result = compare("CV", a, b, 0.95)
-    assert result.test == "Mann-Whitney U"
-    assert result.p == pytest.approx(stats.mannwhitneyu(a, b).pvalue)
+    assert result.test == test
+    assert [result.p, result.smallest_p] == pytest.approx(
+        [smallest] * 2
+    )  # all of the one below all of the other
+    if test == "Mann-Whitney U":
+        mixed = np.concatenate((b[:4], a[4:]))
+        expected = stats.mannwhitneyu(mixed, b).pvalue
+        assert compare("CV", mixed, b, 0.95).p == pytest.approx(expected)
 
 
-def test_the_interval_is_welchs() -> None:
-    a, b = np.array([1.0, 2.0, 3.0, 4.0, 5.0]), np.array([2.0, 9.0, 4.0])
-    welch = stats.ttest_ind(b, a, equal_var=False).confidence_interval(0.9)
-    assert compare("CV", a, b, 0.9).interval == pytest.approx((welch.low, welch.high))
+def test_one_observation_or_none_gives_no_test() -> None:
+    for first, second, difference in ((A[:1], B, 6.5), (A, B[:1], 3.5)):
+        alone = compare("CV", first, second, 0.95)
+        assert (alone.test, alone.p, alone.interval, alone.hedges_g) == (None, None, None, None)
+        assert (alone.difference, alone.cliffs_delta) == (difference, 1.0)
+    nothing = compare("CV", A[:0], B, 0.95)
+    assert (nothing.n, nothing.means) == ((0, 4), (None, 7.5))
+    assert nothing.difference is nothing.cliffs_delta is None
 
 
 def test_effect_sizes_are_those_of_a_hand_calculation() -> None:
-    result = compare("CV", A, B, 0.95)
-    assert result.hedges_g == pytest.approx(5 / np.sqrt(5 / 3) * (1 - 3 / 23))
-    assert result.cliffs_delta == 1.0
+    assert hedges_g(A, B) == pytest.approx(5 / np.sqrt(5 / 3) * (1 - 3 / 23))
     # Of four pairs two are above, one below, one equal.
     assert cliffs_delta(np.array([1.0, 2.0]), np.array([1.0, 3.0])) == 0.25
     assert cliffs_delta(B, A) == -1.0
 
 
-def test_equal_groups_do_not_differ() -> None:
-    result = compare("CV", A, A, 0.95)
-    assert (result.p, result.difference, result.cliffs_delta) == (1.0, 0.0, 0.0)
-
-
-def test_three_against_three_cannot_be_significant_and_say_so() -> None:
-    result = compare("CV", A[:3], B[:3], 0.95)
-    assert result.p == result.smallest_p == pytest.approx(0.1)
-
-
-def test_one_observation_or_none_gives_no_test() -> None:
-    alone = compare("CV", A[:1], B, 0.95)
-    assert (alone.test, alone.p, alone.interval, alone.hedges_g) == (None, None, None, None)
-    assert alone.difference == 6.5
-    nothing = compare("CV", A[:0], B, 0.95)
-    assert nothing.means == (None, 7.5)
-    assert nothing.difference is None
-
-
-def test_groups_without_variance_have_a_p_value_but_no_standardised_difference() -> None:
-    result = compare("TC", np.zeros(3), np.ones(3), 0.95)
-    assert (result.hedges_g, result.interval) == (None, None)
-    assert result.p == pytest.approx(0.1)
+def test_an_adjusted_comparison_keeps_all_else() -> None:
+    result = compare("CV", A, B, 0.95)
+    assert result.p_holm is None
+    assert result.adjusted(0.5).p_holm == 0.5
+    assert result.adjusted(0.5).p == result.p == pytest.approx(2 / 70)

@@ -2,14 +2,21 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
+import pandas as pd
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+from matplotlib.text import Annotation
+from scipy import stats
 
+from rover_metrics.analysis.correlation import Correlation
 from rover_metrics.analysis.log import Floats, Log
 from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analysis.outcome import analyse
@@ -17,14 +24,14 @@ from rover_metrics.analysis.plots.aggregate import draw_aggregate, mean_and_band
 from rover_metrics.analysis.plots.comparison import draw_comparison
 from rover_metrics.analysis.plots.correlation import draw_correlation
 from rover_metrics.analysis.plots.curves import MOST_POINTS, smoothed, thinned, upper_limit
-from rover_metrics.analysis.plots.style import look, save, styled
+from rover_metrics.analysis.plots.style import legend_columns, look, save, styled
 from rover_metrics.analysis.plots.time_series import draw_time_series
 from rover_metrics.analysis.study import Member, Options, Study
-from rover_metrics.analysis.time_axis import AxisName, TimeAxis
+from rover_metrics.analysis.time_axis import AxisName, TimeAxis, on_grid
 from rover_metrics.thresholds import Thresholds
 
 MakeLog = Callable[..., Log]
-OKABE_ITO = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"}
+OKABE_ITO = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"]
 
 
 @pytest.fixture
@@ -67,19 +74,57 @@ def texts(figure: Figure) -> str:
     return "\n".join(text.get_text() for axes in figure.axes for text in axes.texts)
 
 
-def test_each_log_is_a_curve_of_its_own_colour_and_line(study: Study) -> None:
-    axes = only_axes(draw_time_series(ungrouped(study), METRICS["OC"], TimeAxis("none")))
+@pytest.mark.parametrize("code", ["TC", "OC", "RT"])
+def test_each_log_is_a_running_curve_of_its_own_colour_and_line(study: Study, code: str) -> None:
+    """Levels as the median over a twentieth, all else as the mean over a tenth; nine rows at least."""
+    metric = METRICS[code]
+    axes = only_axes(draw_time_series(ungrouped(study), metric, TimeAxis("none")))
     curves = [line for line in axes.lines if str(line.get_label()).startswith("log")]
     assert [line.get_label() for line in curves] == ["log 0", "log 1", "log 2", "log 3"]
-    assert {to_hex(line.get_color()) for line in curves} < OKABE_ITO
+    assert [to_hex(line.get_color()) for line in curves] == OKABE_ITO[:4]
     assert len({str(look(i)["linestyle"]) for i in range(4)}) == 4
+    for member, curve in zip(study.members, curves, strict=True):
+        values = pd.Series(study.series(member.log, metric).values)
+        share = 0.05 if code == "OC" else 0.1
+        running = values.rolling(max(9, round(share * len(values))), center=True, min_periods=1)
+        expected = (running.median() if code == "OC" else running.mean()).dropna()
+        assert ys(curve) == pytest.approx(expected.to_numpy())
+        assert xs(curve) == pytest.approx(expected.index)
+    end = axes.get_ylim()[1]
+    assert axes.get_ylim()[0] == 0
+    assert end == pytest.approx(1.1 * max(ys(line).max() for line in curves)) or code == "RT"
+    assert (
+        axes.get_title(loc="left")
+        == {
+            "TC": "Collisions: running mean over 10 % of the episode",
+            "OC": "Obstacle clearance: running median over 5 % of the episode",
+            "RT": "Time on rough terrain: running mean over 10 % of the episode",
+        }[code]
+    )
 
 
-def test_of_two_groups_each_has_one_look_and_one_name(study: Study) -> None:
+def test_a_share_is_never_drawn_beyond_all_of_it(make_log: MakeLog) -> None:
+    log = make_log({"Is Rough Terrain": np.ones(50)})
+    study = Study((Member(log, "x", "all"),), ("all",), Options((METRICS["RT"],)))
+    for figure in (
+        draw_time_series(study, METRICS["RT"], TimeAxis()),
+        draw_aggregate(study, TimeAxis()),
+    ):
+        assert only_axes(figure).get_ylim() == (0, 105.0)
+
+
+@pytest.mark.parametrize(("logs", "named"), [(12, 12), (13, 1)])
+def test_of_two_groups_or_many_logs_each_group_has_one_look_and_one_name(
+    study: Study, logs: int, named: int
+) -> None:
     axes = only_axes(draw_time_series(study, METRICS["OC"], TimeAxis("none")))
-    curves = axes.lines[:4]
-    assert len({(to_hex(line.get_color()), str(line.get_linestyle())) for line in curves}) == 2
+    looks = [(to_hex(line.get_color()), str(line.get_linestyle())) for line in axes.lines[:4]]
+    assert looks[0] == looks[1] != looks[2] == looks[3]
     assert axes.get_legend_handles_labels()[1] == ["a", "b"]
+    log = study.members[0].log
+    many = Study(tuple(Member(log, f"log {i}", "all") for i in range(logs)), ("all",), study.options)
+    axes = only_axes(draw_time_series(many, METRICS["OC"], TimeAxis("none")))
+    assert len(axes.get_legend_handles_labels()[1]) == named
 
 
 def test_thirty_curves_look_different() -> None:
@@ -106,21 +151,24 @@ def test_axes_carry_units_and_thresholds_their_values(study: Study) -> None:
     figure = draw_time_series(study, METRICS["OC"], TimeAxis("none"))
     axes = only_axes(figure)
     assert axes.get_ylabel() == "Obstacle clearance [m]"
-    levels = {float(ys(line)[0]) for line in axes.lines if ys(line).size == 2}
-    assert levels == {0.2, 0.5}
-    assert figure is not None
-    assert "collision threshold 0.2 m" in texts(figure)
-    assert "min safe clearance 0.5 m" in texts(figure)
+    levels = {float(ys(line)[0]): str(line.get_linestyle()) for line in axes.lines if ys(line).size == 2}
+    assert levels == {0.2: "--", 0.5: ":"}
+    places = {text.get_text().strip(): text.xy for text in axes.texts if isinstance(text, Annotation)}
+    assert places == {"collision threshold 0.2 m": (1.0, 0.2), "min safe clearance 0.5 m": (0.0, 0.5)}
 
 
 def test_rows_stand_behind_the_curve_only_where_they_do_not_hide_each_other(
     study: Study,
 ) -> None:
-    few = Study(study.members[:2], study.groups, study.options)
-    many = only_axes(draw_time_series(study, METRICS["OC"], TimeAxis("none"))).lines
-    both = only_axes(draw_time_series(few, METRICS["OC"], TimeAxis("none"))).lines
-    assert len(many) == 4 + 2  # and two thresholds
-    assert len(both) == 2 * 2 + 2
+    def lines(members: int, code: str = "OC") -> list[Line2D]:
+        few = Study(study.members[:members], study.groups, study.options)
+        return list(only_axes(draw_time_series(few, METRICS[code], TimeAxis("none"))).lines)
+
+    assert [len(lines(members)) for members in (2, 3, 4)] == [2 * 2 + 2, 3 * 2 + 2, 4 + 2]
+    assert len(lines(2, "TC")) == 2
+    values = study.members[0].log.columns["Obstacle Clearance"]
+    np.testing.assert_array_equal(ys(lines(2)[0]), values)
+    assert (lines(2)[0].get_alpha(), lines(2)[1].get_alpha()) == (0.3, None)
 
 
 def test_a_metric_without_values_gives_no_figure(study: Study) -> None:
@@ -151,11 +199,54 @@ def test_a_huge_series_is_thinned_but_keeps_its_peaks() -> None:
     np.testing.assert_allclose(curve[1000:-1000], np.sin(at[1000:-1000] / 1000), atol=0.06)
 
 
+def test_a_short_series_is_drawn_whole_and_a_long_one_by_extremes_in_turn() -> None:
+    x = np.arange(float(MOST_POINTS + 1))
+    values = np.tile([3.0, np.nan], MOST_POINTS)[: MOST_POINTS + 1]
+    assert [part.size for part in thinned(x, values)] == [MOST_POINTS // 2 + 1] * 2
+    values = np.random.default_rng(0).normal(size=MOST_POINTS + 1)
+    assert thinned(x[:-1], values[:-1])[0].size == MOST_POINTS
+    runs = np.split(values, range(3, values.size, 3))
+    extremes = sorted(3 * i + pick(run) for i, run in enumerate(runs) for pick in (np.argmin, np.argmax))
+    assert thinned(x, values)[0].tolist() == np.unique(extremes).tolist()
+
+
+def test_a_very_long_series_is_smoothed_over_the_means_of_runs() -> None:
+    values = np.random.default_rng(0).normal(size=40_001)
+    values[:3] = np.nan
+    x, curve = smoothed(np.arange(40_001.0), values, 0.0, "mean")
+    assert x[:2].tolist() == [1.0, 4.0]  # 13 334 runs of three
+    assert curve.size == 13_334
+    means = pd.Series(values).groupby(np.arange(40_001) // 3).mean()
+    assert curve[20:30] == pytest.approx(means.rolling(9, center=True).mean()[20:30])
+    assert smoothed(np.arange(20_000.0), values[:20_000], 0.0, "mean")[0].size == 20_000
+
+
+@pytest.mark.parametrize(
+    ("values", "at_least", "expected"),
+    [
+        ([], 0.0, (1.0, 0, 0.0)),
+        ([np.nan], 2.0, (2.0, 0, 0.0)),
+        ([0.0, 0.0], 0.0, (1.0, 0, 0.0)),
+        ([1.0, 2.0], 0.0, (2.2, 0, 2.0)),
+        ([1.0, 2.0], 3.0, (3.0, 0, 2.0)),
+        ([*[1.0] * 999, 1.5], 0.0, (1.65, 0, 1.5)),
+        ([*[1.0] * 998, 1.6, 1.6], 0.0, (1.1, 2, 1.6)),
+        ([*[0.0] * 999, 5.0], 0.0, (5.5, 0, 5.0)),
+    ],
+)
+def test_an_axis_ends_above_the_bulk(
+    values: list[float], at_least: float, expected: tuple[float, int, float]
+) -> None:
+    assert upper_limit([np.array(values)], at_least) == pytest.approx(expected)
+
+
 def test_the_median_is_not_lifted_by_a_jolt_and_the_mean_counts_it() -> None:
     values = np.zeros(100)
     values[50] = 90.0
-    assert smoothed(np.arange(100.0), values, 0.05, "median")[1].max() == 0.0
-    assert smoothed(np.arange(100.0), values, 0.05, "mean")[1].max() == pytest.approx(10.0)
+    for share, window in ((0.05, 9), (0.2, 20)):
+        assert smoothed(np.arange(100.0), values, share, "median")[1].max() == 0.0
+        mean = smoothed(np.arange(100.0), values, share, "mean")[1]
+        assert mean.max() == pytest.approx(90 / window)
 
 
 def test_an_aggregate_is_mean_and_t_interval_of_the_episodes() -> None:
@@ -175,37 +266,150 @@ def test_an_aggregate_has_a_panel_a_metric_and_a_curve_a_group(study: Study) -> 
         "Obstacle clearance [m]",
         "Time on rough terrain [% of rows]",
     ]
-    labels = [line.get_label() for line in figure.axes[1].lines[:2]]
-    assert labels == ["a (2 episodes)", "b (2 episodes)"]
+    assert [axes.get_xlabel() for axes in figure.axes] == ["", *["Share of the episode [%]"] * 2]
+    assert figure.get_suptitle() == "Mean of the episodes; band: 95 % t interval (range if under 3)"
+    clearance = figure.axes[1]
+    grid = np.arange(0.0, 101.0, 2.0)
+    assert [line.get_label() for line in clearance.lines[:2]] == ["a (2 episodes)", "b (2 episodes)"]
+    highest = []
+    for group, line, band in zip("ab", clearance.lines, clearance.collections, strict=False):
+        curves = []
+        for member in study.members:
+            if member.group == group:
+                x, y = TimeAxis().place(
+                    member.log.stamps, study.series(member.log, METRICS["OC"]).values
+                )
+                curves.append(on_grid(x, y, grid))
+        np.testing.assert_array_equal(xs(line), grid)
+        np.testing.assert_allclose(ys(line), np.mean(curves, axis=0))
+        edges = np.asarray(band.get_paths()[0].vertices)
+        assert (edges[:, 1].min(), edges[:, 1].max()) == (np.min(curves), np.max(curves))
+        high = np.max(curves, axis=0)
+        highest.append(max(1.4 * np.mean(curves, axis=0).max(), 1.1 * np.quantile(high, 0.97)))
+    assert clearance.get_ylim() == pytest.approx((0, max(highest)))
+    assert draw_aggregate(replace(study, options=Options((METRICS["VR"],))), TimeAxis()) is None
 
 
-def test_a_correlation_is_written_into_its_cell(study: Study) -> None:
-    result = analyse(study)
-    figure = draw_correlation(result.correlations, study.options.metrics, 0.05)
-    assert figure is not None
-    assert len(result.correlations) == 3
-    for item in result.correlations:
-        assert f"{item.rho:+.2f}" in texts(figure)
-    assert draw_correlation((), study.options.metrics, 0.05) is None
+@pytest.mark.parametrize(
+    ("axis", "step", "last"),
+    [
+        (TimeAxis("none"), 199 / 60, 199.0),
+        (TimeAxis("fixed_interval", 50.0), 50.0, 200.0),
+        (TimeAxis("fixed_interval", 0.01), 199 / 2000, 199.0),
+    ],
+)
+def test_episodes_are_averaged_on_steps_that_suit_the_longest(
+    study: Study, axis: TimeAxis, step: float, last: float
+) -> None:
+    x = xs(only_axes(draw_aggregate(study, axis)).lines[0])
+    assert (x[0], x[1], x[-1]) == (0, pytest.approx(step), pytest.approx(last))
+
+
+def test_a_correlation_is_written_into_its_cell_below_the_diagonal() -> None:
+    metrics = [METRICS[code] for code in ("TC", "OC", "CV", "RT")]
+    items = [
+        Correlation("TC", "OC", -0.63, 9, 9.0, p=0.001, p_holm=0.049),
+        Correlation("OC", "RT", 0.61, 9, 9.0, p=0.0001),
+        Correlation("TC", "RT", 0.9, 9, 9.0, p=0.001, p_holm=0.05),
+    ]
+    figure = draw_correlation(items, metrics, 0.05)
+    axes = only_axes(figure)
+    colours = mpl.colormaps["PuOr"]
+    cells = {
+        (p.get_x() + 0.5, p.get_y() + 0.5): p.get_facecolor()
+        for p in axes.patches
+        if isinstance(p, Rectangle)
+    }
+    # CV is in no pair: columns TC, OC, and rows OC, RT.
+    assert cells == {(0, 1): colours(0.185), (1, 2): colours(0.805), (0, 2): (1.0, 1.0, 1.0, 1.0)}
+    shown = {(t.get_position()[0], t.get_text()): t.get_color() for t in axes.texts}
+    assert shown == {
+        (0, "-0.63"): "white",
+        (0, "0.049"): "white",
+        (1, "+0.61"): "black",
+        (1, "<0.001"): "black",
+        (0, "+0.90"): "#666666",
+        (0, "0.050"): "#666666",
+    }
+    assert [tick.get_text() for tick in axes.get_xticklabels()] == ["TC", "OC"]
+    assert [tick.get_text() for tick in axes.get_yticklabels()] == [
+        "Obstacle clearance  OC",
+        "Time on rough terrain  RT",
+    ]
+    assert (axes.get_xlim(), axes.get_ylim()) == ((-0.5, 1.5), (2.5, 0.5))
+    assert "white: p of 0.05 or more" in axes.get_title(loc="left")
+    assert draw_correlation((), metrics, 0.05) is None
 
 
 def test_a_comparison_shows_each_log_as_a_point_and_the_verdict(study: Study) -> None:
     result = analyse(study)
     figure = draw_comparison(study, result)
     assert figure is not None
-    assert [ys(line).size for line in figure.axes[1].lines] == [2, 2]
+    axes = figure.axes[1]
+    means = [study.observations(METRICS["OC"], group) for group in "ab"]
+    for place, (line, values) in enumerate(zip(axes.lines, means, strict=True)):
+        assert (xs(line).tolist(), ys(line).tolist()) == ([place - 0.15, place + 0.15], values.tolist())
+    segments = [
+        np.asarray(c.get_segments()[0]) for c in axes.collections if isinstance(c, LineCollection)
+    ]
+    for place, values in enumerate(means):
+        mean, bar = segments[2 * place : 2 * place + 2]
+        np.testing.assert_allclose(mean, [[place - 0.28, values.mean()], [place + 0.28, values.mean()]])
+        interval = stats.t.interval(0.95, 1, values.mean(), stats.sem(values))
+        np.testing.assert_allclose(bar, [[place + 0.28, interval[0]], [place + 0.28, interval[1]]])
+    assert [tick.get_text() for tick in axes.get_xticklabels()] == ["a", "b"]
+    assert axes.get_ylim() == pytest.approx((0, 2 * max(map(max, means))))
     clearance = next(item for item in result.comparisons if item.code == "OC")
-    assert f"p = {clearance.p_holm:.3f}, g = {clearance.hedges_g:+.2f}" in figure.axes[1].get_title(
-        loc="right"
-    )
+    verdict = f"p = {clearance.p_holm:.3f}, g = {clearance.hedges_g:+.2f}"
+    assert axes.get_title(loc="right") == verdict
+    assert axes.get_title(loc="left") == "Obstacle clearance\n[m]"
+    told = "Each point one log; line: mean, bar: 95 % t interval; p: Holm-adjusted"
+    assert figure.get_suptitle() == told
+    for p, title in ((0.0004, "p <0.001"), (None, "no test")):
+        item = replace(clearance, p_holm=p, hedges_g=None)
+        alone = replace(study, options=Options((METRICS["OC"],)))
+        axes = only_axes(draw_comparison(alone, replace(result, comparisons=(item,))))
+        assert axes.get_title(loc="right") == title
 
 
 def test_without_groups_a_comparison_shows_the_logs_side_by_side(study: Study) -> None:
     alone = ungrouped(study)
     figure = draw_comparison(alone, analyse(alone))
     assert figure is not None
-    assert len(figure.axes[0].patches) == 4
+    rates, clearances, _ = figure.axes
+    for place, member in enumerate(alone.members):
+        bar, box = rates.patches[place], clearances.patches[place]
+        assert isinstance(bar, Rectangle)
+        assert isinstance(box, Rectangle)
+        total = np.ptp(member.log.columns["Total Collisions"]) / member.log.duration * 60
+        assert [bar.get_height(), bar.get_x()] == pytest.approx([total, place - 0.3])
+        low, first, middle, third, high = np.percentile(
+            member.log.columns["Obstacle Clearance"], [5, 25, 50, 75, 95]
+        )
+        assert [box.get_y(), box.get_height()] == pytest.approx([first, third - first])
+        whisker, median = (
+            np.asarray(c.get_segments()[0])  # type: ignore[attr-defined]
+            for c in clearances.collections[2 * place : 2 * place + 2]
+        )
+        np.testing.assert_allclose(whisker, [[place, low], [place, high]])
+        np.testing.assert_allclose(median, [[place - 0.25, middle], [place + 0.25, middle]])
+    assert [tick.get_text() for tick in rates.get_xticklabels()] == ["1", "2", "3", "4"]
     assert figure.get_supxlabel() == "1: log 0    2: log 1    3: log 2    4: log 3"
+    many = replace(alone, members=alone.members * 4, options=Options((METRICS["OC"],)))
+    figure = draw_comparison(many, analyse(alone))
+    ticks = only_axes(figure).get_xticklabels()
+    assert [tick.get_text() for tick in ticks] == [str(number) for number in range(1, 16, 2)]
+    assert figure is not None
+    assert figure.get_supxlabel().split("    ")[-1] == "and so on"
+    assert "11: log 2" in figure.get_supxlabel()
+
+
+@pytest.mark.parametrize(
+    ("names", "columns"),
+    [([], 1), (["a"], 1), (["abc"] * 9, 8), (["x" * 100, "a"], 1), (["x" * 11] * 9, 5)],
+)
+def test_a_legend_is_as_wide_as_the_figure(names: list[str], columns: int) -> None:
+    assert legend_columns(names) == columns
 
 
 def test_files_are_png_and_pdf_and_the_same_bytes_again(study: Study, tmp_path: Path) -> None:

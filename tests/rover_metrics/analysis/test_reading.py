@@ -127,6 +127,8 @@ def test_time_that_goes_back_and_gaps_begin_episodes(write_log: WriteLog, row: R
 
 def test_a_row_without_a_time_is_left_out(write_log: WriteLog, row: Row) -> None:
     header = ",".join(COLUMNS)
+    blank = read_log(write_log(lines=[row(0), "", row(1, Current_Velocity="fast")]))
+    assert "1 cell without a number in Current Velocity (line 4, 'fast'): left out" in blank.findings
     log = read_log(write_log(lines=[row(0), header, "", row(1), row(2, Timestamp="inf")]))
     assert list(log.stamps) == [100, 101]
     assert any("without a number for a Timestamp (first on line 3)" in text for text in log.findings)

@@ -6,7 +6,7 @@ import pytest
 from rover_metrics.analysis.episodes import episode_starts
 from rover_metrics.analysis.log import Log
 from rover_metrics.analysis.metric import METRICS
-from rover_metrics.analysis.series import metric_series, rate_per_metre
+from rover_metrics.analysis.series import Series, metric_series, rate_per_metre
 
 MakeLog = Callable[..., Log]
 NAN = np.nan
@@ -33,9 +33,22 @@ def test_no_rate_reaches_from_one_episode_into_the_next(make_log: MakeLog) -> No
     np.testing.assert_allclose(metric_series(log, METRICS["TC"]).values, [NAN, 60, NAN, 180])
 
 
-def test_a_flag_becomes_percent(make_log: MakeLog) -> None:
+def test_a_flag_becomes_percent_of_its_own_copy(make_log: MakeLog) -> None:
     log = make_log({"Is Rough Terrain": [0, 1, NAN, 1, 1]})
-    assert metric_series(log, METRICS["RT"]).mean() == pytest.approx(75.0)
+    for _ in range(2):
+        series = metric_series(log, METRICS["RT"])
+        np.testing.assert_array_equal(series.values, [0, 100, NAN, 100, 100])
+        assert series.mean() == pytest.approx(75.0)
+
+
+def test_a_mean_is_weighted_and_of_the_rows_asked_for() -> None:
+    series = Series(np.array([60.0, NAN, 0.0, 30.0]), np.array([1.0, 50.0, 2.0, 3.0]))
+    assert series.mean() == pytest.approx((60 + 90) / 6)
+    assert series.mean(slice(2, 4)) == pytest.approx(90 / 5)
+    assert np.isnan(series.mean(slice(1, 2)))
+    left = series.without(np.array([True, False, False, False]))
+    np.testing.assert_array_equal(left.values, [NAN, NAN, 0.0, 30.0])
+    assert [list(part) for part in left.finite()] == [[0.0, 30.0], [2.0, 3.0]]
 
 
 def test_vort_is_the_velocity_of_rough_rows_only(make_log: MakeLog) -> None:
@@ -46,11 +59,19 @@ def test_vort_is_the_velocity_of_rough_rows_only(make_log: MakeLog) -> None:
 
 
 def test_a_rate_per_metre_is_the_ratio_of_the_gains_and_needs_a_metre(make_log: MakeLog) -> None:
-    columns = {"Total Collisions": [4, 6, 9], "Distance Traveled": [10, 11, 12.5]}
-    assert rate_per_metre(make_log(columns), METRICS["TC"]) == pytest.approx(5 / 2.5)
-    assert rate_per_metre(make_log(columns), METRICS["DT"]) is None
-    columns["Distance Traveled"] = [10, 10.4, 10.9]
-    assert rate_per_metre(make_log(columns), METRICS["TC"]) is None
+    """A reset between two rows is no gain, a row that lacks a number gives none."""
+    stamps, collisions = [0, 1, 2, 3, 0, 1], [4, 6, 9, NAN, 0, 2]
+    for metres, expected in (
+        ([10, 11, 12.5, 13, 0, 1], 7 / 3.5),
+        ([10, 10.25, 10.5, 11, 0, 0.5], 7.0),  # exactly a metre
+        ([10, 10.25, 10.5, 11, 0, 0.4999], None),
+        ([10, NAN, 12.5, 13, 0, 1], 5 / 3.5),
+    ):
+        log = make_log({"Total Collisions": collisions, "Distance Traveled": metres}, stamps)
+        assert rate_per_metre(log, METRICS["TC"]) == expected
+        assert rate_per_metre(log, METRICS["DT"]) is None
+    assert rate_per_metre(make_log({"Total Collisions": [1, 2]}), METRICS["TC"]) is None
+    assert [code for code, metric in METRICS.items() if metric.per_metre] == ["TC", "SM"]
 
 
 @pytest.mark.parametrize(
@@ -58,7 +79,7 @@ def test_a_rate_per_metre_is_the_ratio_of_the_gains_and_needs_a_metre(make_log: 
     [
         ([1, 2, 3], [0, 1, 2], [0]),
         ([1, 2, 1, 2], [0, 1, 2, 3], [0, 2]),
-        ([1, 2, 12, 23], [0, 1, 2, 3], [0, 3]),
+        ([1, 2, 12, 22.001, 22.001], [0, 1, 2, 3, 3], [0, 3]),
         ([1, 2, 3, 4], [5, 6, 0, 1], [0, 2]),
         ([1, 2, 3, 4], [5, NAN, 2, 3], [0, 2]),
         ([1], [0], [0]),

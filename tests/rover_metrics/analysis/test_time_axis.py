@@ -42,6 +42,23 @@ def test_a_grid_averages_dense_rows_and_bridges_sparse_ones_but_not_the_ends() -
     grid = np.array([0.0, 10.0, 20.0, 30.0, 40.0])
     sparse = on_grid(np.array([0.0, 20.0]), np.array([1.0, 3.0]), grid)
     np.testing.assert_allclose(sparse, [1, 2, 3, np.nan, np.nan])
+    late = on_grid(np.array([20.0, 40.0]), np.array([1.0, 3.0]), grid)
+    np.testing.assert_allclose(late, [np.nan, np.nan, 1, 2, 3])
     dense = on_grid(np.arange(41.0), np.arange(41.0), grid)
     np.testing.assert_allclose(dense, [2, 9.5, 19.5, 29.5, 37.5])
+    shifted = on_grid(np.arange(41.0) + 100, np.arange(41.0), grid + 100)
+    np.testing.assert_allclose(shifted, dense)
     assert np.isnan(on_grid(np.array([0.0]), np.array([np.nan]), grid)).all()
+
+
+def test_labels_say_what_the_axis_shows() -> None:
+    assert TimeAxis().label == "Share of the episode [%]"
+    assert TimeAxis("none").label == "Time since the episode began [s]"
+    assert TimeAxis("fixed_interval", 0.5).label == (
+        "Time since the episode began [s], means over 0.5 s"
+    )
+
+
+def test_a_row_at_the_end_of_an_interval_is_of_the_next() -> None:
+    x, y = TimeAxis("fixed_interval").place(np.array([7.0, 7.998, 8.0, 8.9]), np.arange(4.0))
+    assert (x.tolist(), y.tolist()) == ([0, 1], [0.5, 2.5])

@@ -1,0 +1,144 @@
+"""What an analysis says of logs: the statistics of each metric's series, put in their places."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rover_metrics.analysis.comparison import compare
+from rover_metrics.analysis.correlation import combine, correlate
+from rover_metrics.analysis.log import Log
+from rover_metrics.analysis.metric import METRICS, Kind
+from rover_metrics.analysis.multiple import holm
+from rover_metrics.analysis.outcome import analyse
+from rover_metrics.analysis.study import Member, Options, Study
+from rover_metrics.analysis.summary import summarise, summarise_independent
+
+MakeLog = Callable[..., Log]
+CODES = ("DT", "CV", "VORT", "RT", "OC")
+
+
+@pytest.fixture
+def study(make_log: MakeLog) -> Study:
+    """Two groups of three; the last has no clearance, each has two episodes and an outlier."""
+    rng = np.random.default_rng(0)
+    members = []
+    for number, rows in enumerate((40, 60, 50, 44, 70, 30)):
+        speed = rng.random(rows) + 0.1 * number
+        speed[5] = 30.0
+        columns = {
+            "Distance Traveled": np.cumsum(speed),
+            "Current Velocity": speed,
+            "Is Rough Terrain": (speed > 0.6).astype(float),
+            "Obstacle Clearance": np.where(rng.random(rows) < 0.1, np.nan, rng.random(rows) - speed),
+        }
+        if number == 5:
+            del columns["Obstacle Clearance"]
+        stamps = np.arange(rows) + np.where(np.arange(rows) < 20, 0.0, 100.0)
+        log = replace(make_log(columns, stamps), findings=(f"odd {number}",))
+        members.append(Member(log, f"log {number}", "ab"[number // 3]))
+    metrics = tuple(METRICS[code] for code in CODES)
+    return Study(tuple(members), ("a", "b"), Options(metrics, 0.9, correlate=True))
+
+
+def test_each_log_is_summed_up_by_metric(study: Study) -> None:
+    result = analyse(study)
+    assert (result.confidence, result.outliers_removed, result.iqr_multiplier) == (0.9, False, 1.5)
+    assert (result.unit, result.groups) == ("log", ("a", "b"))
+    for member, found in zip(study.members, result.logs, strict=True):
+        log = member.log
+        assert (found.label, found.group, found.path) == (member.label, member.group, "made.csv")
+        assert (found.rows, found.episodes, found.findings) == (len(log), 2, log.findings)
+        assert found.duration == len(log) - 2
+        assert list(found.metrics) == [code for code in CODES if log.has(METRICS[code])]
+        speed = log.columns["Current Velocity"].astype(float)
+        assert found.metrics["CV"] == summarise(speed, np.ones(len(log)), Kind.LEVEL, 0.9)
+        rough = speed[speed > 0.6]
+        assert found.metrics["VORT"] == summarise(rough, np.ones(rough.size), Kind.LEVEL, 0.9)
+        assert found.metrics["RT"].mean == pytest.approx(100 * (speed > 0.6).mean())
+        assert found.metrics["DT"].n == len(log) - 2  # the first row of an episode has no rate
+        assert found.outliers["CV"] == 1
+        assert found.outliers["RT"] == 0
+        assert found.per_metre == {}
+
+
+def test_outliers_are_counted_before_they_are_removed(study: Study) -> None:
+    options = replace(study.options, remove_outliers=True, iqr_multiplier=3.0)
+    result = analyse(replace(study, options=options))
+    assert (result.outliers_removed, result.iqr_multiplier) == (True, 3.0)
+    for member, found in zip(study.members, result.logs, strict=True):
+        assert found.outliers["CV"] == 1
+        assert found.metrics["CV"].n == len(member.log) - 1
+        assert found.metrics["CV"].maximum is not None
+        assert found.metrics["CV"].maximum < 2.0
+
+
+def test_groups_are_summed_up_and_compared_by_the_means_of_their_logs(study: Study) -> None:
+    result = analyse(study)
+    means = {
+        code: [
+            [log.metrics[code].mean for log in result.logs if log.group == g and code in log.metrics]
+            for g in "ab"
+        ]
+        for code in CODES
+    }
+    for code, groups in means.items():
+        kind = METRICS[code].kind
+        for name, values in zip("ab", groups, strict=True):
+            expected = summarise_independent(np.array(values, float), kind, 0.9)
+            assert result.across[name][code] == expected
+    assert result.across["b"]["OC"].n == 2
+    assert [item.code for item in result.comparisons] == list(CODES)
+    plain = [
+        compare(code, np.array(first, float), np.array(second, float), 0.9)
+        for code, (first, second) in means.items()
+    ]
+    adjusted = holm([item.p for item in plain])
+    for item, known, p in zip(result.comparisons, plain, adjusted, strict=True):
+        assert item.difference == pytest.approx(known.difference)
+        assert (item.n, item.p, item.p_holm) == (known.n, known.p, p)
+    alone = replace(study, groups=("a",), members=study.members[:3])
+    assert analyse(alone).comparisons == ()
+
+
+def test_an_episode_is_an_observation_on_request(study: Study) -> None:
+    by_episode = replace(study, options=replace(study.options, unit="episode"))
+    observed = by_episode.observations(METRICS["CV"], "b")
+    speeds = [member.log.columns["Current Velocity"].astype(float) for member in study.members[3:]]
+    expected = [part.mean() for speed in speeds for part in (speed[:20], speed[20:])]
+    assert observed == pytest.approx(expected)
+    assert study.observations(METRICS["CV"], "b") == pytest.approx([s.mean() for s in speeds])
+    result = analyse(by_episode)
+    assert result.unit == "episode"
+    assert {item.code: item.n for item in result.comparisons}["OC"] == (6, 4)
+
+
+def test_pairs_of_metrics_are_correlated_but_not_two_views_of_one_column(study: Study) -> None:
+    result = analyse(study)
+    pairs = [(item.first, item.second) for item in result.correlations]
+    assert ("CV", "VORT") not in pairs
+    assert ("DT", "CV") in pairs
+    assert ("VORT", "OC") in pairs
+    by_log = [{(c.first, c.second): c for c in log.correlations} for log in result.logs]
+    log = study.members[0].log
+    clearance = log.columns["Obstacle Clearance"].astype(float)
+    direct = correlate("CV", "OC", log.columns["Current Velocity"].astype(float), clearance)
+    assert direct is not None
+    assert by_log[0]["CV", "OC"].rho == direct.rho
+    for found in (result.correlations, *(log.correlations for log in result.logs)):
+        assert [item.p_holm for item in found] == holm([item.p for item in found])
+    for item in result.correlations:
+        parts = [
+            pairs[item.first, item.second] for pairs in by_log if (item.first, item.second) in pairs
+        ]
+        assert (item.rho, item.n) == (combine(parts).rho, sum(part.n for part in parts))
+    assert analyse(replace(study, options=Options(study.options.metrics))).correlations == ()
+
+
+def test_of_a_long_log_every_kth_row_is_correlated(
+    study: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rover_metrics.analysis.outcome._MOST_CORRELATED", 20)
+    first = analyse(replace(study, members=study.members[:1])).logs[0]
+    assert {(c.first, c.second): c.n for c in first.correlations}["CV", "RT"] == 20

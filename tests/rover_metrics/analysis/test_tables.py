@@ -1,0 +1,207 @@
+"""What people read of a result."""
+
+import io
+from dataclasses import replace
+
+import pytest
+from rich.console import Console
+
+from rover_metrics.analysis.comparison import Comparison
+from rover_metrics.analysis.correlation import Correlation
+from rover_metrics.analysis.result import LogResult, Result
+from rover_metrics.analysis.summary import Summary
+from rover_metrics.analysis.tables import number, probability
+
+SPEED = Summary(60, 0.52, 21.4, 0.51, 0.08, 0.12, 0.93, (0.5, 0.54), (0.47, 0.57), 4)
+SHARE = Summary(60, 12.5, 9.0, interval=(6.0, 22.0))
+LOG = LogResult("[b]x", "x.csv", "all logs", 60, 59.0, 1, (), {"CV": SPEED}, {"CV": 1.75}, {"CV": 3}, ())
+RESULT = Result(
+    0.9,
+    outliers_removed=False,
+    iqr_multiplier=2.5,
+    unit="log",
+    groups=("all logs",),
+    logs=(LOG,),
+    across={},
+    correlations=(),
+)
+
+
+def printed(result: Result, width: int = 220) -> list[str]:
+    file = io.StringIO()
+    Console(file=file, width=width, highlight=False).print(result)
+    return file.getvalue().splitlines()
+
+
+def cells(line: str) -> list[str]:
+    return [cell.strip() for cell in line.split("  ") if cell.strip()]
+
+
+def table(lines: list[str], first: str) -> dict[str, dict[str, str]]:
+    """Rows of the table whose first title is given, by their first cell."""
+    start = next(i for i, line in enumerate(lines) if line.strip().startswith(f"{first} "))
+    titles, found = cells(lines[start]), {}
+    for line in lines[start + 2 :]:
+        row = cells(line)
+        if len(row) > len(titles):  # a short code and its metric
+            row[:2] = [f"{row[0]} {row[1]}"]
+        if len(row) != len(titles):
+            break
+        found[row[0]] = dict(zip(titles[1:], row[1:], strict=True))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        (None, "–"),  # noqa: RUF001
+        (0.0, "0"),
+        (1234567.8, "1234568"),
+        (9876.5, "9876"),
+        (123.456, "123.5"),
+        (-12.3456, "-12.35"),
+        (1.0, "1.000"),
+        (0.99996, "1.0000"),
+        (0.012345, "0.0123"),
+        (-0.00004, "-0.0000"),
+    ],
+)
+def test_a_number_has_four_digits(value: float | None, shown: str) -> None:
+    assert number(value) == shown
+
+
+@pytest.mark.parametrize(
+    ("p", "shown"),
+    [(None, "–"), (0.000999, "<0.001"), (0.001, "0.001"), (0.0456, "0.046"), (1.0, "1.000")],  # noqa: RUF001
+)
+def test_a_probability_is_as_in_papers(p: float | None, shown: str) -> None:
+    assert probability(p) == shown
+
+
+def test_a_logs_statistics_stand_under_their_titles() -> None:
+    lines = printed(RESULT)
+    assert lines[1] == "[b]x: 60 rows, 59 s"
+    assert table(lines, "Metric") == {
+        "CV Current velocity [m/s]": {
+            "Mean": "0.5200",
+            "90 % rows": "0.5000 to 0.5400",
+            "90 % blocks": "0.4700 to 0.5700",
+            "Median": "0.5100",
+            "SD": "0.0800",
+            "Min": "0.1200",
+            "Max": "0.9300",
+            "n": "60",
+            "n eff.": "21",
+            "Outliers kept": "3",
+            "Per metre": "1.750",
+        }
+    }
+    text = " ".join(" ".join(lines).split())
+    assert "Outliers: beyond 2.5 interquartile ranges, kept." in text
+    assert "90 % blocks: by block bootstrap, the one to quote" in text
+    (removed,) = table(printed(replace(RESULT, outliers_removed=True)), "Metric").values()
+    assert removed["Outliers removed"] == "3"
+
+
+def test_a_narrow_terminal_gets_fewer_columns_from_120_on_all() -> None:
+    narrow, wide = (next(iter(table(printed(RESULT, w), "Metric").values())) for w in (119, 150))
+    assert set(wide) - set(narrow) == {"90 % rows", "Median", "n", "Outliers kept", "Per metre"}
+    assert "Median" in " ".join(printed(RESULT, 120))
+
+
+def test_the_head_of_a_log_tells_episodes_group_and_what_is_odd() -> None:
+    log = replace(LOG, rows=1, duration=1234567.25, episodes=3, findings=("one", "two"), group="b")
+    lines = printed(replace(RESULT, logs=(log, LOG), groups=("a", "b")))
+    assert lines[1:4] == ["[b]x (b): 1 row, 1234567.25 s, 3 episodes", "  odd: one", "  odd: two"]
+
+
+def test_several_logs_are_summed_up_across() -> None:
+    across = {"a": {"CV": SPEED, "RT": SHARE}, "b": {"CV": Summary(0)}}
+    lines = printed(replace(RESULT, logs=(LOG, LOG), groups=("a", "b"), across=across))
+    start = next(i for i, line in enumerate(lines) if line.startswith("Across"))
+    assert lines[start] == "Across the logs of a, each one observation"
+    assert table(lines[start:], "Metric") == {
+        "CV Current velocity [m/s]": {
+            "Mean of means": "0.5200",
+            "90 % t": "0.5000 to 0.5400",
+            "Median": "0.5100",
+            "SD": "0.0800",
+            "Min": "0.1200",
+            "Max": "0.9300",
+            "Logs": "60",
+        },
+        "RT Time on rough terrain [% of rows]": {
+            "Mean of means": "12.50",
+            "90 % t": "6.000 to 22.00",
+            **dict.fromkeys(("Median", "SD", "Min", "Max"), "–"),  # noqa: RUF001
+            "Logs": "60",
+        },
+    }
+    assert not any(line.startswith("Across") for line in printed(replace(RESULT, across=across)))
+    one = printed(replace(RESULT, logs=(LOG, LOG), across={"all logs": {"CV": SPEED}}))
+    assert "Across the logs, each one observation" in one
+
+
+def test_correlations_are_listed_strongest_first() -> None:
+    found = (
+        Correlation("CV", "OC", 0.3, 50, 20.6, 0.02, 0.04),
+        Correlation("TC", "OC", -0.456, 60, 30.0, 0.0001, None),
+    )
+    rows = table(printed(replace(RESULT, correlations=found)), "Pair")
+    assert list(rows.items()) == [
+        ("TC - OC", {"rho": "-0.46", "p": "<0.001", "p (Holm)": "–", "n": "60", "n eff.": "30"}),  # noqa: RUF001
+        ("CV - OC", {"rho": "+0.30", "p": "0.020", "p (Holm)": "0.040", "n": "50", "n eff.": "21"}),
+    ]
+
+
+def test_a_comparison_is_the_second_group_against_the_first() -> None:
+    item = Comparison(
+        "CV",
+        (3, 4),
+        (0.1, 0.35),
+        0.25,
+        (0.15, 0.375),
+        "exact permutation",
+        0.02,
+        0.03,
+        0.05,
+        1.234,
+        -0.5,
+    )
+    result = replace(RESULT, groups=("a", "b"), unit="episode", comparisons=(item,))
+    lines = printed(result)
+    start = lines.index("b against a, each episode one observation")
+    assert table(lines[start:], "Metric") == {
+        "CV Current velocity [m/s]": {
+            "a mean": "0.1000",
+            "b mean": "0.3500",
+            "Difference": "0.2500",
+            "90 %": "0.1500 to 0.3750",
+            "p": "0.020",
+            "p (Holm)": "0.030",
+            "g": "+1.23",
+            "delta": "-0.50",
+            "n": "3 + 4",
+        }
+    }
+
+    def caption(*items: Comparison) -> str:
+        return " ".join(" ".join(printed(replace(result, comparisons=items))[start:]).split())
+
+    assert "p: exact permutation, two-sided. Interval: Welch." in caption(item)
+    assert "So few" not in caption(replace(item, smallest_p=0.1 - 1e-9))
+    few = "So few episodes cannot give a p below 0.2: add some."
+    assert few in caption(item, replace(item, smallest_p=0.2), replace(item, test="Mann-Whitney U"))
+    assert "p: Mann-Whitney U and exact permutation" in caption(
+        item, replace(item, test="Mann-Whitney U")
+    )
+    none = "No test: it needs two episodes or more in each group."
+    assert none in caption(replace(item, test=None, p=None, p_holm=None, smallest_p=None))
+
+
+def test_json_has_every_field_and_null_for_what_is_no_number() -> None:
+    odd = replace(SPEED, mean=float("nan"), interval=(0.5, float("inf")))
+    text = replace(RESULT, logs=(replace(LOG, metrics={"CV": odd}, label="é"),)).to_json()
+    assert '"mean": null' in text
+    assert '"interval": [\n            0.5,\n            null\n          ]' in text
+    assert '"label": "é"' in text

@@ -1,0 +1,105 @@
+"""The parameters of metrics_node from a ROS parameter file, without ROS."""
+
+from pathlib import Path
+
+import pytest
+
+from rover_metrics.errors import ParameterError
+from rover_metrics.extended.settings import ExtendedSettings
+from rover_metrics.footprint import Footprint, LidarPose
+from rover_metrics.parameter_file import FileParameters, read_parameters
+from rover_metrics.thresholds import Thresholds
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "params.yaml"
+
+
+def section(*lines: str, name: str = "metrics_node") -> str:
+    return f'"{name}":\n  ros__parameters:\n' + "".join(f"    {line}\n" for line in lines)
+
+
+def test_every_parameter_of_the_rows_is_read(file: Path) -> None:
+    file.write_text(
+        section(
+            "use_sim_time: true",
+            "collision_threshold: 0.3",
+            "smoothness_threshold: 11.0",
+            "min_safe_clearance: 0.6",
+            "distance_threshold: 0.7",
+            "rough_terrain_threshold: 16.0",
+            "extended_columns: true",
+            "near_returns_as_contact: true",
+            "footprint: [0.0, 0.0, 1.0, 0.0, 0.0, 2.0]",
+            "lidar_pose: [0.1, 0.2, 0.3]",
+            "footprint_threshold: 0.08",
+        )
+    )
+    extended = ExtendedSettings(
+        footprint=Footprint(((0.0, 0.0), (1.0, 0.0), (0.0, 2.0))),
+        lidar_pose=LidarPose(0.1, 0.2, 0.3),
+        near_returns_as_contact=True,
+        footprint_threshold=0.08,
+    )
+    assert read_parameters(file) == FileParameters(
+        Thresholds(0.3, 11.0, 0.6, 0.7, 16.0), extended_columns=True, extended=extended
+    )
+
+
+def test_what_is_not_named_keeps_its_default(file: Path) -> None:
+    file.write_text(section("log_dir: /tmp", "footprint: []"))
+    assert read_parameters(file) == FileParameters(
+        Thresholds(), extended_columns=False, extended=ExtendedSettings()
+    )
+
+
+@pytest.mark.parametrize("name", ["metrics_node", "/metrics_node", "/ns/metrics_node", "*", "/**", "**"])
+def test_sections_of_the_node_count_and_the_later_one_wins(file: Path, name: str) -> None:
+    other = section("collision_threshold: 9.0", name="metrics_nodes")
+    first = section("collision_threshold: 8.0", "distance_threshold: 0.1", name="/ns/*")
+    file.write_text(other + first + section("collision_threshold: 0.4", name=name))
+    assert read_parameters(file).thresholds == Thresholds(
+        collision_threshold=0.4, distance_threshold=0.1
+    )
+    file.write_text("ns:\n  metrics_node:\n    ros__parameters:\n      collision_threshold: 0.4\n")
+    assert read_parameters(file).thresholds.collision_threshold == 0.4
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (section("collision_threshold: 1"), "(1.0, not 1) from 0.0 to 100"),
+        (section("footprint_threshold: 1"), "must be a number with a decimal point (1.0, not 1)"),
+        (section("collision_threshold: true"), "collision_threshold must be a number"),
+        (section("collision_threshold: -1.0"), "must be from 0.0 to 100.0 m"),
+        (section("collision_threshold: .nan"), "must be from 0.0 to 100.0 m"),
+        (section("colision_threshold: 1.0"), "did you mean collision_threshold?"),
+        (section("extended_column: true"), "did you mean extended_columns?"),
+        (section("x: 1", name="other"), "no section 'metrics_node"),
+        ("metrics_node: {ros__parameters: 3}", "no section 'metrics_node"),
+        ("metrics_node: [", "cannot read parameters"),
+        ("", "no section 'metrics_node"),
+        (section("footprint: [1.0, 2.0]"), "footprint has 1 corners, not 3 to 100"),
+        (section("footprint: [1, 2, 3]"), "footprint must be a list of numbers with decimal points"),
+        (section("footprint: 1.0"), "footprint must be a list of numbers with decimal points"),
+        (section("lidar_pose: [1.0]"), "lidar_pose has 1 numbers"),
+        (section("extended_columns: 1"), "extended_columns must be true or false"),
+        (section("near_returns_as_contact: 0"), "near_returns_as_contact must be true or false"),
+        (section("footprint_threshold: -1.0"), "footprint_threshold = -1.0 is not valid"),
+    ],
+)
+def test_a_bad_file_is_one_line(file: Path, text: str, told: str) -> None:
+    file.write_text(text)
+    with pytest.raises(ParameterError) as refused:
+        read_parameters(file)
+    assert told in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_missing_file_is_told_with_its_reason(tmp_path: Path) -> None:
+    with pytest.raises(ParameterError) as refused:
+        read_parameters(tmp_path / "no.yaml")
+    assert str(refused.value) == (
+        f"cannot read parameters from {tmp_path}/no.yaml: No such file or directory"
+    )
