@@ -3,12 +3,9 @@
 import csv
 import json
 import os
-import select
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -18,6 +15,7 @@ from harness.run import main
 from rover_metrics.csv_log import CsvLog
 from rover_metrics.errors import LogError
 from rover_metrics.row import MetricsRow
+from tests.support.waiting import wait_until
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
@@ -115,7 +113,7 @@ def test_ctrl_c_keeps_the_rows_prints_the_summary_and_exits_130(tmp_path: Path) 
         words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
     ) as process:
         try:
-            poll_until(lambda: sum(len(log.read_bytes().splitlines()) for log in logs(tmp_path)) > 5)
+            wait_until(lambda: sum(len(log.read_bytes().splitlines()) for log in logs(tmp_path)) > 5)
             os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to every process of the run
             told, _ = process.communicate(timeout=60)
         finally:
@@ -132,11 +130,3 @@ def test_ctrl_c_keeps_the_rows_prints_the_summary_and_exits_130(tmp_path: Path) 
 
 def logs(log_dir: Path) -> list[Path]:
     return list(log_dir.glob("*.csv"))
-
-
-def poll_until(condition: Callable[[], bool]) -> None:
-    """Waits for another process to make a condition true."""
-    deadline = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < deadline, "the condition did not come true"
-        select.select([], [], [], 0.02)

@@ -4,18 +4,16 @@ import csv
 import json
 import subprocess
 import sys
-import time
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from harness.run import main as run
 from rover_metrics.replay import main as replay
+from tests.support.waiting import wait_until
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
-PATIENCE = 60.0  # seconds; reached only when a test fails
 PARAMETERS = """
 metrics_node:
   ros__parameters:
@@ -86,7 +84,8 @@ def test_killed_run_leaves_a_recording_that_replays_to_its_rows(
     command = [sys.executable, "-m", "harness.run", *words, "--log-dir", str(tmp_path / "live")]
     with subprocess.Popen(command, cwd=tmp_path) as process:
         try:
-            wait_for_rows(process, tmp_path / "live", 6)
+            wait_until(lambda: process.poll() is not None or lines(tmp_path / "live") > 6)
+            assert process.poll() is None, "the run ended"
         finally:
             process.kill()
     (log,) = (tmp_path / "live").glob("*.csv")
@@ -99,13 +98,8 @@ def test_killed_run_leaves_a_recording_that_replays_to_its_rows(
     assert len(replayed) >= len(live) - 2
 
 
-def wait_for_rows(process: subprocess.Popen[bytes], folder: Path, count: int) -> None:
-    deadline = time.monotonic() + PATIENCE
-    while not any(log.read_bytes().count(b"\n") > count for log in folder.glob("*.csv")):
-        with suppress(subprocess.TimeoutExpired):
-            process.wait(timeout=0.05)
-        assert process.poll() is None, "the run ended"
-        assert time.monotonic() < deadline, "no rows"
+def lines(folder: Path) -> int:
+    return sum(log.read_bytes().count(b"\n") for log in folder.glob("*.csv"))
 
 
 @pytest.mark.usefixtures("ros_domain")

@@ -2,12 +2,10 @@
 
 import json
 import os
-import select
 import shutil
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,6 +16,9 @@ import rover_metrics
 from rover_metrics.analysis.reading import read_log
 from rover_metrics.session_record import SessionEnd, session_end, session_thresholds
 from rover_metrics.thresholds import Thresholds
+from tests.support.waiting import wait_until
+
+pytestmark = pytest.mark.usefixtures("ros_domain")
 
 TIMEOUT = 30.0  # seconds; reached only when a test fails
 UNMARKED = "the session has no end mark: it was killed, or is still running"
@@ -26,16 +27,7 @@ COMMAND = [sys.executable, "-m", "rover_metrics.metrics_node"]
 
 
 def environment(*paths: str) -> dict[str, str]:
-    domain = str(1 + os.getpid() % 101)
-    return {**os.environ, "PYTHONPATH": os.pathsep.join([*paths, PACKAGE]), "ROS_DOMAIN_ID": domain}
-
-
-def wait_for_a_row(log: Path) -> None:
-    """Wait until the program spins; a signal before that may disturb its first message."""
-    deadline = time.monotonic() + TIMEOUT
-    while len(log.read_bytes().splitlines()) < 2:
-        assert time.monotonic() < deadline, "no row"
-        select.select([], [], [], 0.02)
+    return {**os.environ, "PYTHONPATH": os.pathsep.join([*paths, PACKAGE])}
 
 
 @pytest.fixture
@@ -69,7 +61,8 @@ def running(tmp_path: Path, *args: str) -> Iterator[tuple["subprocess.Popen[str]
             assert program.stderr is not None
             assert "logging to:" in program.stderr.readline()
             (log,) = (tmp_path / "metrics_analyzer/data/metric_logs").glob("metrics_log_*.csv")
-            wait_for_a_row(log)
+            # Until the program spins: a signal before that may disturb its first message.
+            wait_until(lambda: len(log.read_bytes().splitlines()) > 1)
             yield program, log
         finally:
             program.kill()

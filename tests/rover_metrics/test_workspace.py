@@ -2,18 +2,18 @@
 
 import csv
 import os
-import select
 import shlex
 import shutil
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+
+from tests.support.waiting import wait_until
 
 PACKAGE = Path(__file__).parents[2] / "rover_metrics"
 COLCON = shutil.which("colcon", path=str(Path(sys.executable).parent))  # the node runs in its Python
@@ -73,13 +73,6 @@ def running(workspace: Path, folder: Path, *words: str) -> Iterator["subprocess.
             yield node
         finally:
             node.kill()
-
-
-def wait_until(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + TIMEOUT
-    while not condition():
-        assert time.monotonic() < deadline, "timed out"
-        select.select([], [], [], 0.02)
 
 
 def test_the_sourced_workspace_brings_the_package_whole(workspace: Path) -> None:
