@@ -179,9 +179,9 @@ def test_report_option_writes_the_page_and_changes_no_byte_of_the_log(tmp_path: 
     assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "with", "without"]
 
 
-def test_a_failed_run_gets_its_report_and_exit_code_1(tmp_path: Path) -> None:
+def test_a_failed_run_gets_its_report_and_exit_code_1(small_map: list[str], tmp_path: Path) -> None:
     page = tmp_path / "report.html"
-    words = ["--direct", "--terrain", "flat", "--driver", "straight", "--duration", "120"]
+    words = ["--direct", *small_map, "--driver", "straight", "--duration", "120"]
     assert main([*words, "--log-dir", str(tmp_path), "--report", str(page)]) == 1
     top = page.read_text(encoding="utf-8").partition("<main>")[0]
     assert "<strong>Failed</strong>" in top

@@ -136,21 +136,38 @@ def test_an_exception_in_a_callback_is_in_the_record_and_on_the_terminal(tmp_pat
     assert json.loads(record.read_text())["outcome"] == {"status": "failed", "reason": "ValueError: boo"}
 
 
+MISTAKES = {
+    "debug_mode:=1": "parameter debug_mode must be true or false, not 0 or 1",
+    "collision_threshold:=1": "(1.0, not 1) from 0.0 to 100.0 m",
+    "debug_interval:=0": "an integer from 1 to",
+    "log_dir:=/dev/null": "/dev/null: File exists; a file stands where a folder should be",
+    "debug_mode": "Couldn't parse parameter override rule",
+}
+ONE_AFTER_THE_OTHER = """
+import sys
+from rover_metrics.metrics_node import main
+for parameter in sys.argv[1:]:
+    print(f"<{main(['--ros-args', '-p', parameter])}>", file=sys.stderr)
+"""
+
+
 @pytest.mark.usefixtures("_ros")
-@pytest.mark.parametrize(
-    ("parameter", "told"),
-    [
-        ("debug_mode:=1", "parameter debug_mode must be true or false, not 0 or 1"),
-        ("collision_threshold:=1", "(1.0, not 1) from 0.0 to 100.0 m"),
-        ("debug_interval:=0", "an integer from 1 to"),
-        ("log_dir:=/dev/null", "/dev/null: File exists; a file stands where a folder should be"),
-        ("debug_mode", "Couldn't parse parameter override rule"),
-    ],
-)
-def test_a_known_mistake_is_told_in_one_line(tmp_path: Path, parameter: str, told: str) -> None:
-    line = refused(tmp_path, "--ros-args", "-p", parameter)
-    assert line.startswith("metrics_node: ")
-    assert told in line
+def test_a_known_mistake_is_told_in_one_line(tmp_path: Path) -> None:
+    run = subprocess.run(
+        [sys.executable, "-c", ONE_AFTER_THE_OTHER, *MISTAKES],
+        cwd=tmp_path,
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+        check=True,
+    )
+    *answers, after_the_last = run.stderr.split("<2>\n")
+    assert after_the_last == ""
+    for told, answer in zip(MISTAKES.values(), answers, strict=True):
+        assert answer.startswith("metrics_node: ")
+        assert told in answer
+        assert answer.count("\n") == 1
 
 
 def test_without_ros_the_program_says_how_to_get_it(tmp_path: Path) -> None:
