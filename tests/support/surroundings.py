@@ -32,13 +32,12 @@ def _nothing(_: int, __: FrameType | None) -> None:
     """Stays alive."""
 
 
-def settle_environment() -> "tempfile.TemporaryDirectory[str]":
+def settle_environment() -> str:
     """Sets the variables that tests rely on; gives the folder where ROS 2 logs, which needs no HOME."""
     for name in STYLE:
         os.environ.pop(name, None)
     # A wrongly typed field must raise, not be sent as garbage.
     os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-    ros_log = tempfile.TemporaryDirectory(prefix="rover_tests_ros_log_")
-    os.environ["ROS_LOG_DIR"] = ros_log.name
-    return ros_log
+    os.environ["ROS_LOG_DIR"] = tempfile.mkdtemp(prefix="rover_tests_ros_log_")
+    return os.environ["ROS_LOG_DIR"]
