@@ -1,14 +1,16 @@
 # The verbs of this project. `make run` and `make test` set everything up by themselves.
 BIN := .venv/bin
 READY := .venv/.ready
+# Processes of `make test`; 0: its own only.
+JOBS ?= 2
 
 .PHONY: run test test-jazzy test-cluster lint format bench soak lock audit clean setup
 
 run: setup  ## a rover over rocky terrain, metrics logged to CSV
 	$(BIN)/python -m harness.run --terrain rocky $(ARGS)
 
-test: setup  ## the whole test suite
-	$(BIN)/python -m pytest $(ARGS)
+test: setup  ## the whole test suite, in random order
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --durations=20 $(ARGS)
 
 test-jazzy:  ## the suite of rover_metrics against ROS 2 Jazzy, on Python 3.10 where there is one
 	tools/test_jazzy.sh $(ARGS)

@@ -4,7 +4,6 @@ python -m benchmarks [name ...] [--hour] [--quick] [--write]
 """
 
 import argparse
-import os
 import sys
 from collections.abc import Sequence
 
@@ -17,6 +16,7 @@ from benchmarks.show import printable
 from harness.command_line import OneLineParser
 from harness.errors import HarnessError
 from harness.interrupt import StopRequest
+from harness.ros.domain import own_domain
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -30,13 +30,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     if options.write and (options.names or options.quick):
         parser.error("--write measures everything in full; leave out names and --quick")
-    # Runs through ROS 2 shall meet neither a rover nor another run.
-    os.environ.setdefault("ROS_DOMAIN_ID", str(os.getpid() % 100 + 1))
     effort = QUICK if options.quick else FULL
     told = f"{conditions()} Medians of {effort.rounds} rounds."
     console.print(told, highlight=False)
     try:
-        with StopRequest():  # else a signal would leave folders and nodes behind
+        with StopRequest(), own_domain():  # else a signal would leave folders and nodes behind
             tables = _measured(_chosen(options), effort, console)
     except HarnessError as error:
         print(f"benchmarks: {error}", file=sys.stderr)

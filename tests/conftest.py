@@ -1,26 +1,29 @@
-"""What every test stands on: field checks in ROS messages, local discovery, a domain of its own."""
+"""What every test stands on: the same surroundings whoever starts it, and a ROS domain of its own."""
 
-import itertools
-import os
+import shutil
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import HealthCheck, settings
 
-# Before any test imports rclpy: a wrongly typed field must raise, not be sent as garbage.
-os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
-os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+from harness.ros.domain import reserved_domain
+from tests.support.surroundings import receive_signals, settle_environment
+
+ROS_LOG = settle_environment()  # before any test imports rclpy
+receive_signals()
 
 # A loaded machine is slow; that is no fault of the code under test.
 settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("patient")
 
-_DOMAINS = 100  # 1..100: above 101 DDS ports fall into the ephemeral range
-_next_domain = itertools.count(os.getpid())
+
+def pytest_unconfigure() -> None:
+    shutil.rmtree(ROS_LOG, ignore_errors=True)
 
 
 @pytest.fixture
-def ros_domain(monkeypatch: pytest.MonkeyPatch) -> int:
-    """A ROS domain that no other test of this run uses at the same time."""
-    domain = next(_next_domain) % _DOMAINS + 1
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    return domain
+def ros_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
+    """A ROS domain that nobody else on this machine uses at the same time."""
+    with reserved_domain() as domain:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+        yield domain

@@ -4,7 +4,6 @@ python -m benchmarks.soak [--quick] [--write]
 """
 
 import argparse
-import os
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -21,6 +20,7 @@ from benchmarks.soak.scenarios import SCENARIOS, Reference
 from harness.command_line import OneLineParser
 from harness.errors import HarnessError, RunFailed
 from harness.interrupt import StopRequest
+from harness.ros.domain import own_domain
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -30,12 +30,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.write and options.quick:
         parser.error("--write runs everything in full; leave out --quick")
     console = Console(width=None if sys.stdout.isatty() else 160)
-    # The runs shall meet neither a rover nor another run.
-    os.environ.setdefault("ROS_DOMAIN_ID", str(os.getpid() % 100 + 1))
     told = conditions()
     console.print(told, highlight=False)
     try:
-        with StopRequest():  # else a signal would leave folders and processes behind
+        with StopRequest(), own_domain():  # else a signal would leave folders and processes behind
             outcomes = list(soak(QUICK if options.quick else FULL, console))
     except HarnessError as error:
         print(f"soak: {error}", file=sys.stderr)

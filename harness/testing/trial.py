@@ -16,6 +16,7 @@ from harness.episode import Episode
 from harness.errors import UsageError
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
+from harness.ros.domain import reserved_domain
 from harness.ros.executor import make_executor, spin_until
 from harness.ros.locality import stay_local
 from harness.ros.lockstep import LockStep
@@ -24,7 +25,6 @@ from harness.sensors.fault_spec import parse_faults
 from harness.sensors.faults import FaultInjector, disturb_time
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS, TICK_NS
-from harness.testing.domain import reserved_domain
 from harness.testing.heard import Heard
 from harness.testing.subject import Subject, await_node, started, stop
 from harness.truth import Truth

@@ -25,7 +25,8 @@ CLOCKS = (
 
 def run(log_dir: Path, *arguments: str) -> Path:
     """Runs the command to its planned end; gives the CSV."""
-    words = ["--terrain", "rocky", "--duration", "8", "--lidar-beams", "90", "--log-dir", str(log_dir)]
+    light = ["--timestep", "0.005", "--lidar-beams", "90"]
+    words = ["--terrain", "rocky", "--duration", "8", *light, "--log-dir", str(log_dir)]
     assert main([*words, *arguments]) == 0
     (log,) = log_dir.glob("*.csv")
     return log

@@ -12,7 +12,7 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 pytestmark = pytest.mark.usefixtures("ros_domain")
 
 TIMEOUT = 60.0
-QUICK = ["--terrain", "flat", "--duration", "5", "--seed", "3"]
+QUICK = ["--terrain", "flat", "--duration", "3", "--seed", "3"]
 
 
 def only_log(folder: Path) -> bytes:
@@ -25,15 +25,23 @@ def in_namespace(name: str, folder: Path) -> list[str]:
     return [*QUICK, "--log-dir", str(folder), "--namespace", name, *own_clock]
 
 
-def test_a_rover_in_a_namespace_logs_the_same_rows(tmp_path: Path) -> None:
-    assert main([*QUICK, "--direct", "--log-dir", str(tmp_path / "alone")]) == 0
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """The log of the same drive without a namespace and without ROS."""
+    folder = tmp_path_factory.mktemp("alone")
+    assert main([*QUICK, "--direct", "--log-dir", str(folder)]) == 0
+    return only_log(folder)
+
+
+def test_a_rover_in_a_namespace_logs_the_same_rows(alone: bytes, tmp_path: Path) -> None:
     words = ["--log-dir", str(tmp_path / "named"), "--namespace", "rover1"]
     assert main([*QUICK, *words]) == 0
-    assert only_log(tmp_path / "named") == only_log(tmp_path / "alone")
+    assert only_log(tmp_path / "named") == alone
 
 
-def test_two_rovers_at_once_with_a_clock_each_do_not_disturb_each_other(tmp_path: Path) -> None:
-    assert main([*QUICK, "--direct", "--log-dir", str(tmp_path / "alone")]) == 0
+def test_two_rovers_at_once_with_a_clock_each_do_not_disturb_each_other(
+    alone: bytes, tmp_path: Path
+) -> None:
     other = [sys.executable, "-m", "harness.run", *in_namespace("rover2", tmp_path / "rover2")]
     with subprocess.Popen(other, stdout=subprocess.DEVNULL) as process:
         try:
@@ -42,4 +50,4 @@ def test_two_rovers_at_once_with_a_clock_each_do_not_disturb_each_other(tmp_path
         finally:
             process.kill()
     for name in ("rover1", "rover2"):
-        assert only_log(tmp_path / name) == only_log(tmp_path / "alone")
+        assert only_log(tmp_path / name) == alone

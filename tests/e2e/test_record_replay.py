@@ -4,18 +4,16 @@ import csv
 import json
 import subprocess
 import sys
-import time
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from harness.run import main as run
 from rover_metrics.replay import main as replay
+from tests.support.waiting import wait_until
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
-PATIENCE = 60.0  # seconds; reached only when a test fails
 PARAMETERS = """
 metrics_node:
   ros__parameters:
@@ -40,7 +38,7 @@ def complaint(capsys: pytest.CaptureFixture[str], *words: str) -> str:
 @pytest.mark.usefixtures("ros_domain")
 def test_recorded_run_replays_to_the_same_rows_byte_for_byte_in_every_time(tmp_path: Path) -> None:
     bags = [tmp_path / "one.mcap", tmp_path / "two.mcap"]
-    words = ["--terrain", "rocky", "--duration", "10.5", "--log-dir", str(tmp_path / "live")]
+    words = ["--terrain", "rocky", "--duration", "6.5", "--log-dir", str(tmp_path / "live")]
     for bag, more in zip(bags, ([], ["--extended"]), strict=True):
         assert run([*words, "--record", str(bag), *more]) == 0
     assert bags[0].read_bytes() == bags[1].read_bytes()
@@ -48,8 +46,8 @@ def test_recorded_run_replays_to_the_same_rows_byte_for_byte_in_every_time(tmp_p
     live, extended = (log.read_bytes() for log in logs)
     counts = json.loads(logs[1].with_suffix(".json").read_text())["topics"]
     for topic in ("/odom_ground_truth", "/rover/truth/contact", "/rover/truth/traversal"):
-        assert counts[topic]["received"] == counts[topic]["published"] > 200
-    assert live.count(b"\n") == 11
+        assert counts[topic]["received"] == counts[topic]["published"] > 120
+    assert live.count(b"\n") == 1 + 6
     params = tmp_path / "leo.yaml"
     params.write_text(PARAMETERS)
     for source in ("auto", "sim", "recorded", "header"):
@@ -64,7 +62,8 @@ def test_recorded_run_replays_to_the_same_rows_byte_for_byte_in_every_time(tmp_p
 @pytest.mark.usefixtures("ros_domain")
 def test_replay_writes_its_rows_when_the_live_node_did_whatever_the_clock_did(tmp_path: Path) -> None:
     bag, output = tmp_path / "bag.mcap", tmp_path / "replayed.csv"
-    words = ["--terrain", "flat", "--duration", "12", "--lidar-beams", "8", "--record", str(bag)]
+    light = ["--timestep", "0.005", "--lidar-beams", "8"]
+    words = ["--terrain", "flat", "--duration", "12", *light, "--record", str(bag)]
     for fault in ("reset@2.2", "jump=5@4.5", "jump=-0.3@6.2", "freeze@7.5+1.2", "jump=-2@9.9"):
         words += ["--fault", f"clock:{fault}"]
     assert run([*words, "--log-dir", str(tmp_path / "live")]) == 0
@@ -82,11 +81,12 @@ def test_killed_run_leaves_a_recording_that_replays_to_its_rows(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     bag = tmp_path / "killed.mcap"
-    words = ["--terrain", "rocky", "--duration", "36000", "--record", str(bag)]
+    words = ["--terrain", "flat", "--duration", "36000", "--lidar-beams", "8", "--record", str(bag)]
     command = [sys.executable, "-m", "harness.run", *words, "--log-dir", str(tmp_path / "live")]
     with subprocess.Popen(command, cwd=tmp_path) as process:
         try:
-            wait_for_rows(process, tmp_path / "live", 6)
+            wait_until(lambda: process.poll() is not None or lines(tmp_path / "live") > 6)
+            assert process.poll() is None, "the run ended"
         finally:
             process.kill()
     (log,) = (tmp_path / "live").glob("*.csv")
@@ -99,13 +99,8 @@ def test_killed_run_leaves_a_recording_that_replays_to_its_rows(
     assert len(replayed) >= len(live) - 2
 
 
-def wait_for_rows(process: subprocess.Popen[bytes], folder: Path, count: int) -> None:
-    deadline = time.monotonic() + PATIENCE
-    while not any(log.read_bytes().count(b"\n") > count for log in folder.glob("*.csv")):
-        with suppress(subprocess.TimeoutExpired):
-            process.wait(timeout=0.05)
-        assert process.poll() is None, "the run ended"
-        assert time.monotonic() < deadline, "no rows"
+def lines(folder: Path) -> int:
+    return sum(log.read_bytes().count(b"\n") for log in folder.glob("*.csv"))
 
 
 @pytest.mark.usefixtures("ros_domain")

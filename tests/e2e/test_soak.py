@@ -1,4 +1,4 @@
-"""The soak in two simulated minutes: nothing lost, nothing grown, the bytes of an undisturbed run."""
+"""The soak in ninety simulated seconds: nothing lost, nothing grown, the bytes of an undisturbed run."""
 
 import os
 import signal
@@ -26,7 +26,7 @@ from benchmarks.soak.scenarios import (
 )
 
 WORLD = ("--terrain", "flat", "--timestep", "0.005", "--lidar-beams", "90")  # light ones
-PLAN = Plan(long=120, stopped=3, many=1, starved=4, nodes=2, fault_every=1, world=WORLD)
+PLAN = Plan(long=90, stopped=3, many=1, starved=4, nodes=2, fault_every=1, world=WORLD)
 
 
 @pytest.fixture(scope="module")

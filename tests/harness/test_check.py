@@ -47,7 +47,10 @@ def test_check_passes_here_through_ros_and_leaves_no_file(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_check_without_ros_on_request_says_so_and_passes(capsys: pytest.CaptureFixture[str]) -> None:
+def test_check_without_ros_on_request_says_so_and_passes(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(check, "direct_in_fresh_process", in_this_process)
     assert main(NO_ROS) == 0
     told = capsys.readouterr().out
     assert "skipped" in told

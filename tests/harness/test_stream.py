@@ -28,7 +28,7 @@ def flattened(batches: list[Batch]) -> list[str]:
 
 
 def test_child_streams_the_same_samples_and_contacts_as_an_episode_here() -> None:
-    ramming = config(robot="rover_zero4wd", seed=1, driver="ram", duration=11.5)
+    ramming = config(robot="rover_zero4wd", seed=1, driver="ram", duration=11.5, lidar_beams=60)
     with EpisodeProcess(ramming) as process:
         info = process.info
         streamed = list(process.batches())

@@ -19,8 +19,8 @@ from std_msgs.msg import Float64
 
 from harness.config import EpisodeConfig
 from harness.errors import RunFailed, UsageError
+from harness.ros.domain import reserved_domain
 from harness.testing import Trial
-from harness.testing.domain import reserved_domain
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

@@ -1,8 +1,6 @@
 """A MetricsNode over real DDS in this process, for every test that wants one."""
 
 import array
-import itertools
-import os
 import resource
 import time
 from collections.abc import Callable, Iterator
@@ -17,7 +15,6 @@ if TYPE_CHECKING:
     from rover_metrics.metrics_node import MetricsNode
 
 TIMEOUT = 20.0  # seconds; reached only when a test fails
-DOMAIN_IDS = itertools.count(os.getpid())
 STARTED = datetime(2025, 1, 16, 12, 4, 57)
 
 Message = Any  # neither messages nor publishers of rclpy have types
@@ -28,10 +25,10 @@ Vector3 = tuple[float, float, float]
 class Rig:
     """A MetricsNode and a node that plays the simulator, in a ROS domain of their own."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, domain: int) -> None:
         import rclpy  # noqa: PLC0415 - the tests that need no ROS share this file
 
-        self.folder = folder
+        self.folder, self.domain = folder, domain
         self.context = rclpy.Context()
         self.executor: Any = None
         self.nodes: list[Any] = []
@@ -45,7 +42,7 @@ class Rig:
 
         # The level is the process's: whoever ran before may have changed it.
         args = ["--ros-args", "--log-level", "info", *ros_args]
-        rclpy.init(args=args, context=self.context, domain_id=1 + next(DOMAIN_IDS) % 101)
+        rclpy.init(args=args, context=self.context, domain_id=self.domain)
         values = {"log_dir": str(self.folder), **parameters}
         node = MetricsNode(
             context=self.context,
@@ -126,9 +123,9 @@ def _stamped(message: Message, stamp: float) -> Message:
 
 
 @pytest.fixture
-def rig(tmp_path: Path) -> Iterator[Rig]:
+def rig(tmp_path: Path, ros_domain: int) -> Iterator[Rig]:
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
-    rig = Rig(tmp_path)
+    rig = Rig(tmp_path, ros_domain)
     yield rig
     rig.stop()
 

@@ -29,17 +29,6 @@ def test_colcon_takes_it_for_an_ament_python_package(tmp_path: Path) -> None:
     assert re.fullmatch(r"rover_metrics\t.*\t\(ros\.ament_python\)\n", colcon("list", cwd=tmp_path))
 
 
-@needs_colcon
-def test_colcon_builds_what_ros2_run_and_ament_look_for(tmp_path: Path) -> None:
-    colcon("build", cwd=tmp_path)
-    installed = tmp_path / "install/rover_metrics"
-    index = installed / "share/ament_index/resource_index/packages"
-    assert (installed / "lib/rover_metrics/metrics_node").stat().st_mode & 0o111
-    assert (index / "rover_metrics").is_file()
-    assert (installed / "share/rover_metrics/package.xml").is_file()
-    assert not (PACKAGE / "build").exists()
-
-
 def test_the_resource_marker_exists() -> None:
     assert (PACKAGE / "resource/rover_metrics").is_file()
 

@@ -2,18 +2,18 @@
 
 import csv
 import os
-import select
 import shlex
 import shutil
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+
+from tests.support.waiting import wait_until
 
 PACKAGE = Path(__file__).parents[2] / "rover_metrics"
 COLCON = shutil.which("colcon", path=str(Path(sys.executable).parent))  # the node runs in its Python
@@ -75,19 +75,20 @@ def running(workspace: Path, folder: Path, *words: str) -> Iterator["subprocess.
             node.kill()
 
 
-def wait_until(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + TIMEOUT
-    while not condition():
-        assert time.monotonic() < deadline, "timed out"
-        select.select([], [], [], 0.02)
-
-
 def test_the_sourced_workspace_brings_the_package_whole(workspace: Path) -> None:
     where = told(workspace, "import rover_metrics; print(rover_metrics.__file__)")
     assert Path(where).is_relative_to(workspace / "install")
     installed = {path.relative_to(Path(where).parent) for path in Path(where).parent.rglob("*.py")}
     source = PACKAGE / "rover_metrics"
     assert installed == {path.relative_to(source) for path in source.rglob("*.py")}
+
+
+def test_the_build_has_what_ros2_run_and_ament_look_for(workspace: Path) -> None:
+    installed = workspace / "install/rover_metrics"
+    index = installed / "share/ament_index/resource_index/packages"
+    assert (installed / "lib/rover_metrics/metrics_node").stat().st_mode & 0o111
+    assert (index / "rover_metrics").is_file()
+    assert (installed / "share/rover_metrics/package.xml").is_file()
 
 
 def test_launch_files_and_parameters_are_where_ros2_launch_looks(workspace: Path) -> None:
