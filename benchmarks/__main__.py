@@ -13,7 +13,7 @@ from benchmarks.measuring import FULL, QUICK, Effort, Table
 from benchmarks.readme import README, conditions, write_readme
 from benchmarks.registry import BENCHMARKS, Benchmark
 from benchmarks.show import printable
-from harness.command_line import OneLineParser
+from harness.cli.parser import OneLineParser
 from harness.errors import HarnessError
 from harness.interrupt import StopRequest
 from harness.ros.domain import own_domain

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from benchmarks.measuring import Effort, Rounds, Table, timed
 from benchmarks.scenes import poses, scene_on_hills
-from harness.sensors.heightfield_rays import HeightfieldRays
+from harness.physics.scene import Scene
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
-from harness.world.scene import Scene
+from harness.sensors.rays.heightfield_rays import HeightfieldRays
 
 Array = NDArray[np.float64]
 SPEC = LidarSpec(beams=360)

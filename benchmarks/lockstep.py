@@ -3,7 +3,7 @@
 from benchmarks import ros_runs
 from benchmarks.measuring import Effort, Rounds, Table
 from harness.config import EpisodeConfig
-from harness.result import RunResult
+from harness.episode.result import RunResult
 
 TARGETS = {"in this process": ">= 10", "across processes (--wait-for)": ">= 8"}
 

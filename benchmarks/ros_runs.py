@@ -8,8 +8,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from harness.config import EpisodeConfig
+from harness.episode.result import Progress, RunResult
 from harness.interrupt import Interrupted, StopRequest
-from harness.result import Progress, RunResult
 from harness.ros.session import RosOptions, run_through_ros
 
 QUIET = ("--ros-args", "--log-level", "warn")

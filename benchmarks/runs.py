@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from benchmarks import ros_runs
 from benchmarks.measuring import Effort, Rounds, Table
 from harness.config import EpisodeConfig
-from harness.episode import Episode
+from harness.episode.episode import Episode
 from harness.robots import ROVERS
 
 Commands = list[NDArray[np.float64]]

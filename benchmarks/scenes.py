@@ -4,10 +4,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.physics.scene import Scene, build_scene
 from harness.robots import LEO
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Form, ObstacleKind, Shape, place, scatter
-from harness.world.scene import Scene, build_scene
 from harness.world.world import World
 
 TIMESTEP = 0.0025  # [s]

@@ -7,9 +7,9 @@ from tempfile import TemporaryDirectory
 from benchmarks.measuring import Effort, Rounds, Table, timed
 from harness.robots import ROVERS
 from harness.tuning.backend import backend_of
-from harness.tuning.plan import plan
-from harness.tuning.store import Store
-from harness.tuning.sweep import sweep
+from harness.tuning.episodes.plan import plan
+from harness.tuning.episodes.store import Store
+from harness.tuning.episodes.sweep import sweep
 
 MOST_WORLDS, ROUNDS = 8, 3
 TARGETS = {1: "-", 2: ">= 1.8"}

@@ -18,12 +18,12 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from harness.command_line import OneLineParser
+from harness.cli.parser import OneLineParser
 from harness.config import Batch, EpisodeConfig
+from harness.episode.fingerprint import Fingerprint, direct, direct_in_fresh_process, fingerprint
+from harness.episode.result import Progress, RunResult
 from harness.errors import HarnessError, UsageError
-from harness.fingerprint import Fingerprint, direct, direct_in_fresh_process, fingerprint
 from harness.interrupt import StopRequest
-from harness.result import Progress, RunResult
 from harness.robots import ROVERS
 from harness.sensors.noise import DEFAULT_PRESET
 

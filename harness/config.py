@@ -10,15 +10,15 @@ from pathlib import Path
 from harness.drivers import find_driver
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.errors import UsageError
+from harness.faults.spec import parse_faults
 from harness.robots import find_rover
 from harness.samples import Tick, sent_by_fields
 from harness.sensors.base import period_ticks
-from harness.sensors.fault_spec import parse_faults
 from harness.sensors.noise import chosen_preset
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
-from harness.truth import Truth
-from harness.truth_events import ContactEvent
-from harness.world.dem import TerrainFile, file_world, is_terrain_file
+from harness.truth.events import ContactEvent
+from harness.truth.traversal import Truth
+from harness.world.heightmap.dem import TerrainFile, file_world, is_terrain_file
 from harness.world.world import DEFAULT_DIFFICULTY, World, build_world, find_terrain
 
 LIDAR_BEAMS, IMU_RATE = 640, 20

@@ -2,7 +2,7 @@
 
     python -m harness.run --terrain rocky --robot leo --seed 0
 
-Parses, calls, prints; the work is in harness.ros.session (through ROS) and harness.direct (without).
+Parses, calls, prints; the work is in harness.ros.session (through ROS) and harness.episode.direct (without).
 """
 
 import argparse
@@ -18,25 +18,25 @@ if __name__ == "__main__":  # what follows takes a second to load; Ctrl-C must n
 
 from rich.console import Console
 
-from harness import headless
-from harness.config import Batch, EpisodeConfig
-from harness.console import RunProgress, print_choices, print_summary
-from harness.errors import HarnessError, UsageError
-from harness.extended import extended_ros_args
-from harness.interrupt import StopRequest
-from harness.manifest import check_writable, write_manifest
-from harness.report import RunReport
-from harness.result import Progress, RunResult
-from harness.robots import find_rover
-from harness.run_options import (
+from harness.cli.console import RunProgress, print_choices, print_summary
+from harness.cli.options import (
     check_combination,
     config_of,
     namespace_args,
     run_parser,
     split_ros_args,
 )
+from harness.config import Batch, EpisodeConfig
+from harness.episode.manifest import check_writable, write_manifest
+from harness.episode.metrics_feed import extended_ros_args
+from harness.episode.result import Progress, RunResult
+from harness.errors import HarnessError, UsageError
+from harness.interrupt import StopRequest
+from harness.report import RunReport
+from harness.robots import find_rover
+from harness.view import headless
 from harness.view.drawing import Drawing
-from harness.world.dem import is_terrain_file
+from harness.world.heightmap.dem import is_terrain_file
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -76,7 +76,7 @@ def _load(options: argparse.Namespace) -> None:
     would then be raised in the midst of modules that are not prepared for it.
     """
     if options.direct:
-        importlib.import_module("harness.direct")
+        importlib.import_module("harness.episode.direct")
     if options.report is not None:
         importlib.import_module("harness.report.page")
 
@@ -106,7 +106,7 @@ def _run(
     title = f"{config.robot} on {config.terrain}"
     with RunProgress(console, title, config.duration) as bar:
         if options.direct:
-            from harness.direct import run_direct  # noqa: PLC0415 - see _load
+            from harness.episode.direct import run_direct  # noqa: PLC0415 - see _load
 
             return run_direct(
                 *(config, options.log_dir, options.rate, stop, bar.show, watch),

@@ -1,7 +1,7 @@
 """Sensor readings and what a tick of an episode carries: plain values, no ROS.
 
-They flow from harness.sensors through harness.episode either into harness.ros.bridge (as topics) or
-straight into rover_metrics (harness.direct). Stamps are simulation time in nanoseconds; frames and
+They flow from harness.sensors through harness.episode.episode either into harness.ros.bridge (as topics) or
+straight into rover_metrics (harness.episode.direct). Stamps are simulation time in nanoseconds; frames and
 units follow REP-103: metres, radians, seconds, x forward, y left, z up; quaternions are (x, y, z, w).
 """
 
@@ -22,7 +22,7 @@ def sent_by_fields(value_type: type[T]) -> type[T]:
     """Lets a frozen dataclass with two fields or more be pickled as a call of its constructor.
 
     The way that dataclasses with slots bring along costs twice as much, for every sample of a run:
-    harness.stream sends them from one process to another.
+    harness.episode.stream sends them from one process to another.
     """
     values = attrgetter(*(item.name for item in fields(value_type)))  # type: ignore[arg-type]  # a dataclass
 
@@ -121,7 +121,7 @@ class TruthState:
         speed: True forward speed of the model frame, negative backwards [m/s].
         path_length: Of the model frame since the start, in three dimensions [m].
         slip: Slip ratio of each wheel in the order of RoverSpec.wheel_joints, -1..1; positive when it
-            turns faster than it moves (harness.wheels).
+            turns faster than it moves (harness.truth.wheels).
         roughness: Of the terrain under the wheels [m]: the root of the mean, over the windows of 0.3 m
             around the four wheels, of the squared height above the mean of the 0.3 m around.
     """

@@ -18,14 +18,14 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.live import Live
 
-from harness.command_line import OneLineParser
+from harness.cli.parser import OneLineParser
 from harness.errors import HarnessError, UsageError
 from harness.interrupt import Overdue, StopRequest
 
 if TYPE_CHECKING:
     from rclpy.executors import Executor
 
-    from harness.ros.onlooker import Onlooker
+    from harness.ros.topic_monitor import Onlooker
 
 LOOK_PERIOD = 0.5  # [s] from one look at the graph, and one table, to the next
 SPIN_TIMEOUT = 0.1  # [s]: how long Ctrl-C may wait
@@ -45,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _look(options: argparse.Namespace, stop: StopRequest, console: Console) -> None:
     try:  # as in harness.run: whoever has no ROS shall read one line
-        from harness.ros.onlooker import looking  # noqa: PLC0415
+        from harness.ros.topic_monitor import looking  # noqa: PLC0415
     except ImportError as error:
         message = f"ROS 2 is not importable ({error}); pip install -e '.[ros]' or source a ROS 2"
         raise UsageError(message) from error

@@ -16,17 +16,17 @@ if __name__ == "__main__":  # what follows takes a second to load; Ctrl-C must n
 
 from rich.console import Console
 
-from harness.command_line import OneLineParser
+from harness.cli.parser import OneLineParser
 from harness.errors import HarnessError
 from harness.interrupt import Interrupted, StopRequest
 from harness.robots import ROVERS, find_rover
 from harness.tuning.backend import BACKENDS, backend_of
+from harness.tuning.episodes.plan import plan
+from harness.tuning.episodes.store import Store
+from harness.tuning.episodes.sweep import sweep
 from harness.tuning.output import write_results
-from harness.tuning.plan import plan
 from harness.tuning.progress import SweepProgress, print_studies
-from harness.tuning.store import Store
-from harness.tuning.study import RobotStudy, study
-from harness.tuning.sweep import sweep
+from harness.tuning.scoring.study import RobotStudy, study
 
 EPISODES, DURATION, OUT = 64, 90.0, Path("tuning")
 

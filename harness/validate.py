@@ -13,7 +13,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from harness.command_line import OneLineParser
+from harness.cli.parser import OneLineParser
 from harness.errors import HarnessError, UsageError
 from harness.robots import MODELS_DIR, ROVERS, find_rover
 from harness.validation.realism import compare

@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 
-from rover_metrics.row import COLUMNS
+from rover_metrics.core.row import COLUMNS
 
 TIME_COLUMN, NOTES_COLUMN = COLUMNS[0], COLUMNS[-1]
 GRAVITY = 9.81  # [m/s^2]

@@ -6,20 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from harness.manifest import manifest
+from harness.episode.manifest import manifest
+from harness.episode.result import RunResult
+from harness.page.figure import MINUS, TIMES
+from harness.page.plot import Plot
 from harness.report.columns import describe
 from harness.report.events import collisions, contacts
-from harness.report.figure import MINUS, TIMES
 from harness.report.hillshade import shade
 from harness.report.log import Log, read_log
-from harness.report.plot import Plot
 from harness.report.recorder import RunRecorder
-from harness.report.scan_points import scan_points
 from harness.report.series import MOST_ROWS, series_figure
 from harness.report.tables import comparisons, contact_rows, facts, key_figures
 from harness.report.terrain_map import map_figure
-from harness.result import RunResult
 from harness.robots import find_rover
+from harness.sensors.scan_points import scan_points
 
 LISTED = ("arguments", "versions", "world")  # parts of the manifest that are tables of their own
 

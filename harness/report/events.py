@@ -10,7 +10,7 @@ from harness.report.recorder import Stretch
 from harness.samples import Vector3
 
 COUNTER = "Total Collisions"
-LONGEST_GAP = 0.5  # [s]: what is interrupted for no longer is one event, as in harness.truth_events
+LONGEST_GAP = 0.5  # [s]: what is interrupted for no longer is one event, as in harness.truth.events
 
 
 @dataclass(frozen=True, slots=True)

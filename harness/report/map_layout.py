@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.report.figure import AXIS, Layout, common_layout
+from harness.page.figure import AXIS, Layout, common_layout
 from harness.report.hillshade import Hillshade
 from harness.report.recorder import Stretch
 

@@ -1,9 +1,9 @@
 """The page of a run."""
 
+from harness.episode.result import RunResult
+from harness.page.shell import fill
 from harness.report.content import content
 from harness.report.recorder import RunRecorder
-from harness.report.shell import fill
-from harness.result import RunResult
 
 
 def render(result: RunResult, recorder: RunRecorder) -> str:

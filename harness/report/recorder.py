@@ -13,7 +13,7 @@ from harness.config import Batch
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.samples import Imu, LaserScan, Pose, Tick, Vector3
 from harness.sim_time import NANOSECONDS
-from harness.truth import Truth
+from harness.truth.traversal import Truth
 
 BATCHES_PER_STRETCH = 2  # at first: 0.1 s
 FEWEST_STRETCHES = 1500  # of a long run, and twice as many at most

@@ -4,10 +4,10 @@ import tempfile
 from pathlib import Path
 
 from harness.config import Batch
+from harness.episode.result import RunResult
 from harness.errors import HarnessError, UsageError
 from harness.files import whole_file
 from harness.report.recorder import RunRecorder
-from harness.result import RunResult
 
 
 class RunReport:

@@ -5,13 +5,13 @@ from itertools import pairwise
 
 import numpy as np
 
+from harness.page.figure import METRIC, TRUTH, Figure, Trace, numbers
 from harness.report.columns import Column, describe
 from harness.report.events import Event
-from harness.report.figure import METRIC, TRUTH, Figure, Trace, numbers
 from harness.report.log import Log
 from harness.report.recorder import Stretch
 from harness.report.series_layout import series_layout
-from rover_metrics.thresholds import Thresholds
+from rover_metrics.core.thresholds import Thresholds
 
 MOST_ROWS = 4000  # of a plot
 BAND = "--band"

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
+from harness.page.figure import AXIS, INK, TRUTH, Layout, common_layout
 from harness.report.columns import GRAVITY, Column
 from harness.report.events import Event
-from harness.report.figure import AXIS, INK, TRUTH, Layout, common_layout
-from rover_metrics.thresholds import THRESHOLD_INFO, Thresholds
+from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 
 
 def series_layout(

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.report.figure import DASH, MINUS, TIMES
+from harness.episode.result import RunResult
+from harness.page.figure import DASH, MINUS, TIMES
 from harness.report.log import Log
-from harness.result import RunResult
 from harness.sim_time import NANOSECONDS
 
 NOTHING = DASH

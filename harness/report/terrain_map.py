@@ -5,9 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.report.columns import GRAVITY
-from harness.report.events import Event
-from harness.report.figure import (
+from harness.page.figure import (
     INK,
     METRIC,
     MINUS,
@@ -18,6 +16,8 @@ from harness.report.figure import (
     Trace,
     numbers,
 )
+from harness.report.columns import GRAVITY
+from harness.report.events import Event
 from harness.report.hillshade import Hillshade
 from harness.report.map_layout import map_layout
 from harness.report.recorder import Stretch

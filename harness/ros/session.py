@@ -10,10 +10,14 @@ from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 
 from harness.config import Batch, EpisodeConfig
+from harness.episode.pacing import Pacer
+from harness.episode.result import Progress, RunResult, TopicCount
+from harness.episode.stream import EpisodeProcess
+from harness.episode.truth_account import TruthAccount
 from harness.errors import RunFailed
+from harness.faults.injector import FaultInjector, disturb_time
+from harness.faults.spec import parse_faults
 from harness.interrupt import GRACE, Overdue, StopRequest
-from harness.pacing import Pacer
-from harness.result import Progress, RunResult, TopicCount
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.context import ros_context
@@ -23,12 +27,8 @@ from harness.ros.lockstep import SECOND_PUBLISHER, HostedMetrics, Listener, Lock
 from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, RemoteNode
 from harness.ros.startup import await_match, metrics_node, refuse_other_publishers
-from harness.sensors.fault_spec import parse_faults
-from harness.sensors.faults import FaultInjector, disturb_time
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
-from harness.stream import EpisodeProcess
-from harness.truth_account import TruthAccount
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,8 +7,8 @@ A single step would alias the contacts' high frequencies into the reading; a rea
 import mujoco
 import numpy as np
 
+from harness.physics.simulation import Simulation
 from harness.samples import Imu, Quaternion, Vector3
-from harness.simulation import Simulation
 
 
 class ImuSensor:

@@ -7,9 +7,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.sensors.heightfield_rays import HeightfieldRays
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.obstacle_rays import ObstacleRays
+from harness.sensors.rays.heightfield_rays import HeightfieldRays
+from harness.sensors.rays.obstacle_rays import ObstacleRays
 
 OBSTACLE_GROUP = 1
 

@@ -9,9 +9,9 @@ import math
 
 import numpy as np
 
+from harness.physics.simulation import Simulation
 from harness.samples import Odometry, Twist
 from harness.sim_time import NANOSECONDS, TICK_NS
-from harness.simulation import Simulation
 
 
 class WheelOdometry:

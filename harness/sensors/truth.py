@@ -1,7 +1,7 @@
 """The truth in the shape of a sensor, so that it travels with the readings that it judges."""
 
 from harness.samples import TruthState
-from harness.truth_recorder import TruthRecorder
+from harness.truth.recorder import TruthRecorder
 
 TRUTH_RATE = 20  # [Hz]
 

@@ -12,8 +12,10 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rclpy.signals import SignalHandlerOptions
 
 from harness.config import EpisodeConfig
-from harness.episode import Episode
+from harness.episode.episode import Episode
 from harness.errors import UsageError
+from harness.faults.injector import FaultInjector, disturb_time
+from harness.faults.spec import parse_faults
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.domain import reserved_domain
@@ -21,13 +23,11 @@ from harness.ros.executor import make_executor, spin_until
 from harness.ros.locality import stay_local
 from harness.ros.lockstep import LockStep
 from harness.samples import GroundTruth, Tick, Twist
-from harness.sensors.fault_spec import parse_faults
-from harness.sensors.faults import FaultInjector, disturb_time
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.testing.heard import Heard
 from harness.testing.subject import Subject, await_node, started, stop
-from harness.truth import Truth
+from harness.truth.traversal import Truth
 
 ON_SIMULATED_TIME = ("--ros-args", "-p", "use_sim_time:=true")
 MATCH_PATIENCE = 15.0  # [s] for DDS to match a topic

@@ -5,12 +5,12 @@ from pathlib import Path
 
 from harness.errors import HarnessError
 from harness.files import whole_file
+from harness.tuning.episodes.plan import Planned
+from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.page.page import render
 from harness.tuning.parameter_file import parameter_file
-from harness.tuning.plan import Planned
-from harness.tuning.record import EpisodeRecord
 from harness.tuning.scores_file import scores_file
-from harness.tuning.study import RobotStudy
+from harness.tuning.scoring.study import RobotStudy
 
 SCORES, REPORT = "scores.json", "report.html"
 

@@ -6,11 +6,11 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 from harness import __version__
-from harness.extended import outline_parameters
+from harness.episode.metrics_feed import outline_parameters
 from harness.robots import find_rover
-from harness.tuning.plan import Part
-from harness.tuning.result import Candidate, Verdict
-from harness.tuning.study import RobotStudy
+from harness.tuning.episodes.plan import Part
+from harness.tuning.scoring.result import Candidate, Verdict
+from harness.tuning.scoring.study import RobotStudy
 
 INDENT = 4  # of a parameter in the file
 FOOTPRINT_DETECTOR = "footprint clearance, near returns count"

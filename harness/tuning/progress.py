@@ -8,10 +8,10 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from harness.tuning.plan import Part
-from harness.tuning.result import Candidate
-from harness.tuning.study import RobotStudy
-from harness.tuning.words import conclusions
+from harness.tuning.episodes.plan import Part
+from harness.tuning.scoring.notes import conclusions
+from harness.tuning.scoring.result import Candidate
+from harness.tuning.scoring.study import RobotStudy
 
 
 class SweepProgress:

@@ -7,8 +7,8 @@ from dataclasses import asdict
 from typing import Any
 
 from harness import __version__
-from harness.tuning.study import RobotStudy
-from harness.tuning.words import conclusions
+from harness.tuning.scoring.notes import conclusions
+from harness.tuning.scoring.study import RobotStudy
 
 DIGITS = 6
 

@@ -8,13 +8,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.drive import DiffDrive
+from harness.physics.diff_drive import DiffDrive
+from harness.physics.scene import ROCK_CONTACT, build_scene
+from harness.physics.simulation import Simulation
 from harness.robots import RoverSpec
 from harness.samples import Twist
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS
-from harness.simulation import Simulation
 from harness.validation.grounds import Course
-from harness.world.scene import ROCK_CONTACT, build_scene
 
 TICK = TICK_NS / NANOSECONDS  # [s]
 SETTLING = 0.5  # [s] after the rover has been turned to its heading

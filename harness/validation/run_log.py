@@ -8,14 +8,14 @@ import numpy as np
 
 from harness.config import EpisodeConfig
 from harness.drivers import DriverContext, Observation
-from harness.episode import Episode, beam_bearings
+from harness.episode.episode import Episode, beam_bearings
 from harness.robots import ROVER_ZERO4WD
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
 from harness.validation.agent import RecordedAgent
 from harness.validation.recorded import Log, as_log
-from rover_metrics.metrics import TraversalMetrics
+from rover_metrics.core.metrics import TraversalMetrics
 
 CONFIG = EpisodeConfig(
     robot=ROVER_ZERO4WD.name,

@@ -96,8 +96,8 @@ class Drawing:
 
 
 def _call(words: list[str], environment: dict[str, str]) -> None:
-    """Runs harness.picture, apart from Ctrl-C in this terminal, which stops it by its caller."""
-    command = [sys.executable, "-m", "harness.picture", *words]
+    """Runs harness.view.picture, apart from Ctrl-C in this terminal, which stops it by its caller."""
+    command = [sys.executable, "-m", "harness.view.picture", *words]
     done = subprocess.run(
         command, env=environment, capture_output=True, text=True, check=False, start_new_session=True
     )

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.world.scene import OBSTACLE_GROUP, TERRAIN_GROUP
+from harness.physics.scene import OBSTACLE_GROUP, TERRAIN_GROUP
 
 SHADOW_REACH = 10.0  # [m] around what is looked at
 NEAREST, FARTHEST = 0.05, 150.0  # [m] that the camera sees

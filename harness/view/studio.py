@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.physics.scene import build_scene
 from harness.robots import find_rover
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
@@ -18,7 +19,6 @@ from harness.view.camera import View
 from harness.view.marks import Mark, add_marks, beam_marks, path_marks, track_marks
 from harness.view.stage import Quality, aim_sun, prepare, visible_groups
 from harness.view.states import read_states
-from harness.world.scene import build_scene
 
 MOST_GEOMS = 20_000  # of scene and marks together
 

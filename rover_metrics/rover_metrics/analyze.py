@@ -14,17 +14,17 @@ from pathlib import Path
 
 from rich.console import Console
 
-from rover_metrics.analysis.header import UnreadableLog
 from rover_metrics.analysis.labels import labels
-from rover_metrics.analysis.log import Log
+from rover_metrics.analysis.logs.header import UnreadableLog
+from rover_metrics.analysis.logs.log import Log
+from rover_metrics.analysis.logs.reading import read_log
+from rover_metrics.analysis.logs.time_axis import TimeAxis
 from rover_metrics.analysis.metric import METRICS, Metric
 from rover_metrics.analysis.options import parse
 from rover_metrics.analysis.outcome import analyse
 from rover_metrics.analysis.output import prepare_folder, save_outliers, save_plots
-from rover_metrics.analysis.reading import read_log
 from rover_metrics.analysis.result import Result, Skipped
 from rover_metrics.analysis.study import Member, Options, Study
-from rover_metrics.analysis.time_axis import TimeAxis
 from rover_metrics.errors import RoverMetricsError
 
 _PRINTED_WIDTH = 160  # columns, where the output is not a terminal

@@ -8,11 +8,11 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from rover_metrics.column import Column
+from rover_metrics.core.column import Column
+from rover_metrics.core.roboterrain_columns import SEED_COLUMNS
+from rover_metrics.core.thresholds import THRESHOLD_INFO
 from rover_metrics.extended.row import EXTENDED_COLUMNS
 from rover_metrics.extended.settings import DEFAULT_EXTENDED
-from rover_metrics.seed_columns import SEED_COLUMNS
-from rover_metrics.thresholds import THRESHOLD_INFO
 
 COMMAND = "python -m rover_metrics.dictionary --write docs/metrics.md"
 

@@ -17,29 +17,29 @@ try:
     from rclpy.parameter import Parameter
     from std_srvs.srv import Trigger
 
-    from rover_metrics import extended_parameters
-    from rover_metrics.metrics_publisher import MetricsPublisher
-    from rover_metrics.parameters import Settings, declare_settings, wrong_type
-    from rover_metrics.program import run_node
-    from rover_metrics.row_timer import RowTimer
-    from rover_metrics.topics import subscribe_to_sensors, subscribe_to_truth
+    from rover_metrics.ros import extended_parameters
+    from rover_metrics.ros.metrics_publisher import MetricsPublisher
+    from rover_metrics.ros.parameters import Settings, declare_settings, wrong_type
+    from rover_metrics.ros.program import run_node
+    from rover_metrics.ros.row_timer import RowTimer
+    from rover_metrics.ros.topics import subscribe_to_sensors, subscribe_to_truth
 except ImportError as error:
     raise missing_ros(error) from None
 
-from rover_metrics.csv_log import CsvLog
+from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.extended.messages import MessageIntake
-from rover_metrics.extended.row_source import RowSource
 from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic
-from rover_metrics.live_view import LiveView, Status
-from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.patient_log import PatientLog
-from rover_metrics.reception import LOST, Reception
-from rover_metrics.sensor_callbacks import SensorCallbacks
-from rover_metrics.session_record import SessionRecord
+from rover_metrics.health.live_view import LiveView, Status
+from rover_metrics.health.reception import LOST, Reception
+from rover_metrics.log.buffered_log import PatientLog
+from rover_metrics.log.csv_log import CsvLog
+from rover_metrics.log.session_record import SessionRecord
+from rover_metrics.ros.sensor_callbacks import SensorCallbacks
+from rover_metrics.session import RowSource
 
 if TYPE_CHECKING:
-    from rover_metrics.row import Row
+    from rover_metrics.core.row import Row
 
 LOG_PERIOD = 1.0  # seconds of ROS time
 

@@ -14,19 +14,19 @@ from datetime import datetime
 from pathlib import Path
 
 try:
-    from rover_metrics.bag_reader import Bag
-    from rover_metrics.parameter_file import FileParameters, read_parameters
-    from rover_metrics.playback import Playback
-    from rover_metrics.recorded_time import TimeSource
+    from rover_metrics.bag.bag_reader import Bag
+    from rover_metrics.bag.parameter_file import FileParameters, read_parameters
+    from rover_metrics.bag.playback import Playback
+    from rover_metrics.timing.recorded_time import TimeSource
 except ImportError as error:
     print(f"replay needs two libraries: pip install rosbags mcap ({error})", file=sys.stderr)
     raise SystemExit(2) from None
 
-from rover_metrics.csv_log import CsvLog
+from rover_metrics.bag.replay_options import DEFAULT_LOG_DIR, parser
+from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.errors import LogError, RoverMetricsError
-from rover_metrics.extended.row_source import RowSource
-from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.replay_options import DEFAULT_LOG_DIR, parser
+from rover_metrics.log.csv_log import CsvLog
+from rover_metrics.session import RowSource
 
 INTERRUPTED = 130
 

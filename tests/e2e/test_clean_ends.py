@@ -389,7 +389,7 @@ def test_ctrl_c_ends_a_run_whose_node_has_stopped_answering(tmp_path: Path) -> N
 
 def start_and_stop(log_dir: Path) -> list[dict[str, object]]:
     """Forks run after run from this process, which has all loaded; stops each at a random time."""
-    import harness.direct  # noqa: PLC0415 - loaded once, for all: forked BLAS hangs as it ends
+    import harness.episode.direct  # noqa: PLC0415 - loaded once, for all: forked BLAS hangs as it ends
     import harness.ros.session  # noqa: F401, PLC0415 - needs rclpy
 
     gc.freeze()  # else each fork copies the whole heap as it ends

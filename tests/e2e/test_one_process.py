@@ -8,9 +8,9 @@ import pytest
 
 from harness.robots import ROVERS
 from harness.run import main
-from rover_metrics.csv_log import CsvLog
+from rover_metrics.core.row import MetricsRow
 from rover_metrics.errors import LogError
-from rover_metrics.row import MetricsRow
+from rover_metrics.log.csv_log import CsvLog
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 

@@ -21,13 +21,13 @@ from rclpy.signals import SignalHandlerOptions
 from std_srvs.srv import SetBool, Trigger
 
 from harness.config import Batch, EpisodeConfig
+from harness.episode.result import Progress, RunResult
+from harness.episode.stream import AHEAD
 from harness.interrupt import StopRequest
-from harness.result import Progress, RunResult
 from harness.ros import session
 from harness.ros.executor import make_executor, spin_until
 from harness.ros.session import RosOptions, run_through_ros
 from harness.samples import Odometry, Pose
-from harness.stream import AHEAD
 
 PATIENCE = 30.0  # [s]
 

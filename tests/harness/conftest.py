@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from harness.physics.scene import build_scene
+from harness.physics.simulation import Simulation
 from harness.robots import ROVERS
-from harness.simulation import Simulation
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle
-from harness.world.scene import build_scene
 from harness.world.world import World
 
 VERTICES, CELL = 41, 0.1  # the map is 4 m wide

@@ -9,11 +9,17 @@ import pytest
 from harness import check
 from harness.check import judged, main
 from harness.config import EpisodeConfig
-from harness.episode import Episode
+from harness.episode.episode import Episode
+from harness.episode.fingerprint import (
+    Fingerprint,
+    StreamHash,
+    direct,
+    direct_in_fresh_process,
+    fingerprint,
+)
+from harness.episode.result import RunResult
 from harness.errors import RunFailed, UsageError
-from harness.fingerprint import Fingerprint, StreamHash, direct, direct_in_fresh_process, fingerprint
 from harness.interrupt import StopRequest
-from harness.result import RunResult
 from harness.sensors.noise import DEFAULT_PRESET
 
 QUICK = ["--terrain", "flat", "--duration", "5"]

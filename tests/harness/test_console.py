@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from harness.cli.console import RunProgress, print_summary
 from harness.config import EpisodeConfig
-from harness.console import RunProgress, print_summary
-from harness.result import Progress, RunResult, TopicCount
-from harness.truth import Truth
+from harness.episode.result import Progress, RunResult, TopicCount
+from harness.truth.traversal import Truth
 
 TRUTH = Truth(
     time_ns=12_500_000_000,

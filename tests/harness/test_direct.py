@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness import direct
 from harness.config import Batch, EpisodeConfig, EpisodeInfo
+from harness.episode import direct
+from harness.episode.result import Progress, RunResult
 from harness.errors import RunFailed, UsageError
 from harness.interrupt import StopRequest
-from harness.result import Progress, RunResult
 from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState, Twist
-from harness.truth import Truth
-from harness.truth_events import ContactEvent
+from harness.truth.events import ContactEvent
+from harness.truth.traversal import Truth
 
 TICK_NS, BATCH_NS = 10_000_000, 50_000_000
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from harness.drive import DiffDrive
+from harness.physics.diff_drive import DiffDrive
 from harness.robots import LEO, ROVER_ZERO4WD
 from harness.samples import Twist
 

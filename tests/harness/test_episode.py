@@ -11,7 +11,7 @@ import pytest
 
 from harness.config import EpisodeConfig
 from harness.drivers import Observation
-from harness.episode import Episode, LidarSensor, beam_bearings
+from harness.episode.episode import Episode, LidarSensor, beam_bearings
 from harness.errors import RunFailed, UsageError
 from harness.robots import LEO, ROVER_ZERO4WD, ROVERS
 from harness.samples import (
@@ -292,8 +292,8 @@ class Spy:
 def spied(monkeypatch: pytest.MonkeyPatch) -> list[Spy]:
     """The spies that an episode makes: a noise, then a driver, and another after a reset."""
     monkeypatch.setattr(Spy, "made", [])
-    monkeypatch.setattr("harness.episode.SensorNoise", Spy)
-    monkeypatch.setattr("harness.episode.find_driver", lambda _: Spy)
+    monkeypatch.setattr("harness.episode.episode.SensorNoise", Spy)
+    monkeypatch.setattr("harness.episode.episode.find_driver", lambda _: Spy)
     return Spy.made
 
 

@@ -6,7 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.extended import SampleIntake, extended_ros_args, extended_settings, outline_parameters
+from harness.episode.metrics_feed import (
+    SampleIntake,
+    extended_ros_args,
+    extended_settings,
+    outline_parameters,
+)
 from harness.robots import LEO, ROVER_ZERO4WD, RoverSpec
 from harness.samples import (
     GroundTruth,

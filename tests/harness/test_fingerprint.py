@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from harness.config import Batch, EpisodeConfig
+from harness.episode.fingerprint import Fingerprint, StreamHash, fingerprint
+from harness.episode.result import RunResult, TopicCount
 from harness.errors import RunFailed
-from harness.fingerprint import Fingerprint, StreamHash, fingerprint
 from harness.interrupt import Interrupted, StopRequest
-from harness.result import RunResult, TopicCount
 from harness.samples import LaserScan, Pose, Tick
-from harness.truth import Truth
-from harness.truth_events import ContactEvent
+from harness.truth.events import ContactEvent
+from harness.truth.traversal import Truth
 
 SCAN = LaserScan(5, np.array([1.0, np.inf, 2.0], dtype=np.float32))
 POSE = Pose(5, (1.0, 2.0, 3.0), (0.0, 0.0, 0.0, 1.0))

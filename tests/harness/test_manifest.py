@@ -6,14 +6,14 @@ from pathlib import Path
 import pytest
 
 from harness.config import EpisodeConfig, EpisodeInfo
+from harness.episode.manifest import check_writable, manifest, write_manifest
+from harness.episode.result import RunResult, TopicCount
+from harness.episode.truth_account import TruthAlong
 from harness.errors import UsageError
-from harness.manifest import check_writable, manifest, write_manifest
-from harness.result import RunResult, TopicCount
-from harness.truth import Truth
-from harness.truth_account import TruthAlong
-from harness.truth_events import ContactEvent
-from rover_metrics.session_record import session_thresholds
-from rover_metrics.thresholds import DEFAULT_THRESHOLDS
+from harness.truth.events import ContactEvent
+from harness.truth.traversal import Truth
+from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
+from rover_metrics.log.session_record import session_thresholds
 
 
 def result(**changes: object) -> RunResult:

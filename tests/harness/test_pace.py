@@ -1,6 +1,6 @@
 import pytest
 
-from harness.pace import WINDOW, Pace
+from harness.ros.pace import WINDOW, Pace
 
 
 def noted(*points: tuple[float, float]) -> Pace:

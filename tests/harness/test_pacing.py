@@ -1,6 +1,6 @@
 import pytest
 
-from harness.pacing import Pacer
+from harness.episode.pacing import Pacer
 
 SECOND = 1_000_000_000
 

@@ -9,14 +9,14 @@ from pathlib import Path
 import pytest
 
 from harness.config import EpisodeConfig
-from harness.direct import run_direct
+from harness.episode.direct import run_direct
+from harness.episode.result import RunResult, TopicCount
 from harness.interrupt import StopRequest
 from harness.report.page import render
 from harness.report.recorder import RunRecorder
-from harness.result import RunResult, TopicCount
 from harness.run import main
-from harness.truth_events import ContactEvent
-from rover_metrics.row import COLUMNS
+from harness.truth.events import ContactEvent
+from rover_metrics.core.row import COLUMNS
 
 QUICK = ["--direct", "--terrain", "flat", "--duration", "2"]
 
@@ -182,7 +182,7 @@ def test_report_option_writes_the_page_and_changes_no_byte_of_the_log(tmp_path: 
 def test_a_failed_run_gets_its_report_and_exit_code_1(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("harness.simulation.EDGE_MARGIN", 19.5)
+    monkeypatch.setattr("harness.physics.simulation.EDGE_MARGIN", 19.5)
     page = tmp_path / "report.html"
     words = ["--direct", "--terrain", "flat", "--driver", "straight", "--duration", "120"]
     assert main([*words, "--log-dir", str(tmp_path), "--report", str(page)]) == 1

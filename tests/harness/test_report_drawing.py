@@ -6,22 +6,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from harness.page.legend import keys
 from harness.report.events import Event, collisions, contacts
 from harness.report.hillshade import shade
-from harness.report.legend import keys
 from harness.report.log import Log
 from harness.report.map_layout import map_layout
 from harness.report.recorder import PlacedScan, Stretch
-from harness.report.scan_points import scan_points
 from harness.report.series import series_figure, thinned
 from harness.report.terrain_map import map_figure, roughness
 from harness.robots import LEO
 from harness.samples import LaserScan, Pose
+from harness.sensors.scan_points import scan_points
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
 from harness.world.outline import outline
 from harness.world.world import build_world
-from rover_metrics.thresholds import DEFAULT_THRESHOLDS, Thresholds
+from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 
 NO_POINTS = np.empty((0, 2))
 _NOTHING: tuple[Thresholds, list[Stretch], list[Event]] = (DEFAULT_THRESHOLDS, [], [])

@@ -6,7 +6,7 @@ import pytest
 from harness.config import Batch
 from harness.report.recorder import RunRecorder
 from harness.samples import Imu, LaserScan, Pose, Sample, Tick
-from harness.truth import Truth
+from harness.truth.traversal import Truth
 
 BATCH_NS = 50_000_000
 

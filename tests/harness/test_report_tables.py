@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 
 from harness.config import EpisodeConfig
+from harness.episode.result import RunResult, TopicCount
+from harness.episode.truth_account import TruthAlong
 from harness.report.columns import describe
 from harness.report.log import Log, read_log
 from harness.report.tables import Comparison, comparisons, contact_rows, facts, key_figures
-from harness.result import RunResult, TopicCount
-from harness.truth import Truth
-from harness.truth_account import TruthAlong
-from harness.truth_events import ContactEvent
-from rover_metrics.thresholds import Thresholds
+from harness.truth.events import ContactEvent
+from harness.truth.traversal import Truth
+from rover_metrics.core.thresholds import Thresholds
 
 TRUTH = Truth(
     time_ns=10_000_000_000,

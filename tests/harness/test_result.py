@@ -1,8 +1,8 @@
 import pytest
 
 from harness.config import EpisodeConfig
-from harness.result import Progress, RunResult, TopicCount
-from harness.truth import Truth
+from harness.episode.result import Progress, RunResult, TopicCount
+from harness.truth.traversal import Truth
 
 
 def test_speeds_and_counts_of_a_run_follow_from_what_it_holds() -> None:

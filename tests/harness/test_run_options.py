@@ -2,9 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.config import EpisodeConfig
-from harness.errors import UsageError
-from harness.run_options import (
+from harness.cli.options import (
     DEFAULT_LOG_DIR,
     check_combination,
     config_of,
@@ -12,6 +10,8 @@ from harness.run_options import (
     run_parser,
     split_ros_args,
 )
+from harness.config import EpisodeConfig
+from harness.errors import UsageError
 
 
 @pytest.mark.parametrize(

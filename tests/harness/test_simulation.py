@@ -10,10 +10,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from harness.contacts import Touch
 from harness.errors import Diverged, RunFailed
+from harness.physics.contacts import Touch
+from harness.physics.simulation import Simulation
 from harness.robots import ROVER_ZERO4WD, ROVERS
-from harness.simulation import Simulation
 
 TICK_NS = 10_000_000
 SPEEDS = np.array([1.0, 2.0, 3.0, 4.0])  # [rad/s] of the wheels, all different
@@ -110,7 +110,7 @@ def test_it_is_let_down_from_a_centimetre_above_the_highest_ground_below_its_foo
     def watched(_: mujoco.MjModel, data: mujoco.MjData) -> None:
         raise RuntimeError(f"{data.qpos[2]:.6f}")
 
-    monkeypatch.setattr("harness.simulation.mujoco.mj_step", watched)
+    monkeypatch.setattr("harness.physics.simulation.mujoco.mj_step", watched)
     expected = highest * 0.25 + ROVER_ZERO4WD.rest_height + 0.01
     with pytest.raises(RuntimeError, match=f"{expected:.6f}"):
         make_simulation(heights=heights)

@@ -7,10 +7,10 @@ import pytest
 
 from harness.config import Batch, EpisodeConfig
 from harness.drivers.base import CONTROL_PERIOD_NS
-from harness.episode import Episode
+from harness.episode.episode import Episode
+from harness.episode.stream import EpisodeProcess
 from harness.errors import RunFailed, UsageError
 from harness.samples import LaserScan, Twist
-from harness.stream import EpisodeProcess
 
 
 def config(**changes: object) -> EpisodeConfig:

@@ -16,7 +16,7 @@ import pytest
 from rich.console import Console
 
 from harness.interrupt import StopRequest
-from harness.pace import WINDOW, Pace
+from harness.ros.pace import WINDOW, Pace
 from harness.topics import _watch, main
 
 TIMEOUT = 30.0  # [s]; reached only when a test fails
@@ -82,7 +82,7 @@ def test_memory_is_bounded_by_the_window() -> None:
     ],
 )
 def test_a_type_name_from_the_network_imports_nothing_but_messages(name: str) -> None:
-    onlooker = pytest.importorskip("harness.ros.onlooker", exc_type=ImportError)
+    onlooker = pytest.importorskip("harness.ros.topic_monitor", exc_type=ImportError)
     assert onlooker.message_class(name) is None
     assert "antigravity" not in sys.modules
 
@@ -103,7 +103,7 @@ def profile(
     ],
 )
 def test_quality_shows_what_the_middleware_tells(announced: object, shown: str) -> None:
-    onlooker = pytest.importorskip("harness.ros.onlooker", exc_type=ImportError)
+    onlooker = pytest.importorskip("harness.ros.topic_monitor", exc_type=ImportError)
     assert onlooker.quality(announced) == shown
 
 
@@ -142,7 +142,7 @@ class Scene:
         import rclpy  # noqa: PLC0415 - most of this file needs no ROS
         from rclpy.executors import SingleThreadedExecutor  # noqa: PLC0415
 
-        from harness.ros.onlooker import Onlooker  # noqa: PLC0415
+        from harness.ros.topic_monitor import Onlooker  # noqa: PLC0415
 
         self.now = 0.0
         self.context = rclpy.Context()

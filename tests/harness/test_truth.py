@@ -1,6 +1,6 @@
 import pytest
 
-from harness.truth import slip_ratio
+from harness.truth.traversal import slip_ratio
 
 
 @pytest.mark.parametrize(

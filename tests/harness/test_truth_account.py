@@ -3,11 +3,11 @@ import math
 import pytest
 
 from harness.config import Batch
+from harness.episode.truth_account import TruthAccount
 from harness.samples import Tick, TruthState
 from harness.sim_time import NANOSECONDS
-from harness.truth import Truth
-from harness.truth_account import TruthAccount
-from harness.truth_events import ContactEvent
+from harness.truth.events import ContactEvent
+from harness.truth.traversal import Truth
 
 MOST_POINTS, MOST_EVENTS = 10, 8
 
@@ -20,8 +20,8 @@ def event(second: float) -> ContactEvent:
 @pytest.fixture(autouse=True)
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Limits that a test reaches in milliseconds."""
-    monkeypatch.setattr("harness.truth_account.MOST_POINTS", MOST_POINTS)
-    monkeypatch.setattr("harness.truth_account.MOST_EVENTS", MOST_EVENTS)
+    monkeypatch.setattr("harness.episode.truth_account.MOST_POINTS", MOST_POINTS)
+    monkeypatch.setattr("harness.episode.truth_account.MOST_EVENTS", MOST_EVENTS)
 
 
 def batch(second: float, roughness: float = 0.0, events: tuple[ContactEvent, ...] = ()) -> Batch:

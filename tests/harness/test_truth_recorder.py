@@ -12,14 +12,14 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from harness.contacts import Touch
+from harness.physics.contacts import Touch
+from harness.physics.simulation import Simulation
 from harness.robots import ROVERS
 from harness.samples import TruthState
-from harness.simulation import Simulation
-from harness.truth import Truth
-from harness.truth_events import ContactEvent, ContactKind
-from harness.truth_recorder import TruthRecorder
-from harness.wheels import WheelMotion
+from harness.truth.events import ContactEvent, ContactKind
+from harness.truth.recorder import TruthRecorder
+from harness.truth.traversal import Truth
+from harness.truth.wheels import WheelMotion
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.roughness import RoughnessMap
 
@@ -157,7 +157,7 @@ def recorder(stand_in: StandIn, monkeypatch: pytest.MonkeyPatch) -> TruthRecorde
         ]
     )
     wheels = SimpleNamespace(motion=lambda: next(motions))
-    monkeypatch.setattr("harness.truth_recorder.Wheels", lambda _: wheels)
+    monkeypatch.setattr("harness.truth.recorder.Wheels", lambda _: wheels)
     made = TruthRecorder(stand_in)  # type: ignore[arg-type]  # a stand-in
     made.__dict__["_roughness"] = SimpleNamespace(mean_square=lambda x, y: x + 10.0 * y)
     return made

@@ -12,12 +12,12 @@ import pandas as pd
 import pytest
 from pandas.api.types import is_numeric_dtype
 
-from rover_metrics.csv_log import CsvLog
+from rover_metrics.core.metrics import TraversalMetrics
+from rover_metrics.core.row import COLUMNS, Row
 from rover_metrics.extended.metrics import ExtendedMetrics
 from rover_metrics.extended.row import EXTENDED_HEADER
 from rover_metrics.extended.settings import DEFAULT_EXTENDED
-from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.row import COLUMNS, Row
+from rover_metrics.log.csv_log import CsvLog
 
 # Its codes and the columns it reads for them.
 ANALYZER_COLUMNS = {

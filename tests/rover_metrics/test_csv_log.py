@@ -16,11 +16,11 @@ from typing import Any, BinaryIO
 import pytest
 
 import rover_metrics
-from rover_metrics import csv_log
-from rover_metrics.csv_log import CsvLog
+from rover_metrics.core.metrics import TraversalMetrics
+from rover_metrics.core.row import COLUMNS, MetricsRow
 from rover_metrics.errors import LogError
-from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.row import COLUMNS, MetricsRow
+from rover_metrics.log import csv_log
+from rover_metrics.log.csv_log import CsvLog
 
 STARTED = datetime(2025, 1, 16, 22, 4, 57)
 ROW = TraversalMetrics().row(7)
@@ -92,8 +92,8 @@ def test_a_dangling_link_is_not_followed(tmp_path: Path) -> None:
 def test_rows_survive_the_death_of_the_process(tmp_path: Path) -> None:
     child = (
         "import datetime, os, signal\n"
-        "from rover_metrics.csv_log import CsvLog\n"
-        "from rover_metrics.metrics import TraversalMetrics\n"
+        "from rover_metrics.log.csv_log import CsvLog\n"
+        "from rover_metrics.core.metrics import TraversalMetrics\n"
         "log = CsvLog('.', datetime.datetime(2025, 1, 16))\n"
         "for _ in range(50): log.write(TraversalMetrics().row(7))\n"
         "os.kill(os.getpid(), signal.SIGKILL)\n"

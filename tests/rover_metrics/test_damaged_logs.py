@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 import rover_metrics
-from rover_metrics.analysis.header import UnreadableLog
-from rover_metrics.analysis.reading import read_log
-from rover_metrics.csv_log import CsvLog
-from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.session_record import COMPLETE, write_record
+from rover_metrics.analysis.logs.header import UnreadableLog
+from rover_metrics.analysis.logs.reading import read_log
+from rover_metrics.core.metrics import TraversalMetrics
+from rover_metrics.log.csv_log import CsvLog
+from rover_metrics.log.session_record import COMPLETE, write_record
 
 STARTED = datetime(2025, 1, 16)
 PACKAGE = str(Path(rover_metrics.__file__).parents[1])
@@ -86,8 +86,8 @@ def test_a_session_that_was_killed_is_read_with_a_finding_and_one_that_ended_wit
 def test_a_writer_killed_in_mid_write_leaves_a_log_that_can_be_read(tmp_path: Path) -> None:
     child = (
         "import datetime, sys\n"
-        "from rover_metrics.csv_log import CsvLog\n"
-        "from rover_metrics.metrics import TraversalMetrics\n"
+        "from rover_metrics.log.csv_log import CsvLog\n"
+        "from rover_metrics.core.metrics import TraversalMetrics\n"
         "log = CsvLog('.', datetime.datetime(2025, 1, 16))\n"
         "for second in range(10**9):\n"
         "    log.write(TraversalMetrics().row(second))\n"

@@ -10,17 +10,17 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from rover_metrics.bag.recorded_topics import SENSORS, TRUTH, Sink
+from rover_metrics.core.metrics import TraversalMetrics, Vector3
+from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import ParameterError
+from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.messages import MessageIntake
 from rover_metrics.extended.row import EXTENDED_HEADER
-from rover_metrics.extended.row_source import RowSource
 from rover_metrics.extended.settings import DEFAULT_EXTENDED, ExtendedSettings
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN
-from rover_metrics.footprint import Footprint, LidarPose
-from rover_metrics.metrics import TraversalMetrics, Vector3
-from rover_metrics.recorded_topics import SENSORS, TRUTH, Sink
-from rover_metrics.row import COLUMNS
-from rover_metrics.thresholds import Thresholds
+from rover_metrics.session import RowSource
 
 GRAVITY = 9.80665  # m/s^2, ISO 80000-3
 SQUARE = ExtendedSettings(footprint=Footprint.rectangle(-0.2, 0.2, -0.2, 0.2))

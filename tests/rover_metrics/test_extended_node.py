@@ -15,9 +15,9 @@ from rclpy.parameter_client import AsyncParameterClient
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
+from rover_metrics.core.row import COLUMNS
 from rover_metrics.extended.row import EXTENDED_HEADER
 from rover_metrics.extended.truth_columns import TRAVERSAL
-from rover_metrics.row import COLUMNS
 
 if TYPE_CHECKING:
     from rover_metrics.metrics_node import MetricsNode

@@ -3,7 +3,7 @@ import math
 
 import pytest
 
-from rover_metrics import faults
+from rover_metrics.health import rejections as faults
 
 STILL = (0.0, 0.0, 0.0)
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rover_metrics.errors import ParameterError
-from rover_metrics.footprint import Footprint, FootprintClearance, LidarPose
+from rover_metrics.extended.footprint import Footprint, FootprintClearance, LidarPose
 
 SQUARE = Footprint.rectangle(-0.2, 0.2, -0.2, 0.2)
 LIDAR = LidarPose(0.174, 0.0, math.pi)  # of both rovers: it looks backwards

@@ -20,9 +20,9 @@ from geometry_msgs.msg import Pose, PoseArray
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, LaserScan
 
-from rover_metrics import faults
-from rover_metrics.metrics import WINDOW
-from rover_metrics.stamps import JUMPED_AHEAD, MISSING, STANDS_STILL, WENT_BACK
+from rover_metrics.core.metrics import WINDOW
+from rover_metrics.health import rejections as faults
+from rover_metrics.health.stamps import JUMPED_AHEAD, MISSING, STANDS_STILL, WENT_BACK
 
 if TYPE_CHECKING:
     from rover_metrics.metrics_node import MetricsNode

@@ -172,7 +172,7 @@ def test_the_parameter_file_holds_the_defaults_in_every_namespace(
     rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
     from rclpy.parameter import parameter_dict_from_yaml_file  # noqa: PLC0415
 
-    from rover_metrics.parameters import Settings  # noqa: PLC0415
+    from rover_metrics.ros.parameters import Settings  # noqa: PLC0415
 
     assert rclpy
     values = parameter_dict_from_yaml_file(str(CONFIG), use_wildcard=True)
@@ -202,7 +202,7 @@ def test_harness_leaves_what_is_not_given_to_the_program() -> None:
 
 def test_harness_passes_on_every_option_as_the_program_knows_it(tmp_path: Path) -> None:
     run_options = pytest.importorskip(
-        "harness.run_options", reason="needs the harness", exc_type=ImportError
+        "harness.cli.options", reason="needs the harness", exc_type=ImportError
     )
     options = {
         "terrain": "maze",

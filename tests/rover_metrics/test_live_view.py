@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import pytest
 
-from rover_metrics.extended.row_source import RowSource
+from rover_metrics.core.metrics import TraversalMetrics
+from rover_metrics.core.row import COLUMNS, MetricsRow
+from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.extended.settings import DEFAULT_EXTENDED
-from rover_metrics.live_view import Level, LiveView, Status
-from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.reception import TopicState
-from rover_metrics.row import COLUMNS, MetricsRow
-from rover_metrics.thresholds import Thresholds
+from rover_metrics.health.live_view import Level, LiveView, Status
+from rover_metrics.health.reception import TopicState
+from rover_metrics.session import RowSource
 
 CALM = MetricsRow(
     stamp_s=7,

@@ -12,9 +12,9 @@ from statistics import fmean
 import numpy as np
 import pytest
 
-from rover_metrics.metrics import TraversalMetrics, Vector3
-from rover_metrics.row import COLUMNS, MetricsRow
-from rover_metrics.thresholds import Thresholds
+from rover_metrics.core.metrics import TraversalMetrics, Vector3
+from rover_metrics.core.row import COLUMNS, MetricsRow
+from rover_metrics.core.thresholds import Thresholds
 
 STILL = (0.0, 0.0, 0.0)
 INF = math.inf

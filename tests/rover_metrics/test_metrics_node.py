@@ -25,10 +25,10 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, LaserScan
 from std_srvs.srv import Trigger
 
+from rover_metrics.core.metrics import TraversalMetrics
+from rover_metrics.core.row import MetricsRow
+from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 from rover_metrics.errors import LogError, ParameterError
-from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.row import MetricsRow
-from rover_metrics.thresholds import THRESHOLD_INFO, Thresholds
 
 if TYPE_CHECKING:
     from tests.rover_metrics.conftest import Rig

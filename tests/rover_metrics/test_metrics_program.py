@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 import rover_metrics
-from rover_metrics.analysis.reading import read_log
-from rover_metrics.session_record import SessionEnd, session_end, session_thresholds
-from rover_metrics.thresholds import Thresholds
+from rover_metrics.analysis.logs.reading import read_log
+from rover_metrics.core.thresholds import Thresholds
+from rover_metrics.log.session_record import SessionEnd, session_end, session_thresholds
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
@@ -116,7 +116,7 @@ def test_a_signal_while_rows_wait_ends_the_program_cleanly_and_says_how_many_are
 def test_an_exception_in_a_callback_is_in_the_record_and_on_the_terminal(tmp_path: Path) -> None:
     broken = (
         "import sys\n"
-        "from rover_metrics.metrics import TraversalMetrics\n"
+        "from rover_metrics.core.metrics import TraversalMetrics\n"
         "from rover_metrics.metrics_node import main\n"
         "def boo(*_): raise ValueError('boo')\n"
         "TraversalMetrics.row = boo\n"

@@ -14,9 +14,9 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 
-from rover_metrics import metrics_publisher
-from rover_metrics.live_view import Level, Status
-from rover_metrics.metrics_publisher import MetricsPublisher
+from rover_metrics.health.live_view import Level, Status
+from rover_metrics.ros import metrics_publisher
+from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
 if TYPE_CHECKING:
     from rover_metrics.metrics_node import MetricsNode

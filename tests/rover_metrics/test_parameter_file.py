@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
+from rover_metrics.bag.parameter_file import FileParameters, read_parameters
+from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import ParameterError
+from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.settings import ExtendedSettings
-from rover_metrics.footprint import Footprint, LidarPose
-from rover_metrics.parameter_file import FileParameters, read_parameters
-from rover_metrics.thresholds import Thresholds
 
 
 @pytest.fixture

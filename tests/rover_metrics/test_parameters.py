@@ -9,12 +9,12 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros
 from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.parameter import Parameter
 
-from rover_metrics import extended_parameters
+from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import ParameterError
+from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.settings import ExtendedSettings
-from rover_metrics.footprint import Footprint, LidarPose
-from rover_metrics.parameters import Settings, declare_reliability, declare_settings, wrong_type
-from rover_metrics.thresholds import Thresholds
+from rover_metrics.ros import extended_parameters
+from rover_metrics.ros.parameters import Settings, declare_reliability, declare_settings, wrong_type
 
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 

@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 
 import rover_metrics
-from rover_metrics.csv_log import CsvLog
+from rover_metrics.core.metrics import TraversalMetrics
+from rover_metrics.core.row import MetricsRow
 from rover_metrics.errors import LogError
-from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.patient_log import PatientLog
-from rover_metrics.row import MetricsRow
+from rover_metrics.log.buffered_log import PatientLog
+from rover_metrics.log.csv_log import CsvLog
 
 STARTED = datetime(2025, 1, 16, 12, 4, 57)
 PACKAGE = str(Path(rover_metrics.__file__).parents[1])
@@ -169,9 +169,9 @@ TINY_DISK = """
 import csv, json, os, subprocess, sys
 from datetime import datetime
 from pathlib import Path
-from rover_metrics.csv_log import CsvLog
-from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.patient_log import PatientLog
+from rover_metrics.log.csv_log import CsvLog
+from rover_metrics.core.metrics import TraversalMetrics
+from rover_metrics.log.buffered_log import PatientLog
 disk = Path(sys.argv[1])
 if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=32k", "tmpfs", disk]).returncode:
     sys.exit(77)

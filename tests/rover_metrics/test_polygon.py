@@ -6,7 +6,7 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 
-from rover_metrics.polygon import Point, PolygonDistance, complaint
+from rover_metrics.extended.polygon import Point, PolygonDistance, complaint
 
 U_SHAPE = ((-1, -1), (1, -1), (1, 1), (0.5, 1), (0.5, 0), (-0.5, 0), (-0.5, 1), (-1, 1))
 # The rectangles that it is made of: x_min, x_max, y_min, y_max.

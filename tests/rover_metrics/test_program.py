@@ -9,8 +9,8 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros
 import rclpy
 from rclpy.executors import ExternalShutdownException
 
-from rover_metrics import program
 from rover_metrics.errors import LogError
+from rover_metrics.ros import program
 
 
 class Stage:

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rover_metrics.recorded_time import ClockSeconds, FullSeconds
+from rover_metrics.timing.recorded_time import ClockSeconds, FullSeconds
 
 SECOND = 10**9
 

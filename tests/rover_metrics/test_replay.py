@@ -15,15 +15,15 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.typesys import Stores, get_typestore
 
-from rover_metrics.bag_message import Message
+from rover_metrics.bag.message import Message
+from rover_metrics.bag.playback import Count, Playback
+from rover_metrics.bag.recorded_topics import CLOCK, SENSORS
+from rover_metrics.core.metrics import TraversalMetrics
+from rover_metrics.core.row import MetricsRow
 from rover_metrics.extended.row import EXTENDED_HEADER
-from rover_metrics.extended.row_source import RowSource
-from rover_metrics.metrics import TraversalMetrics
-from rover_metrics.playback import Count, Playback
-from rover_metrics.recorded_time import TimeSource
-from rover_metrics.recorded_topics import CLOCK, SENSORS
 from rover_metrics.replay import main
-from rover_metrics.row import MetricsRow
+from rover_metrics.session import RowSource
+from rover_metrics.timing.recorded_time import TimeSource
 
 NANOSECONDS = 1_000_000_000
 REAL_BAG = Path(__file__).parents[3] / "shared/data/roboterrain/bags/rover_trajectory"

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rover_metrics.row_schedule import RosTimer, RowSchedule
+from rover_metrics.timing.row_schedule import RosTimer, RowSchedule
 from tests.rover_metrics.test_row_times import AHEAD, BACK, Event, rows_of_the_rule
 
 SECOND = 10**9

@@ -17,7 +17,7 @@ from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 
-from rover_metrics.row_timer import RowTimer
+from rover_metrics.ros.row_timer import RowTimer
 
 if TYPE_CHECKING:
     from rover_metrics.metrics_node import MetricsNode

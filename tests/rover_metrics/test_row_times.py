@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rover_metrics.row_times import RowTimes
+from rover_metrics.timing.row_times import RowTimes
 
 SECOND = 10**9
 PERIOD = 6  # of the model: small, so that every edge is met

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rover_metrics.errors import LogError
-from rover_metrics.session_record import (
+from rover_metrics.log.session_record import (
     COMPLETE,
     SessionEnd,
     SessionRecord,
@@ -153,9 +153,9 @@ def test_the_manifest_of_harness_run_marks_the_end_too(log: Path, status: str) -
 
 
 def test_the_outcome_of_the_real_manifest_is_the_one_that_is_looked_for(log: Path) -> None:
-    manifest = pytest.importorskip("harness.manifest")
+    manifest = pytest.importorskip("harness.episode.manifest")
     from harness.config import EpisodeConfig  # noqa: PLC0415 - the harness is optional here
-    from harness.result import RunResult  # noqa: PLC0415
+    from harness.episode.result import RunResult  # noqa: PLC0415
 
     write_record(log, None, {})
     manifest.write_manifest(RunResult(config=EpisodeConfig(), mode="direct"), log.with_suffix(".json"))

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rover_metrics.silence import Silence, SilenceWatch
+from rover_metrics.health.silence import Silence, SilenceWatch
 
 SECOND = 10**9
 BEGUN, OVER = False, True

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rover_metrics.stamps import (
+from rover_metrics.health.stamps import (
     JUMPED_AHEAD,
     MISSING,
     NO_STAMP,

@@ -11,9 +11,9 @@ from rclpy.event_handler import UnsupportedEventTypeError
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import LaserScan
 
-from rover_metrics import subscriptions
 from rover_metrics.errors import ParameterError
-from rover_metrics.reception import LOST, NOT_HEARD, Reception
+from rover_metrics.health.reception import LOST, NOT_HEARD, Reception
+from rover_metrics.ros import subscriptions
 
 if TYPE_CHECKING:
     from tests.rover_metrics.conftest import Rig

@@ -3,8 +3,8 @@ import math
 
 import pytest
 
+from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO, Thresholds
 from rover_metrics.errors import ThresholdError
-from rover_metrics.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO, Thresholds
 
 VALID = {  # RoboTerrain's default; the largest value and the unit of docs/metrics.md
     "collision_threshold": (0.2, 100.0, "m"),

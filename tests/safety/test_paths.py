@@ -9,11 +9,11 @@ from harness.errors import HarnessError
 from harness.files import whole_file
 from harness.run import main as run
 from rover_metrics import analyze
-from rover_metrics.bag_message import BagError
-from rover_metrics.bag_reader import Bag
+from rover_metrics.bag.bag_reader import Bag
+from rover_metrics.bag.message import BagError
+from rover_metrics.bag.parameter_file import read_parameters
+from rover_metrics.core.row import COLUMNS
 from rover_metrics.errors import RoverMetricsError
-from rover_metrics.parameter_file import read_parameters
-from rover_metrics.row import COLUMNS
 
 SECRET = "not for you"  # noqa: S105 - what must not be touched
 HOSTILE_NAMES = ("..csv", "..%2f..%2fup.csv", "$(touch up).csv", "a;touch up.csv", "a\nb.csv")

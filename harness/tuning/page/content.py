@@ -4,16 +4,16 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from harness import __version__
-from harness.report.plot import Plot
+from harness.page.plot import Plot
+from harness.tuning.episodes.plan import Planned
+from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.page import tables
 from harness.tuning.page.episodes import subject
 from harness.tuning.page.method import SENTENCES
 from harness.tuning.page.sections import row, sections
 from harness.tuning.parameter_file import parameter_file
-from harness.tuning.plan import Planned
-from harness.tuning.record import EpisodeRecord
-from harness.tuning.study import RobotStudy
-from harness.tuning.words import conclusions
+from harness.tuning.scoring.notes import conclusions
+from harness.tuning.scoring.study import RobotStudy
 
 
 def content(

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.metrics import average_precision_score, precision_recall_curve, roc_auc_score, roc_curve
 
-from harness.tuning.alarms import EVENT_MEASURES, Detector, event_counts
-from harness.tuning.choose import by_driver
-from harness.tuning.estimate import Estimate, estimate
-from harness.tuning.record import EpisodeRecord
+from harness.tuning.episodes.record import EpisodeRecord
+from harness.tuning.scoring.alarms import EVENT_MEASURES, Detector, event_counts
+from harness.tuning.scoring.choose import by_driver
+from harness.tuning.scoring.estimate import Estimate, estimate
 
 MOST_POINTS = 150  # of a curve on the page
 FAR = 1e3  # [m]: stands for a scan without any return; nearer than everything is its negative

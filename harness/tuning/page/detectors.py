@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 
-from harness.report.figure import INK, METRIC, Trace
-from harness.tuning.alarms import DETECTORS
-from harness.tuning.collision import CollisionStudy, DetectorStudy
+from harness.page.figure import INK, METRIC, Trace
 from harness.tuning.page.traces import OTHER, mark
+from harness.tuning.scoring.alarms import DETECTORS
+from harness.tuning.scoring.collision import CollisionStudy, DetectorStudy
 
 # Hue says what is measured, the dash whether near returns count.
 STYLES = dict(

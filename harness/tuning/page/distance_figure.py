@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.report.figure import METRIC, MUTED, TRUTH, Trace
-from harness.report.plot import Plot
+from harness.page.figure import METRIC, MUTED, TRUTH, Trace
+from harness.page.plot import Plot
+from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.page.episodes import Subject
 from harness.tuning.page.traces import OTHER, SHARE, figure, level, levels, line, titled
-from harness.tuning.record import EpisodeRecord
 
 SHORTEST, LONGEST = 1e-3, 30.0  # [m] of the axis
 QUANTILES = np.linspace(0.0, 1.0, 201)

@@ -3,12 +3,12 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from harness.report.figure import Figure
-from harness.report.plot import Plot
-from harness.tuning.choose import Records
-from harness.tuning.plan import Part, Planned
-from harness.tuning.record import Ending, EpisodeRecord
-from harness.tuning.study import RobotStudy
+from harness.page.figure import Figure
+from harness.page.plot import Plot
+from harness.tuning.episodes.plan import Part, Planned
+from harness.tuning.episodes.record import Ending, EpisodeRecord
+from harness.tuning.scoring.choose import Records
+from harness.tuning.scoring.study import RobotStudy
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,16 +4,16 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from harness.report.figure import INK, METRIC, Trace
-from harness.report.plot import Plot
-from harness.tuning.alarms import DETECTORS
-from harness.tuning.collision import GRID, SEEDS_DETECTOR
+from harness.page.figure import INK, METRIC, Trace
+from harness.page.plot import Plot
+from harness.tuning.episodes.plan import Part
 from harness.tuning.page.curves import Values, event_intervals, event_scores
 from harness.tuning.page.detectors import STYLES, operating_points
 from harness.tuning.page.episodes import Subject
 from harness.tuning.page.traces import OTHER, SHARE, band, figure, levels, line, titled
-from harness.tuning.plan import Part
-from harness.tuning.result import Scores
+from harness.tuning.scoring.alarms import DETECTORS
+from harness.tuning.scoring.collision import GRID, SEEDS_DETECTOR
+from harness.tuning.scoring.result import Scores
 
 COARSE = GRID[::2]  # where there are intervals
 FALSE_ALARMS = "false alarms per km"

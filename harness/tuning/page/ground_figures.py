@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from harness.report.figure import INK, METRIC, TRUTH, Trace
-from harness.report.plot import Plot
-from harness.tuning.felt import Felt, Signal
-from harness.tuning.ground import GroundStudy
+from harness.page.figure import INK, METRIC, TRUTH, Trace
+from harness.page.plot import Plot
+from harness.tuning.episodes.plan import Part
 from harness.tuning.page.curves import Labelled, roc
 from harness.tuning.page.episodes import Subject
 from harness.tuning.page.traces import SHARE, chance, chosen, figure, levels, line, mark, spelled, titled
-from harness.tuning.plan import Part
-from harness.tuning.result import Candidate
+from harness.tuning.scoring.ground import GroundStudy
+from harness.tuning.scoring.imu_events import Felt, Signal
+from harness.tuning.scoring.result import Candidate
 
 BINS, TAIL = 60, 0.99  # the last bin has all that is beyond this quantile
 ONE_CLASS = "The checking episodes have ground of one class only, so there is no figure."

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from harness.report.legend import Key
-from harness.report.plot import Plot
+from harness.page.legend import Key
+from harness.page.plot import Plot
 
 
 @dataclass(frozen=True)

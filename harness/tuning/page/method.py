@@ -1,9 +1,9 @@
 """How the thresholds were found, in five sentences, with the numbers that the code has."""
 
-from harness.tuning.alarms import GAP
-from harness.tuning.clearance import HORIZON
-from harness.tuning.estimate import FEWEST_EPISODES, LEVEL, RESAMPLES
-from harness.tuning.felt import ROUGH
+from harness.tuning.scoring.alarms import GAP
+from harness.tuning.scoring.clearance import HORIZON
+from harness.tuning.scoring.estimate import FEWEST_EPISODES, LEVEL, RESAMPLES
+from harness.tuning.scoring.imu_events import ROUGH
 
 WORLDS = (
     "Every robot drives in the same worlds, which come in pairs of one kind and different seeds: a "

@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 
-from harness.report.shell import fill
+from harness.page.shell import fill
+from harness.tuning.episodes.plan import Planned
+from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.page.content import content
-from harness.tuning.plan import Planned
-from harness.tuning.record import EpisodeRecord
-from harness.tuning.study import RobotStudy
+from harness.tuning.scoring.study import RobotStudy
 
 
 def render(studies: Sequence[RobotStudy], records: Mapping[Planned, EpisodeRecord], command: str) -> str:

@@ -8,16 +8,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harness.files import whole_file
-from harness.tuning.alarms import DETECTORS
-from harness.tuning.collision import GRID, SEEDS_DETECTOR
-from harness.tuning.estimate import Estimate
+from harness.tuning.episodes.plan import Part, Planned
+from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.page.curves import event_intervals, event_scores
 from harness.tuning.page.episodes import Subject, subject
 from harness.tuning.page.traces import chosen
-from harness.tuning.plan import Part, Planned
-from harness.tuning.record import EpisodeRecord
-from harness.tuning.result import Candidate
-from harness.tuning.study import RobotStudy
+from harness.tuning.scoring.alarms import DETECTORS
+from harness.tuning.scoring.collision import GRID, SEEDS_DETECTOR
+from harness.tuning.scoring.estimate import Estimate
+from harness.tuning.scoring.result import Candidate
+from harness.tuning.scoring.study import RobotStudy
 
 SIZE, DPI = (6.4, 3.9), 100.0  # [in] of a panel
 BLUE, GREY, INK = "#0072b2", "#8c959f", "#1b1f24"  # as on the page

@@ -1,13 +1,13 @@
 """Figures of single scans: ROC and precision over recall of every detector."""
 
-from harness.report.figure import Trace
-from harness.report.plot import Plot
-from harness.tuning.alarms import DETECTORS
-from harness.tuning.collision import SEEDS_DETECTOR
+from harness.page.figure import Trace
+from harness.page.plot import Plot
 from harness.tuning.page.curves import Curve, precision_recall, roc, scans
 from harness.tuning.page.detectors import STYLES, operating_points
 from harness.tuning.page.episodes import Subject
 from harness.tuning.page.traces import SHARE, chance, figure, line, titled
+from harness.tuning.scoring.alarms import DETECTORS
+from harness.tuning.scoring.collision import SEEDS_DETECTOR
 
 ONE_CLASS = "The scans of the checking episodes are all of one class, so there is no curve."
 

@@ -2,17 +2,17 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from harness.report.plot import Plot
-from harness.tuning.felt import SIGNALS, Signal
-from harness.tuning.ground import GroundStudy
+from harness.page.plot import Plot
 from harness.tuning.page import event_figures, scan_figures, tables
 from harness.tuning.page.distance_figure import steps_and_jumps
-from harness.tuning.page.drawings import drawings
 from harness.tuning.page.episodes import Subject
 from harness.tuning.page.ground_figures import distributions, ground_roc
 from harness.tuning.page.layout import Cell, Row, Section, Table
-from harness.tuning.result import Verdict
-from harness.tuning.words import unreachable
+from harness.tuning.page.rover.figure import drawings
+from harness.tuning.scoring.ground import GroundStudy
+from harness.tuning.scoring.imu_events import SIGNALS, Signal
+from harness.tuning.scoring.notes import unreachable
+from harness.tuning.scoring.result import Verdict
 
 Show = Callable[[Subject], Plot | Table | str]
 Subjects = Sequence[Subject]

@@ -5,8 +5,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from harness.physics.scene import VISUAL_GROUP
 from harness.robots import RoverSpec
-from harness.world.scene import VISUAL_GROUP
 
 ABOVE, SIDE = (0, 1), (0, 2)  # axes of the model frame that are seen
 Outline = NDArray[np.float64]  # shape (n, 2) [m]

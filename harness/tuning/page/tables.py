@@ -2,15 +2,15 @@
 
 import math
 
-from harness.report.figure import DASH, MINUS
-from harness.tuning.collision import CollisionStudy, DetectorStudy
-from harness.tuning.estimate import Estimate
-from harness.tuning.ground import GroundStudy
+from harness.page.figure import DASH, MINUS
+from harness.tuning.episodes.plan import Part
 from harness.tuning.page.layout import Table
 from harness.tuning.page.traces import chosen, spelled
-from harness.tuning.plan import Part
-from harness.tuning.result import Candidate, Verdict
-from harness.tuning.study import RobotStudy
+from harness.tuning.scoring.collision import CollisionStudy, DetectorStudy
+from harness.tuning.scoring.estimate import Estimate
+from harness.tuning.scoring.ground import GroundStudy
+from harness.tuning.scoring.result import Candidate, Verdict
+from harness.tuning.scoring.study import RobotStudy
 
 CHECKING, CHOOSING = Part.CHECKING, Part.CHOOSING
 NOTHING = DASH

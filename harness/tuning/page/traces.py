@@ -6,8 +6,8 @@ from itertools import chain
 import numpy as np
 from numpy.typing import ArrayLike
 
-from harness.report.figure import AXIS, INK, METRIC, MUTED, Figure, Layout, Trace, common_layout, numbers
-from harness.tuning.result import Verdict
+from harness.page.figure import AXIS, INK, METRIC, MUTED, Figure, Layout, Trace, common_layout, numbers
+from harness.tuning.scoring.result import Verdict
 
 BAND, OTHER = "--band", "--scan"  # colours: of an interval, of the second kind of detector
 DEFAULT_DASH, TUNED_DASH = "dot", "dash"

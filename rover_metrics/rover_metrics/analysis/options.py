@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from rover_metrics.analysis.episodes import DEFAULT_GAP
+from rover_metrics.analysis.logs.episodes import DEFAULT_GAP
+from rover_metrics.analysis.logs.time_axis import AXES
 from rover_metrics.analysis.metric import METRICS
-from rover_metrics.analysis.outliers import DEFAULT_MULTIPLIER
 from rover_metrics.analysis.output import PLOTS
-from rover_metrics.analysis.time_axis import AXES
+from rover_metrics.analysis.statistics.outliers import DEFAULT_MULTIPLIER
 from rover_metrics.errors import RoverMetricsError
 
 DEFAULT_INTERVAL = 1.0  # s

@@ -5,16 +5,16 @@ from itertools import combinations
 
 import numpy as np
 
-from rover_metrics.analysis.comparison import Comparison, compare
-from rover_metrics.analysis.correlation import Correlation, combine, correlate
-from rover_metrics.analysis.log import Log
+from rover_metrics.analysis.logs.log import Log
 from rover_metrics.analysis.metric import Metric
-from rover_metrics.analysis.multiple import holm
-from rover_metrics.analysis.outliers import outliers
 from rover_metrics.analysis.result import LogResult, Result
-from rover_metrics.analysis.series import metric_series, rate_per_metre
+from rover_metrics.analysis.statistics.comparison import Comparison, compare
+from rover_metrics.analysis.statistics.correlation import Correlation, combine, correlate
+from rover_metrics.analysis.statistics.multiple import holm
+from rover_metrics.analysis.statistics.outliers import outliers
+from rover_metrics.analysis.statistics.series import metric_series, rate_per_metre
+from rover_metrics.analysis.statistics.summary import Summary, summarise, summarise_independent
 from rover_metrics.analysis.study import Member, Study
-from rover_metrics.analysis.summary import Summary, summarise, summarise_independent
 
 _MOST_CORRELATED = 200_000  # rows; of longer logs every k-th is taken, as neighbours say little new
 

@@ -8,19 +8,19 @@ from typing import Literal, get_args
 import numpy as np
 from matplotlib.figure import Figure
 
-from rover_metrics.analysis.outliers import outliers
+from rover_metrics.analysis.logs.time_axis import TimeAxis
 from rover_metrics.analysis.plots.aggregate import draw_aggregate
 from rover_metrics.analysis.plots.comparison import draw_comparison
 from rover_metrics.analysis.plots.correlation import draw_correlation
 from rover_metrics.analysis.plots.style import save, styled
 from rover_metrics.analysis.plots.time_series import draw_time_series
 from rover_metrics.analysis.result import Result
-from rover_metrics.analysis.series import metric_series
+from rover_metrics.analysis.statistics.outliers import outliers
+from rover_metrics.analysis.statistics.series import metric_series
 from rover_metrics.analysis.study import Study
-from rover_metrics.analysis.time_axis import TimeAxis
-from rover_metrics.cells import harmless
+from rover_metrics.core.row import Field
 from rover_metrics.errors import RoverMetricsError
-from rover_metrics.row import Field
+from rover_metrics.log.cells import harmless
 
 PlotName = Literal["time_series", "correlation", "aggregate", "comparison"]
 PLOTS: tuple[PlotName, ...] = get_args(PlotName)

@@ -9,9 +9,9 @@ from typing import Any, Literal
 from rich.console import Console, ConsoleOptions, RenderResult
 
 from rover_metrics.analysis import tables
-from rover_metrics.analysis.comparison import Comparison
-from rover_metrics.analysis.correlation import Correlation
-from rover_metrics.analysis.summary import Summary
+from rover_metrics.analysis.statistics.comparison import Comparison
+from rover_metrics.analysis.statistics.correlation import Correlation
+from rover_metrics.analysis.statistics.summary import Summary
 
 Unit = Literal["log", "episode"]
 

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rover_metrics.analysis.log import Floats, Log
+from rover_metrics.analysis.logs.log import Floats, Log
 from rover_metrics.analysis.metric import METRICS, Metric
-from rover_metrics.analysis.outliers import DEFAULT_MULTIPLIER, outliers
 from rover_metrics.analysis.result import Unit
-from rover_metrics.analysis.series import Series, metric_series
-from rover_metrics.thresholds import DEFAULT_THRESHOLDS
+from rover_metrics.analysis.statistics.outliers import DEFAULT_MULTIPLIER, outliers
+from rover_metrics.analysis.statistics.series import Series, metric_series
+from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 
 
 @dataclass(frozen=True)

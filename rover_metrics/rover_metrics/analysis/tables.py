@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from rover_metrics.analysis.result import LogResult, Result
-    from rover_metrics.analysis.summary import Interval, Summary
+    from rover_metrics.analysis.statistics.summary import Interval, Summary
 
 _WIDE = 120  # columns of a terminal; a narrower one shows less, JSON everything
 

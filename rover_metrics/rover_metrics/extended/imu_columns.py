@@ -2,8 +2,8 @@
 
 import math
 
-from rover_metrics.column import Cell, Column
-from rover_metrics.metrics import Vector3
+from rover_metrics.core.column import Cell, Column
+from rover_metrics.core.metrics import Vector3
 
 GRAVITY = 9.80665  # m/s^2, standard
 SETTLING = 1.0  # s: time constant of the gravity estimate where there is no orientation

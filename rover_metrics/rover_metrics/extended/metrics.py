@@ -6,6 +6,7 @@ from types import MappingProxyType
 
 from numpy.typing import ArrayLike
 
+from rover_metrics.core.metrics import TraversalMetrics, Vector3
 from rover_metrics.extended.imu_columns import ImuColumns, Quaternion
 from rover_metrics.extended.row import ExtendedRow
 from rover_metrics.extended.scan_columns import ScanColumns
@@ -13,7 +14,6 @@ from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic, TrafficColumns
 from rover_metrics.extended.travel_columns import TravelColumns
 from rover_metrics.extended.truth_columns import TRAVERSAL, TruthColumns
-from rover_metrics.metrics import TraversalMetrics, Vector3
 
 NANOSECONDS = 1_000_000_000
 NONE_LOST: Mapping[Topic, int] = MappingProxyType({})

@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass
 
-from rover_metrics.column import Cell, Column
+from rover_metrics.core.column import Cell, Column
+from rover_metrics.core.row import COLUMNS, DECIMALS, Field, MetricsRow
 from rover_metrics.extended.imu_columns import ImuColumns
 from rover_metrics.extended.scan_columns import ScanColumns
 from rover_metrics.extended.traffic_columns import TrafficColumns
 from rover_metrics.extended.travel_columns import TravelColumns
 from rover_metrics.extended.truth_columns import TruthColumns
-from rover_metrics.row import COLUMNS, DECIMALS, Field, MetricsRow
 
 EXTENDED_COLUMNS: tuple[Column, ...] = (
     *TravelColumns.COLUMNS,

@@ -5,10 +5,10 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rover_metrics.column import Cell, Column
+from rover_metrics.core.column import Cell, Column
 from rover_metrics.extended.events import CONTACT_GAP_NS, EventCounter
+from rover_metrics.extended.footprint import Footprint, FootprintClearance
 from rover_metrics.extended.settings import ExtendedSettings
-from rover_metrics.footprint import Footprint, FootprintClearance
 
 _FOOTPRINT = "footprint, lidar_pose; LaserScan ranges, angle_min, angle_increment"
 

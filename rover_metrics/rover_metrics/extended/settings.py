@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 
 from rover_metrics.errors import ParameterError
-from rover_metrics.footprint import Footprint, LidarPose
+from rover_metrics.extended.footprint import Footprint, LidarPose
 
 LARGEST_FOOTPRINT_THRESHOLD = 100.0  # m
 

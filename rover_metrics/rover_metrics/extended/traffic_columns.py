@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from rover_metrics.column import Cell, Column
-from rover_metrics.stamps import MISSING, StampWatch
+from rover_metrics.core.column import Cell, Column
+from rover_metrics.health.stamps import MISSING, StampWatch
 
 OTHER_CLOCK = 86_400.0  # s: a stamp that far from now is of another clock
 

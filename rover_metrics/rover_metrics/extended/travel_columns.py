@@ -8,8 +8,8 @@ import math
 from bisect import bisect_right
 from collections import deque
 
-from rover_metrics.column import Cell, Column
-from rover_metrics.metrics import Vector3
+from rover_metrics.core.column import Cell, Column
+from rover_metrics.core.metrics import Vector3
 
 MOST_SAMPLES = 10_000  # of an interval; rows do not come while a clock stands still
 STANDSTILL = 0.02  # m/s: slower wheels on a slower rover do not slip, they stand

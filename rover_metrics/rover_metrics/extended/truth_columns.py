@@ -3,8 +3,8 @@
 import math
 from collections.abc import Sequence
 
-from rover_metrics.column import Cell, Column
-from rover_metrics.metrics import Vector3
+from rover_metrics.core.column import Cell, Column
+from rover_metrics.core.metrics import Vector3
 
 CONTACT_PAUSE = 10  # messages without contact before a new event: 0.5 s at the harness's 20 Hz
 

@@ -9,10 +9,10 @@ from harness.config import EpisodeConfig
 from harness.drivers import find_driver
 from harness.drivers.approach import Line, line_past
 from harness.drivers.base import DriverContext, Observation
-from harness.episode import Episode
+from harness.episode.episode import Episode
 from harness.robots import LEO, ROVER_ZERO4WD
 from harness.samples import Twist
-from harness.truth import Truth
+from harness.truth.traversal import Truth
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
 from harness.world.outline import half_extent
 

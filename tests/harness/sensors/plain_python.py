@@ -5,14 +5,14 @@ from types import ModuleType
 
 import pytest
 
-from harness.sensors import compiled
+from harness.sensors.rays import compiled
 
 
 def as_plain_python(name: str, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     """A module of kernels loaded once more, by itself, with nothing compiled.
 
     Args:
-        name: Of the module, e.g. "harness.sensors.heightfield_kernel".
+        name: Of the module, e.g. "harness.sensors.rays.heightfield_kernel".
         monkeypatch: Of the test.
     """
     spec = importlib.util.find_spec(name)

@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
+from harness.faults.injector import FaultInjector, disturb_time
+from harness.faults.kinds import CLOCK, SENSORS, describe_faults, kinds
+from harness.faults.readings import measured_as
+from harness.faults.spec import Fault, parse_faults
 from harness.samples import (
     GroundTruth,
     Imu,
@@ -18,11 +22,7 @@ from harness.samples import (
     TruthState,
     Twist,
 )
-from harness.sensors.fault_kinds import CLOCK, SENSORS, describe_faults, kinds
-from harness.sensors.fault_spec import Fault, parse_faults
-from harness.sensors.fault_values import measured_as
-from harness.sensors.faults import FaultInjector, disturb_time
-from rover_metrics.row_schedule import RosTimer
+from rover_metrics.timing.row_schedule import RosTimer
 
 TICK = 10_000_000
 SECOND = 1_000_000_000

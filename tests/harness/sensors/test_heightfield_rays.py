@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from harness.sensors import heightfield_rays
-from harness.sensors.heightfield_rays import HeightfieldRays
+from harness.sensors.rays import heightfield_rays
+from harness.sensors.rays.heightfield_rays import HeightfieldRays
 from harness.world.heightfield import Heightfield
 from tests.harness.sensors.plain_python import as_plain_python
 
@@ -226,7 +226,7 @@ def test_only_nearer_hits_within_range_are_written() -> None:
 
 
 def test_as_plain_python_the_walk_meets_mujoco_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    kernel = as_plain_python("harness.sensors.heightfield_kernel", monkeypatch)
+    kernel = as_plain_python("harness.sensors.rays.heightfield_kernel", monkeypatch)
     monkeypatch.setattr(heightfield_rays, "cast_rays", kernel.cast_rays)
     rng = np.random.default_rng(8)
     for shape in ((2, 2), (5, 9), (21, 18)):  # the last with three levels of blocks and more

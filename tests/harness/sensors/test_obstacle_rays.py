@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from harness.sensors import obstacle_rays
-from harness.sensors.obstacle_rays import ObstacleRays
+from harness.sensors.rays import obstacle_rays
+from harness.sensors.rays.obstacle_rays import ObstacleRays
 from tests.harness.sensors.plain_python import as_plain_python
 
 Array = NDArray[np.float64]
@@ -48,7 +48,7 @@ def fans(world: tuple[mujoco.MjModel, mujoco.MjData], origin: Array, turn: Array
 def test_a_fan_meets_mujoco(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """From outside and from within, level and tilted, over and beside, behind one another."""
     if way == "plain":
-        kernel = as_plain_python("harness.sensors.obstacle_kernel", monkeypatch)
+        kernel = as_plain_python("harness.sensors.rays.obstacle_kernel", monkeypatch)
         monkeypatch.setattr(obstacle_rays, "cast_fan", kernel.cast_fan)
     rng = np.random.default_rng(0)
     hits = misses = 0

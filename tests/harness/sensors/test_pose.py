@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from harness.physics.simulation import Simulation
 from harness.robots import ROVERS
-from harness.sensors.pose import GroundTruthSensor, JointSensor, PoseSensor
-from harness.simulation import Simulation
+from harness.sensors.state import GroundTruthSensor, JointSensor, PoseSensor
 
 
 @pytest.fixture(scope="module", params=ROVERS)

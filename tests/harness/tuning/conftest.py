@@ -5,10 +5,10 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 import pytest
 
+from harness.tuning.episodes.plan import Planned, plan
+from harness.tuning.episodes.record import EVENT, SCAN, WINDOW, Ending, EpisodeRecord, Sight, Zone
 from harness.tuning.page.page import render
-from harness.tuning.plan import Planned, plan
-from harness.tuning.record import EVENT, SCAN, WINDOW, Ending, EpisodeRecord, Sight, Zone
-from harness.tuning.study import RobotStudy, study
+from harness.tuning.scoring.study import RobotStudy, study
 
 SCANS_PER_S = 20
 COMMAND = "python -m harness.tune --out '<b>tuning</b>'"

@@ -7,7 +7,8 @@ import pytest
 from numpy.typing import NDArray
 from sklearn.metrics import confusion_matrix, f1_score, precision_score, recall_score
 
-from harness.tuning.alarms import (
+from harness.tuning.episodes.record import EpisodeRecord
+from harness.tuning.scoring.alarms import (
     DETECTORS,
     EVENT_MEASURES,
     SCAN_MEASURES,
@@ -18,7 +19,6 @@ from harness.tuning.alarms import (
     nearest_range,
     scan_counts,
 )
-from harness.tuning.record import EpisodeRecord
 
 MakeRecord = Callable[..., EpisodeRecord]
 

@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import pytest
 
-from harness.tuning.alarms import footprint_clearance, nearest_range
-from harness.tuning.blind import BlindSpot, ZoneRow, blind_spots, zone_rows
-from harness.tuning.record import EpisodeRecord, Sight, Zone
+from harness.tuning.episodes.record import EpisodeRecord, Sight, Zone
+from harness.tuning.scoring.alarms import footprint_clearance, nearest_range
+from harness.tuning.scoring.baselines import BlindSpot, ZoneRow, blind_spots, zone_rows
 
 MakeRecord = Callable[..., EpisodeRecord]
 

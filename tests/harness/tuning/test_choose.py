@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from harness.tuning.choose import Scoring, by_driver, by_terrain, judged
-from harness.tuning.estimate import Sums, estimate
-from harness.tuning.plan import Part
-from harness.tuning.record import EpisodeRecord
-from rover_metrics.thresholds import THRESHOLD_INFO
+from harness.tuning.episodes.plan import Part
+from harness.tuning.episodes.record import EpisodeRecord
+from harness.tuning.scoring.choose import Scoring, by_driver, by_terrain, judged
+from harness.tuning.scoring.estimate import Sums, estimate
+from rover_metrics.core.thresholds import THRESHOLD_INFO
 
 MakeRecord = Callable[..., EpisodeRecord]
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from harness.robots import LEO, ROVER_ZERO4WD, RoverSpec
-from harness.tuning import clearance
-from harness.tuning.braking import Braking, measure_braking
-from harness.tuning.clearance import study_clearance
-from harness.tuning.distance import study_distance
-from harness.tuning.plan import Part
-from harness.tuning.record import EpisodeRecord, Sight, Zone
+from harness.tuning.episodes.plan import Part
+from harness.tuning.episodes.record import EpisodeRecord, Sight, Zone
+from harness.tuning.scoring import clearance
+from harness.tuning.scoring.braking import Braking, measure_braking
+from harness.tuning.scoring.clearance import study_clearance
+from harness.tuning.scoring.distance import study_distance
 
 MakeRecord = Callable[..., EpisodeRecord]
 

@@ -5,10 +5,10 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 import pytest
 
-from harness.tuning.collision import study_collisions
-from harness.tuning.plan import Part
-from harness.tuning.record import EpisodeRecord, Sight, Zone
-from harness.tuning.words import judgement, unreachable
+from harness.tuning.episodes.plan import Part
+from harness.tuning.episodes.record import EpisodeRecord, Sight, Zone
+from harness.tuning.scoring.collision import study_collisions
+from harness.tuning.scoring.notes import judgement, unreachable
 
 MakeRecords = Callable[..., EpisodeRecord]
 AtDistance = Callable[..., list[EpisodeRecord]]

@@ -10,10 +10,10 @@ from harness.report.recorder import PlacedScan
 from harness.robots import LEO, ROVER_ZERO4WD
 from harness.samples import LaserScan, Pose
 from harness.sensors.lidar_spec import LidarSpec
-from harness.truth_events import ContactEvent
-from harness.tuning.contacts import event_rows, is_on, sight, zone
-from harness.tuning.drive import drive
-from harness.tuning.record import Sight, Zone
+from harness.truth.events import ContactEvent
+from harness.tuning.episodes.contacts import event_rows, is_on, sight, zone
+from harness.tuning.episodes.drive import drive
+from harness.tuning.episodes.record import Sight, Zone
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
 from harness.world.world import World

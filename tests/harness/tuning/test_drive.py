@@ -8,10 +8,10 @@ import pytest
 from harness.config import Batch
 from harness.errors import Diverged, RunFailed
 from harness.samples import LaserScan, Tick
-from harness.truth import Truth
-from harness.tuning.collected import Collected
-from harness.tuning.drive import _drive
-from harness.tuning.record import Ending
+from harness.truth.traversal import Truth
+from harness.tuning.episodes.collected import Collected
+from harness.tuning.episodes.drive import _drive
+from harness.tuning.episodes.record import Ending
 
 
 class Scripted:

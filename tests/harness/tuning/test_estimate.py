@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from harness.tuning.estimate import Estimate, estimate, ratio
+from harness.tuning.scoring.estimate import Estimate, estimate, ratio
 
 
 def share(sums: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from sklearn.metrics import balanced_accuracy_score, confusion_matrix, roc_auc_score
 
-from harness.tuning.felt import SIGNALS, Felt, current_smoothness, peak_acceleration
-from harness.tuning.ground import MEASURES, counts_of, study_ground
-from harness.tuning.plan import Part
-from harness.tuning.record import EpisodeRecord
-from harness.tuning.words import judgement
+from harness.tuning.episodes.plan import Part
+from harness.tuning.episodes.record import EpisodeRecord
+from harness.tuning.scoring.ground import MEASURES, counts_of, study_ground
+from harness.tuning.scoring.imu_events import SIGNALS, Felt, current_smoothness, peak_acceleration
+from harness.tuning.scoring.notes import judgement
 
 MakeRecord = Callable[..., EpisodeRecord]
 Seconds = list[dict[str, float]]

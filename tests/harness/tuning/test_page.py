@@ -14,8 +14,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from harness.tuning.estimate import Estimate
-from harness.tuning.felt import SIGNALS
+from harness.tuning.episodes.plan import Part
 from harness.tuning.page.episodes import subject
 from harness.tuning.page.event_figures import FALSE_ALARMS, frontier
 from harness.tuning.page.ground_figures import distributions
@@ -25,7 +24,8 @@ from harness.tuning.page.picture import draw_picture
 from harness.tuning.page.tables import text
 from harness.tuning.page.traces import levels, mark
 from harness.tuning.parameter_file import parameter_file
-from harness.tuning.plan import Part
+from harness.tuning.scoring.estimate import Estimate
+from harness.tuning.scoring.imu_events import SIGNALS
 
 if TYPE_CHECKING:
     from tests.harness.tuning.conftest import Sweep

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
 from harness import run
-from rover_metrics.thresholds import DEFAULT_THRESHOLDS
+from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 
 
 @pytest.mark.usefixtures("ros_domain")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.tuning.plan import STRATA, Part, plan
+from harness.tuning.episodes.plan import STRATA, Part, plan
 
 ROBOTS = ("leo", "rover_zero4wd")
 

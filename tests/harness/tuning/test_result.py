@@ -2,9 +2,9 @@
 
 import pytest
 
-from harness.tuning.estimate import Estimate
-from harness.tuning.plan import Part
-from harness.tuning.result import Candidate, Verdict
+from harness.tuning.episodes.plan import Part
+from harness.tuning.scoring.estimate import Estimate
+from harness.tuning.scoring.result import Candidate, Verdict
 
 
 def candidate(value: float, score: Estimate) -> Candidate:

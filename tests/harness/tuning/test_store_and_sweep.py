@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 
 from harness.errors import RunFailed, UsageError
-from harness.tuning import sweep as sweeping
 from harness.tuning.backend import Backend, WorkerLost
-from harness.tuning.plan import Planned, plan
-from harness.tuning.record import EpisodeRecord
-from harness.tuning.store import Store, decode, encode
+from harness.tuning.episodes import sweep as sweeping
+from harness.tuning.episodes.plan import Planned, plan
+from harness.tuning.episodes.record import EpisodeRecord
+from harness.tuning.episodes.store import Store, decode, encode
 
 MakeRecord = Callable[..., EpisodeRecord]
 PLANNED = plan(("leo", "rover_zero4wd"), 4, 0, 5.0)

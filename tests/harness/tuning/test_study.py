@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import pytest
 
-from harness.tuning.blind import BlindSpot
-from harness.tuning.collision import CollisionStudy, DetectorStudy
-from harness.tuning.estimate import Estimate
-from harness.tuning.plan import Part, plan
-from harness.tuning.record import Ending, EpisodeRecord, Sight
-from harness.tuning.result import Candidate, Verdict
-from harness.tuning.study import Driven, _driven, _scored
-from harness.tuning.words import alternatives, judgement, unreachable
+from harness.tuning.episodes.plan import Part, plan
+from harness.tuning.episodes.record import Ending, EpisodeRecord, Sight
+from harness.tuning.scoring.baselines import BlindSpot
+from harness.tuning.scoring.collision import CollisionStudy, DetectorStudy
+from harness.tuning.scoring.estimate import Estimate
+from harness.tuning.scoring.notes import alternatives, judgement, unreachable
+from harness.tuning.scoring.result import Candidate, Verdict
+from harness.tuning.scoring.study import Driven, _driven, _scored
 
 MakeRecord = Callable[..., EpisodeRecord]
 

@@ -18,7 +18,7 @@ from harness.validation.realism import WITHIN, Comparison, Distances, distances
 from harness.validation.realism_table import print_comparison
 from harness.validation.recorded import COLUMNS, DEFAULT_LOGS, Log, read_log
 from harness.validation.run_log import CONFIG, _Logger, drive
-from rover_metrics.metrics import TraversalMetrics
+from rover_metrics.core.metrics import TraversalMetrics
 
 IMU = ("IMU Acceleration Magnitude", "Vertical Roughness")
 MINUTES_2 = replace(CONFIG, duration=120.0)

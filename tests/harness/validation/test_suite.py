@@ -5,12 +5,12 @@ from collections.abc import Callable
 import mujoco
 import pytest
 
+from harness.physics.scene import Scene
+from harness.physics.simulation import Simulation
 from harness.robots import LEO, ROVERS, RoverSpec
-from harness.simulation import Simulation
 from harness.validation import driving, rig, stability, standing
 from harness.validation.check import Check
 from harness.validation.suite import Manoeuvres
-from harness.world.scene import Scene
 
 Tampering = Callable[[mujoco.MjModel], None]
 

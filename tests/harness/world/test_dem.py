@@ -14,10 +14,10 @@ from PIL import Image
 from scipy.ndimage import map_coordinates, uniform_filter1d
 
 from harness.errors import UsageError
-from harness.world import raster as raster_module
-from harness.world.dem import TerrainFile, file_world, is_terrain_file
-from harness.world.raster import read_raster
-from harness.world.regrid import filled, resampled
+from harness.world.heightmap import raster as raster_module
+from harness.world.heightmap.dem import TerrainFile, file_world, is_terrain_file
+from harness.world.heightmap.raster import read_raster
+from harness.world.heightmap.regrid import filled, resampled
 from harness.world.statistics import slopes
 from harness.world.world import World, terrain_hash
 

@@ -7,10 +7,10 @@ import mujoco
 import numpy as np
 import pytest
 
+from harness.physics.scene import Scene, build_scene, model_hash
 from harness.robots import LEO, ROVERS, RoverSpec
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
-from harness.world.scene import Scene, build_scene, model_hash
 from harness.world.world import World
 
 OBSTACLES = (

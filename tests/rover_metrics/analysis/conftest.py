@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rover_metrics.analysis.episodes import episode_starts
-from rover_metrics.analysis.log import Log
+from rover_metrics.analysis.logs.episodes import episode_starts
+from rover_metrics.analysis.logs.log import Log
 from rover_metrics.analysis.metric import COUNTERS
-from rover_metrics.row import COLUMNS
+from rover_metrics.core.row import COLUMNS
 
 _REAL_LOGS = Path(__file__).parents[4] / "shared/data/roboterrain/logs"
 

@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from rover_metrics.analysis.autocorrelation import (
+from rover_metrics.analysis.logs.log import Floats
+from rover_metrics.analysis.statistics.autocorrelation import (
     autocorrelation,
     block_length,
     effective_pairs,
     effective_size,
 )
-from rover_metrics.analysis.log import Floats
 
 
 def autoregressive(phi: float, n: int, seed: int = 0) -> Floats:
@@ -84,7 +84,7 @@ def test_autocorrelation_is_that_of_its_definition_also_over_segments(
     values = autoregressive(0.7, 500)
     direct = [rho(values, lag) for lag in range(500)]
     np.testing.assert_allclose(autocorrelation(values, 499), direct, atol=1e-12)
-    monkeypatch.setattr("rover_metrics.analysis.autocorrelation._SEGMENT", 100)
+    monkeypatch.setattr("rover_metrics.analysis.statistics.autocorrelation._SEGMENT", 100)
     np.testing.assert_allclose(autocorrelation(values, 5), direct[:6], atol=0.05)
     # Within segments only, all of them, by the variance of the whole.
     parts = (values - values.mean()).reshape(5, 100)

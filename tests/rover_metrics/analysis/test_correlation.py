@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from rover_metrics.analysis.autocorrelation import effective_pairs
-from rover_metrics.analysis.correlation import Correlation, combine, correlate
+from rover_metrics.analysis.statistics.autocorrelation import effective_pairs
+from rover_metrics.analysis.statistics.correlation import Correlation, combine, correlate
 
 NOISE = np.random.default_rng(0).normal(size=(2, 300))
 WALKS = NOISE.cumsum(axis=1)

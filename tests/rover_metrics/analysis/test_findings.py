@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from rover_metrics.analysis.findings import describe_time
-from rover_metrics.analysis.header import shown
-from rover_metrics.analysis.table import Table, Tally
+from rover_metrics.analysis.logs.findings import describe_time
+from rover_metrics.analysis.logs.header import shown
+from rover_metrics.analysis.logs.table import Table, Tally
 
 EVERY = "not every second"
 SHORT, LONG = "short gap", "long gap"

@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from rover_metrics.analysis.metric import Kind
-from rover_metrics.analysis.outliers import DEFAULT_MULTIPLIER, outliers
-from rover_metrics.analysis.series import Series
+from rover_metrics.analysis.statistics.outliers import DEFAULT_MULTIPLIER, outliers
+from rover_metrics.analysis.statistics.series import Series
 
 
 def marked(values: list[float], multiplier: float = 1.5, kind: Kind = Kind.LEVEL) -> list[int]:

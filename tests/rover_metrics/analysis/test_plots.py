@@ -16,8 +16,8 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Annotation
 from scipy import stats
 
-from rover_metrics.analysis.correlation import Correlation
-from rover_metrics.analysis.log import Floats, Log
+from rover_metrics.analysis.logs.log import Floats, Log
+from rover_metrics.analysis.logs.time_axis import AxisName, TimeAxis, on_grid
 from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analysis.outcome import analyse
 from rover_metrics.analysis.plots.aggregate import draw_aggregate, mean_and_band
@@ -26,9 +26,9 @@ from rover_metrics.analysis.plots.correlation import draw_correlation
 from rover_metrics.analysis.plots.curves import MOST_POINTS, smoothed, thinned, upper_limit
 from rover_metrics.analysis.plots.style import legend_columns, look, save, styled
 from rover_metrics.analysis.plots.time_series import draw_time_series
+from rover_metrics.analysis.statistics.correlation import Correlation
 from rover_metrics.analysis.study import Member, Options, Study
-from rover_metrics.analysis.time_axis import AxisName, TimeAxis, on_grid
-from rover_metrics.thresholds import Thresholds
+from rover_metrics.core.thresholds import Thresholds
 
 MakeLog = Callable[..., Log]
 OKABE_ITO = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"]

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rover_metrics.analysis.header import UnreadableLog
+from rover_metrics.analysis.logs.header import UnreadableLog
+from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.analysis.metric import METRICS
-from rover_metrics.analysis.reading import read_log
+from rover_metrics.core.row import COLUMNS
 from rover_metrics.extended.row import EXTENDED_HEADER
-from rover_metrics.row import COLUMNS
 
 Row = Callable[..., str]
 WriteLog = Callable[..., Path]
@@ -199,7 +199,7 @@ def test_a_log_without_any_chosen_metric_is_refused(tmp_path: Path) -> None:
 def test_lines_are_counted_right_across_chunks(
     write_log: WriteLog, row: Row, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rover_metrics.analysis.parsing._CHUNK", 7)
+    monkeypatch.setattr("rover_metrics.analysis.logs.parsing._CHUNK", 7)
     lines = [row(i) for i in range(50)]
     lines[40] = row(40, Current_Velocity="fast")
     log = read_log(write_log(lines=lines))

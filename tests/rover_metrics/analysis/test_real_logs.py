@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
+from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.analysis.metric import METRICS
-from rover_metrics.analysis.reading import read_log
 from rover_metrics.analyze import main
 
 WALL = "wall-clock timestamps: the node ran without use_sim_time"

@@ -3,10 +3,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from rover_metrics.analysis.episodes import episode_starts
-from rover_metrics.analysis.log import Log
+from rover_metrics.analysis.logs.episodes import episode_starts
+from rover_metrics.analysis.logs.log import Log
 from rover_metrics.analysis.metric import METRICS
-from rover_metrics.analysis.series import Series, metric_series, rate_per_metre
+from rover_metrics.analysis.statistics.series import Series, metric_series, rate_per_metre
 
 MakeLog = Callable[..., Log]
 NAN = np.nan

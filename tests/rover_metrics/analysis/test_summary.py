@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from rover_metrics.analysis.autocorrelation import block_length, effective_size
-from rover_metrics.analysis.log import Floats
+from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind
-from rover_metrics.analysis.summary import (
+from rover_metrics.analysis.statistics.autocorrelation import block_length, effective_size
+from rover_metrics.analysis.statistics.summary import (
     Interval,
     block_bootstrap_interval,
     summarise,

@@ -6,10 +6,10 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
-from rover_metrics.analysis.comparison import Comparison
-from rover_metrics.analysis.correlation import Correlation
 from rover_metrics.analysis.result import LogResult, Result
-from rover_metrics.analysis.summary import Summary
+from rover_metrics.analysis.statistics.comparison import Comparison
+from rover_metrics.analysis.statistics.correlation import Correlation
+from rover_metrics.analysis.statistics.summary import Summary
 from rover_metrics.analysis.tables import number, probability
 
 SPEED = Summary(60, 0.52, 21.4, 0.51, 0.08, 0.12, 0.93, (0.5, 0.54), (0.47, 0.57), 4)

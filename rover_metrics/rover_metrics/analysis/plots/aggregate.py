@@ -5,12 +5,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy import stats
 
-from rover_metrics.analysis.log import Floats
+from rover_metrics.analysis.logs.log import Floats
+from rover_metrics.analysis.logs.time_axis import TimeAxis, on_grid
 from rover_metrics.analysis.metric import Kind, Metric
 from rover_metrics.analysis.plots.grid import metric_grid
 from rover_metrics.analysis.plots.style import draw_thresholds, highest_bound, legend_columns, look
 from rover_metrics.analysis.study import Study
-from rover_metrics.analysis.time_axis import TimeAxis, on_grid
 
 _PERCENT_STEP = 2.0
 _STEPS = 60  # of a time axis whose interval nobody chose

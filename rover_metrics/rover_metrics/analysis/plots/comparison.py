@@ -6,14 +6,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rover_metrics.analysis.comparison import Comparison
-from rover_metrics.analysis.log import Floats
+from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind, Metric
 from rover_metrics.analysis.plots.grid import metric_grid
 from rover_metrics.analysis.plots.style import MARKERS, draw_thresholds, highest_bound, look
 from rover_metrics.analysis.result import Result
+from rover_metrics.analysis.statistics.comparison import Comparison
+from rover_metrics.analysis.statistics.summary import t_interval
 from rover_metrics.analysis.study import Study
-from rover_metrics.analysis.summary import t_interval
 from rover_metrics.analysis.tables import probability
 
 _MOST_TICKS = 12

@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from rover_metrics.analysis.log import Floats
+from rover_metrics.analysis.logs.log import Floats
 
 MOST_POINTS = 4000  # two a pixel at 200 dpi
 _FEWEST_SMOOTHED = 9  # rows

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rover_metrics.analysis.metric import Metric
-from rover_metrics.thresholds import THRESHOLD_INFO
+from rover_metrics.core.thresholds import THRESHOLD_INFO
 
 # Okabe & Ito (2008), without the yellow, which paper swallows; black is for thresholds and text.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")

@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rover_metrics.analysis.log import Floats
+from rover_metrics.analysis.logs.log import Floats
+from rover_metrics.analysis.logs.time_axis import TimeAxis
 from rover_metrics.analysis.metric import Kind, Metric
 from rover_metrics.analysis.plots.curves import Smoothing, smoothed, thinned, upper_limit
 from rover_metrics.analysis.plots.style import (
@@ -18,7 +19,6 @@ from rover_metrics.analysis.plots.style import (
     look,
 )
 from rover_metrics.analysis.study import Member, Study
-from rover_metrics.analysis.time_axis import TimeAxis
 
 _MOST_NAMED = 12  # logs; more make a legend that nobody reads
 _MOST_WITH_ROWS = 3  # logs; the rows of more hide each other

@@ -23,8 +23,8 @@ pytest.importorskip("joblib", reason="needs the extra [tune]")
 from harness.errors import UsageError
 from harness.tuning.backend import Backend, WorkerLost, backend_of, cluster
 from harness.tuning.backend.versions import versions
-from harness.tuning.plan import Planned, plan
-from harness.tuning.sweep import drive_to_bytes
+from harness.tuning.episodes.plan import Planned, plan
+from harness.tuning.episodes.sweep import drive_to_bytes
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[3]

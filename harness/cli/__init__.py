@@ -1,0 +1,1 @@
+"""Command line: options, the one-line parser, tables on the console."""

@@ -1,0 +1,123 @@
+"""What a run shows on the terminal: a live progress line, then one summary table."""
+
+import math
+from typing import Self
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskID, TextColumn
+from rich.table import Table
+
+from harness.drivers import DRIVERS
+from harness.episode import result
+from harness.robots import ROVERS
+from harness.sensors.noise import PRESETS
+from harness.world.terrain import Terrain
+from harness.world.terrains import TERRAINS
+
+
+class RunProgress:
+    """A progress bar over simulated time; silent where the output is no terminal."""
+
+    def __init__(self, console: Console, title: str, total_s: float) -> None:
+        self._bar = Progress(
+            TextColumn("[bold]{task.description}"),
+            BarColumn(bar_width=None),
+            TextColumn("{task.completed:.1f} / {task.total:.1f} s"),
+            TextColumn("{task.fields[factor]:.1f}x real time"),
+            TextColumn("{task.fields[distance]:.1f} m"),
+            TextColumn("{task.fields[messages]:,} messages"),
+            console=console,
+            disable=not console.is_terminal,
+        )
+        self._task: TaskID = self._bar.add_task(
+            title, total=total_s, factor=0.0, distance=0.0, messages=0
+        )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+    def show(self, progress: result.Progress) -> None:
+        """Moves the bar; it appears with the first call, below what nodes say as they start."""
+        self._bar.start()
+        self._bar.update(
+            self._task,
+            completed=progress.simulated_s,
+            factor=progress.real_time_factor,
+            distance=progress.path_length,
+            messages=progress.messages,
+        )
+
+
+def print_summary(console: Console, run: result.RunResult) -> None:
+    """Prints counts, metrics against truth, and where the CSV is."""
+    console.print(_counts_table(run))
+    console.print(_metrics_table(run))
+    console.print(
+        f"{run.simulated_s:.2f} simulated seconds in {run.wall_s:.2f} s: "
+        f"[bold]{run.real_time_factor:.1f}x real time[/], "
+        f"{run.messages:,} messages, [bold]{run.lost} lost[/]"
+    )
+    if run.log_path is not None:
+        console.print(f"{run.rows} rows in {run.log_path}", soft_wrap=True, highlight=False)
+
+
+def _counts_table(run: result.RunResult) -> Table:
+    table = Table(title="Messages", title_justify="left")
+    table.add_column("topic")
+    for column in ("published", "received", "lost"):
+        table.add_column(column, justify="right")
+    for topic, count in run.topics.items():
+        received = "-" if count.received is None else f"{count.received:,}"
+        lost = "-" if count.received is None else f"{count.lost:,}"
+        table.add_row(topic, f"{count.published:,}", received, lost)
+    return table
+
+
+def _metrics_table(run: result.RunResult) -> Table:
+    row, truth = run.last_row or {}, run.truth
+    table = Table(title="Metrics and truth", title_justify="left")
+    table.add_column("quantity")
+    table.add_column("metrics_node", justify="right")
+    table.add_column("truth", justify="right")
+    table.add_row("distance", _metric(row, "Distance Traveled", " m"), f"{truth.path_length:.2f} m")
+    table.add_row(
+        "collisions",
+        _metric(row, "Total Collisions", " scans"),
+        f"{truth.hazard_contacts} contacts, {truth.hazard_contact_s:.2f} s",
+    )
+    table.add_row("clearance", _metric(row, "Obstacle Clearance", " m"), "")
+    table.add_row("velocity", _metric(row, "Current Velocity", " m/s"), "")
+    table.add_row("wheel slip", "", f"{truth.mean_slip:.2f}")
+    table.add_row("on rocks", "", f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s")
+    table.add_row("scraping the ground", "", f"{truth.scrapes} times, {truth.scrape_s:.2f} s")
+    tipped = ", tipped over" if truth.tipped_over else ""
+    table.add_row("largest tilt", "", f"{math.degrees(truth.largest_tilt):.0f} deg{tipped}")
+    return table
+
+
+def _metric(row: dict[str, int | float | str], column: str, unit: str) -> str:
+    return f"{row[column]}{unit}" if column in row else "-"
+
+
+def print_choices(console: Console) -> None:
+    """Prints terrains, robots, drivers and noise presets with what there is to know of each."""
+    for title, lines in (
+        ("terrains", [(name, _about(terrain)) for name, terrain in TERRAINS.items()]),
+        ("robots", [(name, rover.summary) for name, rover in ROVERS.items()]),
+        ("drivers", [(name, driver.summary) for name, driver in DRIVERS.items()]),
+        ("noise", [(name, preset.summary) for name, preset in PRESETS.items()]),
+    ):
+        table = Table(title=title, title_justify="left", show_header=False, box=None)
+        table.add_column(style="bold", no_wrap=True)
+        table.add_column()
+        for name, summary in lines:
+            table.add_row(name, summary)
+        console.print(table)
+
+
+def _about(terrain: type[Terrain]) -> str:
+    promise = f"at difficulty 0.5: {terrain.promise.describe()}"
+    return f"{terrain.summary}\n[dim]{terrain.describe()}\n{promise}[/]"

@@ -1,0 +1,230 @@
+"""The command line of harness.run: its options, and what they say about the episode."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from harness import __version__
+from harness.cli.parser import OneLineParser
+from harness.config import EpisodeConfig
+from harness.drivers import DRIVERS
+from harness.errors import UsageError
+from harness.faults.kinds import describe_faults
+from harness.faults.spec import FORM
+from harness.robots import ROVERS
+from harness.sensors.noise import DEFAULT_PRESET, PRESETS
+
+DEFAULT_LOG_DIR = Path("metrics_analyzer/data/metric_logs")
+SLOWEST_RATE = 0.01
+
+Group = argparse._ArgumentGroup  # noqa: SLF001 - what add_argument_group gives has no public name
+
+
+def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Separates `--ros-args ... [--]` from the command's own words, as ROS nodes do."""
+    words = list(words)
+    if "--ros-args" not in words:
+        return words, []
+    start = words.index("--ros-args")
+    end = words.index("--", start) + 1 if "--" in words[start:] else len(words)
+    return words[:start] + words[end:], words[start:end]
+
+
+def config_of(options: argparse.Namespace) -> EpisodeConfig:
+    """The episode that the options ask for, not checked yet."""
+    return EpisodeConfig(
+        terrain=options.terrain,
+        robot=options.robot,
+        seed=options.seed,
+        duration=options.duration,
+        driver=options.driver,
+        difficulty=options.difficulty,
+        terrain_size=options.terrain_size,
+        terrain_height=options.terrain_height,
+        timestep=options.timestep,
+        noise=options.noise,
+        lidar_beams=options.lidar_beams,
+        imu_rate=options.imu_rate,
+        faults=tuple(options.fault),
+    )
+
+
+def namespace_args(namespace: str) -> list[str]:
+    """The ROS arguments that put every topic but /clock into a namespace."""
+    name = namespace.strip("/")
+    return ["--ros-args", "-r", f"__ns:=/{name}", "--"] if name else []
+
+
+def check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> None:
+    """Refuses options that exclude each other.
+
+    Raises:
+        UsageError: Two of them do; the message names the mend.
+    """
+    if options.extended and options.no_metrics:
+        raise UsageError(
+            "--extended is for the hosted metrics_node; start yours with -p extended_columns:=true"
+        )
+    if not options.direct:
+        return
+    for given, flag in (
+        (options.no_metrics, "--no-metrics"),
+        (bool(options.wait_for), "--wait-for"),
+        (bool(ros_args), "--ros-args"),
+        (bool(options.namespace), "--namespace"),
+        (options.record is not None, "--record"),
+        (options.driver == "cmd_vel", "--driver cmd_vel"),
+    ):
+        if given:
+            raise UsageError(f"{flag} needs ROS; leave out --direct")
+
+
+def run_parser() -> argparse.ArgumentParser:
+    """Parses everything but what comes after --ros-args."""
+    parser = OneLineParser(
+        prog="python -m harness.run",
+        description="Drives a rover over rough terrain, publishes its sensors as ROS 2 topics and "
+        "logs traversal metrics to CSV.",
+        epilog="Arguments after --ros-args go to ROS, e.g. --ros-args -r scan:=front/scan.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    _add_episode(parser.add_argument_group("episode"), EpisodeConfig())
+    _add_sensors(parser.add_argument_group("sensors"), EpisodeConfig())
+    _add_faults(parser.add_argument_group("faults", describe_faults()))
+    _add_run(parser.add_argument_group("run"))
+    _add_pictures(parser.add_argument_group("pictures"))
+    parser.add_argument("--list", action="store_true", help="print terrains, robots and drivers")
+    parser.add_argument("--version", action="version", version=f"rover-harness {__version__}")
+    return parser
+
+
+def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
+    world.add_argument(
+        "--terrain",
+        default=defaults.terrain,
+        metavar="NAME|FILE",
+        help="see --list, or a heightmap: GeoTIFF, TIFF, PNG, .npy",
+    )
+    world.add_argument(
+        "--terrain-size",
+        type=float,
+        nargs="+",
+        action=_WidthAndDepth,
+        metavar="M",
+        help="side length, or width and depth, of a heightmap that does not say",
+    )
+    world.add_argument(
+        "--terrain-height",
+        type=float,
+        metavar="M",
+        help="relief, lowest to highest point, of a heightmap that does not say",
+    )
+    world.add_argument("--robot", default=defaults.robot, metavar="NAME", help=", ".join(ROVERS))
+    world.add_argument("--driver", default=defaults.driver, metavar="NAME", help=", ".join(DRIVERS))
+    world.add_argument("--seed", type=int, default=defaults.seed, metavar="N")
+    world.add_argument(
+        "--duration", type=float, default=defaults.duration, metavar="S", help="simulated seconds"
+    )
+    world.add_argument(
+        "--difficulty", type=float, default=defaults.difficulty, metavar="D", help="0 to 1"
+    )
+    world.add_argument(
+        "--timestep", type=float, default=defaults.timestep, metavar="S", help="physics step"
+    )
+
+
+def _add_sensors(sensors: Group, defaults: EpisodeConfig) -> None:
+    sensors.add_argument(
+        "--noise",
+        nargs="?",
+        const=True,
+        default=defaults.noise,
+        metavar="NAME",
+        help=f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_PRESET} if not named",
+    )
+    sensors.add_argument("--lidar-beams", type=int, default=defaults.lidar_beams, metavar="N")
+    sensors.add_argument("--imu-rate", type=int, default=defaults.imu_rate, metavar="HZ")
+
+
+def _add_faults(faults: Group) -> None:
+    faults.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="SPEC",
+        help=f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable",
+    )
+
+
+def _add_run(run: Group) -> None:
+    run.add_argument(
+        "--rate", type=_rate, default=None, metavar="R|max", help="times real time; max by default"
+    )
+    run.add_argument("--log-dir", type=Path, default=DEFAULT_LOG_DIR, metavar="DIR")
+    run.add_argument(
+        "--namespace", default="", metavar="NAME", help="of all topics but /clock, e.g. rover1"
+    )
+    run.add_argument("--no-metrics", action="store_true", help="publish only; host no metrics_node")
+    run.add_argument("--direct", action="store_true", help="no ROS: samples go straight to the CSV")
+    run.add_argument(
+        "--extended",
+        action="store_true",
+        help="log the extended columns too (docs/metrics.md), with the rover's footprint",
+    )
+    run.add_argument(
+        "--wait-for",
+        action="append",
+        default=[],
+        metavar="NODE",
+        help="keep lock-step with a node in another process; repeatable",
+    )
+    run.add_argument(
+        "--record",
+        type=Path,
+        metavar="FILE.mcap",
+        help="record every published topic; a killed run's file is read by rover_metrics.replay as it "
+        "is, and mended by: mcap recover FILE.mcap -o MENDED.mcap",
+    )
+    run.add_argument(
+        "--report", type=Path, metavar="FILE.html", help="write a page about the run: map, plots, truth"
+    )
+    run.add_argument("--summary", type=Path, metavar="FILE.json", help="write the manifest there")
+
+
+def _add_pictures(pictures: Group) -> None:
+    pictures.add_argument(
+        "--picture", type=Path, metavar="FILE.png", help="draw the rover at the end of its path"
+    )
+    pictures.add_argument(
+        "--video", type=Path, metavar="FILE.mp4", help="draw the run in at most 10 s (extra [video])"
+    )
+    pictures.add_argument("--picture-lidar", action="store_true", help="show the lidar's beams in them")
+
+
+def _rate(text: str) -> float | None:
+    if text == "max":
+        return None
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = float("nan")
+    if not SLOWEST_RATE <= rate < float("inf"):
+        message = f"'{text}' is not valid; give 'max' or a number from {SLOWEST_RATE} up"
+        raise argparse.ArgumentTypeError(message)
+    return rate
+
+
+class _WidthAndDepth(argparse.Action):
+    """Takes two numbers, or one for both."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,  # noqa: ANN401 - as argparse has it
+        option_string: str | None = None,
+    ) -> None:
+        if len(values) > 2:
+            parser.error(f"argument {option_string}: give one or two numbers")
+        setattr(namespace, self.dest, (values[0], values[-1]))

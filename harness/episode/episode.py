@@ -1,0 +1,192 @@
+"""One seeded drive in one world: world + rover + driver + sensors -> a stream of ticks and truth.
+
+No ROS and no wall clock: the same configuration gives the same stream, bit for bit. Consumers take it
+in batches of one control period, either in this process or through harness.episode.stream.
+"""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.config import TICKS_PER_CONTROL, Batch, EpisodeConfig, EpisodeInfo
+from harness.drivers import CmdVel, Driver, DriverContext, Observation, find_driver
+from harness.errors import RunFailed
+from harness.physics.diff_drive import DiffDrive
+from harness.physics.scene import HAZARD_CONTACT, build_scene, model_hash
+from harness.physics.simulation import Simulation
+from harness.robots import find_rover
+from harness.samples import LaserScan, Sample, Tick, Twist
+from harness.sensors.base import Sensor, period_ticks
+from harness.sensors.imu import ImuSensor
+from harness.sensors.lidar import Lidar
+from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.noise import SensorNoise, chosen_preset
+from harness.sensors.odometry import WheelOdometry
+from harness.sensors.state import GroundTruthSensor, JointSensor, PoseSensor
+from harness.sensors.truth import TRUTH_RATE, TruthSensor
+from harness.sim_time import NANOSECONDS, TICK_NS, parse_timestep
+from harness.truth.recorder import TruthRecorder
+from harness.world.world import terrain_hash
+
+SCAN_RATE, POSE_RATE, STATE_RATE = 20, 50, 50  # [Hz]: RoboTerrain's
+RANDOM_STREAM = 10  # keeps the episode's generators apart from those that made the world
+
+
+class LidarSensor:
+    """The lidar as a sensor of the episode."""
+
+    def __init__(self, simulation: Simulation, lidar: Lidar, period_ticks: int) -> None:
+        self.period_ticks = period_ticks
+        self._simulation = simulation
+        self._lidar = lidar
+
+    def read(self) -> LaserScan:
+        """A scan from where the rover is now."""
+        self._simulation.refresh_kinematics()
+        return LaserScan(self._simulation.time_ns, self._lidar.scan(self._simulation.data))
+
+
+class Episode:
+    """Builds the world on construction; `batches` then drives it once from start to end."""
+
+    def __init__(self, config: EpisodeConfig) -> None:
+        config.validate()
+        self.config = config
+        rover = find_rover(config.robot)
+        world = config.world()
+        timestep_ns = parse_timestep(config.timestep)
+        scene = build_scene(world, rover, timestep_ns / NANOSECONDS)
+        self.info = EpisodeInfo(
+            model_hash=model_hash(rover),
+            terrain_hash=terrain_hash(world),
+            obstacles=len(world.obstacles),
+            map_size=2 * world.ground.half_size,
+            notes=world.notes,
+        )
+        self.simulation = Simulation(scene, timestep_ns)
+        self._recorder = TruthRecorder(self.simulation)
+        self._hazard_contact = self.simulation.summed(HAZARD_CONTACT)
+        lidar_spec = LidarSpec(beams=config.lidar_beams)
+        lidar = Lidar(self.simulation.model, lidar_spec)
+        _, scan_rng, imu_rng = _generators(config.seed, 3)
+        self._imu = ImuSensor(self.simulation, period_ticks(config.imu_rate))
+        self._odometry = WheelOdometry(self.simulation, period_ticks(rover.odometry_rate))
+        self._sensors: tuple[Sensor, ...] = (
+            LidarSensor(self.simulation, lidar, period_ticks(SCAN_RATE)),
+            self._imu,
+            PoseSensor(self.simulation, period_ticks(POSE_RATE)),
+            self._odometry,
+            GroundTruthSensor(self.simulation, period_ticks(STATE_RATE)),
+            JointSensor(self.simulation, period_ticks(STATE_RATE)),
+            TruthSensor(self._recorder, period_ticks(TRUTH_RATE)),
+        )
+        preset, limits = chosen_preset(config.noise), (lidar_spec.range_min, lidar_spec.range_max)
+        self._noise = None if preset is None else SensorNoise(preset, limits, scan_rng, imu_rng)
+        self._bearings = beam_bearings(lidar_spec)
+        self._begin()
+
+    def _begin(self) -> None:
+        """A driver that has done nothing yet, at a rover that stands."""
+        self._began_ns = self.simulation.time_ns
+        self._drive = DiffDrive(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
+        self._driver = self._new_driver()
+        self._last_scan: LaserScan | None = None
+
+    def _new_driver(self) -> Driver:
+        scene, (rng, *_) = self.simulation.scene, _generators(self.config.seed, 3)
+        return find_driver(self.config.driver)(
+            DriverContext(
+                scene.rover,
+                scene.world.ground.half_size,
+                self._bearings,
+                rng,
+                scene.world.obstacles,
+            )
+        )
+
+    def command(self, twist: Twist) -> None:
+        """Hands a command to the cmd_vel driver; other drivers make their own."""
+        if isinstance(self._driver, CmdVel):
+            self._driver.latest = twist
+
+    def reset(self) -> None:
+        """Puts the rover back to its start, between two batches; time and duration go on.
+
+        From then on it drives as it did at first, step for step. The IMU begins a new window. Wheel
+        odometry goes on without a jump, as that of Gazebo's DiffDrive after a set_pose, and so do the
+        biases of noise. Joints stand as they stood.
+        """
+        encoders = self._odometry.encoders()
+        self.simulation.return_to_start()
+        self._odometry.go_on_from(encoders)
+        self._imu.forget()
+        self._recorder.carried_away()
+        self._begin()
+
+    def batches(self) -> Iterator[Batch]:
+        """Drives the episode, one control period at a time.
+
+        Raises:
+            RunFailed: The rover left the map or the simulation diverged; the ticks up to then have
+                been yielded.
+        """
+        for start in range(0, self.config.total_ticks, TICKS_PER_CONTROL):
+            stop = min(start + TICKS_PER_CONTROL, self.config.total_ticks)
+            self._drive.command(self._driver.command(self._observe()))
+            ticks: list[Tick] = []
+            failure: RunFailed | None = None
+            try:
+                ticks.extend(self._tick(index) for index in range(start + 1, stop + 1))
+            except RunFailed as error:
+                failure = error
+            if failure is not None or stop == self.config.total_ticks:
+                self._recorder.events.close()
+            yield self._batch(tuple(ticks))
+            if failure is not None:
+                raise failure
+
+    def _batch(self, ticks: tuple[Tick, ...]) -> Batch:
+        events = self._recorder.events
+        return Batch(ticks, self._recorder.truth(), events.take_closed(), events.open)
+
+    def _observe(self) -> Observation:
+        x, y, _ = self.simulation.position
+        ranges = None if self._last_scan is None else self._last_scan.ranges
+        return Observation(
+            time_ns=self.simulation.time_ns - self._began_ns,
+            x=x,
+            y=y,
+            yaw=self.simulation.yaw,
+            ranges=ranges,
+            touches_hazard=bool(self._hazard_contact[0]),
+        )
+
+    def _tick(self, index: int) -> Tick:
+        self.simulation.command_wheels(self._drive.wheel_speeds())
+        self.simulation.tick()
+        self._recorder.observe()
+        self._imu.observe()
+        samples = tuple(
+            self._read(sensor) for sensor in self._sensors if index % sensor.period_ticks == 0
+        )
+        return Tick(self.simulation.time_ns, samples)
+
+    def _read(self, sensor: Sensor) -> Sample:
+        sample = sensor.read()
+        if self._noise is not None:
+            sample = self._noise.corrupt(sample)
+        if isinstance(sample, LaserScan):
+            self._last_scan = sample
+        return sample
+
+
+def beam_bearings(lidar: LidarSpec) -> NDArray[np.float64]:
+    """Direction [rad] of each beam in the rover's frame: the lidar looks backwards (yaw pi)."""
+    return np.remainder(lidar.angles + 2 * math.pi, math.tau) - math.pi
+
+
+def _generators(seed: int, count: int) -> list[np.random.Generator]:
+    source = np.random.SeedSequence(seed, spawn_key=(RANDOM_STREAM,))
+    return [np.random.default_rng(child) for child in source.spawn(count)]

@@ -1,0 +1,123 @@
+"""What a run came to, in two hashes: of every sample and truth of its stream, and of its CSV's bytes.
+
+Two runs are the same run if and only if their fingerprints are equal, wherever they took place.
+"""
+
+import hashlib
+import multiprocessing
+import signal
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from harness.config import Batch, EpisodeConfig
+from harness.episode.direct import run_direct
+from harness.episode.result import Progress, RunResult
+from harness.errors import RunFailed
+from harness.interrupt import Interrupted, StopRequest
+from harness.samples import LaserScan, Sample
+
+Run = Callable[[EpisodeConfig, Path, StopRequest, Callable[[Batch], None]], RunResult]
+
+
+@dataclass(frozen=True, slots=True)
+class Fingerprint:
+    """A finished run in numbers.
+
+    Attributes:
+        samples: Sensor readings of the stream.
+        rows: Rows of the CSV.
+        lost: Messages that were published but not handled.
+        stream: SHA-256 over the stream, hexadecimal; `csv` is that over the file.
+    """
+
+    samples: int
+    rows: int
+    lost: int
+    stream: str
+    csv: str
+
+
+class StreamHash:
+    """Takes a stream batch by batch.
+
+    Attributes:
+        samples: How many sensor readings it has taken.
+    """
+
+    def __init__(self) -> None:
+        self.samples = 0
+        self._digest = hashlib.sha256()
+
+    def add(self, batch: Batch) -> None:
+        """Takes the next batch: everything in its ticks, its truth and its contact events."""
+        for tick in batch.ticks:
+            self._digest.update(repr(replace(tick, samples=())).encode())
+            for sample in tick.samples:
+                self._digest.update(_canonical(sample))
+            self.samples += len(tick.samples)
+        self._digest.update(repr((batch.truth, batch.events)).encode())
+
+    def hexdigest(self) -> str:
+        """The hash of everything taken so far."""
+        return self._digest.hexdigest()
+
+
+def _canonical(sample: Sample) -> bytes:
+    """Bytes that are equal if and only if the samples are: repr writes a float out exactly."""
+    if isinstance(sample, LaserScan):
+        return repr(sample.stamp_ns).encode() + sample.ranges.tobytes()
+    return repr(sample).encode()
+
+
+def fingerprint(run: Run, config: EpisodeConfig, stop: StopRequest) -> Fingerprint:
+    """Does a run in a folder that is gone afterwards.
+
+    Raises:
+        RunFailed: It did not come to its planned end.
+        Interrupted: Somebody stopped it.
+    """
+    stream = StreamHash()
+    with TemporaryDirectory(prefix="harness_check_") as folder:
+        result = run(config, Path(folder), stop, stream.add)
+        if stop.signal is not None:
+            raise Interrupted(stop.signal)
+        if result.failure is not None or result.log_path is None:
+            raise RunFailed(result.failure or "the run wrote no log")
+        csv = hashlib.sha256(result.log_path.read_bytes()).hexdigest()
+    return Fingerprint(stream.samples, result.rows, result.lost, stream.hexdigest(), csv)
+
+
+def direct(
+    config: EpisodeConfig, folder: Path, stop: StopRequest, watch: Callable[[Batch], None]
+) -> RunResult:
+    """A run without ROS, as fast as possible."""
+    return run_direct(config, folder, None, stop, _show_nothing, watch)
+
+
+def direct_in_fresh_process(config: EpisodeConfig) -> Fingerprint:
+    """The fingerprint of a run without ROS in an interpreter that has done nothing before.
+
+    Raises:
+        RunFailed: The run did not come to its planned end, or the process died.
+    """
+    # The signal is this process's to handle; it then waits for the child, whose run is short.
+    pool = ProcessPoolExecutor(
+        max_workers=1,
+        mp_context=multiprocessing.get_context("spawn"),
+        initializer=signal.signal,
+        initargs=(signal.SIGINT, signal.SIG_IGN),
+    )
+    with pool:
+        try:
+            return pool.submit(fingerprint, direct, config, StopRequest()).result()
+        except BrokenProcessPool as error:
+            message = "the fresh process died"
+            raise RunFailed(message) from error
+
+
+def _show_nothing(_: Progress) -> None:
+    """Shows no progress: a check is short."""

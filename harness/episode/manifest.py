@@ -1,0 +1,144 @@
+"""The JSON that stands beside a run's CSV: everything needed to repeat, judge and believe it."""
+
+import json
+import math
+import os
+import platform
+import re
+from dataclasses import asdict
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from harness import __version__
+from harness.episode.result import RunResult
+from harness.errors import UsageError
+from harness.files import whole_file
+from harness.sim_time import NANOSECONDS
+from harness.truth.events import ContactEvent
+
+FLAT_LIST = re.compile(r"\[[^\[\]{}\"]+\]")  # of numbers: one line for each is too much
+PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy")
+
+
+def manifest(result: RunResult) -> dict[str, Any]:
+    """The run as JSON values; infinite numbers become null."""
+    values: dict[str, Any] = _json_safe(
+        {
+            "arguments": asdict(result.config),
+            "mode": result.mode,
+            "versions": _versions(),
+            "world": None if result.info is None else asdict(result.info),
+            "outcome": _outcome(result),
+            "simulated_s": result.simulated_s,
+            "wall_s": result.wall_s,
+            "paused_s": result.paused_s,
+            "real_time_factor": result.real_time_factor,
+            "first_row_s": result.first_row_s,
+            "topics": {topic: asdict(count) for topic, count in result.topics.items()},
+            "lost": result.lost,
+            "rows": result.rows,
+            "log": None if result.log_path is None else str(result.log_path),
+            "last_row": result.last_row,
+            "thresholds": asdict(result.thresholds),
+            "node": _node(result),
+            "recording": None if result.recording is None else str(result.recording),
+            "report": None if result.report is None else str(result.report),
+            "truth": _truth(result),
+        }
+    )
+    return values
+
+
+def write_manifest(result: RunResult, path: Path) -> None:
+    """Writes the manifest; the file is there whole or not at all.
+
+    Raises:
+        UsageError: It cannot be written there.
+    """
+    text = json.dumps(manifest(result), indent=2, allow_nan=False) + "\n"
+    text = FLAT_LIST.sub(lambda found: re.sub(r"\s+", " ", found[0]), text)
+    try:
+        with whole_file(path) as part:
+            part.write_text(text, encoding="utf-8")
+    except OSError as error:
+        message = f"cannot write the summary to {path}: {error.strerror}"
+        raise UsageError(message) from error
+
+
+def check_writable(path: Path) -> None:
+    """Finds out before a run whether a file can be written to that place.
+
+    Raises:
+        UsageError: It cannot.
+    """
+    if path.is_dir():
+        raise UsageError(f"--summary {path} is a folder; name a file")
+    if not path.parent.is_dir():
+        raise UsageError(f"--summary {path}: there is no folder {path.parent}; create it first")
+    if not os.access(path.parent, os.W_OK):
+        raise UsageError(f"--summary {path}: {path.parent} is not writable")
+
+
+def _outcome(result: RunResult) -> dict[str, str | None]:
+    if result.failure is not None:
+        return {"status": "failed", "reason": result.failure}
+    if result.interrupted is not None:
+        return {"status": "interrupted", "reason": result.interrupted}
+    if result.lost:
+        return {"status": "failed", "reason": f"{result.lost} messages lost"}
+    return {"status": "complete", "reason": None}
+
+
+def _node(result: RunResult) -> dict[str, Any] | None:
+    """What the metrics node says of its session, as it would in a record of its own."""
+    if result.reception is None:
+        return None
+    return {"segments": result.segments, "topics": result.reception}
+
+
+def _truth(result: RunResult) -> dict[str, Any]:
+    truth, along = asdict(result.truth), result.along
+    truth["time_s"] = truth.pop("time_ns") / NANOSECONDS
+    return truth | {
+        "mean_speed": result.mean_speed,
+        "roughness": {"p50": along.roughness_p50, "p95": along.roughness_p95},
+        "event_count": along.event_count,
+        "events": [_event(event) for event in along.events],
+        "path_period_s": along.path_period_s,
+        "path": along.path,
+    }
+
+
+def _event(event: ContactEvent) -> dict[str, Any]:
+    return {
+        "kind": event.kind,
+        "start_s": event.start_ns / NANOSECONDS,
+        "end_s": event.end_ns / NANOSECONDS,
+        "part": event.part,
+        "other": event.other,
+        "force_n": event.force,
+        "point": event.point,
+    }
+
+
+def _versions() -> dict[str, str | None]:
+    own = {"rover-harness": __version__, "python": platform.python_version()}
+    return own | {package: _version(package) for package in PACKAGES}
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def _json_safe(value: Any) -> Any:  # noqa: ANN401 - any JSON value
+    if isinstance(value, dict):
+        return {key: _json_safe(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_json_safe(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,108 @@
+"""What a run came to: counts, rows, truth and outcome, as plain values for table and manifest."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from harness.config import EpisodeConfig, EpisodeInfo
+from harness.episode.truth_account import TruthAlong
+from harness.sim_time import NANOSECONDS
+from harness.truth.traversal import Truth
+from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
+
+
+@dataclass(frozen=True, slots=True)
+class TopicCount:
+    """Messages of one topic.
+
+    Attributes:
+        published: How many the harness sent.
+        received: How many the metrics node's callbacks have handled; None where it does not listen.
+        lost: How many were given up.
+    """
+
+    published: int
+    received: int | None = None
+    lost: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a run is."""
+
+    simulated_s: float
+    total_s: float
+    wall_s: float
+    path_length: float
+    messages: int
+
+    @property
+    def real_time_factor(self) -> float:
+        """Simulated seconds per wall second."""
+        return self.simulated_s / self.wall_s if self.wall_s > 0 else 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunResult:
+    """Everything the summary and the manifest tell of a run.
+
+    Attributes:
+        wall_s: Wall time from the first batch on [s], without the time in which it was paused.
+        paused_s: That time [s].
+        failure: Why the run did not come to its end; None if it did or was interrupted.
+        interrupted: The signal's name if somebody stopped it.
+        topics: Counts by topic name.
+        log_path: The metrics CSV; None without one.
+        last_row: Its last row by column name.
+        thresholds: Those that the metrics had at the end.
+        along: What the rover met on its way, as the simulator knows it.
+        reception: The metrics node's own account of each topic; None without one.
+        segments: How often its time began anew, plus one; None without one.
+        recording: The MCAP file; None without one.
+        report: The page that was asked for; None if none was.
+    """
+
+    config: EpisodeConfig
+    mode: str
+    info: EpisodeInfo | None = None
+    truth: Truth = field(default_factory=Truth)
+    wall_s: float = 0.0
+    paused_s: float = 0.0
+    first_row_s: float | None = None
+    failure: str | None = None
+    interrupted: str | None = None
+    topics: dict[str, TopicCount] = field(default_factory=dict)
+    rows: int = 0
+    log_path: Path | None = None
+    last_row: dict[str, int | float | str] | None = None
+    thresholds: Thresholds = DEFAULT_THRESHOLDS
+    along: TruthAlong = field(default_factory=TruthAlong)
+    reception: dict[str, Any] | None = None
+    segments: int | None = None
+    recording: Path | None = None
+    report: Path | None = None
+
+    @property
+    def simulated_s(self) -> float:
+        """Simulated time [s]."""
+        return self.truth.time_ns / NANOSECONDS
+
+    @property
+    def real_time_factor(self) -> float:
+        """Simulated seconds per wall second."""
+        return self.simulated_s / self.wall_s if self.wall_s > 0 else 0.0
+
+    @property
+    def mean_speed(self) -> float:
+        """True path over time [m/s]."""
+        return self.truth.path_length / self.simulated_s if self.simulated_s else 0.0
+
+    @property
+    def lost(self) -> int:
+        """Messages lost over all topics."""
+        return sum(count.lost for count in self.topics.values())
+
+    @property
+    def messages(self) -> int:
+        """Messages published over all topics."""
+        return sum(count.published for count in self.topics.values())

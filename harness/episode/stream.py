@@ -1,0 +1,197 @@
+"""An episode in a child process: simulation on one core, its consumer (ROS) on the other.
+
+The child simulates AHEAD batches ahead, so the consumer hardly waits for physics nor physics for the
+consumer; the stream itself is the episode's, bit for bit. Each batch has an order: the consumer sends
+one for each that it has taken, so what it orders comes into effect after the batches that are ordered
+already, at a time that it knows. With the cmd_vel driver the child waits for each command instead.
+"""
+
+import contextlib
+import multiprocessing
+import signal
+import traceback
+from collections.abc import Iterator
+from dataclasses import dataclass
+from multiprocessing import resource_tracker
+from multiprocessing.connection import Connection
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+from harness.config import Batch, EpisodeConfig, EpisodeInfo
+from harness.drivers.base import CONTROL_PERIOD_NS
+from harness.errors import HarnessError, RunFailed
+from harness.interrupt import HANDLED
+from harness.samples import Twist
+
+if TYPE_CHECKING:
+    from harness.episode.episode import Episode
+
+AHEAD = 10  # batches: 0.5 s of simulated time
+EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
+
+
+@dataclass(frozen=True, slots=True)
+class _Failure:
+    """A known error of the child, or the trace of an unknown one."""
+
+    error: HarnessError | None
+    trace: str
+
+
+@dataclass(frozen=True, slots=True)
+class _End:
+    """The episode came to its planned end."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Order:
+    """What a batch shall begin with, unless it is just the next one.
+
+    Attributes:
+        command: For the cmd_vel driver.
+        reset: Whether the rover is put back first.
+    """
+
+    command: Twist | None
+    reset: bool
+
+
+class EpisodeProcess:
+    """Runs an episode in a child; a context manager that leaves no process behind."""
+
+    def __init__(self, config: EpisodeConfig) -> None:
+        self._config = config
+        self._obeys = config.driver == "cmd_vel"
+        context = multiprocessing.get_context("spawn")
+        self._connection, remote = context.Pipe()
+        self._process = context.Process(target=_simulate, args=(config, remote), daemon=True)
+        try:
+            with _interrupts_held_back():
+                self._process.start()
+        except BaseException:  # a signal arrived meanwhile, and nobody will leave this context
+            if self._process.pid is not None:
+                self._process.kill()
+                self._process.join()
+            raise
+        remote.close()
+        self._latest, self._reset = Twist(), False
+        self._ordered = 0
+        for _ in range(0 if self._obeys else AHEAD):
+            self._order()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._connection.close()
+        self._process.join(EXIT_PATIENCE)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+
+    @property
+    def info(self) -> EpisodeInfo:
+        """What the episode was made of; waits until the world is built. Ask once, first."""
+        received = self._receive()
+        if not isinstance(received, EpisodeInfo):
+            message = f"the simulation process sent {type(received).__name__} before its info"
+            raise RunFailed(message)
+        return received
+
+    def command(self, twist: Twist) -> None:
+        """Sets the command of the next control periods (cmd_vel driver)."""
+        self._latest = twist
+
+    def reset(self) -> int | None:
+        """Puts the rover back to its start, as `Episode.reset`; a command in force is forgotten.
+
+        Returns:
+            The simulation time [ns] at which that happens; None if the episode ends before.
+        """
+        if self._ordered == self._config.total_periods:
+            return None
+        self._latest, self._reset = Twist(), True
+        return self._ordered * CONTROL_PERIOD_NS
+
+    def batches(self) -> Iterator[Batch]:
+        """The episode's batches, in order.
+
+        Raises:
+            RunFailed: As `Episode.batches`, or the child died.
+        """
+        while True:
+            self._order()
+            received = self._receive()
+            if isinstance(received, _End):
+                return
+            assert isinstance(received, Batch)  # noqa: S101 - the protocol of _simulate below
+            yield received
+
+    def _order(self) -> None:
+        if self._ordered == self._config.total_periods:
+            return
+        special = self._obeys or self._reset
+        order = _Order(self._latest if self._obeys else None, self._reset) if special else None
+        with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # the next receipt tells why
+            self._connection.send(order)
+        self._ordered, self._reset = self._ordered + 1, False
+
+    def _receive(self) -> object:
+        try:
+            received = self._connection.recv()
+        except (EOFError, ConnectionResetError) as error:
+            message = f"the simulation process died (exit code {self._process.exitcode})"
+            raise RunFailed(message) from error
+        if isinstance(received, _Failure):
+            raise received.error or RuntimeError(f"the simulation process failed:\n{received.trace}")
+        return received
+
+
+@contextlib.contextmanager
+def _interrupts_held_back() -> Iterator[None]:
+    """Lets a child inherit blocked signals: a terminal's go to the whole group, but are the parent's."""
+    resource_tracker.ensure_running()  # else the child's start would start it, and that unblocks
+    previous = signal.pthread_sigmask(signal.SIG_BLOCK, HANDLED)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, previous)
+
+
+def _simulate(config: EpisodeConfig, connection: Connection) -> None:
+    """The child: builds the episode, then streams it until its end or until nobody listens."""
+    with contextlib.suppress(BrokenPipeError, ConnectionResetError, EOFError):
+        try:
+            _stream(config, connection)
+        except HarnessError as error:
+            connection.send(_Failure(error, ""))
+        except Exception:  # noqa: BLE001 - a bug: its trace must reach the parent
+            connection.send(_Failure(None, traceback.format_exc()))
+
+
+def _stream(config: EpisodeConfig, connection: Connection) -> None:
+    # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
+    from harness.episode.episode import Episode  # noqa: PLC0415
+
+    episode = Episode(config)
+    connection.send(episode.info)
+    batches = episode.batches()
+    for _ in range(config.total_periods):
+        _obey(connection.recv(), episode)
+        connection.send(next(batches))
+    next(batches, None)  # raises what the last of them failed of
+    connection.send(_End())
+
+
+def _obey(order: _Order | None, episode: "Episode") -> None:
+    if order is None:
+        return
+    if order.reset:
+        episode.reset()
+    if order.command is not None:
+        episode.command(order.command)

@@ -1,0 +1,1 @@
+"""Sensor faults: one frozen class each, parsed once, applied to any sensor."""

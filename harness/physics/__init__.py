@@ -1,0 +1,1 @@
+"""Fixed-step MuJoCo: the scene, its simulation, contacts and the base controller."""

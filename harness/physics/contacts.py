@@ -1,0 +1,113 @@
+"""What the rover touches, step by step: the strongest contact of each kind in a clock tick.
+
+Walks MuJoCo's contacts only in steps whose contact counts are not zero; the counts are those of the
+truth sensors of harness.physics.scene.
+"""
+
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+
+from harness.physics.scene import (
+    BODY_PREFIX,
+    HAZARD_CONTACT,
+    OBSTACLE_BODIES,
+    ROCK_CONTACT,
+    SCRAPE_CONTACT,
+    TERRAIN,
+)
+from harness.truth.events import ContactKind
+from harness.world.obstacles import ObstacleKind
+
+OBSTACLE_KINDS: dict[ObstacleKind, ContactKind] = {
+    ObstacleKind.ROCK: "rock",
+    ObstacleKind.HAZARD: "hazard",
+}
+
+
+class Touch(NamedTuple):
+    """One contact point in one physics step.
+
+    Attributes:
+        force: Normal force [N].
+        part: Geom of the rover; `other` is that of the obstacle or the ground.
+        position: In the world [m].
+        pose: The rover's then: position [m] and w, x, y, z.
+    """
+
+    force: float
+    part: int
+    other: int
+    position: list[float]
+    pose: list[float]
+
+
+class ContactWatch:
+    """Watches one simulation; `look` after every step whose counts are not all zero.
+
+    Attributes:
+        counts: How many contacts of each kind MuJoCo counts in the present step; a view.
+        strongest: The strongest contact of each kind since the last `begin`.
+    """
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        self._model, self._data = model, data
+        self.counts = data.sensordata[_contact_counts(model)]
+        self._obstacles: dict[int, ContactKind] = {
+            geom: OBSTACLE_KINDS[kind]
+            for kind, name in OBSTACLE_BODIES.items()
+            for geom in _geoms_of(model, name)
+        }
+        self._terrain = int(model.geom(TERRAIN).id)
+        self._body = {
+            geom for geom in range(model.ngeom) if model.geom(geom).name.startswith(BODY_PREFIX)
+        }
+        self._force = np.zeros(6)
+        self.strongest: dict[ContactKind, Touch] = {}
+
+    def begin(self) -> None:
+        """Forgets what was touched so far."""
+        if self.strongest:
+            self.strongest = {}
+
+    def look(self) -> None:
+        """Takes a step in which something was touched into account."""
+        for index, (one, other) in enumerate(self._data.contact.geom.tolist()):
+            self._consider(index, one, other)
+
+    def name_of(self, geom: int) -> str:
+        """What a part, an obstacle or the ground is called."""
+        if geom == self._terrain:
+            return "ground"
+        name: str = self._model.geom(geom).name
+        return name.removeprefix(BODY_PREFIX)
+
+    def _consider(self, index: int, one: int, other: int) -> None:
+        part, thing = (other, one) if one in self._obstacles or one == self._terrain else (one, other)
+        kind = self._obstacles.get(thing)
+        if kind is None:
+            if part not in self._body:
+                return  # a wheel on the ground
+            kind = "scrape"
+        mujoco.mj_contactForce(self._model, self._data, index, self._force)
+        force = float(self._force[0])
+        before = self.strongest.get(kind)
+        if before is None or force > before.force:
+            position = self._data.contact.pos[index].tolist()
+            pose = self._data.qpos[:7].tolist()
+            self.strongest[kind] = Touch(force, part, thing, position, pose)
+
+
+def _contact_counts(model: mujoco.MjModel) -> slice:
+    """Where in the sensor data the contact counts stand: one next to the other."""
+    counted = (ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT)
+    sensors = [model.sensor(i) for i in range(model.nsensor)]
+    places = [int(s.adr[0]) for s in sensors if s.name.startswith(counted)]
+    return slice(min(places), max(places) + 1)
+
+
+def _geoms_of(model: mujoco.MjModel, body: str) -> range:
+    found = model.body(body)
+    start = int(found.geomadr[0])
+    return range(start, start + int(found.geomnum[0]))

@@ -1,0 +1,191 @@
+"""Fixed-step MuJoCo: integer step count, health, and the raw sums that sensors and truth read.
+
+Time is `step * timestep_ns`; a tick is the period of /clock, a whole number of steps. Nothing here
+knows ROS, drivers or sample rates.
+"""
+
+import math
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import Diverged, RunFailed
+from harness.physics.contacts import ContactWatch
+from harness.physics.scene import Scene
+from harness.samples import Quaternion, Vector3
+from harness.sim_time import NANOSECONDS, TICK_NS
+
+SETTLE_LIMIT_NS = 5 * NANOSECONDS
+AT_REST_SPEED = 2e-3  # [m/s] and [rad/s]: below it a rover counts as settled
+DROP_HEIGHT = 0.01  # [m] over the highest ground below the footprint
+EDGE_MARGIN = 0.5  # [m] of map that must remain around the rover's origin
+
+WHOLE_STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
+HEALTH_WARNINGS = {
+    mujoco.mjtWarning.mjWARN_BADQPOS: "position",
+    mujoco.mjtWarning.mjWARN_BADQVEL: "velocity",
+    mujoco.mjtWarning.mjWARN_BADQACC: "acceleration",
+    mujoco.mjtWarning.mjWARN_BADCTRL: "wheel command",
+}
+
+
+class Simulation:
+    """One rover in one world, settled on the ground at time zero.
+
+    Attributes:
+        model: The compiled scene.
+        data: MuJoCo's state.
+        step_count: Steps since time zero.
+        steps_per_tick: Steps of one clock tick.
+        tick_sum: MuJoCo's sensor values, each summed over the steps of the last tick.
+        contacts: What the rover touched in the last tick.
+    """
+
+    def __init__(self, scene: Scene, timestep_ns: int) -> None:
+        mujoco.set_mju_user_warning(_ignore)  # else MuJoCo writes MUJOCO_LOG.TXT into the cwd
+        self.scene = scene
+        self.model = scene.model
+        self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+        self.data = mujoco.MjData(self.model)
+        self._warnings = self.data.warning.number  # a view: MuJoCo counts up in it
+        self.timestep_ns = timestep_ns
+        self.steps_per_tick = TICK_NS // timestep_ns
+        self.step_count = 0
+        self.tick_sum = np.zeros(self.model.nsensordata)
+        self.contacts = ContactWatch(self.model, self.data)
+        self._wheels = np.array([self.model.actuator(n).id for n in scene.rover.wheel_joints])
+        self._edge = scene.world.ground.half_size - EDGE_MARGIN
+        self._settle()
+        # All that the next step depends on, warm start included: it goes on bit for bit.
+        self._start = np.empty(mujoco.mj_stateSize(self.model, WHOLE_STATE))
+        mujoco.mj_getState(self.model, self.data, self._start, WHOLE_STATE)
+
+    @property
+    def time_ns(self) -> int:
+        """Simulation time."""
+        return self.step_count * self.timestep_ns
+
+    @property
+    def position(self) -> Vector3:
+        """Origin of the model frame in the world [m]."""
+        x, y, z = self.data.qpos[:3].tolist()
+        return x, y, z
+
+    @property
+    def orientation(self) -> Quaternion:
+        """Attitude of the model frame in the world, as (x, y, z, w)."""
+        w, x, y, z = self.data.qpos[3:7].tolist()
+        return x, y, z, w
+
+    @property
+    def yaw(self) -> float:
+        """Heading of the model frame in the world [rad]."""
+        x, y, z, w = self.orientation
+        return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+    def rotation(self) -> NDArray[np.float64]:
+        """Rotation R_world_model of the model frame, shape (3, 3)."""
+        flat = np.empty(9)
+        mujoco.mju_quat2Mat(flat, self.data.qpos[3:7])
+        return flat.reshape(3, 3)
+
+    @property
+    def velocity(self) -> Vector3:
+        """Linear velocity of the model frame's origin in the model frame [m/s]."""
+        w, x, y, z = self.data.qpos[3:7].tolist()
+        vx, vy, vz = self.data.qvel[:3].tolist()  # a free joint's is in the world frame
+        return (
+            (1 - 2 * (y * y + z * z)) * vx + 2 * (x * y + w * z) * vy + 2 * (x * z - w * y) * vz,
+            2 * (x * y - w * z) * vx + (1 - 2 * (x * x + z * z)) * vy + 2 * (y * z + w * x) * vz,
+            2 * (x * z + w * y) * vx + 2 * (y * z - w * x) * vy + (1 - 2 * (x * x + y * y)) * vz,
+        )
+
+    def refresh_kinematics(self) -> None:
+        """Brings body and site poses, which MuJoCo leaves one step old, up to the present state."""
+        mujoco.mj_kinematics(self.model, self.data)
+
+    def summed(self, sensor: str) -> NDArray[np.float64]:
+        """A view onto the entries of `tick_sum` that belong to one sensor of the model."""
+        found = self.model.sensor(sensor)
+        start, size = int(found.adr[0]), int(found.dim[0])
+        return self.tick_sum[start : start + size]
+
+    def command_wheels(self, speeds: NDArray[np.float64]) -> None:
+        """Sets the wheel speeds [rad/s] in the order of the rover's wheel joints."""
+        self.data.ctrl[self._wheels] = speeds
+
+    def tick(self) -> None:
+        """Advances one clock tick; `tick_sum` then holds the sensor values summed over its steps.
+
+        Raises:
+            RunFailed: The state diverged, or the rover reached the edge of the map.
+        """
+        model, data, total = self.model, self.data, self.tick_sum
+        contacts, counts = self.contacts, self.contacts.counts
+        total.fill(0.0)
+        contacts.begin()
+        for _ in range(self.steps_per_tick):
+            mujoco.mj_step(model, data)
+            total += data.sensordata
+            if any(counts.tolist()):
+                contacts.look()
+        self.step_count += self.steps_per_tick
+        self._check_health()
+        self._check_edge()
+
+    def return_to_start(self) -> None:
+        """Puts the rover back to where and how it stood at time zero; time goes on."""
+        mujoco.mj_setState(self.model, self.data, self._start, WHOLE_STATE)
+        self.tick_sum.fill(0.0)
+        self.contacts.begin()
+
+    def _check_health(self) -> None:
+        if not any(self._warnings.tolist()):  # a third of the time of numpy's any
+            return
+        for warning, quantity in HEALTH_WARNINGS.items():
+            if self.data.warning[warning].number:
+                message = (
+                    f"the simulation diverged at t = {self.time_ns / NANOSECONDS:.2f} s "
+                    f"(NaN, infinite or huge {quantity}); position {_rounded(self.data.qpos[:3])} m, "
+                    f"velocity {_rounded(self.data.qvel[:3])} m/s; try a smaller --timestep"
+                )
+                raise Diverged(message)
+
+    def _check_edge(self) -> None:
+        x, y = self.data.qpos[0], self.data.qpos[1]
+        if not (abs(x) < self._edge and abs(y) < self._edge):
+            message = (
+                f"the rover reached the edge of the map at t = {self.time_ns / NANOSECONDS:.2f} s "
+                f"(x = {x:.2f} m, y = {y:.2f} m)"
+            )
+            raise RunFailed(message)
+
+    def _settle(self) -> None:
+        """Lets the rover down onto the ground, so that no drop pollutes the first samples."""
+        self.data.qpos[2] = self._spawn_height()
+        for _ in range(SETTLE_LIMIT_NS // TICK_NS):
+            for _ in range(self.steps_per_tick):
+                mujoco.mj_step(self.model, self.data)
+            self._check_health()
+            if np.abs(self.data.qvel).max() < AT_REST_SPEED and self.data.ncon:
+                break
+        self.data.time = 0.0
+
+    def _spawn_height(self) -> float:
+        x_min, x_max, y_min, y_max = self.scene.rover.footprint
+        ground = self.scene.world.ground
+        highest = max(
+            ground.height_at(float(x), float(y))
+            for x in np.arange(x_min, x_max, ground.cell / 2)
+            for y in np.arange(y_min, y_max, ground.cell / 2)
+        )
+        return highest + self.scene.rover.rest_height + DROP_HEIGHT
+
+
+def _ignore(_: str) -> None:
+    """Swallows MuJoCo's warning text; its counters are checked on every tick."""
+
+
+def _rounded(values: NDArray[np.float64]) -> list[float]:
+    return [round(float(v), 3) for v in values]

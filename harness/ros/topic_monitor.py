@@ -1,0 +1,123 @@
+"""A node that looks at the topics around it, and the table of what it has seen."""
+
+import os
+import re
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from rclpy.executors import Executor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rich.table import Table
+
+from harness.ros.context import ros_context
+from harness.ros.executor import make_executor
+from harness.ros.pace import Pace
+
+QUEUE = 100  # messages of a topic that may wait for this process
+CLOCK = "/clock"
+PLUMBING = ("/rosout", "/parameter_events")  # every node has them
+COLUMNS = ("topic", "type", "Hz", "sim Hz", "age [s]", "QoS", "publishers", "subscribers")
+TYPE = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)")
+
+
+class Onlooker:
+    """A node that listens to everything below a namespace, in best effort so that it holds up nobody."""
+
+    def __init__(self, node: Node, namespace: str, now: Callable[[], float] = time.monotonic) -> None:
+        self._node, self._now, self._below = node, now, f"/{namespace.strip('/')}/".replace("//", "/")
+        self._qos = QoSProfile(depth=QUEUE, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self.types: dict[str, str] = {}
+        self.counts: dict[str, int] = {}
+        self.paces: dict[str, Pace] = {}
+        self.clock = Pace()
+
+    def look_around(self) -> None:
+        """Listens to topics that have turned up."""
+        for topic, types in self._node.get_topic_names_and_types():
+            shown = topic.startswith(self._below) or topic == CLOCK
+            if topic not in self.types and shown and topic not in PLUMBING:
+                self.types[topic] = ", ".join(types)
+                self.counts[topic], self.paces[topic] = 0, Pace()
+                self._listen(topic, message_class(types[0]))
+
+    def table(self) -> Table:
+        """What is known now, one row a topic."""
+        now, speed = self._now(), self.clock.rate(self._now())
+        table = Table(*COLUMNS, title=f"{len(self.types)} topics", title_justify="left")
+        for topic in sorted(self.types):
+            pace = self.paces[topic]
+            rate = pace.rate(now)
+            simulated = rate / speed if rate is not None and speed else None
+            publishers = self._node.get_publishers_info_by_topic(topic)
+            subscribers = self._node.get_subscriptions_info_by_topic(topic)
+            others = [s for s in subscribers if s.node_name != self._node.get_name()]
+            cells = (_number(rate, 1), _number(simulated, 1), _number(pace.age(now), 2))
+            qos = ", ".join(sorted({quality(p.qos_profile) for p in publishers})) or "-"
+            table.add_row(topic, self.types[topic], *cells, qos, str(len(publishers)), str(len(others)))
+        if speed is not None:
+            table.caption = f"{CLOCK} runs at {speed:.1f}x real time"
+        return table
+
+    def _listen(self, topic: str, kind: type | None) -> None:
+        if kind is None:
+            return  # a type that is not installed here: shown, not counted
+
+        def received(message: Any) -> None:  # noqa: ANN401 - bytes, or a Clock
+            self.counts[topic] += 1
+            self.paces[topic].note(self._now(), self.counts[topic])
+            if topic == CLOCK:
+                self.clock.note(self._now(), message.clock.sec + message.clock.nanosec * 1e-9)
+
+        self._node.create_subscription(kind, topic, received, self._qos, raw=topic != CLOCK)
+
+
+@contextmanager
+def looking(namespace: str) -> Iterator[tuple[Onlooker, Executor]]:
+    """An onlooker in a context of its own, and the executor that lets it hear.
+
+    Raises:
+        UsageError: ROS 2 refuses the environment.
+    """
+    with ExitStack() as at_end:
+        context = at_end.enter_context(ros_context([]))
+        executor = make_executor(context)
+        at_end.callback(executor.shutdown)
+        node = rclpy.create_node(f"topics_{os.getpid()}", context=context, enable_rosout=False)
+        executor.add_node(node)
+        yield Onlooker(node, namespace), executor
+
+
+def message_class(type_name: str) -> type | None:
+    """The class of a type such as sensor_msgs/msg/Imu; None if it is not installed here.
+
+    The name comes from the network: nothing is imported unless it is a package of ROS messages.
+    """
+    match = TYPE.fullmatch(type_name)
+    spec = find_spec(match[1]) if match else None
+    folders = spec.submodule_search_locations if spec else None
+    if not match or not folders or not any(Path(f, "msg", "__init__.py").is_file() for f in folders):
+        return None
+    return getattr(import_module(f"{match[1]}.msg"), match[2], None)
+
+
+def quality(profile: Any) -> str:  # noqa: ANN401 - rclpy has no types
+    """Reliability, durability unless volatile, and the depth where the middleware tells it."""
+    words = [profile.reliability.name.lower().replace("_", " ")]
+    if profile.durability.name not in ("VOLATILE", "SYSTEM_DEFAULT", "UNKNOWN"):
+        words.append(profile.durability.name.lower().replace("_", " "))
+    if profile.history.name == "KEEP_ALL":
+        words.append("all")
+    elif profile.depth > 0:  # Fast DDS does not tell: 0
+        words.append(str(profile.depth))
+    return " ".join(words)
+
+
+def _number(value: float | None, decimals: int) -> str:
+    return "-" if value is None else f"{value:.{decimals}f}"

@@ -1,0 +1,248 @@
+"""The exact walk of rays over a heightfield, compiled by numba.
+
+It works in field units: u counts cells along x from the map's corner, v cells along y, w is in the
+unit of the stored heights (0 lowest, 1 highest); t stays the distance along the ray [m].
+
+The solid is MuJoCo's: two triangles per cell split along (row, col)-(row+1, col+1), side walls from
+w = 0 up to the edge of the surface, and below w = 0 a box with six faces. All can be hit from both
+sides. A ray's clearance over the surface is continuous from cell to cell and linear in t over a
+triangle, so a hit is where it changes sign: no ray slips through between two triangles.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.sensors.rays.compiled import inlined, kernel
+
+MISS = math.inf
+
+Ray = tuple[float, float, float, float, float, float]  # u, v, w and their change per metre
+Interval = tuple[float, float]  # of t; empty if its begin lies behind its end
+
+
+@inlined
+def _slab(start: float, speed: float, low: float, high: float) -> Interval:
+    """Where along a ray one coordinate lies within low..high."""
+    if speed == 0.0:
+        if low <= start <= high:
+            return -math.inf, math.inf
+        return math.inf, -math.inf
+    one, other = (low - start) / speed, (high - start) / speed
+    return min(one, other), max(one, other)
+
+
+@inlined
+def _over_map(heights: NDArray[np.float32], ray: Ray) -> Interval:
+    """Where a ray is above, in or below the map, ahead of its origin or behind it."""
+    begin_u, end_u = _slab(ray[0], ray[3], 0.0, heights.shape[1] - 1.0)
+    begin_v, end_v = _slab(ray[1], ray[4], 0.0, heights.shape[0] - 1.0)
+    return max(begin_u, begin_v), min(end_u, end_v)
+
+
+@inlined
+def _hit_base(ray: Ray, over_map: Interval, bottom: float) -> float:
+    """First t >= 0 on a face of the base box, from outside or from within."""
+    begin, end = _slab(ray[2], ray[5], bottom, 0.0)
+    begin, end = max(begin, over_map[0]), min(end, over_map[1])
+    if begin > end or end < 0.0:
+        return MISS
+    return begin if begin >= 0.0 else end
+
+
+@inlined
+def _cell_at(position: float, vertices: int) -> int:
+    """Row or column of the cell that holds a position on the map."""
+    return min(max(int(position), 0), vertices - 2)
+
+
+@inlined
+def _clearance(heights: NDArray[np.float32], ray: Ray, t: float) -> float:
+    """Height of a point of the ray over the surface."""
+    u, v, w = ray[0] + t * ray[3], ray[1] + t * ray[4], ray[2] + t * ray[5]
+    row, col = _cell_at(v, heights.shape[0]), _cell_at(u, heights.shape[1])
+    a, b = u - col, v - row
+    near, far = heights[row, col], heights[row + 1, col + 1]
+    corner = heights[row, col + 1] if a >= b else heights[row + 1, col]
+    return float(w - (near + (corner - near) * max(a, b) + (far - corner) * min(a, b)))
+
+
+@inlined
+def _hit_cell(
+    heights: NDArray[np.float32], row: int, col: int, ray: Ray, stay: Interval, side: float
+) -> float:
+    """First t of the stay in a cell at which the clearance is no longer on `side` (+1 or -1)."""
+    u, v, w, du, dv, dw = ray
+    near, far = float(heights[row, col]), float(heights[row + 1, col + 1])
+    right, left = float(heights[row, col + 1]), float(heights[row + 1, col])
+    a, b = u - col, v - row
+    # Clearance over the planes of the two triangles, each as start + rate * t.
+    start = w - (near + (right - near) * a + (far - right) * b)
+    rate = dw - ((right - near) * du + (far - right) * dv)
+    other_start = w - (near + (left - near) * b + (far - left) * a)
+    other_rate = dw - ((left - near) * dv + (far - left) * du)
+    begin, end = stay
+    off_diagonal, drift = a - b, du - dv
+    at_begin, at_end = off_diagonal + drift * begin, off_diagonal + drift * end
+    if at_begin < 0.0 or (at_begin == 0.0 and at_end < 0.0):
+        start, rate, other_start, other_rate = other_start, other_rate, start, rate
+    crossing = end
+    if at_begin * at_end < 0.0:
+        crossing = min(max(-off_diagonal / drift, begin), end)
+    before = side * (start + rate * begin)
+    if before <= 0.0:
+        return begin
+    after = side * (start + rate * crossing)
+    if after <= 0.0:
+        return begin + (crossing - begin) * (before / (before - after))
+    if crossing < end:
+        last = side * (other_start + other_rate * end)
+        if last <= 0.0:
+            return crossing + (end - crossing) * (after / (after - last))
+    return MISS
+
+
+@inlined
+def _edge_time(start: float, pace: float, block: int, level: int) -> float:
+    """Where a ray leaves a block of 2**level cells along one axis; `pace` in metres per cell."""
+    if math.isinf(pace):
+        return math.inf
+    return (((block + (pace > 0.0)) << level) - start) * pace
+
+
+@inlined
+def _next_block(speed: float, block: int, level: int) -> int:
+    """The row or column on the far side of the edge through which a ray leaves its block."""
+    return (block << level) + ((1 << level) if speed > 0.0 else -1)
+
+
+@inlined
+def _within_block(position: float, block: int, level: int, vertices: int) -> int:
+    """Row or column of a position, kept in the block that rounding might leave."""
+    first = block << level
+    return min(max(int(position), first), first + (1 << level) - 1, vertices - 2)
+
+
+@inlined
+def _hit_surface(
+    heights: NDArray[np.float32],
+    pyramid: NDArray[np.float32],
+    levels: NDArray[np.int64],
+    ray: Ray,
+    stay: Interval,
+    side: float,
+) -> float:
+    """Amanatides-Woo over blocks of 2**level cells.
+
+    A block whose maximum the ray stays above is skipped whole, another is entered one level finer;
+    a ray that steps into another parent block climbs one level. From below every cell is visited.
+    """
+    rows, cols = heights.shape
+    u, v, w, du, dv, dw = ray
+    pace_u = 1.0 / du if du != 0.0 else math.inf
+    pace_v = 1.0 / dv if dv != 0.0 else math.inf
+    t, t_end = stay
+    row, col = _cell_at(v + t * dv, rows), _cell_at(u + t * du, cols)
+    top = levels.shape[0] - 1 if side > 0.0 else 0
+    level = top
+    while 0 <= row < rows - 1 and 0 <= col < cols - 1:
+        block_row, block_col = row >> level, col >> level
+        t_u = _edge_time(u, pace_u, block_col, level)
+        t_v = _edge_time(v, pace_v, block_row, level)
+        leave = max(min(t_u, t_v, t_end), t)
+        if level > 0:
+            lowest = w + dw * (leave if dw < 0.0 else t)
+            if lowest <= pyramid[levels[level, 0] + block_row * levels[level, 1] + block_col]:
+                level -= 1
+                continue
+        else:
+            hit = _hit_cell(heights, row, col, ray, (t, leave), side)
+            if hit < MISS:
+                return hit
+        if leave >= t_end:
+            break
+        t = leave
+        if t_u <= t_v:
+            row = _within_block(v + t * dv, block_row, level, rows)
+            came_from, col = col, _next_block(du, block_col, level)
+            climb = (col ^ came_from) >> (level + 1)
+        else:
+            col = _within_block(u + t * du, block_col, level, cols)
+            came_from, row = row, _next_block(dv, block_row, level)
+            climb = (row ^ came_from) >> (level + 1)
+        if climb and level < top:
+            level += 1
+    return MISS
+
+
+@inlined
+def _hit_field(
+    heights: NDArray[np.float32],
+    pyramid: NDArray[np.float32],
+    levels: NDArray[np.int64],
+    extent: tuple[float, float],
+    ray: Ray,
+    limit: float,
+) -> float:
+    """First t in 0..limit at which a ray touches the solid; extent is its lowest and highest w."""
+    over_map = _over_map(heights, ray)
+    begin, end = max(over_map[0], 0.0), min(over_map[1], limit)
+    if begin > end:
+        return MISS
+    w_begin = ray[2] + begin * ray[5]
+    lowest = min(w_begin, ray[2] + end * ray[5])
+    if lowest > extent[1]:
+        return MISS
+    base = _hit_base(ray, over_map, extent[0]) if lowest <= 0.0 else MISS
+    end = min(end, base)
+    if begin > end:
+        return MISS
+    clearance = _clearance(heights, ray, begin)
+    if clearance < 0.0 and over_map[0] > 0.0 and w_begin >= 0.0:
+        return begin  # a side wall, from outside
+    side = 1.0 if clearance > 0.0 else -1.0
+    surface = _hit_surface(heights, pyramid, levels, ray, (begin, end), side)
+    if surface == MISS and side < 0.0 and end == over_map[1] and ray[2] + end * ray[5] >= 0.0:
+        return end  # a side wall, from within
+    return min(surface, base)
+
+
+@kernel(
+    "void(float32[:,::1], float32[::1], int64[:,::1], float64[:,::1], float64[::1],"
+    " float64[:,::1], float64, float64[::1])"
+)
+def cast_rays(
+    heights: NDArray[np.float32],
+    pyramid: NDArray[np.float32],
+    levels: NDArray[np.int64],
+    frame: NDArray[np.float64],
+    origin: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    range_max: float,
+    ranges: NDArray[np.float64],
+) -> None:
+    """Lowers `ranges` to the distance of the heightfield where that is nearer.
+
+    Args:
+        heights: Stored heights, shape (rows, cols), in field units.
+        pyramid: Maxima of the blocks of each level, one after the other.
+        levels: Where a level begins in the pyramid and its blocks per row, shape (levels, 2).
+        frame: World position [m] of u = v = w = 0, field units per metre, and (lowest w, highest w,
+            unused), shape (3, 3).
+        origin: Where the rays start in the world [m], shape (3,).
+        directions: Unit vectors in the world, shape (n, 3).
+        range_max: Where rays end [m].
+        ranges: Distances [m] to what else was hit, or inf; shape (n,).
+    """
+    su, sv, sw = frame[1, 0], frame[1, 1], frame[1, 2]
+    u = (origin[0] - frame[0, 0]) * su
+    v = (origin[1] - frame[0, 1]) * sv
+    w = (origin[2] - frame[0, 2]) * sw
+    extent = (frame[2, 0], frame[2, 1])
+    for i in range(ranges.shape[0]):
+        ray = (u, v, w, directions[i, 0] * su, directions[i, 1] * sv, directions[i, 2] * sw)
+        limit = min(ranges[i], range_max)
+        hit = _hit_field(heights, pyramid, levels, extent, ray, limit)
+        if hit <= limit:
+            ranges[i] = hit

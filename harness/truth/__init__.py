@@ -1,0 +1,1 @@
+"""What only the simulator knows: contacts, slip, path, tilt."""

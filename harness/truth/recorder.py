@@ -1,0 +1,121 @@
+"""Watches a simulation and tells what only it knows: path, contacts, slip, tilt.
+
+Observed once per clock tick, with the contacts of every step, so that no contact between two samples
+is missed.
+"""
+
+import math
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from harness.physics.simulation import Simulation
+from harness.samples import TruthState
+from harness.sim_time import NANOSECONDS, TICK_NS
+from harness.truth.contact_events import ContactEvents
+from harness.truth.traversal import TIPPED_OVER, Truth
+from harness.truth.wheels import WheelMotion, Wheels
+from harness.world.roughness import RoughnessMap
+
+if TYPE_CHECKING:
+    from harness.truth.events import ContactKind
+
+
+class TruthRecorder:
+    """Watches a simulation; call `observe` after every tick.
+
+    Attributes:
+        events: The contact events.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._wheels = Wheels(simulation)
+        self.events = ContactEvents(simulation.contacts.name_of)
+        self._previous = simulation.position
+        self._path = 0.0
+        self._lowest_upright = 1.0
+        self._contact_ticks: dict[ContactKind, int] = {"hazard": 0, "rock": 0, "scrape": 0}
+        self._touched: set[ContactKind] = set()  # since the last state
+        self._force = 0.0
+        self._slip_sums, self._slip_counts = [0.0] * 4, [0] * 4
+        self._resets = 0
+
+    @cached_property
+    def _roughness(self) -> RoughnessMap:
+        return RoughnessMap(self._simulation.scene.world.ground)
+
+    def observe(self) -> None:
+        """Takes the tick that has just been simulated into account."""
+        position = self._simulation.position
+        self._path += math.dist(position, self._previous)
+        self._previous = position
+        _, x, y, _ = self._simulation.data.qpos[3:7].tolist()
+        self._lowest_upright = min(self._lowest_upright, 1.0 - 2.0 * (x * x + y * y))
+        self._observe_contacts()
+
+    def _observe_contacts(self) -> None:
+        strongest = self._simulation.contacts.strongest
+        self.events.observe(self._simulation.time_ns, strongest)
+        for kind, touch in strongest.items():
+            self._contact_ticks[kind] += 1
+            self._touched.add(kind)
+            if kind == "hazard":
+                self._force = max(self._force, touch.force)
+
+    def carried_away(self) -> None:
+        """Takes note of a reset: the way back is no path, and what was touched is left."""
+        self._previous = self._simulation.position
+        self.events.close()
+        self._resets += 1
+
+    def state(self) -> TruthState:
+        """The truth now and since the last call."""
+        wheels = self._wheels.motion()
+        self._count_slip(wheels)
+        front_left, rear_left, front_right, rear_right = wheels
+        squares = [self._roughness.mean_square(wheel.x, wheel.y) for wheel in wheels]
+        touched = self._touched
+        state = TruthState(
+            stamp_ns=self._simulation.time_ns,
+            hazard_contact="hazard" in touched,
+            rock_contact="rock" in touched,
+            scrape="scrape" in touched,
+            contact_force=self._force,
+            speed=self._simulation.velocity[0],
+            path_length=self._path,
+            slip=(front_left.slip, rear_left.slip, front_right.slip, rear_right.slip),
+            roughness=math.sqrt(sum(squares) / len(squares)),
+        )
+        self._touched.clear()
+        self._force = 0.0
+        return state
+
+    def _count_slip(self, wheels: list[WheelMotion]) -> None:
+        for index, wheel in enumerate(wheels):
+            if wheel.moves:
+                self._slip_sums[index] += abs(wheel.slip)
+                self._slip_counts[index] += 1
+
+    def truth(self) -> Truth:
+        """The totals up to now."""
+        tick_s = TICK_NS / NANOSECONDS
+        tilt = math.acos(max(-1.0, min(1.0, self._lowest_upright)))
+        begun, ticks = self.events.begun, self._contact_ticks
+        slips = zip(self._slip_sums, self._slip_counts, strict=True)
+        front_left, rear_left, front_right, rear_right = [total / (n or 1) for total, n in slips]
+        return Truth(
+            time_ns=self._simulation.time_ns,
+            path_length=self._path,
+            position=self._previous,
+            hazard_contacts=begun["hazard"],
+            rock_contacts=begun["rock"],
+            scrapes=begun["scrape"],
+            hazard_contact_s=ticks["hazard"] * tick_s,
+            rock_contact_s=ticks["rock"] * tick_s,
+            scrape_s=ticks["scrape"] * tick_s,
+            mean_slip=sum(self._slip_sums) / (sum(self._slip_counts) or 1),
+            wheel_slip=(front_left, rear_left, front_right, rear_right),
+            largest_tilt=tilt,
+            tipped_over=tilt > TIPPED_OVER,
+            resets=self._resets,
+        )

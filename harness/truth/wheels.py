@@ -1,0 +1,64 @@
+"""How the wheels of a rover move over the ground: where they are and how much they slip."""
+
+import math
+from typing import NamedTuple
+
+import mujoco
+
+from harness.physics.simulation import Simulation
+from harness.truth.traversal import SLIP_SPEED, slip_ratio
+
+
+class WheelMotion(NamedTuple):
+    """One wheel at one instant.
+
+    Attributes:
+        x: Position of its centre in the world [m]; likewise `y`.
+        slip: Slip ratio, -1..1.
+        moves: Whether its rim or its centre is faster than what counts as standing.
+    """
+
+    x: float
+    y: float
+    slip: float
+    moves: bool
+
+
+class Wheels:
+    """The wheels of a simulation's rover, in the order of its wheel joints; axles lie along its y."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._model, self._data = simulation.model, simulation.data
+        rover = simulation.scene.rover
+        self._radius = rover.wheel_radius
+        self._rover = int(self._model.body("rover").id)
+        self._bodies = [int(self._model.joint(name).bodyid[0]) for name in rover.wheel_joints]
+
+    def motion(self) -> list[WheelMotion]:
+        """What each wheel does now.
+
+        A wheel's ground speed is that of its centre in its plane, which for a wheel that rolls is w r
+        on any shape of ground; negative backwards. w is its whole angular velocity about the axle, the
+        rover's own pitching included.
+        """
+        model, data = self._model, self._data
+        mujoco.mj_kinematics(model, data)  # after a step, poses and velocities are those before it
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_comVel(model, data)
+        axes = data.xmat[self._rover].tolist()
+        ahead_x, axle_x, up_x, ahead_y, axle_y, up_y, ahead_z, axle_z, up_z = axes
+        com_x, com_y, com_z = data.subtree_com[self._rover].tolist()
+        positions, velocities = data.xpos.tolist(), data.cvel.tolist()
+        wheels = []
+        for body in self._bodies:
+            x, y, z = positions[body]
+            wx, wy, wz, vx, vy, vz = velocities[body]  # of the point that is at the centre of mass
+            dx, dy, dz = x - com_x, y - com_y, z - com_z
+            vx, vy, vz = vx + wy * dz - wz * dy, vy + wz * dx - wx * dz, vz + wx * dy - wy * dx
+            forward = vx * ahead_x + vy * ahead_y + vz * ahead_z
+            upward = vx * up_x + vy * up_y + vz * up_z
+            ground_speed = math.copysign(math.hypot(forward, upward), forward)
+            wheel_speed = (wx * axle_x + wy * axle_y + wz * axle_z) * self._radius
+            moves = abs(wheel_speed) >= SLIP_SPEED or abs(ground_speed) >= SLIP_SPEED
+            wheels.append(WheelMotion(x, y, slip_ratio(wheel_speed, ground_speed), moves))
+        return wheels

@@ -1,0 +1,1 @@
+"""Episodes of a sweep: planned, driven, kept."""

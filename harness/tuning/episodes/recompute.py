@@ -1,0 +1,91 @@
+"""Samples -> rows: a scan's extrema, a second's extrema."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.episode.metrics_feed import extended_settings
+from harness.robots import RoverSpec
+from harness.samples import Imu
+from harness.sensors.lidar_spec import LidarSpec
+from harness.sim_time import NANOSECONDS
+from harness.tuning.episodes.collected import Collected
+from harness.tuning.episodes.record import SCAN, WINDOW, Table
+from rover_metrics.extended.footprint import Footprint, FootprintClearance
+
+STRIDE = 5  # poses from one to the next if four between them are lost
+
+Series = NDArray[np.float64]  # shape (n, 1 + k): time [s] and k values
+
+
+def scan_rows(collected: Collected, rover: RoverSpec) -> Table:
+    """One row of dtype SCAN per scan."""
+    rows = np.zeros(len(collected.scans), SCAN)
+    if not collected.scans:
+        return rows
+    settings = extended_settings(rover)
+    angles = LidarSpec(beams=len(collected.scans[0].ranges)).angles
+    clearance = FootprintClearance(Footprint.rectangle(*rover.footprint), settings.lidar_pose, angles)
+    for row, scan, state in zip(rows, collected.scans, collected.states, strict=True):
+        row["stamp_ms"] = scan.stamp_ns // 1_000_000
+        row["nearest"] = np.min(scan.ranges, initial=np.inf, where=np.isfinite(scan.ranges))
+        row["near_returns"] = np.count_nonzero(np.isneginf(scan.ranges))
+        row["footprint"] = clearance.nearest(scan.ranges)
+        row["contact"], row["speed"] = state.hazard_contact, state.speed
+    return rows
+
+
+def window_rows(collected: Collected) -> Table:
+    """One row of dtype WINDOW per full second."""
+    imu, states, poses = _imu(collected), _states(collected), _poses(collected)
+    steps, strides = _distances(poses, 1), _distances(poses, STRIDE)
+    seconds = int(states[-1, 0]) if len(states) else 0
+    rows = np.zeros(seconds, WINDOW)
+    for second, row in enumerate(rows):
+        acceleration, smoothness = _within(imu, second).T
+        speed, roughness, rocks, contact = _within(states, second).T
+        row["time_s"] = second + 1
+        row["peak_acceleration"] = acceleration.max()
+        row["mean_smoothness"], row["peak_smoothness"] = smoothness.mean(), smoothness.max()
+        row["speed"], row["roughness"] = np.abs(speed).mean(), roughness.mean()
+        row["rocks"], row["contact"] = rocks.mean(), contact.any()
+        row["largest_step"] = _within(steps, second).max(initial=0.0)
+        row["largest_stride"] = _within(strides, second).max(initial=0.0)
+        row["from_start"] = np.linalg.norm(_within(poses, second)[-1] - poses[0, 1:])
+    return rows
+
+
+def _within(series: Series, second: int) -> NDArray[np.float64]:
+    """The values of (second, second + 1], shape (m, k)."""
+    first, last = np.searchsorted(series[:, 0], (second, second + 1), side="right")
+    return series[first:last, 1:]
+
+
+def _imu(collected: Collected) -> Series:
+    return np.array([_imu_values(sample) for sample in collected.imu]).reshape(-1, 3)
+
+
+def _imu_values(sample: Imu) -> tuple[float, float, float]:
+    acceleration = math.hypot(*sample.linear_acceleration)
+    smoothness = acceleration + math.hypot(*sample.angular_velocity)
+    return sample.stamp_ns / NANOSECONDS, acceleration, smoothness
+
+
+def _states(collected: Collected) -> Series:
+    values = [
+        (s.stamp_ns / NANOSECONDS, s.speed, s.roughness, s.rock_contact, s.hazard_contact)
+        for s in collected.states
+    ]
+    return np.array(values, dtype=np.float64).reshape(-1, 5)
+
+
+def _poses(collected: Collected) -> Series:
+    values = [(pose.stamp_ns / NANOSECONDS, *pose.position) for pose in collected.poses]
+    return np.array(values).reshape(-1, 4)
+
+
+def _distances(poses: Series, stride: int) -> Series:
+    """From each pose to the one `stride` later, stamped as that one."""
+    distances = np.linalg.norm(poses[stride:, 1:] - poses[:-stride, 1:], axis=1)
+    return np.column_stack([poses[stride:, 0], distances])

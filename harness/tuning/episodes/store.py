@@ -1,0 +1,145 @@
+"""One npz file per episode, there whole or not at all; one JSON file says which sweep they are of."""
+
+import io
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness import __version__
+from harness.errors import UsageError
+from harness.files import whole_file
+from harness.tuning.episodes.plan import Planned
+from harness.tuning.episodes.record import EVENT, SCAN, SCHEMA, WINDOW, Ending, EpisodeRecord, Table
+
+EPISODES, SWEEP = "episodes", "sweep.json"
+TABLES = {"scans": SCAN, "windows": WINDOW, "events": EVENT}
+LABELS = ("ending", "driver", "terrain")
+
+
+def encode(record: EpisodeRecord) -> bytes:
+    """A record as the bytes of an npz file, an array per column; equal records give equal bytes."""
+    buffer = io.BytesIO()
+    columns = {
+        f"{table}.{column}": getattr(record, table)[column]
+        for table, dtype in TABLES.items()
+        for column in dtype.names or ()
+    }
+    labels = {name: np.array(str(getattr(record, name))) for name in LABELS}
+    length = np.array(record.path_length)
+    np.savez_compressed(buffer, allow_pickle=False, path_length=length, **columns, **labels)
+    return buffer.getvalue()
+
+
+def decode(content: bytes) -> EpisodeRecord:
+    """The record in the bytes of an npz file.
+
+    Raises:
+        ValueError: It is not one, or of another schema.
+    """
+    try:
+        with np.load(io.BytesIO(content), allow_pickle=False) as npz:
+            tables = {name: _table(npz, name, dtype) for name, dtype in TABLES.items()}
+            ending, driver, terrain = (str(npz[name]) for name in LABELS)
+            length = float(npz["path_length"])
+    except Exception as error:
+        # zipfile, zlib and numpy each have their own ways to say that bytes are damaged.
+        message = f"not an episode: {error}"
+        raise ValueError(message) from error
+    return EpisodeRecord(
+        **tables, ending=Ending(ending), path_length=length, driver=driver, terrain=terrain
+    )
+
+
+def _table(npz: Mapping[str, NDArray[Any]], name: str, dtype: np.dtype[np.void]) -> Table:
+    columns = {column: npz[f"{name}.{column}"] for column in dtype.names or ()}
+    table = np.zeros(len(next(iter(columns.values()))), dtype)
+    for column, values in columns.items():
+        table[column] = values
+    return table
+
+
+class Store:
+    """The folder of one sweep.
+
+    Args:
+        folder: Made if it is not there.
+        planned: All episodes of the sweep.
+
+    Raises:
+        UsageError: The folder cannot be used, or holds another sweep's files.
+    """
+
+    def __init__(self, folder: Path, planned: tuple[Planned, ...]) -> None:
+        self.folder = folder
+        self._episodes = folder / EPISODES
+        try:
+            self._episodes.mkdir(parents=True, exist_ok=True)
+            self._claim(_identity(planned))
+        except OSError as error:
+            message = f"cannot write to {folder}: {error.strerror}; choose another --out"
+            raise UsageError(message) from error
+
+    def write(self, planned: Planned, content: bytes) -> None:
+        """Keeps an episode's npz bytes."""
+        with whole_file(self._path(planned)) as part:
+            part.write_bytes(content)
+
+    def read(self, planned: Planned) -> EpisodeRecord | None:
+        """An episode that was driven before; None if it was not, or its file is damaged."""
+        try:
+            return decode(self._path(planned).read_bytes())
+        except (FileNotFoundError, ValueError):
+            return None
+
+    def _path(self, planned: Planned) -> Path:
+        return self._episodes / f"{planned.name}.npz"
+
+    def _claim(self, identity: dict[str, Any]) -> None:
+        path = self.folder / SWEEP
+        if path.exists():
+            theirs = _read_json(path)
+            if theirs != identity:
+                message = (
+                    f"{self.folder} holds another sweep's files ({_difference(theirs, identity)}); "
+                    "choose another --out or remove the folder"
+                )
+                raise UsageError(message)
+            return
+        if any(self._episodes.iterdir()):
+            message = f"{self._episodes} holds files of no known sweep; choose another --out"
+            raise UsageError(message)
+        with whole_file(path) as part:
+            part.write_text(json.dumps(identity, indent=2) + "\n", encoding="utf-8")
+
+
+def _identity(planned: tuple[Planned, ...]) -> dict[str, Any]:
+    identity = {
+        "version": __version__,
+        "schema": SCHEMA,
+        "episodes": {episode.name: asdict(episode.config) for episode in planned},
+    }
+    return dict(json.loads(json.dumps(identity)))  # as it will be read: lists for tuples
+
+
+def _read_json(path: Path) -> Any:  # noqa: ANN401 - whatever somebody has put there
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except ValueError:
+        return None
+
+
+def _difference(theirs: Any, ours: dict[str, Any]) -> str:  # noqa: ANN401 - as above
+    """What tells two sweeps apart, in a few words."""
+    if not isinstance(theirs, dict) or not isinstance(theirs.get("episodes"), dict):
+        return f"{SWEEP} is not readable"
+    for name in ("version", "schema"):
+        if theirs.get(name) != ours[name]:
+            return f"{name} {theirs.get(name)} instead of {ours[name]}"
+    if len(theirs["episodes"]) != len(ours["episodes"]):
+        return f"{len(theirs['episodes'])} episodes instead of {len(ours['episodes'])}"
+    return "other robots, seed or duration"

@@ -1,0 +1,66 @@
+"""Drives what is left of a plan on a backend's workers; whatever happens, no episode counts twice."""
+
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import closing
+
+from harness.errors import RunFailed
+from harness.tuning.backend import Backend, WorkerLost
+from harness.tuning.episodes.drive import drive
+from harness.tuning.episodes.plan import Planned
+from harness.tuning.episodes.record import EpisodeRecord
+from harness.tuning.episodes.store import Store, encode
+
+TRIES = 3  # in a row in which workers die before a single episode is done
+NAMED = 3  # episodes that a message names
+KEPT = "the episodes so far are kept, and the same command goes on with them"
+
+
+def drive_to_bytes(planned: Planned) -> tuple[Planned, bytes]:
+    """What a worker does; it shares no file system with the sweep."""
+    return planned, encode(drive(planned.config))
+
+
+def sweep(
+    planned: Sequence[Planned], store: Store, backend: Backend, show: Callable[[int], None]
+) -> dict[Planned, EpisodeRecord]:
+    """Drives every episode that the store does not hold yet, and returns all records.
+
+    Args:
+        planned: The episodes.
+        store: Where each goes as soon as it is done.
+        backend: Who drives.
+        show: Told how many are done.
+
+    Raises:
+        RunFailed: Workers died again and again, or an episode cannot be written.
+    """
+    left = {episode: None for episode in planned if store.read(episode) is None}  # a set with an order
+    fruitless = 0
+    show(len(planned) - len(left))
+    while left:
+        before = len(left)
+        try:
+            with closing(backend.map(drive_to_bytes, list(left))) as outcomes:
+                for episode, content in outcomes:
+                    _write(store, episode, content)
+                    del left[episode]
+                    show(len(planned) - len(left))
+        except WorkerLost as error:
+            fruitless = fruitless + 1 if len(left) == before else 0
+            if fruitless == TRIES:
+                raise RunFailed(f"{error}; not done: {_names(left)}; {KEPT}") from error
+    return {episode: record for episode in planned if (record := store.read(episode)) is not None}
+
+
+def _write(store: Store, episode: Planned, content: bytes) -> None:
+    try:
+        store.write(episode, content)
+    except OSError as error:
+        message = f"cannot write episode {episode.name} to {store.folder}: {error.strerror}; {KEPT}"
+        raise RunFailed(message) from error
+
+
+def _names(left: Iterable[Planned]) -> str:
+    names = [episode.name for episode in left]
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return ", ".join(names[:NAMED]) + more

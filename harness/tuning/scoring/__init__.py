@@ -1,0 +1,1 @@
+"""Scores of thresholds and the choice between them."""

@@ -1,0 +1,118 @@
+"""Choosing a threshold on one half of the episodes and scoring it, beside the default, on both."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.tuning.episodes.plan import Part
+from harness.tuning.episodes.record import EpisodeRecord
+from harness.tuning.scoring.estimate import Counts, Estimate, Measure, Sums, estimate
+from harness.tuning.scoring.result import Candidate, Scores, Verdict
+from rover_metrics.core.thresholds import THRESHOLD_INFO
+
+Records = Mapping[Part, Sequence[EpisodeRecord]]
+Count = Callable[[Sequence[EpisodeRecord], NDArray[np.float64]], Counts]
+
+
+def by_driver(record: EpisodeRecord) -> str:
+    """The stratum that decides how hazards are touched."""
+    return record.driver
+
+
+def by_terrain(record: EpisodeRecord) -> str:
+    """The stratum that decides how the ground feels."""
+    return record.terrain
+
+
+@dataclass(frozen=True)
+class Scoring:
+    """How a threshold is judged.
+
+    Attributes:
+        count: Counts of episodes for thresholds, shape (thresholds, episodes, kinds).
+        measures: What is told of a value, by name.
+        objective: Name of the measure that is maximised.
+        grid: The values to choose from.
+        stratum: What kind an episode is of, for the intervals.
+    """
+
+    count: Count
+    measures: Mapping[str, Measure]
+    objective: str
+    grid: NDArray[np.float64]
+    stratum: Callable[[EpisodeRecord], str] = by_driver
+
+    def best(self, records: Sequence[EpisodeRecord]) -> float:
+        """The value with the highest objective; the middle one where several have it."""
+        scores = self.measures[self.objective](self.count(records, self.grid).sum(axis=1))
+        best = np.flatnonzero(scores == np.nanmax(scores))
+        return float(self.grid[best[len(best) // 2]])
+
+    def candidate(self, records: Records, value: float) -> Candidate:
+        """A value with its scores on all parts."""
+        return Candidate(
+            value=value, scores={part: self.scores(some, value) for part, some in records.items()}
+        )
+
+    def scores(self, records: Sequence[EpisodeRecord], value: float) -> dict[str, Estimate]:
+        """All measures of a value."""
+        counts = self.count(records, np.array([value]))[0]
+        strata = [self.stratum(record) for record in records]
+        return {name: estimate(counts, measure, strata) for name, measure in self.measures.items()}
+
+    def gain(self, records: Sequence[EpisodeRecord], tuned: float, default: float) -> Scores:
+        """Tuned minus default by measure: the same resampled episodes for both."""
+        both = self.count(records, np.array([tuned, default]))
+        counts = np.concatenate((both[0], both[1]), axis=-1)
+        strata = [self.stratum(record) for record in records]
+        return {
+            name: estimate(counts, _difference(measure, both.shape[-1]), strata)
+            for name, measure in self.measures.items()
+        }
+
+
+def judged(
+    parameter: str,
+    scoring: Scoring,
+    records: Records,
+    *,
+    lack: str | None,
+    value: float | None = None,
+    note: str = "",
+) -> Verdict:
+    """The verdict on a threshold.
+
+    Args:
+        parameter: The threshold's name.
+        scoring: How it is judged.
+        records: The episodes.
+        lack: Why the data support no value, or None if they do.
+        value: One that was found by other means; the best of the grid on the choosing part if None.
+        note: What the value holds for, or is made of.
+    """
+    info = THRESHOLD_INFO[parameter]
+    default = scoring.candidate(records, info.default)
+    if lack is not None:
+        return Verdict(
+            name=parameter, unit=info.unit, measure=scoring.objective, default=default, lack=lack
+        )
+    best = scoring.best(records[Part.CHOOSING]) if value is None else value
+    tuned = scoring.candidate(records, best)
+    return Verdict(
+        name=parameter,
+        unit=info.unit,
+        measure=scoring.objective,
+        default=default,
+        tuned=tuned,
+        gain=scoring.gain(records[Part.CHECKING], tuned.value, info.default),
+        note=note,
+    )
+
+
+def _difference(measure: Measure, kinds: int) -> Measure:
+    def difference(sums: Sums) -> NDArray[np.float64]:
+        return measure(sums[..., :kinds]) - measure(sums[..., kinds:])
+
+    return difference

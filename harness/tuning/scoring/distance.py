@@ -1,0 +1,99 @@
+"""distance_threshold: longer than every step that a rover can make, shorter than the jump of a reset."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.robots import RoverSpec
+from harness.tuning.episodes.recompute import STRIDE
+from harness.tuning.episodes.record import EpisodeRecord
+from harness.tuning.scoring.choose import Records, Scoring, judged
+from harness.tuning.scoring.estimate import Counts, Measure, Sums, ratio
+from harness.tuning.scoring.result import Verdict
+
+PARAMETER = "distance_threshold"
+POSE_PERIOD = 0.02  # [s]
+COARSEST, STEP = 1.0, 0.01  # [m]
+FEWEST_SECONDS = 100  # of each part
+NOTE = "for poses at 50 Hz, four in a row of which may be lost"
+STEPS, REFUSED, JUMPS, TAKEN = range(4)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DistanceStudy:
+    """Steps and jumps of one robot.
+
+    Attributes:
+        possible_step: What the rover covers at top speed while four poses are lost [m].
+        largest_step: The largest that was seen between two poses that follow each other [m].
+        largest_stride: The largest that was seen with four poses lost [m].
+    """
+
+    verdict: Verdict
+    possible_step: float
+    largest_step: float
+    largest_stride: float
+
+
+def study_distance(records: Records, rover: RoverSpec) -> DistanceStudy:
+    """Judges the default and chooses a value above every plausible step."""
+    everything = [record.windows for some in records.values() for record in some]
+    possible = rover.top_speed * STRIDE * POSE_PERIOD
+    lowest = math.ceil(possible / STEP) * STEP
+    grid = np.round(np.arange(lowest, COARSEST, STEP), 2)
+    return DistanceStudy(
+        verdict=judged(
+            PARAMETER,
+            Scoring(_counts, MEASURES, "balanced accuracy", grid),
+            records,
+            lack=_lack(records),
+            note=NOTE,
+        ),
+        possible_step=possible,
+        largest_step=_largest(everything, "largest_step"),
+        largest_stride=_largest(everything, "largest_stride"),
+    )
+
+
+def _counts(records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -> Counts:
+    """Seconds of driving, those with a step refused, jumps of resets, those taken for driving."""
+    counts = np.zeros((len(thresholds), len(records), 4))
+    for place, record in enumerate(records):
+        windows = record.windows
+        counts[:, place, STEPS] = counts[:, place, JUMPS] = len(windows)
+        refused = windows["largest_stride"][None, :] >= thresholds[:, None]
+        taken = windows["from_start"][None, :] < thresholds[:, None]
+        counts[:, place, REFUSED], counts[:, place, TAKEN] = refused.sum(axis=1), taken.sum(axis=1)
+    return counts
+
+
+def false_accept_rate(sums: Sums) -> NDArray[np.float64]:
+    """Share of resets, one each second, whose jump would count as travel."""
+    return ratio(sums[..., TAKEN], sums[..., JUMPS])
+
+
+def false_reject_rate(sums: Sums) -> NDArray[np.float64]:
+    """Share of seconds in which a step of true travel would be refused."""
+    return ratio(sums[..., REFUSED], sums[..., STEPS])
+
+
+MEASURES: dict[str, Measure] = {
+    "balanced accuracy": lambda sums: 1 - (false_accept_rate(sums) + false_reject_rate(sums)) / 2,
+    "false accept rate": false_accept_rate,
+    "false reject rate": false_reject_rate,
+}
+
+
+def _lack(records: Records) -> str | None:
+    for part, some in records.items():
+        seconds = sum(len(record.windows) for record in some)
+        if seconds < FEWEST_SECONDS:
+            return f"{seconds} s of poses in the {part} episodes; {FEWEST_SECONDS} are needed"
+    return None
+
+
+def _largest(windows: Sequence[NDArray[np.void]], column: str) -> float:
+    return max((float(some[column].max(initial=0.0)) for some in windows), default=0.0)

@@ -1,0 +1,67 @@
+"""What the data say of a threshold, as plain values: for scores file, parameter file and report."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from harness.tuning.episodes.plan import Part
+from harness.tuning.scoring.estimate import Estimate
+
+Scores = Mapping[str, Estimate]  # by measure
+
+
+@dataclass(frozen=True, kw_only=True)
+class Candidate:
+    """One value of a threshold with how it did.
+
+    Attributes:
+        scores: By part of the plan; the part on which it was chosen flatters it.
+    """
+
+    value: float
+    scores: Mapping[Part, Scores]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """What the data say of one threshold of one robot.
+
+    Attributes:
+        name: The ROS parameter; `unit` is its unit.
+        measure: The one by which a value is chosen.
+        default: The seed's value.
+        tuned: What was chosen; None where the data support no value.
+        gain: Tuned minus default on the checking episodes, by measure.
+        lack: Why the data support no value, in a clause; None if they do.
+        note: What the tuned value holds for, or is made of; may be empty.
+    """
+
+    name: str
+    unit: str
+    measure: str
+    default: Candidate
+    tuned: Candidate | None = None
+    gain: Scores = field(default_factory=dict)
+    lack: str | None = None
+    note: str = ""
+
+    @property
+    def value(self) -> float | None:
+        """What a parameter file should say: None where the default stays.
+
+        Only a value that beats the default on episodes on which it was not chosen is supported, by more
+        than resampling both together explains.
+        """
+        if self.tuned is None:
+            return None
+        low = self.gain[self.measure].low
+        return self.tuned.value if low is not None and low > 0.0 else None
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether the intervals of tuned and default on the checking episodes do not overlap."""
+        if self.tuned is None:
+            return False
+        tuned, default = (
+            candidate.scores[Part.CHECKING][self.measure] for candidate in (self.tuned, self.default)
+        )
+        return tuned.is_above(default)

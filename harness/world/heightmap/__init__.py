@@ -1,0 +1,1 @@
+"""Heightmap files: reading, regridding, the terrain made of them."""

@@ -1,0 +1,210 @@
+"""A world from a heightmap file: square, without gaps, with a start on which a rover can stand.
+
+The data are not altered where they need not be: pixels between 5 cm and the map's limit become vertices
+as they are. Whatever is done (filled, cropped, resampled, scaled) is told in a note.
+"""
+
+import math
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError
+from harness.world.heightfield import Heightfield
+from harness.world.heightmap.raster import Raster, Values, read_raster
+from harness.world.heightmap.regrid import filled, resampled
+from harness.world.terrain import HEIGHT_DECIMALS
+from harness.world.terrains import TERRAINS
+from harness.world.world import DEFAULT_DIFFICULTY, World
+
+SUFFIXES = (".tif", ".tiff", ".png", ".npy")
+FINEST_CELL = 0.05  # [m]: a step costs more the smaller the cells under a wheel are
+MOST_VERTICES = 1500  # along a side
+SMALLEST_MAP, LARGEST_MAP = 10.0, 50_000.0  # [m] along a side
+LARGEST_RELIEF = 10_000.0  # [m]
+MOST_MISSING = 0.5  # share of heights that may be filled in
+STEEPEST_START = 15.0  # [deg]
+START_REACH = 0.4  # [m] around the start that must not be steeper
+START_SEARCH = 0.25  # of the map's side, from its middle
+
+
+@dataclass(frozen=True, kw_only=True)
+class TerrainFile:
+    """A heightmap and what its file may leave open.
+
+    Attributes:
+        path: The file.
+        size: Length of the map along x and y [m]; None as the file says.
+        relief: From the lowest to the highest point [m]; None as the file says.
+    """
+
+    path: Path
+    size: tuple[float, float] | None = None
+    relief: float | None = None
+
+    def check(self) -> None:
+        """Checks the two numbers.
+
+        Raises:
+            UsageError: One is not valid.
+        """
+        for length in self.size or ():
+            if not SMALLEST_MAP <= length <= LARGEST_MAP:
+                raise UsageError(
+                    f"terrain size {length:g} m is not valid; give {SMALLEST_MAP:g} to {LARGEST_MAP:g}"
+                )
+        if self.relief is not None and not 0.0 <= self.relief <= LARGEST_RELIEF:
+            raise UsageError(
+                f"terrain height {self.relief:g} m is not valid; give 0 to {LARGEST_RELIEF:g}"
+            )
+
+
+def is_terrain_file(name: str) -> bool:
+    """Whether the name of a terrain means a file rather than one of the named terrains."""
+    if name in TERRAINS:
+        return False
+    return os.sep in name or name.lower().endswith(SUFFIXES) or Path(name).exists()
+
+
+def file_world(file: TerrainFile, seed: int) -> World:
+    """Makes a world without obstacles from a heightmap.
+
+    Raises:
+        UsageError: The file is not readable, incomplete, or nowhere fit to stand on.
+    """
+    file.check()
+    raster = read_raster(file.path)
+    try:
+        ground, notes = _ground(raster, file)
+    except UsageError as error:
+        raise UsageError(f"terrain {file.path}: {error}") from error
+    return World(file.path.name, ground, (), seed, DEFAULT_DIFFICULTY, notes=notes)
+
+
+def _ground(raster: Raster, file: TerrainFile) -> tuple[Heightfield, tuple[str, ...]]:
+    notes: list[str] = []
+    pixel = _pixel(raster, file)
+    values = _cropped(raster.values, pixel, notes)
+    values = _complete(values, notes)
+    heights = _in_metres(values, raster, file.relief, notes)
+    heights, cell = _on_cells(heights, pixel, notes)
+    row, column = _start(heights, cell)
+    heights = _centred(heights, row, column, cell, notes)
+    heights = np.round(heights - heights.min(), HEIGHT_DECIMALS) + 0.0
+    return Heightfield(np.ascontiguousarray(heights[::-1]), cell), tuple(notes)
+
+
+def _pixel(raster: Raster, file: TerrainFile) -> tuple[float, float]:
+    rows, columns = raster.values.shape
+    if file.size is not None:
+        return file.size[0] / (columns - 1), file.size[1] / (rows - 1)
+    if raster.pixel is None:
+        raise UsageError(f"{raster.size_unknown}; give --terrain-size in metres")
+    width, depth = raster.pixel[0] * (columns - 1), raster.pixel[1] * (rows - 1)
+    if not SMALLEST_MAP <= min(width, depth) <= max(width, depth) <= LARGEST_MAP:
+        raise UsageError(
+            f"it is {width:g} x {depth:g} m; between {SMALLEST_MAP:g} and {LARGEST_MAP:g} m can be "
+            "driven; --terrain-size overrides what it says"
+        )
+    return raster.pixel
+
+
+def _cropped(values: Values, pixel: tuple[float, float], notes: list[str]) -> Values:
+    """The largest square in metres around the middle."""
+    rows, columns = values.shape
+    width, depth = pixel[0] * (columns - 1), pixel[1] * (rows - 1)
+    side = min(width, depth)
+    kept_columns = min(columns, math.floor(side / pixel[0] + 1e-6) + 1)
+    kept_rows = min(rows, math.floor(side / pixel[1] + 1e-6) + 1)
+    if (kept_rows, kept_columns) == (rows, columns):
+        return values
+    notes.append(f"{width:.4g} x {depth:.4g} m cropped to the middle {side:.4g} m")
+    row, column = (rows - kept_rows) // 2, (columns - kept_columns) // 2
+    return values[row : row + kept_rows, column : column + kept_columns]
+
+
+def _complete(values: Values, notes: list[str]) -> Values:
+    missing = int(np.isnan(values).sum())
+    if not missing:
+        return values
+    share = missing / values.size
+    if share > MOST_MISSING:
+        raise UsageError(
+            f"{share:.0%} of its heights are missing; at most {MOST_MISSING:.0%} are filled"
+        )
+    notes.append(f"{missing} missing heights ({share:.2%}) filled from their surroundings")
+    return filled(values)
+
+
+def _in_metres(values: Values, raster: Raster, relief: float | None, notes: list[str]) -> Values:
+    lowest, extent = float(values.min()), float(np.ptp(values))
+    if relief is None:
+        if not raster.in_metres:
+            raise UsageError("its values are no metres; give --terrain-height, lowest to highest point")
+        if extent > LARGEST_RELIEF:
+            raise UsageError(f"its relief is {extent:g} m; give --terrain-height if that is no metres")
+        return values
+    notes.append(f"values {lowest:g} to {lowest + extent:g} scaled to {relief:g} m of relief")
+    return (values - lowest) * (relief / extent if extent else 0.0)
+
+
+def _on_cells(heights: Values, pixel: tuple[float, float], notes: list[str]) -> tuple[Values, float]:
+    """Heights on square cells of a size that can be simulated, and that size [m]."""
+    rows, columns = heights.shape
+    side = min(pixel[0] * (columns - 1), pixel[1] * (rows - 1))
+    cell = max(min(pixel), FINEST_CELL, side / (MOST_VERTICES - 1))
+    count = math.floor(side / cell + 1e-6) + 1
+    if rows == columns == count and math.isclose(pixel[0], pixel[1], rel_tol=1e-9):
+        return heights, pixel[0]
+    notes.append(f"pixels of {pixel[0]:.4g} x {pixel[1]:.4g} m resampled to cells of {cell:.4g} m")
+    return resampled(heights, (cell / pixel[1], cell / pixel[0]), count), cell
+
+
+def _start(heights: Values, cell: float) -> tuple[int, int]:
+    """The vertex next to the middle around which the ground is gentle.
+
+    Raises:
+        UsageError: There is none within reach; the message tells how steep it is.
+    """
+    middle, reach = (len(heights) - 1) / 2, math.ceil(START_REACH / cell)
+    steepest = _steepest_around(heights, cell, reach)
+    axis = np.arange(len(heights)) - middle
+    distance = np.hypot(axis[:, None], axis[None, :])
+    searched = distance <= max(START_SEARCH * len(heights), 1.0)
+    fit = searched & (steepest <= STEEPEST_START)
+    if not fit.any():
+        radius, gentlest = START_SEARCH * len(heights) * cell, steepest[searched].min()
+        raise UsageError(
+            f"no rover can stand within {radius:.3g} m of its middle: the gentlest place is "
+            f"{gentlest:.0f} deg steep, not {STEEPEST_START:g}; check --terrain-size and -height"
+        )
+    row, column = np.unravel_index(np.argmin(np.where(fit, distance, np.inf)), heights.shape)
+    return int(row), int(column)
+
+
+def _steepest_around(heights: Values, cell: float, reach: int) -> NDArray[np.float64]:
+    """Largest slope [deg] within `reach` vertices of each vertex."""
+    along_y, along_x = np.gradient(heights, cell)
+    slope = np.degrees(np.arctan(np.hypot(along_x, along_y)))
+    for axis in (0, 1):
+        padded = np.pad(slope, [(reach, reach) if a == axis else (0, 0) for a in (0, 1)], mode="edge")
+        windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=axis)
+        slope = windows.max(axis=-1)
+    return np.asarray(slope)
+
+
+def _centred(heights: Values, row: int, column: int, cell: float, notes: list[str]) -> Values:
+    """The largest square with the start in its middle, where a rover is set down."""
+    count = len(heights)
+    middle, off = (count - 1) / 2, 0.5
+    if abs(row - middle) <= off and abs(column - middle) <= off:
+        return heights
+    reach = min(row, column, count - 1 - row, count - 1 - column)
+    moved = math.hypot(row - middle, column - middle) * cell
+    notes.append(
+        f"starts {moved:.3g} m off its middle, on gentle ground; {2 * reach * cell:.4g} m remain"
+    )
+    return heights[row - reach : row + reach + 1, column - reach : column + reach + 1]

@@ -1,0 +1,80 @@
+"""The time axis that episodes of different length are laid over each other on."""
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from rover_metrics.analysis.logs.log import Floats
+
+AxisName = Literal["percentage", "fixed_interval", "none"]
+AXES: tuple[AxisName, ...] = get_args(AxisName)
+
+
+@dataclass(frozen=True)
+class TimeAxis:
+    """How the rows of an episode are placed in time.
+
+    Attributes:
+        name: "percentage" of the episode; "fixed_interval" for one mean per interval; "none" for the
+            rows as they were recorded.
+        interval: Length of a fixed interval [s].
+    """
+
+    name: AxisName = "percentage"
+    interval: float = 1.0
+
+    @property
+    def label(self) -> str:
+        """What the axis shows, with its unit."""
+        if self.name == "percentage":
+            return "Share of the episode [%]"
+        means = f", means over {self.interval:g} s" if self.name == "fixed_interval" else ""
+        return f"Time since the episode began [s]{means}"
+
+    def place(self, stamps: Floats, values: Floats) -> tuple[Floats, Floats]:
+        """Place the rows of one episode.
+
+        Args:
+            stamps: Time of each row [s], ascending.
+            values: One a row, NaN for none.
+
+        Returns:
+            Position and value. In percent, from 0 to 100; else in seconds since the episode began.
+            Intervals without a value are left out, not filled.
+        """
+        elapsed = stamps - stamps[0]
+        if self.name == "fixed_interval":
+            return bin_means(elapsed, values, self.interval)
+        length = float(elapsed[-1])
+        if self.name == "percentage" and length:
+            return elapsed * (100.0 / length), values
+        return elapsed, values
+
+
+def bin_means(positions: Floats, values: Floats, width: float) -> tuple[Floats, Floats]:
+    """Average values in bins [k width, (k + 1) width); gives the bins' beginnings and means."""
+    known = np.isfinite(values)
+    # A thousandth of a bin: 0.3 s in bins of 0.1 s is bin 3, whatever the floats say.
+    bins = np.floor(positions[known] / width + 1e-3)
+    numbers, member = np.unique(bins, return_inverse=True)
+    sums = np.bincount(member, weights=values[known], minlength=numbers.size)
+    return numbers * width, sums / np.bincount(member, minlength=numbers.size)
+
+
+def on_grid(positions: Floats, values: Floats, grid: Floats) -> Floats:
+    """Put one episode on a common grid: means where rows are dense, lines between where sparse.
+
+    Args:
+        positions: Ascending.
+        values: One a position, NaN for none.
+        grid: Evenly spaced.
+
+    Returns:
+        One value a grid point; NaN beyond the episode's ends.
+    """
+    width = float(grid[1] - grid[0])
+    at, means = bin_means(positions - grid[0] + width / 2, values, width)
+    if not at.size:
+        return np.full(grid.size, np.nan)
+    return np.asarray(np.interp(grid - grid[0], at, means, left=np.nan, right=np.nan))

@@ -1,0 +1,139 @@
+"""Whether two groups of drives differ, judged by one value a drive.
+
+Rows of one log repeat each other, so rows are no sample; the mean of a log (or of an episode) is one
+observation. Up to about eight a group, an exact permutation test of the difference of the means looks at
+every way to split the observations and assumes no distribution. Beyond that, the Mann-Whitney U
+test: rates and accelerations are skewed, and ranks do not mind. Effect sizes are Hedges' g
+(standardised difference, corrected for small samples) and Cliff's delta (how much more often a
+value of the second group exceeds one of the first than the other way round).
+"""
+
+from dataclasses import dataclass, replace
+from math import comb, sqrt
+
+import numpy as np
+from scipy import stats
+
+from rover_metrics.analysis.logs.log import Floats
+from rover_metrics.analysis.statistics.summary import Interval
+
+MOST_SPLITS = 20_000  # 8 against 8 is 12870
+PERMUTATION = "exact permutation"
+MANN_WHITNEY = "Mann-Whitney U"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How the second group differs from the first in one metric; None where that cannot be said.
+
+    Attributes:
+        code: The metric.
+        n: Observations of each group.
+        means: Mean of each group's observations; None for a group without any.
+        difference: Second mean minus first.
+        interval: For the difference, Welch's, which allows different variances.
+        test: Name of the test.
+        p: Two-sided probability of a difference at least this large if there were none.
+        p_holm: The same, adjusted for the number of metrics compared.
+        smallest_p: The lowest p that groups of these sizes can reach at all.
+        hedges_g: Standardised difference.
+        cliffs_delta: From -1 (all of the second below the first) to 1.
+    """
+
+    code: str
+    n: tuple[int, int]
+    means: tuple[float | None, float | None]
+    difference: float | None = None
+    interval: Interval | None = None
+    test: str | None = None
+    p: float | None = None
+    p_holm: float | None = None
+    smallest_p: float | None = None
+    hedges_g: float | None = None
+    cliffs_delta: float | None = None
+
+    def adjusted(self, p_holm: float | None) -> "Comparison":
+        """Give this comparison with its p-value adjusted for several tests."""
+        return replace(self, p_holm=p_holm)
+
+
+def compare(code: str, first: Floats, second: Floats, confidence: float) -> Comparison:
+    """Compare two groups of independent observations.
+
+    Args:
+        code: The metric they are of.
+        first: Observations of the first group, finite.
+        second: Those of the second.
+        confidence: Level of the interval, between 0 and 1.
+
+    Returns:
+        Without test and interval if a group has fewer than two observations.
+    """
+    sizes = (first.size, second.size)
+    means = (_mean(first), _mean(second))
+    if 0 in sizes:
+        return Comparison(code, sizes, means)
+    difference = float(second.mean() - first.mean())
+    delta = cliffs_delta(first, second)
+    if min(sizes) < 2:
+        return Comparison(code, sizes, means, difference, cliffs_delta=delta)
+    test, p, smallest = _test(first, second)
+    return Comparison(
+        code=code,
+        n=sizes,
+        means=means,
+        difference=difference,
+        interval=welch_interval(first, second, confidence),
+        test=test,
+        p=p,
+        smallest_p=smallest,
+        hedges_g=hedges_g(first, second),
+        cliffs_delta=delta,
+    )
+
+
+def _mean(values: Floats) -> float | None:
+    return float(values.mean()) if values.size else None
+
+
+def _test(first: Floats, second: Floats) -> tuple[str, float, float]:
+    """Give the name of the test that suits the sizes, its p-value, and the smallest it could be."""
+    splits = comb(first.size + second.size, first.size)
+    if splits > MOST_SPLITS:
+        return MANN_WHITNEY, float(stats.mannwhitneyu(first, second).pvalue), 2 / splits
+    result = stats.permutation_test(
+        (first, second),
+        lambda a, b, axis: np.mean(b, axis=axis) - np.mean(a, axis=axis),
+        n_resamples=MOST_SPLITS,  # so all of them
+        vectorized=True,
+    )
+    return PERMUTATION, float(result.pvalue), min(1.0, 2 / splits)
+
+
+def welch_interval(first: Floats, second: Floats, confidence: float) -> Interval | None:
+    """Give Welch's interval for second mean minus first; None if neither group varies."""
+    a, b = first.var(ddof=1) / first.size, second.var(ddof=1) / second.size
+    if a + b == 0:
+        return None
+    freedom = (a + b) ** 2 / (a**2 / (first.size - 1) + b**2 / (second.size - 1))
+    half = float(stats.t.ppf((1 + confidence) / 2, freedom)) * sqrt(a + b)
+    difference = float(second.mean() - first.mean())
+    return difference - half, difference + half
+
+
+def hedges_g(first: Floats, second: Floats) -> float | None:
+    """Give the difference in pooled standard deviations, corrected for small samples."""
+    freedom = first.size + second.size - 2
+    squares = (first.size - 1) * first.var(ddof=1) + (second.size - 1) * second.var(ddof=1)
+    if squares == 0:
+        return None
+    correction = 1 - 3 / (4 * freedom - 1)
+    return correction * float(second.mean() - first.mean()) / sqrt(float(squares) / freedom)
+
+
+def cliffs_delta(first: Floats, second: Floats) -> float:
+    """Give P(second > first) - P(second < first) over all pairs."""
+    ordered = np.sort(first)
+    below = np.searchsorted(ordered, second, side="left").sum()
+    above = (first.size - np.searchsorted(ordered, second, side="right")).sum()
+    return float(below - above) / (first.size * second.size)

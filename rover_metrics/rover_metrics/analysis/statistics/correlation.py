@@ -1,0 +1,99 @@
+"""Which metrics rise and fall together, and how sure that is of rows that repeat each other.
+
+Spearman's rank correlation, because accelerations have single values of forty times the median. Its
+p-value is from Student's t with the effective number of pairs (autocorrelation.effective_pairs)
+in place of n. Several logs are combined within logs, by Fisher's z weighted with the effective size, so
+that a difference between two logs is not taken for a correlation.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import stats
+
+from rover_metrics.analysis.logs.log import Floats
+from rover_metrics.analysis.statistics.autocorrelation import effective_pairs
+
+_FEWEST_PAIRS = 10
+_RANK_VARIANCE = 1.06  # of Fisher's z of a Spearman correlation, times n - 3 (Fieller et al. 1957)
+
+
+@dataclass(frozen=True)
+class Correlation:
+    """The correlation of two metrics.
+
+    Attributes:
+        first: Code of one metric.
+        second: Code of the other.
+        rho: Spearman's rank correlation, -1 to 1.
+        n: Rows in which both have a value.
+        n_effective: Independent pairs that would say as much.
+        p: Chance of a correlation at least this strong if there were none.
+        p_holm: The same, adjusted for the number of pairs of metrics looked at.
+    """
+
+    first: str
+    second: str
+    rho: float
+    n: int
+    n_effective: float
+    p: float
+    p_holm: float | None = None
+
+    def adjusted(self, p_holm: float | None) -> "Correlation":
+        """Give this correlation with its p-value adjusted for several tests."""
+        return replace(self, p_holm=p_holm)
+
+
+def correlate(first: str, second: str, x: Floats, y: Floats) -> Correlation | None:
+    """Correlate two metrics of one log.
+
+    Args:
+        first: Code of x.
+        second: Code of y.
+        x: One value a row, NaN for none.
+        y: As many.
+
+    Returns:
+        None if fewer than ten rows have both or one of them is constant there.
+    """
+    both = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
+    if both.size < _FEWEST_PAIRS or np.ptp(x[both]) == 0 or np.ptp(y[both]) == 0:
+        return None
+    x_ranks, y_ranks = stats.rankdata(x[both]), stats.rankdata(y[both])
+    rho = float(np.clip(np.corrcoef(x_ranks, y_ranks)[0, 1], -1, 1))
+    n_effective = effective_pairs(x_ranks, y_ranks)
+    return Correlation(first, second, rho, both.size, n_effective, _p_value(rho, n_effective))
+
+
+def combine(parts: Sequence[Correlation]) -> Correlation:
+    """Combine the correlations of the same two metrics in several logs.
+
+    Args:
+        parts: One a log, at least one.
+    """
+    telling = [part for part in parts if part.n_effective > 3] or list(parts[:1])
+    if len(telling) == 1:
+        return telling[0]
+    weights = np.array([part.n_effective - 3 for part in telling])
+    z = np.arctanh(np.clip([part.rho for part in telling], -1 + 1e-12, 1 - 1e-12))
+    mean = float(np.average(z, weights=weights))
+    p = 2 * float(stats.norm.sf(abs(mean) * np.sqrt(weights.sum() / _RANK_VARIANCE)))
+    return Correlation(
+        first=telling[0].first,
+        second=telling[0].second,
+        rho=float(np.tanh(mean)),
+        n=sum(part.n for part in telling),
+        n_effective=sum(part.n_effective for part in telling),
+        p=p,
+    )
+
+
+def _p_value(rho: float, n: float) -> float:
+    """Two-sided, from t = rho sqrt((n - 2) / (1 - rho^2)) with n - 2 degrees of freedom."""
+    if n <= 2:
+        return 1.0
+    if abs(rho) == 1:
+        return 0.0
+    return 2 * float(stats.t.sf(abs(rho) * np.sqrt((n - 2) / (1 - rho**2)), n - 2))

@@ -1,0 +1,1 @@
+"""Recordings: the same samples as live topics give."""

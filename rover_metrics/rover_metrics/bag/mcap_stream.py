@@ -1,0 +1,116 @@
+"""Reads an MCAP file of rosbag2: whole, without its end, or with damaged chunks."""
+
+import struct
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+import zstandard
+from mcap import records
+from mcap.exceptions import EndOfFile, McapError
+from mcap.reader import SeekingReader
+from mcap.stream_reader import StreamReader, breakup_chunk
+
+from rover_metrics.bag.message import Message
+
+NANOSECONDS = 1_000_000_000
+LARGEST_RECORD = 2**30  # bytes; a longer one is a damaged length
+
+# What reading damaged bytes as MCAP raises; lz4 has no better type than RuntimeError.
+_DAMAGE = (
+    McapError,
+    struct.error,
+    ValueError,
+    zstandard.ZstdError,
+    RuntimeError,
+    KeyError,
+    MemoryError,
+    OSError,
+)
+
+
+class McapFile:
+    """An MCAP file, finished or not; `topics` has the message type of each topic with messages."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        summarised = self._summarised_topics()
+        self.topics = self._scanned_topics() if summarised is None else summarised
+
+    def messages(self, wanted: Collection[str], problems: list[str]) -> Iterator[Message]:
+        """Yield each message, in the order of the file."""
+        topics: dict[int, str] = {}
+        for record in self._records(problems):
+            if isinstance(record, records.Message) and record.channel_id in topics:
+                topic = topics[record.channel_id]
+                yield Message(topic, record.log_time, record.data if topic in wanted else b"")
+            elif isinstance(record, records.Channel):
+                topics[record.id] = record.topic
+
+    def _records(self, problems: list[str]) -> Iterator[records.McapRecord]:
+        bad_chunks: list[records.Chunk] = []
+        name = self._path.name
+        with self._path.open("rb") as file:
+            reader = StreamReader(file, emit_chunks=True, record_size_limit=LARGEST_RECORD)
+            try:
+                for record in reader.records:
+                    yield from _unpacked(record, bad_chunks)
+            except (EndOfFile, struct.error):
+                problems.append(
+                    f"{name} has no end, as when a recording is killed or cut off; what is there was "
+                    f"read (to mend the file: mcap recover {name} -o mended.mcap)"
+                )
+            except _DAMAGE as error:
+                problems.append(
+                    f"{name} is damaged before byte {file.tell()} ({error}); what follows is lost"
+                )
+        if bad_chunks:
+            first = bad_chunks[0].message_start_time / NANOSECONDS
+            problems.append(
+                f"{name}: {len(bad_chunks)} damaged chunk(s) left out, the first from t = {first:.2f} s"
+            )
+
+    def _summarised_topics(self) -> dict[str, str] | None:
+        """The topics as the summary at the end of the file tells them; None without one."""
+        with self._path.open("rb") as file:
+            try:
+                summary = SeekingReader(file, record_size_limit=LARGEST_RECORD).get_summary()
+            except _DAMAGE:
+                return None
+        if summary is None or summary.statistics is None or not summary.channels:
+            return None
+        counts = summary.statistics.channel_message_counts
+        there = [channel for channel in summary.channels.values() if counts.get(channel.id)]
+        return {channel.topic: _type(channel, summary.schemas) for channel in there}
+
+    def _scanned_topics(self) -> dict[str, str]:
+        schemas: dict[int, records.Schema] = {}
+        topics: dict[str, str] = {}
+        for record in self._records([]):
+            if isinstance(record, records.Schema):
+                schemas[record.id] = record
+            elif isinstance(record, records.Channel):
+                topics[record.topic] = _type(record, schemas)
+        return topics
+
+
+def _unpacked(
+    record: records.McapRecord, bad_chunks: list[records.Chunk]
+) -> Iterator[records.McapRecord]:
+    """The records in a chunk, or the record itself; a chunk that is damaged is set aside."""
+    if not isinstance(record, records.Chunk):
+        yield record
+        return
+    try:
+        unpacked = breakup_chunk(record, validate_crc=True)
+    except _DAMAGE:
+        bad_chunks.append(record)
+        return
+    yield from unpacked
+
+
+def _type(channel: records.Channel, schemas: dict[int, records.Schema]) -> str:
+    """The message type, or the encoding where that is none of ROS 2's."""
+    if channel.message_encoding != "cdr":
+        return f"{channel.message_encoding}-encoded"
+    schema = schemas.get(channel.schema_id)
+    return schema.name if schema else "of an unknown type"

@@ -1,0 +1,176 @@
+"""Plays a recording into the metrics: messages in recorded order, a row at each full second.
+
+How rows are timed: a row is due when the chosen time reaches a full second, and holds every message up
+to and including that instant. Nothing is due before the first full second after the start, nor for a
+last second that is not full. With simulated time /clock moves the same timer as in the live node; with
+recorded or header time a second is full when a message comes from after it, or at the end. A recording
+of harness.run thus gives the rows of the live run in each of the three ways.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+from rosbags.serde import SerdeError
+from rosbags.typesys import Stores, get_typestore
+
+from rover_metrics.bag.bag_reader import Bag
+from rover_metrics.bag.message import BagError, Message
+from rover_metrics.bag.recorded_topics import CLOCK, CLOCK_TYPE, SENSORS, TRUTH, Sink, Source
+from rover_metrics.core.row import Row
+from rover_metrics.extended.messages import MessageIntake
+from rover_metrics.session import RowSource
+from rover_metrics.timing.recorded_time import NANOSECONDS, ClockSeconds, FullSeconds, TimeSource
+
+OTHER_CLOCK = 3600 * NANOSECONDS  # header and recorded time that far apart are not the same clock
+MOST_NOTES = 5
+
+
+@dataclass
+class Count:
+    """Messages of one topic: used, left out as the node would, and not readable."""
+
+    used: int = 0
+    rejected: int = 0
+    unreadable: int = 0
+
+
+class Playback:
+    """One pass through a recording.
+
+    Args:
+        bag: The recording.
+        source: Where the samples go, and what makes the rows of them.
+        remaps: Recorded topic by the topic that the metrics node listens to, both absolute.
+        time_source: Which time the rows follow.
+
+    Attributes:
+        metrics: Those of the source.
+        time_source: The one in use, never AUTO.
+        counts: Messages by recorded topic, of the topics in use.
+        missing: Why a topic is not in use; a line each.
+
+    Raises:
+        BagError: The recording has none of the topics, or not what the time source needs.
+    """
+
+    def __init__(
+        self,
+        bag: Bag,
+        source: RowSource,
+        remaps: Mapping[str, str] = MappingProxyType({}),
+        time_source: TimeSource = TimeSource.AUTO,
+    ) -> None:
+        self._bag, self._source, self.metrics = bag, source, source.metrics
+        extended = source.extended
+        self._sink = Sink(source.metrics, None if extended is None else MessageIntake(extended))
+        wished = {remaps.get(name, name): sensor for name, sensor in SENSORS.items()}
+        if len(wished) < len(SENSORS):
+            raise BagError("two topics are remapped to the same one; each sensor needs its own")
+        reasons = {topic: self._unusable(topic, s.message_type) for topic, s in wished.items()}
+        self.missing = [reason for reason in reasons.values() if reason is not None]
+        self._sensors = {t: sensor for t, sensor in wished.items() if reasons[t] is None}
+        if not self._sensors:
+            recorded = ", ".join(sorted(bag.topics)) or "none"
+            raise BagError(
+                f"{bag.path} has no topic to replay ({'; '.join(self.missing)}); its topics: {recorded}"
+            )
+        if extended is not None:
+            self._sensors |= self._recorded_truth(remaps)
+        self._clock_topic = remaps.get(CLOCK, CLOCK)
+        self.time_source = self._resolved(time_source)
+        self.counts = {topic: Count() for topic in self._sensors}
+        self._timer = ClockSeconds() if self.time_source is TimeSource.SIM else FullSeconds()
+        self._other_clock: str | None = None
+        self._types = {t: sensor.message_type for t, sensor in self._sensors.items()}
+        if self.time_source is TimeSource.SIM:
+            self._types[self._clock_topic] = CLOCK_TYPE
+            self.counts[self._clock_topic] = Count()
+        self._store = get_typestore(Stores.LATEST)
+
+    @property
+    def notes(self) -> list[str]:
+        """What was odd about time so far; a line each."""
+        notes = [*([self._other_clock] if self._other_clock else []), *self._timer.jumps]
+        more = len(notes) - MOST_NOTES
+        return [*notes[:MOST_NOTES], f"{more} more jumps of time"] if more > 0 else notes
+
+    def rows(self) -> Iterator[Row]:
+        """Play everything; yields each row when it is due."""
+        for message in self._bag.messages(self._types):
+            parsed = self._parsed(message)
+            now = self._time(message, parsed)
+            if now is not None:
+                for second in self._timer.due(now):
+                    at_clock = self.time_source is TimeSource.SIM
+                    yield self._source.row(now if at_clock else second * NANOSECONDS)
+            if parsed is not None:
+                self._take(message.topic, parsed)
+        for second in self._timer.rest():
+            yield self._source.row(second * NANOSECONDS)
+
+    def _parsed(self, message: Message) -> Any | None:  # noqa: ANN401
+        """The message as an object; None if nobody wants it or it is not readable."""
+        message_type = self._types.get(message.topic)
+        if message_type is None:
+            return None
+        try:
+            return self._store.deserialize_cdr(message.data, message_type)
+        except (SerdeError, IndexError, AssertionError, MemoryError):
+            self.counts[message.topic].unreadable += 1
+            return None
+
+    def _time(self, message: Message, parsed: Any | None) -> int | None:  # noqa: ANN401
+        """The time that a message tells [ns]; None if it tells none."""
+        if self.time_source is TimeSource.SIM:
+            return _nanoseconds(parsed.clock) if parsed and message.topic == self._clock_topic else None
+        header = getattr(parsed, "header", None)
+        stamp = 0 if header is None else _nanoseconds(header.stamp)  # 0: never set
+        if self.time_source is TimeSource.HEADER:
+            return stamp or None
+        if stamp and self._other_clock is None and abs(stamp - message.time_ns) > OTHER_CLOCK:
+            self._other_clock = (
+                f"header stamps ({stamp / NANOSECONDS:.2f} s) are of another clock than the recorded "
+                f"time ({message.time_ns / NANOSECONDS:.2f} s); --time header follows them"
+            )
+        return message.time_ns
+
+    def _take(self, topic: str, parsed: Any) -> None:  # noqa: ANN401
+        count = self.counts[topic]
+        if topic not in self._sensors or self._sensors[topic].take(self._sink, parsed):
+            count.used += 1
+        else:
+            count.rejected += 1
+
+    def _recorded_truth(self, remaps: Mapping[str, str]) -> dict[str, Source]:
+        """The topics of the truth that are there; a real rover has none."""
+        wished = {remaps.get(name, name): source for name, source in TRUTH.items()}
+        return {t: s for t, s in wished.items() if self._unusable(t, s.message_type) is None}
+
+    def _unusable(self, topic: str, message_type: str) -> str | None:
+        """Why a topic cannot be used; None if it can."""
+        recorded = self._bag.topics.get(topic)
+        if recorded is None:
+            return f"{topic} is missing"
+        if _full_name(recorded) != message_type:
+            return f"{topic} is {recorded}, not {message_type}"
+        return None
+
+    def _resolved(self, wish: TimeSource) -> TimeSource:
+        no_clock = self._unusable(self._clock_topic, CLOCK_TYPE)
+        if wish is TimeSource.AUTO:
+            return TimeSource.RECORDED if no_clock else TimeSource.SIM
+        if wish is TimeSource.SIM and no_clock:
+            raise BagError(f"--time sim needs /clock, but {no_clock}; choose recorded or header")
+        return wish
+
+
+def _full_name(message_type: str) -> str:
+    """The type with its /msg/, which older recorders leave out."""
+    package, _, name = message_type.rpartition("/")
+    return message_type if "/" in package or not package else f"{package}/msg/{name}"
+
+
+def _nanoseconds(stamp: Any) -> int:  # noqa: ANN401
+    return int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)

@@ -1,0 +1,1 @@
+"""The reference's metrics, thresholds, columns and rows; pure."""

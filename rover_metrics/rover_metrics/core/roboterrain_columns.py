@@ -1,0 +1,116 @@
+"""The twelve columns of RoboTerrain's logs; names, order and meaning never change."""
+
+from dataclasses import dataclass
+
+from rover_metrics.core.column import Column
+
+_SCAN = "/scan ranges"
+_ACCELERATION = "/imu/data linear_acceleration"
+_IMU = f"{_ACCELERATION}, angular_velocity"
+_COUNTS_SCANS = "no: it counts scans, so a touch at 20 Hz is 20 a second"
+_WINDOW = "the window is 100 samples, whatever time they take"
+_LATEST = "the latest sample only: a second's other samples do not show"
+
+
+@dataclass(frozen=True, kw_only=True)
+class SeedColumn(Column):
+    """One of the twelve; their names stand in the log without units."""
+
+    @property
+    def header(self) -> str:
+        """How it is called in the log."""
+        return self.name
+
+
+SEED_COLUMNS = (
+    SeedColumn(
+        name="Timestamp",
+        unit="s",
+        meaning="ROS time of the row: simulation time with use_sim_time, else Unix time.",
+        formula="Whole seconds of the clock.",
+        source="/clock or system time",
+    ),
+    SeedColumn(
+        name="Total Collisions",
+        meaning="Scans so far in which something was near.",
+        formula="Scans whose nearest finite range is below collision_threshold, strictly.",
+        source=_SCAN,
+        rate_invariant=_COUNTS_SCANS,
+    ),
+    SeedColumn(
+        name="Current Collision Status",
+        meaning="1 while things have been near for a while, else 0.",
+        formula="Obstacle Clearance < collision_threshold.",
+        source=_SCAN,
+        rate_invariant=_WINDOW,
+    ),
+    SeedColumn(
+        name="Smoothness Metric",
+        unit="m/s^2 + rad/s",
+        meaning="The whole ride's shaking so far, gravity included.",
+        formula="Sum of |a| + |w| over all samples.",
+        source=_IMU,
+        rate_invariant="no: it grows with the rate; per sample it does not",
+    ),
+    SeedColumn(
+        name="Current Smoothness",
+        unit="m/s^2 + rad/s",
+        meaning="How rough the ride is now; about 9.8 at rest.",
+        formula="Mean of |a| + |w| over the last 100 samples; 0 before the first.",
+        source=_IMU,
+        rate_invariant=_WINDOW,
+    ),
+    SeedColumn(
+        name="Obstacle Clearance",
+        unit="m",
+        meaning="Distance from the lidar to what is nearest; inf before the first range.",
+        formula="Mean of the nearest finite range over the last 100 scans that had one.",
+        source=_SCAN,
+        rate_invariant=_WINDOW,
+    ),
+    SeedColumn(
+        name="Distance Traveled",
+        unit="m",
+        meaning="Length of the path so far, in three dimensions.",
+        formula="Sum of the steps between poses shorter than distance_threshold.",
+        source="/rover/pose_array poses[0].position",
+        rate_invariant="yes, unless the pose is noisy: noise lengthens a path, and a fast one more",
+    ),
+    SeedColumn(
+        name="Current Velocity",
+        unit="m/s",
+        meaning="Speed by the wheels, never negative.",
+        formula="Mean of |v| over the last 100 samples; 0 before the first.",
+        source="/odometry/wheels twist.twist.linear",
+        rate_invariant=_WINDOW,
+    ),
+    SeedColumn(
+        name="IMU Acceleration Magnitude",
+        unit="m/s^2",
+        meaning="How hard the rover was shaken just now, gravity included.",
+        formula="|a| of the latest sample; 0 before the first.",
+        source=_ACCELERATION,
+        rate_invariant=_LATEST,
+    ),
+    SeedColumn(
+        name="Is Rough Terrain",
+        meaning="1 if it was shaken hard just now, else 0.",
+        formula="|a| of the latest sample > rough_terrain_threshold.",
+        source=_ACCELERATION,
+        rate_invariant=_LATEST,
+    ),
+    SeedColumn(
+        name="Vertical Roughness",
+        unit="m/s^2",
+        meaning="The same along the IMU's z axis, gravity included: about 9.8 at rest.",
+        formula="|az| of the latest sample; 0 before the first.",
+        source=_ACCELERATION,
+        rate_invariant=_LATEST,
+    ),
+    SeedColumn(
+        name="Notes",
+        meaning="Always `Normal operation`, as RoboTerrain's node writes it.",
+        formula="Constant.",
+        source="none",
+    ),
+)

@@ -1,0 +1,158 @@
+"""The rover's outline seen from above, and how far the returns of a lidar scan are from it.
+
+RoboTerrain measures clearance from the lidar, which sits somewhere on the rover: 0.2 m is a touch
+ahead of one rover and lies inside another. Distance from the outline means the same for all of them.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rover_metrics.errors import ParameterError
+from rover_metrics.extended.polygon import Point, PolygonDistance, complaint
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """A simple polygon in the base frame, convex or not.
+
+    Attributes:
+        corners: In order, clockwise or counter-clockwise [m].
+
+    Raises:
+        ParameterError: The corners are not those of a simple polygon.
+    """
+
+    corners: tuple[Point, ...]
+
+    def __post_init__(self) -> None:
+        wrong = complaint(self.corners)
+        if wrong is not None:
+            message = (
+                f"footprint {wrong}; give the corners of the rover's outline in order, in metres in the "
+                "base frame: [x0, y0, x1, y1, x2, y2, ...]"
+            )
+            raise ParameterError(message)
+
+    @classmethod
+    def from_flat(cls, numbers: Sequence[float]) -> "Footprint":
+        """Make one of x0, y0, x1, y1, ... [m], the form of a ROS parameter.
+
+        Raises:
+            ParameterError: The numbers are no polygon.
+        """
+        if len(numbers) % 2:
+            message = f"footprint has {len(numbers)} numbers, so one corner lacks its y; give pairs"
+            raise ParameterError(message)
+        values = [float(number) for number in numbers]
+        return cls(tuple(zip(values[::2], values[1::2], strict=True)))
+
+    @classmethod
+    def rectangle(cls, x_min: float, x_max: float, y_min: float, y_max: float) -> "Footprint":
+        """Make the rectangle within these bounds in the base frame [m]."""
+        return cls(((x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)))
+
+
+@dataclass(frozen=True)
+class LidarPose:
+    """Where the lidar's frame is in the base frame: position [m] and heading of its x axis [rad].
+
+    Raises:
+        ParameterError: A value is not finite.
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    yaw: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not all(map(math.isfinite, (self.x, self.y, self.yaw))):
+            raise ParameterError("lidar_pose must be finite numbers: x and y in metres, yaw in radians")
+
+    @classmethod
+    def from_flat(cls, numbers: Sequence[float]) -> "LidarPose":
+        """Make one of x, y, yaw, the form of a ROS parameter.
+
+        Raises:
+            ParameterError: These are not three finite numbers.
+        """
+        if len(numbers) != 3:
+            message = f"lidar_pose has {len(numbers)} numbers; give x and y in metres, yaw in radians"
+            raise ParameterError(message)
+        x, y, yaw = map(float, numbers)
+        return cls(x, y, yaw)
+
+
+class FootprintClearance:
+    """Distances from the returns of scans to a footprint, for one lidar.
+
+    How far the footprint extends from the lidar in the direction of a beam, its support there, bounds
+    how near the beam's return can be to the footprint: range - support at least. One subtraction thus
+    finds the most promising beam, and only those that may still beat it are measured exactly.
+
+    Args:
+        footprint: The outline.
+        lidar_pose: Where the lidar is.
+        bearings: Azimuth of each beam in the lidar's frame [rad], counter-clockwise, shape (n,).
+        near_returns_are_contacts: Whether -inf, something nearer than range_min (REP-117), is
+            clearance 0; else it is left out, as a miss is.
+    """
+
+    def __init__(
+        self,
+        footprint: Footprint,
+        lidar_pose: LidarPose,
+        bearings: ArrayLike,
+        *,
+        near_returns_are_contacts: bool = False,
+    ) -> None:
+        azimuths = np.asarray(bearings, dtype=np.float64) + lidar_pose.yaw
+        self._cos, self._sin = np.cos(azimuths), np.sin(azimuths)
+        self._x, self._y = lidar_pose.x, lidar_pose.y
+        corners = np.array(footprint.corners) - (lidar_pose.x, lidar_pose.y)
+        self._support = (np.outer(self._cos, corners[:, 0]) + np.outer(self._sin, corners[:, 1])).max(1)
+        self._distance = PolygonDistance(footprint.corners)
+        self._near_returns_are_contacts = near_returns_are_contacts
+
+    def nearest(self, ranges: ArrayLike) -> float:
+        """Give the smallest distance from a finite return to the footprint.
+
+        Args:
+            ranges: One per bearing, shape (n,) [m]; -inf, inf and NaN are what REP-117 says they are.
+                Taken as float32, as sensor_msgs/LaserScan carries them.
+
+        Returns:
+            The distance to the boundary, 0 if a return is inside [m]; inf without a finite return.
+
+        Raises:
+            ValueError: There are more ranges than bearings, or fewer.
+        """
+        values = np.asarray(ranges, dtype=np.float32)
+        if values.shape != self._support.shape:
+            message = f"{values.size} ranges do not fit {self._support.size} bearings"
+            raise ValueError(message)
+        if values.size == 0:
+            return math.inf
+        bounds = values - self._support
+        best = int(bounds.argmin())  # of a NaN or a -inf, if there is one
+        if not math.isfinite(bounds[best]):
+            if self._near_returns_are_contacts and np.isneginf(values).any():
+                return 0.0
+            bounds[~np.isfinite(bounds)] = np.inf
+            best = int(bounds.argmin())
+            if bounds[best] == np.inf:
+                return math.inf
+        reach = float(values[best])
+        nearest = self._distance.of_point(
+            self._x + reach * float(self._cos[best]), self._y + reach * float(self._sin[best])
+        )
+        rivals = np.flatnonzero(bounds < nearest)
+        if rivals.size < 2:  # itself
+            return nearest
+        reaches = values[rivals].astype(np.float64)
+        return self._distance.of_nearest(
+            self._x + reaches * self._cos[rivals], self._y + reaches * self._sin[rivals]
+        )

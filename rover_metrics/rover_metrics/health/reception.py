@@ -1,0 +1,153 @@
+"""What arrived on each topic, what of it was left out or odd, and what is missing. No ROS in here."""
+
+from collections import Counter
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from rover_metrics.health.silence import SilenceWatch
+from rover_metrics.health.stamps import MISSING, StampWatch
+from rover_metrics.throttle import is_worth_a_line
+
+LOST = "lost on the way"
+NOT_HEARD = "publisher is not heard"
+
+
+class TopicState(NamedTuple):
+    """What is known of a topic at one moment.
+
+    Attributes:
+        topic: Its resolved name.
+        received: Messages so far; likewise `rejected`, and `lost` on the way, as far as that shows.
+        stamp_ns: The latest stamp [ns]; 0 without one.
+        is_silent: Whether it has been silent for too long.
+        publishers: How many there are.
+    """
+
+    topic: str
+    received: int
+    rejected: int
+    lost: int
+    stamp_ns: int
+    is_silent: bool
+    publishers: int
+
+
+class Reception:
+    """The account of a node's topics.
+
+    What repeats is told at the 1st, 2nd, 4th, 8th ... time; all of it is counted.
+
+    Args:
+        tell: Is given a line for the user.
+
+    Attributes:
+        received: Messages received, by topic.
+        rejected: Those of them that were left out, by topic.
+        remarks: By topic, how often something was odd, by its name; the reasons of `rejected` are
+            among them.
+    """
+
+    def __init__(self, tell: Callable[[str], None]) -> None:
+        self._tell = tell
+        self.received: dict[str, int] = {}
+        self.rejected: dict[str, int] = {}
+        self.remarks: dict[str, Counter[str]] = {}
+        self._stamps: dict[str, StampWatch] = {}
+        self._silences: dict[str, SilenceWatch] = {}
+        self._publishers: dict[str, int] = {}
+        self._silent_by_right: set[str] = set()
+
+    def listen(self, topic: str, *, may_be_missing: bool = False) -> None:
+        """Open the account of a topic; one that may be missing is not missed before it has spoken."""
+        if may_be_missing:
+            self._silent_by_right.add(topic)
+        self.received[topic] = self.rejected[topic] = 0
+        self.remarks[topic] = Counter()
+        self._stamps[topic] = StampWatch()
+        self._silences[topic] = SilenceWatch()
+
+    def arrived(self, topic: str, stamp_ns: int | None) -> None:
+        """Count a message with the stamp of its header [ns]; None if its type has none."""
+        self.received[topic] += 1
+        self._silent_by_right.discard(topic)
+        finding = None if stamp_ns is None else self._stamps[topic].take(stamp_ns)
+        if finding is not None:
+            self.remark(topic, *finding)
+
+    def reject(self, topic: str, reason: str) -> None:
+        """Count a message that was left out."""
+        self.rejected[topic] += 1
+        self.remark(topic, reason, detail=", left out")
+
+    def remark(self, topic: str, what: str, times: int = 1, *, detail: str = "") -> None:
+        """Count something odd; the detail is told, not counted by."""
+        remarks = self.remarks[topic]
+        before = remarks[what]
+        remarks[what] = before + times
+        if is_worth_a_line(before, before + times):
+            self._tell(f"{topic}: {what}{detail} ({before + times} so far)")
+
+    def look(self, now_ns: int, stale_after_ns: int) -> None:
+        """Look once a second for topics that have stopped.
+
+        Args:
+            now_ns: The time [ns].
+            stale_after_ns: How long a topic may be silent [ns]; 0 is for ever.
+        """
+        for topic, silence in self._silences.items():
+            self._stamps[topic].learn()
+            if topic in self._silent_by_right:
+                continue
+            change = silence.look(self.received[topic], now_ns, stale_after_ns)
+            if change is None:
+                continue
+            if change.is_over:
+                self._tell(f"{topic}: heard again after {change.seconds:.0f} s of silence")
+                continue
+            publishers = self._publishers.get(topic, 0)
+            self._tell(
+                f"{topic}: nothing for {change.seconds:.0f} s (publishers: {publishers}); "
+                "its columns show what was last heard"
+            )
+
+    def publishers(self, topic: str, number: int) -> None:
+        """Take how many publishers a topic has; more than one is told, and when that is over."""
+        before = self._publishers.get(topic, 0)
+        self._publishers[topic] = number
+        if number == before or max(number, before) < 2:
+            return
+        if number > 1:
+            self._tell(
+                f"{topic}: {number} publishers, whose messages mix in this log; stop all but one, or "
+                "give each run a ROS_DOMAIN_ID (0 to 101) or a namespace of its own"
+            )
+        else:
+            self._tell(f"{topic}: no second publisher any more")
+
+    def states(self) -> list[TopicState]:
+        """Give the state of each topic, but for those that may be missing and are."""
+        return [
+            TopicState(
+                topic=topic,
+                received=self.received[topic],
+                rejected=self.rejected[topic],
+                lost=max(remarks[LOST], remarks[MISSING]),
+                stamp_ns=self._stamps[topic].latest_ns,
+                is_silent=self._silences[topic].is_silent,
+                publishers=self._publishers.get(topic, 0),
+            )
+            for topic, remarks in self.remarks.items()
+            if topic not in self._silent_by_right
+        ]
+
+    def account(self) -> dict[str, Any]:
+        """All counts by topic, as JSON values."""
+        return {
+            topic: {
+                "received": self.received[topic],
+                "rejected": self.rejected[topic],
+                "lost": self.remarks[topic][LOST],
+                "remarks": dict(self.remarks[topic]),
+            }
+            for topic in self.received
+        }

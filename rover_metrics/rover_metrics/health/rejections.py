@@ -1,0 +1,69 @@
+"""Names for what can be wrong with a sample, so that what is left out is counted by its reason."""
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rover_metrics.core.metrics import LARGEST_ACCELERATION, LARGEST_SPEED, Vector3
+
+NOT_FINITE = "not finite"
+NOT_FINITE_OR_OTHER = "not finite, or not the truth that harness.run publishes"
+NO_POSE = "no pose"
+HUGE_ACCELERATION = "acceleration beyond all physics"
+HUGE_ANGULAR_RATE = "angular velocity beyond all physics"
+HUGE_SPEED = "speed beyond all physics"
+
+JUMPED = "step of distance_threshold or more, no travel"
+
+NO_RANGES = "scan without ranges"
+ALL_NAN = "scan with NaN and no reading"
+ALL_TOO_NEAR = "scan with -inf and no reading"
+ZERO_OR_LESS = "range of zero or less, taken as a reading"
+BELOW_LIMIT = "range below range_min, taken as a reading"
+ABOVE_LIMIT = "range above range_max, taken as a reading"
+
+
+def imu_fault(acceleration: Vector3, angular_velocity: Vector3) -> str:
+    """Name what is wrong with an IMU sample that the metrics have refused."""
+    if not all(map(math.isfinite, (*acceleration, *angular_velocity))):
+        return NOT_FINITE
+    if math.hypot(*acceleration) > LARGEST_ACCELERATION:
+        return HUGE_ACCELERATION
+    return HUGE_ANGULAR_RATE
+
+
+def odometry_fault(linear_velocity: Vector3) -> str:
+    """Name what is wrong with a velocity that the metrics have refused."""
+    if math.hypot(*linear_velocity) > LARGEST_SPEED and all(map(math.isfinite, linear_velocity)):
+        return HUGE_SPEED
+    return NOT_FINITE
+
+
+def unusable_scan(ranges: ArrayLike) -> str | None:
+    """Name what is odd about a scan without a finite range; None if it is open space: all inf."""
+    values = np.asarray(ranges, dtype=np.float32)
+    if values.size == 0:
+        return NO_RANGES
+    if np.isnan(values).any():
+        return ALL_NAN
+    return ALL_TOO_NEAR if np.isneginf(values).any() else None
+
+
+def scan_oddity(nearest: float, farthest: float, range_min: float, range_max: float) -> str | None:
+    """Name what is odd about a scan that counts all the same; None if nothing is.
+
+    Args:
+        nearest: Its nearest finite range [m].
+        farthest: Its farthest finite range [m].
+        range_min: Below it the sensor says that it cannot measure [m].
+        range_max: Likewise above; limits that are no interval are not judged by [m].
+    """
+    if nearest <= 0.0:
+        return ZERO_OR_LESS
+    if range_min < range_max:
+        if nearest < range_min:
+            return BELOW_LIMIT
+        if farthest > range_max:
+            return ABOVE_LIMIT
+    return None

@@ -1,0 +1,1 @@
+"""The CSV log and the record beside it."""

@@ -1,0 +1,174 @@
+"""The durable log: every row is in the file, whole, before the next one is computed."""
+
+import csv
+import errno
+import io
+import os
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from datetime import datetime
+from itertools import count
+from pathlib import Path
+from types import TracebackType
+from typing import BinaryIO
+
+from rover_metrics.log.cells import harmless
+from rover_metrics.errors import LogError
+from rover_metrics.core.row import COLUMNS, Field, Row
+
+_MENDS = {
+    errno.EEXIST: "a file stands where a folder should be; remove it or choose another folder",
+    errno.ENOTDIR: "a file stands where a folder should be; remove it or choose another folder",
+    errno.EACCES: "make it writable for this user or choose another folder",
+    errno.EPERM: "make it writable for this user or choose another folder",
+    errno.EROFS: "choose a folder on a writable file system",
+    errno.ENOSPC: "free some disk space or choose another folder",
+    errno.EDQUOT: "free some of your disk quota or choose another folder",
+}
+
+
+class CsvLog:
+    """One session's file metrics_log_YYYYMMDD_HHMMSS.csv, never one that exists already.
+
+    Each row goes to the operating system in one unbuffered write, so rows survive the death of this
+    process; with fsync they survive a power cut too. A file that is deleted while it is written, with
+    its folder or alone, is put back with all its rows; one that is moved is followed. Lines end in
+    CR LF, as in RoboTerrain's logs.
+
+    Args:
+        directory: Folder for the file; created if it does not exist.
+        started: When the session started, for the name.
+        fsync: Whether a row is on the disk itself before `write` returns.
+        columns: The header.
+
+    Attributes:
+        path: The file, absolute.
+        rows: Rows written.
+        fsync: As given; may be changed at any time.
+
+    Raises:
+        LogError: The folder or the file cannot be created.
+    """
+
+    def __init__(
+        self,
+        directory: str | Path,
+        started: datetime,
+        *,
+        fsync: bool = False,
+        columns: Sequence[str] = COLUMNS,
+    ) -> None:
+        directory = Path(directory).absolute()
+        try:
+            self.path, self._file = _create(directory, f"metrics_log_{started:%Y%m%d_%H%M%S}")
+        except OSError as error:
+            raise _log_error("cannot create a log", directory, error) from error
+        self.fsync = fsync
+        self.rows = 0
+        self._size = 0  # bytes of whole lines
+        try:
+            self._write_line(columns)
+        except LogError:
+            self.close()
+            with suppress(OSError):
+                self.path.unlink()
+            raise
+
+    def __enter__(self) -> "CsvLog":
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def write(self, row: Row) -> None:
+        """Append a row.
+
+        Raises:
+            LogError: The row could not be written. The file holds no part of it, and the next row
+                may be tried.
+        """
+        self._write_line(row.as_fields())
+        self.rows += 1
+
+    def close(self) -> None:
+        """Close the file; closing twice is fine."""
+        self._file.close()
+
+    def _write_line(self, cells: Iterable[Field]) -> None:
+        line = _csv_line(cells)
+        try:
+            _write_all(self._file, line)
+            if self.fsync:
+                _sync(self._file, self.path.parent if self._size == 0 else None)
+            if os.fstat(self._file.fileno()).st_nlink == 0:
+                self._put_back()
+        except (OSError, ValueError) as error:  # ValueError: closed
+            self._forget_torn_line()
+            raise _log_error("cannot write a row", self.path.parent, error) from error
+        self._size += len(line)
+
+    def _put_back(self) -> None:
+        """Copy the deleted file, which lives on while it is open, to where it was."""
+        path, file = _create(self.path.parent, self.path.stem)
+        try:
+            self._file.seek(0)
+            _write_all(file, self._file.read())
+            if self.fsync:
+                _sync(file, path.parent)
+        except OSError:
+            file.close()
+            path.unlink()
+            raise
+        self._file.close()
+        self.path, self._file = path, file
+
+    def _forget_torn_line(self) -> None:
+        """Cut the file back to its whole lines; if even that fails, the next line overwrites."""
+        with suppress(OSError, ValueError):
+            self._file.seek(self._size)
+            self._file.truncate()
+
+
+def _create(directory: Path, stem: str) -> tuple[Path, BinaryIO]:
+    """Open the first of stem.csv, stem_1.csv, ... that does not exist, in a folder that will."""
+    directory.mkdir(parents=True, exist_ok=True)
+    for number in count():
+        path = directory / (f"{stem}_{number}.csv" if number else f"{stem}.csv")
+        with suppress(FileExistsError):
+            return path, path.open("x+b", buffering=0)
+    raise AssertionError  # count() does not end
+
+
+def _csv_line(cells: Iterable[Field]) -> bytes:
+    line = io.StringIO(newline="")
+    csv.writer(line).writerow(map(harmless, cells))
+    return line.getvalue().encode()
+
+
+def _write_all(file: BinaryIO, data: bytes) -> None:
+    """Write everything; a raw write may take only a part, as on a disk that is nearly full."""
+    while data:
+        data = data[file.write(data) :]
+
+
+def _sync(file: BinaryIO, folder: Path | None) -> None:
+    """Wait until the disk has a file's content, and the folder's entry of a new file."""
+    os.fsync(file.fileno())
+    if folder is not None:
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+
+
+def _log_error(what: str, directory: Path, error: Exception) -> LogError:
+    number = error.errno if isinstance(error, OSError) else None
+    reason = error.strerror if isinstance(error, OSError) else str(error)
+    mend = _MENDS.get(number or 0, "choose another folder")
+    return LogError(f"{what} in {directory}: {reason}; {mend}")

@@ -1,0 +1,140 @@
+"""The JSON beside a log that tells whether its session has ended: outcome is null until it has.
+
+harness.run replaces it by its own, richer one, which has the same key.
+"""
+
+import json
+import os
+import tempfile
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from datetime import datetime
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+from rover_metrics.errors import LogError, ThresholdError
+from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
+
+Outcome = Mapping[str, str | None]
+
+COMPLETE: Outcome = {"status": "complete", "reason": None}
+
+
+class SessionRecord:
+    """The record of one running session; what cannot be written is told and costs nothing else.
+
+    Args:
+        node: The node's full name.
+        now: Wall clock.
+        tell: Is given a line for the user.
+
+    Attributes:
+        failure: Why the session has failed; None if it has not.
+    """
+
+    def __init__(self, node: str, now: Callable[[], datetime], tell: Callable[[str], None]) -> None:
+        self._node, self._now, self._tell = node, now, tell
+        self._started, self._is_over = now(), False
+        self.failure: str | None = None
+
+    def begin(self, log: Path) -> None:
+        """Write that the session runs."""
+        self._write(log, None, None, {})
+
+    def end(self, log: Path, lost_rows: int, details: Mapping[str, Any]) -> None:
+        """Write that the session is over, once."""
+        if self._is_over:
+            return
+        self._is_over = True
+        failure = self.failure
+        if failure is None and lost_rows:
+            failure = f"{lost_rows} rows could not be written"
+        outcome = COMPLETE if failure is None else failed(failure)
+        self._write(log, outcome, self._now(), {"lost_rows": lost_rows, **details})
+
+    def _write(
+        self, log: Path, outcome: Outcome | None, ended: datetime | None, details: Mapping[str, Any]
+    ) -> None:
+        times = {
+            "started": self._started.astimezone().isoformat(),
+            "ended": None if ended is None else ended.astimezone().isoformat(),
+        }
+        try:
+            write_record(log, outcome, {"node": self._node, **times, **details})
+        except LogError as error:
+            self._tell(str(error))
+
+
+class SessionEnd(Enum):
+    """How the session that wrote a log has ended, as its record tells."""
+
+    MARKED = "it has ended, and said so"
+    UNMARKED = "it was killed, or is still running"
+    UNKNOWN = "there is no record, as with every log of RoboTerrain's own node"
+
+
+def failed(reason: str) -> Outcome:
+    """Give the outcome of a session that ended badly."""
+    return {"status": "failed", "reason": reason}
+
+
+def write_record(log: Path, outcome: Outcome | None, details: Mapping[str, Any]) -> None:
+    """Write the record of a log; it is there whole or not at all.
+
+    Args:
+        log: The log's file.
+        outcome: How the session has ended: its status and the reason; None while it runs.
+        details: What else shall stand there, as JSON values.
+
+    Raises:
+        LogError: It cannot be written.
+    """
+    path = log.with_suffix(".json")
+    text = json.dumps({"log": str(log), "outcome": outcome, **details}, indent=2) + "\n"
+    try:
+        _replace(path, text)
+    except OSError as error:
+        message = f"cannot write the session's record to {path}: {error.strerror}"
+        raise LogError(message) from error
+
+
+def session_end(log: str | Path) -> SessionEnd:
+    """Tell how the session of a log has ended."""
+    record = _read(log)
+    if "outcome" not in record:
+        return SessionEnd.UNKNOWN
+    return SessionEnd.UNMARKED if record["outcome"] is None else SessionEnd.MARKED
+
+
+def session_thresholds(log: str | Path) -> Thresholds | None:
+    """Give the thresholds at the end of a log's session; None if its record does not tell."""
+    told = _read(log).get("thresholds")
+    if not isinstance(told, dict):
+        return None
+    try:
+        return Thresholds(**{name: float(told[name]) for name in THRESHOLD_INFO if name in told})
+    except (ThresholdError, TypeError, ValueError):
+        return None
+
+
+def _read(log: str | Path) -> dict[str, Any]:
+    """The record of a log; empty if there is none."""
+    try:
+        record = json.loads(Path(log).with_suffix(".json").read_bytes())
+    except (OSError, ValueError):
+        return {}
+    return record if isinstance(record, dict) else {}
+
+
+def _replace(path: Path, text: str) -> None:
+    descriptor, part = tempfile.mkstemp(dir=path.parent, prefix=path.stem, suffix=".part")
+    try:
+        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+            file.write(text)
+        Path(part).chmod(0o644)  # mkstemp lets nobody else read
+        Path(part).replace(path)
+    except OSError:
+        with suppress(OSError):
+            Path(part).unlink()
+        raise

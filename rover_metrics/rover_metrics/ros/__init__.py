@@ -1,0 +1,1 @@
+"""What imports rclpy, apart from metrics_node."""

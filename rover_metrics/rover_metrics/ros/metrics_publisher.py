@@ -1,0 +1,100 @@
+"""Publishes what the node computes, for Foxglove, PlotJuggler and rqt; the log does not depend on it."""
+
+from collections.abc import Callable, Iterable
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.time import Time
+
+from rover_metrics.health.live_view import Level, Status
+from rover_metrics.throttle import is_worth_a_line
+
+try:
+    from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+except ImportError:  # the log is written without it
+    DiagnosticArray = None
+
+TOPIC = "rover/metrics"
+_QOS = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=10,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.VOLATILE,
+)
+
+
+class MetricsPublisher:
+    """Publishes statuses as diagnostic_msgs/DiagnosticArray while somebody listens.
+
+    Statuses are named as diagnostic_updater names them, "node: what", and the hardware is the rover:
+    the node's namespace, or "rover".
+
+    Args:
+        node: Who publishes.
+        tell: Is given a line for the user.
+
+    Attributes:
+        enabled: Whether to publish; may be changed at any time.
+    """
+
+    def __init__(self, node: Node, tell: Callable[[str], None], *, enabled: bool) -> None:
+        self.enabled = enabled
+        self._tell, self._failures = tell, 0
+        self._name = node.get_name()
+        self._hardware = node.get_namespace().strip("/") or "rover"
+        self._publisher = None
+        if DiagnosticArray is None:
+            if enabled:
+                tell(f"{TOPIC} is not published: diagnostic_msgs is not installed; the log is written")
+            return
+        self._publisher = node.create_publisher(DiagnosticArray, TOPIC, _QOS)
+
+    @property
+    def listeners(self) -> int:
+        """How many subscriptions there are."""
+        return 0 if self._publisher is None else int(self._publisher.get_subscription_count())
+
+    def publish(self, now_ns: int, statuses: Callable[[], Iterable[Status]]) -> None:
+        """Publish, if somebody listens; what goes wrong is told and costs nothing else.
+
+        Args:
+            now_ns: The time of the statuses [ns].
+            statuses: Is called only if they are wanted.
+        """
+        publisher = self._publisher
+        if not self.enabled or publisher is None:
+            return
+        try:
+            if self.listeners:
+                publisher.publish(self._message(now_ns, statuses()))
+        except Exception as error:  # noqa: BLE001 - whatever it is, the next row must be written
+            self._failures += 1
+            if is_worth_a_line(self._failures - 1, self._failures):
+                reason = " ".join(f"{type(error).__name__}: {error}".split())
+                self._tell(f"cannot publish {TOPIC}: {reason} ({self._failures} so far); rows go on")
+
+    def _message(self, now_ns: int, statuses: Iterable[Status]) -> "DiagnosticArray":
+        message = DiagnosticArray(status=[self._status(status) for status in statuses])
+        message.header.stamp = Time(nanoseconds=now_ns).to_msg()
+        return message
+
+    def _status(self, status: Status) -> "DiagnosticStatus":
+        return DiagnosticStatus(
+            level=_LEVELS[status.level],
+            name=f"{self._name}: {status.name}",
+            message=status.message,
+            hardware_id=self._hardware,
+            values=[KeyValue(key=key, value=value) for key, value in status.values],
+        )
+
+
+_LEVELS = (
+    {}
+    if DiagnosticArray is None
+    else {
+        Level.OK: DiagnosticStatus.OK,
+        Level.WARN: DiagnosticStatus.WARN,
+        Level.ERROR: DiagnosticStatus.ERROR,
+        Level.STALE: DiagnosticStatus.STALE,
+    }
+)

@@ -1,0 +1,98 @@
+"""Fires once per period of ROS time, whatever happens to the clock, and tells what does."""
+
+import time
+from collections.abc import Callable
+
+from rclpy.clock import Clock, ClockType, JumpThreshold, TimeJump
+from rclpy.duration import Duration
+from rclpy.node import Node
+
+from rover_metrics.health.silence import SilenceWatch
+from rover_metrics.throttle import is_worth_a_line
+from rover_metrics.timing.row_times import RowTimes
+
+LOOK_PERIOD = 1.0  # seconds of steady time between two looks at the clock
+
+
+class RowTimer:
+    """A timer on the node's clock that survives resets, jumps and a clock that stands still.
+
+    Args:
+        node: Whose clock it is.
+        period: Time from row to row [s].
+        fire: Is called when a row is due.
+        tell: Is given a line for the user.
+
+    Attributes:
+        stale_after: How long ROS time may stand still before that is told [s of steady time].
+        times: What was due, and how many segments there were.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        period: float,
+        fire: Callable[[], None],
+        tell: Callable[[str], None],
+        stale_after: float,
+    ) -> None:
+        self.stale_after = stale_after
+        self._fire, self._tell = fire, tell
+        self._clock = node.get_clock()
+        self._period_ns = round(period * 1e9)
+        self.times = RowTimes(self._period_ns)
+        self._silence = SilenceWatch()
+        self._timer = node.create_timer(period, self.on_time)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        node.create_timer(LOOK_PERIOD, lambda: self.look(time.monotonic_ns()), clock=steady)
+        half = Duration(nanoseconds=self._period_ns // 2)
+        back = Duration(nanoseconds=-(self._period_ns // 2))
+        threshold = JumpThreshold(min_forward=half, min_backward=back, on_clock_change=False)
+        self._jumps = self._clock.create_jump_callback(threshold, post_callback=self._jumped)
+
+    def on_time(self) -> None:
+        """Fire, if a row is due now."""
+        if self.times.is_due(self._clock.now().nanoseconds):
+            self._fire()
+
+    def look(self, steady_ns: int) -> None:
+        """Look after the clock; to be called once a second of steady time [ns].
+
+        System time that is set back takes no timer with it: that would wait until the old time.
+        """
+        if not self._clock.ros_time_is_active and self._wait_ns() > 2 * self._period_ns:
+            self._timer.reset()
+            self._went_back()
+        now_ns = self._clock.now().nanoseconds
+        change = self._silence.look(now_ns, steady_ns, round(self.stale_after * 1e9))
+        if change is None:
+            return
+        if change.is_over:
+            self._tell(f"ROS time goes on after {change.seconds:.0f} s")
+        else:
+            self._tell(
+                f"ROS time has stood still at {now_ns / 1e9:.2f} s for {change.seconds:.0f} s: no rows "
+                "are written; is the simulation paused, or does nobody publish /clock?"
+            )
+
+    def close(self) -> None:
+        """Listen to the clock no more."""
+        self._jumps.unregister()
+
+    def _wait_ns(self) -> int:
+        wait_ns: int | None = self._timer.time_until_next_call()
+        return wait_ns or 0
+
+    def _jumped(self, jump: TimeJump) -> None:
+        if jump.delta.nanoseconds < 0:
+            self._went_back()
+        else:
+            self.times.leapt_ahead()
+
+    def _went_back(self) -> None:
+        before = self.times.segments
+        self.times.went_back()
+        if is_worth_a_line(before, self.times.segments):
+            self._tell(
+                f"the clock went back: segment {self.times.segments} of this log begins, totals go on"
+            )

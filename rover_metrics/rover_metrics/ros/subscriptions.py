@@ -1,0 +1,86 @@
+"""Subscriptions with every policy named, whose middleware events are reported."""
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_policy_name_from_kind,
+)
+
+from rover_metrics.health.reception import LOST, NOT_HEARD, Reception
+from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE, declare_reliability
+
+try:
+    from rclpy.event_handler import SubscriptionEventCallbacks, UnsupportedEventTypeError
+except ImportError:  # Humble
+    from rclpy.qos_event import SubscriptionEventCallbacks, UnsupportedEventTypeError
+
+_POLICIES = {RELIABLE: ReliabilityPolicy.RELIABLE, BEST_EFFORT: ReliabilityPolicy.BEST_EFFORT}
+
+
+def subscribe(
+    node: Node,
+    message_type: type,
+    name: str,
+    callback: Callable[[Any], None],
+    reception: Reception,
+    *,
+    reliability: str = RELIABLE,
+    depth: int = 10,
+    may_be_missing: bool = False,
+) -> str:
+    """Subscribe and open the topic's account.
+
+    Args:
+        node: Who subscribes.
+        message_type: The type of the topic.
+        name: The topic, relative to the node's namespace.
+        callback: Is given each message.
+        reception: Is told of messages lost and of publishers that are not heard.
+        reliability: Unless the topic's standard ROS parameter says otherwise.
+        depth: How many messages may wait.
+        may_be_missing: Whether nobody need publish it.
+
+    Returns:
+        The topic's resolved name.
+
+    Raises:
+        ParameterError: The launch gave a reliability that does not exist.
+    """
+    topic: str = node.resolve_topic_name(name)
+    parameter, reliability = declare_reliability(node, topic, reliability)
+    qos = QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=_POLICIES[reliability],
+        durability=DurabilityPolicy.VOLATILE,
+    )
+
+    def lost(event: Any) -> None:  # noqa: ANN401 - its class has another name in each distribution
+        reception.remark(topic, LOST, event.total_count_change)
+
+    def not_heard(event: Any) -> None:  # noqa: ANN401
+        reception.remark(topic, NOT_HEARD, detail=_mend(event, reliability, parameter))
+
+    reception.listen(topic, may_be_missing=may_be_missing)
+    events = SubscriptionEventCallbacks(incompatible_qos=not_heard, message_lost=lost)
+    try:
+        node.create_subscription(message_type, name, callback, qos, event_callbacks=events)
+    except UnsupportedEventTypeError:  # a middleware that does not tell what it loses
+        node.create_subscription(message_type, name, callback, qos)
+    return topic
+
+
+def _mend(event: Any, reliability: str, parameter: str) -> str:  # noqa: ANN401
+    policy = qos_policy_name_from_kind(event.last_policy_kind)
+    if policy == "RELIABILITY":
+        return (
+            f": it is best effort and this node asks for {reliability}; make the publisher reliable, "
+            f"or start this node with -p {parameter}:={BEST_EFFORT}"
+        )
+    return f": its {policy.lower()} does not fit; this node asks for {reliability}, volatile"

@@ -1,0 +1,1 @@
+"""When a row is due, live and recorded."""
