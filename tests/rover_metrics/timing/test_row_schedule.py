@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rover_metrics.timing.row_schedule import RosTimer, RowSchedule
-from tests.rover_metrics.test_row_times import AHEAD, BACK, Event, rows_of_the_rule
+from tests.rover_metrics.timing.test_row_times import AHEAD, BACK, Event, rows_of_the_rule
 
 SECOND = 10**9
 PERIOD = 6

@@ -42,7 +42,7 @@ MENDS = {
     errno.EDQUOT: f"free some of your disk quota or {_CHOOSE}",
     errno.EIO: _CHOOSE,
 }
-REAL_LOGS = Path(__file__).parents[3] / "shared/data/roboterrain/logs"
+REAL_LOGS = Path(__file__).parents[4] / "shared/data/roboterrain/logs"
 
 
 def open_files() -> int:

@@ -23,7 +23,7 @@ from harness.world.world import World, terrain_hash
 
 Array = NDArray[np.float64]
 
-MARSYARD = Path(__file__).parents[4] / "shared/data/marsyard/marsyard2021_terrain_hm.tif"
+MARSYARD = Path(__file__).parents[5] / "shared/data/marsyard/marsyard2021_terrain_hm.tif"
 needs_marsyard = pytest.mark.skipif(not MARSYARD.exists(), reason=f"there is no {MARSYARD}")
 
 PIXEL_SCALE, TIE_POINT, GEO_KEYS = 33550, 33922, 34735
