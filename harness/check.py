@@ -19,7 +19,8 @@ from rich.table import Table
 from rich.text import Text
 
 from harness.cli.parser import OneLineParser
-from harness.config import Batch, EpisodeConfig
+from harness.config import EpisodeConfig
+from harness.episode.batch import Batch
 from harness.episode.fingerprint import Fingerprint, direct, direct_in_fresh_process, fingerprint
 from harness.episode.result import Progress, RunResult
 from harness.errors import HarnessError, UsageError

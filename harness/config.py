@@ -1,4 +1,4 @@
-"""What determines an episode, what it was made of, and what it yields: values, no physics.
+"""What determines an episode: values, no physics.
 
 Light to import: the process that only publishes an episode needs neither MuJoCo nor compiled kernels.
 """
@@ -12,12 +12,9 @@ from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.errors import UsageError
 from harness.faults.spec import parse_faults
 from harness.robots import find_rover
-from harness.samples import Tick, sent_by_fields
 from harness.sensors.base import period_ticks
 from harness.sensors.noise import chosen_preset
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
-from harness.truth.events import ContactEvent
-from harness.truth.traversal import Truth
 from harness.world.heightmap.dem import TerrainFile, file_world, is_terrain_file
 from harness.world.world import DEFAULT_DIFFICULTY, World, build_world, find_terrain
 
@@ -99,37 +96,3 @@ class EpisodeConfig:
             raise UsageError(
                 f"{self.lidar_beams} lidar beams are not valid; give {FEWEST_BEAMS} to {MOST_BEAMS}"
             )
-
-
-@dataclass(frozen=True, slots=True)
-class EpisodeInfo:
-    """What an episode was made of, for the manifest.
-
-    Attributes:
-        model_hash: SHA-256 of the rover's model file; `terrain_hash` is that of heights and obstacles.
-        obstacles: How many there are.
-        map_size: Side length [m].
-        notes: What was done to a heightmap file to make this map of it.
-    """
-
-    model_hash: str
-    terrain_hash: str
-    obstacles: int
-    map_size: float
-    notes: tuple[str, ...] = ()
-
-
-@sent_by_fields
-@dataclass(frozen=True, slots=True)
-class Batch:
-    """The ticks of one control period and the truth at their end.
-
-    Attributes:
-        events: Contact events that ended; with the last batch of an episode all are.
-        open_events: Those that had not, as they stood at the end: what an interrupted run has of them.
-    """
-
-    ticks: tuple[Tick, ...]
-    truth: Truth
-    events: tuple[ContactEvent, ...] = ()
-    open_events: tuple[ContactEvent, ...] = ()

@@ -26,7 +26,8 @@ from harness.cli.options import (
     run_parser,
     split_ros_args,
 )
-from harness.config import Batch, EpisodeConfig
+from harness.config import EpisodeConfig
+from harness.episode.batch import Batch
 from harness.episode.manifest import check_writable, write_manifest
 from harness.episode.metrics_feed import extended_ros_args
 from harness.episode.result import Progress, RunResult
@@ -78,7 +79,7 @@ def _load(options: argparse.Namespace) -> None:
     if options.direct:
         importlib.import_module("harness.episode.direct")
     if options.report is not None:
-        importlib.import_module("harness.report.page")
+        importlib.import_module("harness.report.content")
 
 
 def _run(

@@ -152,3 +152,11 @@ class Tick:
     stamp_ns: int
     samples: tuple[Sample, ...]
     tells_time: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedScan:
+    """A scan and the pose of the model frame at the very tick of the scan."""
+
+    scan: LaserScan
+    pose: Pose

@@ -16,8 +16,7 @@ from rich.console import Console
 from harness.cli.parser import OneLineParser
 from harness.errors import HarnessError, UsageError
 from harness.robots import MODELS_DIR, ROVERS, find_rover
-from harness.validation.realism import compare
-from harness.validation.realism_table import print_comparison
+from harness.validation.realism import compare, print_comparison
 from harness.validation.recorded import DEFAULT_LOGS
 from harness.validation.suite import validate
 from harness.validation.table import as_markdown, print_table, write_between_markers

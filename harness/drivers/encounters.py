@@ -7,8 +7,7 @@ from typing import ClassVar
 from harness.drivers.approach import line_past
 from harness.drivers.encounter import Encounter, Meeting
 from harness.samples import Twist
-from harness.world.obstacles import Obstacle
-from harness.world.outline import half_extent
+from harness.world.obstacles import Obstacle, half_extent
 
 SPREAD = 0.5  # [rad]: how much the direction of approach varies
 HEAD_ON = 0.6  # of the width within which rover and hazard meet

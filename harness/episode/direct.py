@@ -12,7 +12,8 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.config import Batch, EpisodeConfig
+from harness.config import EpisodeConfig
+from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.metrics_feed import SampleIntake, extended_settings
 from harness.episode.pacing import Pacer

@@ -4,14 +4,13 @@ No ROS and no wall clock: the same configuration gives the same stream, bit for 
 in batches of one control period, either in this process or through harness.episode.stream.
 """
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.config import TICKS_PER_CONTROL, Batch, EpisodeConfig, EpisodeInfo
+from harness.config import TICKS_PER_CONTROL, EpisodeConfig
 from harness.drivers import CmdVel, Driver, DriverContext, Observation, find_driver
+from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import RunFailed
 from harness.physics.diff_drive import DiffDrive
 from harness.physics.scene import HAZARD_CONTACT, build_scene, model_hash
@@ -20,32 +19,17 @@ from harness.robots import find_rover
 from harness.samples import LaserScan, Sample, Tick, Twist
 from harness.sensors.base import Sensor, period_ticks
 from harness.sensors.imu import ImuSensor
-from harness.sensors.lidar import Lidar
+from harness.sensors.lidar import Lidar, LidarSensor, beam_bearings
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import SensorNoise, chosen_preset
 from harness.sensors.odometry import WheelOdometry
-from harness.sensors.state import GroundTruthSensor, JointSensor, PoseSensor
-from harness.sensors.truth import TRUTH_RATE, TruthSensor
+from harness.sensors.state import TRUTH_RATE, GroundTruthSensor, JointSensor, PoseSensor, TruthSensor
 from harness.sim_time import NANOSECONDS, TICK_NS, parse_timestep
 from harness.truth.recorder import TruthRecorder
 from harness.world.world import terrain_hash
 
 SCAN_RATE, POSE_RATE, STATE_RATE = 20, 50, 50  # [Hz]: RoboTerrain's
 RANDOM_STREAM = 10  # keeps the episode's generators apart from those that made the world
-
-
-class LidarSensor:
-    """The lidar as a sensor of the episode."""
-
-    def __init__(self, simulation: Simulation, lidar: Lidar, period_ticks: int) -> None:
-        self.period_ticks = period_ticks
-        self._simulation = simulation
-        self._lidar = lidar
-
-    def read(self) -> LaserScan:
-        """A scan from where the rover is now."""
-        self._simulation.refresh_kinematics()
-        return LaserScan(self._simulation.time_ns, self._lidar.scan(self._simulation.data))
 
 
 class Episode:
@@ -180,11 +164,6 @@ class Episode:
         if isinstance(sample, LaserScan):
             self._last_scan = sample
         return sample
-
-
-def beam_bearings(lidar: LidarSpec) -> NDArray[np.float64]:
-    """Direction [rad] of each beam in the rover's frame: the lidar looks backwards (yaw pi)."""
-    return np.remainder(lidar.angles + 2 * math.pi, math.tau) - math.pi
 
 
 def _generators(seed: int, count: int) -> list[np.random.Generator]:

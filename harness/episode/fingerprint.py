@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from harness.config import Batch, EpisodeConfig
+from harness.config import EpisodeConfig
+from harness.episode.batch import Batch
 from harness.episode.direct import run_direct
 from harness.episode.result import Progress, RunResult
 from harness.errors import RunFailed

@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from harness.config import EpisodeConfig, EpisodeInfo
+from harness.config import EpisodeConfig
+from harness.episode.batch import EpisodeInfo
 from harness.episode.truth_account import TruthAlong
 from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import Truth

@@ -17,8 +17,9 @@ from multiprocessing.connection import Connection
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
-from harness.config import Batch, EpisodeConfig, EpisodeInfo
+from harness.config import EpisodeConfig
 from harness.drivers.base import CONTROL_PERIOD_NS
+from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import HarnessError, RunFailed
 from harness.interrupt import HANDLED
 from harness.samples import Twist

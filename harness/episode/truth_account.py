@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.config import Batch
+from harness.episode.batch import Batch
 from harness.samples import TruthState, Vector3
 from harness.sim_time import NANOSECONDS
 from harness.truth.events import ContactEvent

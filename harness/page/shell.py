@@ -8,22 +8,22 @@ from typing import Any
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
-PACKAGE, ASSETS = "harness.report", "assets"
-STYLE, PLOTLY, DRAWING = "report.css", "plotly-basic.min.js", "plots.js"
+SHARED, ASSETS = "harness.page", "assets"
+STYLE, PLOTLY, DRAWING = "pages.css", "plotly-basic.min.js", "plots.js"
 
 
-def fill(name: str, content: Mapping[str, Any], package: str = PACKAGE) -> str:
+def fill(name: str, content: Mapping[str, Any], package: str) -> str:
     """The HTML of a page.
 
     Args:
-        name: Of its assets: NAME.html.j2, which extends shell.html.j2, and NAME.js. A page of another
-            package adds NAME.css to the common style.
+        name: Of its assets: NAME.html.j2, which extends shell.html.j2, NAME.js and, if it is there,
+            NAME.css, which is added to the common style.
         content: The template's variables; `figures` are Plotly's, by the name of their plot.
         package: Whose folder of assets has them.
     """
-    plotly = _asset(PACKAGE, PLOTLY)
-    script = _asset(PACKAGE, DRAWING) + _asset(package, f"{name}.js")
-    style = _asset(PACKAGE, STYLE) + ("" if package == PACKAGE else _asset(package, f"{name}.css"))
+    plotly = _asset(SHARED, PLOTLY)
+    script = _asset(SHARED, DRAWING) + _asset(package, f"{name}.js")
+    style = _asset(SHARED, STYLE) + _asset(package, f"{name}.css", missing="")
     return (
         _environment(package)
         .get_template(f"{name}.html.j2")
@@ -34,7 +34,7 @@ def fill(name: str, content: Mapping[str, Any], package: str = PACKAGE) -> str:
 def _environment(package: str) -> Environment:
     environment = Environment(
         loader=ChoiceLoader(
-            [PackageLoader(folder, ASSETS) for folder in dict.fromkeys((package, PACKAGE))]
+            [PackageLoader(folder, ASSETS) for folder in (package, SHARED)]
         ),
         autoescape=True,  # names come from users
         undefined=StrictUndefined,
@@ -56,5 +56,6 @@ def _digest(script: str) -> str:
     return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
 
 
-def _asset(package: str, name: str) -> str:
-    return files(package).joinpath(ASSETS, name).read_text(encoding="utf-8")
+def _asset(package: str, name: str, missing: str | None = None) -> str:
+    asset = files(package).joinpath(ASSETS, name)
+    return missing if missing is not None and not asset.is_file() else asset.read_text(encoding="utf-8")

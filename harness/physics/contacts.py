@@ -4,7 +4,7 @@ Walks MuJoCo's contacts only in steps whose contact counts are not zero; the cou
 truth sensors of harness.physics.scene.
 """
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import mujoco
 import numpy as np
@@ -17,8 +17,10 @@ from harness.physics.scene import (
     SCRAPE_CONTACT,
     TERRAIN,
 )
-from harness.truth.events import ContactKind
 from harness.world.obstacles import ObstacleKind
+
+ContactKind = Literal["hazard", "rock", "scrape"]
+
 
 OBSTACLE_KINDS: dict[ObstacleKind, ContactKind] = {
     ObstacleKind.ROCK: "rock",

@@ -8,8 +8,8 @@ import numpy as np
 
 from harness.episode.manifest import manifest
 from harness.episode.result import RunResult
-from harness.page.figure import MINUS, TIMES
-from harness.page.plot import Plot
+from harness.page.figure import MINUS, TIMES, Plot
+from harness.page.shell import fill
 from harness.report.columns import describe
 from harness.report.events import collisions, contacts
 from harness.report.hillshade import shade
@@ -98,3 +98,8 @@ def _summary(name: str, values: list[float]) -> str:
         return f"{name} over time: no finite value"
     unit = describe(name).unit
     return f"{name} over time: from {min(finite):g} to {max(finite):g} {unit}, at last {finite[-1]:g}"
+
+
+def render(result: RunResult, recorder: RunRecorder) -> str:
+    """The HTML of a run's report."""
+    return fill("report", content(result, recorder), "harness.report")

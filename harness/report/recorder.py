@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.config import Batch
 from harness.drivers.base import CONTROL_PERIOD_NS
-from harness.samples import Imu, LaserScan, Pose, Tick, Vector3
+from harness.episode.batch import Batch
+from harness.samples import Imu, LaserScan, PlacedScan, Pose, Tick, Vector3
 from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import Truth
 
@@ -48,14 +48,6 @@ class Stretch:
             nearest_range=min(self.nearest_range, later.nearest_range),
             contact_s=self.contact_s + later.contact_s,
         )
-
-
-@dataclass(frozen=True, slots=True)
-class PlacedScan:
-    """A scan and the pose of the model frame at the very tick of the scan."""
-
-    scan: LaserScan
-    pose: Pose
 
 
 class RunRecorder:

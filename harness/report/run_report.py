@@ -3,7 +3,7 @@
 import tempfile
 from pathlib import Path
 
-from harness.config import Batch
+from harness.episode.batch import Batch
 from harness.episode.result import RunResult
 from harness.errors import HarnessError, UsageError
 from harness.files import whole_file
@@ -55,7 +55,7 @@ class RunReport:
         if self._path is None:
             return None
         # Loads MuJoCo and plotly: not before the run, whose publishing process needs neither.
-        from harness.report.page import render  # noqa: PLC0415
+        from harness.report.content import render  # noqa: PLC0415
 
         page = render(result, self._recorder)
         try:

@@ -21,8 +21,7 @@ from harness.report.events import Event
 from harness.report.hillshade import Hillshade
 from harness.report.map_layout import map_layout
 from harness.report.recorder import Stretch
-from harness.world.obstacles import Obstacle, ObstacleKind
-from harness.world.outline import Points, outline
+from harness.world.obstacles import Obstacle, ObstacleKind, Points, outline
 from harness.world.world import World
 
 SCALE_TOPS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # [m/s^2] few, so that runs can be compared

@@ -9,7 +9,8 @@ from pathlib import Path
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 
-from harness.config import Batch, EpisodeConfig
+from harness.config import EpisodeConfig
+from harness.episode.batch import Batch
 from harness.episode.pacing import Pacer
 from harness.episode.result import Progress, RunResult, TopicCount
 from harness.episode.stream import EpisodeProcess

@@ -3,10 +3,14 @@
 The rover does not see itself: its geoms are in neither of the two groups that are looked at.
 """
 
+import math
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.physics.simulation import Simulation
+from harness.samples import LaserScan
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.rays.heightfield_rays import HeightfieldRays
 from harness.sensors.rays.obstacle_rays import ObstacleRays
@@ -47,3 +51,22 @@ class Lidar:
         self._terrain.cast(pose[0], directions, self.spec.range_max, distances)
         distances[distances < self.spec.range_min] = -np.inf
         return distances.astype(np.float32)
+
+
+class LidarSensor:
+    """The lidar as a sensor of the episode."""
+
+    def __init__(self, simulation: Simulation, lidar: Lidar, period_ticks: int) -> None:
+        self.period_ticks = period_ticks
+        self._simulation = simulation
+        self._lidar = lidar
+
+    def read(self) -> LaserScan:
+        """A scan from where the rover is now."""
+        self._simulation.refresh_kinematics()
+        return LaserScan(self._simulation.time_ns, self._lidar.scan(self._simulation.data))
+
+
+def beam_bearings(lidar: LidarSpec) -> NDArray[np.float64]:
+    """Direction [rad] of each beam in the rover's frame: the lidar looks backwards (yaw pi)."""
+    return np.remainder(lidar.angles + 2 * math.pi, math.tau) - math.pi

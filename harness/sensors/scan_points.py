@@ -6,10 +6,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.report.recorder import PlacedScan
 from harness.robots import RoverSpec
+from harness.samples import PlacedScan
 from harness.sensors.lidar_spec import LidarSpec
-from harness.world.outline import rotation_matrix
+from harness.world.obstacles import rotation_matrix
 
 Points = NDArray[np.float64]  # shape (k, 2): x, y in the world [m]
 

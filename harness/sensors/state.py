@@ -3,7 +3,10 @@
 import numpy as np
 
 from harness.physics.simulation import Simulation
-from harness.samples import GroundTruth, JointStates, Pose
+from harness.samples import GroundTruth, JointStates, Pose, TruthState
+from harness.truth.recorder import TruthRecorder
+
+TRUTH_RATE = 20  # [Hz]
 
 
 class PoseSensor:
@@ -60,3 +63,15 @@ class JointSensor:
             velocity=tuple(data.qvel[self._dofs].tolist()),
             effort=tuple(data.qfrc_actuator[self._dofs].tolist()),
         )
+
+
+class TruthSensor:
+    """Reads a recorder; nothing corrupts what it says."""
+
+    def __init__(self, recorder: TruthRecorder, period_ticks: int) -> None:
+        self.period_ticks = period_ticks
+        self._recorder = recorder
+
+    def read(self) -> TruthState:
+        """The truth now and since the last reading."""
+        return self._recorder.state()

@@ -6,10 +6,10 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from harness.physics.contacts import Touch
+from harness.physics.contacts import ContactKind, Touch
 from harness.samples import Vector3
 from harness.sim_time import TICK_NS
-from harness.truth.events import EVENT_GAP_NS, ContactEvent, ContactKind
+from harness.truth.events import EVENT_GAP_NS, ContactEvent
 
 
 class ContactEvents:

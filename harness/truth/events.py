@@ -1,12 +1,10 @@
 """What a rover touched: one value for each contact event with a hazard, a rock or the ground."""
 
 from dataclasses import dataclass
-from typing import Literal
 
+from harness.physics.contacts import ContactKind
 from harness.samples import Vector3, sent_by_fields
 from harness.sim_time import NANOSECONDS
-
-ContactKind = Literal["hazard", "rock", "scrape"]
 
 EVENT_GAP_NS = NANOSECONDS // 2  # contacts of a kind closer together than this are one event
 

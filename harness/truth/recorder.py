@@ -14,10 +14,10 @@ from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.truth.contact_events import ContactEvents
 from harness.truth.traversal import TIPPED_OVER, Truth
 from harness.truth.wheels import WheelMotion, Wheels
-from harness.world.roughness import RoughnessMap
+from harness.world.statistics import RoughnessMap
 
 if TYPE_CHECKING:
-    from harness.truth.events import ContactKind
+    from harness.physics.contacts import ContactKind
 
 
 class TruthRecorder:

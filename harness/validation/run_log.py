@@ -8,9 +8,10 @@ import numpy as np
 
 from harness.config import EpisodeConfig
 from harness.drivers import DriverContext, Observation
-from harness.episode.episode import Episode, beam_bearings
+from harness.episode.episode import Episode
 from harness.robots import ROVER_ZERO4WD
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick
+from harness.sensors.lidar import beam_bearings
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
 from harness.validation.agent import RecordedAgent

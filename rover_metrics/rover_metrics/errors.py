@@ -48,3 +48,8 @@ def missing_ros(error: ImportError) -> BaseException:
         return MissingRosError(message)
     print(message, file=sys.stderr)
     return SystemExit(MissingRosError.exit_code)
+
+
+def is_worth_a_line(before: int, now: int) -> bool:
+    """Whether a count has passed a power of two on its way from `before` to `now`."""
+    return now.bit_length() > before.bit_length()

@@ -24,9 +24,10 @@ from typing import Any
 
 import pytest
 
-from harness.config import Batch, EpisodeConfig
+from harness.config import EpisodeConfig
 from harness.drivers.base import Observation
 from harness.drivers.wander import Wander
+from harness.episode.batch import Batch
 from harness.interrupt import Interrupted, Overdue, StopRequest
 from harness.run import main
 from harness.samples import Tick, Twist

@@ -20,7 +20,8 @@ from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from std_srvs.srv import SetBool, Trigger
 
-from harness.config import Batch, EpisodeConfig
+from harness.config import EpisodeConfig
+from harness.episode.batch import Batch
 from harness.episode.result import Progress, RunResult
 from harness.episode.stream import AHEAD
 from harness.interrupt import StopRequest

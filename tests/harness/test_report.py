@@ -12,7 +12,7 @@ from harness.config import EpisodeConfig
 from harness.episode.direct import run_direct
 from harness.episode.result import RunResult, TopicCount
 from harness.interrupt import StopRequest
-from harness.report.page import render
+from harness.report.content import render
 from harness.report.recorder import RunRecorder
 from harness.run import main
 from harness.truth.events import ContactEvent
@@ -66,7 +66,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunResult, RunRecorde
 
 
 def without_plotly(page: str) -> str:
-    bundle = files("harness.report").joinpath("assets", "plotly-basic.min.js")
+    bundle = files("harness.page").joinpath("assets", "plotly-basic.min.js")
     return page.replace(bundle.read_text(encoding="utf-8"), "")
 
 
@@ -163,7 +163,7 @@ def test_run_without_a_log_or_a_single_batch_gets_a_page() -> None:
 
 
 def test_bundle_is_the_one_that_its_readme_names() -> None:
-    assets = files("harness.report") / "assets"
+    assets = files("harness.page") / "assets"
     digest = hashlib.sha256((assets / "plotly-basic.min.js").read_bytes()).hexdigest()
     assert digest in (assets / "README.md").read_text()
     assert "</script" not in (assets / "plotly-basic.min.js").read_text(encoding="utf-8")

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from harness.config import Batch
+from harness.episode.batch import Batch
 from harness.report.recorder import RunRecorder
 from harness.samples import Imu, LaserScan, Pose, Sample, Tick
 from harness.truth.traversal import Truth

@@ -4,9 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from harness.config import Batch
-from harness.report.recorder import PlacedScan
-from harness.samples import Imu, LaserScan, Pose, TruthState
+from harness.episode.batch import Batch
+from harness.samples import Imu, LaserScan, PlacedScan, Pose, TruthState
 from harness.truth.events import ContactEvent
 
 

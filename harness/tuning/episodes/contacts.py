@@ -6,9 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.report.recorder import PlacedScan
 from harness.robots import RoverSpec
-from harness.samples import Vector3
+from harness.samples import PlacedScan, Vector3
 from harness.sensors.scan_points import scan_points
 from harness.sim_time import NANOSECONDS
 from harness.truth.events import ContactEvent

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from harness import __version__
-from harness.page.plot import Plot
+from harness.page.figure import Plot
 from harness.tuning.episodes.plan import Planned
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.page import tables

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.page.figure import METRIC, MUTED, TRUTH, Trace
-from harness.page.plot import Plot
+from harness.page.figure import METRIC, MUTED, TRUTH, Plot, Trace
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.page.episodes import Subject
 from harness.tuning.page.traces import OTHER, SHARE, figure, level, levels, line, titled

@@ -3,8 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from harness.page.figure import Figure
-from harness.page.plot import Plot
+from harness.page.figure import Figure, Plot
 from harness.tuning.episodes.plan import Part, Planned
 from harness.tuning.episodes.record import Ending, EpisodeRecord
 from harness.tuning.scoring.choose import Records

@@ -4,8 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from harness.page.figure import INK, METRIC, Trace
-from harness.page.plot import Plot
+from harness.page.figure import INK, METRIC, Plot, Trace
 from harness.tuning.episodes.plan import Part
 from harness.tuning.page.curves import Values, event_intervals, event_scores
 from harness.tuning.page.detectors import STYLES, operating_points

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from harness.page.figure import INK, METRIC, TRUTH, Trace
-from harness.page.plot import Plot
+from harness.page.figure import INK, METRIC, TRUTH, Plot, Trace
 from harness.tuning.episodes.plan import Part
 from harness.tuning.page.curves import Labelled, roc
 from harness.tuning.page.episodes import Subject

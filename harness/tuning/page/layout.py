@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from harness.page.legend import Key
-from harness.page.plot import Plot
+from harness.page.figure import Key, Plot
 
 
 @dataclass(frozen=True)

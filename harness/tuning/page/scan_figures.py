@@ -1,7 +1,6 @@
 """Figures of single scans: ROC and precision over recall of every detector."""
 
-from harness.page.figure import Trace
-from harness.page.plot import Plot
+from harness.page.figure import Plot, Trace
 from harness.tuning.page.curves import Curve, precision_recall, roc, scans
 from harness.tuning.page.detectors import STYLES, operating_points
 from harness.tuning.page.episodes import Subject

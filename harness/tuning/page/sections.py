@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from harness.page.plot import Plot
+from harness.page.figure import Plot
 from harness.tuning.page import event_figures, scan_figures, tables
 from harness.tuning.page.distance_figure import steps_and_jumps
 from harness.tuning.page.episodes import Subject

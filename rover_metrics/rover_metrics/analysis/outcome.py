@@ -8,9 +8,8 @@ import numpy as np
 from rover_metrics.analysis.logs.log import Log
 from rover_metrics.analysis.metric import Metric
 from rover_metrics.analysis.result import LogResult, Result
-from rover_metrics.analysis.statistics.comparison import Comparison, compare
+from rover_metrics.analysis.statistics.comparison import Comparison, compare, holm
 from rover_metrics.analysis.statistics.correlation import Correlation, combine, correlate
-from rover_metrics.analysis.statistics.multiple import holm
 from rover_metrics.analysis.statistics.outliers import outliers
 from rover_metrics.analysis.statistics.series import metric_series, rate_per_metre
 from rover_metrics.analysis.statistics.summary import Summary, summarise, summarise_independent

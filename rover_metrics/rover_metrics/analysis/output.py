@@ -20,7 +20,7 @@ from rover_metrics.analysis.statistics.series import metric_series
 from rover_metrics.analysis.study import Study
 from rover_metrics.core.row import Field
 from rover_metrics.errors import RoverMetricsError
-from rover_metrics.log.cells import harmless
+from rover_metrics.log.csv_log import harmless
 
 PlotName = Literal["time_series", "correlation", "aggregate", "comparison"]
 PLOTS: tuple[PlotName, ...] = get_args(PlotName)

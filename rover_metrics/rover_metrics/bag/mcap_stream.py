@@ -3,6 +3,7 @@
 import struct
 from collections.abc import Collection, Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import zstandard
 from mcap import records
@@ -10,7 +11,7 @@ from mcap.exceptions import EndOfFile, McapError
 from mcap.reader import SeekingReader
 from mcap.stream_reader import StreamReader, breakup_chunk
 
-from rover_metrics.bag.message import Message
+from rover_metrics.errors import RoverMetricsError
 
 NANOSECONDS = 1_000_000_000
 LARGEST_RECORD = 2**30  # bytes; a longer one is a damaged length
@@ -26,6 +27,28 @@ _DAMAGE = (
     MemoryError,
     OSError,
 )
+
+
+class BagError(RoverMetricsError):
+    """A path that is no rosbag2 recording, or one of which nothing can be read."""
+
+
+class Message(NamedTuple):
+    """One recorded message.
+
+    Attributes:
+        topic: Its topic.
+        time_ns: When it was recorded, on the recorder's clock [ns].
+        data: Its CDR bytes; empty where they were not asked for.
+    """
+
+    topic: str
+    time_ns: int
+    data: bytes
+
+
+class UnreadableError(Exception):
+    """A file of which nothing can be read."""
 
 
 class McapFile:

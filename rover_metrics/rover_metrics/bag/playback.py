@@ -16,7 +16,7 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
 
 from rover_metrics.bag.bag_reader import Bag
-from rover_metrics.bag.message import BagError, Message
+from rover_metrics.bag.mcap_stream import BagError, Message
 from rover_metrics.bag.recorded_topics import CLOCK, CLOCK_TYPE, SENSORS, TRUTH, Sink, Source
 from rover_metrics.core.row import Row
 from rover_metrics.extended.messages import MessageIntake

@@ -6,9 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rover_metrics.core.column import Cell, Column
-from rover_metrics.extended.events import CONTACT_GAP_NS, EventCounter
 from rover_metrics.extended.footprint import Footprint, FootprintClearance
 from rover_metrics.extended.settings import ExtendedSettings
+
+CONTACT_GAP_NS = 500_000_000  # contacts closer together are one event, as in the simulator's truth
+
 
 _FOOTPRINT = "footprint, lidar_pose; LaserScan ranges, angle_min, angle_increment"
 
@@ -118,3 +120,25 @@ class ScanColumns:
             )
             self._lidar = (beams, clearance)
         return self._lidar[1]
+
+
+class EventCounter:
+    """Counts the beginnings of events; a new one needs a pause before it.
+
+    Args:
+        gap_ns: How long nothing may have been active before a new event [ns].
+
+    Attributes:
+        count: Events so far.
+    """
+
+    def __init__(self, gap_ns: int) -> None:
+        self.count = 0
+        self._gap_ns = gap_ns
+        self._last_ns: int | None = None
+
+    def active(self, time_ns: int) -> None:
+        """Take note of a sample within an event."""
+        last, self._last_ns = self._last_ns, time_ns
+        if last is None or abs(time_ns - last) >= self._gap_ns:  # a clock set back parts events too
+            self.count += 1

@@ -7,7 +7,7 @@ from pathlib import Path
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.errors import LogError
 from rover_metrics.core.row import Row
-from rover_metrics.throttle import is_worth_a_line
+from rover_metrics.errors import is_worth_a_line
 
 CAPACITY = 3600  # rows: an hour, about 2 MB
 

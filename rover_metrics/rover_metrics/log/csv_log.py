@@ -12,9 +12,13 @@ from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO
 
-from rover_metrics.log.cells import harmless
 from rover_metrics.errors import LogError
 from rover_metrics.core.row import COLUMNS, Field, Row
+
+from rover_metrics.core.row import Field
+
+FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")  # what spreadsheets take for the beginning of one
+
 
 _MENDS = {
     errno.EEXIST: "a file stands where a folder should be; remove it or choose another folder",
@@ -172,3 +176,12 @@ def _log_error(what: str, directory: Path, error: Exception) -> LogError:
     reason = error.strerror if isinstance(error, OSError) else str(error)
     mend = _MENDS.get(number or 0, "choose another folder")
     return LogError(f"{what} in {directory}: {reason}; {mend}")
+
+
+def harmless(cell: Field) -> Field:
+    """Give text that would start a formula with an apostrophe before it; numbers as they are.
+
+    What is in a note, or in the name of a log, may come from strangers, and a spreadsheet that opens the
+    file would run it (OWASP, CSV injection).
+    """
+    return f"'{cell}" if isinstance(cell, str) and cell.startswith(FORMULA) else cell

@@ -6,8 +6,8 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
 
+from rover_metrics.errors import is_worth_a_line
 from rover_metrics.health.live_view import Level, Status
-from rover_metrics.throttle import is_worth_a_line
 
 try:
     from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue

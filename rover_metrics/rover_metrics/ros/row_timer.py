@@ -7,8 +7,8 @@ from rclpy.clock import Clock, ClockType, JumpThreshold, TimeJump
 from rclpy.duration import Duration
 from rclpy.node import Node
 
+from rover_metrics.errors import is_worth_a_line
 from rover_metrics.health.silence import SilenceWatch
-from rover_metrics.throttle import is_worth_a_line
 from rover_metrics.timing.row_times import RowTimes
 
 LOOK_PERIOD = 1.0  # seconds of steady time between two looks at the clock

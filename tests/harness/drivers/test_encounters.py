@@ -13,8 +13,7 @@ from harness.episode.episode import Episode
 from harness.robots import LEO, ROVER_ZERO4WD
 from harness.samples import Twist
 from harness.truth.traversal import Truth
-from harness.world.obstacles import Obstacle, ObstacleKind, orientation
-from harness.world.outline import half_extent
+from harness.world.obstacles import Obstacle, ObstacleKind, half_extent, orientation
 
 MEETING = ("ram", "reverse_into", "graze", "swing", "pass_by")
 

@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.config import Batch, EpisodeConfig
+from harness.config import EpisodeConfig
 from harness.drivers.base import CONTROL_PERIOD_NS
+from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.stream import EpisodeProcess
 from harness.errors import RunFailed, UsageError

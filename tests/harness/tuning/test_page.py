@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 @pytest.fixture(scope="module")
 def page(small_page: str) -> str:
     """The page without plotly."""
-    bundle = files("harness.report").joinpath("assets", "plotly-basic.min.js")
+    bundle = files("harness.page").joinpath("assets", "plotly-basic.min.js")
     return small_page.replace(bundle.read_text(encoding="utf-8"), "")
 
 

@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from harness.page.figure import INK, METRIC, MUTED, TIMES
-from harness.page.legend import DASHES, Key
+from harness.page.figure import DASHES, INK, METRIC, MUTED, TIMES, Key
 from harness.robots import RoverSpec, find_rover
 from harness.sensors.lidar_spec import LidarSpec
 from harness.tuning.page.layout import Cell, Drawing

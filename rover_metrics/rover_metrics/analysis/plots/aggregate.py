@@ -8,8 +8,13 @@ from scipy import stats
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.logs.time_axis import TimeAxis, on_grid
 from rover_metrics.analysis.metric import Kind, Metric
-from rover_metrics.analysis.plots.grid import metric_grid
-from rover_metrics.analysis.plots.style import draw_thresholds, highest_bound, legend_columns, look
+from rover_metrics.analysis.plots.style import (
+    draw_thresholds,
+    highest_bound,
+    legend_columns,
+    look,
+    metric_grid,
+)
 from rover_metrics.analysis.study import Study
 
 _PERCENT_STEP = 2.0

@@ -8,8 +8,7 @@ from matplotlib.figure import Figure
 
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind, Metric
-from rover_metrics.analysis.plots.grid import metric_grid
-from rover_metrics.analysis.plots.style import MARKERS, draw_thresholds, highest_bound, look
+from rover_metrics.analysis.plots.style import MARKERS, draw_thresholds, highest_bound, look, metric_grid
 from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.summary import t_interval

@@ -11,6 +11,9 @@ from matplotlib.figure import Figure
 from rover_metrics.analysis.metric import Metric
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 
+_PANEL_HEIGHT = 1.75  # inches
+
+
 # Okabe & Ito (2008), without the yellow, which paper swallows; black is for thresholds and text.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 LINES = ("-", "--", "-.", (0, (1, 1.2)), (0, (5, 1, 1, 1, 1, 1)))
@@ -110,3 +113,16 @@ def legend_columns(labels: Sequence[str]) -> int:
     """Give how many legend columns fit the width of a figure."""
     longest = max((len(label) for label in labels), default=1)
     return max(1, min(len(labels), int(95 / (longest + 8))))
+
+
+def metric_grid(metrics: Sequence[Metric]) -> tuple[Figure, list[tuple[Metric, Axes]]]:
+    """Lay out one panel per metric, its title saying what it shows and in which unit."""
+    columns = min(2, len(metrics))
+    lines = -(-len(metrics) // columns)
+    figure = Figure(figsize=(WIDTH, 1.1 + _PANEL_HEIGHT * lines), layout="constrained")
+    panels = []
+    for number, metric in enumerate(metrics):
+        axes = figure.add_subplot(lines, columns, number + 1)
+        axes.set_title(axis_label(metric), loc="left")
+        panels.append((metric, axes))
+    return figure, panels

@@ -8,6 +8,7 @@ test: rates and accelerations are skewed, and ranks do not mind. Effect sizes ar
 value of the second group exceeds one of the first than the other way round).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import comb, sqrt
 
@@ -137,3 +138,18 @@ def cliffs_delta(first: Floats, second: Floats) -> float:
     below = np.searchsorted(ordered, second, side="left").sum()
     above = (first.size - np.searchsorted(ordered, second, side="right")).sum()
     return float(below - above) / (first.size * second.size)
+
+
+def holm(probabilities: Sequence[float | None]) -> list[float | None]:
+    """Adjust p-values so that the chance of any false alarm among them stays as stated (Holm 1979).
+
+    Args:
+        probabilities: One a test; None where there was no test, which does not count.
+    """
+    tests = sorted((p, i) for i, p in enumerate(probabilities) if p is not None)
+    adjusted: list[float | None] = [None] * len(probabilities)
+    highest = 0.0
+    for rank, (p, i) in enumerate(tests):
+        highest = max(highest, min(1.0, (len(tests) - rank) * p))
+        adjusted[i] = highest
+    return adjusted

@@ -1,0 +1,41 @@
+"""What an episode yields, batch by batch, and what it was made of: values, no physics."""
+
+from dataclasses import dataclass
+
+from harness.samples import Tick, sent_by_fields
+from harness.truth.events import ContactEvent
+from harness.truth.traversal import Truth
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodeInfo:
+    """What an episode was made of, for the manifest.
+
+    Attributes:
+        model_hash: SHA-256 of the rover's model file; `terrain_hash` is that of heights and obstacles.
+        obstacles: How many there are.
+        map_size: Side length [m].
+        notes: What was done to a heightmap file to make this map of it.
+    """
+
+    model_hash: str
+    terrain_hash: str
+    obstacles: int
+    map_size: float
+    notes: tuple[str, ...] = ()
+
+
+@sent_by_fields
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """The ticks of one control period and the truth at their end.
+
+    Attributes:
+        events: Contact events that ended; with the last batch of an episode all are.
+        open_events: Those that had not, as they stood at the end: what an interrupted run has of them.
+    """
+
+    ticks: tuple[Tick, ...]
+    truth: Truth
+    events: tuple[ContactEvent, ...] = ()
+    open_events: tuple[ContactEvent, ...] = ()
