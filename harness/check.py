@@ -10,7 +10,7 @@ an argument is wrong or because ROS is missing and was not left out with --no-ro
 import argparse
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,8 +20,8 @@ from rich.text import Text
 
 from harness.cli.parser import OneLineParser
 from harness.config import EpisodeConfig
-from harness.episode.batch import Batch
 from harness.episode.fingerprint import Fingerprint, direct, direct_in_fresh_process, fingerprint
+from harness.episode.loop import Observer
 from harness.episode.result import Progress, RunResult
 from harness.errors import HarnessError, UsageError
 from harness.interrupt import StopRequest
@@ -101,10 +101,10 @@ def _ros_finding(config: EpisodeConfig, stop: StopRequest, reference: Fingerprin
         return _skipped(f"ROS 2 is not importable ({error})")
 
     def through_ros(
-        config: EpisodeConfig, folder: Path, stop: StopRequest, watch: Callable[[Batch], None]
+        config: EpisodeConfig, folder: Path, stop: StopRequest, observer: Observer
     ) -> RunResult:
         options = RosOptions(log_dir=folder, ros_args=_private_topics())
-        return run_through_ros(config, options, stop, _show_nothing, watch)
+        return run_through_ros(config, options, stop, _show_nothing, [observer])
 
     return judged("through ROS 2", fingerprint(through_ros, config, stop), reference)
 

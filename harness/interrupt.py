@@ -86,6 +86,11 @@ class StopRequest:
             time.sleep(min(left, NAP))
 
     @property
+    def name(self) -> str | None:
+        """Name of that signal, or None."""
+        return None if self.signal is None else self.signal.name
+
+    @property
     def exit_code(self) -> int:
         """0 without a request."""
         return 0 if self.signal is None else Interrupted(self.signal).exit_code

@@ -27,7 +27,7 @@ from harness.cli.options import (
     split_ros_args,
 )
 from harness.config import EpisodeConfig
-from harness.episode.batch import Batch
+from harness.episode.loop import Observer
 from harness.episode.manifest import check_writable, write_manifest
 from harness.episode.metrics_feed import extended_ros_args
 from harness.episode.result import Progress, RunResult
@@ -100,20 +100,17 @@ def _run(
         console.print(f"{config.terrain}: {note}", soft_wrap=True, highlight=False)
     drawing.prepare(config)
 
-    def watch(batch: Batch) -> None:
-        drawing.watch(batch)
-        report.watch(batch)
-
+    observers = (drawing, report)
     title = f"{config.robot} on {config.terrain}"
     with RunProgress(console, title, config.duration) as bar:
         if options.direct:
             from harness.episode.direct import run_direct  # noqa: PLC0415 - see _load
 
             return run_direct(
-                *(config, options.log_dir, options.rate, stop, bar.show, watch),
+                *(config, options.log_dir, options.rate, stop, bar.show, observers),
                 extended=options.extended,
             )
-        return _run_through_ros(options, config, ros_args, stop, bar.show, watch)
+        return _run_through_ros(options, config, ros_args, stop, bar.show, observers)
 
 
 def _run_through_ros(
@@ -122,7 +119,7 @@ def _run_through_ros(
     ros_args: Sequence[str],
     stop: StopRequest,
     show: Callable[[Progress], None],
-    watch: Callable[[Batch], None],
+    observers: Sequence[Observer],
 ) -> RunResult:
     # The only import of rclpy on this side of harness.ros: --direct must work where there is none.
     try:
@@ -145,7 +142,7 @@ def _run_through_ros(
         ],
         record=options.record,
     )
-    return run_through_ros(config, ros, stop, show, watch)
+    return run_through_ros(config, ros, stop, show, observers)
 
 
 def _report(result: RunResult, summary: Path | None, stop: StopRequest, console: Console) -> int:

@@ -5,7 +5,7 @@ here from the sample, in the same order: a tick's samples first, then the row if
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from datetime import datetime
@@ -13,12 +13,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.config import EpisodeConfig
-from harness.episode.batch import Batch
 from harness.episode.episode import Episode
+from harness.episode.loop import Observer, RunAccount, drive
 from harness.episode.metrics_feed import SampleIntake, extended_settings
 from harness.episode.pacing import Pacer
 from harness.episode.result import Progress, RunResult, TopicCount
-from harness.episode.truth_account import TruthAccount
 from harness.errors import RunFailed, UsageError
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
@@ -81,6 +80,10 @@ class DirectMetrics:
             self.last_row = self._source.row(tick.stamp_ns)
             self.log.write(self.last_row)
 
+    def messages(self) -> int:
+        """Samples taken so far."""
+        return sum(self.fed.values())
+
     def _take_sample(self, sample: Sample) -> bool:
         metrics = self._source.metrics
         match sample:
@@ -101,7 +104,7 @@ def run_direct(
     rate: float | None,
     stop: StopRequest,
     show: Callable[[Progress], None],
-    watch: Callable[[Batch], None] | None = None,
+    observers: Sequence[Observer] = (),
     *,
     extended: bool = False,
 ) -> RunResult:
@@ -113,7 +116,7 @@ def run_direct(
         rate: Simulated seconds per wall second; None is as fast as possible.
         stop: Ends the run early.
         show: Is told the progress after every batch.
-        watch: Sees every batch once it has been taken.
+        observers: See every batch once it has been taken.
         extended: Whether to write the extended columns too.
 
     Raises:
@@ -133,41 +136,25 @@ def run_direct(
         if source.extended is not None:
             intake = SampleIntake(source.extended, LidarSpec(beams=config.lidar_beams))
         metrics = DirectMetrics(log, source, intake)
-        result = RunResult(config=config, mode="direct, no ROS", info=episode.info, log_path=log.path)
-        begun = time.monotonic()
+        account = RunAccount(
+            RunResult(config=config, mode="direct, no ROS", info=episode.info, log_path=log.path),
+            *(started, show, metrics.messages, lambda: log.rows),
+        )
         pacer = Pacer(rate, sleep=stop.sleep)
-        faults, account = FaultInjector(parse_faults(config.faults), config.seed), TruthAccount()
+
+        def sink(tick: Tick, sent: Tick) -> None:
+            pacer.wait_until(tick.stamp_ns)
+            metrics.take(sent)
+
+        faults, failure = FaultInjector(parse_faults(config.faults), config.seed), None
         try:
             with stop.deferred():
-                for batch in episode.batches():
-                    for tick in batch.ticks:
-                        pacer.wait_until(tick.stamp_ns)
-                        metrics.take(faults.corrupt(tick))
-                    account.take(batch)
-                    if watch is not None:
-                        watch(batch)
-                    now = time.monotonic()
-                    if result.first_row_s is None and log.rows:
-                        result = replace(result, first_row_s=now - started)
-                    result = replace(result, truth=batch.truth, wall_s=now - begun)
-                    show(_progress(result, metrics))
-                    if stop.signal is not None:
-                        result = replace(result, interrupted=stop.signal.name)
-                        break
+                for _ in drive(episode.batches(), faults, sink, (account, *observers), stop):
+                    pass
         except (RunFailed, LogError) as error:
-            result = replace(result, failure=str(error))
-        _mark(log, COMPLETE if result.failure is None else failed(result.failure))
-        return _counted(replace(result, along=account.along()), metrics)
-
-
-def _progress(result: RunResult, metrics: DirectMetrics) -> Progress:
-    return Progress(
-        simulated_s=result.simulated_s,
-        total_s=result.config.duration,
-        wall_s=result.wall_s,
-        path_length=result.truth.path_length,
-        messages=sum(metrics.fed.values()),
-    )
+            failure = str(error)
+        _mark(log, COMPLETE if failure is None else failed(failure))
+        return _counted(account.ended(failure=failure, interrupted=stop.name), metrics)
 
 
 def _mark(log: CsvLog, outcome: Outcome | None) -> None:

@@ -16,12 +16,13 @@ from tempfile import TemporaryDirectory
 from harness.config import EpisodeConfig
 from harness.episode.batch import Batch
 from harness.episode.direct import run_direct
+from harness.episode.loop import Observer
 from harness.episode.result import Progress, RunResult
 from harness.errors import RunFailed
 from harness.interrupt import Interrupted, StopRequest
 from harness.samples import LaserScan, Sample
 
-Run = Callable[[EpisodeConfig, Path, StopRequest, Callable[[Batch], None]], RunResult]
+Run = Callable[[EpisodeConfig, Path, StopRequest, Observer], RunResult]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +54,7 @@ class StreamHash:
         self.samples = 0
         self._digest = hashlib.sha256()
 
-    def add(self, batch: Batch) -> None:
+    def take(self, batch: Batch) -> None:
         """Takes the next batch: everything in its ticks, its truth and its contact events."""
         for tick in batch.ticks:
             self._digest.update(repr(replace(tick, samples=())).encode())
@@ -83,7 +84,7 @@ def fingerprint(run: Run, config: EpisodeConfig, stop: StopRequest) -> Fingerpri
     """
     stream = StreamHash()
     with TemporaryDirectory(prefix="harness_check_") as folder:
-        result = run(config, Path(folder), stop, stream.add)
+        result = run(config, Path(folder), stop, stream)
         if stop.signal is not None:
             raise Interrupted(stop.signal)
         if result.failure is not None or result.log_path is None:
@@ -92,11 +93,9 @@ def fingerprint(run: Run, config: EpisodeConfig, stop: StopRequest) -> Fingerpri
     return Fingerprint(stream.samples, result.rows, result.lost, stream.hexdigest(), csv)
 
 
-def direct(
-    config: EpisodeConfig, folder: Path, stop: StopRequest, watch: Callable[[Batch], None]
-) -> RunResult:
+def direct(config: EpisodeConfig, folder: Path, stop: StopRequest, observer: Observer) -> RunResult:
     """A run without ROS, as fast as possible."""
-    return run_direct(config, folder, None, stop, _show_nothing, watch)
+    return run_direct(config, folder, None, stop, _show_nothing, [observer])
 
 
 def direct_in_fresh_process(config: EpisodeConfig) -> Fingerprint:

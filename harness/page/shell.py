@@ -33,9 +33,7 @@ def fill(name: str, content: Mapping[str, Any], package: str) -> str:
 
 def _environment(package: str) -> Environment:
     environment = Environment(
-        loader=ChoiceLoader(
-            [PackageLoader(folder, ASSETS) for folder in (package, SHARED)]
-        ),
+        loader=ChoiceLoader([PackageLoader(folder, ASSETS) for folder in (package, SHARED)]),
         autoescape=True,  # names come from users
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -41,7 +41,7 @@ class RunReport:
             message = f"--report {path}: {folder} is not writable ({error.strerror}); choose another"
             raise UsageError(message) from error
 
-    def watch(self, batch: Batch) -> None:
+    def take(self, batch: Batch) -> None:
         """Takes the next batch of the run."""
         if self._path is not None:
             self._recorder.take(batch)

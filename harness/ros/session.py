@@ -10,11 +10,10 @@ from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 
 from harness.config import EpisodeConfig
-from harness.episode.batch import Batch
+from harness.episode.loop import Observer, RunAccount, drive
 from harness.episode.pacing import Pacer
 from harness.episode.result import Progress, RunResult, TopicCount
 from harness.episode.stream import EpisodeProcess
-from harness.episode.truth_account import TruthAccount
 from harness.errors import RunFailed
 from harness.faults.injector import FaultInjector, disturb_time
 from harness.faults.spec import parse_faults
@@ -28,8 +27,8 @@ from harness.ros.lockstep import SECOND_PUBLISHER, HostedMetrics, Listener, Lock
 from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, RemoteNode
 from harness.ros.startup import await_match, metrics_node, refuse_other_publishers
+from harness.samples import Tick
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sim_time import NANOSECONDS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +57,7 @@ def run_through_ros(
     options: RosOptions,
     stop: StopRequest,
     show: Callable[[Progress], None],
-    watch: Callable[[Batch], None] | None = None,
+    observers: Sequence[Observer] = (),
 ) -> RunResult:
     """Runs an episode and returns what it came to, also when it failed underway.
 
@@ -67,7 +66,7 @@ def run_through_ros(
         options: How it goes through ROS.
         stop: Ends the run early.
         show: Is told the progress after every batch.
-        watch: Sees every batch once it has been published.
+        observers: See every batch once it has been published.
 
     Raises:
         UsageError: Something is wrong with the arguments or the environment.
@@ -80,7 +79,7 @@ def run_through_ros(
         run = _Run(config, options, context, source, at_end)
         if recorder is not None:
             run.record(recorder)
-        return run.drive(stop, show, watch, started)
+        return run.drive(stop, show, observers, started)
 
 
 class _Run:
@@ -128,7 +127,7 @@ class _Run:
         self,
         stop: StopRequest,
         show: Callable[[Progress], None],
-        watch: Callable[[Batch], None] | None,
+        observers: Sequence[Observer],
         started: float,
     ) -> RunResult:
         """Publishes the episode tick by tick until its end, a failure or a stop request."""
@@ -137,63 +136,49 @@ class _Run:
         info = self._source.info  # waits for the world: other runs are discovered by then
         self._executor.spin_once(timeout_sec=0.0)
         refuse_other_publishers(self._bridge, self._hosted.topics if self._hosted else ())
-        result = RunResult(config=self._config, mode=self._mode(), info=info)
-        account = TruthAccount()
-        begun = time.monotonic()
+        account = RunAccount(
+            RunResult(config=self._config, mode=self._mode(), info=info),
+            *(started, show, self._messages, self._rows, lambda: self._controls.held_s),
+        )
         pacer = Pacer(self._options.rate, sleep=stop.sleep)
-        try:
-            with stop.deferred():
-                for batch in self._source.batches():
-                    self._publish(batch, lockstep, pacer, stop)
-                    account.take(batch)
-                    if watch is not None:
-                        watch(batch)
-                    result = self._after(batch, result, begun, started)
-                    show(self._progress(batch, result.wall_s))
-                    if stop.signal is not None:
-                        result = replace(result, interrupted=stop.signal.name)
-                        break
-        except RunFailed as error:
-            result = replace(result, failure=str(error))
-        except Overdue as error:
-            self._remotes = []  # one of them hangs: it will not tell what it has received
-            result = replace(result, interrupted=error.signal.name)
-        except (ExternalShutdownException, RuntimeError):
-            if self._context.ok():
-                raise
-            self._remotes = []
-            result = replace(result, failure="ROS 2 was shut down from outside this run")
-        return self._counted(replace(result, along=account.along()))
 
-    def _publish(self, batch: Batch, lockstep: LockStep, pacer: Pacer, stop: StopRequest) -> None:
-        for tick in batch.ticks:
+        def sink(tick: Tick, sent: Tick) -> None:
             pacer.postpone(self._controls.hold(stop))
             pacer.wait_until(tick.stamp_ns)
             self._controls.time_ns = tick.stamp_ns
             if self._recorder is not None:
                 self._recorder.time_ns = tick.stamp_ns
-            lockstep.advance(self._faults.corrupt(tick))
+            lockstep.advance(sent)
 
-    def _after(self, batch: Batch, result: RunResult, begun: float, started: float) -> RunResult:
-        now = time.monotonic()
-        if result.first_row_s is None and self._node is not None and self._node.rows:
-            result = replace(result, first_row_s=now - started)
-        held = self._controls.held_s
-        return replace(result, truth=batch.truth, wall_s=now - begun - held, paused_s=held)
+        failure, interrupted = None, None
+        try:
+            with stop.deferred():
+                batches = self._source.batches()
+                for _ in drive(batches, self._faults, sink, (account, *observers), stop):
+                    pass
+            interrupted = stop.name
+        except RunFailed as error:
+            failure = str(error)
+        except Overdue as error:
+            self._remotes = []  # one of them hangs: it will not tell what it has received
+            interrupted = error.signal.name
+        except (ExternalShutdownException, RuntimeError):
+            if self._context.ok():
+                raise
+            self._remotes = []
+            failure = "ROS 2 was shut down from outside this run"
+        return self._counted(account.ended(failure=failure, interrupted=interrupted))
 
     def _mode(self) -> str:
         hosted = "hosted metrics_node" if self._hosted else "no metrics_node"
         waited = f", lock-step with {', '.join(self._options.wait_for)}" if self._remotes else ""
         return f"ROS 2, {hosted}{waited}"
 
-    def _progress(self, batch: Batch, wall_s: float) -> Progress:
-        return Progress(
-            simulated_s=batch.truth.time_ns / NANOSECONDS,
-            total_s=self._config.duration,
-            wall_s=wall_s,
-            path_length=batch.truth.path_length,
-            messages=sum(self._bridge.published().values()),
-        )
+    def _messages(self) -> int:
+        return sum(self._bridge.published().values())
+
+    def _rows(self) -> int:
+        return 0 if self._node is None else self._node.rows
 
     def _counted(self, result: RunResult) -> RunResult:
         topics = {t: TopicCount(published=n) for t, n in self._bridge.published().items()}

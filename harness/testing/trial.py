@@ -12,7 +12,9 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rclpy.signals import SignalHandlerOptions
 
 from harness.config import EpisodeConfig
+from harness.episode.batch import Batch
 from harness.episode.episode import Episode
+from harness.episode.loop import drive as drive_loop
 from harness.errors import UsageError
 from harness.faults.injector import FaultInjector, disturb_time
 from harness.faults.spec import parse_faults
@@ -88,9 +90,9 @@ class Trial:
         stay_local()
         self.domain = at_end.enter_context(reserved_domain())
         self._episode = Episode(self.config)
-        self._ticks = self._all_ticks()
         faults = parse_faults(self.config.faults)
-        self._faults = FaultInjector(faults, self.config.seed)
+        injector = FaultInjector(faults, self.config.seed)
+        self._ticks = drive_loop(self._batches(), injector, self._publish)
         rclpy.init(
             args=list(ON_SIMULATED_TIME),
             domain_id=self.domain,
@@ -202,20 +204,20 @@ class Trial:
         return (self._now_ns - began_ns) / NANOSECONDS
 
     def _advance(self) -> None:
-        tick = next(self._ticks, None)
-        if tick is None:
+        if next(self._ticks, None) is None:
             raise UsageError(f"the episode is over after {self.time:g} s; give a longer duration")
+
+    def _publish(self, tick: Tick, sent: Tick) -> None:
         self._now_ns = tick.stamp_ns
         for sample in tick.samples:
             if isinstance(sample, GroundTruth):
                 self._speed = sample.linear_velocity[0]
-        lockstep = LockStep(self._bridge, self._executor, tuple(self._subjects))
-        lockstep.advance(self._faults.corrupt(tick))
+        LockStep(self._bridge, self._executor, tuple(self._subjects)).advance(sent)
 
-    def _all_ticks(self) -> Iterator[Tick]:
+    def _batches(self) -> Iterator[Batch]:
         for batch in self._episode.batches():
             self.truth = batch.truth
-            yield from batch.ticks
+            yield batch
 
     def _connect(self) -> None:
         """Waits until the subscriptions here have matched the publishers that the graph shows."""

@@ -75,10 +75,10 @@ class Drawing:
         self._states = Path(folder) / "states"
         self._writer = self._at_end.enter_context(StateWriter(self._states, config))
 
-    def watch(self, batch: Batch) -> None:
+    def take(self, batch: Batch) -> None:
         """Keeps the states of a batch."""
         if self._writer is not None:
-            self._writer.watch(batch)
+            self._writer.take(batch)
 
     def finish(self) -> list[Path]:
         """Draws in a process of its own; returns the files written.

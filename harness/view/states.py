@@ -45,7 +45,7 @@ class StateWriter:
         """Completes the file."""
         self._file.close()
 
-    def watch(self, batch: Batch) -> None:
+    def take(self, batch: Batch) -> None:
         """Writes the states of a batch."""
         for tick in batch.ticks:
             if tick.stamp_ns % PERIOD_NS == 0:

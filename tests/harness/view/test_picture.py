@@ -44,7 +44,7 @@ def _opengl() -> None:
 def recorded(path: Path, config: EpisodeConfig = CONFIG) -> States:
     with StateWriter(path, config) as writer:
         for batch in Episode(config).batches():
-            writer.watch(batch)
+            writer.take(batch)
     return read_states(path)
 
 
@@ -52,7 +52,7 @@ def test_states_are_those_of_the_episode(tmp_path: Path) -> None:
     episode = Episode(CONFIG)
     with StateWriter(tmp_path / "states", CONFIG) as writer:
         for batch in episode.batches():
-            writer.watch(batch)
+            writer.take(batch)
     states = read_states(tmp_path / "states")
     np.testing.assert_allclose(states.times, np.arange(1, 51) * 0.04)
     np.testing.assert_array_equal(states.path[-1], episode.simulation.data.qpos[:3])
