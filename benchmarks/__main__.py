@@ -13,10 +13,10 @@ from benchmarks.measuring import FULL, QUICK, Effort, Table
 from benchmarks.readme import README, conditions, write_readme
 from benchmarks.registry import BENCHMARKS, Benchmark
 from benchmarks.show import printable
-from harness.cli.parser import OneLineParser
 from harness.errors import HarnessError
 from harness.interrupt import StopRequest
 from harness.ros.domain import own_domain
+from rover_metrics.command_line import OneLineParser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

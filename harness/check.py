@@ -18,7 +18,6 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from harness.cli.parser import OneLineParser
 from harness.config import EpisodeConfig
 from harness.episode.fingerprint import Fingerprint, direct, direct_in_fresh_process, fingerprint
 from harness.episode.loop import Observer
@@ -27,6 +26,7 @@ from harness.errors import HarnessError, UsageError
 from harness.interrupt import StopRequest
 from harness.robots import ROVERS
 from harness.sensors.noise import DEFAULT_PRESET
+from rover_metrics.command_line import OneLineParser
 
 DEFAULT_DURATION = 20.0  # [s]
 SHORTEST_DURATION = 5.0  # [s]: two seeds may need that long to show different rows

@@ -1,5 +1,10 @@
 """What can go wrong, as types: the commands turn each into one line and an exit code."""
 
+from collections.abc import Mapping
+from typing import TypeVar
+
+T = TypeVar("T")
+
 
 class HarnessError(Exception):
     """Base of everything that this project raises on purpose."""
@@ -19,3 +24,19 @@ class RunFailed(HarnessError):
 
 class Diverged(RunFailed):
     """The simulation blew up: what it said before is not to be trusted either."""
+
+
+def find_named(kind: str, name: str, available: Mapping[str, T]) -> T:
+    """Returns the value of that name.
+
+    Args:
+        kind: What it is, for the message.
+        name: As the user gave it.
+        available: All there are, by name.
+
+    Raises:
+        UsageError: There is none of that name; the message lists the names.
+    """
+    if name not in available:
+        raise UsageError(f"{kind} '{name}' does not exist; available: {', '.join(available)}")
+    return available[name]

@@ -1,40 +1,26 @@
-"""Files that are there whole or not at all."""
+"""Files that a command writes: found out before the run whether they can be, whole or not at all."""
 
-import contextlib
-import os
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 
 from harness.errors import UsageError
+from rover_metrics.log.files import whole_file
+
+__all__ = ["check_target", "whole_file"]
 
 
-@contextlib.contextmanager
-def whole_file(target: Path) -> Iterator[Path]:
-    """A file beside the target that takes its place if all goes well; a link there is not followed."""
-    handle, name = tempfile.mkstemp(dir=target.parent, suffix=".part")
-    os.close(handle)
-    part = Path(name)
-    try:
-        yield part
-        part.chmod(0o644)
-        part.replace(target)
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def check_target(flag: str, target: Path, suffix: str) -> None:
+def check_target(flag: str, target: Path, suffix: str = "") -> None:
     """Finds out before a run whether a file can be written.
 
     Args:
         flag: Where the user named it.
         target: The file; it may exist.
-        suffix: How its name must end.
+        suffix: How its name must end; any name will do without one.
 
     Raises:
         UsageError: It cannot, or the name ends otherwise.
     """
-    if target.suffix.lower() != suffix:
+    if suffix and target.suffix.lower() != suffix:
         raise UsageError(f"{flag} '{target}': name a file that ends in {suffix}")
     try:
         if target.is_dir():
@@ -44,4 +30,5 @@ def check_target(flag: str, target: Path, suffix: str) -> None:
         with tempfile.TemporaryFile(dir=target.parent):
             pass
     except OSError as error:
-        raise UsageError(f"{flag} {target} cannot be written: {error.strerror}") from error
+        message = f"{flag} {target}: {target.parent} is not writable ({error.strerror}); choose another"
+        raise UsageError(message) from error

@@ -7,7 +7,7 @@ here are those of RoboTerrain's launch and SDF files unless a comment names anot
 from dataclasses import dataclass
 from pathlib import Path
 
-from harness.errors import UsageError
+from harness.errors import find_named
 
 MODELS_DIR = next(
     folder
@@ -155,7 +155,4 @@ def find_rover(name: str) -> RoverSpec:
     Raises:
         UsageError: No such rover; the message names those there are.
     """
-    if name not in ROVERS:
-        message = f"robot '{name}' does not exist; available: {', '.join(ROVERS)}"
-        raise UsageError(message)
-    return ROVERS[name]
+    return find_named("robot", name, ROVERS)

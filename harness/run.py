@@ -28,10 +28,11 @@ from harness.cli.options import (
 )
 from harness.config import EpisodeConfig
 from harness.episode.loop import Observer
-from harness.episode.manifest import check_writable, write_manifest
+from harness.episode.manifest import write_manifest
 from harness.episode.metrics_feed import extended_ros_args
 from harness.episode.result import Progress, RunResult
 from harness.errors import HarnessError, UsageError
+from harness.files import check_target
 from harness.interrupt import StopRequest
 from harness.report import RunReport
 from harness.robots import find_rover
@@ -94,7 +95,7 @@ def _run(
     config.validate()
     check_combination(options, ros_args)
     if options.summary is not None:
-        check_writable(options.summary)
+        check_target("--summary", options.summary)
     report.prepare()
     for note in config.world().notes if is_terrain_file(config.terrain) else ():
         console.print(f"{config.terrain}: {note}", soft_wrap=True, highlight=False)

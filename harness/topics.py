@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.live import Live
 
-from harness.cli.parser import OneLineParser
 from harness.errors import HarnessError, UsageError
 from harness.interrupt import Overdue, StopRequest
+from rover_metrics.command_line import OneLineParser
 
 if TYPE_CHECKING:
     from rclpy.executors import Executor

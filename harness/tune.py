@@ -16,7 +16,6 @@ if __name__ == "__main__":  # what follows takes a second to load; Ctrl-C must n
 
 from rich.console import Console
 
-from harness.cli.parser import OneLineParser
 from harness.errors import HarnessError
 from harness.interrupt import Interrupted, StopRequest
 from harness.robots import ROVERS, find_rover
@@ -27,6 +26,7 @@ from harness.tuning.episodes.sweep import sweep
 from harness.tuning.output import write_results
 from harness.tuning.progress import SweepProgress, print_studies
 from harness.tuning.scoring.study import RobotStudy, study
+from rover_metrics.command_line import OneLineParser
 
 EPISODES, DURATION, OUT = 64, 90.0, Path("tuning")
 

@@ -13,13 +13,13 @@ from pathlib import Path
 
 from rich.console import Console
 
-from harness.cli.parser import OneLineParser
 from harness.errors import HarnessError, UsageError
 from harness.robots import MODELS_DIR, ROVERS, find_rover
 from harness.validation.realism import compare, print_comparison
 from harness.validation.recorded import DEFAULT_LOGS
 from harness.validation.suite import validate
 from harness.validation.table import as_markdown, print_table, write_between_markers
+from rover_metrics.command_line import OneLineParser
 
 README = MODELS_DIR / "README.md"
 

@@ -17,10 +17,10 @@ from benchmarks.show import printable
 from benchmarks.soak.outcome import COLUMNS, Outcome
 from benchmarks.soak.plan import FULL, QUICK, Plan
 from benchmarks.soak.scenarios import SCENARIOS, Reference
-from harness.cli.parser import OneLineParser
 from harness.errors import HarnessError, RunFailed
 from harness.interrupt import StopRequest
 from harness.ros.domain import own_domain
+from rover_metrics.command_line import OneLineParser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

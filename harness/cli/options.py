@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from harness import __version__
-from harness.cli.parser import OneLineParser
 from harness.config import EpisodeConfig
 from harness.drivers import DRIVERS
 from harness.errors import UsageError
@@ -14,6 +13,7 @@ from harness.faults.kinds import describe_faults
 from harness.faults.spec import FORM
 from harness.robots import ROVERS
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
+from rover_metrics.command_line import OneLineParser
 
 DEFAULT_LOG_DIR = Path("metrics_analyzer/data/metric_logs")
 SLOWEST_RATE = 0.01

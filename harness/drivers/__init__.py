@@ -6,7 +6,7 @@ from harness.drivers.encounters import Graze, PassBy, Ram, ReverseInto, Swing
 from harness.drivers.roam import Roam
 from harness.drivers.scripted import Figure8, Spin, Straight
 from harness.drivers.wander import Wander
-from harness.errors import UsageError
+from harness.errors import find_named
 
 __all__ = ["DRIVERS", "CmdVel", "Driver", "DriverContext", "Observation", "find_driver"]
 
@@ -31,7 +31,4 @@ def find_driver(name: str) -> type[Driver]:
     Raises:
         UsageError: No such driver; the message names those there are.
     """
-    if name not in DRIVERS:
-        message = f"driver '{name}' does not exist; available: {', '.join(DRIVERS)}"
-        raise UsageError(message)
-    return DRIVERS[name]
+    return find_named("driver", name, DRIVERS)

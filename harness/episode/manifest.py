@@ -1,8 +1,6 @@
 """The JSON that stands beside a run's CSV: everything needed to repeat, judge and believe it."""
 
 import json
-import math
-import os
 import platform
 import re
 from dataclasses import asdict
@@ -16,6 +14,7 @@ from harness.errors import UsageError
 from harness.files import whole_file
 from harness.sim_time import NANOSECONDS
 from harness.truth.events import ContactEvent
+from rover_metrics.log.files import json_safe
 
 FLAT_LIST = re.compile(r"\[[^\[\]{}\"]+\]")  # of numbers: one line for each is too much
 PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy")
@@ -23,7 +22,7 @@ PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy")
 
 def manifest(result: RunResult) -> dict[str, Any]:
     """The run as JSON values; infinite numbers become null."""
-    values: dict[str, Any] = _json_safe(
+    values: dict[str, Any] = json_safe(
         {
             "arguments": asdict(result.config),
             "mode": result.mode,
@@ -64,20 +63,6 @@ def write_manifest(result: RunResult, path: Path) -> None:
     except OSError as error:
         message = f"cannot write the summary to {path}: {error.strerror}"
         raise UsageError(message) from error
-
-
-def check_writable(path: Path) -> None:
-    """Finds out before a run whether a file can be written to that place.
-
-    Raises:
-        UsageError: It cannot.
-    """
-    if path.is_dir():
-        raise UsageError(f"--summary {path} is a folder; name a file")
-    if not path.parent.is_dir():
-        raise UsageError(f"--summary {path}: there is no folder {path.parent}; create it first")
-    if not os.access(path.parent, os.W_OK):
-        raise UsageError(f"--summary {path}: {path.parent} is not writable")
 
 
 def _outcome(result: RunResult) -> dict[str, str | None]:
@@ -132,13 +117,3 @@ def _version(package: str) -> str | None:
         return version(package)
     except PackageNotFoundError:
         return None
-
-
-def _json_safe(value: Any) -> Any:  # noqa: ANN401 - any JSON value
-    if isinstance(value, dict):
-        return {key: _json_safe(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_json_safe(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

@@ -1,12 +1,11 @@
 """The report of a run as its command sees it: asked for or not, watching, written at the end."""
 
-import tempfile
 from pathlib import Path
 
 from harness.episode.batch import Batch
 from harness.episode.result import RunResult
-from harness.errors import HarnessError, UsageError
-from harness.files import whole_file
+from harness.errors import HarnessError
+from harness.files import check_target, whole_file
 from harness.report.recorder import RunRecorder
 
 
@@ -27,19 +26,8 @@ class RunReport:
         Raises:
             UsageError: It cannot; the message names the mend.
         """
-        if self._path is None:
-            return
-        path, folder = self._path, self._path.parent
-        if path.is_dir():
-            raise UsageError(f"--report {path} is a folder; name a file")
-        if not folder.is_dir():
-            raise UsageError(f"--report {path}: there is no folder {folder}; create it first")
-        try:
-            with tempfile.TemporaryFile(dir=folder):
-                pass  # os.access would not do: to root it says yes even in /proc
-        except OSError as error:
-            message = f"--report {path}: {folder} is not writable ({error.strerror}); choose another"
-            raise UsageError(message) from error
+        if self._path is not None:
+            check_target("--report", self._path)
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch of the run."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from harness.errors import UsageError
+from harness.errors import find_named
 from harness.samples import Imu, LaserScan, Odometry, Sample
 from harness.sensors.corruption import AxisErrors, AxisTriad, ContactChatter, RangeErrors
 
@@ -82,10 +82,7 @@ def find_preset(name: str) -> NoisePreset:
     Raises:
         UsageError: No such preset; the message names those there are.
     """
-    if name not in PRESETS:
-        message = f"noise preset '{name}' does not exist; available: {', '.join(PRESETS)}"
-        raise UsageError(message)
-    return PRESETS[name]
+    return find_named("noise preset", name, PRESETS)
 
 
 def chosen_preset(choice: bool | str) -> NoisePreset | None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.errors import UsageError
+from harness.errors import UsageError, find_named
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle
 from harness.world.terrain import Terrain
@@ -37,10 +37,7 @@ def find_terrain(name: str) -> type[Terrain]:
     Raises:
         UsageError: No such terrain; the message names those there are.
     """
-    if name not in TERRAINS:
-        message = f"terrain '{name}' does not exist; available: {', '.join(TERRAINS)}"
-        raise UsageError(message)
-    return TERRAINS[name]
+    return find_named("terrain", name, TERRAINS)
 
 
 def build_world(name: str, seed: int, difficulty: float = DEFAULT_DIFFICULTY) -> World:

@@ -99,14 +99,15 @@ def test_a_reset_is_a_jump_of_the_pose_and_of_nothing_else(
     batches: list[Batch] = []
     answers: list[Any] = []
 
-    def watch(batch: Batch) -> None:
-        batches.append(batch)
-        if len(batches) == 50:
-            future = caller.ask("reset", Trigger.Request())
-            assert spin_until(executors[0], lambda: caller.has_heard(future), PATIENCE)
-            answers.append(future.result())
+    class Watcher:
+        def take(self, batch: Batch) -> None:
+            batches.append(batch)
+            if len(batches) == 50:
+                future = caller.ask("reset", Trigger.Request())
+                assert spin_until(executors[0], lambda: caller.has_heard(future), PATIENCE)
+                answers.append(future.result())
 
-    result = run(tmp_path, config, StopRequest(), watch=watch)
+    result = run(tmp_path, config, StopRequest(), observers=[Watcher()])
     assert result.failure is None
     assert answers[0].success
     first_after = next(i for i, batch in enumerate(batches) if batch.truth.resets)

@@ -30,7 +30,7 @@ REFERENCE = Fingerprint(samples=10, rows=2, lost=0, stream="a1", csv="b2")
 def stream_hash(config: EpisodeConfig) -> str:
     stream = StreamHash()
     for batch in Episode(config).batches():
-        stream.add(batch)
+        stream.take(batch)
     return stream.hexdigest()
 
 

@@ -60,7 +60,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunResult, RunRecorde
             None,
             stop,
             lambda _: None,
-            recorder.take,
+            [recorder],
         )
     return result, recorder
 

@@ -1,10 +1,9 @@
 """The outcome of an analysis as values, which print themselves and turn into JSON."""
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any, Literal
+from typing import Literal
 
 from rich.console import Console, ConsoleOptions, RenderResult
 
@@ -12,6 +11,7 @@ from rover_metrics.analysis import tables
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.correlation import Correlation
 from rover_metrics.analysis.statistics.summary import Summary
+from rover_metrics.log.files import json_safe
 
 Unit = Literal["log", "episode"]
 
@@ -87,7 +87,7 @@ class Result:
 
     def to_json(self) -> str:
         """Give everything as strict JSON; a number that does not exist is null."""
-        return json.dumps(_plain(asdict(self)), indent=2, ensure_ascii=False, allow_nan=False)
+        return json.dumps(json_safe(asdict(self)), indent=2, ensure_ascii=False, allow_nan=False)
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         for log in self.logs:
@@ -98,13 +98,3 @@ class Result:
             yield from tables.correlation_table(self)
         if self.comparisons:
             yield from tables.comparison_tables(self, options.max_width)
-
-
-def _plain(value: Any) -> Any:  # noqa: ANN401  # whatever a dataclass holds
-    if isinstance(value, Mapping):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

@@ -2,25 +2,17 @@
 
 import argparse
 from pathlib import Path
-from typing import NoReturn
 
 from rover_metrics.bag.recorded_topics import CLOCK, SENSORS, TRUTH
+from rover_metrics.command_line import OneLineParser
 from rover_metrics.timing.recorded_time import TimeSource
 
 DEFAULT_LOG_DIR = Path("metrics_analyzer/data/metric_logs")
 
 
-class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line, as all others of this command."""
-
-    def error(self, message: str) -> NoReturn:
-        """Print the message and leave with exit code 2."""
-        self.exit(2, f"replay: {message}; see --help\n")
-
-
 def parser() -> argparse.ArgumentParser:
     """Make the parser."""
-    parser = _Parser(
+    parser = OneLineParser(
         prog="python -m rover_metrics.replay",
         description="Computes the traversal metrics of a recorded drive, as metrics_node would have.",
         epilog="A row holds everything up to and including its full second. Recordings that were "

@@ -4,15 +4,13 @@ harness.run replaces it by its own, richer one, which has the same key.
 """
 
 import json
-import os
-import tempfile
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from datetime import datetime
 from enum import Enum
 from pathlib import Path
 from typing import Any
 
+from rover_metrics.log.files import whole_file
 from rover_metrics.errors import LogError, ThresholdError
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 
@@ -93,7 +91,8 @@ def write_record(log: Path, outcome: Outcome | None, details: Mapping[str, Any])
     path = log.with_suffix(".json")
     text = json.dumps({"log": str(log), "outcome": outcome, **details}, indent=2) + "\n"
     try:
-        _replace(path, text)
+        with whole_file(path) as part:
+            part.write_text(text, encoding="utf-8")
     except OSError as error:
         message = f"cannot write the session's record to {path}: {error.strerror}"
         raise LogError(message) from error
@@ -125,16 +124,3 @@ def _read(log: str | Path) -> dict[str, Any]:
     except (OSError, ValueError):
         return {}
     return record if isinstance(record, dict) else {}
-
-
-def _replace(path: Path, text: str) -> None:
-    descriptor, part = tempfile.mkstemp(dir=path.parent, prefix=path.stem, suffix=".part")
-    try:
-        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-            file.write(text)
-        Path(part).chmod(0o644)  # mkstemp lets nobody else read
-        Path(part).replace(path)
-    except OSError:
-        with suppress(OSError):
-            Path(part).unlink()
-        raise

@@ -3,7 +3,7 @@
 import argparse
 from typing import NoReturn
 
-from harness.errors import UsageError
+USAGE_EXIT_CODE = 2
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -11,5 +11,5 @@ class OneLineParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Prints the message and leaves with exit code 2."""
-        command = self.prog.removeprefix("python -m ")
-        self.exit(UsageError.exit_code, f"{command}: {message}; see --help\n")
+        command = self.prog.removeprefix("python -m ").removeprefix("rover_metrics.")
+        self.exit(USAGE_EXIT_CODE, f"{command}: {' '.join(message.split())}; see --help\n")
