@@ -7,10 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from harness.config import EpisodeConfig
+from harness.config import EpisodeConfig, RosOptions
 from harness.episode.result import Progress, RunResult
 from harness.interrupt import Interrupted, StopRequest
-from harness.ros.session import RosOptions, run_through_ros
+from harness.ros.session import run_through_ros
 
 QUIET = ("--ros-args", "--log-level", "warn")
 NODE = "/metrics_node"

@@ -18,7 +18,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from harness.config import EpisodeConfig
+from harness.config import EpisodeConfig, RosOptions
 from harness.episode.fingerprint import Fingerprint, direct, direct_in_fresh_process, fingerprint
 from harness.episode.loop import Observer
 from harness.episode.result import Progress, RunResult
@@ -96,7 +96,7 @@ def judged(run: str, found: Fingerprint, reference: Fingerprint, *, equal: bool 
 def _ros_finding(config: EpisodeConfig, stop: StopRequest, reference: Fingerprint) -> Finding:
     try:
         # As in harness.run, the one import of rclpy: everything else works where there is none.
-        from harness.ros.session import RosOptions, run_through_ros  # noqa: PLC0415
+        from harness.ros.session import run_through_ros  # noqa: PLC0415
     except ImportError as error:
         return _skipped(f"ROS 2 is not importable ({error})")
 
@@ -109,11 +109,11 @@ def _ros_finding(config: EpisodeConfig, stop: StopRequest, reference: Fingerprin
     return judged("through ROS 2", fingerprint(through_ros, config, stop), reference)
 
 
-def _private_topics() -> list[str]:
+def _private_topics() -> tuple[str, ...]:
     """ROS arguments that keep the check apart from any rover or simulation in the same domain."""
     namespace = f"/harness_check_{os.getpid()}"
     remapping = ("-r", f"__ns:={namespace}", "-r", f"/clock:={namespace}/clock")
-    return ["--ros-args", *remapping, "--log-level", "warn"]
+    return ("--ros-args", *remapping, "--log-level", "warn")
 
 
 def _skipped(reason: str) -> Finding:

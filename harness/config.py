@@ -96,3 +96,24 @@ class EpisodeConfig:
             raise UsageError(
                 f"{self.lidar_beams} lidar beams are not valid; give {FEWEST_BEAMS} to {MOST_BEAMS}"
             )
+
+
+@dataclass(frozen=True, kw_only=True)
+class RosOptions:
+    """How a run goes through ROS.
+
+    Attributes:
+        log_dir: Folder for the metrics CSV.
+        host_metrics: Whether to run a MetricsNode in this process.
+        wait_for: Names of nodes elsewhere to keep in lock-step.
+        rate: Simulated seconds per wall second; None is as fast as possible.
+        ros_args: Arguments from `--ros-args` on.
+        record: MCAP file to record every published message into.
+    """
+
+    log_dir: Path
+    host_metrics: bool = True
+    wait_for: tuple[str, ...] = ()
+    rate: float | None = None
+    ros_args: tuple[str, ...] = ()
+    record: Path | None = None

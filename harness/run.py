@@ -5,7 +5,6 @@
 Parses, calls, prints; the work is in harness.ros.session (through ROS) and harness.episode.direct (without).
 """
 
-import argparse
 import importlib
 import signal
 import sys
@@ -19,23 +18,13 @@ if __name__ == "__main__":  # what follows takes a second to load; Ctrl-C must n
 from rich.console import Console
 
 from harness.cli.console import RunProgress, print_choices, print_summary
-from harness.cli.options import (
-    check_combination,
-    config_of,
-    namespace_args,
-    run_parser,
-    split_ros_args,
-)
-from harness.config import EpisodeConfig
-from harness.episode.loop import Observer
+from harness.cli.options import RunOptions, parse_run
 from harness.episode.manifest import write_manifest
-from harness.episode.metrics_feed import extended_ros_args
-from harness.episode.result import Progress, RunResult
+from harness.episode.result import RunResult
 from harness.errors import HarnessError, UsageError
 from harness.files import check_target
 from harness.interrupt import StopRequest
 from harness.report import RunReport
-from harness.robots import find_rover
 from harness.view import headless
 from harness.view.drawing import Drawing
 from harness.world.heightmap.dem import is_terrain_file
@@ -43,35 +32,35 @@ from harness.world.heightmap.dem import is_terrain_file
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    words, ros_args = split_ros_args(sys.argv[1:] if arguments is None else arguments)
-    options = run_parser().parse_args(words)
     console = Console()
-    if options.list:
-        print_choices(console)
-        return 0
     try:
-        drawing = Drawing(
-            options.picture,
-            options.video,
-            lidar=options.picture_lidar,
-            backend=headless.REQUESTED,
-        )
-        report = RunReport(options.report)
-        _load(options)
-        with StopRequest() as stop, drawing:
-            result = _run(options, ros_args, stop, console, drawing, report)
-            result = replace(result, report=options.report)
-            exit_code = _report(result, options.summary, stop, console)
-            if (page := report.write(result)) is not None:
-                console.print(f"report: {page}", soft_wrap=True, highlight=False)
-            _draw(drawing, stop, console)
+        options = parse_run(sys.argv[1:] if arguments is None else arguments)
+        if options is None:
+            print_choices(console)
+            return 0
+        return _command(options, console)
     except HarnessError as error:
         print(f"harness.run: {error}", file=sys.stderr)
         return error.exit_code
+
+
+def _command(options: RunOptions, console: Console) -> int:
+    drawing = Drawing(
+        options.picture, options.video, lidar=options.picture_lidar, backend=headless.REQUESTED
+    )
+    report = RunReport(options.report)
+    _load(options)
+    with StopRequest() as stop, drawing:
+        result = _run(options, stop, console, drawing, report)
+        result = replace(result, report=options.report)
+        exit_code = _report(result, options.summary, stop, console)
+        if (page := report.write(result)) is not None:
+            console.print(f"report: {page}", soft_wrap=True, highlight=False)
+        _draw(drawing, stop, console)
     return exit_code
 
 
-def _load(options: argparse.Namespace) -> None:
+def _load(options: RunOptions) -> None:
     """Loads what only these options need: MuJoCo and compiled kernels.
 
     Not with this module: through ROS, only the process that simulates needs them. Not later: a signal
@@ -84,23 +73,16 @@ def _load(options: argparse.Namespace) -> None:
 
 
 def _run(
-    options: argparse.Namespace,
-    ros_args: Sequence[str],
-    stop: StopRequest,
-    console: Console,
-    drawing: Drawing,
-    report: RunReport,
+    options: RunOptions, stop: StopRequest, console: Console, drawing: Drawing, report: RunReport
 ) -> RunResult:
-    config = config_of(options)
+    config, ros = options.config, options.ros
     config.validate()
-    check_combination(options, ros_args)
     if options.summary is not None:
         check_target("--summary", options.summary)
     report.prepare()
     for note in config.world().notes if is_terrain_file(config.terrain) else ():
         console.print(f"{config.terrain}: {note}", soft_wrap=True, highlight=False)
     drawing.prepare(config)
-
     observers = (drawing, report)
     title = f"{config.robot} on {config.terrain}"
     with RunProgress(console, title, config.duration) as bar:
@@ -108,42 +90,22 @@ def _run(
             from harness.episode.direct import run_direct  # noqa: PLC0415 - see _load
 
             return run_direct(
-                *(config, options.log_dir, options.rate, stop, bar.show, observers),
-                extended=options.extended,
+                *(config, ros.log_dir, ros.rate, stop, bar.show, observers), extended=options.extended
             )
-        return _run_through_ros(options, config, ros_args, stop, bar.show, observers)
+        return _through_ros()(config, ros, stop, bar.show, observers)
 
 
-def _run_through_ros(
-    options: argparse.Namespace,
-    config: EpisodeConfig,
-    ros_args: Sequence[str],
-    stop: StopRequest,
-    show: Callable[[Progress], None],
-    observers: Sequence[Observer],
-) -> RunResult:
-    # The only import of rclpy on this side of harness.ros: --direct must work where there is none.
+def _through_ros() -> Callable[..., RunResult]:
+    """Returns run_through_ros: --direct must work where there is no rclpy."""
     try:
-        from harness.ros.session import RosOptions, run_through_ros  # noqa: PLC0415
+        from harness.ros.session import run_through_ros  # noqa: PLC0415
     except ImportError as error:
         message = (
             f"ROS 2 is not importable ({error}); install the extra with pip install -e '.[ros]', "
             "source a ROS 2 installation, or run with --direct, which needs none"
         )
         raise UsageError(message) from error
-    ros = RosOptions(
-        log_dir=options.log_dir,
-        host_metrics=not options.no_metrics,
-        wait_for=tuple(options.wait_for),
-        rate=options.rate,
-        ros_args=[
-            *namespace_args(options.namespace),
-            *(extended_ros_args(find_rover(config.robot)) if options.extended else ()),
-            *ros_args,
-        ],
-        record=options.record,
-    )
-    return run_through_ros(config, ros, stop, show, observers)
+    return run_through_ros
 
 
 def _report(result: RunResult, summary: Path | None, stop: StopRequest, console: Console) -> int:

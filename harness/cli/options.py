@@ -2,16 +2,18 @@
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from harness import __version__
-from harness.config import EpisodeConfig
+from harness.config import EpisodeConfig, RosOptions
 from harness.drivers import DRIVERS
+from harness.episode.metrics_feed import extended_ros_args
 from harness.errors import UsageError
 from harness.faults.kinds import describe_faults
 from harness.faults.spec import FORM
-from harness.robots import ROVERS
+from harness.robots import ROVERS, find_rover
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
 from rover_metrics.command_line import OneLineParser
 
@@ -31,37 +33,77 @@ def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
     return words[:start] + words[end:], words[start:end]
 
 
-def config_of(options: argparse.Namespace) -> EpisodeConfig:
-    """The episode that the options ask for, not checked yet."""
-    return EpisodeConfig(
-        terrain=options.terrain,
-        robot=options.robot,
-        seed=options.seed,
-        duration=options.duration,
-        driver=options.driver,
-        difficulty=options.difficulty,
-        terrain_size=options.terrain_size,
-        terrain_height=options.terrain_height,
-        timestep=options.timestep,
-        noise=options.noise,
-        lidar_beams=options.lidar_beams,
-        imu_rate=options.imu_rate,
-        faults=tuple(options.fault),
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """What the command line of harness.run asks for.
+
+    Attributes:
+        config: The episode, not checked yet.
+        ros: How it goes through ROS; `log_dir` and `rate` hold for a run without it too.
+        direct: Whether it does without ROS.
+        extended: Whether the extended columns are logged.
+        report: Page to write about the run; None for none. Likewise `summary`, `picture`, `video`.
+        picture_lidar: Whether pictures show the beams.
+    """
+
+    config: EpisodeConfig
+    ros: RosOptions
+    direct: bool
+    extended: bool
+    report: Path | None
+    summary: Path | None
+    picture: Path | None
+    video: Path | None
+    picture_lidar: bool
+
+
+def parse_run(arguments: Sequence[str]) -> RunOptions | None:
+    """Returns what the words of the command line ask for; None if it is the list of choices.
+
+    Raises:
+        UsageError: Two options exclude each other; the message names the mend.
+    """
+    words, ros_args = split_ros_args(arguments)
+    given = run_parser().parse_args(words)
+    if given.list:
+        return None
+    _check_combination(given, ros_args)
+    config = EpisodeConfig(
+        **{
+            item.name: getattr(given, item.name)
+            for item in fields(EpisodeConfig)
+            if item.name != "faults"
+        },
+        faults=tuple(given.fault),
+    )
+    extended_args = extended_ros_args(find_rover(config.robot)) if given.extended else ()
+    return RunOptions(
+        config=config,
+        ros=RosOptions(
+            log_dir=given.log_dir,
+            host_metrics=not given.no_metrics,
+            wait_for=tuple(given.wait_for),
+            rate=given.rate,
+            ros_args=(*_namespace_args(given.namespace), *extended_args, *ros_args),
+            record=given.record,
+        ),
+        direct=given.direct,
+        extended=given.extended,
+        report=given.report,
+        summary=given.summary,
+        picture=given.picture,
+        video=given.video,
+        picture_lidar=given.picture_lidar,
     )
 
 
-def namespace_args(namespace: str) -> list[str]:
+def _namespace_args(namespace: str) -> list[str]:
     """The ROS arguments that put every topic but /clock into a namespace."""
     name = namespace.strip("/")
     return ["--ros-args", "-r", f"__ns:=/{name}", "--"] if name else []
 
 
-def check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> None:
-    """Refuses options that exclude each other.
-
-    Raises:
-        UsageError: Two of them do; the message names the mend.
-    """
+def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> None:
     if options.extended and options.no_metrics:
         raise UsageError(
             "--extended is for the hosted metrics_node; start yours with -p extended_columns:=true"

@@ -3,13 +3,12 @@
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 
-from harness.config import EpisodeConfig
+from harness.config import EpisodeConfig, RosOptions
 from harness.episode.loop import Observer, RunAccount, drive
 from harness.episode.pacing import Pacer
 from harness.episode.result import Progress, RunResult, TopicCount
@@ -29,27 +28,6 @@ from harness.ros.remote import ANSWER_PATIENCE, RemoteNode
 from harness.ros.startup import await_match, metrics_node, refuse_other_publishers
 from harness.samples import Tick
 from harness.sensors.lidar_spec import LidarSpec
-
-
-@dataclass(frozen=True, kw_only=True)
-class RosOptions:
-    """How a run goes through ROS.
-
-    Attributes:
-        log_dir: Folder for the metrics CSV.
-        host_metrics: Whether to run a MetricsNode in this process.
-        wait_for: Names of nodes elsewhere to keep in lock-step.
-        rate: Simulated seconds per wall second; None is as fast as possible.
-        ros_args: Arguments from `--ros-args` on.
-        record: MCAP file to record every published message into.
-    """
-
-    log_dir: Path
-    host_metrics: bool = True
-    wait_for: tuple[str, ...] = ()
-    rate: float | None = None
-    ros_args: Sequence[str] = ()
-    record: Path | None = None
 
 
 def run_through_ros(

@@ -20,14 +20,14 @@ from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from std_srvs.srv import SetBool, Trigger
 
-from harness.config import EpisodeConfig
+from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
 from harness.episode.result import Progress, RunResult
 from harness.episode.stream import AHEAD
 from harness.interrupt import StopRequest
 from harness.ros import session
 from harness.ros.executor import make_executor, spin_until
-from harness.ros.session import RosOptions, run_through_ros
+from harness.ros.session import run_through_ros
 from harness.samples import Odometry, Pose
 
 PATIENCE = 30.0  # [s]
