@@ -13,7 +13,7 @@ from harness.errors import UsageError
 from harness.faults.spec import parse_faults
 from harness.robots import find_rover
 from harness.sensors.base import period_ticks
-from harness.sensors.noise import chosen_preset
+from harness.sensors.noise import find_preset
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
 from harness.world.heightmap.dem import TerrainFile, file_world, is_terrain_file
 from harness.world.world import DEFAULT_DIFFICULTY, World, build_world, find_terrain
@@ -36,7 +36,7 @@ class EpisodeConfig:
     terrain_size: tuple[float, float] | None = None  # [m] along x and y, of a terrain from a file
     terrain_height: float | None = None  # [m] of relief, likewise
     timestep: float = DEFAULT_TIMESTEP_NS / NANOSECONDS
-    noise: bool | str = False  # a preset's name; True for the default one
+    noise: str | None = None  # a preset's name; None for exact sensors
     lidar_beams: int = LIDAR_BEAMS
     imu_rate: int = IMU_RATE
     faults: tuple[str, ...] = ()  # on the way to listeners; the episode itself does not see them
@@ -86,7 +86,8 @@ class EpisodeConfig:
         parse_timestep(self.timestep)
         period_ticks(self.imu_rate)
         parse_faults(self.faults)
-        chosen_preset(self.noise)
+        if self.noise is not None:
+            find_preset(self.noise)
         check_duration(self.duration)
         if self.seed < 0:
             raise UsageError(f"seed {self.seed} is not valid; give a whole number from 0 up")

@@ -180,7 +180,7 @@ def _add_sensors(sensors: Group, defaults: EpisodeConfig) -> None:
     sensors.add_argument(
         "--noise",
         nargs="?",
-        const=True,
+        const=DEFAULT_PRESET,
         default=defaults.noise,
         metavar="NAME",
         help=f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_PRESET} if not named",

@@ -21,7 +21,7 @@ from harness.sensors.base import Sensor, period_ticks
 from harness.sensors.imu import ImuSensor
 from harness.sensors.lidar import Lidar, LidarSensor, beam_bearings
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.noise import SensorNoise, chosen_preset
+from harness.sensors.noise import SensorNoise, find_preset
 from harness.sensors.odometry import WheelOdometry
 from harness.sensors.state import TRUTH_RATE, GroundTruthSensor, JointSensor, PoseSensor, TruthSensor
 from harness.sim_time import NANOSECONDS, TICK_NS, parse_timestep
@@ -66,8 +66,12 @@ class Episode:
             JointSensor(self.simulation, period_ticks(STATE_RATE)),
             TruthSensor(self._recorder, period_ticks(TRUTH_RATE)),
         )
-        preset, limits = chosen_preset(config.noise), (lidar_spec.range_min, lidar_spec.range_max)
-        self._noise = None if preset is None else SensorNoise(preset, limits, scan_rng, imu_rng)
+        limits = (lidar_spec.range_min, lidar_spec.range_max)
+        self._noise = (
+            None
+            if config.noise is None
+            else SensorNoise(find_preset(config.noise), limits, scan_rng, imu_rng)
+        )
         self._bearings = beam_bearings(lidar_spec)
         self._begin()
 

@@ -85,17 +85,6 @@ def find_preset(name: str) -> NoisePreset:
     return find_named("noise preset", name, PRESETS)
 
 
-def chosen_preset(choice: bool | str) -> NoisePreset | None:
-    """The preset of a name, the default one for True, none for False.
-
-    Raises:
-        UsageError: No preset of that name.
-    """
-    if choice is False:
-        return None
-    return find_preset(DEFAULT_PRESET if choice is True else choice)
-
-
 class SensorNoise:
     """Corrupts scans and IMU readings; leaves everything else as it is.
 
