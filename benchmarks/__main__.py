@@ -16,7 +16,7 @@ from benchmarks.show import printable
 from harness.errors import HarnessError
 from harness.interrupt import StopRequest
 from harness.ros.domain import own_domain
-from rover_metrics.command_line import OneLineParser
+from rover_metrics.errors import OneLineParser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -26,7 +26,7 @@ from harness.errors import HarnessError, UsageError
 from harness.interrupt import StopRequest
 from harness.robots import ROVERS
 from harness.sensors.noise import DEFAULT_PRESET
-from rover_metrics.command_line import OneLineParser
+from rover_metrics.errors import OneLineParser
 
 DEFAULT_DURATION = 20.0  # [s]
 SHORTEST_DURATION = 5.0  # [s]: two seeds may need that long to show different rows

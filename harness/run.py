@@ -2,7 +2,8 @@
 
     python -m harness.run --terrain rocky --robot leo --seed 0
 
-Parses, calls, prints; the work is in harness.ros.session (through ROS) and harness.episode.direct (without).
+Parses, calls, prints; the work is in harness.ros.session (through ROS) and harness.episode.direct
+(without).
 """
 
 import importlib

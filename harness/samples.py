@@ -1,8 +1,9 @@
 """Sensor readings and what a tick of an episode carries: plain values, no ROS.
 
-They flow from harness.sensors through harness.episode.episode either into harness.ros.bridge (as topics) or
-straight into rover_metrics (harness.episode.direct). Stamps are simulation time in nanoseconds; frames and
-units follow REP-103: metres, radians, seconds, x forward, y left, z up; quaternions are (x, y, z, w).
+They flow from harness.sensors through harness.episode either into harness.ros.bridge (as topics) or
+straight into rover_metrics (harness.episode.direct). Stamps are simulation time in nanoseconds; frames
+and units follow REP-103: metres, radians, seconds, x forward, y left, z up; quaternions are
+(x, y, z, w).
 """
 
 from dataclasses import dataclass, fields

@@ -20,7 +20,7 @@ from rich.live import Live
 
 from harness.errors import HarnessError, UsageError
 from harness.interrupt import Overdue, StopRequest
-from rover_metrics.command_line import OneLineParser
+from rover_metrics.errors import OneLineParser
 
 if TYPE_CHECKING:
     from rclpy.executors import Executor

@@ -26,7 +26,7 @@ from harness.tuning.episodes.sweep import sweep
 from harness.tuning.output import write_results
 from harness.tuning.progress import SweepProgress, print_studies
 from harness.tuning.scoring.study import RobotStudy, study
-from rover_metrics.command_line import OneLineParser
+from rover_metrics.errors import OneLineParser
 
 EPISODES, DURATION, OUT = 64, 90.0, Path("tuning")
 

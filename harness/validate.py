@@ -19,7 +19,7 @@ from harness.validation.realism import compare, print_comparison
 from harness.validation.recorded import DEFAULT_LOGS
 from harness.validation.suite import validate
 from harness.validation.table import as_markdown, print_table, write_between_markers
-from rover_metrics.command_line import OneLineParser
+from rover_metrics.errors import OneLineParser
 
 README = MODELS_DIR / "README.md"
 

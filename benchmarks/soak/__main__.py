@@ -20,7 +20,7 @@ from benchmarks.soak.scenarios import SCENARIOS, Reference
 from harness.errors import HarnessError, RunFailed
 from harness.interrupt import StopRequest
 from harness.ros.domain import own_domain
-from rover_metrics.command_line import OneLineParser
+from rover_metrics.errors import OneLineParser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

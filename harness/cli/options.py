@@ -15,7 +15,7 @@ from harness.faults.kinds import describe_faults
 from harness.faults.spec import FORM
 from harness.robots import ROVERS, find_rover
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
-from rover_metrics.command_line import OneLineParser
+from rover_metrics.errors import OneLineParser
 
 DEFAULT_LOG_DIR = Path("metrics_analyzer/data/metric_logs")
 SLOWEST_RATE = 0.01

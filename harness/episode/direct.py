@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.episode.loop import Observer, RunAccount, drive
-from harness.episode.metrics_feed import SampleIntake, extended_settings
+from harness.episode.metrics_feed import SampleFeed, extended_settings
 from harness.episode.pacing import Pacer
 from harness.episode.result import Progress, RunResult, TopicCount
 from harness.errors import RunFailed, UsageError
@@ -23,79 +23,45 @@ from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.interrupt import StopRequest
 from harness.robots import find_rover
-from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState
+from harness.samples import Tick
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
-from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.errors import LogError
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.log.session_record import COMPLETE, Outcome, failed, write_record
-from rover_metrics.session import RowSource
+from rover_metrics.session import MetricsSession
 from rover_metrics.timing.row_schedule import RowSchedule
 
 if TYPE_CHECKING:
     from rover_metrics.core.row import Row
 
-TOPICS: dict[type, tuple[str, ...]] = {
-    LaserScan: ("/scan",),
-    Imu: ("/imu/data",),
-    Pose: ("/rover/pose_array",),
-    Odometry: ("/odometry/wheels",),
-}
-TRUTH_TOPICS: dict[type, tuple[str, ...]] = {
-    GroundTruth: ("/odom_ground_truth",),
-    TruthState: ("/rover/truth/contact", "/rover/truth/traversal"),
-}
-
 
 class DirectMetrics:
-    """Feeds ticks to the metric core and writes a row each simulated second.
+    """Feeds ticks to a session of metrics and writes a row each simulated second.
 
     Args:
         log: Where the rows go.
-        source: The metrics.
-        extended: How samples get into the extended columns; None without.
+        session: The metrics.
+        lidar: Whose scans they are made of.
 
     Attributes:
-        fed: Samples taken, by the name of the topic that they would have had.
+        feed: Counts the samples taken.
         last_row: The latest row, or None.
     """
 
-    def __init__(self, log: CsvLog, source: RowSource, extended: SampleIntake | None = None) -> None:
-        self.log, self._source, self._extended = log, source, extended
-        self._topics = TOPICS if extended is None else TOPICS | TRUTH_TOPICS
-        self.fed = {topic: 0 for topics in self._topics.values() for topic in topics}
+    def __init__(self, log: CsvLog, session: MetricsSession, lidar: LidarSpec) -> None:
+        self.log, self._session = log, session
+        self.feed = SampleFeed(session, lidar)
         self._schedule = RowSchedule(NANOSECONDS)
         self.last_row: Row | None = None
 
     def take(self, tick: Tick) -> None:
         """Takes a tick; the row of a full second comes after its samples."""
         for sample in tick.samples:
-            used = self._take_sample(sample)
-            if self._extended is not None:
-                self._extended.take(sample, used=used)
-            for topic in self._topics.get(type(sample), ()):
-                self.fed[topic] += 1
+            self.feed.take(sample)
         if tick.tells_time and self._schedule.is_due(tick.stamp_ns):
-            self.last_row = self._source.row(tick.stamp_ns)
+            self.last_row = self._session.row(tick.stamp_ns)
             self.log.write(self.last_row)
-
-    def messages(self) -> int:
-        """Samples taken so far."""
-        return sum(self.fed.values())
-
-    def _take_sample(self, sample: Sample) -> bool:
-        metrics = self._source.metrics
-        match sample:
-            case LaserScan():
-                return metrics.add_scan(sample.ranges)
-            case Imu():
-                return metrics.add_imu(sample.linear_acceleration, sample.angular_velocity)
-            case Pose():
-                return metrics.add_pose(sample.position)
-            case Odometry():
-                return metrics.add_odometry((sample.twist.linear, 0.0, 0.0))
-        return False
 
 
 def run_direct(
@@ -126,19 +92,16 @@ def run_direct(
     episode = Episode(config)
     try:
         settings = extended_settings(find_rover(config.robot)) if extended else None
-        source = RowSource(TraversalMetrics(), settings)
-        log = CsvLog(log_dir, datetime.now(), columns=source.columns)
+        session = MetricsSession(settings=settings)
+        log = CsvLog(log_dir, datetime.now(), columns=session.columns)
     except LogError as error:
         raise UsageError(str(error)) from error
     with log:
         _mark(log, None)
-        intake = None
-        if source.extended is not None:
-            intake = SampleIntake(source.extended, LidarSpec(beams=config.lidar_beams))
-        metrics = DirectMetrics(log, source, intake)
+        metrics = DirectMetrics(log, session, LidarSpec(beams=config.lidar_beams))
         account = RunAccount(
             RunResult(config=config, mode="direct, no ROS", info=episode.info, log_path=log.path),
-            *(started, show, metrics.messages, lambda: log.rows),
+            *(started, show, lambda: sum(metrics.feed.fed.values()), lambda: log.rows),
         )
         pacer = Pacer(rate, sleep=stop.sleep)
 
@@ -167,7 +130,7 @@ def _counted(result: RunResult, metrics: DirectMetrics) -> RunResult:
     row = metrics.last_row
     return replace(
         result,
-        topics={name: TopicCount(published=n, received=n) for name, n in metrics.fed.items()},
+        topics={name: TopicCount(published=n, received=n) for name, n in metrics.feed.fed.items()},
         rows=metrics.log.rows,
         last_row=None if row is None else dict(zip(row.columns, row.as_fields(), strict=True)),
     )

@@ -8,8 +8,19 @@ from harness.robots import RoverSpec
 from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, TruthState
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.extended.footprint import Footprint, LidarPose
-from rover_metrics.extended.metrics import ExtendedMetrics
 from rover_metrics.extended.settings import ExtendedSettings
+from rover_metrics.session import MetricsSession
+
+TOPICS: dict[type, tuple[str, ...]] = {
+    LaserScan: ("/scan",),
+    Imu: ("/imu/data",),
+    Pose: ("/rover/pose_array",),
+    Odometry: ("/odometry/wheels",),
+}
+TRUTH_TOPICS: dict[type, tuple[str, ...]] = {
+    GroundTruth: ("/odom_ground_truth",),
+    TruthState: ("/rover/truth/contact", "/rover/truth/traversal"),
+}
 
 
 def extended_settings(rover: RoverSpec) -> ExtendedSettings:
@@ -38,44 +49,51 @@ def extended_ros_args(rover: RoverSpec) -> list[str]:
     return ["--ros-args", *words, "--"]
 
 
-class SampleIntake:
-    """Hands samples to extended metrics as they would come out of messages.
+class SampleFeed:
+    """Hands samples to a session of metrics as they would come out of messages, and counts them.
+
+    Args:
+        session: Takes them.
+        lidar: Whose scans they are.
 
     Attributes:
-        metrics: Where they go.
+        fed: Samples taken, by the name of the topic that each would have had.
     """
 
-    def __init__(self, metrics: ExtendedMetrics, lidar: LidarSpec) -> None:
-        self.metrics = metrics
+    def __init__(self, session: MetricsSession, lidar: LidarSpec) -> None:
+        self._session = session
         # sensor_msgs/LaserScan carries both as float32.
-        self._angle_min = float(np.float32(-lidar.angle_max))
-        self._angle_increment = float(np.float32(2 * lidar.angle_max / (lidar.beams - 1)))
+        self._angles = (
+            float(np.float32(-lidar.angle_max)),
+            float(np.float32(2 * lidar.angle_max / (lidar.beams - 1))),
+        )
+        self._topics = TOPICS if session.extended is None else TOPICS | TRUTH_TOPICS
+        self.fed = {topic: 0 for topics in self._topics.values() for topic in topics}
 
-    def take(self, sample: Sample, *, used: bool) -> None:
-        """Takes a sample, and whether the twelve columns have used it."""
-        metrics = self.metrics
+    def take(self, sample: Sample) -> None:
+        """Takes a sample; one that no column is made of is left out."""
+        for topic in self._topics.get(type(sample), ()):
+            self.fed[topic] += 1
+        session = self._session
         match sample:
             case LaserScan():
-                metrics.add_scan(
-                    sample.stamp_ns,
-                    sample.ranges,
-                    angle_min=self._angle_min,
-                    angle_increment=self._angle_increment,
-                    used=used,
-                )
+                session.take_scan(sample.stamp_ns, sample.ranges, angles=self._angles)
             case Imu():
-                metrics.add_imu(
-                    sample.stamp_ns, sample.linear_acceleration, sample.orientation, used=used
+                session.take_imu(
+                    sample.stamp_ns,
+                    sample.linear_acceleration,
+                    sample.angular_velocity,
+                    sample.orientation,
                 )
             case Pose():
-                metrics.add_pose(sample.stamp_ns, sample.position, used=used)
+                session.take_pose(sample.stamp_ns, None if sample.empty else sample.position)
             case Odometry():
-                metrics.add_odometry(sample.stamp_ns, (sample.twist.linear, 0.0, 0.0), used=used)
+                session.take_odometry(sample.stamp_ns, (sample.twist.linear, 0.0, 0.0))
             case GroundTruth():
-                metrics.add_true_velocity(sample.linear_velocity)
+                session.take_true_velocity(sample.linear_velocity)
             case TruthState():
-                metrics.add_contact(touches=sample.hazard_contact)
-                metrics.add_traversal(_traversal(sample))
+                session.take_contact(touches=sample.hazard_contact)
+                session.take_traversal(_traversal(sample))
 
 
 def _traversal(truth: TruthState) -> tuple[float, ...]:

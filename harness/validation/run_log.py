@@ -9,14 +9,15 @@ import numpy as np
 from harness.config import EpisodeConfig
 from harness.drivers import DriverContext, Observation
 from harness.episode.episode import Episode
+from harness.episode.metrics_feed import SampleFeed
 from harness.robots import ROVER_ZERO4WD
-from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick
+from harness.samples import LaserScan, Tick
 from harness.sensors.lidar import beam_bearings
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
 from harness.validation.agent import RecordedAgent
 from harness.validation.recorded import Log, as_log
-from rover_metrics.core.metrics import TraversalMetrics
+from rover_metrics.session import MetricsSession
 
 CONFIG = EpisodeConfig(
     robot=ROVER_ZERO4WD.name,
@@ -40,7 +41,7 @@ def drive(config: EpisodeConfig = CONFIG) -> Log:
             np.random.default_rng([config.seed, AGENT_STREAM]),
         )
     )
-    logger = _Logger(TraversalMetrics())
+    logger = _Logger()
     for batch in episode.batches():
         for tick in batch.ticks:
             logger.take(tick)
@@ -49,19 +50,21 @@ def drive(config: EpisodeConfig = CONFIG) -> Log:
 
 
 class _Logger:
-    """Feeds a metric core, and keeps one row a second and the latest scan."""
+    """Feeds a session of metrics, and keeps one row a second and the latest scan."""
 
-    def __init__(self, metrics: TraversalMetrics) -> None:
-        self._metrics, self._scan = metrics, LaserScan(0, np.empty(0, dtype=np.float32))
+    def __init__(self) -> None:
+        self._session, self._scan = MetricsSession(), LaserScan(0, np.empty(0, dtype=np.float32))
+        self._feed = SampleFeed(self._session, LidarSpec())
         self.rows: list[tuple[float, ...]] = []
 
     def take(self, tick: Tick) -> None:
         """Takes the samples of a tick, then the row if a second is full."""
         for sample in tick.samples:
-            self._take_sample(sample)
-        seconds, rest = divmod(tick.stamp_ns, NANOSECONDS)
-        if rest == 0:
-            row = self._metrics.row(seconds)
+            self._feed.take(sample)
+            if isinstance(sample, LaserScan):
+                self._scan = sample
+        if tick.stamp_ns % NANOSECONDS == 0:
+            row = self._session.metrics.row(tick.stamp_ns // NANOSECONDS)
             self.rows.append(
                 (
                     row.imu_acceleration_magnitude,
@@ -70,18 +73,6 @@ class _Logger:
                     row.obstacle_clearance,
                 )
             )
-
-    def _take_sample(self, sample: Sample) -> None:
-        match sample:
-            case LaserScan():
-                self._scan = sample
-                self._metrics.add_scan(sample.ranges)
-            case Imu():
-                self._metrics.add_imu(sample.linear_acceleration, sample.angular_velocity)
-            case Odometry():
-                self._metrics.add_odometry((sample.twist.linear, 0.0, 0.0))
-            case Pose():
-                self._metrics.add_pose(sample.position)
 
     def observe(self, episode: Episode) -> Observation:
         """What the agent may know."""

@@ -1,7 +1,9 @@
-"""What can go wrong, as types: the node turns each into one line and an exit code."""
+"""What can go wrong, as types, and how commands tell it: in one line, with an exit code."""
 
+import argparse
 import sys
 from pathlib import Path
+from typing import NoReturn
 
 
 class RoverMetricsError(Exception):
@@ -53,3 +55,12 @@ def missing_ros(error: ImportError) -> BaseException:
 def is_worth_a_line(before: int, now: int) -> bool:
     """Whether a count has passed a power of two on its way from `before` to `now`."""
     return now.bit_length() > before.bit_length()
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """A parser of command lines whose errors are one line that begins with the command's name."""
+
+    def error(self, message: str) -> NoReturn:
+        """Prints the message and leaves with exit code 2."""
+        command = self.prog.removeprefix("python -m ").removeprefix("rover_metrics.")
+        self.exit(RoverMetricsError.exit_code, f"{command}: {message}; see --help\n")

@@ -5,6 +5,7 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,21 +23,19 @@ try:
     from rover_metrics.ros.parameters import Settings, declare_settings, wrong_type
     from rover_metrics.ros.program import run_node
     from rover_metrics.ros.row_timer import RowTimer
-    from rover_metrics.ros.topics import subscribe_to_sensors, subscribe_to_truth
+    from rover_metrics.ros.subscriptions import subscribe
 except ImportError as error:
     raise missing_ros(error) from None
 
-from rover_metrics.core.metrics import TraversalMetrics
-from rover_metrics.extended.messages import MessageIntake
 from rover_metrics.extended.settings import ExtendedSettings
-from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic
+from rover_metrics.extended.traffic_columns import POSE, SCAN, Topic
 from rover_metrics.health.live_view import LiveView, Status
 from rover_metrics.health.reception import LOST, Reception
 from rover_metrics.log.buffered_log import PatientLog
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.log.session_record import SessionRecord
-from rover_metrics.ros.sensor_callbacks import SensorCallbacks
-from rover_metrics.session import RowSource
+from rover_metrics.session import MetricsSession
+from rover_metrics.topics import SENSORS, TRUTH, Message, Source, stamp_ns
 
 if TYPE_CHECKING:
     from rover_metrics.core.row import Row
@@ -54,12 +53,12 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
     Attributes:
         settings: The current parameter values.
+        session: Takes the samples and makes the rows, with the extended columns if they are wanted.
         metrics: The metrics of this session.
-        source: Makes the rows of them, with the extended columns if they are wanted.
         log: The CSV log of this session.
         record: The JSON beside it.
         reception: What arrived on each topic, what was odd about it and what is missing.
-        sensors: The callbacks of the subscriptions.
+        topics: The resolved name of each topic that is listened to.
         timer: Fires when a row is due.
         publisher: Publishes the metrics.
         last_row: The latest row, written or not; None before the first.
@@ -80,11 +79,8 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         self.reception = Reception(self._tell)
         try:
             self.settings: Settings = declare_settings(self)
-            self.metrics = TraversalMetrics(self.settings.thresholds)
-            self.source = RowSource(self.metrics, self._extended_settings())
-            extended = self.source.extended
-            intake = None if extended is None else MessageIntake(extended)
-            self.sensors = SensorCallbacks(self.metrics, self.reception, self._debug, intake)
+            self.session = MetricsSession(self.settings.thresholds, self._extended_settings())
+            self.metrics = self.session.metrics
             self.setup_subscribers()
             self.log = PatientLog(self._csv_log(now()), self._tell)
         except RoverMetricsError:
@@ -122,14 +118,15 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
     def setup_subscribers(self) -> None:
         """Subscribe to the topics, relative to the node's namespace."""
-        subscribe_to_sensors(self, self.sensors, self.reception)
-        if self.source.extended is not None:
-            subscribe_to_truth(self, self.sensors, self.reception)
+        sources = SENSORS if self.session.extended is None else (*SENSORS, *TRUTH)
+        self.topics: dict[Source, str] = {}
+        for source in sources:
+            self.topics[source] = subscribe(self, source, partial(self._take, source), self.reception)
 
     def periodic_logging(self) -> None:
         """Write a row; what a failing disk refuses waits in memory."""
         now_ns = self.get_clock().now().nanoseconds
-        self.last_row = self.source.row(now_ns, self._reported_lost())
+        self.last_row = self.session.row(now_ns, self._reported_lost())
         self.log.write(self.last_row)
 
     def fail(self, reason: str) -> None:
@@ -162,17 +159,27 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
     def _csv_log(self, started: datetime) -> CsvLog:
         folder = Path(self.settings.log_dir).expanduser()
-        return CsvLog(folder, started, fsync=self.settings.fsync, columns=self.source.columns)
+        return CsvLog(folder, started, fsync=self.settings.fsync, columns=self.session.columns)
+
+    def _take(self, source: Source, message: Message) -> None:
+        """Takes a message of any topic: counts it, hands it on, remarks what is odd about it."""
+        topic, reception = self.topics[source], self.reception
+        reception.arrived(topic, stamp_ns(message) if source.has_stamp else None)
+        remark = source.take(self.session, message)
+        if remark is not None and remark.left_out:
+            reception.reject(topic, remark.what)
+        elif remark is not None:
+            reception.remark(topic, remark.what)
+        if self.settings.debug_mode:
+            self._debug(source, topic)
 
     def _reported_lost(self) -> dict[Topic, int]:
-        sensors, remarks = self.sensors, self.reception.remarks
-        topics = {
-            SCAN: sensors.scan,
-            IMU: sensors.imu,
-            POSE: sensors.pose,
-            ODOMETRY: sensors.odometry,
+        remarks = self.reception.remarks
+        return {
+            source.topic: remarks[topic][LOST]
+            for source, topic in self.topics.items()
+            if source.topic is not None
         }
-        return {topic: remarks[name][LOST] for topic, name in topics.items()}
 
     def _each_second(self) -> None:
         self.periodic_logging()
@@ -198,10 +205,20 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def _tell(self, line: str) -> None:
         self.get_logger().warning(line)
 
-    def _debug(self, topic: str, report: Callable[[], str]) -> None:
-        settings = self.settings
-        if settings.debug_mode and self.received[topic] % settings.debug_interval == 0:
-            self.get_logger().info(report())
+    def _debug(self, source: Source, topic: str) -> None:
+        if self.received[topic] % self.settings.debug_interval:
+            return
+        metrics = self.metrics
+        if source.topic is SCAN:
+            self.get_logger().info(
+                f"LIDAR: clearance {metrics.clearance:.4f} m, "
+                f"total collisions {metrics.total_collisions}"
+            )
+        elif source.topic is POSE:
+            self.get_logger().info(
+                f"Position update: distance {metrics.last_step:.4f} m, "
+                f"total {metrics.total_distance:.4f} m"
+            )
 
     def _use_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
         """Take changed parameters into use at once, all of them or none."""
@@ -212,8 +229,8 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
             )
         except ParameterError as error:
             return SetParametersResult(successful=False, reason=str(error))
-        if self.source.extended is not None and settings.extended != self.settings.extended:
-            self.source.extended.use(settings.extended)
+        if self.session.extended is not None and settings.extended != self.settings.extended:
+            self.session.extended.use(settings.extended)
         self.settings = settings
         self.metrics.thresholds = self.settings.thresholds
         self.log.fsync = self.settings.fsync

@@ -23,10 +23,9 @@ except ImportError as error:
     raise SystemExit(2) from None
 
 from rover_metrics.bag.replay_options import DEFAULT_LOG_DIR, parser
-from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.errors import LogError, RoverMetricsError
 from rover_metrics.log.csv_log import CsvLog
-from rover_metrics.session import RowSource
+from rover_metrics.session import MetricsSession
 
 INTERRUPTED = 130
 
@@ -47,13 +46,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _replay(options: argparse.Namespace) -> int:
     parameters = read_parameters(options.params) if options.params else FileParameters()
     is_extended = options.extended or parameters.extended_columns
-    source = RowSource(
-        TraversalMetrics(parameters.thresholds), parameters.extended if is_extended else None
-    )
+    session = MetricsSession(parameters.thresholds, parameters.extended if is_extended else None)
     code = 0
     with Bag(options.bag) as bag:
-        playback = Playback(bag, source, dict(options.remap), TimeSource(options.time))
-        with _log(options.output, options.bag, source.columns, overwrite=options.overwrite) as log:
+        playback = Playback(bag, session, dict(options.remap), TimeSource(options.time))
+        with _log(options.output, options.bag, session.columns, overwrite=options.overwrite) as log:
             try:
                 for row in playback.rows():
                     log.write(row)

@@ -1,43 +1,156 @@
-"""Makes the rows of a session: of the twelve columns, or of these and the extended ones."""
+"""The door to the metrics: samples in, rows out.
 
-from collections.abc import Mapping
+Node, replay, runs without ROS and tuning hand their samples to a MetricsSession and use nothing below
+it. Vectors are tuples in SI units, stamps nanoseconds; frames are those of the ROS messages.
+"""
 
-from rover_metrics.core.metrics import TraversalMetrics
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from numpy.typing import ArrayLike
+
+from rover_metrics.core.metrics import TraversalMetrics, Vector3
 from rover_metrics.core.row import COLUMNS, Row
+from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
+from rover_metrics.extended.imu_columns import Quaternion
 from rover_metrics.extended.metrics import NANOSECONDS, NONE_LOST, ExtendedMetrics
 from rover_metrics.extended.row import EXTENDED_HEADER
 from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.extended.traffic_columns import Topic
+from rover_metrics.extended.truth_columns import TRAVERSAL
+from rover_metrics.health import rejections
 
 
-class RowSource:
-    """One session's metrics and what its rows are made of.
-
-    Args:
-        metrics: The twelve columns.
-        settings: Of the extended ones; None without them.
+class Remark(NamedTuple):
+    """What is odd about a sample, by a name under which it is counted.
 
     Attributes:
-        metrics: As given.
-        extended: The metrics of the extended columns; None without them.
+        what: The name.
+        left_out: Whether the metrics have not used the sample.
     """
 
-    def __init__(self, metrics: TraversalMetrics, settings: ExtendedSettings | None = None) -> None:
-        self.metrics = metrics
-        self.extended = None if settings is None else ExtendedMetrics(metrics, settings)
+    what: str
+    left_out: bool = True
+
+
+class MetricsSession:
+    """One session: the twelve columns, and the extended ones if there are settings for them.
+
+    Each take method returns what is odd about its sample, None if nothing is.
+
+    Args:
+        thresholds: Of the metrics; `metrics.thresholds` replaces them.
+        settings: Of the extended columns; None leaves these out.
+
+    Attributes:
+        metrics: The twelve columns.
+        extended: The extended ones; None without.
+    """
+
+    def __init__(
+        self, thresholds: Thresholds = DEFAULT_THRESHOLDS, settings: ExtendedSettings | None = None
+    ) -> None:
+        self.metrics = TraversalMetrics(thresholds)
+        self.extended = None if settings is None else ExtendedMetrics(self.metrics, settings)
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The header of the rows."""
+        """Returns the header of the rows."""
         return COLUMNS if self.extended is None else EXTENDED_HEADER
 
-    def row(self, now_ns: int, reported_lost: Mapping[Topic, int] = NONE_LOST) -> Row:
-        """Sum up the session so far.
+    def take_scan(
+        self,
+        stamp_ns: int,
+        ranges: ArrayLike,
+        *,
+        angles: tuple[float, float],
+        limits: tuple[float, float] = (0.0, math.inf),
+    ) -> Remark | None:
+        """Takes a lidar scan; one without a finite range is open space, not a fault.
 
         Args:
-            now_ns: ROS time of the row [ns].
+            stamp_ns: Of the header.
+            ranges: Distances [m], coded as REP-117 says.
+            angles: Of the first beam, and from beam to beam, in the lidar's frame [rad].
+            limits: Between which the lidar can measure [m].
+        """
+        metrics = self.metrics
+        used = metrics.add_scan(ranges)
+        if self.extended is not None:
+            self.extended.add_scan(
+                stamp_ns, ranges, angle_min=angles[0], angle_increment=angles[1], used=used
+            )
+        if used:
+            oddity = rejections.scan_oddity(metrics.clearance, metrics.farthest, *limits)
+        else:
+            oddity = rejections.unusable_scan(ranges)
+        return None if oddity is None else Remark(oddity, left_out=False)
+
+    def take_imu(
+        self,
+        stamp_ns: int,
+        acceleration: Vector3,
+        angular_velocity: Vector3,
+        orientation: Quaternion | None = None,
+    ) -> Remark | None:
+        """Takes an IMU sample.
+
+        Args:
+            stamp_ns: Of the header.
+            acceleration: In the IMU's frame, gravity included [m/s^2].
+            angular_velocity: In the same frame [rad/s].
+            orientation: Of the IMU as (x, y, z, w); None if the sensor does not give it.
+        """
+        used = self.metrics.add_imu(acceleration, angular_velocity)
+        if self.extended is not None:
+            self.extended.add_imu(stamp_ns, acceleration, orientation, used=used)
+        return None if used else Remark(rejections.imu_fault(acceleration, angular_velocity))
+
+    def take_pose(self, stamp_ns: int, position: Vector3 | None) -> Remark | None:
+        """Takes a true position in the world [m]; None stands for an array without one."""
+        metrics = self.metrics
+        used = position is not None and metrics.add_pose(position)
+        if self.extended is not None:
+            self.extended.add_pose(stamp_ns, position, used=used)
+        if not used:
+            return Remark(rejections.NO_POSE if position is None else rejections.NOT_FINITE)
+        if metrics.last_step >= metrics.thresholds.distance_threshold:
+            return Remark(rejections.JUMPED, left_out=False)
+        return None
+
+    def take_odometry(self, stamp_ns: int, velocity: Vector3) -> Remark | None:
+        """Takes the linear velocity that the wheels tell, in the base frame [m/s]."""
+        used = self.metrics.add_odometry(velocity)
+        if self.extended is not None:
+            self.extended.add_odometry(stamp_ns, velocity, used=used)
+        return None if used else Remark(rejections.odometry_fault(velocity))
+
+    def take_true_velocity(self, velocity: Vector3) -> Remark | None:
+        """Takes the true linear velocity in the base frame [m/s]."""
+        return self._judged(self.extended is None or self.extended.add_true_velocity(velocity))
+
+    def take_contact(self, *, touches: bool) -> Remark | None:
+        """Takes whether the rover has touched a hazard since the last time, from the truth."""
+        if self.extended is not None:
+            self.extended.add_contact(touches=touches)
+        return None
+
+    def take_traversal(self, values: Sequence[float], names: Sequence[str] = TRAVERSAL) -> Remark | None:
+        """Takes the other values of the truth, with the names of these (TRAVERSAL, or more)."""
+        return self._judged(self.extended is None or self.extended.add_traversal(values, names))
+
+    def row(self, now_ns: int, reported_lost: Mapping[Topic, int] = NONE_LOST) -> Row:
+        """Returns the row of the session so far.
+
+        Args:
+            now_ns: ROS time of the row.
             reported_lost: Messages that the middleware says it has lost, by topic.
         """
         if self.extended is None:
             return self.metrics.row(now_ns // NANOSECONDS)
         return self.extended.row(now_ns, reported_lost)
+
+    @staticmethod
+    def _judged(used: bool) -> Remark | None:
+        return None if used else Remark(rejections.NOT_FINITE_OR_OTHER)

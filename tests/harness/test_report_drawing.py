@@ -6,20 +6,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.page.legend import keys
+from harness.page.figure import keys
 from harness.report.events import Event, collisions, contacts
 from harness.report.hillshade import shade
 from harness.report.log import Log
 from harness.report.map_layout import map_layout
-from harness.report.recorder import PlacedScan, Stretch
+from harness.report.recorder import Stretch
 from harness.report.series import series_figure, thinned
 from harness.report.terrain_map import map_figure, roughness
 from harness.robots import LEO
-from harness.samples import LaserScan, Pose
+from harness.samples import LaserScan, PlacedScan, Pose
 from harness.sensors.scan_points import scan_points
 from harness.world.heightfield import Heightfield
-from harness.world.obstacles import Obstacle, ObstacleKind, orientation
-from harness.world.outline import outline
+from harness.world.obstacles import Obstacle, ObstacleKind, orientation, outline
 from harness.world.world import build_world
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 

@@ -14,10 +14,10 @@ from mcap.writer import Writer as McapWriter
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.typesys import Stores, get_typestore
-
-from rover_metrics.bag.message import Message
-from rover_metrics.bag.playback import Count, Playback
 from rover_metrics.bag.recorded_topics import CLOCK, SENSORS
+
+from rover_metrics.bag.mcap_stream import Message
+from rover_metrics.bag.playback import Count, Playback
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.core.row import MetricsRow
 from rover_metrics.extended.row import EXTENDED_HEADER

@@ -1,4 +1,4 @@
-from rover_metrics.throttle import is_worth_a_line
+from rover_metrics.errors import is_worth_a_line
 
 
 def test_a_count_is_worth_a_line_when_it_reaches_or_leaps_over_a_power_of_two() -> None:

@@ -17,11 +17,10 @@ from rosbags.typesys import Stores, get_typestore
 
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError, Message
-from rover_metrics.bag.recorded_topics import CLOCK, CLOCK_TYPE, SENSORS, TRUTH, Sink, Source
 from rover_metrics.core.row import Row
-from rover_metrics.extended.messages import MessageIntake
-from rover_metrics.session import RowSource
+from rover_metrics.session import MetricsSession
 from rover_metrics.timing.recorded_time import NANOSECONDS, ClockSeconds, FullSeconds, TimeSource
+from rover_metrics.topics import CLOCK, CLOCK_TYPE, SENSORS, TRUTH, Source
 
 OTHER_CLOCK = 3600 * NANOSECONDS  # header and recorded time that far apart are not the same clock
 MOST_NOTES = 5
@@ -41,12 +40,12 @@ class Playback:
 
     Args:
         bag: The recording.
-        source: Where the samples go, and what makes the rows of them.
+        session: Takes the samples and makes the rows.
         remaps: Recorded topic by the topic that the metrics node listens to, both absolute.
         time_source: Which time the rows follow.
 
     Attributes:
-        metrics: Those of the source.
+        metrics: Those of the session.
         time_source: The one in use, never AUTO.
         counts: Messages by recorded topic, of the topics in use.
         missing: Why a topic is not in use; a line each.
@@ -58,14 +57,12 @@ class Playback:
     def __init__(
         self,
         bag: Bag,
-        source: RowSource,
+        session: MetricsSession,
         remaps: Mapping[str, str] = MappingProxyType({}),
         time_source: TimeSource = TimeSource.AUTO,
     ) -> None:
-        self._bag, self._source, self.metrics = bag, source, source.metrics
-        extended = source.extended
-        self._sink = Sink(source.metrics, None if extended is None else MessageIntake(extended))
-        wished = {remaps.get(name, name): sensor for name, sensor in SENSORS.items()}
+        self._bag, self._session, self.metrics = bag, session, session.metrics
+        wished = {remaps.get(source.name, source.name): source for source in SENSORS}
         if len(wished) < len(SENSORS):
             raise BagError("two topics are remapped to the same one; each sensor needs its own")
         reasons = {topic: self._unusable(topic, s.message_type) for topic, s in wished.items()}
@@ -76,7 +73,7 @@ class Playback:
             raise BagError(
                 f"{bag.path} has no topic to replay ({'; '.join(self.missing)}); its topics: {recorded}"
             )
-        if extended is not None:
+        if session.extended is not None:
             self._sensors |= self._recorded_truth(remaps)
         self._clock_topic = remaps.get(CLOCK, CLOCK)
         self.time_source = self._resolved(time_source)
@@ -104,11 +101,11 @@ class Playback:
             if now is not None:
                 for second in self._timer.due(now):
                     at_clock = self.time_source is TimeSource.SIM
-                    yield self._source.row(now if at_clock else second * NANOSECONDS)
+                    yield self._session.row(now if at_clock else second * NANOSECONDS)
             if parsed is not None:
                 self._take(message.topic, parsed)
         for second in self._timer.rest():
-            yield self._source.row(second * NANOSECONDS)
+            yield self._session.row(second * NANOSECONDS)
 
     def _parsed(self, message: Message) -> Any | None:  # noqa: ANN401
         """The message as an object; None if nobody wants it or it is not readable."""
@@ -137,15 +134,16 @@ class Playback:
         return message.time_ns
 
     def _take(self, topic: str, parsed: Any) -> None:  # noqa: ANN401
-        count = self.counts[topic]
-        if topic not in self._sensors or self._sensors[topic].take(self._sink, parsed):
-            count.used += 1
-        else:
+        source, count = self._sensors.get(topic), self.counts[topic]
+        remark = None if source is None else source.take(self._session, parsed)
+        if remark is not None and remark.left_out:
             count.rejected += 1
+        else:
+            count.used += 1
 
     def _recorded_truth(self, remaps: Mapping[str, str]) -> dict[str, Source]:
         """The topics of the truth that are there; a real rover has none."""
-        wished = {remaps.get(name, name): source for name, source in TRUTH.items()}
+        wished = {remaps.get(source.name, source.name): source for source in TRUTH}
         return {t: s for t, s in wished.items() if self._unusable(t, s.message_type) is None}
 
     def _unusable(self, topic: str, message_type: str) -> str | None:

@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from rover_metrics.bag.recorded_topics import CLOCK, SENSORS, TRUTH
-from rover_metrics.command_line import OneLineParser
+from rover_metrics.errors import OneLineParser
 from rover_metrics.timing.recorded_time import TimeSource
+from rover_metrics.topics import CLOCK, SENSORS, TRUTH
 
 DEFAULT_LOG_DIR = Path("metrics_analyzer/data/metric_logs")
 
@@ -54,7 +54,7 @@ def parser() -> argparse.ArgumentParser:
 
 def _remap(text: str) -> tuple[str, str]:
     """Parse FROM:=TO, both made absolute."""
-    known = (*SENSORS, CLOCK, *TRUTH)
+    known = (*(source.name for source in (*SENSORS, *TRUTH)), CLOCK)
     name, separator, recorded = text.partition(":=")
     name, recorded = (f"/{part.strip().lstrip('/')}" for part in (name, recorded))
     if not separator or recorded == "/" or name not in known:

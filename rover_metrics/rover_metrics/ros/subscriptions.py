@@ -1,5 +1,6 @@
 """Subscriptions with every policy named, whose middleware events are reported."""
 
+import importlib
 from collections.abc import Callable
 from typing import Any
 
@@ -14,6 +15,7 @@ from rclpy.qos import (
 
 from rover_metrics.health.reception import LOST, NOT_HEARD, Reception
 from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE, declare_reliability
+from rover_metrics.topics import Message, Source
 
 try:
     from rclpy.event_handler import SubscriptionEventCallbacks, UnsupportedEventTypeError
@@ -24,27 +26,16 @@ _POLICIES = {RELIABLE: ReliabilityPolicy.RELIABLE, BEST_EFFORT: ReliabilityPolic
 
 
 def subscribe(
-    node: Node,
-    message_type: type,
-    name: str,
-    callback: Callable[[Any], None],
-    reception: Reception,
-    *,
-    reliability: str = RELIABLE,
-    depth: int = 10,
-    may_be_missing: bool = False,
+    node: Node, source: Source, callback: Callable[[Message], None], reception: Reception
 ) -> str:
     """Subscribe and open the topic's account.
 
     Args:
         node: Who subscribes.
-        message_type: The type of the topic.
-        name: The topic, relative to the node's namespace.
+        source: The topic. Its name is relative to the node's namespace; its reliability is what the
+            standard ROS parameter says, if it is set.
         callback: Is given each message.
         reception: Is told of messages lost and of publishers that are not heard.
-        reliability: Unless the topic's standard ROS parameter says otherwise.
-        depth: How many messages may wait.
-        may_be_missing: Whether nobody need publish it.
 
     Returns:
         The topic's resolved name.
@@ -52,11 +43,13 @@ def subscribe(
     Raises:
         ParameterError: The launch gave a reliability that does not exist.
     """
+    name = source.name.lstrip("/")
     topic: str = node.resolve_topic_name(name)
-    parameter, reliability = declare_reliability(node, topic, reliability)
+    wished = BEST_EFFORT if source.best_effort else RELIABLE
+    parameter, reliability = declare_reliability(node, topic, wished)
     qos = QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
-        depth=depth,
+        depth=1 if source.best_effort else 10,
         reliability=_POLICIES[reliability],
         durability=DurabilityPolicy.VOLATILE,
     )
@@ -67,13 +60,20 @@ def subscribe(
     def not_heard(event: Any) -> None:  # noqa: ANN401
         reception.remark(topic, NOT_HEARD, detail=_mend(event, reliability, parameter))
 
-    reception.listen(topic, may_be_missing=may_be_missing)
+    reception.listen(topic, may_be_missing=source.is_truth)
+    message_type = _message_class(source.message_type)
     events = SubscriptionEventCallbacks(incompatible_qos=not_heard, message_lost=lost)
     try:
         node.create_subscription(message_type, name, callback, qos, event_callbacks=events)
     except UnsupportedEventTypeError:  # a middleware that does not tell what it loses
         node.create_subscription(message_type, name, callback, qos)
     return topic
+
+
+def _message_class(full_name: str) -> type:
+    package, _, name = full_name.split("/")
+    found: type = getattr(importlib.import_module(f"{package}.msg"), name)
+    return found
 
 
 def _mend(event: Any, reliability: str, parameter: str) -> str:  # noqa: ANN401

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.config import Batch, EpisodeConfig, EpisodeInfo
+from harness.config import EpisodeConfig
 from harness.episode import direct
+from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.result import Progress, RunResult
 from harness.errors import RunFailed, UsageError
 from harness.interrupt import StopRequest

@@ -11,7 +11,7 @@ import pytest
 
 from harness.config import EpisodeConfig
 from harness.drivers import Observation
-from harness.episode.episode import Episode, LidarSensor, beam_bearings
+from harness.episode.episode import Episode
 from harness.errors import RunFailed, UsageError
 from harness.robots import LEO, ROVER_ZERO4WD, ROVERS
 from harness.samples import (
@@ -26,6 +26,7 @@ from harness.samples import (
     TruthState,
     Twist,
 )
+from harness.sensors.lidar import LidarSensor, beam_bearings
 from harness.sensors.lidar_spec import LidarSpec
 from harness.world.world import terrain_hash
 

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.config import EpisodeConfig, EpisodeInfo
+from harness.config import EpisodeConfig
+from harness.episode.batch import EpisodeInfo
 from harness.episode.manifest import check_writable, manifest, write_manifest
 from harness.episode.result import RunResult, TopicCount
 from harness.episode.truth_account import TruthAlong

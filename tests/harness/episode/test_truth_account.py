@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from harness.config import Batch
+from harness.episode.batch import Batch
 from harness.episode.truth_account import TruthAccount
 from harness.samples import Tick, TruthState
 from harness.sim_time import NANOSECONDS

@@ -14,8 +14,7 @@ from harness.robots import ROVER_ZERO4WD
 from harness.samples import Imu, LaserScan, Odometry, Tick, Twist
 from harness.validation import agent
 from harness.validation.agent import SPEEDS, RecordedAgent
-from harness.validation.realism import WITHIN, Comparison, Distances, distances
-from harness.validation.realism_table import print_comparison
+from harness.validation.realism import WITHIN, Comparison, Distances, distances, print_comparison
 from harness.validation.recorded import COLUMNS, DEFAULT_LOGS, Log, read_log
 from harness.validation.run_log import CONFIG, _Logger, drive
 from rover_metrics.core.metrics import TraversalMetrics

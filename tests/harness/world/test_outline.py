@@ -7,8 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from harness.world.obstacles import Obstacle, ObstacleKind, Shape
-from harness.world.outline import half_extent, outline, rotation_matrix
+from harness.world.obstacles import Obstacle, ObstacleKind, Shape, half_extent, outline, rotation_matrix
 
 Points = NDArray[np.float64]
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from harness.world.heightfield import Heightfield
-from harness.world.roughness import RoughnessMap
+from harness.world.statistics import RoughnessMap
 
 
 def ground(heights: np.ndarray, cell: float = 0.05) -> Heightfield:

@@ -5,13 +5,12 @@ from dataclasses import replace
 
 import pytest
 
-from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.core.row import COLUMNS, MetricsRow
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.extended.settings import DEFAULT_EXTENDED
 from rover_metrics.health.live_view import Level, LiveView, Status
 from rover_metrics.health.reception import TopicState
-from rover_metrics.session import RowSource
+from rover_metrics.session import MetricsSession
 
 CALM = MetricsRow(
     stamp_s=7,
@@ -88,10 +87,9 @@ def test_a_collision_is_an_error_once_not_for_ever() -> None:
 
 
 def test_empty_cells_are_left_out_and_extended_ones_are_there() -> None:
-    source = RowSource(TraversalMetrics(), DEFAULT_EXTENDED)
-    assert source.extended is not None
-    source.extended.add_contact(touches=True)
-    row = source.row(10**9)
+    session = MetricsSession(settings=DEFAULT_EXTENDED)
+    session.take_contact(touches=True)
+    row = session.row(10**9)
     values = dict(LiveView().statuses(row, (), Thresholds(), 0)[0].values)
     assert values["True Contact Share"] == "1.0000"
     assert "VORT [m/s]" not in values

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from harness.config import EpisodeConfig
-from harness.report.recorder import PlacedScan
 from harness.robots import LEO, ROVER_ZERO4WD
-from harness.samples import LaserScan, Pose
+from harness.samples import LaserScan, PlacedScan, Pose
 from harness.sensors.lidar_spec import LidarSpec
 from harness.truth.events import ContactEvent
 from harness.tuning.episodes.contacts import event_rows, is_on, sight, zone

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from harness.config import Batch
+from harness.episode.batch import Batch
 from harness.errors import Diverged, RunFailed
 from harness.samples import LaserScan, Tick
 from harness.truth.traversal import Truth

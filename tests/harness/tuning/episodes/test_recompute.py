@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from harness.config import Batch
+from harness.episode.batch import Batch
 from harness.robots import ROVER_ZERO4WD
 from harness.samples import Imu, LaserScan, Pose, Tick, TruthState
 from harness.sim_time import TICK_NS

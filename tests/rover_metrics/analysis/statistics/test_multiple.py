@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rover_metrics.analysis.statistics.multiple import holm
+from rover_metrics.analysis.statistics.comparison import holm
 
 
 @given(st.lists(st.none() | st.floats(0.0, 1.0), max_size=6))

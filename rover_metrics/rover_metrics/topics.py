@@ -1,0 +1,137 @@
+"""The topics that the metrics are made of: names, types, and how a message becomes a sample.
+
+Node and replay read this table; it needs nothing of ROS but the shape of its messages, which is the
+same in rclpy and in rosbags.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rover_metrics.core.metrics import Vector3
+from rover_metrics.extended.imu_columns import Quaternion
+from rover_metrics.extended.metrics import NANOSECONDS
+from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic
+from rover_metrics.extended.truth_columns import TRAVERSAL
+from rover_metrics.session import MetricsSession, Remark
+
+CLOCK, CLOCK_TYPE = "/clock", "rosgraph_msgs/msg/Clock"
+UNKNOWN = -1.0  # first covariance of what a sensor does not give (sensor_msgs/Imu)
+
+Message = Any  # neither rclpy's nor rosbags' classes have types
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Source:
+    """One topic.
+
+    Attributes:
+        name: As it is in the root namespace.
+        message_type: Its full name, e.g. "sensor_msgs/msg/Imu".
+        take: Hands a message to a session; returns what that remarks.
+        topic: What the columns of its traffic know it as; None if they do not.
+        best_effort: Whether only the newest message matters, so that old ones are not queued.
+        has_stamp: Whether its messages have a header.
+        is_truth: Whether only simulators publish it, for the extended columns.
+    """
+
+    name: str
+    message_type: str
+    take: Callable[[MetricsSession, Message], Remark | None]
+    topic: Topic | None = None
+    best_effort: bool = False
+    has_stamp: bool = True
+    is_truth: bool = False
+
+
+def stamp_ns(message: Message) -> int:
+    """Returns the stamp of a message's header [ns]."""
+    stamp = message.header.stamp
+    return int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)
+
+
+def _scan(session: MetricsSession, scan: Message) -> Remark | None:
+    return session.take_scan(
+        stamp_ns(scan),
+        scan.ranges,
+        angles=(scan.angle_min, scan.angle_increment),
+        limits=(scan.range_min, scan.range_max),
+    )
+
+
+def _imu(session: MetricsSession, imu: Message) -> Remark | None:
+    acceleration, rate = _vector(imu.linear_acceleration), _vector(imu.angular_velocity)
+    return session.take_imu(stamp_ns(imu), acceleration, rate, _orientation(imu))
+
+
+def _pose(session: MetricsSession, poses: Message) -> Remark | None:
+    position = _vector(poses.poses[0].position) if poses.poses else None
+    return session.take_pose(stamp_ns(poses), position)
+
+
+def _odometry(session: MetricsSession, odometry: Message) -> Remark | None:
+    return session.take_odometry(stamp_ns(odometry), _vector(odometry.twist.twist.linear))
+
+
+def _ground_truth(session: MetricsSession, odometry: Message) -> Remark | None:
+    return session.take_true_velocity(_vector(odometry.twist.twist.linear))
+
+
+def _contact(session: MetricsSession, contact: Message) -> Remark | None:
+    return session.take_contact(touches=contact.data)
+
+
+def _traversal(session: MetricsSession, values: Message) -> Remark | None:
+    return session.take_traversal(list(values.data), _names(values))
+
+
+def _vector(value: Message) -> Vector3:
+    return value.x, value.y, value.z
+
+
+def _orientation(imu: Message) -> Quaternion | None:
+    if imu.orientation_covariance[0] == UNKNOWN:
+        return None
+    q = imu.orientation
+    return q.x, q.y, q.z, q.w
+
+
+def _names(values: Message) -> Sequence[str]:
+    label = values.layout.dim[0].label if values.layout.dim else ""
+    return label.split(",") if label else TRAVERSAL
+
+
+SENSORS = (
+    Source(name=SCAN.name, message_type="sensor_msgs/msg/LaserScan", take=_scan, topic=SCAN),
+    Source(name=IMU.name, message_type="sensor_msgs/msg/Imu", take=_imu, topic=IMU),
+    Source(
+        name=POSE.name,
+        message_type="geometry_msgs/msg/PoseArray",
+        take=_pose,
+        topic=POSE,
+        best_effort=True,
+    ),
+    Source(name=ODOMETRY.name, message_type="nav_msgs/msg/Odometry", take=_odometry, topic=ODOMETRY),
+)
+TRUTH = (
+    Source(
+        name="/odom_ground_truth",
+        message_type="nav_msgs/msg/Odometry",
+        take=_ground_truth,
+        is_truth=True,
+    ),
+    Source(
+        name="/rover/truth/contact",
+        message_type="std_msgs/msg/Bool",
+        take=_contact,
+        has_stamp=False,
+        is_truth=True,
+    ),
+    Source(
+        name="/rover/truth/traversal",
+        message_type="std_msgs/msg/Float64MultiArray",
+        take=_traversal,
+        has_stamp=False,
+        is_truth=True,
+    ),
+)
