@@ -92,7 +92,7 @@ class Trial:
         self._episode = Episode(self.config)
         faults = parse_faults(self.config.faults)
         injector = FaultInjector(faults, self.config.seed)
-        self._ticks = drive_loop(self._batches(), injector, self._publish)
+        self._ticks = drive_loop(self._batches(), injector, self._take)
         rclpy.init(
             args=list(ON_SIMULATED_TIME),
             domain_id=self.domain,
@@ -206,13 +206,15 @@ class Trial:
     def _advance(self) -> None:
         if next(self._ticks, None) is None:
             raise UsageError(f"the episode is over after {self.time:g} s; give a longer duration")
+        # Not in the loop, which what a node raises here would end for good.
+        LockStep(self._bridge, self._executor, tuple(self._subjects)).advance(self._sent)
 
-    def _publish(self, tick: Tick, sent: Tick) -> None:
+    def _take(self, tick: Tick, sent: Tick) -> None:
+        self._sent = sent
         self._now_ns = tick.stamp_ns
         for sample in tick.samples:
             if isinstance(sample, GroundTruth):
                 self._speed = sample.linear_velocity[0]
-        LockStep(self._bridge, self._executor, tuple(self._subjects)).advance(sent)
 
     def _batches(self) -> Iterator[Batch]:
         for batch in self._episode.batches():
