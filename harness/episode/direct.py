@@ -109,15 +109,17 @@ def run_direct(
             pacer.wait_until(tick.stamp_ns)
             metrics.take(sent)
 
-        faults, failure = FaultInjector(parse_faults(config.faults), config.seed), None
+        faults = FaultInjector(parse_faults(config.faults), config.seed)
+        failure, interrupted = None, None
         try:
             with stop.deferred():
-                for _ in drive(episode.batches(), faults, sink, (account, *observers), stop):
+                for _ in drive(episode.batches(), faults, sink, (*observers, account), stop):
                     pass
+            interrupted = stop.name
         except (RunFailed, LogError) as error:
             failure = str(error)
         _mark(log, COMPLETE if failure is None else failed(failure))
-        return _counted(account.ended(failure=failure, interrupted=stop.name), metrics)
+        return _counted(account.ended(failure=failure, interrupted=interrupted), metrics)
 
 
 def _mark(log: CsvLog, outcome: Outcome | None) -> None:

@@ -77,8 +77,11 @@ class RunAccount:
     messages: Callable[[], int]
     rows: Callable[[], int]
     paused_s: Callable[[], float] = float
-    began: float = field(default_factory=time.monotonic)
+    began: float = field(init=False)
     _truth: TruthAccount = field(default_factory=TruthAccount)
+
+    def __post_init__(self) -> None:
+        self.began = time.monotonic()
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""

@@ -132,7 +132,7 @@ class _Run:
         try:
             with stop.deferred():
                 batches = self._source.batches()
-                for _ in drive(batches, self._faults, sink, (account, *observers), stop):
+                for _ in drive(batches, self._faults, sink, (*observers, account), stop):
                     pass
             interrupted = stop.name
         except RunFailed as error:
