@@ -28,7 +28,7 @@ def check_target(flag: str, target: Path, suffix: str = "") -> None:
         if not target.parent.is_dir():
             raise UsageError(f"{flag} {target}: there is no folder {target.parent}; create it first")
         with tempfile.TemporaryFile(dir=target.parent):
-            pass
+            pass  # os.access would not do: to root it says yes even in /proc
     except OSError as error:
         message = f"{flag} {target}: {target.parent} is not writable ({error.strerror}); choose another"
         raise UsageError(message) from error
