@@ -31,6 +31,7 @@ from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.extended.traffic_columns import POSE, SCAN, Topic
 from rover_metrics.health.live_view import LiveView, Status
 from rover_metrics.health.reception import LOST, Reception
+from rover_metrics.health.rejections import NO_POSE
 from rover_metrics.log.buffered_log import PatientLog
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.log.session_record import SessionRecord
@@ -121,7 +122,19 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         sources = SENSORS if self.session.extended is None else (*SENSORS, *TRUTH)
         self.topics: dict[Source, str] = {}
         for source in sources:
-            self.topics[source] = subscribe(self, source, partial(self._take, source), self.reception)
+            self.topics[source] = subscribe(self, source, partial(self.take, source), self.reception)
+
+    def take(self, source: Source, message: Message) -> None:
+        """Take a message of a topic: count it, hand it on, remark what is odd about it."""
+        topic, reception = self.topics[source], self.reception
+        reception.arrived(topic, stamp_ns(message) if source.has_stamp else None)
+        remark = source.take(self.session, message)
+        if remark is not None and remark.left_out:
+            reception.reject(topic, remark.what)
+        elif remark is not None:
+            reception.remark(topic, remark.what)
+        if self.settings.debug_mode and not (remark and remark.what == NO_POSE):
+            self._debug(source, topic)
 
     def periodic_logging(self) -> None:
         """Write a row; what a failing disk refuses waits in memory."""
@@ -160,18 +173,6 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def _csv_log(self, started: datetime) -> CsvLog:
         folder = Path(self.settings.log_dir).expanduser()
         return CsvLog(folder, started, fsync=self.settings.fsync, columns=self.session.columns)
-
-    def _take(self, source: Source, message: Message) -> None:
-        """Takes a message of any topic: counts it, hands it on, remarks what is odd about it."""
-        topic, reception = self.topics[source], self.reception
-        reception.arrived(topic, stamp_ns(message) if source.has_stamp else None)
-        remark = source.take(self.session, message)
-        if remark is not None and remark.left_out:
-            reception.reject(topic, remark.what)
-        elif remark is not None:
-            reception.remark(topic, remark.what)
-        if self.settings.debug_mode:
-            self._debug(source, topic)
 
     def _reported_lost(self) -> dict[Topic, int]:
         remarks = self.reception.remarks

@@ -15,7 +15,7 @@ from rclpy.qos import (
 
 from rover_metrics.health.reception import LOST, NOT_HEARD, Reception
 from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE, declare_reliability
-from rover_metrics.topics import Message, Source
+from rover_metrics.topics import SENSORS, TRUTH, Message, Source
 
 try:
     from rclpy.event_handler import SubscriptionEventCallbacks, UnsupportedEventTypeError
@@ -23,6 +23,16 @@ except ImportError:  # Humble
     from rclpy.qos_event import SubscriptionEventCallbacks, UnsupportedEventTypeError
 
 _POLICIES = {RELIABLE: ReliabilityPolicy.RELIABLE, BEST_EFFORT: ReliabilityPolicy.BEST_EFFORT}
+
+
+def _message_class(full_name: str) -> type:
+    package, _, name = full_name.split("/")
+    found: type = getattr(importlib.import_module(f"{package}.msg"), name)
+    return found
+
+
+# With this module, so that a package that is not installed is told as the rest of ROS is.
+_MESSAGES = {name: _message_class(name) for name in {s.message_type for s in (*SENSORS, *TRUTH)}}
 
 
 def subscribe(
@@ -61,19 +71,13 @@ def subscribe(
         reception.remark(topic, NOT_HEARD, detail=_mend(event, reliability, parameter))
 
     reception.listen(topic, may_be_missing=source.is_truth)
-    message_type = _message_class(source.message_type)
+    message_type = _MESSAGES[source.message_type]
     events = SubscriptionEventCallbacks(incompatible_qos=not_heard, message_lost=lost)
     try:
         node.create_subscription(message_type, name, callback, qos, event_callbacks=events)
     except UnsupportedEventTypeError:  # a middleware that does not tell what it loses
         node.create_subscription(message_type, name, callback, qos)
     return topic
-
-
-def _message_class(full_name: str) -> type:
-    package, _, name = full_name.split("/")
-    found: type = getattr(importlib.import_module(f"{package}.msg"), name)
-    return found
 
 
 def _mend(event: Any, reliability: str, parameter: str) -> str:  # noqa: ANN401
