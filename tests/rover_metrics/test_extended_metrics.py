@@ -10,18 +10,18 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from rover_metrics.bag.recorded_topics import SENSORS, TRUTH, Sink
-from rover_metrics.core.metrics import TraversalMetrics, Vector3
+from rover_metrics.core.metrics import Vector3
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose
-from rover_metrics.extended.messages import MessageIntake
 from rover_metrics.extended.row import EXTENDED_HEADER
 from rover_metrics.extended.settings import DEFAULT_EXTENDED, ExtendedSettings
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN
-from rover_metrics.session import RowSource
+from rover_metrics.session import MetricsSession
+from rover_metrics.topics import SENSORS, TRUTH
 
+SOURCES = {source.name: source for source in (*SENSORS, *TRUTH)}
 GRAVITY = 9.80665  # m/s^2, ISO 80000-3
 SQUARE = ExtendedSettings(footprint=Footprint.rectangle(-0.2, 0.2, -0.2, 0.2))
 LEVEL = (0.001, 0.0, 0.0, math.sqrt(1 - 1e-6))  # but filled in
@@ -32,27 +32,35 @@ Cells = dict[str, Any]
 
 
 class Feed:
-    """Gives messages to both kinds of metrics, as a replay does."""
+    """Gives messages to a session, as a replay does, and tells whether they were used."""
 
     def __init__(
         self, settings: ExtendedSettings = SQUARE, thresholds: Thresholds | None = None
     ) -> None:
-        self.metrics = TraversalMetrics(thresholds or Thresholds(collision_threshold=0.25))
-        self.source = RowSource(self.metrics, settings)
-        assert self.source.extended is not None
-        self.extended = self.source.extended
-        self._sink = Sink(self.metrics, MessageIntake(self.extended))
+        thresholds = thresholds or Thresholds(collision_threshold=0.25)
+        self.session = MetricsSession(thresholds, settings)
+        self.metrics = self.session.metrics
+        assert self.session.extended is not None
+        self.extended = self.session.extended
 
     def _take(self, topic: str, t: float = 0.0, **fields: Any) -> bool:  # noqa: ANN401
         sec, nanosec = divmod(ns(t), 10**9)
         header = SimpleNamespace(stamp=SimpleNamespace(sec=sec, nanosec=nanosec))
-        return {**SENSORS, **TRUTH}[topic].take(self._sink, SimpleNamespace(header=header, **fields))
+        remark = SOURCES[topic].take(self.session, SimpleNamespace(header=header, **fields))
+        return remark is None or not remark.left_out
 
     def scan(self, t: float, *ranges: float, first: float = 0.0, step: float = math.pi / 2) -> bool:
         values = np.array(ranges, dtype=np.float32)
         last = first + step * len(ranges)
         return self._take(
-            SCAN.name, t, ranges=values, angle_min=first, angle_increment=step, angle_max=last
+            SCAN.name,
+            t,
+            ranges=values,
+            angle_min=first,
+            angle_increment=step,
+            angle_max=last,
+            range_min=0.15,
+            range_max=10.0,
         )
 
     def imu(self, t: float, a: Vector3, orientation: Quaternion | None = LEVEL) -> bool:
@@ -87,7 +95,7 @@ class Feed:
         return self._take("/rover/truth/traversal", data=values, layout=layout)
 
     def row(self, t: float = 1.0, **kwargs: Any) -> Cells:  # noqa: ANN401
-        row = self.source.row(ns(t), **kwargs)
+        row = self.session.row(ns(t), **kwargs)
         return dict(zip(row.columns, row.as_fields(), strict=True))
 
 
@@ -107,13 +115,14 @@ def times(rate: float, start: float = 0.0, seconds: float = 1.0) -> Iterator[flo
 def test_a_row_is_the_twelve_columns_and_then_the_extended_ones() -> None:
     feed = Feed()
     feed.scan(0.5, 1.0)
-    row = feed.source.row(ns(7.9))
-    assert row.columns == feed.source.columns == EXTENDED_HEADER
+    row = feed.session.row(ns(7.9))
+    assert row.columns == feed.session.columns == EXTENDED_HEADER
     assert row.columns[:12] == COLUMNS
     assert row.as_fields()[:12] == feed.metrics.row(7).as_fields()
     assert len(row.as_fields()) == len(EXTENDED_HEADER)
     assert row.stamp_s == 7
-    twelve = RowSource(feed.metrics)
+    twelve = MetricsSession(feed.metrics.thresholds)
+    twelve.take_scan(ns(0.5), [1.0], angles=(0.0, math.pi / 2))
     assert twelve.columns == twelve.row(0).columns == COLUMNS
     assert twelve.row(ns(7.9)).as_fields() == feed.metrics.row(7).as_fields()
 
@@ -408,7 +417,7 @@ def test_a_path_on_a_line_is_never_more_than_efficient() -> None:
     feed = Feed()
     for t in range(50):
         feed.pose(float(t), (0.1 * t, 0.3 * t, 0.07 * t))
-    assert feed.source.row(ns(50.0)).as_fields()[14] <= 1.0  # type: ignore[operator]
+    assert feed.session.row(ns(50.0)).as_fields()[14] <= 1.0  # type: ignore[operator]
     cells = feed.extended.row(ns(50.0)).cells
     assert cells[2] is not None
     assert 0.999999 < cells[2] <= 1.0

@@ -18,6 +18,7 @@ from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.extended.row import EXTENDED_HEADER
 from rover_metrics.extended.truth_columns import TRAVERSAL
+from rover_metrics.topics import SENSORS, TRUTH
 
 if TYPE_CHECKING:
     from rover_metrics.metrics_node import MetricsNode
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 # The rosidl wheels import an old lark, which imports a deprecated module of the standard library.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 
+SCAN, IMU, POSE, ODOMETRY = SENSORS
+GROUND_TRUTH, CONTACT, TRUTH_VALUES = TRUTH
 SQUARE = [0.2, 0.2, -0.2, 0.2, -0.2, -0.2, 0.2, -0.2]
 
 
@@ -78,10 +81,10 @@ def test_the_truth_follows_the_namespace_and_what_is_lost_of_each_sensor_is_in_i
     sensors = ("scan", "imu/data", "rover/pose_array", "odometry/wheels")
     truth = ("odom_ground_truth", "rover/truth/contact", "rover/truth/traversal")
     assert set(node.received) == {f"/leo/{topic}" for topic in (*sensors, *truth)}
-    node.sensors.lidar_callback(rig.scan(1.0))
-    node.sensors.imu_callback(rig.imu((0.0, 0.0, 9.8)))
-    node.sensors.pose_array_callback(rig.pose(0.0, 0.0, 0.0))
-    node.sensors.odometry_callback(rig.odometry(0.0, 0.0, 0.0))
+    node.take(SCAN, rig.scan(1.0))
+    node.take(IMU, rig.imu((0.0, 0.0, 9.8)))
+    node.take(POSE, rig.pose(0.0, 0.0, 0.0))
+    node.take(ODOMETRY, rig.odometry(0.0, 0.0, 0.0))
     for lost, topic in enumerate(sensors, start=1):
         node.reception.remark(f"/leo/{topic}", "lost on the way", lost)
         node.reception.remark(f"/leo/{topic}", "something else", 50)
@@ -108,7 +111,7 @@ def test_truth_that_nobody_publishes_is_not_missed_and_one_that_stops_is(
     told = capfd.readouterr().err
     assert "/scan: nothing for 2 s" in told
     assert "/rover/truth" not in told
-    node.sensors.contact_callback(Bool(data=False))
+    node.take(CONTACT, Bool(data=False))
     for second in range(10, 20):
         reception.look(second * 10**9, 2 * 10**9)
     assert "/rover/truth/contact: nothing for 2 s" in capfd.readouterr().err
@@ -116,7 +119,7 @@ def test_truth_that_nobody_publishes_is_not_missed_and_one_that_stops_is(
 
 def test_another_truth_is_counted_and_left_out(rig: "Rig", capfd: pytest.CaptureFixture[str]) -> None:
     node = start(rig)
-    node.sensors.traversal_callback(Float64MultiArray(data=[1.0]))
+    node.take(TRUTH_VALUES, Float64MultiArray(data=[1.0]))
     assert node.rejected["/rover/truth/traversal"] == 1
     assert row(node)["True Roughness [m]"] == ""
     assert "not the truth that harness.run publishes, left out" in capfd.readouterr().err
@@ -124,7 +127,7 @@ def test_another_truth_is_counted_and_left_out(rig: "Rig", capfd: pytest.Capture
 
 def test_the_footprint_can_be_set_and_changed_while_the_node_runs(rig: "Rig") -> None:
     node = start(rig)
-    node.sensors.lidar_callback(rig.scan(0.5))
+    node.take(SCAN, rig.scan(0.5))
     assert row(node)["Footprint Clearance [m]"] == ""
     for footprint, pose, clearance in (
         (SQUARE, [0.0, 0.0, 0.0], 0.3),
@@ -133,7 +136,7 @@ def test_the_footprint_can_be_set_and_changed_while_the_node_runs(rig: "Rig") ->
     ):
         changes = [Parameter("footprint", value=footprint), Parameter("lidar_pose", value=pose)]
         assert node.set_parameters_atomically(changes).successful
-        node.sensors.lidar_callback(rig.scan(0.5))
+        node.take(SCAN, rig.scan(0.5))
         assert row(node)["Footprint Clearance [m]"] == clearance
 
 
@@ -150,12 +153,11 @@ def test_all_parameters_can_be_read_at_once_as_ros2_param_dump_does(rig: "Rig") 
 
 def test_callbacks_serve_all_four_sensors_and_refuse_what_the_twelve_refuse(rig: "Rig") -> None:
     node = start(rig)
-    sensors = node.sensors
-    sensors.lidar_callback(LaserScan())
-    sensors.imu_callback(rig.imu((float("nan"), 0.0, 0.0)))
-    sensors.pose_array_callback(PoseArray())
-    sensors.odometry_callback(rig.odometry(float("inf"), 0.0, 0.0))
-    sensors.ground_truth_callback(rig.odometry(float("nan"), 0.0, 0.0))
+    node.take(SCAN, LaserScan())
+    node.take(IMU, rig.imu((float("nan"), 0.0, 0.0)))
+    node.take(POSE, PoseArray())
+    node.take(ODOMETRY, rig.odometry(float("inf"), 0.0, 0.0))
+    node.take(GROUND_TRUTH, rig.odometry(float("nan"), 0.0, 0.0))
     cells = row(node)
     rejected = {name: cells[f"{name} Rejected"] for name in ("Scan", "IMU", "Pose", "Odometry")}
     assert rejected == {"Scan": 0, "IMU": 1, "Pose": 1, "Odometry": 1}

@@ -9,7 +9,7 @@ import math
 import random
 import sys
 import tracemalloc
-from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -23,6 +23,7 @@ from sensor_msgs.msg import Imu, LaserScan
 from rover_metrics.core.metrics import WINDOW
 from rover_metrics.health import rejections as faults
 from rover_metrics.health.stamps import JUMPED_AHEAD, MISSING, STANDS_STILL, WENT_BACK
+from rover_metrics.topics import SENSORS
 
 if TYPE_CHECKING:
     from rover_metrics.metrics_node import MetricsNode
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 
+SCAN, IMU, POSE, ODOMETRY = SENSORS
 LIMITS = (0.15, 10.0)
 NAN, INF = math.nan, math.inf
 ODD_FLOATS = (NAN, INF, -INF, 0.0, -0.0, -1.0, 1e-300, 1e300, -1e308, 1e5, 427.0, 9.8)
@@ -63,7 +65,7 @@ def test_each_kind_of_scan_is_survived_and_accounted_for(
     rig: "Rig", ranges: tuple[float, ...], remark: str | None, clearance: float, collisions: int
 ) -> None:
     node = rig.start()
-    node.sensors.lidar_callback(rig.scan(*ranges, limits=LIMITS))
+    node.take(SCAN, rig.scan(*ranges, limits=LIMITS))
     assert node.received["/scan"] == 1
     assert remarks(node, "/scan") == ({} if remark is None else {remark: 1})
     row = node.metrics.row(0)
@@ -99,9 +101,9 @@ def test_a_poisonous_imu_sample_is_left_out_and_named_and_the_sum_goes_on(
 ) -> None:
     node = rig.start()
     good = rig.imu((0.0, 0.0, 9.8))
-    node.sensors.imu_callback(good)
-    node.sensors.imu_callback(rig.imu(acceleration, rate))
-    node.sensors.imu_callback(good)
+    node.take(IMU, good)
+    node.take(IMU, rig.imu(acceleration, rate))
+    node.take(IMU, good)
     assert node.metrics.smoothness_metric == 19.6
     assert node.rejected["/imu/data"] == 1
     assert remarks(node, "/imu/data") == {reason: 1}
@@ -119,7 +121,7 @@ def test_an_empty_a_nan_and_a_teleported_pose_are_no_travel(rig: "Rig") -> None:
         rig.pose(500.5, 0.0, 0.0),
         rig.pose(1.7e308, 1.7e308, 1.7e308),
     ):
-        node.sensors.pose_array_callback(message)
+        node.take(POSE, message)
     assert node.metrics.total_distance == 0.5
     assert node.rejected["/rover/pose_array"] == 3
     assert remarks(node, "/rover/pose_array") == {
@@ -132,7 +134,7 @@ def test_an_empty_a_nan_and_a_teleported_pose_are_no_travel(rig: "Rig") -> None:
 def test_a_nan_or_huge_twist_is_no_velocity(rig: "Rig") -> None:
     node = rig.start()
     for speed in (0.5, NAN, 1e300):
-        node.sensors.odometry_callback(rig.odometry(speed, 0.0, 0.0))
+        node.take(ODOMETRY, rig.odometry(speed, 0.0, 0.0))
     assert node.metrics.row(0).current_velocity == 0.5
     assert remarks(node, "/odometry/wheels") == {faults.NOT_FINITE: 1, faults.HUGE_SPEED: 1}
 
@@ -142,7 +144,7 @@ def test_a_nan_or_huge_twist_is_no_velocity(rig: "Rig") -> None:
 
 def test_stamps_that_stand_still_go_back_jump_or_leave_gaps_are_counted(rig: "Rig") -> None:
     node = rig.start()
-    give = node.sensors.imu_callback
+    give = partial(node.take, IMU)
     for number in range(20):
         give(rig.imu((0.0, 0.0, 9.8), stamp=10 + number / 20))
     node.reception.look(0, 0)
@@ -213,23 +215,14 @@ class Fuzz:
         return self._odometry
 
 
-def callbacks(node: "MetricsNode") -> dict[str, Callable[[Any], None]]:
-    return {
-        "scan": node.sensors.lidar_callback,
-        "imu/data": node.sensors.imu_callback,
-        "rover/pose_array": node.sensors.pose_array_callback,
-        "odometry/wheels": node.sensors.odometry_callback,
-    }
-
-
 def test_a_hundred_thousand_random_messages_do_no_harm_and_leave_nothing_behind(rig: "Rig") -> None:
     node = rig.start(stale_after=0.0)
-    fuzz, handle = Fuzz(7), callbacks(node)
+    fuzz, sources = Fuzz(7), {source.name: source for source in SENSORS}
 
     def give(messages: int) -> None:
         for number in range(messages):
             topic, message = fuzz.message()
-            handle[topic](message)
+            node.take(sources[f"/{topic}"], message)
             if number % 1000 == 0:
                 node.periodic_logging()
                 node.reception.look(number * 10**9, 5 * 10**9)
@@ -272,10 +265,10 @@ def test_the_account_of_a_broken_sensor_does_not_grow(rig: "Rig") -> None:
     node = rig.start()
     broken = rig.imu((NAN, 0.0, 0.0), stamp=1.0)
     for _ in range(2000):
-        node.sensors.imu_callback(broken)
+        node.take(IMU, broken)
     tracemalloc.start()
     for _ in range(20_000):
-        node.sensors.imu_callback(broken)
+        node.take(IMU, broken)
     grown, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert grown < 20_000

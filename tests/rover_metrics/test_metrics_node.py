@@ -9,26 +9,36 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
 
-from geometry_msgs.msg import PoseArray
+from geometry_msgs.msg import Point, Pose, PoseArray
 from nav_msgs.msg import Odometry
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, LaserScan
+from std_msgs.msg import Bool, Float64MultiArray
 from std_srvs.srv import Trigger
 
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.core.row import MetricsRow
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 from rover_metrics.errors import LogError, ParameterError
+from rover_metrics.extended.settings import DEFAULT_EXTENDED
+from rover_metrics.extended.truth_columns import TRAVERSAL
+from rover_metrics.health import rejections
+from rover_metrics.health.reception import Reception
+from rover_metrics.health.stamps import STANDS_STILL
+from rover_metrics.metrics_node import MetricsNode
+from rover_metrics.session import MetricsSession
+from rover_metrics.topics import SENSORS, TRUTH, Source
 
 if TYPE_CHECKING:
     from tests.rover_metrics.conftest import Rig
@@ -36,6 +46,8 @@ if TYPE_CHECKING:
 # The rosidl wheels import an old lark, which imports a deprecated module of the standard library.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 
+SCAN, IMU, POSE, ODOMETRY = SENSORS
+GROUND_TRUTH, CONTACT, TRUTH_VALUES = TRUTH
 TOPICS = {
     "scan": LaserScan,
     "imu/data": Imu,
@@ -114,7 +126,7 @@ def test_a_broken_sensor_does_not_flood_the_terminal(
 ) -> None:
     node = rig.start()
     for _ in range(1000):
-        node.sensors.odometry_callback(rig.odometry(math.nan, 0.0, 0.0))
+        node.take(ODOMETRY, rig.odometry(math.nan, 0.0, 0.0))
     assert node.rejected["/odometry/wheels"] == 1000
     told = capfd.readouterr().err
     assert told.count("/odometry/wheels: not finite, left out") == 10  # at 1, 2, 4, ... 512
@@ -263,14 +275,14 @@ def test_a_launch_with_a_value_that_is_not_valid_says_what_is(
 
 def test_a_threshold_changed_by_another_node_holds_for_the_next_message(rig: "Rig") -> None:
     node = rig.start()
-    node.sensors.lidar_callback(rig.scan(0.5))
+    node.take(SCAN, rig.scan(0.5))
     client = AsyncParameterClient(rig.simulator, "metrics_node")
     rig.spin_until(client.services_are_ready)
     future = client.set_parameters([Parameter("collision_threshold", value=1.0)])
     rig.spin_until(future.done)
     (outcome,) = future.result().results
     assert outcome.successful
-    node.sensors.lidar_callback(rig.scan(0.5))
+    node.take(SCAN, rig.scan(0.5))
     assert node.metrics.total_collisions == 1
 
 
@@ -348,9 +360,9 @@ def test_debug_mode_reports_every_interval_of_each_topic(
 ) -> None:
     node = rig.start(debug_mode=True, debug_interval=5)
     for count in range(11):
-        node.sensors.lidar_callback(rig.scan(0.125))
-        node.sensors.imu_callback(rig.imu((0.0, 0.0, 9.8), (0.0, 0.0, 0.0)))
-        node.sensors.pose_array_callback(rig.pose(0.25 * count, 0.0, 0.0))
+        node.take(SCAN, rig.scan(0.125))
+        node.take(IMU, rig.imu((0.0, 0.0, 9.8), (0.0, 0.0, 0.0)))
+        node.take(POSE, rig.pose(0.25 * count, 0.0, 0.0))
     told = capfd.readouterr().err
     assert told.count("LIDAR: clearance 0.1250 m, total collisions") == 2
     assert "total collisions 5\n" in told
@@ -359,15 +371,132 @@ def test_debug_mode_reports_every_interval_of_each_topic(
     assert "total 2.2500 m" in told
 
 
+class Bench(MetricsNode):
+    """What of the node a message meets, without ROS around it; it reports each message."""
+
+    def __init__(self, *, extended: bool = True) -> None:
+        self.session = MetricsSession(settings=DEFAULT_EXTENDED if extended else None)
+        self.metrics, self.reception = self.session.metrics, Reception(lambda _: None)
+        debug: Any = SimpleNamespace(debug_mode=True, debug_interval=1)
+        self.settings = debug
+        self.topics = {source: f"/rover{source.name}" for source in (*SENSORS, *TRUTH)}
+        self.reported: list[str] = []
+        for topic in self.topics.values():
+            self.reception.listen(topic)
+
+    def get_logger(self) -> SimpleNamespace:
+        return SimpleNamespace(info=self.reported.append)
+
+    def counts(self, what: dict[str, int]) -> dict[str, int]:
+        return {topic: count for topic, count in what.items() if count}
+
+    def remarks(self) -> dict[str, dict[str, int]]:
+        return {topic: dict(odd) for topic, odd in self.reception.remarks.items() if odd}
+
+
+def stamped(message: Any) -> Any:  # noqa: ANN401 - rclpy's messages have no types
+    message.header.stamp.sec, message.header.stamp.nanosec = 3, 5
+    return message
+
+
+def of_imu(x: float, y: float, z: float) -> Imu:
+    imu = Imu()
+    imu.linear_acceleration.x, imu.linear_acceleration.y, imu.linear_acceleration.z = x, y, z
+    return stamped(imu)
+
+
+def of_odometry(x: float) -> Odometry:
+    odometry = Odometry()
+    odometry.twist.twist.linear.x = x
+    return stamped(odometry)
+
+
+def of_pose(*positions: float) -> PoseArray:
+    poses = [Pose(position=Point(x=x)) for x in positions]
+    return stamped(PoseArray(poses=poses))
+
+
+def of_scan(*ranges: float) -> LaserScan:
+    return stamped(LaserScan(ranges=ranges, range_min=0.15, range_max=10.0))
+
+
+@pytest.mark.parametrize("extended", [True, False])
+@pytest.mark.parametrize(
+    ("source", "message", "rejected", "remark"),
+    [
+        (SCAN, of_scan(2.5, 1.0), False, None),
+        (SCAN, of_scan(0.125, 11.0), False, rejections.BELOW_LIMIT),
+        (SCAN, of_scan(math.inf), False, None),  # open space
+        (SCAN, of_scan(), False, rejections.NO_RANGES),
+        (IMU, of_imu(0.0, 0.0, 9.8), False, None),
+        (IMU, of_imu(math.nan, 0.0, 9.8), True, rejections.NOT_FINITE),
+        (POSE, of_pose(1.0), False, None),
+        (POSE, of_pose(), True, rejections.NO_POSE),
+        (ODOMETRY, of_odometry(0.5), False, None),
+        (ODOMETRY, of_odometry(1e6), True, rejections.HUGE_SPEED),
+    ],
+)
+def test_each_message_is_counted_once_and_named_if_something_is_odd(
+    source: Source, message: object, rejected: bool, remark: str | None, extended: bool
+) -> None:
+    bench, topic = Bench(extended=extended), f"/rover{source.name}"
+    bench.take(source, message)
+    assert bench.counts(bench.received) == {topic: 1}
+    assert bench.counts(bench.rejected) == ({topic: 1} if rejected else {})
+    assert bench.remarks() == ({topic: {remark: 1}} if remark else {})
+    states = {state.topic: state for state in bench.reception.states()}
+    assert states[topic].stamp_ns == 3_000_000_005
+
+
+@pytest.mark.parametrize(
+    ("source", "good", "bad"),
+    [
+        (GROUND_TRUTH, of_odometry(0.5), of_odometry(math.nan)),
+        (CONTACT, Bool(data=True), None),
+        (TRUTH_VALUES, Float64MultiArray(data=[0.0] * len(TRAVERSAL)), Float64MultiArray(data=[0.0])),
+    ],
+)
+def test_truth_is_counted_and_left_out_if_it_is_no_truth(
+    source: Source, good: object, bad: object | None
+) -> None:
+    bench, topic = Bench(), f"/rover{source.name}"
+    bench.take(source, good)
+    assert bench.counts(bench.received) == {topic: 1}
+    assert (bench.remarks(), bench.counts(bench.rejected)) == ({}, {})
+    if bad is not None:
+        bench.take(source, bad)
+        assert bench.counts(bench.received) == {topic: 2}
+        assert bench.counts(bench.rejected) == {topic: 1}
+        stands_still = {STANDS_STILL: 1} if source.has_stamp else {}
+        assert bench.remarks() == {topic: {rejections.NOT_FINITE_OR_OTHER: 1, **stands_still}}
+
+
+def test_scans_and_poses_are_reported_with_what_they_came_to() -> None:
+    bench = Bench()
+    for x in (0.0, 0.25, 0.5):
+        bench.take(SCAN, of_scan(0.125, 3.0))
+        bench.take(POSE, of_pose(x))
+    bench.take(SCAN, of_scan(math.inf))
+    bench.take(IMU, of_imu(0.0, 0.0, 0.0))
+    bench.take(ODOMETRY, of_odometry(0.0))
+    bench.take(POSE, of_pose())
+    assert bench.reported[-3:] == [
+        "LIDAR: clearance 0.1250 m, total collisions 3",
+        "Position update: distance 0.2500 m, total 0.5000 m",
+        "LIDAR: clearance 0.1250 m, total collisions 3",
+    ]
+    assert len(bench.reported) == 7
+
+
 def test_debug_mode_is_off_by_default_and_can_be_switched_while_running(
     rig: "Rig", capfd: pytest.CaptureFixture[str]
 ) -> None:
     node = rig.start(debug_interval=1)
-    node.sensors.lidar_callback(rig.scan(1.0))
+    node.take(SCAN, rig.scan(1.0))
     node.set_parameters([Parameter("debug_mode", value=True)])
-    node.sensors.lidar_callback(rig.scan(2.0))
+    node.take(SCAN, rig.scan(2.0))
     node.set_parameters([Parameter("debug_mode", value=False)])
-    node.sensors.lidar_callback(rig.scan(3.0))
+    node.take(SCAN, rig.scan(3.0))
     told = capfd.readouterr().err
     assert told.count("LIDAR") == 1
     assert "clearance 2.0000 m" in told
@@ -389,7 +518,7 @@ def test_a_removed_folder_costs_no_row_and_lost_rows_are_those_not_in_the_log(
     rig: "Rig", capfd: pytest.CaptureFixture[str]
 ) -> None:
     node = rig.start(log_dir=str(rig.folder / "logs"))
-    node.sensors.lidar_callback(rig.scan(0.1))
+    node.take(SCAN, rig.scan(0.1))
     with in_the_way_of(rig.folder / "logs"):
         for _ in range(3):
             node.periodic_logging()

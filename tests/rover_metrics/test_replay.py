@@ -14,7 +14,6 @@ from mcap.writer import Writer as McapWriter
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.typesys import Stores, get_typestore
-from rover_metrics.bag.recorded_topics import CLOCK, SENSORS
 
 from rover_metrics.bag.mcap_stream import Message
 from rover_metrics.bag.playback import Count, Playback
@@ -22,15 +21,14 @@ from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.core.row import MetricsRow
 from rover_metrics.extended.row import EXTENDED_HEADER
 from rover_metrics.replay import main
-from rover_metrics.session import RowSource
+from rover_metrics.session import MetricsSession
 from rover_metrics.timing.recorded_time import TimeSource
+from rover_metrics.topics import CLOCK, SENSORS
 
 NANOSECONDS = 1_000_000_000
 REAL_BAG = Path(__file__).parents[3] / "shared/data/roboterrain/bags/rover_trajectory"
 STORE = get_typestore(Stores.LATEST)
-TYPES = {topic: sensor.message_type for topic, sensor in SENSORS.items()} | {
-    CLOCK: "rosgraph_msgs/msg/Clock"
-}
+TYPES = {source.name: source.message_type for source in SENSORS} | {CLOCK: "rosgraph_msgs/msg/Clock"}
 
 Recorded = tuple[str, int, bytes]  # topic, recorded time [ns], CDR
 
@@ -535,7 +533,7 @@ class Recording:
 def played(messages: list[Recorded], time: TimeSource, **kwargs: Any) -> tuple[list[int], Playback]:  # noqa: ANN401
     """Stamps of the rows, and the playback."""
     bag = Recording(messages, **kwargs)
-    playback = Playback(bag, RowSource(TraversalMetrics()), time_source=time)  # type: ignore[arg-type]
+    playback = Playback(bag, MetricsSession(), time_source=time)  # type: ignore[arg-type]
     return [row.stamp_s for row in playback.rows()], playback
 
 

@@ -17,6 +17,7 @@ from rosgraph_msgs.msg import Clock
 from rover_metrics.health.live_view import Level, Status
 from rover_metrics.ros import metrics_publisher
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
+from rover_metrics.topics import SENSORS
 
 if TYPE_CHECKING:
     from rover_metrics.metrics_node import MetricsNode
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 # The rosidl wheels import an old lark, which imports a deprecated module of the standard library.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 
+SCAN = SENSORS[0]
 Heard = list[Any]
 
 
@@ -51,7 +53,7 @@ def test_each_row_is_published_with_levels_and_a_topic_that_stops_goes_stale(rig
     clock = rig.publisher(Clock, "/clock")
     for second in range(1, 5):
         if second < 3:
-            node.sensors.lidar_callback(rig.scan(0.15, 3.0, stamp=second - 0.25))
+            node.take(SCAN, rig.scan(0.15, 3.0, stamp=second - 0.25))
         tick(rig, node, clock, second)
     rig.spin_until(lambda: len(heard) == 4)
     assert [message.header.stamp.sec for message in heard] == [1, 2, 3, 4]

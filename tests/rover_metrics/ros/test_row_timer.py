@@ -18,6 +18,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 
 from rover_metrics.ros.row_timer import RowTimer
+from rover_metrics.topics import SENSORS
 
 if TYPE_CHECKING:
     from rover_metrics.metrics_node import MetricsNode
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 
+SCAN, IMU, POSE, ODOMETRY = SENSORS
 SECOND = 10**9
 
 
@@ -71,7 +73,7 @@ def test_a_simulator_that_starts_again_begins_a_new_segment_and_totals_go_on(
     rig: "Rig", node: "MetricsNode", clock: SimClock, capfd: pytest.CaptureFixture[str]
 ) -> None:
     clock.tell(*tenths(0.1, 3.4))
-    node.sensors.lidar_callback(rig.scan(0.1))
+    node.take(SCAN, rig.scan(0.1))
     clock.tell(0.0, *tenths(0.1, 3.5))
     assert stamps(node) == [1, 2, 3, 1, 2, 3]
     assert node.timer.times.segments == 2
@@ -198,7 +200,7 @@ def test_the_record_tells_the_end_and_the_account(
 ) -> None:
     record = node.log.path.with_suffix(".json")
     assert json.loads(record.read_text())["outcome"] is None
-    node.sensors.imu_callback(rig.imu((float("nan"), 0.0, 0.0), stamp=1.0))
+    node.take(IMU, rig.imu((float("nan"), 0.0, 0.0), stamp=1.0))
     node.set_parameters([Parameter("collision_threshold", value=0.75)])
     node.timer.times.went_back()
     node.fail("ValueError: boo")

@@ -7,13 +7,17 @@ import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
 
+from geometry_msgs.msg import PoseArray
+from nav_msgs.msg import Odometry
 from rclpy.event_handler import UnsupportedEventTypeError
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
-from sensor_msgs.msg import LaserScan
+from sensor_msgs.msg import Imu, LaserScan
+from std_msgs.msg import Bool, Float64MultiArray
 
 from rover_metrics.errors import ParameterError
 from rover_metrics.health.reception import LOST, NOT_HEARD, Reception
 from rover_metrics.ros import subscriptions
+from rover_metrics.topics import SENSORS, TRUTH, Source
 
 if TYPE_CHECKING:
     from tests.rover_metrics.conftest import Rig
@@ -24,6 +28,8 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:Deprecated in favor of:DeprecationWarning"),
 ]
 
+SCAN, IMU, POSE, ODOMETRY = SENSORS
+GROUND_TRUTH, CONTACT, TRUTH_VALUES = TRUTH
 BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 RELIABILITY = "qos_overrides./scan.subscription.reliability"
 
@@ -91,7 +97,7 @@ class Subscriber:
 def test_messages_that_the_middleware_reports_lost_are_counted() -> None:
     told: list[str] = []
     node, reception = Subscriber(tells_lost=True), Reception(told.append)
-    subscriptions.subscribe(node, LaserScan, "scan", print, reception)
+    subscriptions.subscribe(node, SENSORS[0], print, reception)
     (events,) = node.events
     events.message_lost(SimpleNamespace(total_count=3, total_count_change=3))
     events.message_lost(SimpleNamespace(total_count=5, total_count_change=2))
@@ -100,21 +106,31 @@ def test_messages_that_the_middleware_reports_lost_are_counted() -> None:
 
 
 @pytest.mark.parametrize(
-    ("asked", "reliability", "depth", "known"),
+    ("source", "message_type", "reliability", "depth", "known"),
     [
-        ({}, ReliabilityPolicy.RELIABLE, 10, 1),
-        ({"reliability": "best_effort", "depth": 1}, ReliabilityPolicy.BEST_EFFORT, 1, 1),
-        ({"may_be_missing": True}, ReliabilityPolicy.RELIABLE, 10, 0),
+        (SCAN, LaserScan, ReliabilityPolicy.RELIABLE, 10, 1),
+        (IMU, Imu, ReliabilityPolicy.RELIABLE, 10, 1),
+        (POSE, PoseArray, ReliabilityPolicy.BEST_EFFORT, 1, 1),
+        (ODOMETRY, Odometry, ReliabilityPolicy.RELIABLE, 10, 1),
+        (GROUND_TRUTH, Odometry, ReliabilityPolicy.RELIABLE, 10, 0),
+        (CONTACT, Bool, ReliabilityPolicy.RELIABLE, 10, 0),
+        (TRUTH_VALUES, Float64MultiArray, ReliabilityPolicy.RELIABLE, 10, 0),
     ],
+    ids=lambda value: value.name if isinstance(value, Source) else "",
 )
 @pytest.mark.parametrize("tells_lost", [True, False])
-def test_every_policy_of_a_subscription_is_what_was_asked_for(
-    asked: dict[str, Any], reliability: ReliabilityPolicy, depth: int, known: int, tells_lost: bool
+def test_every_policy_of_a_subscription_is_what_its_source_asks_for(
+    source: Source,
+    message_type: type,
+    reliability: ReliabilityPolicy,
+    depth: int,
+    known: int,
+    tells_lost: bool,
 ) -> None:
     node, reception = Subscriber(tells_lost=tells_lost), Reception(print)
-    assert subscriptions.subscribe(node, LaserScan, "scan", print, reception, **asked) == "/scan"
+    assert subscriptions.subscribe(node, source, print, reception) == source.name
     kind, name, callback, qos = node.asked
-    assert (kind, name, callback) == (LaserScan, "scan", print)
+    assert (kind, name, callback) == (message_type, source.name.removeprefix("/"), print)
     assert isinstance(qos, QoSProfile)
     assert (qos.reliability, qos.history, qos.depth, qos.durability) == (
         reliability,
@@ -126,8 +142,6 @@ def test_every_policy_of_a_subscription_is_what_was_asked_for(
 
 
 def test_poses_overwritten_in_the_queue_are_seen_by_the_gap_of_their_stamps(rig: "Rig") -> None:
-    from geometry_msgs.msg import PoseArray  # noqa: PLC0415
-
     node = rig.start()
     poses = rig.publisher(PoseArray, "rover/pose_array")
     for number in range(1, 31):
@@ -136,6 +150,6 @@ def test_poses_overwritten_in_the_queue_are_seen_by_the_gap_of_their_stamps(rig:
     node.reception.look(0, 0)
     for number in range(31, 42):  # none of them is taken in time but the latest
         poses.publish(rig.pose(0.0, 0.0, 0.0, stamp=number / 50))
-    rig.spin_until(lambda: node.sensors._reception._stamps["/rover/pose_array"]._last == 820_000_000)
+    rig.spin_until(lambda: node.reception._stamps["/rover/pose_array"]._last == 820_000_000)
     missing = node.reception.remarks["/rover/pose_array"].total()
     assert missing + node.received["/rover/pose_array"] == 41
