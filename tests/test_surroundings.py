@@ -14,15 +14,15 @@ ROOT = Path(__file__).parents[1]
 PART = (
     "e2e/test_clean_ends.py::test_signal_ends_a_direct_run_even_if_it_is_much_slower_than_real_time[1]",
     "e2e/test_clean_ends.py::test_nohup_is_respected",
-    "harness/test_manifest.py",
+    "harness/episode/test_manifest.py",
     "harness/test_run.py::test_direct_run_writes_csv_and_manifest",
     (
         "harness/tuning/backend/test_local.py::"
         "test_a_signal_to_all_processes_of_a_terminal_ends_them_in_one_line[1]"
     ),
-    "rover_metrics/test_csv_log.py",
+    "rover_metrics/log/test_csv_log.py",
     "rover_metrics/test_metrics_program.py::test_a_signal_ends_the_program_cleanly_and_marks_the_end[2]",
-    "rover_metrics/test_session_record.py",
+    "rover_metrics/log/test_session_record.py",
 )
 IGNORING = """trap '' HUP INT QUIT TERM PIPE; umask 077; exec "$@" """
 UNUSUAL = {

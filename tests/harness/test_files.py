@@ -50,7 +50,7 @@ def test_a_link_is_replaced_and_what_it_points_to_stays(tmp_path: Path) -> None:
         ("run.mp3", r"--video '.*run\.mp3': name a file that ends in \.mp4"),
         ("folder.mp4", r"--video .*folder\.mp4 is a folder; name a file"),
         ("absent/run.mp4", r"--video .*: there is no folder .*absent; create it first"),
-        ("/proc/run.mp4", r"--video /proc/run\.mp4 cannot be written: [A-Z]"),
+        ("/proc/run.mp4", r"--video /proc/run\.mp4: /proc is not writable \([A-Z].*\); choose another"),
     ],
 )
 def test_a_target_that_cannot_be_written_is_refused(name: str, message: str, tmp_path: Path) -> None:
@@ -65,3 +65,12 @@ def test_a_target_that_can_be_written_is_not_touched(name: str, tmp_path: Path) 
     check_target("--video", tmp_path / name, ".mp4")
     assert [path.name for path in tmp_path.iterdir()] == [name]
     assert (tmp_path / name).read_text() == "old"
+
+
+def test_a_target_may_have_any_name_where_none_is_asked_for(tmp_path: Path) -> None:
+    check_target("--summary", tmp_path / "run")
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(UsageError, match=r"--summary .* is a folder; name a file"):
+        check_target("--summary", tmp_path)
+    with pytest.raises(UsageError, match=r"there is no folder .*; create it first"):
+        check_target("--summary", tmp_path / "absent" / "run.json")

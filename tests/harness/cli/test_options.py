@@ -1,17 +1,19 @@
+from operator import attrgetter
 from pathlib import Path
 
 import pytest
 
-from harness.cli.options import (
-    DEFAULT_LOG_DIR,
-    check_combination,
-    config_of,
-    namespace_args,
-    run_parser,
-    split_ros_args,
-)
-from harness.config import EpisodeConfig
+from harness.cli.options import DEFAULT_LOG_DIR, RunOptions, parse_run, split_ros_args
+from harness.config import EpisodeConfig, RosOptions
+from harness.episode.metrics_feed import extended_ros_args
 from harness.errors import UsageError
+from harness.robots import LEO, ROVER_ZERO4WD
+
+
+def parsed(words: str) -> RunOptions:
+    options = parse_run(words.split())
+    assert options is not None
+    return options
 
 
 @pytest.mark.parametrize(
@@ -27,13 +29,19 @@ def test_ros_arguments_end_at_two_dashes_or_with_the_line(words: str, own: str, 
     assert split_ros_args(words.split()) == (own.split(), ros.split())
 
 
-def test_without_words_the_episode_is_the_default_one() -> None:
-    options = run_parser().parse_args([])
-    assert config_of(options) == EpisodeConfig()
-    assert (options.rate, options.log_dir, options.namespace) == (None, DEFAULT_LOG_DIR, "")
+def test_without_words_all_options_are_the_default_ones() -> None:
+    assert parsed("") == RunOptions(
+        config=EpisodeConfig(),
+        ros=RosOptions(log_dir=DEFAULT_LOG_DIR),
+        direct=False,
+        extended=False,
+        report=None,
+        summary=None,
+        picture=None,
+        video=None,
+        picture_lidar=False,
+    )
     assert Path("metrics_analyzer/data/metric_logs") == DEFAULT_LOG_DIR
-    flags = ("no_metrics", "direct", "extended", "picture_lidar", "list")
-    assert not any(getattr(options, flag) for flag in flags)
 
 
 def test_every_word_about_the_episode_reaches_it() -> None:
@@ -42,7 +50,7 @@ def test_every_word_about_the_episode_reaches_it() -> None:
         "--terrain-size 3 4 --terrain-height 5 --timestep 0.005 --noise hardware --lidar-beams 90 "
         "--imu-rate 50 --fault imu:nan@1 --fault scan:empty"
     )
-    assert config_of(run_parser().parse_args(words.split())) == EpisodeConfig(
+    assert parsed(words).config == EpisodeConfig(
         terrain="posts",
         robot="rover_zero4wd",
         seed=4,
@@ -62,22 +70,30 @@ def test_every_word_about_the_episode_reaches_it() -> None:
 @pytest.mark.parametrize(
     ("words", "name", "value"),
     [
-        ("--terrain-size 3", "terrain_size", (3.0, 3.0)),
-        ("--noise", "noise", True),
-        ("--rate max", "rate", None),
-        ("--rate 0.01", "rate", 0.01),
-        ("--rate 2.5", "rate", 2.5),
-        ("--wait-for /a --wait-for /b", "wait_for", ["/a", "/b"]),
-        ("--record a.mcap", "record", Path("a.mcap")),
+        ("--terrain-size 3", "config.terrain_size", (3.0, 3.0)),
+        ("--noise", "config.noise", "white"),
+        ("--rate max", "ros.rate", None),
+        ("--rate 0.01", "ros.rate", 0.01),
+        ("--rate 2.5", "ros.rate", 2.5),
+        ("--no-metrics", "ros.host_metrics", False),
+        ("--wait-for /a --wait-for /b", "ros.wait_for", ("/a", "/b")),
+        ("--record a.mcap", "ros.record", Path("a.mcap")),
+        ("--log-dir logs", "ros.log_dir", Path("logs")),
+        ("--direct", "direct", True),
+        ("--extended", "extended", True),
         ("--report a.html", "report", Path("a.html")),
         ("--summary a.json", "summary", Path("a.json")),
         ("--picture a.png", "picture", Path("a.png")),
+        ("--picture-lidar", "picture_lidar", True),
         ("--video a.mp4", "video", Path("a.mp4")),
-        ("--log-dir logs", "log_dir", Path("logs")),
     ],
 )
 def test_an_option_means(words: str, name: str, value: object) -> None:
-    assert getattr(run_parser().parse_args(words.split()), name) == value
+    assert attrgetter(name)(parsed(words)) == value
+
+
+def test_the_list_of_choices_is_no_run_whatever_else_is_asked_for() -> None:
+    assert parse_run(["--list", "--extended", "--no-metrics"]) is None
 
 
 @pytest.mark.parametrize(
@@ -92,7 +108,7 @@ def test_a_wrong_word_is_one_line_and_exit_code_2(
     words: str, told: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit) as leaving:
-        run_parser().parse_args(words.split())
+        parse_run(words.split())
     assert leaving.value.code == 2
     text = capsys.readouterr().err
     assert text.startswith("harness.run: ")
@@ -103,8 +119,16 @@ def test_a_wrong_word_is_one_line_and_exit_code_2(
 
 @pytest.mark.parametrize(("given", "name"), [("rover1", "/rover1"), ("/a/b/", "/a/b")])
 def test_a_namespace_becomes_a_remapping(given: str, name: str) -> None:
-    assert namespace_args(given) == ["--ros-args", "-r", f"__ns:={name}", "--"]
-    assert namespace_args("") == namespace_args("/") == []
+    assert parsed(f"--namespace {given}").ros.ros_args == ("--ros-args", "-r", f"__ns:={name}", "--")
+    assert parsed("--namespace /").ros.ros_args == ()
+
+
+def test_what_the_user_tells_ros_comes_last_and_so_holds() -> None:
+    own = ("--ros-args", "-p", "log_dir:=x")
+    for rover in (LEO, ROVER_ZERO4WD):
+        words = f"--namespace a --extended --robot {rover.name} {' '.join(own)}"
+        namespace = ("--ros-args", "-r", "__ns:=/a", "--")
+        assert parsed(words).ros.ros_args == (*namespace, *extended_ros_args(rover), *own)
 
 
 @pytest.mark.parametrize(
@@ -118,16 +142,14 @@ def test_a_namespace_becomes_a_remapping(given: str, name: str) -> None:
     ],
 )
 def test_what_needs_ros_is_refused_without_it_alone(words: str, flag: str) -> None:
-    check_combination(run_parser().parse_args(words.split()), ["--ros-args", "--"])
-    options = run_parser().parse_args(["--direct", *words.split()])
+    parsed(f"{words} --ros-args --")
     with pytest.raises(UsageError, match=rf"^{flag} needs ROS; leave out --direct"):
-        check_combination(options, [])
+        parse_run(["--direct", *words.split()])
 
 
 def test_extended_columns_need_the_hosted_node() -> None:
-    options = run_parser().parse_args(["--extended", "--no-metrics"])
     with pytest.raises(UsageError, match="start yours with"):
-        check_combination(options, [])
-    check_combination(run_parser().parse_args(["--extended", "--direct"]), [])
+        parse_run(["--extended", "--no-metrics"])
+    parsed("--extended --direct")
     with pytest.raises(UsageError, match="--ros-args needs ROS"):
-        check_combination(run_parser().parse_args(["--direct"]), ["--ros-args", "--"])
+        parse_run(["--direct", "--ros-args", "--"])

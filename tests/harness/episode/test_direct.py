@@ -4,7 +4,7 @@ import csv
 import json
 import signal
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from harness.config import EpisodeConfig
-from harness.episode import direct
+from harness.episode import direct, loop
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.result import Progress, RunResult
 from harness.errors import RunFailed, UsageError
@@ -64,10 +64,18 @@ def scripted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Episodes are scripted, and each reading of the wall clock is a quarter of a second later."""
     wall = iter(range(10_000))
     monkeypatch.setattr(direct, "Episode", Scripted)
-    monkeypatch.setattr(direct, "time", SimpleNamespace(monotonic=lambda: next(wall) / 4))
+    for module in (direct, loop):
+        monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: next(wall) / 4))
 
 
 Run = Callable[..., RunResult]
+
+
+@dataclass
+class Watching:
+    """An observer that hands each batch on."""
+
+    take: Callable[[Batch], None]
 
 
 @pytest.fixture
@@ -82,7 +90,8 @@ def run(tmp_path: Path) -> Run:
     ) -> RunResult:
         config = EpisodeConfig(**{"duration": 2.0, "lidar_beams": 8, **changes})
         request = StopRequest() if stop is None else stop
-        return direct.run_direct(config, tmp_path, None, request, show, watch, extended=extended)
+        observers = [] if watch is None else [Watching(watch)]
+        return direct.run_direct(config, tmp_path, None, request, show, observers, extended=extended)
 
     return one
 

@@ -99,10 +99,10 @@ def test_same_seed_gives_the_same_samples_and_another_seed_does_not() -> None:
 
 def test_noise_changes_scan_and_imu_and_is_seeded() -> None:
     quick = {"duration": 0.3, "lidar_beams": 60}
-    clean, noisy = digest(config(**quick)), digest(config(**quick, noise=True))
+    clean, noisy = digest(config(**quick)), digest(config(**quick, noise="white"))
     assert clean != noisy
-    assert noisy == digest(config(**quick, noise=True))
-    assert noisy != digest(config(**quick, noise=True, seed=1))
+    assert noisy == digest(config(**quick, noise="white"))
+    assert noisy != digest(config(**quick, noise="white", seed=1))
 
 
 @pytest.mark.parametrize("robot", ROVERS)
@@ -314,7 +314,7 @@ def test_driver_scan_noise_and_imu_noise_draw_from_streams_of_their_own(spied: l
 
 
 def test_a_driver_sees_where_the_rover_is_and_the_last_scan_as_it_was_sent(spied: list[Spy]) -> None:
-    episode = Episode(config(terrain="rocky", noise=True, duration=0.3, lidar_beams=8))
+    episode = Episode(config(terrain="rocky", noise="white", duration=0.3, lidar_beams=8))
     batches, where = episode.batches(), []
     for index in range(6):
         where.append((*episode.simulation.position[:2], episode.simulation.yaw))

@@ -11,6 +11,7 @@ import pytest
 from harness.config import EpisodeConfig
 from harness.episode.batch import Batch
 from harness.episode.fingerprint import Fingerprint, StreamHash, fingerprint
+from harness.episode.loop import Observer
 from harness.episode.result import RunResult, TopicCount
 from harness.errors import RunFailed
 from harness.interrupt import Interrupted, StopRequest
@@ -28,7 +29,7 @@ BATCH = Batch((TICK,), Truth(time_ns=5), (EVENT,))
 def digest(*batches: Batch) -> str:
     stream = StreamHash()
     for batch in batches:
-        stream.add(batch)
+        stream.take(batch)
     return stream.hexdigest()
 
 
@@ -63,16 +64,16 @@ def test_equal_streams_have_equal_hashes_and_counts() -> None:
     quiet = replace(BATCH, events=())
     assert digest(quiet) != digest(replace(quiet, truth=Truth(time_ns=6)))
     stream = StreamHash()
-    stream.add(replace(BATCH, ticks=(TICK, TICK)))
-    stream.add(BATCH)
+    stream.take(replace(BATCH, ticks=(TICK, TICK)))
+    stream.take(BATCH)
     assert stream.samples == 6
 
 
 def run(
-    config: EpisodeConfig, folder: Path, _: StopRequest, watch: object, **changes: object
+    config: EpisodeConfig, folder: Path, _: StopRequest, observer: Observer, **changes: object
 ) -> RunResult:
     """A run of one batch that wrote a log of two rows."""
-    watch(BATCH)  # type: ignore[operator]
+    observer.take(BATCH)
     log = folder / "log.csv"
     log.write_bytes(b"a,b\r\n1,2\r\n")
     topics = {"/scan": TopicCount(4, 1, 3)}

@@ -7,7 +7,7 @@ import pytest
 
 from harness.config import EpisodeConfig
 from harness.episode.batch import EpisodeInfo
-from harness.episode.manifest import check_writable, manifest, write_manifest
+from harness.episode.manifest import manifest, write_manifest
 from harness.episode.result import RunResult, TopicCount
 from harness.episode.truth_account import TruthAlong
 from harness.errors import UsageError
@@ -154,11 +154,3 @@ def test_every_figure_of_a_run_stands_in_its_manifest() -> None:
 def test_a_manifest_that_cannot_be_written_is_an_error_that_names_it(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"cannot write the summary to .*absent/a\.json: No such file"):
         write_manifest(result(), tmp_path / "absent" / "a.json")
-
-
-def test_unwritable_summary_is_refused_with_the_mend(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="is a folder; name a file"):
-        check_writable(tmp_path)
-    with pytest.raises(UsageError, match=r"there is no folder .*; create it first"):
-        check_writable(tmp_path / "absent" / "run.json")
-    check_writable(tmp_path / "run.json")

@@ -1,13 +1,14 @@
-"""What the extended columns are told of a rover and of each sample."""
+"""What the metrics are told of a rover and of each sample."""
 
 import math
 from typing import Any
+from unittest.mock import Mock, call, create_autospec
 
 import numpy as np
 import pytest
 
 from harness.episode.metrics_feed import (
-    SampleIntake,
+    SampleFeed,
     extended_ros_args,
     extended_settings,
     outline_parameters,
@@ -25,6 +26,8 @@ from harness.samples import (
     Twist,
 )
 from harness.sensors.lidar_spec import LidarSpec
+from rover_metrics import topics
+from rover_metrics.session import MetricsSession
 
 # The rectangle around the wheels in models/README.md, and x of the lidar, which looks backwards.
 OUTLINES = [(LEO, (-0.212, 0.218, 0.214), 0.174), (ROVER_ZERO4WD, (-0.272, 0.268, 0.223), 0.174)]
@@ -52,59 +55,62 @@ def test_a_node_is_told_the_footprint_and_the_pose_of_the_lidar(
     assert f"footprint:={told['footprint']}" in words
 
 
-class Spy:
-    """Extended metrics that only remember what they were given."""
+SAMPLES: tuple[Sample, ...] = (
+    LaserScan(5, RANGES),
+    Imu(5, ATTITUDE, (1.0, 2.0, 3.0), (4.0, 5.0, 6.0)),
+    Pose(5, (1.0, 2.0, 3.0), ATTITUDE),
+    Odometry(5, 1.0, 2.0, 3.0, Twist(0.4, 0.7)),
+    GroundTruth(5, 1.0, 2.0, 3.0, (4.0, 5.0, 6.0), (7.0, 8.0, 9.0)),
+    TruthState(5, True, False, True, 11.0, 12.0, 13.0, (0.1, 0.2, 0.3, 0.4), 14.0),
+    JointStates(5, (1.0,), (2.0,), (3.0,)),
+)
+SCAN_ANGLES = (float(np.float32(-3.14159)), float(np.float32(2 * 3.14159 / 4)))  # as messages have them
+CALLS: tuple[list[Any], ...] = (
+    [call.take_scan(5, RANGES, angles=SCAN_ANGLES)],
+    [call.take_imu(5, (4.0, 5.0, 6.0), (1.0, 2.0, 3.0), ATTITUDE)],
+    [call.take_pose(5, (1.0, 2.0, 3.0))],
+    [call.take_odometry(5, (0.4, 0.0, 0.0))],
+    [call.take_true_velocity((4.0, 5.0, 6.0))],
+    [
+        call.take_contact(touches=True),
+        call.take_traversal((11.0, False, True, 12.0, 13.0, 0.1, 0.2, 0.3, 0.4, 14.0)),
+    ],
+    [],
+)
 
-    def __init__(self) -> None:
-        self.calls: list[tuple[str, tuple[Any, ...], dict[str, Any]]] = []
 
-    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - a method
-        return lambda *values, **named: self.calls.append((name, values, named))
+@pytest.fixture
+def session() -> Mock:
+    """A session with the extended columns that only remembers what it is given."""
+    spy: Mock = create_autospec(MetricsSession, instance=True)
+    spy.extended = object()
+    return spy
 
 
 @pytest.mark.parametrize(
-    ("sample", "calls"),
-    [
-        (
-            LaserScan(5, RANGES),
-            [
-                (
-                    "add_scan",
-                    (5, RANGES),
-                    # float32, as sensor_msgs/LaserScan has them
-                    {
-                        "angle_min": float(np.float32(-3.14159)),
-                        "angle_increment": float(np.float32(2 * 3.14159 / 4)),
-                        "used": True,
-                    },
-                )
-            ],
-        ),
-        (
-            Imu(5, ATTITUDE, (1.0, 2.0, 3.0), (4.0, 5.0, 6.0)),
-            [("add_imu", (5, (4.0, 5.0, 6.0), ATTITUDE), {"used": True})],
-        ),
-        (Pose(5, (1.0, 2.0, 3.0), ATTITUDE), [("add_pose", (5, (1.0, 2.0, 3.0)), {"used": True})]),
-        (
-            Odometry(5, 1.0, 2.0, 3.0, Twist(0.4, 0.7)),
-            [("add_odometry", (5, (0.4, 0.0, 0.0)), {"used": True})],
-        ),
-        (
-            GroundTruth(5, 1.0, 2.0, 3.0, (4.0, 5.0, 6.0), (7.0, 8.0, 9.0)),
-            [("add_true_velocity", ((4.0, 5.0, 6.0),), {})],
-        ),
-        (
-            TruthState(5, True, False, True, 11.0, 12.0, 13.0, (0.1, 0.2, 0.3, 0.4), 14.0),
-            [
-                ("add_contact", (), {"touches": True}),
-                ("add_traversal", ((11.0, False, True, 12.0, 13.0, 0.1, 0.2, 0.3, 0.4, 14.0),), {}),
-            ],
-        ),
-        (JointStates(5, (1.0,), (2.0,), (3.0,)), []),
-    ],
-    ids=lambda value: type(value).__name__,
+    ("sample", "calls"), list(zip(SAMPLES, CALLS, strict=True)), ids=lambda value: type(value).__name__
 )
-def test_a_sample_arrives_as_it_would_out_of_its_message(sample: Sample, calls: list[Any]) -> None:
-    spy = Spy()
-    SampleIntake(spy, LidarSpec(beams=5)).take(sample, used=True)  # type: ignore[arg-type]  # a spy
-    assert spy.calls == calls
+def test_a_sample_arrives_as_it_would_out_of_its_message(
+    sample: Sample, calls: list[Any], session: Mock
+) -> None:
+    SampleFeed(session, LidarSpec(beams=5)).take(sample)
+    assert session.mock_calls == calls
+
+
+def test_a_pose_array_without_a_pose_is_no_position(session: Mock) -> None:
+    SampleFeed(session, LidarSpec()).take(Pose(5, (math.nan,) * 3, ATTITUDE, empty=True))
+    assert session.mock_calls == [call.take_pose(5, None)]
+
+
+def test_each_sample_counts_for_every_topic_that_it_would_have_had(session: Mock) -> None:
+    sensors, truth = ([source.name for source in group] for group in (topics.SENSORS, topics.TRUTH))
+    feed = SampleFeed(session, LidarSpec(beams=5))
+    assert feed.fed == dict.fromkeys([*sensors, *truth], 0)
+    for sample in (*SAMPLES, *SAMPLES, SAMPLES[0]):
+        feed.take(sample)
+    assert feed.fed == dict.fromkeys([*sensors, *truth], 2) | {"/scan": 3}
+    session.extended = None
+    twelve = SampleFeed(session, LidarSpec(beams=5))
+    for sample in SAMPLES:
+        twelve.take(sample)
+    assert twelve.fed == dict.fromkeys(sensors, 1)

@@ -17,7 +17,6 @@ from harness.validation.agent import SPEEDS, RecordedAgent
 from harness.validation.realism import WITHIN, Comparison, Distances, distances, print_comparison
 from harness.validation.recorded import COLUMNS, DEFAULT_LOGS, Log, read_log
 from harness.validation.run_log import CONFIG, _Logger, drive
-from rover_metrics.core.metrics import TraversalMetrics
 
 IMU = ("IMU Acceleration Magnitude", "Vertical Roughness")
 MINUTES_2 = replace(CONFIG, duration=120.0)
@@ -101,7 +100,7 @@ def test_distances_are_those_of_scipy_and_pass_up_to_twice_the_yardstick() -> No
 
 def test_the_comparison_is_printed_with_percentiles_shares_and_verdicts() -> None:
     values = np.linspace(0.0, 20.0, 201)
-    logs = {
+    logs: dict[str, Log] = {
         title: dict.fromkeys(COLUMNS, values + shift) for shift, title in enumerate(("ours", "a", "b"))
     }
     found = dict.fromkeys(COLUMNS, Distances((2.0, 4.0), 2.0)) | {
@@ -121,7 +120,7 @@ def test_the_comparison_is_printed_with_percentiles_shares_and_verdicts() -> Non
 
 
 def test_a_row_is_written_each_full_second_of_what_came_up_to_it() -> None:
-    logger = _Logger(TraversalMetrics())
+    logger = _Logger()
     imu = Imu(0, (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (3.0, 4.0, 12.0))
     odometry = Odometry(0, 0.0, 0.0, 0.0, Twist(0.7, 9.0))
     scan = LaserScan(0, np.array([np.inf, 2.5], np.float32))
@@ -136,4 +135,4 @@ def test_a_row_is_written_each_full_second_of_what_came_up_to_it() -> None:
     seen = logger.observe(where)  # type: ignore[arg-type]
     assert (seen.time_ns, seen.x, seen.y, seen.yaw) == (5, 1.0, 2.0, 0.5)
     assert seen.ranges is scan.ranges
-    assert _Logger(TraversalMetrics()).observe(where).ranges is None  # type: ignore[arg-type]
+    assert _Logger().observe(where).ranges is None  # type: ignore[arg-type]
