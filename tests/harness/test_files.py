@@ -74,3 +74,16 @@ def test_a_target_may_have_any_name_where_none_is_asked_for(tmp_path: Path) -> N
         check_target("--summary", tmp_path)
     with pytest.raises(UsageError, match=r"there is no folder .*; create it first"):
         check_target("--summary", tmp_path / "absent" / "run.json")
+
+
+def test_a_file_is_there_whole_or_not_at_all(tmp_path: Path) -> None:
+    target = tmp_path / "a.png"
+
+    def fail() -> None:
+        with whole_file(target) as part:
+            part.write_text("half")
+            raise KeyError
+
+    with pytest.raises(KeyError):
+        fail()
+    assert list(tmp_path.iterdir()) == []

@@ -3,7 +3,7 @@ import sys
 import pytest
 
 from rover_metrics import errors
-from rover_metrics.errors import MissingRosError, RoverMetricsError, missing_ros
+from rover_metrics.errors import MissingRosError, RoverMetricsError, is_worth_a_line, missing_ros
 
 NO_ROS = ImportError("No module named 'rclpy'")
 TOLD = (
@@ -39,3 +39,9 @@ def test_every_known_mistake_can_be_caught_as_one_and_ends_a_program_with_two() 
     kinds = [kind for name, kind in vars(errors).items() if name.endswith("Error")]
     assert len(kinds) == 6
     assert all(issubclass(kind, RoverMetricsError) and kind.exit_code == 2 for kind in kinds)
+
+
+def test_a_count_is_worth_a_line_when_it_reaches_or_leaps_over_a_power_of_two() -> None:
+    assert [now for now in range(1, 100) if is_worth_a_line(now - 1, now)] == [1, 2, 4, 8, 16, 32, 64]
+    assert [now for now in range(5, 20) if is_worth_a_line(5, now)] == list(range(8, 20))
+    assert not is_worth_a_line(4, 4)

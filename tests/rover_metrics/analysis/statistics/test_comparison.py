@@ -9,7 +9,13 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from rover_metrics.analysis.logs.log import Floats
-from rover_metrics.analysis.statistics.comparison import MOST_SPLITS, cliffs_delta, compare, hedges_g
+from rover_metrics.analysis.statistics.comparison import (
+    MOST_SPLITS,
+    cliffs_delta,
+    compare,
+    hedges_g,
+    holm,
+)
 
 A = np.array([1.0, 2.0, 3.0, 4.0])
 B = np.array([6.0, 7.0, 8.0, 9.0])
@@ -102,3 +108,21 @@ def test_an_adjusted_comparison_keeps_all_else() -> None:
     assert result.p_holm is None
     assert result.adjusted(0.5).p_holm == 0.5
     assert result.adjusted(0.5).p == result.p == pytest.approx(2 / 70)
+
+
+@given(st.lists(st.none() | st.floats(0.0, 1.0), max_size=6))
+def test_many_probabilities_are_adjusted_by_the_step_down_of_holm(
+    probabilities: list[float | None],
+) -> None:
+    """1979: p(j) becomes the largest of (m - i + 1) p(i) for all i up to j, and 1 at most."""
+    known = sorted(p for p in probabilities if p is not None)
+    for p, adjusted in zip(probabilities, holm(probabilities), strict=True):
+        if p is None:
+            assert adjusted is None
+        else:
+            steps = [min(1.0, (len(known) - i) * q) for i, q in enumerate(known) if q <= p]
+            assert adjusted == pytest.approx(max(steps))
+
+
+def test_adjusted_probabilities_are_those_of_the_textbooks_example() -> None:
+    assert holm([0.01, 0.04, None, 0.03, 0.005]) == pytest.approx([0.03, 0.06, None, 0.06, 0.02])

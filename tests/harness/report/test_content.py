@@ -1,10 +1,8 @@
-import hashlib
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
 from importlib.resources import files
 from itertools import pairwise
-from pathlib import Path
 
 import pytest
 
@@ -14,11 +12,8 @@ from harness.episode.result import RunResult, TopicCount
 from harness.interrupt import StopRequest
 from harness.report.content import render
 from harness.report.recorder import RunRecorder
-from harness.run import main
 from harness.truth.events import ContactEvent
 from rover_metrics.core.row import COLUMNS
-
-QUICK = ["--direct", "--terrain", "flat", "--duration", "2"]
 
 
 class Outline(HTMLParser):
@@ -160,51 +155,3 @@ def test_run_without_a_log_or_a_single_batch_gets_a_page() -> None:
     page = without_plotly(render(result, RunRecorder()))
     assert "This run wrote no metrics log." in page
     assert "it never began" in page
-
-
-def test_bundle_is_the_one_that_its_readme_names() -> None:
-    assets = files("harness.page") / "assets"
-    digest = hashlib.sha256((assets / "plotly-basic.min.js").read_bytes()).hexdigest()
-    assert digest in (assets / "README.md").read_text()
-    assert "</script" not in (assets / "plotly-basic.min.js").read_text(encoding="utf-8")
-
-
-def test_report_option_writes_the_page_and_changes_no_byte_of_the_log(tmp_path: Path) -> None:
-    page = tmp_path / "report.html"
-    assert main([*QUICK, "--log-dir", str(tmp_path / "with"), "--report", str(page)]) == 0
-    assert main([*QUICK, "--log-dir", str(tmp_path / "without")]) == 0
-    (with_report,), (without,) = ((tmp_path / d).glob("*.csv") for d in ("with", "without"))
-    assert with_report.read_bytes() == without.read_bytes()
-    assert "<h1>leo on flat</h1>" in page.read_text(encoding="utf-8")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "with", "without"]
-
-
-def test_a_failed_run_gets_its_report_and_exit_code_1(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("harness.physics.simulation.EDGE_MARGIN", 19.5)
-    page = tmp_path / "report.html"
-    words = ["--direct", "--terrain", "flat", "--driver", "straight", "--duration", "120"]
-    assert main([*words, "--log-dir", str(tmp_path), "--report", str(page)]) == 1
-    top = page.read_text(encoding="utf-8").partition("<main>")[0]
-    assert "<strong>Failed</strong>" in top
-    assert "the rover reached the edge of the map" in top
-
-
-@pytest.mark.parametrize(
-    ("place", "expected"),
-    [
-        ("absent/report.html", "create it first"),
-        (".", "is a folder; name a file"),
-        ("/proc/report.html", "/proc is not writable"),
-    ],
-)
-def test_unwritable_report_is_refused_in_one_line_before_the_run(
-    place: str, expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    words = [*QUICK, "--log-dir", str(tmp_path / "logs"), "--report", str(tmp_path / place)]
-    assert main(words) == 2
-    told = capsys.readouterr().err
-    assert expected in told
-    assert told.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []

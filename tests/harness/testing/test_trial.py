@@ -22,7 +22,7 @@ from harness.errors import RunFailed, UsageError
 from harness.ros.domain import reserved_domain
 from harness.testing import Trial
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "examples"
 
 
 class Echo(Node):  # type: ignore[misc]  # rclpy has no types for mypy

@@ -8,19 +8,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from harness.config import EpisodeConfig
-from harness.episode.episode import Episode
 from harness.errors import UsageError
-from harness.files import whole_file
-from harness.physics.scene import build_scene
-from harness.robots import LEO
 from harness.run import main
-from harness.view.camera import best_view, chase_view
 from harness.view.drawing import Drawing
-from harness.view.marks import beam_marks, path_marks, track_marks
-from harness.view.states import States, StateWriter, read_states
+from tests.harness.view.recorded import CONFIG
 
-CONFIG = EpisodeConfig(terrain="rocky", driver="straight", duration=2.0)
 RUN = ["--direct", "--terrain", "flat", "--duration", "1"]
 
 
@@ -39,92 +31,6 @@ def why_no_opengl() -> str | None:
 def _opengl() -> None:
     if (reason := why_no_opengl()) is not None:
         pytest.skip(reason)
-
-
-def recorded(path: Path, config: EpisodeConfig = CONFIG) -> States:
-    with StateWriter(path, config) as writer:
-        for batch in Episode(config).batches():
-            writer.take(batch)
-    return read_states(path)
-
-
-def test_states_are_those_of_the_episode(tmp_path: Path) -> None:
-    episode = Episode(CONFIG)
-    with StateWriter(tmp_path / "states", CONFIG) as writer:
-        for batch in episode.batches():
-            writer.take(batch)
-    states = read_states(tmp_path / "states")
-    np.testing.assert_allclose(states.times, np.arange(1, 51) * 0.04)
-    np.testing.assert_array_equal(states.path[-1], episode.simulation.data.qpos[:3])
-    np.testing.assert_array_equal(states.orientations[-1], episode.simulation.data.qpos[3:7])
-    assert states.config.terrain == "rocky"
-    assert states.joints.shape == (50, len(LEO.joints))
-
-
-def test_half_a_state_at_the_end_is_left_out(tmp_path: Path) -> None:
-    recorded(tmp_path / "states")
-    (tmp_path / "states").write_bytes((tmp_path / "states").read_bytes()[:-5])
-    assert len(read_states(tmp_path / "states").times) == 49
-
-
-def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "states").write_text("no recording\n")
-    with pytest.raises(UsageError, match="is no recording of an episode"):
-        read_states(tmp_path / "states")
-
-
-def test_path_lies_on_the_ground_and_grows_with_time(tmp_path: Path) -> None:
-    states = recorded(tmp_path / "states")
-    ground = CONFIG.world().ground
-    marks = path_marks(states, ground)
-    assert len(marks) > 5
-    for mark in marks:
-        assert abs(mark.position[2] - ground.height_at(*mark.position[:2])) < 0.02
-    times = [mark.since for mark in marks]
-    assert times == sorted(times)
-    assert 0.0 < times[0] < times[-1] <= 2.0
-
-
-def test_tracks_are_as_far_apart_as_the_wheels(tmp_path: Path) -> None:
-    states = recorded(tmp_path / "states")
-    left, right, *_ = track_marks(states, CONFIG.world().ground, LEO)
-    assert np.hypot(*(left.position - right.position)[:2]) == pytest.approx(LEO.track)
-
-
-def test_only_beams_that_hit_are_drawn() -> None:
-    directions = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
-    marks = beam_marks(np.zeros(3), directions, np.array([2.0, np.inf, -np.inf], np.float32))
-    assert len(marks) == 2  # the line and its end
-    np.testing.assert_allclose(marks[1].position, (2.0, 0.0, 0.0))
-
-
-def test_best_view_shows_the_path_and_stands_over_the_ground(tmp_path: Path) -> None:
-    states = recorded(tmp_path / "states")
-    world = CONFIG.world()
-    episode = Episode(CONFIG)
-    model = build_scene(world, LEO, 0.0025).model
-    view = best_view(model, episode.simulation.data, states.path, states.yaw[-1], 0.7)
-    assert view.sees(states.path, 0.7).all()
-    assert view.eye[2] > world.ground.height_at(*view.eye[:2])
-
-
-def test_chase_view_looks_where_the_rover_heads() -> None:
-    view = chase_view(np.zeros(3), 0.0)
-    assert view.direction[0] > 0.7
-    assert view.eye[0] < 0.0 < view.eye[2]
-
-
-def test_a_file_is_there_whole_or_not_at_all(tmp_path: Path) -> None:
-    target = tmp_path / "a.png"
-
-    def fail() -> None:
-        with whole_file(target) as part:
-            part.write_text("half")
-            raise KeyError
-
-    with pytest.raises(KeyError):
-        fail()
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(

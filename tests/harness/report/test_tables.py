@@ -2,15 +2,11 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
-
-import pytest
 
 from harness.config import EpisodeConfig
 from harness.episode.result import RunResult, TopicCount
 from harness.episode.truth_account import TruthAlong
-from harness.report.columns import describe
-from harness.report.log import Log, read_log
+from harness.report.log import Log
 from harness.report.tables import Comparison, comparisons, contact_rows, facts, key_figures
 from harness.truth.events import ContactEvent
 from harness.truth.traversal import Truth
@@ -28,9 +24,13 @@ TRUTH = Truth(
     mean_slip=0.129,
     largest_tilt=math.radians(30.4),
 )
+
+
 EVENT = ContactEvent(
     "hazard", 1_500_000_000, 1_750_000_000, "chassis", "hazard_3", 41.6, (0.2, 0.1, 0.0)
 )
+
+
 RESULT = RunResult(
     config=EpisodeConfig(),
     mode="direct",
@@ -41,6 +41,8 @@ RESULT = RunResult(
     last_row={"Distance Traveled": 4.1, "Total Collisions": 6},
     along=TruthAlong(events=(EVENT, replace(EVENT, kind="rock"), replace(EVENT, kind="scrape"))),
 )
+
+
 LOG = Log(
     [1.0, 2.0, 3.0],
     {
@@ -99,22 +101,3 @@ def test_nested_values_become_flat_pairs_with_their_units() -> None:
         *(("a.b", "yes"), ("a.timestep", "0.0025 s")),
         *(("empty", "\N{EN DASH}"), ("none", "\N{EN DASH}"), ("sizes", "1.5, 2")),
     ]
-
-
-def test_a_log_is_read_back_as_numbers_and_counted_notes(tmp_path: Path) -> None:
-    path = tmp_path / "log.csv"
-    rows = ["Timestamp,A,B [m],Notes", "1,2.5,inf,calm", "2,x,4,calm", '3,1,,"rough, fast"', "4,7"]
-    path.write_text("\r\n".join(rows) + "\r\n")
-    log = read_log(path)
-    assert log.time_s == [1.0, 2.0, 3.0, 4.0]
-    assert log.columns == {
-        "A": pytest.approx([2.5, math.nan, 1.0, 7.0], nan_ok=True),
-        "B [m]": pytest.approx([math.inf, 4.0, math.nan, math.nan], nan_ok=True),
-    }
-    assert log.notes == [("calm", 2), ("rough, fast", 1), ("", 1)]
-    assert read_log(None) == read_log(tmp_path / "absent.csv") == Log()
-
-
-def test_a_column_beyond_the_twelve_has_the_unit_in_its_name() -> None:
-    assert (describe("Heat [K]").unit, describe("Heat").unit) == ("K", "")
-    assert describe("Obstacle Clearance").thresholds == ("collision_threshold", "min_safe_clearance")

@@ -1,0 +1,73 @@
+import base64
+import io
+import math
+
+import numpy as np
+import pytest
+
+from harness.report.hillshade import shade
+from harness.world.heightfield import Heightfield
+from harness.world.world import build_world
+
+
+def test_slopes_towards_the_north_west_are_lit_and_others_lie_in_the_shade() -> None:
+    x, y = np.meshgrid(np.linspace(-2.0, 2.0, 41), np.linspace(-2.0, 2.0, 41))
+    cone = shade(Heightfield(heights=-np.hypot(x, y), cell=0.1)).pixels
+    north_west, south_east = cone[10, 10], cone[30, 30]
+    assert int(north_west) > int(south_east) + 100
+
+
+@pytest.mark.parametrize(
+    ("slope_x", "slope_y", "light"),
+    [
+        # Lambert: the cosine between the normal and the sun, in the north-west 45 degrees up.
+        (0.0, 0.0, math.sqrt(0.5)),
+        (0.7, 0.0, (math.sqrt(0.5) + 0.7 * 0.5) / math.hypot(1.0, 0.7)),
+        (-0.7, 0.0, (math.sqrt(0.5) - 0.7 * 0.5) / math.hypot(1.0, 0.7)),
+        (0.0, -0.7, (math.sqrt(0.5) + 0.7 * 0.5) / math.hypot(1.0, 0.7)),
+        (0.35, -0.35, 1.0),
+    ],
+)
+def test_a_plane_is_as_bright_as_the_cosine_between_its_normal_and_the_sun(
+    slope_x: float, slope_y: float, light: float
+) -> None:
+    """The slope that shows is that of 35 degrees, whatever the plane's own."""
+    axis = np.arange(21) * 0.1
+    hillshade = shade(Heightfield(slope_x * axis[None, :] + slope_y * axis[:, None], cell=0.1))
+    exaggeration = math.tan(math.radians(35.0)) / (math.hypot(slope_x, slope_y) or 1e-9)
+    assert hillshade.exaggeration == pytest.approx(min(exaggeration, 8.0))
+    x, y = (hillshade.exaggeration * slope for slope in (slope_x, slope_y))
+    normal = np.array([-x, -y, 1.0]) / math.sqrt(1.0 + x * x + y * y)
+    sun = np.array([-0.5, 0.5, math.sqrt(0.5)])
+    assert hillshade.pixels == pytest.approx(np.full((21, 21), 70 + 180 * (normal @ sun)), abs=0.51)
+    if hillshade.exaggeration == pytest.approx(1.0, abs=1e-3):
+        assert normal @ sun == pytest.approx(light, abs=1e-3)
+
+
+def test_only_the_steepest_twentieth_is_exaggerated_less() -> None:
+    heights = np.tile(np.maximum(np.arange(41) - 36.0, 0.0) * 0.1, (41, 1))  # a tenth of it slopes
+    assert shade(Heightfield(heights, cell=0.1)).exaggeration == pytest.approx(0.7, abs=1e-3)
+
+
+def test_north_is_up_in_the_hillshade() -> None:
+    heights = np.zeros((21, 21))
+    heights[18, 5] = 1.0  # north, as y is large
+    pixels = shade(Heightfield(heights, cell=0.1)).pixels.astype(int)
+    rows, columns = np.nonzero(pixels != pixels[20, 20])
+    assert (rows.mean(), columns.mean()) == pytest.approx((2.0, 5.0))
+
+
+def test_hillshade_is_a_png_whose_pixels_lie_around_the_vertices() -> None:
+    hillshade = shade(build_world("rocky", seed=0).ground)
+    assert (hillshade.west, hillshade.north) == pytest.approx((-20.05, 20.05))
+    kind, data = hillshade.data_uri().split(",")
+    assert kind == "data:image/png;base64"
+    image = pytest.importorskip("matplotlib.image", reason="reads the picture back")
+    read = image.imread(io.BytesIO(base64.b64decode(data)))
+    assert np.array_equal((read * 255).round().astype(np.uint8), hillshade.pixels)
+
+
+def test_a_large_terrain_becomes_a_picture_of_bounded_size() -> None:
+    hillshade = shade(Heightfield(heights=np.zeros((2501, 2501)), cell=0.1))
+    assert len(hillshade.pixels) == 501
+    assert hillshade.side == pytest.approx(501 * 0.5)

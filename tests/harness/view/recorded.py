@@ -1,0 +1,16 @@
+"""A short recording of an episode."""
+
+from pathlib import Path
+
+from harness.config import EpisodeConfig
+from harness.episode.episode import Episode
+from harness.view.states import States, StateWriter, read_states
+
+CONFIG = EpisodeConfig(terrain="rocky", driver="straight", duration=2.0)
+
+
+def recorded(path: Path, config: EpisodeConfig = CONFIG) -> States:
+    with StateWriter(path, config) as writer:
+        for batch in Episode(config).batches():
+            writer.take(batch)
+    return read_states(path)

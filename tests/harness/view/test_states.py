@@ -1,0 +1,35 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.episode.episode import Episode
+from harness.errors import UsageError
+from harness.robots import LEO
+from harness.view.states import StateWriter, read_states
+from tests.harness.view.recorded import CONFIG, recorded
+
+
+def test_states_are_those_of_the_episode(tmp_path: Path) -> None:
+    episode = Episode(CONFIG)
+    with StateWriter(tmp_path / "states", CONFIG) as writer:
+        for batch in episode.batches():
+            writer.take(batch)
+    states = read_states(tmp_path / "states")
+    np.testing.assert_allclose(states.times, np.arange(1, 51) * 0.04)
+    np.testing.assert_array_equal(states.path[-1], episode.simulation.data.qpos[:3])
+    np.testing.assert_array_equal(states.orientations[-1], episode.simulation.data.qpos[3:7])
+    assert states.config.terrain == "rocky"
+    assert states.joints.shape == (50, len(LEO.joints))
+
+
+def test_half_a_state_at_the_end_is_left_out(tmp_path: Path) -> None:
+    recorded(tmp_path / "states")
+    (tmp_path / "states").write_bytes((tmp_path / "states").read_bytes()[:-5])
+    assert len(read_states(tmp_path / "states").times) == 49
+
+
+def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "states").write_text("no recording\n")
+    with pytest.raises(UsageError, match="is no recording of an episode"):
+        read_states(tmp_path / "states")
