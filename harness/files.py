@@ -30,5 +30,5 @@ def check_target(flag: str, target: Path, suffix: str = "") -> None:
         with tempfile.TemporaryFile(dir=target.parent):
             pass  # os.access would not do: to root it says yes even in /proc
     except OSError as error:
-        message = f"{flag} {target}: {target.parent} is not writable ({error.strerror}); choose another"
+        message = f"{flag} {target} cannot be written: {error.strerror}; choose another place"
         raise UsageError(message) from error

@@ -50,7 +50,7 @@ def test_a_link_is_replaced_and_what_it_points_to_stays(tmp_path: Path) -> None:
         ("run.mp3", r"--video '.*run\.mp3': name a file that ends in \.mp4"),
         ("folder.mp4", r"--video .*folder\.mp4 is a folder; name a file"),
         ("absent/run.mp4", r"--video .*: there is no folder .*absent; create it first"),
-        ("/proc/run.mp4", r"--video /proc/run\.mp4: /proc is not writable \([A-Z].*\); choose another"),
+        ("/proc/run.mp4", r"--video /proc/run\.mp4 cannot be written: [A-Z].*; choose another place"),
     ],
 )
 def test_a_target_that_cannot_be_written_is_refused(name: str, message: str, tmp_path: Path) -> None:

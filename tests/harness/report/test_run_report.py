@@ -34,7 +34,7 @@ def test_a_failed_run_gets_its_report_and_exit_code_1(
     [
         ("absent/report.html", "create it first"),
         (".", "is a folder; name a file"),
-        ("/proc/report.html", "/proc is not writable"),
+        ("/proc/report.html", "/proc/report.html cannot be written: "),
     ],
 )
 def test_unwritable_report_is_refused_in_one_line_before_the_run(

@@ -184,6 +184,29 @@ def test_trial_leaves_rclpy_as_it_was_even_after_a_failure() -> None:
     assert not rclpy.ok()
 
 
+@pytest.mark.filterwarnings("ignore:Deprecated in favor of:DeprecationWarning")  # as rclpy tells it
+def test_trial_goes_on_after_a_node_has_raised() -> None:
+    class Touchy(Node):  # type: ignore[misc]  # rclpy has no types for mypy
+        def __init__(self) -> None:
+            super().__init__("touchy")
+            self.scans = 0
+            self.create_subscription(LaserScan, "scan", self._on_scan, 10)
+
+        def _on_scan(self, _: LaserScan) -> None:
+            self.scans += 1
+            if self.scans == 2:
+                raise ZeroDivisionError
+
+    with trial() as one:
+        node = one.host(Touchy)
+        with pytest.raises(ZeroDivisionError):
+            one.step(0.5)
+        assert one.time == pytest.approx(0.1)
+        one.step(0.4)
+        assert one.time == pytest.approx(0.5)
+        assert node.scans == 10
+
+
 def test_no_two_trials_share_a_domain() -> None:
     with reserved_domain() as one, reserved_domain() as other:
         assert one != other
