@@ -2,6 +2,7 @@
 
 import itertools
 import os
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -15,12 +16,17 @@ settings.register_profile("patient", deadline=None, suppress_health_check=[Healt
 settings.load_profile("patient")
 
 _DOMAINS = 100  # 1..100: above 101 DDS ports fall into the ephemeral range
-_next_domain = itertools.count(os.getpid())
+
+
+@pytest.fixture(scope="session")
+def ros_domains() -> Iterator[int]:
+    """ROS domains, each of which no other test of this run uses at the same time."""
+    return (count % _DOMAINS + 1 for count in itertools.count(os.getpid()))
 
 
 @pytest.fixture
-def ros_domain(monkeypatch: pytest.MonkeyPatch) -> int:
-    """A ROS domain that no other test of this run uses at the same time."""
-    domain = next(_next_domain) % _DOMAINS + 1
+def ros_domain(ros_domains: Iterator[int], monkeypatch: pytest.MonkeyPatch) -> int:
+    """Such a domain, in force."""
+    domain = next(ros_domains)
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     return domain
