@@ -26,7 +26,7 @@ from std_srvs.srv import Trigger
 
 from harness.config import Batch
 from harness.interrupt import StopRequest
-from harness.result import RunResult
+from harness.result import Progress, RunResult
 from harness.robots import ROVERS
 from harness.ros import session, startup
 from harness.ros.bridge import Bridge
@@ -124,6 +124,7 @@ class Drive:
 
     listener: Listener
     result: RunResult
+    progress: list[Progress]
     recording: Path
     twin: Twin
     due: list[tuple[int, Topic, Expected]]
@@ -153,14 +154,15 @@ def drive(
         listener.taken.append(twist)
         take(source, twist)
 
+    progress: list[Progress] = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_DOMAIN_ID", str(next(ros_domains)))
         patch.setattr(session, "refuse_other_publishers", join)
         patch.setattr(EpisodeProcess, "command", note)
-        result = run_through_ros(config, options, StopRequest(), lambda _: None, listener.watch)
+        result = run_through_ros(config, options, StopRequest(), progress.append, listener.watch)
     twin, due = expectations(config, tuple(ROVERS).index(spec.name))
     assert options.record is not None
-    return Drive(listener, result, options.record, twin, due)
+    return Drive(listener, result, progress, options.record, twin, due)
 
 
 def expectations(config: StagedConfig, rover: int) -> tuple[Twin, list[tuple[int, Topic, Expected]]]:
@@ -225,6 +227,32 @@ def test_commands_are_the_finite_ones_and_the_reset_says_when(drive: Drive) -> N
     assert drive.listener.answer.success
     assert drive.listener.answer.message == f"the rover goes back to its start at t = {at:.2f} s"
     assert drive.result.truth.resets == 1
+
+
+def test_the_run_tells_how_far_it_is_and_what_it_came_to(drive: Drive) -> None:
+    result, hosts = drive.result, drive.twin.rover.name == "leo"
+    seconds = [0.05 * (batch + 1) for batch in range(BATCHES)]
+    assert [p.simulated_s for p in drive.progress] == pytest.approx(seconds)
+    assert {p.total_s for p in drive.progress} == {result.config.duration}
+    last = drive.progress[-1]
+    assert last.path_length == pytest.approx(drive.twin.path_length)
+    assert (last.messages, last.wall_s) == (len(drive.due), result.wall_s)
+    assert drive.progress[0].messages == sum(time_ns <= 50_000_000 for time_ns, *_ in drive.due)
+    assert result.truth.path_length == last.path_length
+    assert (result.failure, result.interrupted, result.paused_s) == (None, None, 0.0)
+    assert result.mode == f"ROS 2, {'hosted metrics_node' if hosts else 'no metrics_node'}"
+    assert result.recording == drive.recording
+    assert result.info is not None
+    assert result.info.obstacles == 2
+    heard = {"/scan", "/imu/data", "/rover/pose_array", "/odometry/wheels", "/clock"} if hosts else set()
+    assert {t: c.received for t, c in result.topics.items() if c.received is not None} == {
+        topic: result.topics[topic].published for topic in heard
+    }
+    assert result.lost == 0
+    assert result.rows == (int(BATCHES * 0.05) if hosts else 0)
+    assert (result.log_path is None, result.reception is None, result.segments) == (
+        (False, False, 1) if hosts else (True, True, None)
+    )
 
 
 def test_the_drive_shows_everything_that_a_field_can_say(drive: Drive) -> None:
