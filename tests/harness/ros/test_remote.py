@@ -40,9 +40,12 @@ class Rig:
         parameters = SimpleNamespace(
             services_are_ready=lambda: self.found, get_parameters=self._get_parameters
         )
-        monkeypatch.setattr(
-            remote, "AsyncParameterClient", lambda *a: self.asked.append(a[1]) or parameters
-        )
+
+        def client(_: object, name: str) -> SimpleNamespace:
+            self.asked.append(name)
+            return parameters
+
+        monkeypatch.setattr(remote, "AsyncParameterClient", client)
         monkeypatch.setattr(remote, "spin_until", self._spin_until)
 
     def _spin_until(self, _: object, condition: Callable[[], bool], patience: float) -> bool:
