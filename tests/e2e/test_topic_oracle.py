@@ -26,6 +26,7 @@ from std_srvs.srv import Trigger
 
 from harness.config import Batch
 from harness.interrupt import StopRequest
+from harness.pacing import Pacer
 from harness.result import Progress, RunResult
 from harness.robots import ROVERS
 from harness.ros import session, startup
@@ -125,6 +126,7 @@ class Drive:
     listener: Listener
     result: RunResult
     progress: list[Progress]
+    paced: list[float]
     recording: Path
     twin: Twin
     due: list[tuple[int, Topic, Expected]]
@@ -155,14 +157,17 @@ def drive(
         take(source, twist)
 
     progress: list[Progress] = []
+    paced: list[float] = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_DOMAIN_ID", str(next(ros_domains)))
         patch.setattr(session, "refuse_other_publishers", join)
         patch.setattr(EpisodeProcess, "command", note)
+        patch.setattr(Pacer, "postpone", lambda _, seconds: paced.append(seconds))
+        patch.setattr(Pacer, "wait_until", lambda _, time_ns: paced.append(time_ns))
         result = run_through_ros(config, options, StopRequest(), progress.append, listener.watch)
     twin, due = expectations(config, tuple(ROVERS).index(spec.name))
     assert options.record is not None
-    return Drive(listener, result, progress, options.record, twin, due)
+    return Drive(listener, result, progress, paced, options.record, twin, due)
 
 
 def expectations(config: StagedConfig, rover: int) -> tuple[Twin, list[tuple[int, Topic, Expected]]]:
@@ -242,6 +247,8 @@ def test_the_run_tells_how_far_it_is_and_what_it_came_to(drive: Drive) -> None:
     assert (result.failure, result.interrupted, result.paused_s) == (None, None, 0.0)
     assert result.mode == f"ROS 2, {'hosted metrics_node' if hosts else 'no metrics_node'}"
     assert result.recording == drive.recording
+    ticks = [TICK_NS * (tick + 1) for tick in range(BATCHES * TICKS_PER_BATCH)]
+    assert drive.paced == [entry for time_ns in ticks for entry in (0.0, time_ns)]
     assert result.info is not None
     assert result.info.obstacles == 2
     heard = {"/scan", "/imu/data", "/rover/pose_array", "/odometry/wheels", "/clock"} if hosts else set()

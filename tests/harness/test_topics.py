@@ -1,6 +1,7 @@
 """harness.topics: its arithmetic with a clock of the test's own, its table over real DDS, its ends."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -219,8 +220,26 @@ def test_with_a_simulations_clock_the_rate_is_also_given_in_its_time(scene: Scen
 
     clock = scene.publisher(Clock, "/clock")
     for tick in range(5):
-        scene.publish(clock, Clock(clock=Time(sec=tick)), at=tick * 0.1)
-    assert scene.cells("/clock")[2:4] == ["10.0", "1.0"]
+        sec, nanosec = divmod(tick * 500_000_000, 10**9)
+        scene.publish(clock, Clock(clock=Time(sec=sec, nanosec=nanosec)), at=tick * 0.1)
+    assert scene.cells("/clock")[2:4] == ["10.0", "2.0"]
+
+
+def test_all_topics_but_plumbing_are_heard_whatever_their_quality_and_listed_by_name(
+    scene: Scene,
+) -> None:
+    from rclpy.qos import QoSProfile, ReliabilityPolicy  # noqa: PLC0415
+    from sensor_msgs.msg import Imu  # noqa: PLC0415
+
+    best_effort = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    names = ["/zeta", "/eta", "/alpha"]
+    for name in names:
+        scene.publish(scene.publisher(Imu, name, best_effort), Imu(), at=0.0)
+    assert sorted(scene.onlooker.types) == sorted(names)
+    console = Console(width=200)
+    with console.capture() as captured:
+        console.print(scene.onlooker.table())
+    assert re.findall(r"^│ (/\w+)", captured.get(), re.MULTILINE) == sorted(names)
 
 
 def test_a_namespace_leaves_out_the_others_but_not_the_clock(ros_domain: int) -> None:  # noqa: ARG001

@@ -1,5 +1,6 @@
 """The recorder on a bridge of its own: what is in the file, and when it is there."""
 
+import errno
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,6 +14,7 @@ from mcap.exceptions import EndOfFile
 from mcap.reader import make_reader
 from mcap.records import Message
 from mcap.stream_reader import StreamReader
+from mcap.writer import Writer
 from rclpy.serialization import serialize_message
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
@@ -61,7 +63,7 @@ def publish(bridge: Bridge, recorder: Recorder, ticks: int) -> None:
             (
                 samples.LaserScan(t, np.full(BEAMS, number, dtype=np.float32)),
                 samples.Imu(t, level, (0.0, 0.0, 0.1), (0.0, 0.0, 9.8)),
-                samples.Pose(t, (float(number), 0.0, 0.0), level),
+                samples.Pose(t, (float(number), 0.0, 0.0), level, empty=number % 5 == 0),
                 samples.Odometry(t, 0.0, 0.0, 0.1, samples.Twist(0.5, 0.1)),
                 samples.GroundTruth(t, 0.0, 0.0, 0.1, (0.5, 0.0, 0.0), (0.0, 0.0, 0.1)),
                 samples.JointStates(t, joints, joints, joints),
@@ -156,7 +158,7 @@ def test_run_that_never_starts_leaves_no_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
-def test_full_disk_ends_the_run_with_the_reason(
+def test_full_disk_ends_the_run_with_the_reason_once(
     bridge: Bridge, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     full = Path("/dev/full").open("wb")  # noqa: SIM115 - the recorder closes it
@@ -164,5 +166,16 @@ def test_full_disk_ends_the_run_with_the_reason(
         patch.setattr(Path, "open", lambda *_: full)
         recorder = Recorder(tmp_path / "bag.mcap")
     recorder.tap(bridge)
-    with pytest.raises(RunFailed, match="ended early: No space left on device"), recorder:
+    with recorder, pytest.raises(RunFailed, match=r"bag\.mcap ended early: No space left on device"):
         publish(bridge, recorder, 60)
+
+
+def test_a_disk_that_is_full_only_at_the_end_fails_the_run_too(
+    bridge: Bridge, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def finish(_: Writer) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Writer, "finish", finish)
+    with pytest.raises(RunFailed, match="ended early: No space left"):
+        record(tmp_path / "bag.mcap", bridge, 1)

@@ -22,6 +22,7 @@ class Rig:
         self.received: dict[str, int] = {"/scan": 3, "/stranger": 9}
         self.asked: list[str] = []
         self.patience: list[float] = []
+        self.came_true: list[bool] = []
         self.matched = 0
         scan = SimpleNamespace(get_subscription_count=lambda: self.matched)
         self.bridge: Any = SimpleNamespace(
@@ -52,7 +53,8 @@ class Rig:
         self.patience.append(patience)
         if not condition():
             self.matched += 2
-        return condition()
+        self.came_true.append(condition())
+        return self.came_true[-1]
 
     def _future(self, result: object) -> Any:  # noqa: ANN401 - a future
         return SimpleNamespace(done=lambda: self.answers, result=lambda: result)
@@ -91,6 +93,8 @@ def test_a_name_is_below_the_bridges_namespace_unless_it_is_absolute(
 def test_a_node_counts_as_there_when_its_subscriptions_have_matched(rig: Rig) -> None:
     rig.node()
     assert rig.matched == 2
+    assert all(rig.came_true)
+    assert min(rig.patience) >= 10.0, "a loaded machine is slow"
 
 
 def test_a_node_that_is_not_there_is_refused_with_those_that_are(rig: Rig) -> None:
