@@ -5,6 +5,7 @@ back, round, and after a reset once more. A twin drives the same by MuJoCo alone
 what each message must say is computed from its states (topic_oracle/expected.py).
 """
 
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -22,7 +23,7 @@ from mcap.reader import make_reader
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
-from std_srvs.srv import Trigger
+from std_srvs.srv import SetBool, Trigger
 
 from harness.config import Batch
 from harness.interrupt import StopRequest
@@ -67,6 +68,9 @@ class Listener:
     batches: int = 0
     clocks: int = 0
     answer: Any = None
+    said: str = ""
+    joined: float = 0.0
+    drove_s: float = 0.0
 
     def join(self, bridge: Bridge) -> None:
         """Subscribes to all that the bridge offers, before its first message."""
@@ -83,7 +87,9 @@ class Listener:
         self.resetter = node.create_client(Trigger, "/harness/reset")
         self._until(lambda: all(c.publisher.get_subscription_count() for c in bridge.channels))
         self._until(lambda: self.sender.get_subscription_count() > 0)
-        self._until(self.resetter.service_is_ready)
+        self.pauser = node.create_client(SetBool, "/harness/pause")
+        self._until(lambda: self.resetter.service_is_ready() and self.pauser.service_is_ready())
+        self.joined = time.monotonic()
         for name in {c.topic for c in bridge.channels}:
             (info,) = node.get_publishers_info_by_topic(name)
             reliable = info.qos_profile.reliability is ReliabilityPolicy.RELIABLE
@@ -97,6 +103,9 @@ class Listener:
             future = self.resetter.call_async(Trigger.Request())
             self._until(future.done)
             self.answer = future.result()
+            future = self.pauser.call_async(SetBool.Request(data=False))
+            self._until(future.done)
+            self.said = future.result().message
         if self.batches in SCRIPT:
             self._command(SCRIPT[self.batches])
 
@@ -165,6 +174,7 @@ def drive(
         patch.setattr(Pacer, "postpone", lambda _, seconds: paced.append(seconds))
         patch.setattr(Pacer, "wait_until", lambda _, time_ns: paced.append(time_ns))
         result = run_through_ros(config, options, StopRequest(), progress.append, listener.watch)
+    listener.drove_s = time.monotonic() - listener.joined
     twin, due = expectations(config, tuple(ROVERS).index(spec.name))
     assert options.record is not None
     return Drive(listener, result, progress, paced, options.record, twin, due)
@@ -226,11 +236,12 @@ def test_the_recording_holds_what_was_heard_at_its_time(drive: Drive) -> None:
     assert others == {("KEEP_LAST", 10, "VOLATILE")}
 
 
-def test_commands_are_the_finite_ones_and_the_reset_says_when(drive: Drive) -> None:
+def test_commands_are_the_finite_ones_and_the_services_say_when(drive: Drive) -> None:
     assert drive.listener.taken == list(SCRIPT.values())
     at = RESET * TICKS_PER_BATCH * TICK_NS / 1e9
     assert drive.listener.answer.success
     assert drive.listener.answer.message == f"the rover goes back to its start at t = {at:.2f} s"
+    assert drive.listener.said == f"was not paused at t = {at:.2f} s"
     assert drive.result.truth.resets == 1
 
 
@@ -245,6 +256,8 @@ def test_the_run_tells_how_far_it_is_and_what_it_came_to(drive: Drive) -> None:
     assert drive.progress[0].messages == sum(time_ns <= 50_000_000 for time_ns, *_ in drive.due)
     assert result.truth.path_length == last.path_length
     assert (result.failure, result.interrupted, result.paused_s) == (None, None, 0.0)
+    assert 0.0 < result.wall_s < drive.listener.drove_s, "what came before the drive does not count"
+    assert (result.first_row_s is not None) == hosts
     assert result.mode == f"ROS 2, {'hosted metrics_node' if hosts else 'no metrics_node'}"
     assert result.recording == drive.recording
     ticks = [TICK_NS * (tick + 1) for tick in range(BATCHES * TICKS_PER_BATCH)]

@@ -206,12 +206,13 @@ def test_a_topic_shows_rate_age_quality_type_and_who_is_there(scene: Scene) -> N
     scene.spin_until(lambda: imu.get_subscription_count() == 2)
     for tick in range(5):
         scene.publish(imu, Imu(), at=tick * 0.05)
+    scene.publisher(Imu, "/imu/data")  # another, that says nothing
     scene.now += 1.5
     type_name, rate, simulated, age, qos, *counts = scene.cells("/imu/data")[1:]
     assert type_name == "sensor_msgs/msg/Imu"
     assert (rate, simulated, age) == ("20.0", "-", "1.50")
     assert qos.startswith("reliable")
-    assert counts == ["1", "1"]
+    assert counts == ["2", "1"]
 
 
 def test_with_a_simulations_clock_the_rate_is_also_given_in_its_time(scene: Scene) -> None:
