@@ -18,6 +18,7 @@ from tests.e2e.topic_oracle.twin import STEPS_PER_TICK, Twin, Values, attitude
 
 BEAMS = 24
 ANGLE_MAX, RANGE_MIN, RANGE_MAX = 3.14159, 0.15, 10.0  # of RoboTerrain's gpu_lidar
+EXACT = 1e-9  # absolute and relative
 STANDING = 0.02  # [m/s]: a wheel slower than this neither rolls nor slips
 
 Expected = Mapping[str, Any]
@@ -30,7 +31,7 @@ class Topic:
     Attributes:
         rates: [Hz] of leo, of rover_zero4wd.
         expect: The message that is due now; called at every tick at which one is, in order.
-        tolerance: Absolute; relative it is 1e-9, or what a float32 can hold.
+        tolerance: Absolute, of what an array holds.
     """
 
     name: str
@@ -38,7 +39,7 @@ class Topic:
     rates: tuple[int, int]
     expect: Callable[[Twin], Expected]
     reliable: bool = True
-    tolerance: float = 1e-9
+    tolerance: float = EXACT
 
 
 def stamp(time_ns: int) -> Expected:
@@ -74,13 +75,13 @@ def scan(twin: Twin) -> Expected:
     ranges[ranges < RANGE_MIN] = -math.inf
     return {
         "header": header(twin, "lidar_link"),
-        "angle_min": -ANGLE_MAX,
-        "angle_max": ANGLE_MAX,
-        "angle_increment": angles[1] - angles[0],
+        "angle_min": float(np.float32(-ANGLE_MAX)),
+        "angle_max": float(np.float32(ANGLE_MAX)),
+        "angle_increment": float(np.float32(angles[1] - angles[0])),
         "time_increment": 0.0,
         "scan_time": 0.0,
-        "range_min": RANGE_MIN,
-        "range_max": RANGE_MAX,
+        "range_min": float(np.float32(RANGE_MIN)),
+        "range_max": float(np.float32(RANGE_MAX)),
         "ranges": ranges,
         "intensities": np.zeros(BEAMS),
     }
@@ -290,10 +291,10 @@ def _different(value: Any, expected: Any, tolerance: float, place: str) -> list[
         found = [] if len(value) == len(expected) else [f"{place}: {len(value)} elements"]
         return found + [d for i, (v, e) in pairs for d in differences(v, e, tolerance, f"{place}[{i}]")]
     if isinstance(expected, float):
-        same = value == expected or abs(value - expected) <= tolerance + 1e-9 * abs(expected)
+        same = value == expected or abs(value - expected) <= EXACT + EXACT * abs(expected)
     elif isinstance(expected, str | bool | int) or isinstance(expected[0], str):
         same = type(value) is type(expected) and value == expected
     else:
         array = np.asarray(value)
-        same = len(array) == len(expected) and np.allclose(array, expected, 1e-9, tolerance)
+        same = len(array) == len(expected) and np.allclose(array, expected, EXACT, tolerance)
     return [] if same else [f"{place}: {value}, should be {expected}"]
