@@ -5,7 +5,6 @@ import ctypes
 import os
 import shutil
 import signal
-import sys
 import tempfile
 import traceback
 from collections.abc import Callable, Iterable, Iterator
@@ -29,6 +28,9 @@ def in_forks(
         work: Does it, in a process of its own that is a copy of this one.
         at_once: How many jobs at the same time.
         quiet: Whether what they print is thrown away.
+
+    Raises:
+        RuntimeError: A job raised an exception; the text is its trace.
     """
     waiting = iter(jobs)
     running: dict[Connection, tuple[J, int, int, str]] = {}
@@ -52,10 +54,12 @@ def in_forks(
             ready = set(wait([*running, *(watch for _, _, watch, _ in running.values())]))
             for pipe in [pipe for pipe, (_, _, watch, _) in running.items() if ready & {pipe, watch}]:
                 job, pid, watch, folder = running.pop(pipe)
-                result = None
+                result, complaint = None, ""
                 with contextlib.suppress(EOFError):
-                    result = pipe.recv() if pipe.poll() else None
+                    result, complaint = pipe.recv() if pipe.poll() else (None, "")
                 _end(pipe, pid, watch, folder)
+                if complaint:
+                    raise RuntimeError(complaint)
                 yield job, result
     finally:
         for pipe, (_, pid, watch, folder) in running.items():
@@ -74,11 +78,10 @@ def _work(job: J, work: Callable[[J], R], pipe: Connection, folder: str, *, quie
             nothing = os.open(os.devnull, os.O_RDWR)
             for stream in (0, 1, 2):
                 os.dup2(nothing, stream)
-        pipe.send(work(job))
+        pipe.send((work(job), ""))
     except BaseException:  # noqa: BLE001 - it must not go on as its parent
-        traceback.print_exc()
+        pipe.send((None, traceback.format_exc()))
     finally:
-        sys.stdout.flush()
         os._exit(0)
 
 

@@ -22,6 +22,7 @@ _LOGGING = {"print", "debug", "info", "warn", "warning", "error", "critical", "f
 _TYPING = {"TypeVar", "ParamSpec", "NewType", "cast"}
 _UNMUTATED_ARGUMENTS = {"strict", "encoding", "help", "metavar", "description", "stacklevel", "unit"}
 _OPPOSITES = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}
+_COMMUTATIVE = {"min", "max", "math.hypot", "np.minimum", "np.maximum"}
 _NAMES = dict(
     pair
     for one, other in (("min", "max"), ("sin", "cos"), ("floor", "ceil"), ("any", "all"), ("left", "right"),
@@ -75,7 +76,20 @@ def mutants_of(file: str, source: str) -> list[Mutant]:
         mutated = mutant.apply(source)
         if mutated != source and mutated not in found and _is_valid(mutated):
             found[mutated] = mutant
-    return list(found.values())
+    by_line: dict[int, list[Mutant]] = {}
+    for mutant in found.values():
+        by_line.setdefault(mutant.number, []).append(mutant)
+    return [mutant for some in by_line.values() for mutant in _chosen(some, A_LINE)]
+
+
+def _chosen(mutants: list[Mutant], count: int) -> list[Mutant]:
+    """Some of the mutants of a line, in their order."""
+    ranked = sorted(mutants, key=lambda mutant: _hash(*mutant.key[1:]))
+    return [mutant for mutant in mutants if mutant in ranked[:count]]
+
+
+def _hash(*texts: str) -> bytes:
+    return hashlib.sha256("|".join(texts).encode()).digest()
 
 
 def _is_valid(source: str) -> bool:
@@ -129,11 +143,14 @@ _LEFT_OUT: set[Callable[[Any], Any]] = {
 
 def _number(node: cst.CSTNode) -> Iterator[Mutated]:
     if isinstance(node, cst.Integer):
-        yield node, str(node.evaluated_value + 1)
-        yield node, f"({node.evaluated_value - 1})" if node.evaluated_value == 0 else str(node.evaluated_value - 1)
-    elif isinstance(node, cst.Float):
         value = node.evaluated_value
-        yield node, repr(value * 1.25 if value else 1.0)
+        if value > 1000:  # hardly a count: an edge between two numbers means nothing
+            yield node, str(value + value // 4)
+        else:
+            yield node, str(value + 1)
+            yield node, str(value - 1) if value else "(-1)"
+    elif isinstance(node, cst.Float):
+        yield node, repr(node.evaluated_value * 1.25 or 1.0)
 
 
 def _string(node: cst.CSTNode) -> Iterator[Mutated]:
@@ -165,7 +182,8 @@ def _dropped(node: cst.CSTNode) -> Iterator[Mutated]:
         if isinstance(node.operator, cst.And | cst.Or | cst.Multiply | cst.Add):
             yield node, _code(node.right)
     elif isinstance(node, cst.Return) and node.value is not None and not m.matches(node.value, m.Name("None")):
-        yield node, "return None"
+        if not m.matches(node.value, m.Name("False")):
+            yield node, "return None"
     elif isinstance(node, cst.Expr) and isinstance(node.value, cst.Call | cst.Await):
         yield node, "pass"
     elif isinstance(node, cst.AugAssign):
@@ -178,6 +196,8 @@ def _swapped(node: cst.CSTNode) -> Iterator[Mutated]:
     """Two neighbours among arguments or in a tuple or list; an argument that is left out."""
     if isinstance(node, cst.Call):
         arguments = [a for a in node.args if not a.star and _keyword(a) not in _UNMUTATED_ARGUMENTS]
+        if _code(node.func) in _COMMUTATIVE:
+            arguments = []
         for one, other in zip(arguments, arguments[1:], strict=False):
             if bool(one.keyword) != bool(other.keyword):
                 continue
@@ -227,7 +247,7 @@ class _Finder(cst.CSTVisitor):
         for (start, end), texts in candidates.items():
             old = self._source[start:end]
             line = self._source[self._source.rfind("\n", 0, start) + 1 : start].strip()
-            chosen = sorted(texts - {old}, key=lambda new: hashlib.sha1(f"{line}|{old}|{new}".encode()).digest())  # noqa: S324, B023
+            chosen = sorted(texts - {old}, key=lambda new: _hash(line, old, new))  # noqa: B023
             self.found += [(".".join(self._names), start, end, new) for new in chosen[:A_PLACE]]
         if isinstance(node, cst.FunctionDef | cst.ClassDef):
             self._names.append(node.name.value)

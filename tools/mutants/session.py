@@ -14,7 +14,7 @@ import pytest
 
 ALONE = "ros_domain"  # tests that use this fixture wait for discovery
 Lines = dict[str, dict[int, set[str]]]  # file -> line -> tests
-OPTIONS = ("-q", "-s", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestAssertRewriteWarning")
+OPTIONS = ("-q", "-s", "--tb=no", "--assert=plain", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestAssertRewriteWarning")
 
 
 @dataclass
@@ -40,6 +40,9 @@ class Trace:
                 self.lines.setdefault(file, {}).setdefault(line, set()).update(tests)
 
 
+DIED = "time-out or crash"
+
+
 class Failed(Exception):
     """The first test of a mutant that failed."""
 
@@ -58,11 +61,19 @@ class Session:
         self._watch: Callable[[str], None] = self._failed.add
         self._fixture_costs: dict[str, float] = {}
         self._contexts: list[str] = []
+        self._error: Exception | None = None
         self.items: dict[str, pytest.Item] = {}
 
     def run(self, arguments: list[str]) -> int:
-        """Collects tests and serves."""
-        return int(pytest.main([*OPTIONS, *arguments], plugins=[self]))
+        """Collects tests and serves.
+
+        Raises:
+            RuntimeError: Serving failed.
+        """
+        code = int(pytest.main([*OPTIONS, *arguments], plugins=[self]))
+        if self._error is not None:
+            raise RuntimeError("the session failed") from self._error
+        return code
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_collection(self) -> None:
@@ -78,7 +89,10 @@ class Session:
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         """Serves instead of running everything."""
         self.items = {item.nodeid: item for item in session.items}
-        self._serve(self)
+        try:
+            self._serve(self)
+        except Exception as error:  # noqa: BLE001 - pytest would only print it
+            self._error = error
         return True
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
@@ -99,28 +113,31 @@ class Session:
         self._watch = stop
         items = [self.items[test] for test, _ in tests]
         try:
-            for (_, seconds), item, following in zip(tests, items, [*items[1:], None], strict=True):
+            for (_, seconds), item, next_item in zip(tests, items, [*items, None][1:], strict=True):
                 signal.setitimer(signal.ITIMER_PROF, seconds)  # ends the process
                 signal.setitimer(signal.ITIMER_REAL, 20 * seconds)
-                item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
+                item.config.hook.pytest_runtest_protocol(item=item, nextitem=next_item)
         except Failed as failed:
             return str(failed)
+        except (KeyboardInterrupt, pytest.exit.Exception):
+            return DIED
         return ""
 
     def trace(self, tests: list[str], include: list[str]) -> Trace:
         """Runs tests and tells which lines of the included files each executes; to be called in a fork."""
         memoised = [one for one in gc.get_objects() if isinstance(one, functools._lru_cache_wrapper)]
         cover = self._cover = coverage.Coverage(data_file=None, include=include, config_file=False)
+        cover.set_option("run:disable_warnings", ["no-data-collected"])
         cover.start()
         found, items = Trace(), [self.items[test] for test in tests]
         users: dict[str, set[str]] = {}
-        for item, following in zip(items, [*items[1:], None], strict=True):
+        for item, next_item in zip(items, [*items, None][1:], strict=True):
             for function in memoised:
                 function.cache_clear()
             self._contexts = []
             self._switch(item.nodeid)
             began = _seconds()
-            item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
+            item.config.hook.pytest_runtest_protocol(item=item, nextitem=next_item)
             found.costs[item.nodeid] = _seconds() - began
             for context in _fixtures(item):
                 users.setdefault(context, set()).add(item.nodeid)

@@ -29,12 +29,11 @@ import coverage
 
 from tools.mutants.forks import in_forks
 from tools.mutants.mutations import Mutant
-from tools.mutants.session import Session, Trace
+from tools.mutants.session import DIED, Session, Trace
 
 AT_ONCE = 2
 SLOW = 3.0  # [s]; a slower test is used only for what no other covers
 BUDGET = 20.0  # [s] of tests for one mutant
-DIED = "time-out or crash"
 _AT_IMPORT = "at import"  # what a fork answers whose mutant is not in a function
 
 Choice = tuple[Mutant, list[tuple[str, float]]]  # a mutant, its tests and the seconds that each may take
@@ -154,7 +153,9 @@ class Trial:
         def jobs() -> Iterator[Choice]:
             for mutant in mutants:
                 tests = chooser.tests(mutant)
-                if chooser.runs_at_import(mutant):
+                if not tests:
+                    outcomes.append(self._outcome(mutant, tests, ""))
+                elif chooser.runs_at_import(mutant):
                     left.append((mutant, tests))
                 else:
                     yield mutant, tests
@@ -188,9 +189,8 @@ class Trial:
             failure[0] = session.first_failure([one for one in tests if one[0] in session.items])
 
         files = dict.fromkeys(str(self.root / test.partition("::")[0]) for test, _ in tests)
-        if files:
-            Session(serve).run([f"--rootdir={self.root}", *files])
-        return failure[0] if files else ""
+        Session(serve).run([f"--rootdir={self.root}", *files])
+        return failure[0]
 
 
 class Chooser:
