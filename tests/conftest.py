@@ -15,12 +15,13 @@ settings.register_profile("patient", deadline=None, suppress_health_check=[Healt
 settings.load_profile("patient")
 
 _DOMAINS = 100  # 1..100: above 101 DDS ports fall into the ephemeral range
-_next_domain = itertools.count(os.getpid())
+_next_domain = itertools.count()
 
 
 @pytest.fixture
 def ros_domain(monkeypatch: pytest.MonkeyPatch) -> int:
     """A ROS domain that no other test of this run uses at the same time."""
-    domain = next(_next_domain) % _DOMAINS + 1
+    # Processes that run tests side by side have neighbouring ids: each takes a stretch of its own.
+    domain = (29 * os.getpid() + next(_next_domain)) % _DOMAINS + 1
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     return domain

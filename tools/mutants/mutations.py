@@ -9,6 +9,7 @@ import hashlib
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, ClassVar
 
 import libcst as cst
@@ -18,17 +19,22 @@ from mutmut.mutation import mutators
 
 A_PLACE, A_LINE = 2, 8  # mutations at most; which, decides a hash of the code
 
-_LOGGING = {"print", "debug", "info", "warn", "warning", "error", "critical", "fatal", "log", "add_argument"}
+_LOGGING = {"print", "debug", "info", "warn", "warning", "error", "critical", "fatal", "add_argument"}
 _TYPING = {"TypeVar", "ParamSpec", "NewType", "cast"}
 _UNMUTATED_ARGUMENTS = {"strict", "encoding", "help", "metavar", "description", "stacklevel", "unit"}
-_OPPOSITES = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}
 _COMMUTATIVE = {"min", "max", "math.hypot", "np.minimum", "np.maximum"}
-_NAMES = dict(
-    pair
-    for one, other in (("min", "max"), ("sin", "cos"), ("floor", "ceil"), ("any", "all"), ("left", "right"),
-                       ("minimum", "maximum"), ("argmin", "argmax"), ("first", "last"), ("append", "appendleft"))
-    for pair in ((one, other), (other, one))
-) | {"x": "y", "y": "z", "z": "x", "abs": "float", "round": "int", "sorted": "list"}
+_OPPOSITES = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}
+_PAIRS = "min-max sin-cos floor-ceil any-all left-right minimum-maximum argmin-argmax append-appendleft"
+_NAMES = {
+    **dict(pair.split("-") for pair in _PAIRS.split()),
+    **dict(pair.split("-")[::-1] for pair in _PAIRS.split()),
+    "x": "y",
+    "y": "z",
+    "z": "x",
+    "abs": "float",
+    "round": "int",
+    "sorted": "list",
+}
 
 Mutated = tuple[cst.CSTNode, str]  # what is replaced, and by what
 
@@ -181,53 +187,63 @@ def _dropped(node: cst.CSTNode) -> Iterator[Mutated]:
         yield node, _code(node.left)
         if isinstance(node.operator, cst.And | cst.Or | cst.Multiply | cst.Add):
             yield node, _code(node.right)
-    elif isinstance(node, cst.Return) and node.value is not None and not m.matches(node.value, m.Name("None")):
-        if not m.matches(node.value, m.Name("False")):
+    elif isinstance(node, cst.Return) and node.value is not None:
+        if not m.matches(node.value, m.Name("None") | m.Name("False")):
             yield node, "return None"
-    elif isinstance(node, cst.Expr) and isinstance(node.value, cst.Call | cst.Await):
+    elif m.matches(node, _EFFECT):
         yield node, "pass"
-    elif isinstance(node, cst.AugAssign):
-        yield node, "pass"
-    elif isinstance(node, cst.Assign) and m.matches(node.targets[0].target, m.Attribute() | m.Subscript()):
-        yield node, "pass"
+
+
+_EFFECT = (
+    m.Expr(value=m.Call())
+    | m.AugAssign()
+    | m.Assign(targets=[m.AssignTarget(m.Attribute() | m.Subscript())])
+)
 
 
 def _swapped(node: cst.CSTNode) -> Iterator[Mutated]:
-    """Two neighbours among arguments or in a tuple or list; an argument that is left out."""
-    if isinstance(node, cst.Call):
-        arguments = [a for a in node.args if not a.star and _keyword(a) not in _UNMUTATED_ARGUMENTS]
-        if _code(node.func) in _COMMUTATIVE:
-            arguments = []
-        for one, other in zip(arguments, arguments[1:], strict=False):
-            if bool(one.keyword) != bool(other.keyword):
-                continue
-            swapped = {id(one): other.value, id(other): one.value}
-            arguments_swapped = [a.with_changes(value=swapped.get(id(a), a.value)) for a in node.args]
-            yield node, _code(node.with_changes(args=arguments_swapped))
-        for argument in arguments:
-            if len(node.args) > 1 and (argument.keyword or argument is node.args[-1]):  # others have no default
-                left = [a for a in node.args if a is not argument]
-                last = left[-1].with_changes(comma=cst.MaybeSentinel.DEFAULT)
-                yield node, _code(node.with_changes(args=[*left[:-1], last]))
-    elif isinstance(node, cst.Tuple | cst.List):
-        for i, (one, other) in enumerate(zip(node.elements, node.elements[1:], strict=False)):
+    """Two neighbours in a tuple or list."""
+    if isinstance(node, cst.Tuple | cst.List):
+        for i, (one, other) in enumerate(pairwise(node.elements)):
             if isinstance(one, cst.Element) and isinstance(other, cst.Element):
                 pair = [one.with_changes(value=other.value), other.with_changes(value=one.value)]
-                yield node, _code(node.with_changes(elements=[*node.elements[:i], *pair, *node.elements[i + 2 :]]))
+                elements = [*node.elements[:i], *pair, *node.elements[i + 2 :]]
+                yield node, _code(node.with_changes(elements=elements))
+
+
+def _argument(node: cst.CSTNode) -> Iterator[Mutated]:
+    """Two neighbouring arguments swapped, one left out."""
+    if not isinstance(node, cst.Call) or _code(node.func) in _COMMUTATIVE:
+        return
+    arguments = [a for a in node.args if not a.star and _keyword(a) not in _UNMUTATED_ARGUMENTS]
+    for one, other in pairwise(arguments):
+        if bool(one.keyword) == bool(other.keyword):
+            values = {id(one): other.value, id(other): one.value}
+            swapped = [a.with_changes(value=values.get(id(a), a.value)) for a in node.args]
+            yield node, _code(node.with_changes(args=swapped))
+    for argument in arguments:
+        # Another positional one has hardly a default: any call would notice.
+        if len(node.args) > 1 and (argument.keyword or argument is node.args[-1]):
+            *others, last = (a for a in node.args if a is not argument)
+            left = [*others, last.with_changes(comma=cst.MaybeSentinel.DEFAULT)]
+            yield node, _code(node.with_changes(args=left))
 
 
 def _keyword(argument: cst.Arg) -> str:
     return argument.keyword.value if argument.keyword else ""
 
 
-_OPERATORS = (_by_mutmut, _number, _string, _name, _opposite, _dropped, _swapped)
+_OPERATORS = (_by_mutmut, _number, _string, _name, _opposite, _dropped, _swapped, _argument)
 
 
 class _Finder(cst.CSTVisitor):
     """Walks a module; `found` holds function, start, end and replacement of each mutation."""
 
     METADATA_DEPENDENCIES = (WhitespaceInclusivePositionProvider,)
-    UNMUTATED: ClassVar = (cst.Annotation, cst.Decorator, cst.Import, cst.ImportFrom, cst.Raise, cst.Assert, cst.Del)
+    UNMUTATED: ClassVar = (
+        *(cst.Annotation, cst.Decorator, cst.Import, cst.ImportFrom, cst.Raise, cst.Assert),
+        *(cst.Del, cst.FormattedStringText),
+    )
 
     def __init__(self, source: str) -> None:
         super().__init__()
@@ -247,8 +263,9 @@ class _Finder(cst.CSTVisitor):
         for (start, end), texts in candidates.items():
             old = self._source[start:end]
             line = self._source[self._source.rfind("\n", 0, start) + 1 : start].strip()
-            chosen = sorted(texts - {old}, key=lambda new: _hash(line, old, new))  # noqa: B023
-            self.found += [(".".join(self._names), start, end, new) for new in chosen[:A_PLACE]]
+            ranks = {_hash(line, old, new): new for new in texts - {old}}
+            chosen = [ranks[rank] for rank in sorted(ranks)[:A_PLACE]]
+            self.found += [(".".join(self._names), start, end, new) for new in chosen]
         if isinstance(node, cst.FunctionDef | cst.ClassDef):
             self._names.append(node.name.value)
         return True
@@ -268,7 +285,7 @@ class _Finder(cst.CSTVisitor):
 def _is_words(node: cst.CSTNode) -> bool:
     """Docstrings, what is logged, arguments that only people read, tests of `__name__`."""
     if isinstance(node, cst.Expr):
-        return isinstance(node.value, cst.SimpleString | cst.ConcatenatedString)
+        return isinstance(node.value, cst.SimpleString | cst.ConcatenatedString) or _is_words(node.value)
     if isinstance(node, cst.Call):
         name = node.func.attr.value if isinstance(node.func, cst.Attribute) else _code(node.func)
         return name in _LOGGING | _TYPING

@@ -26,63 +26,56 @@ class Package:
 
 _METRICS, _HARNESS = "rover_metrics/rover_metrics", "harness"
 
+
+def _modules(folder: str, names: str) -> tuple[str, ...]:
+    return tuple(f"{folder}/{name}.py" for name in names.split())
+
+
 PACKAGES = (
     Package(
         "metrics",
-        tuple(
-            f"{_METRICS}/{name}.py"
-            for name in ("cells", "column", "footprint", "metrics", "polygon", "row", "seed_columns",
-                         "thresholds", "faults", "live_view")
+        _modules(
+            _METRICS,
+            "cells column faults footprint live_view metrics polygon row seed_columns thresholds",
         ),
     ),
-    Package("log", tuple(f"{_METRICS}/{name}.py" for name in ("csv_log", "patient_log", "session_record"))),
+    Package("log", _modules(_METRICS, "csv_log patient_log session_record")),
     Package(
         "timing and health",
-        tuple(
-            f"{_METRICS}/{name}.py"
-            for name in ("reception", "row_schedule", "row_timer", "row_times", "silence", "stamps", "throttle")
-        ),
+        _modules(_METRICS, "reception row_schedule row_timer row_times silence stamps throttle"),
     ),
-    Package("extended columns", (f"{_METRICS}/extended/*.py",)),
-    Package("statistics", (f"{_METRICS}/analysis/*.py",)),
+    Package("extended columns", _modules(f"{_METRICS}/extended", "*")),
+    Package("statistics", _modules(f"{_METRICS}/analysis", "*")),
     Package(
         "sensors",
-        tuple(
-            f"{_HARNESS}/sensors/{name}.py"
-            for name in ("base", "corruption", "heightfield_rays", "imu", "lidar", "lidar_spec", "noise",
-                         "obstacle_rays", "odometry", "pose", "truth")
+        _modules(
+            f"{_HARNESS}/sensors",
+            "base corruption heightfield_rays imu lidar lidar_spec noise obstacle_rays odometry pose"
+            " truth",
         ),
     ),
-    Package("faults", (f"{_HARNESS}/sensors/fault*.py",)),
+    Package("faults", _modules(f"{_HARNESS}/sensors", "fault*")),
     Package(
         "lidar kernels",
-        (f"{_HARNESS}/sensors/*_kernel.py",),
+        _modules(f"{_HARNESS}/sensors", "*_kernel"),
         tests=("tests/harness/sensors",),
         plain=True,
     ),
-    Package("messages", (f"{_HARNESS}/ros/messages.py", f"{_HARNESS}/samples.py")),
+    Package("messages", _modules(_HARNESS, "ros/messages samples")),
     Package(
         "truth",
-        tuple(
-            f"{_HARNESS}/{name}.py"
-            for name in ("contact_events", "contacts", "extended", "truth", "truth_account", "truth_events",
-                         "truth_recorder", "wheels")
+        _modules(
+            _HARNESS,
+            "contact_events contacts extended truth truth_account truth_events truth_recorder wheels",
         ),
     ),
-    Package(
-        "episode",
-        tuple(
-            f"{_HARNESS}/{name}.py"
-            for name in ("config", "drive", "episode", "pacing", "sim_time", "simulation")
-        ),
-    ),
-    Package("world", (f"{_HARNESS}/world/*.py", f"{_HARNESS}/world/terrains/*.py")),
+    Package("episode", _modules(_HARNESS, "config drive episode pacing sim_time simulation")),
+    Package("world", _modules(f"{_HARNESS}/world", "* terrains/*")),
     Package(
         "tuning scores",
-        tuple(
-            f"{_HARNESS}/tuning/{name}.py"
-            for name in ("alarms", "blind", "braking", "choose", "clearance", "collision", "contacts",
-                         "distance", "estimate", "felt", "ground")
+        _modules(
+            f"{_HARNESS}/tuning",
+            "alarms blind braking choose clearance collision contacts distance estimate felt ground",
         ),
     ),
 )

@@ -12,9 +12,14 @@ from typing import Any
 import coverage
 import pytest
 
+_MEMOISED = type(functools.cache(int))
 ALONE = "ros_domain"  # tests that use this fixture wait for discovery
 Lines = dict[str, dict[int, set[str]]]  # file -> line -> tests
-OPTIONS = ("-q", "-s", "--tb=no", "--assert=plain", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestAssertRewriteWarning")
+OPTIONS = (
+    *("-q", "-s", "--tb=no", "--assert=plain", "-p", "no:cacheprovider"),
+    *("-W", "ignore::pytest.PytestAssertRewriteWarning"),
+)
+DIED = "time-out or crash"
 
 
 @dataclass
@@ -22,7 +27,7 @@ class Trace:
     """What tests cover and cost.
 
     Attributes:
-        lines: The tests that execute a line, also by way of a fixture that they share.
+        lines: The tests that execute a line, also by way of a fixture that they share; by file.
         costs: Seconds of each test that passes, with its fixtures.
         slow: Tests that are used only for what no other test covers.
     """
@@ -38,9 +43,6 @@ class Trace:
         for file, lines in other.lines.items():
             for line, tests in lines.items():
                 self.lines.setdefault(file, {}).setdefault(line, set()).update(tests)
-
-
-DIED = "time-out or crash"
 
 
 class Failed(Exception):
@@ -124,8 +126,13 @@ class Session:
         return ""
 
     def trace(self, tests: list[str], include: list[str]) -> Trace:
-        """Runs tests and tells which lines of the included files each executes; to be called in a fork."""
-        memoised = [one for one in gc.get_objects() if isinstance(one, functools._lru_cache_wrapper)]
+        """Runs tests, to be called in a fork.
+
+        Args:
+            tests: Names.
+            include: Patterns of the files whose lines are looked at.
+        """
+        memoised = [one for one in gc.get_objects() if type(one) is _MEMOISED]
         cover = self._cover = coverage.Coverage(data_file=None, include=include, config_file=False)
         cover.set_option("run:disable_warnings", ["no-data-collected"])
         cover.start()
@@ -155,7 +162,7 @@ class Session:
         return found
 
     @pytest.hookimpl(wrapper=True)
-    def pytest_fixture_setup(self, fixturedef: Any) -> Iterator[None]:
+    def pytest_fixture_setup(self, fixturedef: pytest.FixtureDef[Any]) -> Iterator[None]:
         """What a shared fixture executes is covered by all that use it, not by the first of them."""
         if self._cover is None or fixturedef.scope == "function":
             return (yield)
@@ -173,7 +180,7 @@ class Session:
         self._cover.switch_context(context)
 
 
-def _context(fixture: Any) -> str:
+def _context(fixture: object) -> str:
     return f"fixture {id(fixture)}"
 
 
@@ -185,6 +192,6 @@ def _fixtures(item: pytest.Item) -> set[str]:
 
 
 def _seconds() -> float:
-    """Processor time so far, of ended children too; waiting counts for little, for it may be for others."""
+    """Processor time so far, of ended children too; waiting, maybe for others, counts for little."""
     times = os.times()
     return sum(times[:4]) + times.elapsed / 10

@@ -14,7 +14,7 @@ from tools.mutants.scope import ROOT
 LISTED = ROOT / "tools/mutants/survivors.toml"
 SCORES = ROOT / "tools/mutants/scores.json"
 TABLE = ROOT / "docs/guarantees.md"
-_HEAD = "| package | mutants | killed | listed with a reason | killed |\n|---|---|---|---|---|\n"
+_HEAD = "| package | mutants | killed | listed | killed |\n|---|---|---|---|---|\n"
 
 Key = tuple[str, str, str, str]  # as Mutant.key
 
@@ -32,21 +32,25 @@ class Survivor:
     reason: str
 
 
-def listed(path: Path = LISTED) -> list[Survivor]:
+def listed(path: Path) -> list[Survivor]:
     """The list."""
     entries = tomllib.loads(path.read_text()).get("survivor", [])
     return [
-        Survivor((e["file"], e["function"], e["line"], e["becomes"]), e.get("reason", "")) for e in entries
+        Survivor((e["file"], e["function"], e["line"], e["becomes"]), e.get("reason", ""))
+        for e in entries
     ]
 
 
-def append(mutants: Iterable[Mutant], path: Path = LISTED) -> None:
+def append(mutants: Iterable[Mutant], path: Path) -> None:
     """Adds mutants to the list; their reasons are still to be written."""
     names = ("file", "function", "line", "becomes", "reason")
     with path.open("a") as file:
         for mutant in mutants:
             values = (*mutant.key, "")
-            lines = (f"{n} = {json.dumps(v, ensure_ascii=False)}\n" for n, v in zip(names, values, strict=True))
+            lines = (
+                f"{n} = {json.dumps(v, ensure_ascii=False)}\n"
+                for n, v in zip(names, values, strict=True)
+            )
             file.write("\n[[survivor]]\n" + "".join(lines))
 
 
