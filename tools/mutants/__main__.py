@@ -11,6 +11,7 @@ from tools.mutants.scope import PACKAGES, ROOT, SOURCES, TESTS, Package, changed
 from tools.mutants.survivors import LISTED, Key, Score
 from tools.mutants.trial import Outcome, Trial
 
+KEPT = ROOT / "build/mutants"
 ELSEWHERE = Package("elsewhere", ())
 TOLD = 5  # tests of a survivor
 
@@ -89,7 +90,7 @@ def _outcomes(
     outcomes = []
     for (plain, tests), mutants in groups.items():
         if mutants:
-            found = Trial(ROOT, SOURCES, tests, plain, tell).judge(mutants)
+            found = Trial(ROOT, SOURCES, tests, plain, KEPT, tell).judge(mutants)
             if len(found) != len(mutants):
                 message = f"{len(mutants) - len(found)} mutants were not tried"
                 raise RuntimeError(message)

@@ -3,10 +3,12 @@
 import functools
 import gc
 import importlib
+import json
 import os
 import signal
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import coverage
@@ -43,6 +45,21 @@ class Trace:
         for file, lines in other.lines.items():
             for line, tests in lines.items():
                 self.lines.setdefault(file, {}).setdefault(line, set()).update(tests)
+
+    def save(self, path: Path) -> None:
+        """Writes it to a file."""
+        lines = {
+            file: {line: sorted(t) for line, t in lines.items()} for file, lines in self.lines.items()
+        }
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps([lines, self.costs, sorted(self.slow)]))
+
+    @classmethod
+    def load(cls, path: Path) -> "Trace":
+        """Reads one that was saved."""
+        files, costs, slow = json.loads(path.read_text())
+        lines = {file: {int(n): set(t) for n, t in lines.items()} for file, lines in files.items()}
+        return cls(lines, costs, set(slow))
 
 
 class Failed(Exception):

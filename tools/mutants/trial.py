@@ -9,6 +9,7 @@ people's packages.
 
 import contextlib
 import gc
+import hashlib
 import importlib
 import os
 import sys
@@ -56,6 +57,7 @@ class Trial:
         sources: Folders with the code, from the root.
         tests: Files and folders with tests, likewise.
         plain: Whether numba compiles nothing.
+        kept: A folder for what tests cover, for the next time.
         tell: Is told each outcome as it comes.
     """
 
@@ -63,6 +65,7 @@ class Trial:
     sources: tuple[str, ...]
     tests: tuple[str, ...]
     plain: bool
+    kept: Path
     tell: Callable[[Outcome], None]
 
     def judge(self, mutants: list[Mutant]) -> list[Outcome]:
@@ -131,20 +134,36 @@ class Trial:
         return outcomes, left, imported
 
     def _trace(self, session: Session, include: list[str]) -> Trace:
+        """What all tests cover. That of a test file is kept for as long as only other ones change."""
         began = time.monotonic()
         files: dict[str, list[str]] = defaultdict(list)
         for test in session.items:
             files[test.partition("::")[0]].append(test)
-        trace = Trace()
+        trace, common = Trace(), self._digest()
+        kept = {file: self.kept / f"{self._digest(file, common)}.json" for file in files}
+        for path in kept.values():
+            if path.exists():
+                trace.add(Trace.load(path))
+        new = [file for file, path in kept.items() if not path.exists()]
         for file, part in in_forks(
-            files, lambda file: session.trace(files[file], include), at_once=AT_ONCE
+            new, lambda file: session.trace(files[file], include), at_once=AT_ONCE
         ):
             if part is None:
                 sys.stderr.write(f"{file} does not run to its end here and is left out\n")
             else:
+                part.save(kept[file])
                 trace.add(part)
-        sys.stderr.write(f"{len(trace.costs)} tests pass, {time.monotonic() - began:.0f} s\n")
+        seconds = time.monotonic() - began
+        sys.stderr.write(f"{len(trace.costs)} tests pass, {len(new)} files run, {seconds:.0f} s\n")
         return trace
+
+    def _digest(self, file: str = "", common: str = "") -> str:
+        """A hash of one test file; of all other code, if none is named."""
+        folders = [self.root / folder for folder in (*self.sources, *self.tests)]
+        paths = [self.root / file] if file else sorted(p for f in folders for p in f.rglob("*.py"))
+        used = [path for path in paths if file or not path.name.startswith("test_")]
+        texts = (path.read_bytes() for path in used)
+        return hashlib.sha256(f"{common}{file}{self.plain}".encode() + b"".join(texts)).hexdigest()[:24]
 
     def _swapped(
         self,
