@@ -16,7 +16,6 @@ receive_signals()
 settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("patient")
 
-<<<<<<< HEAD
 
 def pytest_unconfigure() -> None:
     shutil.rmtree(ROS_LOG, ignore_errors=True)
@@ -28,16 +27,3 @@ def ros_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     with reserved_domain() as domain:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
         yield domain
-=======
-_DOMAINS = 100  # 1..100: above 101 DDS ports fall into the ephemeral range
-_next_domain = itertools.count()
-
-
-@pytest.fixture
-def ros_domain(monkeypatch: pytest.MonkeyPatch) -> int:
-    """A ROS domain that no other test of this run uses at the same time."""
-    # Processes that run tests side by side have neighbouring ids: each takes a stretch of its own.
-    domain = (29 * os.getpid() + next(_next_domain)) % _DOMAINS + 1
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    return domain
->>>>>>> mutants
