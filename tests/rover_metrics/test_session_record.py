@@ -1,7 +1,6 @@
 import json
 import tempfile
 import time
-import json
 from collections.abc import Iterator
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -84,12 +83,7 @@ def test_a_record_can_be_read_by_everybody_and_by_people(log: Path) -> None:
     path = log.with_suffix(".json")
     assert path.stat().st_mode & 0o777 == 0o644
     name = json.dumps(str(log))
-    assert path.read_text() == f'{{
-  "log": {name},
-  "outcome": null,
-  "rows": 7
-}}
-'
+    assert path.read_text() == f'{{\n  "log": {name},\n  "outcome": null,\n  "rows": 7\n}}\n'
 
 
 @pytest.mark.parametrize(
