@@ -4,7 +4,7 @@ READY := .venv/.ready
 # Processes of `make test`; 0: its own only.
 JOBS ?= 2
 
-.PHONY: run test test-jazzy test-cluster lint format bench soak lock audit clean setup
+.PHONY: run test test-jazzy test-cluster mutants lint format bench soak lock audit clean setup
 
 run: setup  ## a rover over rocky terrain, metrics logged to CSV
 	$(BIN)/python -m harness.run --terrain rocky $(ARGS)
@@ -17,6 +17,9 @@ test-jazzy:  ## the suite of rover_metrics against ROS 2 Jazzy, on Python 3.10 w
 
 test-cluster:  ## sweeps on a real local Ray and a real local Dask cluster: same bytes, killed workers
 	tools/test_cluster.sh $(ARGS)
+
+mutants: setup  ## small changes of the modules that differ from main, or ARGS="--all" or files: which does no test notice?
+	$(BIN)/python -m tools.mutants $(ARGS)
 
 lint: setup  ## style and types, nothing is changed
 	$(BIN)/ruff check .

@@ -1,14 +1,19 @@
-"""A rover on a small ground of the test's own: compiled and settled in a fifth of a second."""
+"""Rovers on small grounds: compiled and settled fast, their state may be written by hand."""
 
+import copy
+import math
 from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from harness.physics.scene import build_scene
+from harness.physics.scene import Scene, build_scene
 from harness.physics.simulation import Simulation
-from harness.robots import ROVERS
+from harness.robots import ROVERS, RoverSpec
+from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle
 from harness.world.world import World
@@ -33,5 +38,29 @@ def make_simulation() -> MakeSimulation:
         ground = Heightfield(np.zeros((VERTICES, VERTICES)) if heights is None else heights, CELL)
         world = World("bench", ground, obstacles, seed=0, difficulty=0.0)
         return Simulation(build_scene(world, ROVERS[robot], timestep_ns / 1e9), timestep_ns)
+
+    return make
+
+
+SLOPE_HALF_SIZE, SLOPE_CELL = 4.0, 1.0  # [m]
+
+
+@cache
+def _scene(rover: RoverSpec, slope: float, timestep_ns: int) -> Scene:
+    x = np.linspace(-SLOPE_HALF_SIZE, SLOPE_HALF_SIZE, round(2 * SLOPE_HALF_SIZE / SLOPE_CELL) + 1)
+    heights = np.tile(math.tan(slope) * x, (len(x), 1))
+    world = World("bare", Heightfield(heights, SLOPE_CELL), (), seed=0, difficulty=0.0)
+    return build_scene(world, rover, timestep_ns / NANOSECONDS)
+
+
+@pytest.fixture(scope="session")
+def simulate() -> MakeSimulation:
+    """Makes a settled simulation of a rover on flat ground, or on one that climbs along x [rad]."""
+
+    def make(
+        rover: RoverSpec, *, slope: float = 0.0, timestep_ns: int = DEFAULT_TIMESTEP_NS
+    ) -> Simulation:
+        scene = _scene(rover, slope, timestep_ns)
+        return Simulation(replace(scene, model=copy.copy(scene.model)), timestep_ns)
 
     return make

@@ -1,5 +1,14 @@
+"""What determines an episode: defaults, edges of what is valid, counts of ticks, its world."""
+
 import subprocess
 import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.config import TICKS_PER_CONTROL, EpisodeConfig
+from harness.errors import UsageError
 
 
 def test_the_process_that_publishes_an_episode_loads_neither_mujoco_nor_compiled_kernels() -> None:
@@ -9,3 +18,115 @@ def test_the_process_that_publishes_an_episode_loads_neither_mujoco_nor_compiled
     )
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert run.stdout == "[]\n"
+
+
+def test_the_defaults_are_those_of_the_command_line() -> None:
+    assert EpisodeConfig() == EpisodeConfig(
+        terrain="rocky",
+        robot="leo",
+        seed=0,
+        duration=60.0,
+        driver="wander",
+        difficulty=0.5,
+        terrain_size=None,
+        terrain_height=None,
+        timestep=0.0025,
+        noise=None,
+        lidar_beams=640,
+        imu_rate=20,
+        faults=(),
+    )
+
+
+@pytest.mark.parametrize(
+    ("duration", "ticks", "periods"),
+    [
+        (0.01, 1, 1),
+        (0.05, 5, 1),
+        (0.06, 6, 2),
+        (0.29, 29, 6),
+        (2.05, 205, 41),
+        (3600.0, 360_000, 72_000),
+    ],
+)
+def test_an_episode_has_a_tick_each_10_ms_and_a_batch_each_50_ms_or_part_of_it(
+    duration: float, ticks: int, periods: int
+) -> None:
+    config = EpisodeConfig(duration=duration)
+    assert TICKS_PER_CONTROL == 5
+    assert (config.total_ticks, config.total_periods) == (ticks, periods)
+
+
+@pytest.mark.parametrize(
+    "edge",
+    [
+        {"seed": 0},
+        {"difficulty": 0.0},
+        {"difficulty": 1.0},
+        {"lidar_beams": 2},
+        {"lidar_beams": 100_000},
+        {"imu_rate": 1},
+        {"imu_rate": 100},
+        {"noise": True},
+        {"noise": "hardware"},
+        {"faults": ("imu:nan",)},
+        {"terrain": "no/such.npy", "terrain_size": (10.0, 50_000.0), "terrain_height": 0.0},
+    ],
+    ids=str,
+)
+def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object]) -> None:
+    EpisodeConfig(**edge).validate()  # type: ignore[arg-type]  # a table of keywords
+
+
+@pytest.mark.parametrize(
+    ("beyond", "told"),
+    [
+        ({"seed": -1}, "seed -1 is not valid; give a whole number from 0 up"),
+        ({"difficulty": -1e-9}, "difficulty -1e-09 is not valid; give 0 to 1"),
+        ({"difficulty": 1.001}, "difficulty 1.001 is not valid; give 0 to 1"),
+        ({"lidar_beams": 1}, "1 lidar beams are not valid; give 2 to 100000"),
+        ({"lidar_beams": 100_001}, "100001 lidar beams are not valid; give 2 to 100000"),
+        ({"imu_rate": 0}, "rate 0 Hz does not divide"),
+        ({"timestep": 0.003}, "timestep 0.003 s is refused"),
+        ({"duration": 0.0}, "duration 0 s is not valid"),
+        ({"noise": "loud"}, "noise preset 'loud' does not exist"),
+        ({"faults": ("imu:gone",)}, "gone"),
+        ({"robot": "r2d2"}, "robot 'r2d2' does not exist"),
+        ({"driver": "drunk"}, "driver 'drunk' does not exist"),
+        ({"terrain": "moon"}, "terrain 'moon' does not exist"),
+        (
+            {"terrain_size": (20.0, 20.0)},
+            "--terrain-size and --terrain-height apply to terrains from files only",
+        ),
+        (
+            {"terrain_height": 0.0},
+            "--terrain-size and --terrain-height apply to terrains from files only",
+        ),
+        (
+            {"terrain": "a.npy", "difficulty": 0.6},
+            "a terrain from a file has no difficulty; leave out --difficulty",
+        ),
+        ({"terrain": "a.npy", "terrain_size": (9.0, 20.0)}, "terrain size 9 m is not valid"),
+        ({"terrain": "a.npy", "terrain_height": -1.0}, "terrain height -1 m is not valid"),
+    ],
+    ids=str,
+)
+def test_a_value_beyond_it_is_refused_in_one_line(beyond: dict[str, object], told: str) -> None:
+    with pytest.raises(UsageError) as refusal:
+        EpisodeConfig(**beyond).validate()  # type: ignore[arg-type]  # a table of keywords
+    assert told in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_the_world_is_that_of_terrain_seed_and_difficulty() -> None:
+    world = EpisodeConfig(terrain="gravel", seed=7, difficulty=0.25).world()
+    assert (world.name, world.seed, world.difficulty) == ("gravel", 7, 0.25)
+
+
+def test_a_file_becomes_a_world_of_the_size_and_height_given(tmp_path: Path) -> None:
+    heights = np.add.outer(np.linspace(0.0, 1.0, 41), np.zeros(41))
+    np.save(tmp_path / "ramp.npy", heights)
+    path = str(tmp_path / "ramp.npy")
+    world = EpisodeConfig(terrain=path, terrain_size=(20.0, 20.0), terrain_height=0.5, seed=3).world()
+    assert (world.ground.half_size, world.seed) == (10.0, 3)
+    assert np.ptp(world.ground.heights) == pytest.approx(0.5, abs=1e-6)

@@ -1,6 +1,7 @@
 """harness.topics: its arithmetic with a clock of the test's own, its table over real DDS, its ends."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -205,12 +206,13 @@ def test_a_topic_shows_rate_age_quality_type_and_who_is_there(scene: Scene) -> N
     scene.spin_until(lambda: imu.get_subscription_count() == 2)
     for tick in range(5):
         scene.publish(imu, Imu(), at=tick * 0.05)
+    scene.publisher(Imu, "/imu/data")  # another, that says nothing
     scene.now += 1.5
     type_name, rate, simulated, age, qos, *counts = scene.cells("/imu/data")[1:]
     assert type_name == "sensor_msgs/msg/Imu"
     assert (rate, simulated, age) == ("20.0", "-", "1.50")
     assert qos.startswith("reliable")
-    assert counts == ["1", "1"]
+    assert counts == ["2", "1"]
 
 
 def test_with_a_simulations_clock_the_rate_is_also_given_in_its_time(scene: Scene) -> None:
@@ -219,8 +221,28 @@ def test_with_a_simulations_clock_the_rate_is_also_given_in_its_time(scene: Scen
 
     clock = scene.publisher(Clock, "/clock")
     for tick in range(5):
-        scene.publish(clock, Clock(clock=Time(sec=tick)), at=tick * 0.1)
-    assert scene.cells("/clock")[2:4] == ["10.0", "1.0"]
+        sec, nanosec = divmod(tick * 500_000_000, 10**9)
+        scene.publish(clock, Clock(clock=Time(sec=sec, nanosec=nanosec)), at=tick * 0.1)
+    assert scene.cells("/clock")[2:4] == ["10.0", "2.0"]
+    assert scene.onlooker.table().caption == "/clock runs at 5.0x real time"
+    assert scene.onlooker.table().title == "1 topics"
+
+
+def test_all_topics_but_plumbing_are_heard_whatever_their_quality_and_listed_by_name(
+    scene: Scene,
+) -> None:
+    from rclpy.qos import QoSProfile, ReliabilityPolicy  # noqa: PLC0415
+    from sensor_msgs.msg import Imu  # noqa: PLC0415
+
+    best_effort = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    names = ["/zeta", "/eta", "/alpha"]
+    for name in names:
+        scene.publish(scene.publisher(Imu, name, best_effort), Imu(), at=0.0)
+    assert sorted(scene.onlooker.types) == sorted(names)
+    console = Console(width=200)
+    with console.capture() as captured:
+        console.print(scene.onlooker.table())
+    assert re.findall(r"^│ (/\w+)", captured.get(), re.MULTILINE) == sorted(names)
 
 
 def test_a_namespace_leaves_out_the_others_but_not_the_clock(ros_domain: int) -> None:  # noqa: ARG001

@@ -1,43 +1,94 @@
+"""Fixed manoeuvres: straight, spin, figure8, and the driver that is driven."""
+
 import math
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
+import pytest
 
-from harness.drivers import DRIVERS, DriverContext, Observation
-from harness.robots import LEO
+from harness.drivers import DRIVERS, CmdVel, DriverContext, Observation, find_driver
+from harness.errors import UsageError
+from harness.robots import LEO, ROVER_ZERO4WD, RoverSpec
 from harness.samples import Twist
 
+MEETING = ["ram", "reverse_into", "graze", "swing", "pass_by"]
+NAMES = [
+    "wander",
+    "straight",
+    "spin",
+    "figure8",
+    "cmd_vel",
+    "roam",
+    "ram",
+    "reverse_into",
+    "graze",
+    "swing",
+    "pass_by",
+]
 
-def context() -> DriverContext:
-    return DriverContext(LEO, 20.0, np.zeros(1), np.random.default_rng(0))
+
+def context(rover: RoverSpec = LEO) -> DriverContext:
+    return DriverContext(rover, 20.0, np.zeros(1), np.random.default_rng(0))
 
 
 def at(yaw: float) -> Observation:
     return Observation(0, 0.0, 0.0, yaw, None)
 
 
-def test_straight_and_spin_command_one_axis_each() -> None:
-    straight = DRIVERS["straight"](context()).command(at(0.0))
-    spin = DRIVERS["spin"](context()).command(at(0.0))
-    assert straight.linear > 0
-    assert straight.angular == 0
-    assert spin.linear == 0
-    assert spin.angular > 0
+def test_drivers_are_found_by_name_and_an_unknown_one_is_refused_with_the_names() -> None:
+    assert list(DRIVERS) == NAMES
+    assert all(find_driver(name) is DRIVERS[name] for name in NAMES)
+    assert len({driver.summary for driver in DRIVERS.values()}) == len(NAMES)
+    with pytest.raises(UsageError) as refusal:
+        find_driver("drunk")
+    assert str(refusal.value) == f"driver 'drunk' does not exist; available: {', '.join(NAMES)}"
 
 
-def test_figure8_changes_side_after_each_full_turn() -> None:
+@pytest.mark.parametrize(
+    ("rover", "speed", "yaw_rate"),
+    [(LEO, 0.3, 1.0), (ROVER_ZERO4WD, 0.3, 2.0), (replace(LEO, cruise_speed=0.2), 0.2, 1.0)],
+)
+def test_straight_and_spin_command_one_axis_each(
+    rover: RoverSpec, speed: float, yaw_rate: float
+) -> None:
+    for name, twist in (("straight", Twist(speed, 0.0)), ("spin", Twist(0.0, yaw_rate))):
+        driver = DRIVERS[name](context(rover))
+        assert [driver.command(at(yaw)) for yaw in (0.0, 1.0)] == [twist] * 2
+
+
+def test_a_figure8_is_a_left_and_a_right_circle_in_turn_each_until_the_heading_has_come_round() -> None:
     driver = DRIVERS["figure8"](context())
-    yaw, sides = 0.0, []
-    for _ in range(600):
-        side = math.copysign(1.0, driver.command(at(math.remainder(yaw, math.tau))).angular)
-        yaw += 0.05 * side
-        sides.append(side)
-    changes = [i for i in range(1, len(sides)) if sides[i] != sides[i - 1]]
-    assert np.diff(changes).tolist() == [126] * (len(changes) - 1)
-    assert abs(yaw) <= math.tau + 0.1
+    angular = 2.0 * 0.4 / 1.5
+    step = math.tau / 100 + 1e-9
+    yaw, signs = 2.0, []
+    for _ in range(303):
+        twist = driver.command(at(math.remainder(yaw, math.tau)))
+        assert (twist.linear, abs(twist.angular)) == pytest.approx((0.4, angular))
+        side = math.copysign(1.0, twist.angular)
+        signs.append(side)
+        yaw += step * side
+    assert signs == [1.0] * 100 + [-1.0] * 100 + [1.0] * 100 + [-1.0] * 3
 
 
-def test_cmd_vel_repeats_the_last_command() -> None:
-    driver = DRIVERS["cmd_vel"](context())
+def test_cmd_vel_stands_still_and_then_repeats_the_last_command() -> None:
+    driver = CmdVel(context())
     assert driver.command(at(0.0)) == Twist()
-    driver.latest = Twist(0.2, 0.1)  # type: ignore[attr-defined]  # only the cmd_vel driver has it
+    driver.latest = Twist(0.2, 0.1)
     assert [driver.command(at(0.0)) for _ in range(2)] == [Twist(0.2, 0.1)] * 2
+
+
+@pytest.mark.parametrize("rover", [LEO, ROVER_ZERO4WD])
+def test_roam_takes_wanders_way_at_a_new_speed_every_eight_seconds(
+    rover: RoverSpec, dice: Callable[..., np.random.Generator]
+) -> None:
+    """The first draw and those after the goal's two are shares of 0.2 to 0.9 of the top speed."""
+    top = rover.wheel_speed_limit * rover.wheel_radius
+    free = np.full(8, np.inf, dtype=np.float32)
+    shares = (0.0, 1.0, 0.5, 1.0, 0.5)
+    roam = DRIVERS["roam"](DriverContext(rover, 20.0, np.linspace(-3.0, 3.0, 8), dice(*shares)))
+    for second, share in ((0.0, 0.2), (7.95, 0.2), (8.0, 0.9), (15.95, 0.9), (16.0, 0.55)):
+        here = 0.3 * second  # it gets on, towards a goal 10 m straight ahead of where it began
+        twist = roam.command(Observation(round(second * 1e9), min(here, 9.0), 0.0, 0.3, free))
+        assert twist.linear == pytest.approx(share * top * math.cos(math.radians(15.0)))
+        assert twist.angular == pytest.approx(-1.5 * math.radians(15.0) * rover.cruise_yaw_rate)

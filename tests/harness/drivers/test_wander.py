@@ -1,82 +1,198 @@
+"""Wander against its rule worked out heading by heading, with goals that the test chooses."""
+
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
 from harness.drivers.base import DriverContext, Observation
-from harness.drivers.wander import BACK_OUT_NS, STUCK_AFTER_NS, Wander
-from harness.robots import LEO
+from harness.drivers.wander import Wander
+from harness.robots import LEO, ROVER_ZERO4WD, ROVERS, RoverSpec
+from harness.samples import Twist
 
-BEARINGS = np.linspace(-math.pi, math.pi, 360, endpoint=False)
-PERIOD_NS = 50_000_000
+BEARINGS = np.linspace(-math.pi, math.pi, 91)[:-1] + 0.01
+AHEAD = 0.5  # the share of -pi..pi that is straight along x
+OPEN = np.full(len(BEARINGS), np.inf)
+
+MakeDice = Callable[..., np.random.Generator]
 
 
-def wander(seed: int = 0) -> Wander:
-    return Wander(DriverContext(LEO, 20.0, BEARINGS, np.random.default_rng(seed)))
+def wander(rng: np.random.Generator, rover: RoverSpec = LEO, bearings: np.ndarray = BEARINGS) -> Wander:
+    return Wander(DriverContext(rover, 20.0, bearings, rng))
 
 
 def seen(
-    time_ns: int = 0, x: float = 0.0, y: float = 0.0, ranges: np.ndarray | None = None
+    seconds: float = 0.0,
+    x: float = 0.0,
+    y: float = 0.0,
+    yaw: float = 0.0,
+    ranges: np.ndarray | None = OPEN,
 ) -> Observation:
-    return Observation(time_ns, x, y, 0.0, None if ranges is None else ranges.astype(np.float32))
+    scan = None if ranges is None else ranges.astype(np.float32)
+    return Observation(round(seconds * 1e9), x, y, yaw, scan)
 
 
-def open_space() -> np.ndarray:
-    return np.full(BEARINGS.shape, np.inf)
+def off(angle: float) -> float:
+    return abs(math.remainder(angle, math.tau))
 
 
-def test_open_space_leads_to_a_goal_sooner_or_later_straight_ahead() -> None:
-    driver = wander()
-    x = y = yaw = 0.0
-    for step in range(400):
-        twist = driver.command(Observation(step * PERIOD_NS, x, y, yaw, open_space().astype(np.float32)))
-        yaw += twist.angular * 0.05
-        x, y = x + twist.linear * 0.05 * math.cos(yaw), y + twist.linear * 0.05 * math.sin(yaw)
-    assert math.hypot(x, y) > 3.0
+def free_range(heading: float, ranges: np.ndarray, rover: RoverSpec) -> float:
+    """To the nearest return ahead that lies within half the track and 12 cm of the way; 3 m at most."""
+    reach = math.inf
+    for distance, bearing in zip(np.where(np.isnan(ranges), np.inf, ranges), BEARINGS, strict=True):
+        near = max(float(np.float32(distance)), 0.0)
+        aside = near * math.sin(off(bearing - heading)) if near < 3.0 else math.inf
+        if off(bearing - heading) < math.pi / 2 and aside < rover.track / 2 + 0.12:
+            reach = min(reach, near)
+    return reach
 
 
-@pytest.mark.parametrize("nearest", [0.3, -np.inf])
-def test_wall_right_ahead_turns_the_rover_in_place(nearest: float) -> None:
-    ranges = open_space()
-    ranges[np.abs(BEARINGS) < 0.5] = nearest
-    twist = wander().command(seen(ranges=ranges))
-    assert twist.linear == 0.0
-    assert abs(twist.angular) > 0.5
+def numbers(twist: Twist) -> Any:  # noqa: ANN401 - pytest's approx
+    return pytest.approx([twist.linear, twist.angular], abs=1e-9)
 
 
-def test_blocked_left_side_turns_right() -> None:
-    ranges = open_space()
-    ranges[(BEARINGS > -0.3) & (BEARINGS < 2.8)] = 0.4
-    assert wander().command(seen(ranges=ranges)).angular < 0
+def rule(goal: float, ranges: np.ndarray, rover: RoverSpec) -> Twist:
+    """The command for a goal in that direction."""
+    headings = [math.radians(7.5 * n - 180.0) for n in range(48)]
+    free = [free_range(heading, ranges, rover) for heading in headings]
+    cost = [off(h - goal) - 1.5 * min(f, 3.0) for h, f in zip(headings, free, strict=True)]
+    best = headings[cost.index(min(cost))]
+    ahead = free[24]
+    if ahead < 0.45:
+        return Twist(0.0, math.copysign(rover.cruise_yaw_rate, best))
+    slower = min(1.0, ahead / 1.2) * max(0.0, math.cos(best))
+    return Twist(rover.cruise_speed * slower, max(-1.0, min(1.0, 1.5 * best)) * rover.cruise_yaw_rate)
 
 
-def test_obstacle_beside_the_track_does_not_stop_the_rover() -> None:
-    ranges = open_space()
-    ranges[np.abs(np.abs(BEARINGS) - math.pi / 2) < 0.2] = 0.5
-    clear = wander(3).command(seen(ranges=open_space()))
-    beside = wander(3).command(seen(ranges=ranges))
-    assert math.copysign(1, beside.angular) == math.copysign(1, clear.angular)
+@pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
+@pytest.mark.parametrize("seed", range(14))
+def test_it_takes_the_way_that_is_free_and_near_the_goals_direction(
+    rover: RoverSpec, seed: int, dice: MakeDice
+) -> None:
+    rng = np.random.default_rng(seed)
+    ranges = rng.uniform(0.0, 4.0, len(BEARINGS)) + rng.choice([0.0, 0.3, 1.0, 2.5])
+    ranges[rng.random(len(BEARINGS)) < rng.choice([0.3, 0.9, 0.97])] = np.inf
+    for odd in (np.nan, -np.inf):
+        ranges[rng.random(len(BEARINGS)) < 0.003] = odd
+    share = rng.random()
+    driver, yaw = wander(dice(0.0, share), rover), rng.uniform(-math.pi, math.pi)
+    goal = math.remainder((2 * share - 1) * math.pi - yaw, math.tau)
+    twist = driver.command(seen(yaw=yaw, ranges=ranges))
+    assert [twist.linear, twist.angular] == numbers(rule(goal, ranges, rover))
+    unseeing = wander(dice(0.0, share), rover).command(seen(yaw=yaw, ranges=None))
+    assert [unseeing.linear, unseeing.angular] == numbers(rule(goal, OPEN, rover))
 
 
-def test_rover_that_makes_no_progress_backs_out_and_then_goes_on() -> None:
-    driver = wander()
-    steps = (STUCK_AFTER_NS + BACK_OUT_NS) // PERIOD_NS + 10
-    commands = [driver.command(seen(n * PERIOD_NS, ranges=open_space())) for n in range(steps)]
-    backwards = [twist.linear < 0 for twist in commands]
-    assert not any(backwards[: STUCK_AFTER_NS // PERIOD_NS])
-    assert sum(backwards) == BACK_OUT_NS // PERIOD_NS
-    assert not backwards[-1]
+@pytest.mark.parametrize("beam", range(35, 56))
+def test_one_return_ahead_turns_it_aside_and_slows_it_down(beam: int, dice: MakeDice) -> None:
+    ranges = OPEN.copy()
+    ranges[beam] = 1.0
+    twist = wander(dice(1.0, 0.51)).command(seen(ranges=ranges))  # a little to the left: no tie
+    assert [twist.linear, twist.angular] == numbers(rule(0.02 * math.pi, ranges, LEO))
 
 
-def test_rover_near_the_edge_heads_for_the_middle() -> None:
-    driver = wander()
-    twist = driver.command(seen(x=18.5, y=0.1, ranges=open_space()))
-    assert abs(twist.angular) > 0.5  # the middle is right behind: turn around
+def test_nearer_than_the_lidar_can_see_is_no_free_range_at_all(dice: MakeDice) -> None:
+    ranges = np.full(len(BEARINGS), 0.5)
+    ranges[82] = -np.inf  # at 149 degrees, with the goal at 95
+    share = (1 + 95 / 180) / 2
+    twist = wander(dice(1.0, share)).command(seen(ranges=ranges))
+    assert twist.linear > 0.0
+    assert [twist.linear, twist.angular] == numbers(rule(math.radians(95.0), ranges, LEO))
 
 
-def test_same_generator_gives_the_same_commands() -> None:
-    observations = [seen(step * PERIOD_NS, x=0.02 * step) for step in range(200)]
-    one, two, other = wander(1), wander(1), wander(2)
-    first = [one.command(o) for o in observations]
-    assert first == [two.command(o) for o in observations]
-    assert first != [other.command(o) for o in observations]
+@pytest.mark.parametrize(
+    ("face", "speed"), [(0.44, 0.0), (0.46, 0.46 / 1.2), (1.19, 1.19 / 1.2), (1.21, 1.0), (2.9, 1.0)]
+)
+def test_a_wall_all_around_slows_it_down_and_stops_it(face: float, speed: float, dice: MakeDice) -> None:
+    driver = wander(dice(1.0, AHEAD))
+    twist = driver.command(seen(ranges=np.full(len(BEARINGS), face)))
+    assert twist.linear == pytest.approx(0.4 * speed)
+    assert twist.angular == (1.0 if speed == 0.0 else 0.0)
+
+
+def bearing_driven(driver: Wander, observation: Observation) -> float:
+    """The direction in the world that it turns to, from the yaw rate where that is not at its limit."""
+    return observation.yaw + driver.command(observation).angular / (1.5 * LEO.cruise_yaw_rate)
+
+
+@pytest.mark.parametrize(
+    ("share", "start", "goal"),
+    [
+        (0.0, (0.0, 0.0), (4.0, 0.0)),
+        (1.0, (0.0, 0.0), (10.0, 0.0)),
+        (1.0, (12.0, 0.0), (17.0, 0.0)),  # 3 m from the edge
+    ],
+)
+def test_a_goal_lies_4_to_10_m_away_on_the_map_and_holds_until_60_cm_before_it(
+    share: float, start: tuple[float, float], goal: tuple[float, float], dice: MakeDice
+) -> None:
+    """Driven past at a distance, its direction tells where it is."""
+    rng = dice(share, AHEAD, 0.0, 0.0)
+    driver = wander(rng)
+    driver.command(seen(0.0, *start))
+    for seconds, aside in ((1.0, 1.5), (2.0, -1.5), (3.0, 0.65), (4.0, -0.65)):
+        yaw = math.atan2(-aside, 1e-9)
+        assert bearing_driven(driver, seen(seconds, goal[0], aside, yaw)) == pytest.approx(
+            yaw, abs=0.066
+        )
+    assert rng.draws == 2  # type: ignore[attr-defined]  # Dice counts
+    driver.command(seen(5.0, goal[0] - 0.59, 0.0))
+    assert rng.draws == 4  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(("share", "goal"), [(0.25, (0.0, -17.0)), (0.75, (0.0, 17.0))])
+def test_goals_are_kept_off_every_edge(share: float, goal: tuple[float, float], dice: MakeDice) -> None:
+    driver = wander(dice(1.0, share))
+    driver.command(seen(0.0, 0.0, math.copysign(12.0, goal[1])))
+    beside = seen(1.0, 2.0, goal[1], math.pi)
+    assert driver.command(beside).angular == pytest.approx(0.0)
+
+
+def test_a_goal_that_is_not_reached_in_45_seconds_is_given_up(dice: MakeDice) -> None:
+    rng = dice(0.0, AHEAD)
+    driver = wander(rng)
+    for seconds in range(1, 47):
+        driver.command(seen(float(seconds), x=-0.3 * (seconds % 2)))
+    assert rng.draws == 2  # type: ignore[attr-defined]
+    driver.command(seen(46.05))
+    assert rng.draws == 4  # type: ignore[attr-defined]
+    for seconds in range(47, 92):
+        driver.command(seen(float(seconds), x=-0.3 * (seconds % 2)))
+    assert rng.draws == 4, "patience begins with the goal"  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("place", [(18.01, 1.0), (-18.01, -1.0), (1.0, 18.01), (-1.0, -18.01)])
+def test_within_2_m_of_the_edge_it_heads_for_the_middle(
+    place: tuple[float, float], dice: MakeDice
+) -> None:
+    x, y = place
+    back = math.atan2(-y, -x)
+    across = back + math.pi / 2
+    driver = wander(dice(0.0, (math.remainder(across, math.tau) / math.pi + 1) / 2))
+    inside = seen(0.0, 0.99 * x, 0.99 * y, across)
+    assert abs(driver.command(inside).angular) < 0.5  # a right angle to the middle's direction
+    assert bearing_driven(driver, seen(0.05, x, y, back)) == pytest.approx(back, abs=0.066)
+
+
+@pytest.mark.parametrize(("share", "turn"), [(0.49, 0.5), (0.51, -0.5)])
+def test_after_3_s_without_25_cm_of_progress_it_backs_out_for_2_s_to_either_side(
+    share: float, turn: float, dice: MakeDice
+) -> None:
+    rng = dice(0.0, AHEAD, share, 0.0, AHEAD)
+    driver = wander(rng, ROVER_ZERO4WD)
+    commands = [driver.command(seen(0.05 * n, x=0.24 * (n > 0))) for n in range(61 + 40 + 61 + 1)]
+    backwards = Twist(-0.6 * 0.5, turn * 2.0)
+    expected = [False] * 61 + [True] * 40 + [False] * 61 + [True]
+    assert [command == backwards for command in commands[:-1]] == expected[:-1]
+    assert commands[-1].linear == pytest.approx(-0.3)
+    assert [command.linear < 0 for command in commands] == expected
+    assert rng.draws == 6, "a new goal after backing out"  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(("x", "y"), [(0.26, 0.0), (0.0, 0.26), (0.19, -0.19)])
+def test_who_gets_on_by_26_cm_in_3_s_is_not_stuck(x: float, y: float, dice: MakeDice) -> None:
+    driver = wander(dice(1.0, AHEAD))
+    creeping = [driver.command(seen(0.05 * n, x * (n // 59), y * (n // 59))) for n in range(300)]
+    assert all(command.linear >= 0 for command in creeping)

@@ -10,10 +10,13 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from harness.config import EpisodeConfig
 from harness.errors import Diverged, RunFailed
 from harness.physics.contacts import Touch
+from harness.physics.scene import build_scene
 from harness.physics.simulation import Simulation
 from harness.robots import ROVER_ZERO4WD, ROVERS
+from harness.sim_time import NANOSECONDS
 
 TICK_NS = 10_000_000
 SPEEDS = np.array([1.0, 2.0, 3.0, 4.0])  # [rad/s] of the wheels, all different
@@ -178,3 +181,40 @@ def test_half_a_metre_before_the_edge_of_the_map_the_run_ends(
         RunFailed, match=rf"edge .* t = 0\.02 s \(x = -?{place[0]} m, y = -?{place[1]} m\)"
     ):
         simulation.tick()
+
+
+EPISODE_TIMESTEP_NS = 5_000_000
+
+
+def episode_simulation(terrain: str) -> Simulation:
+    world = EpisodeConfig(terrain=terrain).world()
+    return Simulation(build_scene(world, ROVERS["leo"], EPISODE_TIMESTEP_NS / 1e9), EPISODE_TIMESTEP_NS)
+
+
+def test_a_rover_that_creeps_down_a_slope_is_given_five_seconds_to_settle(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    steps, step = [], mujoco.mj_step
+
+    def counted(model: object, data: object) -> None:
+        steps.append(data)
+        step(model, data)
+
+    monkeypatch.setattr(mujoco, "mj_step", counted)
+    creeping = episode_simulation("slope")
+    assert len(steps) == 5 * NANOSECONDS // EPISODE_TIMESTEP_NS
+    assert abs(creeping.data.qvel).max() > 2e-3
+    assert creeping.time_ns == 0
+
+
+def test_after_a_reset_nothing_is_felt_of_the_tick_before_it() -> None:
+    standing = episode_simulation("flat")
+    standing.data.qpos[2:7] = 0.3, 0.0, 1.0, 0.0, 0.0  # on its roof
+    for _ in range(40):
+        standing.tick()
+    assert standing.contacts.strongest
+    assert standing.tick_sum.any()
+    standing.return_to_start()
+    assert standing.contacts.strongest == {}
+    assert not standing.tick_sum.any()
+    assert standing.time_ns == 40 * 10_000_000

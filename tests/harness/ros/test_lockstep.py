@@ -6,9 +6,7 @@ import pytest
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Twist as TwistMessage
 from rclpy.parameter import Parameter
-from rclpy.qos import ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu as ImuMessage
 
@@ -18,7 +16,7 @@ from harness.ros import lockstep
 from harness.ros.bridge import Bridge
 from harness.ros.executor import make_executor, spin_until
 from harness.ros.lockstep import HostedMetrics, LockStep
-from harness.samples import Imu, Pose, Tick, TruthState, Twist
+from harness.samples import Imu, Pose, Tick, TruthState
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.metrics_node import MetricsNode
 
@@ -31,10 +29,7 @@ class Nodes:
     def __init__(self, log_dir: Path, **parameters: object) -> None:
         self.context = rclpy.Context()
         rclpy.init(context=self.context)
-        self.commands: list[Twist] = []
-        self.bridge = Bridge(
-            LEO, LidarSpec(beams=4), context=self.context, on_command=self.commands.append
-        )
+        self.bridge = Bridge(LEO, LidarSpec(beams=4), context=self.context)
         values = {"use_sim_time": True, "log_dir": str(log_dir), **parameters}
         overrides = [Parameter(name, value=value) for name, value in values.items()]
         self.metrics = MetricsNode(context=self.context, parameter_overrides=overrides)
@@ -93,6 +88,8 @@ def test_message_that_never_arrives_is_given_up_and_counted(
     step.advance(tick(1))
     nodes.bridge.of[Imu][0].published += 3  # three that DDS swallowed
     step.advance(tick(2))
+    monkeypatch.undo()
+    monkeypatch.delattr(HostedMetrics, "_give_up")  # nothing is waited for twice
     step.advance(tick(3))
     assert nodes.hosted.lost["/imu/data"] == 3
     assert nodes.hosted.lost["/rover/pose_array"] == 0
@@ -117,31 +114,52 @@ def test_truth_for_the_extended_columns_is_waited_for_and_missed_as_every_topic(
     nodes.close()
 
 
-def test_topics_have_the_stated_reliability(nodes: Nodes) -> None:
-    policies = {c.topic: c.publisher.qos_profile.reliability for c in nodes.bridge.channels}
-    assert policies.pop("/rover/pose_array") is ReliabilityPolicy.BEST_EFFORT
-    assert set(policies) == {
-        "/scan",
-        "/imu/data",
-        "/odometry/wheels",
-        "/odom_ground_truth",
-        "/joint_states",
-        "/rover/truth/contact",
-        "/rover/truth/traversal",
-        "/clock",
-    }
-    assert set(policies.values()) == {ReliabilityPolicy.RELIABLE}
+class Noted:
+    """A bridge, an executor and a listener that only say what is asked of them."""
+
+    def __init__(self) -> None:
+        self.said: list[object] = []
+
+    def publish_samples(self, tick: Tick) -> None:
+        self.said.append(tick.samples)
+
+    def publish_clock(self, tick: Tick) -> None:
+        self.said.append(tick.stamp_ns)
+
+    def wait_for_samples(self) -> None:
+        self.said.append("samples")
+
+    def wait_for_clock(self, stamp_ns: int) -> None:
+        self.said.append(("clock", stamp_ns))
+
+    def spin_once(self, timeout_sec: float) -> None:
+        self.said.append(("spin", timeout_sec))
 
 
-def test_commands_arrive_and_non_finite_ones_are_ignored(nodes: Nodes) -> None:
-    sender = nodes.metrics.create_publisher(TwistMessage, "cmd_vel", 10)
-    nodes.until(lambda: sender.get_subscription_count() > 0)
-    for linear, angular in ((0.3, 0.1), (float("nan"), 0.0), (0.0, float("inf")), (-0.2, 0.0)):
-        message = TwistMessage()
-        message.linear.x, message.angular.z = linear, angular
-        sender.publish(message)
-    nodes.until(lambda: len(nodes.commands) >= 2)
-    assert nodes.commands == [Twist(0.3, 0.1), Twist(-0.2, 0.0)]
+@pytest.mark.parametrize("tells_time", [True, False])
+def test_samples_of_one_kind_go_out_one_by_one_then_the_clock_if_it_tells_time(tells_time: bool) -> None:
+    pose, imu = tick(1).samples
+    noted = Noted()
+    sent = Tick(5, (pose, pose, imu, pose), tells_time)
+    LockStep(noted, noted, (noted, noted)).advance(sent)  # type: ignore[arg-type]
+    waits = ["samples", "samples"]
+    bursts = [(pose, imu), *waits, (pose,), *waits, (pose,), *waits]
+    assert noted.said == bursts + [5, ("clock", 5), ("clock", 5)] * tells_time
+
+
+def test_without_listeners_commands_are_served_once_a_tick_without_waiting() -> None:
+    noted = Noted()
+    LockStep(noted, noted, ()).advance(tick(1))  # type: ignore[arg-type]
+    assert noted.said == [tick(1).samples, TICK_NS, ("spin", 0.0)]
+
+
+def test_a_clock_that_never_arrives_is_given_up_and_counted(
+    nodes: Nodes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lockstep, "PATIENCE", 0.1)
+    nodes.hosted.wait_for_clock(7 * TICK_NS)
+    assert nodes.hosted.lost["/clock"] == 1
+    assert nodes.hosted.received()["/clock"] == 0
 
 
 def test_second_publisher_of_a_topic_fails_the_run(nodes: Nodes) -> None:
@@ -155,12 +173,17 @@ def test_second_publisher_of_a_topic_fails_the_run(nodes: Nodes) -> None:
         step.advance(tick(2))
 
 
-def test_second_clock_fails_the_run(nodes: Nodes) -> None:
+@pytest.mark.parametrize("strange_ns", [99 * 10**9, TICK_NS])
+def test_second_clock_fails_the_run_also_where_it_tells_a_time_of_ours(
+    nodes: Nodes, strange_ns: int
+) -> None:
     step = LockStep(nodes.bridge, nodes.executor, (nodes.hosted,))
-    step.advance(tick(1))
+    for number in (1, 2):
+        step.advance(tick(number))
     intruder = nodes.metrics.create_publisher(Clock, "/clock", 10)
     nodes.until(lambda: intruder.get_subscription_count() > 0)
-    intruder.publish(Clock(clock=Time(sec=99)))
-    nodes.until(lambda: nodes.metrics.get_clock().now().nanoseconds > 10**9)
+    sec, nanosec = divmod(strange_ns, 10**9)
+    intruder.publish(Clock(clock=Time(sec=sec, nanosec=nanosec)))
+    nodes.until(lambda: nodes.metrics.get_clock().now().nanoseconds == strange_ns)
     with pytest.raises(RunFailed, match=r"/clock has a second publisher"):
-        nodes.hosted.wait_for_clock(2 * TICK_NS)
+        nodes.hosted.wait_for_clock(3 * TICK_NS)

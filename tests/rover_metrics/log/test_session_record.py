@@ -82,7 +82,8 @@ def test_a_record_can_be_read_by_everybody_and_by_people(log: Path) -> None:
     write_record(log, None, {"rows": 7})
     path = log.with_suffix(".json")
     assert path.stat().st_mode & 0o777 == 0o644
-    assert path.read_text() == f'{{\n  "log": "{log}",\n  "outcome": null,\n  "rows": 7\n}}\n'
+    name = json.dumps(str(log))
+    assert path.read_text() == f'{{\n  "log": {name},\n  "outcome": null,\n  "rows": 7\n}}\n'
 
 
 @pytest.mark.parametrize(

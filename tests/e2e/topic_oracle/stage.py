@@ -1,0 +1,105 @@
+"""The stage of the oracle for topics: a small world that has everything, rovers with a tilted IMU.
+
+A module of its own, so that the process that simulates can load it.
+"""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.config import EpisodeConfig
+from harness.robots import ROVERS, RoverSpec
+from harness.samples import Twist
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.world import World
+
+Grid = NDArray[np.float64]
+
+CELL, VERTICES = 0.06, 101  # [m] and along each side
+IMU_MOUNTING = "0.8 0.3 -0.4 0.33"  # w x y z: about an axis that is none of the rover's
+BATCHES = 88  # of 50 ms
+
+# From which batch on a command holds, and where the rover is put back. Nothing is commanded at first
+# and after the reset: the rover stands, its previous command forgotten.
+RESET = 56
+SCRIPT = {
+    2: Twist(0.75, 0.0),
+    36: Twist(-0.6, -1.2),
+    46: Twist(0.0, 9.0),
+    58: Twist(-0.2, -9.0),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class StagedConfig(EpisodeConfig):
+    """An episode on the stage; `model` is the file of its rover's model."""
+
+    model: Path
+
+    def validate(self) -> None:
+        """Has the process that simulates find the staged rover."""
+        ROVERS[self.robot] = staged_rover(self)
+
+    def world(self) -> World:
+        """The stage."""
+        return stage(ROVERS[self.robot])
+
+
+@dataclass(frozen=True, kw_only=True)
+class StagedRover(RoverSpec):
+    """A rover whose model is in `file`."""
+
+    file: Path
+
+    @property
+    def model_path(self) -> Path:
+        """Instead of the one that is named as the rover."""
+        return self.file
+
+
+def staged_rover(config: StagedConfig) -> StagedRover:
+    """The rover of that name, with the staged model."""
+    return StagedRover(**vars(ROVERS[config.robot]) | {"file": config.model})
+
+
+def write_model(rover: RoverSpec, folder: Path) -> Path:
+    """The rover's model with its IMU mounted obliquely."""
+    site = '<site name="imu"'
+    text = rover.model_path.read_text()
+    assert text.count(site) == 1
+    file = folder / rover.model_path.name
+    file.write_text(text.replace(site, f'{site} quat="{IMU_MOUNTING}"'))
+    return file
+
+
+def beyond(values: Grid, limit: float) -> Grid:
+    """How far outside of -limit..limit, with its sign."""
+    return values - np.clip(values, -limit, limit)
+
+
+def stage(rover: RoverSpec) -> World:
+    """A hillside around a level start; ahead a rock before the left wheels, a hump, and a wall."""
+    half_size = CELL * (VERTICES - 1) / 2
+    x, y = np.meshgrid(*2 * [np.linspace(-half_size, half_size, VERTICES)])
+    east, north = beyond(x, 0.28), beyond(y, 0.28)
+    heights = 0.15 * east + 0.08 * north + 0.01 * np.sin(6.0 * east) * np.cos(5.0 * y)
+    heights += (rover.clearance + 0.02) * np.exp(-(((x - 0.5) / 0.08) ** 2) - (y / 0.06) ** 2)
+    ground = Heightfield(heights, CELL)
+    rock = Obstacle(
+        kind=ObstacleKind.ROCK,
+        shape="ellipsoid",
+        half_size=(0.10, 0.08, 0.05),
+        position=(0.42, 0.17, ground.height_at(0.42, 0.17)),
+    )
+    wall = Obstacle(
+        kind=ObstacleKind.HAZARD,
+        shape="box",
+        half_size=(0.1, 0.5, 1.2),
+        position=(0.95, -0.1, 0.3),
+        quaternion=(math.cos(0.05), 0.0, 0.0, math.sin(0.05)),
+    )
+    return World("stage", ground, (rock, wall), seed=0, difficulty=0.0)

@@ -1,0 +1,96 @@
+"""The error models by themselves: each term alone, at its edges."""
+
+import numpy as np
+import pytest
+
+from harness.sensors.corruption import AxisErrors, AxisTriad, ContactChatter, RangeErrors
+
+SECOND_NS = 1_000_000_000
+LIMITS = (0.15, 10.0)
+
+
+def triad(seed: int = 2, **errors: float) -> AxisTriad:
+    return AxisTriad(AxisErrors(**errors), np.random.default_rng(seed))
+
+
+def ranges(values: list[float], limits: tuple[float, float] = LIMITS, **errors: float) -> list[float]:
+    exact = np.array(values, dtype=np.float32)
+    read = RangeErrors(**errors).corrupt(exact, limits, np.random.default_rng(3))
+    assert read.dtype == np.float32
+    np.testing.assert_array_equal(exact, np.array(values, dtype=np.float32))
+    return [float(value) for value in read]
+
+
+def test_without_errors_nothing_changes_and_nothing_is_drawn() -> None:
+    rng = np.random.default_rng(1)
+    axes = AxisTriad(AxisErrors(), rng)
+    assert axes.corrupt((1.0, -2.0, 3e9), 0) == axes.corrupt((1.0, -2.0, 3e9), SECOND_NS) == (1, -2, 3e9)
+    exact = np.array([0.15, 5.0, 10.0, np.inf, -np.inf, np.nan], dtype=np.float32)
+    np.testing.assert_array_equal(RangeErrors().corrupt(exact, (0.1, 10.0), rng), exact)
+    assert rng.random() == np.random.default_rng(1).random()
+
+
+def test_a_bias_is_drawn_once_for_each_axis_and_stays() -> None:
+    biased = triad(bias=0.5)
+    drawn = np.random.default_rng(2).normal(0.0, 0.5, 3)
+    for stamp_ns, value in enumerate([0.0, 1.0, -20.0]):
+        assert biased.corrupt((value, value, value), stamp_ns) == pytest.approx(value + drawn)
+
+
+def test_a_bias_wanders_from_the_first_reading_on_by_the_root_of_the_time_between_two() -> None:
+    wandering, draws = triad(walk=0.01), np.random.default_rng(2)
+    assert wandering.corrupt((1.0, 2.0, 3.0), 5 * SECOND_NS) == (1.0, 2.0, 3.0)
+    wandered = np.zeros(3)
+    for stamp, elapsed in ((9.0, 4.0), (9.25, 0.25), (10.25, 1.0)):
+        wandered += draws.normal(0.0, 0.01 * elapsed**0.5, 3)
+        reading = wandering.corrupt((0.0, 0.0, 0.0), round(stamp * SECOND_NS))
+        assert reading == pytest.approx(wandered)
+    assert wandering.corrupt((0.0, 0.0, 0.0), round(10.25 * SECOND_NS)) == pytest.approx(wandered)
+
+
+def test_readings_come_in_steps_and_end_at_the_limit() -> None:
+    stepped = triad(step=0.25, limit=4.1)
+    assert stepped.corrupt((1.1, -0.2, 100.0), 0) == (1.0, -0.25, 4.1)
+    assert stepped.corrupt((-100.0, 0.13, -0.12), 0) == (-4.1, 0.25, 0.0)
+
+
+def test_ranges_come_in_steps_to_the_nearest() -> None:
+    assert ranges([1.0, 1.006, 1.008, 1.02], step=0.013) == pytest.approx([1.001, 1.001, 1.014, 1.014])
+
+
+def test_a_range_at_a_limit_is_read_and_one_beyond_is_coded_as_rep_117_says() -> None:
+    limits = (0.25, 8.0)  # exact in float32
+    values = [0.25, np.nextafter(np.float32(0.25), 0), 8.0, np.nextafter(np.float32(8.0), 9), 0.0]
+    assert ranges(values, limits) == [0.25, -np.inf, 8.0, np.inf, -np.inf]
+
+
+def test_what_noise_and_steps_push_over_a_limit_is_coded_too() -> None:
+    read = np.array(ranges([0.16, 9.99] * 500, white=0.05))
+    near, far = read[::2], read[1::2]
+    assert 0.3 < np.isneginf(near).mean() < 0.6
+    assert near[np.isfinite(near)].min() >= np.float32(0.15)
+    assert 0.3 < np.isposinf(far).mean() < 0.6
+    assert far[np.isfinite(far)].max() <= 10.0
+    assert ranges([0.12, 9.92], step=0.2) == pytest.approx([0.2, 10.0])
+    assert ranges([0.16, 9.8, 9.95], step=0.4) == [-np.inf, pytest.approx(9.6), pytest.approx(10.0)]
+
+
+def test_a_lost_return_is_a_miss_and_near_returns_and_faults_are_not_lost() -> None:
+    read = np.array(ranges([5.0, -np.inf, np.nan, np.inf] * 5_000, dropout=0.1)).reshape(-1, 4)
+    assert np.isposinf(read[:, 0]).mean() == pytest.approx(0.1, abs=0.02)
+    assert set(read[:, 0]) == {5.0, np.inf}
+    assert np.isneginf(read[:, 1]).all()
+    assert np.isnan(read[:, 2]).all()
+    assert np.isposinf(read[:, 3]).all()
+
+
+@pytest.mark.parametrize("speed", [0.1, -0.3, 2.0])
+def test_the_share_of_disturbed_readings_follows_the_wheels_speed(speed: float) -> None:
+    chatter = ContactChatter(speed=0.3, shape=2.0, friction=0.0)
+    rng = np.random.default_rng(0)
+    loads = np.array([chatter.shake((1.0, 2.0, 4.0), speed, rng) for _ in range(4_000)])
+    share = 1 - np.exp(-abs(speed) / 0.3)
+    disturbed = loads[:, 2] != 4.0
+    assert disturbed.mean() == pytest.approx(share, abs=0.04)
+    assert (loads[disturbed, 2] / 4.0).var() == pytest.approx(0.5, rel=0.25)
+    assert loads / [1.0, 2.0, 4.0] == pytest.approx(np.tile(loads[:, 2:] / 4.0, 3))

@@ -1,0 +1,159 @@
+"""Wheel odometry against closed forms: the wheels are turned by hand, whole counts at a time."""
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import pytest
+
+from harness.robots import LEO, ROVER_ZERO4WD, ROVERS, RoverSpec
+from harness.sensors.odometry import WheelOdometry
+
+if TYPE_CHECKING:
+    from harness.physics.simulation import Simulation
+    from harness.samples import Odometry
+
+BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
+BELIEVED = {LEO.name: (0.0625, 0.358, 878.4), ROVER_ZERO4WD.name: (0.122, 0.24, 4096.0)}
+
+
+class Bench:
+    """A rover whose wheels are turned to so many counts; half a count more, to be clear of edges."""
+
+    def __init__(self, simulation: "Simulation", rover: RoverSpec, period_ticks: int = 5) -> None:
+        self._simulation, self._rover = simulation, rover
+        self.radius, self.separation, self.resolution = BELIEVED[rover.name]
+        self.count = math.tau * self.radius / self.resolution  # [m]
+        self.turn_to(123.0, -45.0, 6.0, 789.0)
+        self.odometry = WheelOdometry(simulation, period_ticks)
+        self.turned = [123.0, -45.0, 6.0, 789.0]
+
+    def turn_to(self, *counts: float) -> None:
+        for name, count in zip(self._rover.wheel_joints, counts, strict=True):
+            angle = (count + 0.5) * math.tau / self.resolution
+            self._simulation.data.joint(name).qpos[0] = angle
+
+    def turn_by(
+        self, front_left: float, rear_left: float, front_right: float, rear_right: float
+    ) -> None:
+        steps = (front_left, rear_left, front_right, rear_right)
+        self.turned = [before + step for before, step in zip(self.turned, steps, strict=True)]
+        self.turn_to(*self.turned)
+
+
+MakeBench = Callable[..., Bench]
+
+
+@pytest.fixture
+def bench(simulate: "Callable[[RoverSpec], Simulation]") -> MakeBench:
+    return lambda rover, period_ticks=5: Bench(simulate(rover), rover, period_ticks)
+
+
+def pose(reading: "Odometry") -> tuple[float, float, float]:
+    return reading.x, reading.y, reading.yaw
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("left", "right", "period_ticks"),
+    [(40, 50, 5), (50, 40, 2), (-30, -37, 5), (-25, 25, 2), (60, -60, 5), (0, 7, 1)],
+    ids=["left arc", "right arc", "backwards", "turn left in place", "turn right in place", "one side"],
+)
+def test_an_arc_is_a_polygon_in_the_circle_whose_sides_leave_at_half_the_turn(
+    rover: RoverSpec, left: int, right: int, period_ticks: int, bench: MakeBench
+) -> None:
+    """Sums of cos and sin of (k + 1/2) a, as geometric series; the ends lie on the true circle."""
+    rig = bench(rover, period_ticks)
+    distance = (left + right) / 2 * rig.count
+    turn = (right - left) * rig.count / rig.separation
+    readings = 200
+    for _ in range(readings):
+        rig.turn_by(left + 3, left - 3, right - 2, right + 2)  # a side's two wheels differ
+        reading = rig.odometry.read()
+    angle = readings * turn
+    assert abs(angle) > math.pi / 4
+    x = distance * math.sin(angle) / (2 * math.sin(turn / 2))
+    y = distance * (1 - math.cos(angle)) / (2 * math.sin(turn / 2))
+    assert (reading.x, reading.y) == pytest.approx((x, y), abs=1e-9)
+    assert -math.pi <= reading.yaw <= math.pi
+    assert math.remainder(reading.yaw - angle, math.tau) == pytest.approx(0.0, abs=1e-9)
+    radius = distance / turn
+    circle = radius * math.sin(angle), radius * (1 - math.cos(angle))
+    assert (reading.x, reading.y) == pytest.approx(circle, abs=1e-12 + turn**2 * abs(radius))
+    period = period_ticks * 0.01
+    expected = pytest.approx((distance / period, turn / period))
+    assert (reading.twist.linear, reading.twist.angular) == expected
+
+
+@BOTH
+def test_a_hundred_revolutions_are_a_hundred_circumferences_in_steps_of_any_size(
+    rover: RoverSpec, bench: MakeBench
+) -> None:
+    rig = bench(rover)
+    total = 100 * rig.resolution
+    done, step = 0.0, 0.4
+    while done < total:
+        step = min(1.7 * step, 333.3, total - done)
+        done += step
+        rig.turn_by(*[step] * 4)
+        reading = rig.odometry.read()
+    assert pose(reading) == pytest.approx((100 * math.tau * rig.radius, 0.0, 0.0), abs=rig.count)
+    rig.turn_by(*[-total] * 4)
+    assert pose(rig.odometry.read()) == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
+
+
+@BOTH
+def test_wheels_that_had_turned_before_and_stand_still_are_no_way(
+    rover: RoverSpec, bench: MakeBench
+) -> None:
+    reading = bench(rover).odometry.read()
+    assert (pose(reading), reading.twist.linear, reading.twist.angular) == ((0.0, 0.0, 0.0), 0.0, 0.0)
+
+
+def test_an_encoder_counts_what_is_full_and_below_zero_downwards(bench: MakeBench) -> None:
+    rig = bench(LEO)
+    for angle, count in [(0.001, 0), (0.999, 0), (1.001, 1), (-0.001, -1), (-0.999, -1), (-1.001, -2)]:
+        rig.turn_to(angle - 0.5, angle + 9.5, angle + 19.5, angle + 29.5)
+        assert rig.odometry.encoders() == [count, count + 10, count + 20, count + 30]
+
+
+def test_half_a_count_is_seen_when_the_next_is_full_and_then_once(bench: MakeBench) -> None:
+    rig = bench(LEO)
+    ways = []
+    for _ in range(4):
+        rig.turn_by(*[0.45] * 4)  # from 0.5 to 0.95, 1.4, 1.85, 2.3
+        ways.append(rig.odometry.read().x / rig.count)
+    assert ways == pytest.approx([0.0, 1.0, 1.0, 2.0])
+
+
+def test_wheels_put_elsewhere_are_taken_for_unmoved_time_after_time(bench: MakeBench) -> None:
+    rig = bench(ROVER_ZERO4WD)
+    rig.turn_by(100, 100, 120, 120)
+    before = rig.odometry.read()
+    for elsewhere in ((5.0, -7000.0, 11.0, 300.0), (0.0, 0.0, 0.0, 0.0)):
+        counts = rig.odometry.encoders()
+        rig.turned = list(elsewhere)
+        rig.turn_by(0, 0, 0, 0)
+        rig.odometry.go_on_from(counts)
+        assert rig.odometry.encoders() == counts
+        stood = rig.odometry.read()
+        assert (pose(stood), stood.twist.linear) == (pose(before), 0.0)
+    rig.turn_by(*[50] * 4)
+    moved = rig.odometry.read()
+    assert math.dist((moved.x, moved.y), (before.x, before.y)) == pytest.approx(50 * rig.count)
+
+
+def test_counts_since_the_last_reading_survive_being_put_elsewhere(bench: MakeBench) -> None:
+    rig = bench(LEO)
+    rig.turn_by(*[30] * 4)
+    counts = rig.odometry.encoders()
+    rig.turn_by(*[-1000] * 4)
+    rig.odometry.go_on_from(counts)
+    assert rig.odometry.read().x == pytest.approx(30 * rig.count)
+
+
+def test_a_reading_carries_the_time_of_the_simulation(bench: MakeBench) -> None:
+    rig = bench(LEO)
+    rig._simulation.tick()
+    rig._simulation.tick()
+    assert rig.odometry.read().stamp_ns == 20_000_000

@@ -1,0 +1,132 @@
+"""The slip of wheels against closed forms and against small displacements of the whole rover."""
+
+import math
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from harness.physics.simulation import Simulation
+from harness.robots import LEO, ROVERS, RoverSpec
+from harness.truth.wheels import WheelMotion, Wheels
+
+BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
+RADIUS = {"leo": 0.0625, "rover_zero4wd": 0.127}
+
+MakeSimulation = Callable[..., Simulation]
+
+
+def motion(
+    simulation: Simulation,
+    wheel_speeds: float | tuple[float, ...],
+    linear: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    angular: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> list[WheelMotion]:
+    """For speeds of the wheels [rad/s] and the model frame, in the world [m/s] and in itself [rad/s]."""
+    data, rover = simulation.data, simulation.scene.rover
+    data.qvel[:] = 0.0
+    data.qvel[:6] = *linear, *angular
+    for name, speed in zip(rover.wheel_joints, np.broadcast_to(wheel_speeds, 4), strict=True):
+        data.joint(name).qvel[0] = speed
+    return Wheels(simulation).motion()
+
+
+def slips(wheels: list[WheelMotion]) -> list[float]:
+    return [wheel.slip for wheel in wheels]
+
+
+@BOTH
+@pytest.mark.parametrize("climb", [0.0, 20.0, -35.0, 89.0], ids="{} deg".format)
+@pytest.mark.parametrize("slip", [-0.5, 0.0, 0.3], ids="slip {}".format)
+def test_what_climbs_moves_as_far_along_the_slope_as_its_wheels_roll(
+    rover: RoverSpec, climb: float, slip: float, simulate: MakeSimulation
+) -> None:
+    """The rover itself still level, as when its front wheels begin to climb."""
+    slope, speed = math.radians(climb), 0.4
+    turning = speed / (1 - slip) if slip > 0 else speed * (1 + slip)
+    velocity = speed * math.cos(slope), 0.0, speed * math.sin(slope)
+    wheels = motion(simulate(rover), turning / RADIUS[rover.name], velocity)
+    assert slips(wheels) == pytest.approx([slip] * 4, abs=1e-3)
+    backwards = motion(simulate(rover), -turning / RADIUS[rover.name], (-velocity[0], 0.0, -velocity[2]))
+    assert slips(backwards) == pytest.approx([-slip] * 4, abs=1e-3)
+
+
+@BOTH
+def test_a_wheel_in_the_air_slips_fully_and_one_that_is_dragged_fully_the_other_way(
+    rover: RoverSpec, simulate: MakeSimulation
+) -> None:
+    spinning = motion(simulate(rover), (5.0, -5.0, 0.0, 0.0))
+    assert slips(spinning) == pytest.approx([1.0, -1.0, 0.0, 0.0])
+    assert [wheel.moves for wheel in spinning] == [True, True, False, False]
+    dragged = motion(simulate(rover), (0.0, 0.0, 0.0, 9.0), (0.5, 0.0, 0.0))
+    assert slips(dragged) == pytest.approx(
+        [-1.0, -1.0, -1.0, 1 - 0.5 / (9.0 * RADIUS[rover.name])], abs=1e-3
+    )
+
+
+@BOTH
+def test_turning_in_place_moves_the_wheels_of_each_side_by_half_the_track(
+    rover: RoverSpec, simulate: MakeSimulation
+) -> None:
+    yaw_rate, rim = 0.8, 0.25
+    wheel_speed = rim / RADIUS[rover.name]
+    wheels = motion(
+        simulate(rover),
+        (-wheel_speed, -wheel_speed, wheel_speed, wheel_speed),
+        angular=(0.0, 0.0, yaw_rate),
+    )
+    slip = 1 - yaw_rate * rover.track / 2 / rim
+    assert slips(wheels) == pytest.approx([-slip, -slip, slip, slip], abs=2e-3)
+    x, y = np.array([(wheel.x, wheel.y) for wheel in wheels]).T
+    assert y == pytest.approx(rover.track / 2 * np.array([1, 1, -1, -1]), abs=1e-3)
+    assert x[[0, 2]] - x[[1, 3]] == pytest.approx(rover.wheelbase, abs=1e-3)
+
+
+@BOTH
+@pytest.mark.parametrize("seed", range(6))
+def test_slip_is_that_of_a_small_displacement_in_any_attitude(
+    rover: RoverSpec, seed: int, simulate: MakeSimulation
+) -> None:
+    """Each wheel's way and turn in a microsecond; bodies' poses are old when motion is asked for."""
+    rng, moment = np.random.default_rng(seed), 1e-6
+    simulation = simulate(rover)
+    model, data = simulation.model, simulation.data
+    data.qpos[:3] = rng.normal(size=3)
+    data.qpos[3:7] = Rotation.random(rng=rng).as_quat(scalar_first=True)
+    wheels = motion(
+        simulation,
+        tuple(rng.uniform(-8, 8, 4)),
+        tuple(rng.normal(0, 0.5, 3)),
+        tuple(rng.normal(0, 1, 3)),
+    )
+    now, then = mujoco.MjData(model), mujoco.MjData(model)
+    now.qpos = then.qpos = data.qpos
+    mujoco.mj_integratePos(model, then.qpos, data.qvel, moment)
+    for moved in (now, then):
+        mujoco.mj_kinematics(model, moved)
+    axes = now.body("rover").xmat.reshape(3, 3)
+    for name, wheel in zip(rover.wheel_joints, wheels, strict=True):
+        body = int(model.joint(name).bodyid[0])
+        forward, _, upward = (then.xpos[body] - now.xpos[body]) / moment @ axes
+        before, after = (Rotation.from_matrix(d.xmat[body].reshape(3, 3)) for d in (now, then))
+        turning = (after * before.inv()).as_rotvec() / moment @ axes[:, 1]
+        ground = math.copysign(math.hypot(forward, upward), forward)
+        rim = turning * RADIUS[rover.name]
+        slip = np.clip((rim - ground) / max(abs(rim), abs(ground)), -1.0, 1.0)
+        assert wheel.slip == pytest.approx(slip, abs=1e-5)
+        assert (wheel.x, wheel.y) == pytest.approx(now.xpos[body][:2])
+        assert wheel.moves
+
+
+@pytest.mark.parametrize(
+    ("speed", "moves"), [(0.02, True), (0.0199, False), (-0.02, True), (-0.0199, False)]
+)
+def test_a_wheel_moves_from_two_centimetres_a_second_at_its_rim_or_its_centre(
+    speed: float, moves: bool, simulate: MakeSimulation
+) -> None:
+    simulation = simulate(LEO)
+    simulation.data.qpos[3:7] = 1.0, 0.0, 0.0, 0.0
+    for wheels in (motion(simulation, 16 * speed), motion(simulation, 0.0, (speed, 0.0, 0.0))):
+        assert [wheel.moves for wheel in wheels] == [moves] * 4

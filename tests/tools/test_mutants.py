@@ -1,0 +1,291 @@
+"""Mutants of a tiny project, and the list of survivors of this one."""
+
+import json
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from tools.mutants import __main__ as command
+from tools.mutants import survivors
+from tools.mutants.mutations import Mutant, mutants_of
+from tools.mutants.scope import PACKAGES, ROOT, Package, changed_since, modules_of
+from tools.mutants.survivors import LISTED, SCORES, TABLE, Score, complaints, listed, record, recorded
+from tools.mutants.trial import Outcome
+
+CODE = '''"""Tanks."""
+
+from dataclasses import dataclass
+from functools import cache
+
+FULL = 7.5  # l
+
+
+@dataclass(frozen=True)
+class Tank:
+    """A tank."""
+
+    litres: float = 3.0
+
+    @property
+    def is_low(self) -> bool:
+        """Whether it should be filled."""
+        return self.litres < 1.0
+
+
+@cache
+def lack(tank: Tank) -> float:
+    """What fits in."""
+    return FULL - tank.litres
+
+
+def countdown(n: int) -> int:
+    while n > 0:
+        n -= 1
+    return n
+
+
+def unseen(a: float) -> float:
+    if a > 9.0:
+        raise ValueError("too much: " + str(a + 1))
+    return a * 2
+'''
+TESTS = """import pytest
+from tank import FULL, Tank, countdown, lack
+
+
+@pytest.fixture(scope="module")
+def emptied():
+    return Tank(0.0), Tank(1.0), countdown(3)
+
+
+def test_first_user_of_a_shared_fixture_asks_nothing(emptied):
+    assert emptied
+
+
+def test_other_user_does(emptied):
+    assert emptied[0].is_low and not emptied[1].is_low and emptied[2] == 0
+
+
+def test_lack():
+    assert lack(Tank(2.5)) == 5.0
+
+
+def test_weak():
+    assert Tank().litres > 0
+
+
+def test_that_always_fails():
+    assert not lack(Tank())
+"""
+TRY = """
+import json, sys
+from pathlib import Path
+from tools.mutants.mutations import mutants_of
+from tools.mutants.trial import Trial
+root = Path(sys.argv[1])
+made = mutants_of("src/tank.py", (root / "src/tank.py").read_text())
+outcomes = Trial(root, ("src",), ("tests",), False, root / "kept", lambda outcome: None).judge(made)
+print(json.dumps([(*o.mutant.key[1:], o.killer) for o in outcomes]))
+"""
+
+
+def texts(source: str) -> set[str]:
+    return {mutant.becomes for mutant in mutants_of("a.py", source)}
+
+
+@pytest.fixture(scope="module")
+def fates(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], str]:
+    """What killed each mutant of the tiny project, by its function and the line that it makes."""
+    root = tmp_path_factory.mktemp("project")
+    (root / "src").mkdir()
+    (root / "tests").mkdir()
+    (root / "src/tank.py").write_text(CODE)
+    (root / "tests/test_tank.py").write_text(TESTS)
+    (root / "conftest.py").write_text("import sys\nsys.path.insert(0, __file__[:-11] + 'src')\n")
+    (root / "pytest.ini").write_text("[pytest]\naddopts = --import-mode=importlib\n")
+    command = [sys.executable, "-B", "-c", TRY, str(root)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    files = {str(p.relative_to(root)) for p in root.rglob("*") if p.is_file()}
+    files -= {file for file in files if file.startswith("kept/")}
+    assert files == {"src/tank.py", "tests/test_tank.py", "conftest.py", "pytest.ini"}
+    assert (root / "src/tank.py").read_text() == CODE
+    return {(function, becomes): killer for function, _, becomes, killer in json.loads(done.stdout)}
+
+
+@pytest.mark.parametrize(
+    ("function", "becomes", "killer"),
+    [
+        ("lack", "return FULL + tank.litres", "test_lack"),  # wrapped by a decorator
+        ("Tank.is_low", "return self.litres <= 1.0", "test_other_user_does"),  # a property
+        ("", "FULL = 9.375 # l", "test_lack"),  # a constant that others have imported
+        ("Tank", "litres: float = 3.75", ""),  # a default that only the weak test looks at
+        ("countdown", "n -= 2", "test_other_user_does"),  # by way of a fixture that another used first
+        ("countdown", "n -= 0", "time-out or crash"),
+        ("countdown", "while n > (-1):", "test_other_user_does"),
+        ("unseen", "return a * 3", ""),
+    ],
+)
+def test_mutant_dies_of_the_test_that_notices_it(
+    fates: dict[tuple[str, str], str], function: str, becomes: str, killer: str
+) -> None:
+    assert fates[function, becomes].rpartition("::")[2] == killer
+
+
+def test_a_test_that_fails_anyway_kills_nothing(fates: dict[tuple[str, str], str]) -> None:
+    assert not any("always_fails" in killer for killer in fates.values())
+
+
+def test_docstrings_annotations_messages_and_words_are_left_alone() -> None:
+    source = '''def f(a: "int" = None) -> "str":
+    """Adds 1."""
+    logger.info("a", 1)
+    raise ValueError("b" + str(1))
+
+Alias = dict[int, 1]
+help = add(help="c", strict=True)
+words = "in a row"
+'''
+    assert not texts(source)
+
+
+def test_kinds_of_mutations() -> None:
+    made = texts(
+        "def f(a, b, c):\n    if a < b and not c:\n        g(a, key=b)\n    return a * b, 'key'\n"
+    )
+    assert made >= {"if a <= b and not c:", "if a < b and c:", "pass"}
+    assert {"return a / b, 'key'", "return a, 'key'", "return b, 'key'"} & made
+    assert "return a * b, 'keyX'" in made
+    assert texts("a = 1\n") == {"a = 0", "a = 2"}
+    assert texts("for a in b:\n    continue\n") >= {"break"}
+
+
+def test_same_code_gives_the_same_mutants_few_on_a_line_wherever_it_stands() -> None:
+    line = "    return f(a + b * c, d - e / g, [h, i], j=1, k=2.0)\n"
+    one = mutants_of("a.py", f"def t():\n{line}")
+    other = mutants_of("a.py", f"import x\n\ndef t():\n{line}")
+    assert [mutant.key for mutant in one] == [mutant.key for mutant in other]
+    assert max(Counter(mutant.number for mutant in one).values()) == 8
+
+
+@pytest.fixture
+def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A tree whose one module has two mutants, both of which survive."""
+
+    class Survival:
+        def __init__(self, *_: object) -> None: ...
+
+        def judge(self, mutants: list[Mutant]) -> list[Outcome]:
+            return [Outcome(mutant, "", ()) for mutant in mutants]
+
+    (tmp_path / "a.py").write_text("a = 1\n")
+    (tmp_path / "list.toml").write_text("")
+    monkeypatch.setattr(command, "ROOT", tmp_path)
+    monkeypatch.setattr(command, "LISTED", tmp_path / "list.toml")
+    monkeypatch.setattr(command, "Trial", Survival)
+    return tmp_path
+
+
+def mutants(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
+    monkeypatch.setattr(sys, "argv", ["mutants", *words])
+    return command.main()
+
+
+def test_survivors_fail_the_run_until_they_are_listed(
+    tree: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert mutants(monkeypatch, "a.py", "--list") == 1
+    assert "| elsewhere | 2 | 0 | 0 | 0.0 % |" in capsys.readouterr().out
+    entries = listed(tree / "list.toml")
+    assert {entry.key for entry in entries} == {
+        ("a.py", "", "a = 1", "a = 0"),
+        ("a.py", "", "a = 1", "a = 2"),
+    }
+    assert mutants(monkeypatch, "a.py") == 0
+    assert "| elsewhere | 2 | 0 | 2 | 0.0 % |" in capsys.readouterr().out
+    assert [one.rpartition(": ")[2] for one in complaints(entries, tree)] == ["no reason is given"] * 2
+
+
+def test_an_entry_without_its_mutant_is_refused(
+    tree: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mutants(monkeypatch, "a.py", "--list")
+    (tree / "a.py").write_text("b = 1\n")
+    assert mutants(monkeypatch, "a.py") == 1
+    assert "listed, but no such mutant any more" in capsys.readouterr().out
+    told = complaints(listed(tree / "list.toml"), tree)
+    assert "a.py: : a = 1: the line does not stand there any more" in told
+
+
+def test_teller_names_place_change_and_tests(capsys: pytest.CaptureFixture[str]) -> None:
+    mutant = mutants_of("a.py", "\na = 1\n")[0]
+    tell = command._Teller(2, set())
+    tell(Outcome(mutant, "", tuple("abcdefg")))
+    tell(Outcome(mutant, "test", ("a",)))
+    told = capsys.readouterr().out
+    assert told == f"a.py:2: a = 1  ->  {mutant.becomes}\n    a, b, c, d, e and 2 more\n0 left\n"
+
+
+def test_wrong_file_or_revision_is_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert mutants(monkeypatch, "no/such.py") == 2
+    assert mutants(monkeypatch, "--base", "no-such-revision") == 2
+    first, second, *_ = capsys.readouterr().out.splitlines()
+    assert first == "mutants: no such file: no/such.py"
+    assert second.startswith("mutants: fatal: ")
+
+
+def test_changed_are_the_files_that_differ_from_the_base(tmp_path: Path) -> None:
+    def git(*words: str) -> None:
+        who = ["-c", "user.name=a", "-c", "user.email=a@b"]
+        subprocess.run(["git", *who, *words], cwd=tmp_path, check=True, capture_output=True)  # noqa: S607
+
+    git("init", "-b", "main")
+    for name in ("same", "committed", "edited"):
+        (tmp_path / name).write_text("a")
+    git("add", ".")
+    git("commit", "-m", "one")
+    git("checkout", "-b", "other")
+    (tmp_path / "committed").write_text("b")
+    git("commit", "-a", "-m", "two")
+    (tmp_path / "edited").write_text("b")
+    (tmp_path / "new").write_text("b")
+    assert changed_since(None, tmp_path) == {"committed", "edited", "new"}
+    assert changed_since("HEAD", tmp_path) == {"edited", "new"}
+
+
+def test_scores_and_their_table_are_kept_together(tmp_path: Path) -> None:
+    document, scores = tmp_path / "doc.md", tmp_path / "scores.json"
+    document.write_text("before\n\n" + survivors.table({"old": Score(2, 1, 1)}) + "\nafter\n")
+    kept = {"a": Score(mutants=8, killed=6, listed=2), "b": Score(1, 1, 0)}
+    record(kept, scores, document)
+    assert recorded(scores) == kept
+    rows = "| a | 8 | 6 | 2 | 75.0 % |\n| b | 1 | 1 | 0 | 100.0 % |\n"
+    text = document.read_text()
+    assert text.startswith("before\n\n| package")
+    assert text.endswith(f"|\n{rows}\nafter\n")
+    assert "old" not in text
+
+
+def test_every_package_has_modules_and_no_module_has_two_packages() -> None:
+    modules = [file for package in PACKAGES for file in modules_of(package)]
+    assert all(
+        modules_of(Package("", (pattern,))) for package in PACKAGES for pattern in package.modules
+    )
+    assert len(set(modules)) == len(modules)
+
+
+def test_listed_survivors_are_true_to_the_code() -> None:
+    assert not complaints(listed(LISTED))
+
+
+def test_document_shows_the_scores_of_every_package() -> None:
+    if not SCORES.exists():
+        pytest.skip("make mutants ARGS=--all has not been run yet")
+    scores = recorded()
+    assert list(scores) == [package.name for package in PACKAGES]
+    assert survivors.table(scores) in TABLE.read_text()
+    assert all(score.killed >= 0.92 * score.mutants for score in scores.values())

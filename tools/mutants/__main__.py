@@ -1,0 +1,140 @@
+"""`make mutants`: makes mutants of what was changed and tells those that no test notices."""
+
+import argparse
+import sys
+import time
+from collections import Counter
+
+from tools.mutants import survivors
+from tools.mutants.mutations import Mutant, mutants_of
+from tools.mutants.scope import PACKAGES, ROOT, SOURCES, TESTS, Package, changed_since, modules_of
+from tools.mutants.survivors import LISTED, Key, Score
+from tools.mutants.trial import Outcome, Trial
+
+KEPT = ROOT / "build/mutants"
+ELSEWHERE = Package("elsewhere", ())
+TOLD = 5  # tests of a survivor
+
+
+def main() -> int:
+    """Returns 1 if a mutant survives that is not listed, or if the list is not true any more."""
+    options = _options()
+    try:
+        return _run(options)
+    except KeyboardInterrupt:
+        print("mutants: interrupted")
+        return 130
+    except (ValueError, RuntimeError) as error:
+        print(f"mutants: {error}")
+        return 2
+
+
+def _run(options: argparse.Namespace) -> int:
+    files = _files(options)
+    known = {entry.key for entry in survivors.listed(LISTED)}
+    made = {file: mutants_of(file, (ROOT / file).read_text()) for file in files}
+    stale = {key for key in known if options.all or key[0] in made}
+    stale -= {mutant.key for some in made.values() for mutant in some}
+    began = time.monotonic()
+    outcomes = _outcomes(files, made, set() if options.relist else known, known)
+    dead = known & {outcome.mutant.key for outcome in outcomes if outcome.killer}
+    unlisted = [o.mutant for o in outcomes if not o.killer and o.mutant.key not in known]
+    scores = _scores(files, made, unlisted, known - dead)
+    seconds = time.monotonic() - began
+    print(survivors.table(scores), end="")
+    print(f"{seconds:.0f} s, {len(outcomes) / max(seconds, 1e-9):.1f} mutants/s")
+    for told, keys in (("no such mutant any more", stale), ("a test notices it now", dead)):
+        for key in sorted(keys):
+            print(f"listed, but {told}:", *key, sep="\n    ")
+    if options.list:
+        survivors.append(unlisted, LISTED)
+    if options.all:
+        survivors.record(scores)
+    return 1 if unlisted or stale or dead else 0
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="make mutants", description=__doc__)
+    parser.add_argument("files", nargs="*", help="modules; if none is named, those that were changed")
+    parser.add_argument("--all", action="store_true", help="the whole scope; keeps the scores")
+    parser.add_argument("--base", metavar="REV", help="changed since when; default: since `main`")
+    parser.add_argument("--list", action="store_true", help="add what survives to survivors.toml")
+    parser.add_argument("--relist", action="store_true", help="try those that are listed as well")
+    return parser.parse_args()
+
+
+def _files(options: argparse.Namespace) -> dict[str, Package]:
+    """The modules to mutate and their packages."""
+    scope = {file: package for package in PACKAGES for file in modules_of(package)}
+    if options.all:
+        return scope
+    if options.files:
+        if missing := [file for file in options.files if not (ROOT / file).is_file()]:
+            message = f"no such file: {', '.join(missing)}"
+            raise ValueError(message)
+        return {file: scope.get(file, ELSEWHERE) for file in options.files}
+    changed = changed_since(options.base)
+    return {file: package for file, package in scope.items() if file in changed}
+
+
+def _outcomes(
+    files: dict[str, Package], made: dict[str, list[Mutant]], skipped: set[Key], known: set[Key]
+) -> list[Outcome]:
+    """Tries all mutants but those that are skipped; tells what survives and is not known."""
+    groups: dict[tuple[bool, tuple[str, ...]], list[Mutant]] = {}
+    for file, some in made.items():
+        group = groups.setdefault((files[file].plain, files[file].tests or TESTS), [])
+        group += [mutant for mutant in some if mutant.key not in skipped]
+    tell = _Teller(sum(map(len, groups.values())), known)
+    print(f"{len(made)} modules, {sum(map(len, made.values()))} mutants, {tell.left} to try", flush=True)
+    outcomes = []
+    for (plain, tests), mutants in groups.items():
+        if mutants:
+            found = Trial(ROOT, SOURCES, tests, plain, KEPT, tell).judge(mutants)
+            if len(found) != len(mutants):
+                message = f"{len(mutants) - len(found)} mutants were not tried"
+                raise RuntimeError(message)
+            outcomes += found
+    return outcomes
+
+
+def _scores(
+    files: dict[str, Package],
+    made: dict[str, list[Mutant]],
+    unlisted: list[Mutant],
+    known: set[Key],
+) -> dict[str, Score]:
+    """Scores by package, in the order of the scope."""
+    mutants, alive, listed = Counter[str](), Counter[str](), Counter[str]()
+    for file, some in made.items():
+        mutants[files[file].name] += len(some)
+        listed[files[file].name] += sum(mutant.key in known for mutant in some)
+    for mutant in unlisted:
+        alive[files[mutant.file].name] += 1
+    names = [package.name for package in (*PACKAGES, ELSEWHERE) if mutants[package.name]]
+    return {n: Score(mutants[n], mutants[n] - alive[n] - listed[n], listed[n]) for n in names}
+
+
+class _Teller:
+    """Prints each unlisted survivor as it is found, and how many mutants are left."""
+
+    def __init__(self, left: int, known: set[Key]) -> None:
+        self.left, self._known = left, known
+        self._out = sys.stdout  # where a session of pytest has none
+
+    def __call__(self, outcome: Outcome) -> None:
+        self.left -= 1
+        mutant, tests = outcome.mutant, outcome.tests
+        if not outcome.killer and mutant.key not in self._known:
+            more = f" and {len(tests) - TOLD} more" if len(tests) > TOLD else ""
+            self._print(f"{mutant.file}:{mutant.number}: {mutant.line}  ->  {mutant.becomes}")
+            self._print(f"    {', '.join(tests[:TOLD]) or 'no test runs this'}{more}")
+        if self.left % 100 == 0:
+            self._print(f"{self.left} left")
+
+    def _print(self, line: str) -> None:
+        print(line, file=self._out, flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

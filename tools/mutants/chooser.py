@@ -1,0 +1,104 @@
+"""Which tests a mutant is given to, and in which order."""
+
+import ast
+import re
+from collections import Counter, defaultdict
+from collections.abc import Iterable
+from pathlib import Path
+
+from tools.mutants.mutations import Mutant
+from tools.mutants.session import Trace
+
+SLOW = 3.0  # [s]; a slower test is used only for what no other covers
+BUDGET = 20.0  # [s] of tests for one mutant
+
+Timed = list[tuple[str, float]]  # tests and the seconds that each may take
+
+
+class Chooser:
+    """Finds the tests for a mutant, those first that are likely to notice it.
+
+    Args:
+        root: The folder of the tree.
+        trace: What each test covers.
+        at_import: Lines that run when modules are imported, by file.
+    """
+
+    def __init__(self, root: Path, trace: Trace, at_import: dict[str, set[int]]) -> None:
+        self.trace = trace
+        self._root, self._at_import = root, at_import
+        self._statements: dict[str, dict[int, tuple[range, set[str]]]] = {}
+        self._killers: Counter[tuple[str, str, str]] = Counter()
+        self._words: dict[str, set[str]] = defaultdict(set)
+        for file, lines in trace.lines.items():
+            texts = Path(file).read_text().splitlines()
+            for line, tests in lines.items():
+                for word in re.findall(r"\w+", texts[line - 1]):
+                    self._words[word] |= tests
+        by_file: dict[str, set[str]] = defaultdict(set)
+        for test in trace.costs:
+            by_file[test.partition("::")[0]].add(test)
+        for file, some in by_file.items():
+            for word in set(re.findall(r"\w+", (root / file).read_text())):
+                self._words[word] |= some
+
+    def runs_at_import(self, mutant: Mutant) -> bool:
+        """Whether a mutant's statement is executed before any test."""
+        lines, _ = self._statement(mutant)
+        return not self._at_import.get(str(self._root / mutant.file), set()).isdisjoint(lines)
+
+    def tests(self, mutant: Mutant) -> Timed:
+        """Tests in the order in which they are to run, within the budget, and what each may take."""
+        lines, names = self._statement(mutant)
+        covered = self.trace.lines.get(str(self._root / mutant.file), {})
+        tests = set().union(*(covered.get(line, ()) for line in lines))
+        if self.runs_at_import(mutant):
+            tests = tests.union(*(self._words.get(name, ()) for name in names))
+        costs = self.trace.costs
+        quick = {test for test in tests if costs[test] <= SLOW} - self.trace.slow
+        mirror = f"test_{Path(mutant.file).stem}.py"
+
+        def rank(test: str) -> tuple[int, bool, float]:
+            return (
+                -self._killers[mutant.file, mutant.function, test],
+                f"/{mirror}:" not in test,
+                costs[test],
+            )
+
+        chosen: list[str] = []
+        total = 0.0
+        for test in sorted(quick, key=rank) or sorted(tests, key=costs.__getitem__)[:3]:
+            total += costs[test]
+            if chosen and total > BUDGET:
+                break
+            chosen.append(test)
+        return self.limits(chosen)
+
+    def limits(self, tests: Iterable[str]) -> Timed:
+        """Tests with the seconds that each may take."""
+        return [(test, 1.0 + 4 * self.trace.costs[test]) for test in tests]
+
+    def remember(self, mutant: Mutant, killer: str) -> None:
+        """What has noticed a mutant is likely to notice the next one of the same function."""
+        self._killers[mutant.file, mutant.function, killer] += 1
+
+    def _statement(self, mutant: Mutant) -> tuple[range, set[str]]:
+        """The lines of the statement around a mutant, but not of its body, and the names it defines."""
+        if mutant.file not in self._statements:
+            self._statements[mutant.file] = _statements((self._root / mutant.file).read_text())
+        default = range(mutant.number, mutant.number + 1), {mutant.function.rpartition(".")[2]}
+        return self._statements[mutant.file].get(mutant.number, default)
+
+
+def _statements(source: str) -> dict[int, tuple[range, set[str]]]:
+    found: dict[int, tuple[range, set[str]]] = {}
+    for node in ast.walk(ast.parse(source)):  # outer ones first
+        if isinstance(node, ast.stmt):
+            body = getattr(node, "body", None)
+            last = body[0].lineno - 1 if body else node.end_lineno or node.lineno
+            targets = getattr(node, "targets", [getattr(node, "target", None)])
+            names = {n.id for t in targets if t for n in ast.walk(t) if isinstance(n, ast.Name)}
+            names |= {node.name} if isinstance(node, ast.FunctionDef | ast.ClassDef) else set()
+            lines = range(node.lineno, max(last, node.lineno) + 1)
+            found |= dict.fromkeys(lines, (lines, names))
+    return found

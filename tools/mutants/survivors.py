@@ -1,0 +1,114 @@
+"""Mutants that no test needs to notice, each with its reason, and the scores."""
+
+import ast
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import tomllib
+
+from tools.mutants.mutations import Mutant
+from tools.mutants.scope import ROOT
+
+LISTED = ROOT / "tools/mutants/survivors.toml"
+SCORES = ROOT / "tools/mutants/scores.json"
+TABLE = ROOT / "docs/guarantees.md"
+_HEAD = "| package | mutants | killed | listed | killed |\n|---|---|---|---|---|\n"
+
+Key = tuple[str, str, str, str]  # as Mutant.key
+
+
+@dataclass(frozen=True)
+class Survivor:
+    """An entry of the list.
+
+    Attributes:
+        key: What the mutant is, see Mutant.key.
+        reason: Why no test needs to notice it.
+    """
+
+    key: Key
+    reason: str
+
+
+def listed(path: Path) -> list[Survivor]:
+    """The list."""
+    entries = tomllib.loads(path.read_text()).get("survivor", [])
+    return [
+        Survivor((e["file"], e["function"], e["line"], e["becomes"]), e.get("reason", ""))
+        for e in entries
+    ]
+
+
+def append(mutants: Iterable[Mutant], path: Path) -> None:
+    """Adds mutants to the list; their reasons are still to be written."""
+    names = ("file", "function", "line", "becomes", "reason")
+    with path.open("a") as file:
+        for mutant in mutants:
+            values = (*mutant.key, "")
+            lines = (
+                f"{n} = {json.dumps(v, ensure_ascii=False)}\n"
+                for n, v in zip(names, values, strict=True)
+            )
+            file.write("\n[[survivor]]\n" + "".join(lines))
+
+
+def complaints(entries: Iterable[Survivor], root: Path = ROOT) -> list[str]:
+    """What is wrong with a list, by the code as it stands; quick, it makes no mutants."""
+    found = []
+    for entry in entries:
+        file, function, line, becomes = entry.key
+        told = f"{file}: {function}: {line}"
+        if not entry.reason.strip():
+            found.append(f"{told}: no reason is given")
+        if line == becomes:
+            found.append(f"{told}: nothing is changed")
+        if not (root / file).is_file():
+            found.append(f"{told}: there is no such file")
+        elif line not in " ".join(_source(root / file, function).split()):
+            found.append(f"{told}: the line does not stand there any more")
+    return found
+
+
+def _source(path: Path, function: str) -> str:
+    """The code of what a qualified name means; of the whole file for the empty name."""
+    source = path.read_text()
+    nodes: list[ast.AST] = [ast.parse(source)]
+    for name in function.split(".") if function else ():
+        nodes = [n for node in nodes for n in ast.walk(node) if getattr(n, "name", None) == name]
+    lines = source.splitlines()
+    parts = [lines[n.lineno - 1 : n.end_lineno] for n in nodes if isinstance(n, ast.stmt)]
+    return "\n".join(line for part in parts for line in part) if function else source
+
+
+@dataclass(frozen=True)
+class Score:
+    """How a package did: how many mutants, how many died, how many of the others are listed."""
+
+    mutants: int
+    killed: int
+    listed: int
+
+
+def table(scores: Mapping[str, Score]) -> str:
+    """The scores in Markdown."""
+    rows = (
+        f"| {name} | {s.mutants} | {s.killed} | {s.listed} | {100 * s.killed / s.mutants:.1f} % |\n"
+        for name, s in scores.items()
+    )
+    return _HEAD + "".join(rows)
+
+
+def recorded(path: Path = SCORES) -> dict[str, Score]:
+    """The scores of the last run over everything."""
+    return {name: Score(**score) for name, score in json.loads(path.read_text()).items()}
+
+
+def record(scores: Mapping[str, Score], path: Path = SCORES, document: Path = TABLE) -> None:
+    """Keeps the scores, and puts their table in the place of the one in a document."""
+    text = document.read_text()
+    begin = text.index(_HEAD)
+    end = text.find("\n\n", begin) + 1 or len(text)
+    document.write_text(text[:begin] + table(scores) + text[end:])
+    path.write_text(json.dumps({name: vars(score) for name, score in scores.items()}, indent=2) + "\n")

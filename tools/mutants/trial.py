@@ -1,0 +1,231 @@
+"""Which mutants the tests notice.
+
+Everything is collected once; each mutant is tried in a fork of that process, by the tests that execute
+its line. There, the code of its function is put in the place of the original's, so that whoever has
+imported or wrapped the function calls the mutant. What runs at import - constants, defaults, fields -
+cannot be mended afterwards: such a mutant is imported from the start, in a fork that knows only other
+people's packages.
+"""
+
+import contextlib
+import gc
+import hashlib
+import importlib
+import os
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import coverage
+
+from tools.mutants.chooser import Chooser, Timed
+from tools.mutants.forks import in_forks
+from tools.mutants.mutations import Mutant
+from tools.mutants.session import DIED, Session, Trace
+from tools.mutants.swap import Importer, functions_of, swap
+
+AT_ONCE = 2  # processes
+_AT_IMPORT = "at import"  # what a fork answers whose mutant is not in a function
+
+Choice = tuple[Mutant | None, Timed]  # a mutant and its tests; None for the code as it is
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a mutant.
+
+    Attributes:
+        mutant: The mutant.
+        killer: The test that failed, or how the process ended; empty if it survived.
+        tests: The tests that were to notice it.
+    """
+
+    mutant: Mutant
+    killer: str
+    tests: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Mutants of one tree and the tests that are to notice them.
+
+    Attributes:
+        root: The folder of the tree.
+        sources: Folders with the code, from the root.
+        tests: Files and folders with tests, likewise.
+        plain: Whether numba compiles nothing.
+        kept: A folder for what tests cover, for the next time.
+        tell: Is told each outcome as it comes.
+    """
+
+    root: Path
+    sources: tuple[str, ...]
+    tests: tuple[str, ...]
+    plain: bool
+    kept: Path
+    tell: Callable[[Outcome], None]
+
+    def judge(self, mutants: list[Mutant]) -> list[Outcome]:
+        """Tries all mutants.
+
+        Raises:
+            RuntimeError: A test fails without a mutant, or the tests cannot be run.
+        """
+        ((_, outcomes),) = in_forks([mutants], self._judge, at_once=1, quiet=False)
+        if outcomes is None:
+            raise RuntimeError("the process that runs the tests died")
+        return outcomes
+
+    def _judge(self, mutants: list[Mutant]) -> list[Outcome]:
+        if self.plain:
+            os.environ["NUMBA_DISABLE_JIT"] = "1"
+        ((_, answer),) = in_forks([mutants], self._in_session, at_once=1, quiet=False)
+        if answer is None:
+            raise RuntimeError("the process that runs the tests died")
+        outcomes, left, imported = answer
+        for name in imported if left else ():
+            with contextlib.suppress(Exception):
+                importlib.import_module(name)
+        # Unchanged, each module must pass in the same way.
+        controls: dict[str, Choice] = {mutant.file: (None, tests) for mutant, tests in left}
+        for (mutant, tests), killer in in_forks(
+            [*controls.values(), *left], self._imported, at_once=AT_ONCE
+        ):
+            if mutant is not None:
+                outcomes.append(self._outcome(mutant, tests, killer))
+            elif killer != "":
+                message = f"without a mutant fails {killer or DIED}"
+                raise RuntimeError(message)
+        return outcomes
+
+    def _outcome(self, mutant: Mutant, tests: Timed, killer: str | None) -> Outcome:
+        outcome = Outcome(mutant, DIED if killer is None else killer, tuple(test for test, _ in tests))
+        self.tell(outcome)
+        return outcome
+
+    def _in_session(
+        self, mutants: list[Mutant]
+    ) -> tuple[list[Outcome], list[tuple[Mutant, Timed]], list[str]]:
+        """Outcomes, mutants that are left for _imported, and the modules that it can import before."""
+        include = [f"{self.root / source}/*" for source in self.sources]
+        cover = coverage.Coverage(data_file=None, include=include, config_file=False)
+        cover.set_option("run:disable_warnings", ["no-data-collected"])
+        cover.start()
+        outcomes: list[Outcome] = []
+        left: list[tuple[Mutant, Timed]] = []
+        imported: list[str] = []
+
+        def serve(session: Session) -> None:
+            cover.stop()
+            imported.extend(_others())
+            data = cover.get_data()
+            at_import = {file: set(data.lines(file) or ()) for file in data.measured_files()}
+            chooser = Chooser(self.root, self._trace(session, include), at_import)
+            self._swapped(session, mutants, chooser, outcomes, left)
+            _control(session, outcomes, chooser)
+
+        with Path(os.devnull).open("w") as nothing, contextlib.redirect_stdout(nothing):
+            Session(serve).run(
+                [f"--rootdir={self.root}", *(str(self.root / test) for test in self.tests)]
+            )
+        return outcomes, left, imported
+
+    def _trace(self, session: Session, include: list[str]) -> Trace:
+        """What all tests cover. That of a test file is kept for as long as only other ones change."""
+        began = time.monotonic()
+        files: dict[str, list[str]] = defaultdict(list)
+        for test in session.items:
+            files[test.partition("::")[0]].append(test)
+        trace, common = Trace(), self._digest()
+        kept = {file: self.kept / f"{self._digest(file, common)}.json" for file in files}
+        for path in kept.values():
+            if path.exists():
+                trace.add(Trace.load(path))
+        new = [file for file, path in kept.items() if not path.exists()]
+        for file, part in in_forks(
+            new, lambda file: session.trace(files[file], include), at_once=AT_ONCE
+        ):
+            if part is None:
+                sys.stderr.write(f"{file} does not run to its end here and is left out\n")
+            else:
+                part.save(kept[file])
+                trace.add(part)
+        seconds = time.monotonic() - began
+        sys.stderr.write(f"{len(trace.costs)} tests pass, {len(new)} files run, {seconds:.0f} s\n")
+        return trace
+
+    def _digest(self, file: str = "", common: str = "") -> str:
+        """A hash of one test file; of all other code, if none is named."""
+        folders = [self.root / folder for folder in (*self.sources, *self.tests)]
+        paths = [self.root / file] if file else sorted(p for f in folders for p in f.rglob("*.py"))
+        used = [path for path in paths if file or not path.name.startswith("test_")]
+        texts = (path.read_bytes() for path in used)
+        return hashlib.sha256(f"{common}{file}{self.plain}".encode() + b"".join(texts)).hexdigest()[:24]
+
+    def _swapped(
+        self,
+        session: Session,
+        mutants: list[Mutant],
+        chooser: Chooser,
+        outcomes: list[Outcome],
+        left: list[tuple[Mutant, Timed]],
+    ) -> None:
+        """Tries the mutants of functions; puts the others aside."""
+        functions = functions_of({str(self.root / mutant.file) for mutant in mutants})
+        gc.freeze()  # forks share what no collector touches
+
+        def jobs() -> Iterator[tuple[Mutant, Timed]]:
+            for mutant in mutants:
+                tests = chooser.tests(mutant)
+                if not tests:
+                    outcomes.append(self._outcome(mutant, tests, ""))
+                elif chooser.runs_at_import(mutant):
+                    left.append((mutant, tests))
+                else:
+                    yield mutant, tests
+
+        def attempt(job: tuple[Mutant, Timed]) -> str:
+            mutant, tests = job
+            whole = swap(str(self.root / mutant.file), mutant, functions)
+            return session.first_failure(tests) if whole else _AT_IMPORT
+
+        for (mutant, tests), killer in in_forks(jobs(), attempt, at_once=AT_ONCE):
+            if killer == _AT_IMPORT:
+                left.append((mutant, tests))
+            else:
+                outcomes.append(self._outcome(mutant, tests, killer))
+                chooser.remember(mutant, killer or "")
+
+    def _imported(self, choice: Choice) -> str:
+        """The first test that fails where a mutant is imported from the start."""
+        mutant, tests = choice
+        if mutant is not None:
+            sys.meta_path.insert(0, Importer(self.root, mutant))
+        failure = ["import"]
+
+        def serve(session: Session) -> None:
+            failure[0] = session.first_failure([one for one in tests if one[0] in session.items])
+
+        files = dict.fromkeys(str(self.root / test.partition("::")[0]) for test, _ in tests)
+        Session(serve).run([f"--rootdir={self.root}", *files])
+        return failure[0]
+
+
+def _control(session: Session, outcomes: list[Outcome], chooser: Chooser) -> None:
+    """Each test that noticed a mutant must pass without one."""
+    killers = sorted({outcome.killer for outcome in outcomes} & chooser.trace.costs.keys())
+    for killer, failed in in_forks(
+        killers, lambda test: session.first_failure(chooser.limits([test])), at_once=AT_ONCE
+    ):
+        if failed != "":
+            message = f"without a mutant fails {killer}"
+            raise RuntimeError(message)
+
+
+def _others() -> list[str]:
+    """Modules of other people's packages that are imported now."""
+    modules = list(sys.modules.items())
+    return [name for name, module in modules if "site-packages" in str(getattr(module, "__file__", ""))]
