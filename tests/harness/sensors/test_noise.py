@@ -187,20 +187,20 @@ def test_no_preset_touches_the_generator_of_the_other_sensor(preset: NoisePreset
 
 
 def test_an_episode_gives_its_second_generator_to_the_scan_and_its_third_to_the_imu() -> None:
-    def first(kind: type[Sample], *, noise: bool) -> Sample:
+    def first(kind: type[Sample], noise: str | None) -> Sample:
         config = EpisodeConfig(terrain="rocky", driver="straight", duration=0.05, seed=6, noise=noise)
         ticks = [tick for batch in Episode(config).batches() for tick in batch.ticks]
         return next(s for tick in ticks for s in tick.samples if isinstance(s, kind))
 
     _, scan_seed, imu_seed = np.random.SeedSequence(6, spawn_key=(10,)).spawn(3)
-    clean, noisy = (first(LaserScan, noise=on) for on in (False, True))
+    clean, noisy = (first(LaserScan, noise) for noise in (None, "white"))
     assert isinstance(clean, LaserScan)
     assert isinstance(noisy, LaserScan)
     drawn = np.random.default_rng(scan_seed).normal(0.0, 0.01, clean.ranges.shape)
     seen = np.isfinite(clean.ranges) & np.isfinite(noisy.ranges)
     assert seen.sum() > 10
     assert noisy.ranges[seen] - clean.ranges[seen] == pytest.approx(drawn[seen], abs=1e-5)
-    exact, read = (first(Imu, noise=on) for on in (False, True))
+    exact, read = (first(Imu, noise) for noise in (None, "white"))
     assert isinstance(exact, Imu)
     assert isinstance(read, Imu)
     force = np.subtract(read.linear_acceleration, exact.linear_acceleration)
