@@ -2,7 +2,7 @@
 
 EventsExecutor handles a message in a third of the time of the wait-set executors and serves every
 queued message, not one per round. Its spin() hangs on signals and its ROS-time timers miscount when
-flooded (facts: design notes in CONTRIBUTING.md), so the harness only ever calls spin_once and lets
+flooded (docs/design.md), so the harness only ever calls spin_once and lets
 simulation time go on when everything is handled. Humble has none: there the standard one serves.
 """
 
