@@ -11,6 +11,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from harness import samples
 from harness.robots import LEO, ROVER_ZERO4WD, RoverSpec
 from harness.ros import messages
+from harness.sensors import table
 from harness.sensors.lidar_spec import LidarSpec
 
 STAMP_NS = 12_345_678_901
@@ -21,9 +22,16 @@ def over_the_wire(message: Any) -> Any:  # noqa: ANN401 - any message
     return deserialize_message(serialize_message(message), type(message))
 
 
+def fills(sample: type, rover: RoverSpec = LEO, beams: int = 4) -> tuple[messages.Fill, ...]:
+    """The fillers of a sensor's topics."""
+    (row,) = (row for row in table.SENSORS if row.sample is sample)
+    lidar = LidarSpec(beams=beams)
+    return tuple(messages.filler(row, topic, rover, lidar) for topic in row.topics)
+
+
 def test_scan_arrives_with_ranges_geometry_stamp_and_frame() -> None:
     ranges = np.array([1.5, np.inf, -np.inf, 0.15], dtype=np.float32)
-    fill = messages.laser_scan(LidarSpec(beams=4))
+    (fill,) = fills(samples.LaserScan)
     scan = over_the_wire(fill(samples.LaserScan(STAMP_NS, ranges)))
     assert scan.ranges.tolist() == ranges.tolist()
     assert len(scan.intensities) == 4
@@ -36,7 +44,7 @@ def test_scan_arrives_with_ranges_geometry_stamp_and_frame() -> None:
 
 
 def test_refilling_a_scan_replaces_every_range() -> None:
-    fill = messages.laser_scan(LidarSpec(beams=3))
+    (fill,) = fills(samples.LaserScan, beams=3)
     fill(samples.LaserScan(0, np.ones(3, dtype=np.float32)))
     scan = over_the_wire(fill(samples.LaserScan(1, np.array([2, 3, 4], dtype=np.float32))))
     assert scan.ranges.tolist() == [2.0, 3.0, 4.0]
@@ -45,7 +53,8 @@ def test_refilling_a_scan_replaces_every_range() -> None:
 @pytest.mark.parametrize(("rover", "frame"), [(LEO, "imu_frame"), (ROVER_ZERO4WD, "imu_link")])
 def test_imu_arrives_in_the_rovers_frame(rover: RoverSpec, frame: str) -> None:
     reading = samples.Imu(STAMP_NS, (0.1, 0.2, 0.3, 0.9), (1.0, 2.0, 3.0), (4.0, 5.0, 9.8))
-    imu = over_the_wire(messages.imu(rover)(reading))
+    (fill,) = fills(samples.Imu, rover)
+    imu = over_the_wire(fill(reading))
     assert imu.header.frame_id == frame
     assert (imu.orientation.x, imu.orientation.w) == (0.1, 0.9)
     assert (imu.angular_velocity.x, imu.angular_velocity.z) == (1.0, 3.0)
@@ -55,7 +64,8 @@ def test_imu_arrives_in_the_rovers_frame(rover: RoverSpec, frame: str) -> None:
 
 def test_pose_array_holds_the_one_pose_in_the_world() -> None:
     pose = samples.Pose(STAMP_NS, (1.0, -2.0, 0.5), (0.0, 0.0, 1.0, 0.0))
-    arrived = over_the_wire(messages.pose_array()(pose))
+    (fill,) = fills(samples.Pose)
+    arrived = over_the_wire(fill(pose))
     assert arrived.header.frame_id == "world"
     (only,) = arrived.poses
     assert (only.position.x, only.position.y, only.position.z) == (1.0, -2.0, 0.5)
@@ -64,7 +74,8 @@ def test_pose_array_holds_the_one_pose_in_the_world() -> None:
 
 def test_wheel_odometry_is_planar_with_gazebos_zero_covariance() -> None:
     reading = samples.Odometry(STAMP_NS, 1.0, 2.0, math.pi / 2, samples.Twist(0.3, -0.1))
-    odometry = over_the_wire(messages.wheel_odometry(LEO)(reading))
+    (fill,) = fills(samples.Odometry)
+    odometry = over_the_wire(fill(reading))
     assert (odometry.header.frame_id, odometry.child_frame_id) == ("odom", "base_footprint")
     assert odometry.pose.pose.orientation.z == pytest.approx(math.sqrt(0.5))
     assert (odometry.twist.twist.linear.x, odometry.twist.twist.angular.z) == (0.3, -0.1)
@@ -73,7 +84,8 @@ def test_wheel_odometry_is_planar_with_gazebos_zero_covariance() -> None:
 
 def test_ground_truth_carries_roboterrains_covariance_and_the_true_twist() -> None:
     truth = samples.GroundTruth(STAMP_NS, 1.0, 2.0, 0.0, (0.3, 0.0, -0.1), (0.0, 0.1, 0.2))
-    odometry = over_the_wire(messages.ground_truth()(truth))
+    (fill,) = fills(samples.GroundTruth)
+    odometry = over_the_wire(fill(truth))
     np.testing.assert_allclose(odometry.pose.covariance.reshape(6, 6), np.eye(6) * 0.01)
     assert odometry.twist.twist.linear.z == -0.1
     assert odometry.twist.twist.angular.y == 0.1
@@ -81,7 +93,8 @@ def test_ground_truth_carries_roboterrains_covariance_and_the_true_twist() -> No
 
 def test_joint_states_name_every_joint() -> None:
     values = tuple(float(i) for i in range(6))
-    joints = over_the_wire(messages.joint_states(LEO)(samples.JointStates(0, values, values, values)))
+    (fill,) = fills(samples.JointStates)
+    joints = over_the_wire(fill(samples.JointStates(0, values, values, values)))
     assert joints.name == list(LEO.joints)
     assert joints.position.tolist() == joints.velocity.tolist() == joints.effort.tolist() == list(values)
 
@@ -103,8 +116,9 @@ def test_truth_arrives_on_two_topics_whose_layout_names_the_values() -> None:
         slip=(0.1, -0.2, 0.3, -0.4),
         roughness=0.0125,
     )
-    assert over_the_wire(messages.contact()(truth)).data is True
-    traversal = over_the_wire(messages.traversal()(truth))
+    contact, values = fills(samples.TruthState)
+    assert over_the_wire(contact(truth)).data is True
+    traversal = over_the_wire(values(truth))
     (dimension,) = traversal.layout.dim
     assert dimension.size == dimension.stride == len(traversal.data)
     assert dict(zip(dimension.label.split(","), traversal.data, strict=True)) == {
