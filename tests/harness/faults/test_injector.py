@@ -1,15 +1,16 @@
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.faults.injector import FaultInjector, disturb_time
-from harness.faults.kinds import CLOCK, SENSORS, describe_faults, kinds
-from harness.faults.readings import measured_as
-from harness.faults.spec import Fault, parse_faults
+from harness.faults.clock import ClockJump
+from harness.faults.injector import FaultInjector
+from harness.faults.readings import Nan, with_values
+from harness.faults.spec import describe_faults, faults_of, parse_faults, sensors
+from harness.faults.streams import Latency
 from harness.samples import (
     GroundTruth,
     Imu,
@@ -22,11 +23,13 @@ from harness.samples import (
     TruthState,
     Twist,
 )
+from harness.sensors import table
 from rover_metrics.timing.row_schedule import RosTimer
 
 TICK = 10_000_000
 SECOND = 1_000_000_000
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+SENSORS = {name: row.sample for name, row in table.by_fault_name().items()}
 
 
 def tick(number: int) -> Tick:
@@ -75,9 +78,9 @@ def test_without_faults_a_tick_passes_as_it_is() -> None:
 
 def test_spec_says_sensor_fault_value_start_and_length() -> None:
     assert parse_faults(["imu:nan=0.5@10+2", "scan:latency=0.2", "clock:jump=-3@30"]) == (
-        Fault("imu", "nan", 0.5, 10 * SECOND, 12 * SECOND),
-        Fault("scan", "latency", 0.2, 0, None),
-        Fault("clock", "jump", -3.0, 30 * SECOND, None),
+        Nan("imu", 0.5, 10 * SECOND, 12 * SECOND),
+        Latency("scan", 0.2, 0, None),
+        ClockJump("clock", -3.0, 30 * SECOND, None),
     )
 
 
@@ -112,21 +115,21 @@ def test_invalid_spec_is_one_line_that_says_what_is_valid(spec: str, message: st
 
 def test_help_names_every_sensor_and_fault() -> None:
     told = describe_faults()
-    for sensor in (*SENSORS, CLOCK):
+    for sensor in sensors():
         assert sensor in told
-        assert all(f"  {name}" in told for name in kinds(sensor))
+        assert all(f"  {name}" in told for name in faults_of(sensor))
     forms = {line.split()[0] for line in told.splitlines() if line.startswith("  ")}
     assert {"dropout[=SHARE]", "latency=S", "freeze", "jump[=S]@START", "reset@START"} <= forms
     assert "  beams=N               only the first N ranges" in told
 
 
-@pytest.mark.parametrize("sensor", [*SENSORS, CLOCK])
+@pytest.mark.parametrize("sensor", sensors())
 def test_every_fault_of_every_sensor_changes_what_is_sent_in_its_time_and_nothing_before(
     sensor: str,
 ) -> None:
     clean = [repr(one) for one in sent(seconds=0.6)]
-    for name, kind in kinds(sensor).items():
-        value = "" if kind.value is None or kind.value.default is not None else "=0.5"
+    for name, kind in faults_of(sensor).items():
+        value = "" if kind.takes is None or kind.takes.default is not None else "=0.5"
         value = "=5" if name in ("beams", "rate") else value
         faulty = [repr(one) for one in sent(f"{sensor}:{name}{value}@0.3", seconds=0.6)]
         assert faulty[:29] == clean[:29], name
@@ -254,7 +257,7 @@ def test_everything_measured_is_hit_and_no_attitude(sensor: str, expected: Sampl
 def test_a_twist_keeps_its_axes() -> None:
     """Values that differ: forward must not become yaw."""
     reading = Odometry(TICK, 1.0, 2.0, 3.0, Twist(4.0, 5.0))
-    assert measured_as(reading, lambda values: values + 10.0) == Odometry(
+    assert with_values(reading, ("x", "y", "twist"), lambda values: values + 10.0) == Odometry(
         TICK, 11.0, 12.0, 3.0, Twist(14.0, 15.0)
     )
 
@@ -265,6 +268,25 @@ def test_no_fault_changes_the_truth() -> None:
     injector = FaultInjector(parse_faults([*faults, "clock:jump=10@0.01"]), seed=0)
     clean = tick(1)
     assert injector.corrupt(replace(clean, samples=(*clean.samples, state))).samples[-1] is state
+
+
+@dataclass(frozen=True)
+class Beep:
+    """A sample of a sensor that the table does not know."""
+
+    stamp_ns: int
+
+
+def test_a_sample_that_no_fault_knows_passes_through_any_fault() -> None:
+    beep, faults = Beep(TICK), parse_faults(["imu:dropout", "clock:jump=10@0.01"])
+    told = FaultInjector(faults, seed=0).corrupt(replace(tick(1), samples=(beep, *tick(1).samples)))
+    assert told.samples[-1] is beep
+    assert len(told.samples) == len(tick(1).samples)  # the beep, but no IMU
+
+
+def test_a_fault_is_parsed_once() -> None:
+    specs = ["imu:nan@1+1", "clock:jump=3@2"]
+    assert all(a is b for a, b in zip(parse_faults(specs), parse_faults(specs), strict=True))
 
 
 @pytest.mark.parametrize(
@@ -385,8 +407,8 @@ def test_time_runs_faster_for_as_long_as_the_fault_lasts() -> None:
 
 
 def test_only_clock_faults_disturb_time() -> None:
-    assert disturb_time(parse_faults(["imu:nan", "clock:freeze@1"]))
-    assert not disturb_time(parse_faults(["imu:nan", "scan:latency=1"]))
+    assert FaultInjector(parse_faults(["imu:nan", "clock:freeze@1"]), seed=0).disturbs_time
+    assert not FaultInjector(parse_faults(["imu:nan", "scan:latency=1"]), seed=0).disturbs_time
 
 
 def fired(*stamps: float) -> list[float]:
