@@ -73,12 +73,9 @@ def publish(bridge: Bridge, recorder: Recorder, ticks: int) -> None:
 
 
 def record(path: Path, bridge: Bridge, ticks: int) -> None:
-    original = [(channel, channel.fill) for channel in bridge.channels]
     with Recorder(path) as recorder:
         recorder.tap(bridge)
         publish(bridge, recorder, ticks)
-    for channel, fill in original:
-        channel.fill = fill
 
 
 def test_every_topic_is_recorded_with_its_stamps_type_and_qos(bridge: Bridge, tmp_path: Path) -> None:
@@ -122,11 +119,12 @@ def test_definition_holds_every_nested_type_once() -> None:
 
 def test_file_holds_the_bytes_that_were_published(bridge: Bridge, tmp_path: Path) -> None:
     sent: list[bytes] = []
-    (channel,) = bridge.of[samples.Pose]
+    (channel,) = bridge.channels_of[samples.Pose]
     with Recorder(tmp_path / "bag.mcap") as recorder:
         recorder.tap(bridge)
-        fill = channel.fill
-        channel.fill = lambda sample: sent.append(fill(sample)) or sent[-1]  # type: ignore[func-returns-value]
+        record = channel.record
+        assert record is not None
+        channel.record = lambda message: sent.append(record(message)) or sent[-1]  # type: ignore[func-returns-value]
         publish(bridge, recorder, 3)
     with AnyReader([tmp_path / "bag.mcap"]) as bag:
         poses = [data for c, _, data in bag.messages() if c.topic == "/rover/pose_array"]
