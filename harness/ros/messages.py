@@ -7,13 +7,14 @@ type: float(...) for float64, an array('f') for ranges, int for sec and nanosec.
 from array import array
 from collections.abc import Callable
 from dataclasses import fields
+from functools import partial
 from operator import attrgetter
 from pkgutil import resolve_name
 from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Pose, PoseArray
+from geometry_msgs.msg import Point, Pose, PoseArray, Quaternion, Vector3
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState, LaserScan
@@ -70,21 +71,25 @@ def by_names(message: Message, sample_type: type) -> Fill:
 
 
 def _setter(message: Message, name: str) -> Callable[[Any], None]:
-    """Returns what sets a field: a message by its fields in their order, an array, or a plain value."""
+    """Returns what sets a field that is a vector, a quaternion, an array or a plain value."""
     present = getattr(message, name)
+    if isinstance(present, Vector3 | Point):
+        return partial(_set_vector, present)
+    if isinstance(present, Quaternion):
+        return partial(_set_quaternion, present)
     if isinstance(present, array):
         return lambda value: setattr(message, name, array(present.typecode, value))
     if isinstance(present, np.ndarray):
         return lambda value: setattr(message, name, np.asarray(value, present.dtype))
-    if not hasattr(present, "get_fields_and_field_types"):
-        return lambda value: setattr(message, name, type(present)(value))
-    parts = tuple(present.get_fields_and_field_types())
+    return lambda value: setattr(message, name, type(present)(value))
 
-    def put(values: tuple[float, ...]) -> None:
-        for part, value in zip(parts, values, strict=True):
-            setattr(present, part, value)
 
-    return put
+def _set_vector(target: Vector3 | Point, value: samples.Vector3) -> None:
+    target.x, target.y, target.z = value
+
+
+def _set_quaternion(target: Quaternion, value: samples.Quaternion) -> None:
+    target.x, target.y, target.z, target.w = value
 
 
 def set_stamp(stamp: Time, stamp_ns: int) -> None:
@@ -152,13 +157,11 @@ def _ground_truth(message: Odometry, _: RoverSpec, __: LidarSpec) -> Fill:
     """True odometry, planar as RoboTerrain's; the twist is the true one."""
     message.child_frame_id = "base_footprint"
     message.pose.covariance = (np.eye(6) * GROUND_TRUTH_POSE_VARIANCE).ravel()
-    twist = message.twist.twist
-    put_linear, put_angular = _setter(twist, "linear"), _setter(twist, "angular")
 
     def fill(sample: samples.GroundTruth) -> Odometry:
         _set_planar_pose(message, sample)
-        put_linear(sample.linear_velocity)
-        put_angular(sample.angular_velocity)
+        _set_vector(message.twist.twist.linear, sample.linear_velocity)
+        _set_vector(message.twist.twist.angular, sample.angular_velocity)
         return message
 
     return fill

@@ -7,7 +7,7 @@ system every simulated second (or MiB), so a killed run loses less than its last
 a file lacks its end, which `mcap recover FILE -o MENDED` writes. rover_metrics.replay reads either.
 """
 
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -16,6 +16,7 @@ from mcap.writer import CompressionType, Writer
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
 
 from harness import __version__
 from harness.errors import RunFailed, UsageError
@@ -25,7 +26,6 @@ from harness.sim_time import NANOSECONDS
 
 CHUNK_SIZE = 1024 * 1024  # [B]
 SEPARATOR = "=" * 80 + "\n"
-STORE = get_typestore(Stores.LATEST)
 
 # What rosbag2 looks up before it reads a bare file: version 8 is the last whose QoS profiles are
 # numbers, which every distribution understands. The zeros are placeholders; it counts for itself.
@@ -130,7 +130,7 @@ class Recorder:
         return data
 
     def _register(self, topic: str, name: str, qos: QoSProfile) -> int:
-        if name not in STORE.types:
+        if name not in _store().types:
             raise UsageError(f"--record needs the definition of {name}, which rosbags does not know")
         if name not in self._schemas:
             definition = full_definition(name).encode()
@@ -141,7 +141,7 @@ class Recorder:
             reliability=int(qos.reliability),
             durability=int(qos.durability),
         )
-        metadata = {"offered_qos_profiles": offered, "topic_type_hash": STORE.hash_rihs01(name)}
+        metadata = {"offered_qos_profiles": offered, "topic_type_hash": _store().hash_rihs01(name)}
         return self._writer.register_channel(topic, "cdr", self._schemas[name], metadata)
 
     def _record(self, identifier: int, data: bytes) -> None:
@@ -167,12 +167,12 @@ def padding_of(data: bytes, type_name: str) -> list[int]:
     buffer of zeros and into one of ones leaves different; so are the closing zeros of strings, which
     rosbags does not write.
     """
-    message = STORE.deserialize_cdr(data, type_name)
-    serialize = STORE.get_msgdef(type_name).serialize_cdr_le
+    message = _store().deserialize_cdr(data, type_name)
+    serialize = _store().get_msgdef(type_name).serialize_cdr_le
     body = len(data) - 4  # behind the encapsulation header
     buffers = bytearray(body), bytearray(b"\xff" * body)
     for buffer in buffers:
-        serialize(memoryview(buffer), 0, message, STORE)
+        serialize(memoryview(buffer), 0, message, _store())
     return [4 + i for i, (zero, one) in enumerate(zip(*buffers, strict=True)) if zero != one]
 
 
@@ -182,9 +182,14 @@ def full_definition(type_name: str) -> str:
     Args:
         type_name: As in sensor_msgs/msg/LaserScan.
     """
-    text, _ = STORE.generate_msgdef(type_name, ros_version=2)
+    text, _ = _store().generate_msgdef(type_name, ros_version=2)
     definition, *nested = text.split(SEPARATOR)
     return SEPARATOR.join([definition, *sorted(nested)])
+
+
+@cache  # it takes a while to build
+def _store() -> Typestore:
+    return get_typestore(Stores.LATEST)
 
 
 def _type_name(kind: type) -> str:
