@@ -8,7 +8,7 @@ and units follow REP-103: metres, radians, seconds, x forward, y left, z up; qua
 
 from dataclasses import dataclass, fields
 from operator import attrgetter
-from typing import Any, TypeVar
+from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,17 @@ Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
 T = TypeVar("T")
+
+
+class Sample(Protocol):
+    """One reading of a sensor: a frozen dataclass with the simulation time of its stamp [ns]."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def stamp_ns(self) -> int:
+        """Returns the stamp [ns]."""
+        ...
 
 
 def sent_by_fields(value_type: type[T]) -> type[T]:
@@ -137,8 +148,18 @@ class TruthState:
     slip: tuple[float, float, float, float]
     roughness: float
 
-
-Sample = LaserScan | Imu | Pose | Odometry | GroundTruth | JointStates | TruthState
+    @property
+    def traversal(self) -> tuple[float, ...]:
+        """Returns the values of /rover/truth/traversal, in its order."""
+        return (
+            self.contact_force,
+            self.rock_contact,
+            self.scrape,
+            self.speed,
+            self.path_length,
+            *self.slip,
+            self.roughness,
+        )
 
 
 @sent_by_fields

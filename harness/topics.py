@@ -3,7 +3,7 @@
     python -m harness.topics [--seconds S] [--namespace NS]
 
 Without --seconds the table stays and changes until Ctrl-C. It is a look from outside: what a busy
-onlooker misses, the others may have received. What it shows in Hz is wall time; where a simulation
+monitor misses, the others may have received. What it shows in Hz is wall time; where a simulation
 sets /clock, sim Hz is what its listeners see.
 """
 
@@ -25,7 +25,7 @@ from rover_metrics.errors import OneLineParser
 if TYPE_CHECKING:
     from rclpy.executors import Executor
 
-    from harness.ros.topic_monitor import Onlooker
+    from harness.ros.topic_monitor import TopicMonitor
 
 LOOK_PERIOD = 0.5  # [s] from one look at the graph, and one table, to the next
 SPIN_TIMEOUT = 0.1  # [s]: how long Ctrl-C may wait
@@ -45,28 +45,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _look(options: argparse.Namespace, stop: StopRequest, console: Console) -> None:
     try:  # as in harness.run: whoever has no ROS shall read one line
-        from harness.ros.topic_monitor import looking  # noqa: PLC0415
+        from harness.ros.topic_monitor import topic_monitor  # noqa: PLC0415
     except ImportError as error:
         message = f"ROS 2 is not importable ({error}); pip install -e '.[ros]' or source a ROS 2"
         raise UsageError(message) from error
-    with looking(options.namespace) as (onlooker, executor):
-        _watch(onlooker, executor, options.seconds, stop, console)
+    with topic_monitor(options.namespace) as (monitor, executor):
+        _watch(monitor, executor, options.seconds, stop, console)
 
 
 def _watch(
-    onlooker: "Onlooker", executor: "Executor", seconds: float, stop: StopRequest, console: Console
+    monitor: "TopicMonitor", executor: "Executor", seconds: float, stop: StopRequest, console: Console
 ) -> None:
     end = time.monotonic() + seconds
     with Live(console=console, auto_refresh=False) as live:
         with suppress(Overdue), stop.deferred():
             while stop.signal is None and time.monotonic() < end:
-                onlooker.look_around()
-                live.update(onlooker.table(), refresh=True)
+                monitor.look_around()
+                live.update(monitor.table(), refresh=True)
                 next_look = min(time.monotonic() + LOOK_PERIOD, end)
                 while stop.signal is None and time.monotonic() < next_look:
                     executor.spin_once(timeout_sec=SPIN_TIMEOUT)
-        live.update(onlooker.table(), refresh=True)
-    if not onlooker.types:
+        live.update(monitor.table(), refresh=True)
+    if not monitor.types:
         console.print("no topics: does anything run with this ROS_DOMAIN_ID and discovery range?")
 
 

@@ -11,8 +11,7 @@ from harness.config import EpisodeConfig, RosOptions
 from harness.drivers import DRIVERS
 from harness.episode.metrics_feed import extended_ros_args
 from harness.errors import UsageError
-from harness.faults.kinds import describe_faults
-from harness.faults.spec import FORM
+from harness.faults.spec import FORM, describe_faults
 from harness.robots import ROVERS, find_rover
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
 from rover_metrics.errors import OneLineParser

@@ -16,19 +16,16 @@ from harness.physics.diff_drive import DiffDrive
 from harness.physics.scene import HAZARD_CONTACT, build_scene, model_hash
 from harness.physics.simulation import Simulation
 from harness.robots import find_rover
-from harness.samples import LaserScan, Sample, Tick, Twist
-from harness.sensors.base import Sensor, period_ticks
-from harness.sensors.imu import ImuSensor
-from harness.sensors.lidar import Lidar, LidarSensor, beam_bearings
+from harness.samples import Imu, LaserScan, Sample, Tick, Twist
+from harness.sensors import table
+from harness.sensors.base import Sensor
+from harness.sensors.lidar import Lidar, beam_bearings
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import SensorNoise, find_preset
-from harness.sensors.odometry import WheelOdometry
-from harness.sensors.state import TRUTH_RATE, GroundTruthSensor, JointSensor, PoseSensor, TruthSensor
 from harness.sim_time import NANOSECONDS, TICK_NS, parse_timestep
 from harness.truth.recorder import TruthRecorder
 from harness.world.world import terrain_hash
 
-SCAN_RATE, POSE_RATE, STATE_RATE = 20, 50, 50  # [Hz]: RoboTerrain's
 RANDOM_STREAM = 10  # keeps the episode's generators apart from those that made the world
 
 
@@ -53,19 +50,17 @@ class Episode:
         self._recorder = TruthRecorder(self.simulation)
         self._hazard_contact = self.simulation.summed(HAZARD_CONTACT)
         lidar_spec = LidarSpec(beams=config.lidar_beams)
-        lidar = Lidar(self.simulation.model, lidar_spec)
-        _, scan_rng, imu_rng = _generators(config.seed, 3)
-        self._imu = ImuSensor(self.simulation, period_ticks(config.imu_rate))
-        self._odometry = WheelOdometry(self.simulation, period_ticks(rover.odometry_rate))
-        self._sensors: tuple[Sensor, ...] = (
-            LidarSensor(self.simulation, lidar, period_ticks(SCAN_RATE)),
-            self._imu,
-            PoseSensor(self.simulation, period_ticks(POSE_RATE)),
-            self._odometry,
-            GroundTruthSensor(self.simulation, period_ticks(STATE_RATE)),
-            JointSensor(self.simulation, period_ticks(STATE_RATE)),
-            TruthSensor(self._recorder, period_ticks(TRUTH_RATE)),
+        parts = {
+            "simulation": self.simulation,
+            "lidar": Lidar(self.simulation.model, lidar_spec),
+            "recorder": self._recorder,
+        }
+        rates: dict[type[Sample], int] = {Imu: config.imu_rate}
+        self._sensors = tuple(
+            row.make(parts, rates.get(row.sample, row.rate_on(rover))) for row in table.SENSORS
         )
+        self._observing = [s for s in self._sensors if type(s).observe is not Sensor.observe]
+        _, scan_rng, imu_rng = _generators(config.seed, 3)
         limits = (lidar_spec.range_min, lidar_spec.range_max)
         self._noise = (
             None
@@ -106,10 +101,11 @@ class Episode:
         odometry goes on without a jump, as that of Gazebo's DiffDrive after a set_pose, and so do the
         biases of noise. Joints stand as they stood.
         """
-        encoders = self._odometry.encoders()
+        for sensor in self._sensors:
+            sensor.before_reset()
         self.simulation.return_to_start()
-        self._odometry.go_on_from(encoders)
-        self._imu.forget()
+        for sensor in self._sensors:
+            sensor.after_reset()
         self._recorder.carried_away()
         self._begin()
 
@@ -155,7 +151,8 @@ class Episode:
         self.simulation.command_wheels(self._drive.wheel_speeds())
         self.simulation.tick()
         self._recorder.observe()
-        self._imu.observe()
+        for sensor in self._observing:
+            sensor.observe()
         samples = tuple(
             self._read(sensor) for sensor in self._sensors if index % sensor.period_ticks == 0
         )

@@ -6,25 +6,16 @@ import numpy as np
 
 from harness.robots import RoverSpec
 from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, TruthState
+from harness.sensors import table
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.session import MetricsSession
-
-TOPICS: dict[type, tuple[str, ...]] = {
-    LaserScan: ("/scan",),
-    Imu: ("/imu/data",),
-    Pose: ("/rover/pose_array",),
-    Odometry: ("/odometry/wheels",),
-}
-TRUTH_TOPICS: dict[type, tuple[str, ...]] = {
-    GroundTruth: ("/odom_ground_truth",),
-    TruthState: ("/rover/truth/contact", "/rover/truth/traversal"),
-}
+from rover_metrics.topics import SENSORS, TRUTH
 
 
 def extended_settings(rover: RoverSpec) -> ExtendedSettings:
-    """The rover's footprint and where its lidar is; it looks backwards (models/README.md)."""
+    """Returns the rover's footprint and where its lidar is; it looks backwards (models/README.md)."""
     return ExtendedSettings(
         footprint=Footprint.rectangle(*rover.footprint),
         lidar_pose=LidarPose(rover.lidar_x, 0.0, math.pi),
@@ -32,7 +23,7 @@ def extended_settings(rover: RoverSpec) -> ExtendedSettings:
 
 
 def outline_parameters(rover: RoverSpec) -> dict[str, list[float]]:
-    """The same as parameters of a metrics_node."""
+    """Returns the extended settings as parameters of a metrics_node."""
     settings = extended_settings(rover)
     corners = () if settings.footprint is None else settings.footprint.corners
     pose = settings.lidar_pose
@@ -43,7 +34,7 @@ def outline_parameters(rover: RoverSpec) -> dict[str, list[float]]:
 
 
 def extended_ros_args(rover: RoverSpec) -> list[str]:
-    """The arguments for a metrics_node with extended columns; what the user says after them wins."""
+    """Returns arguments for a metrics_node with extended columns; what follows them wins."""
     parameters = {"extended_columns": "true"} | outline_parameters(rover)
     words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={value}")]
     return ["--ros-args", *words, "--"]
@@ -67,7 +58,10 @@ class SampleFeed:
             float(np.float32(-lidar.angle_max)),
             float(np.float32(2 * lidar.angle_max / (lidar.beams - 1))),
         )
-        self._topics = TOPICS if session.extended is None else TOPICS | TRUTH_TOPICS
+        sources = SENSORS if session.extended is None else (*SENSORS, *TRUTH)
+        heard = {source.name for source in sources}
+        topics = {row.sample: tuple(f"/{topic.name}" for topic in row.topics) for row in table.SENSORS}
+        self._topics = {sample: names for sample, names in topics.items() if heard.issuperset(names)}
         self.fed = {topic: 0 for topics in self._topics.values() for topic in topics}
 
     def take(self, sample: Sample) -> None:
@@ -93,17 +87,4 @@ class SampleFeed:
                 session.take_true_velocity(sample.linear_velocity)
             case TruthState():
                 session.take_contact(touches=sample.hazard_contact)
-                session.take_traversal(_traversal(sample))
-
-
-def _traversal(truth: TruthState) -> tuple[float, ...]:
-    """The values of /rover/truth/traversal."""
-    return (
-        truth.contact_force,
-        truth.rock_contact,
-        truth.scrape,
-        truth.speed,
-        truth.path_length,
-        *truth.slip,
-        truth.roughness,
-    )
+                session.take_traversal(sample.traversal)

@@ -1,49 +1,175 @@
-"""Faults that change one reading by itself: pure functions from a reading to what is sent for it."""
+"""Faults that change one reading by itself, whatever came before."""
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.samples import (
-    GroundTruth,
-    Imu,
-    JointStates,
-    LaserScan,
-    Odometry,
-    Pose,
-    Sample,
-    Twist,
-)
+from harness.faults.base import LONGEST, SHARE, Effect, Readings, SensorFault, Value
+from harness.samples import JointStates, LaserScan, Pose, Sample, Twist
+from harness.sensors import table
 from harness.sim_time import NANOSECONDS
 
-HUGE = 1e30  # fits float32; its square fits float64
 SPIKE_SHARE = 0.1
 
 Values = NDArray[np.float64]
-Change = Callable[[Values], Values]
-Corrupt = Callable[[Sample, float, np.random.Generator], tuple[Sample, ...]]
-
-# What a sensor measures. Attitudes are left alone: a quaternion has no single value that is off.
-MEASURED: dict[type[Sample], tuple[str, ...]] = {
-    LaserScan: ("ranges",),
-    Imu: ("angular_velocity", "linear_acceleration"),
-    Pose: ("position",),
-    Odometry: ("x", "y", "twist"),
-    GroundTruth: ("x", "y", "linear_velocity", "angular_velocity"),
-    JointStates: ("position", "velocity", "effort"),
-}
 
 
-def measured_as(reading: Sample, change: Change) -> Sample:
-    """The reading with a function applied to everything that it measures."""
-    changes = {name: _changed(getattr(reading, name), change) for name in MEASURED[type(reading)]}
-    return replace(reading, **changes)
+class PerSample(SensorFault):
+    """A fault that changes readings one by one: `_change` returns what is sent for each."""
+
+    def apply(self, rng: np.random.Generator) -> Effect:
+        """Returns what changes readings while the fault lasts."""
+
+        def effect(readings: Readings, time_ns: int) -> Readings:
+            if not self.active(time_ns):
+                return readings
+            return tuple(sent for reading in readings for sent in self._change(reading, rng))
+
+        return effect
+
+    def _change(self, reading: Sample, rng: np.random.Generator) -> Readings:
+        raise NotImplementedError
 
 
-def _changed(value: Any, change: Change) -> Any:  # noqa: ANN401 - a sample's field
+class ValueFault(PerSample):
+    """A fault of all that a sensor measures: `_hit` returns what is sent for a field's values."""
+
+    def _change(self, reading: Sample, rng: np.random.Generator) -> Readings:
+        measured = table.by_fault_name()[self.sensor].measured
+        return (with_values(reading, measured, lambda values: self._hit(values, rng)),)
+
+    def _hit(self, values: Values, rng: np.random.Generator) -> Values:
+        raise NotImplementedError
+
+
+class Dropout(PerSample):
+    """Messages are not sent."""
+
+    name, takes = "dropout", SHARE
+
+    def _change(self, reading: Sample, rng: np.random.Generator) -> Readings:
+        return () if rng.random() < self.value else (reading,)
+
+
+class Duplicate(PerSample):
+    """Each message is sent N times."""
+
+    name = "duplicate"
+    takes = Value("N", "a whole number from 2 to 10", lambda x: x in range(2, 11), default=2.0)
+
+    def _change(self, reading: Sample, _: np.random.Generator) -> Readings:
+        return (reading,) * int(self.value)
+
+
+class StampShift(PerSample):
+    """Stamps are off by S."""
+
+    name = "stamp-shift"
+    takes = Value("S", "seconds, negative for back in time", lambda x: abs(x) <= LONGEST)
+
+    def _change(self, reading: Sample, _: np.random.Generator) -> Readings:
+        stamp_ns = max(0, reading.stamp_ns + round(self.value * NANOSECONDS))
+        return (replace(reading, stamp_ns=stamp_ns),)
+
+
+class Stuck(ValueFault):
+    """Every value is X."""
+
+    name, takes = "stuck", Value("X", "a number, inf or nan", lambda _: True)
+
+    def _hit(self, values: Values, _: np.random.Generator) -> Values:
+        return np.full_like(values, self.value)
+
+
+class Zero(ValueFault):
+    """Values are 0."""
+
+    name, takes = "zero", SHARE
+    becomes: ClassVar[float] = 0.0
+
+    def _hit(self, values: Values, rng: np.random.Generator) -> Values:
+        hit: Values = np.where(rng.random(values.shape) < self.value, self.becomes, values)
+        return hit
+
+
+class Nan(Zero):
+    """Values are NaN."""
+
+    name, becomes = "nan", math.nan
+
+
+class Inf(Zero):
+    """Values are infinite."""
+
+    name, becomes = "inf", math.inf
+
+
+class Huge(Zero):
+    """Values are 1e30."""
+
+    name, becomes = "huge", 1e30  # fits float32; its square fits float64
+
+
+class Spike(ValueFault):
+    """One value in ten, at random, is off by SIZE."""
+
+    name = "spike"
+    takes = Value("SIZE", "a size above 0", lambda x: 0.0 < x < math.inf, default=10.0)
+
+    def _hit(self, values: Values, rng: np.random.Generator) -> Values:
+        is_hit = rng.random(values.shape) < SPIKE_SHARE
+        off: Values = is_hit * self.value * rng.choice((-1.0, 1.0), values.shape)
+        return values + off
+
+
+class Empty(PerSample):
+    """A message without readings."""
+
+    name, own = "empty", ("scan", "pose", "joint_states")
+
+    def _change(self, reading: Sample, _: np.random.Generator) -> Readings:
+        match reading:
+            case LaserScan():
+                return (replace(reading, ranges=reading.ranges[:0]),)
+            case Pose():
+                return (replace(reading, position=(np.nan,) * 3, empty=True),)
+            case JointStates():
+                return (replace(reading, position=(), velocity=(), effort=()),)
+        raise AssertionError  # the grammar gives it to no other sensor
+
+
+class Beams(PerSample):
+    """Only the first N ranges, or more that miss."""
+
+    name, own = "beams", ("scan",)
+    takes = Value("N", "a whole number from 0 to 100000", lambda x: x in range(100_001))
+
+    def _change(self, reading: Sample, _: np.random.Generator) -> Readings:
+        assert isinstance(reading, LaserScan)  # noqa: S101 - the grammar gives it to no other sensor
+        ranges = np.full(int(self.value), np.inf, dtype=np.float32)
+        kept = reading.ranges[: int(self.value)]
+        ranges[: kept.size] = kept
+        return (replace(reading, ranges=ranges),)
+
+
+def with_values(
+    reading: Sample, measured: tuple[str, ...], change: Callable[[Values], Values]
+) -> Sample:
+    """Returns the reading with a function applied to everything that it measures.
+
+    Args:
+        reading: Of any sensor.
+        measured: The fields to change: numbers, tuples or arrays of them, twists.
+        change: Takes and gives the values of one field, shape (n,).
+    """
+    return replace(reading, **{name: _changed(getattr(reading, name), change) for name in measured})
+
+
+def _changed(value: Any, change: Callable[[Values], Values]) -> Any:  # noqa: ANN401 - a sample's field
     if isinstance(value, np.ndarray):
         return change(value.astype(np.float64)).astype(np.float32)
     if isinstance(value, tuple):
@@ -52,74 +178,3 @@ def _changed(value: Any, change: Change) -> Any:  # noqa: ANN401 - a sample's fi
         linear, angular = change(np.array([value.linear, value.angular])).tolist()
         return Twist(linear, angular)
     return float(change(np.array([value]))[0])
-
-
-def _some_are(number: float) -> Corrupt:
-    def corrupt(reading: Sample, share: float, rng: np.random.Generator) -> tuple[Sample, ...]:
-        def hit(values: Values) -> Values:
-            hit_values: Values = np.where(rng.random(values.shape) < share, number, values)
-            return hit_values
-
-        return (measured_as(reading, hit),)
-
-    return corrupt
-
-
-def _stuck(reading: Sample, number: float, _: np.random.Generator) -> tuple[Sample, ...]:
-    return (measured_as(reading, lambda values: np.full_like(values, number)),)
-
-
-def _spike(reading: Sample, size: float, rng: np.random.Generator) -> tuple[Sample, ...]:
-    def spiked(values: Values) -> Values:
-        hit = rng.random(values.shape) < SPIKE_SHARE
-        off: Values = hit * size * rng.choice((-1.0, 1.0), values.shape)
-        return values + off
-
-    return (measured_as(reading, spiked),)
-
-
-def _dropout(reading: Sample, share: float, rng: np.random.Generator) -> tuple[Sample, ...]:
-    return () if rng.random() < share else (reading,)
-
-
-def _duplicate(reading: Sample, copies: float, _: np.random.Generator) -> tuple[Sample, ...]:
-    return (reading,) * int(copies)
-
-
-def _shift_stamp(reading: Sample, seconds: float, _: np.random.Generator) -> tuple[Sample, ...]:
-    stamp_ns = max(0, reading.stamp_ns + round(seconds * NANOSECONDS))
-    return (replace(reading, stamp_ns=stamp_ns),)
-
-
-def _beams(reading: Sample, number: float, _: np.random.Generator) -> tuple[Sample, ...]:
-    assert isinstance(reading, LaserScan)  # noqa: S101 - the grammar gives it to no other sensor
-    ranges = np.full(int(number), np.inf, dtype=np.float32)
-    kept = reading.ranges[: int(number)]
-    ranges[: kept.size] = kept
-    return (replace(reading, ranges=ranges),)
-
-
-def _empty(reading: Sample, _number: float, _rng: np.random.Generator) -> tuple[Sample, ...]:
-    match reading:
-        case LaserScan():
-            return (replace(reading, ranges=reading.ranges[:0]),)
-        case Pose():
-            return (replace(reading, position=(np.nan,) * 3, empty=True),)
-        case JointStates():
-            return (replace(reading, position=(), velocity=(), effort=()),)
-    raise AssertionError  # the grammar gives it to no other sensor
-
-
-CORRUPT: dict[str, Corrupt] = {
-    "dropout": _dropout,
-    "duplicate": _duplicate,
-    "stuck": _stuck,
-    "zero": _some_are(0.0),
-    "nan": _some_are(np.nan),
-    "inf": _some_are(np.inf),
-    "huge": _some_are(HUGE),
-    "spike": _spike,
-    "stamp-shift": _shift_stamp,
-    "empty": _empty,
-    "beams": _beams,
-}

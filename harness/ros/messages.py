@@ -6,6 +6,10 @@ type: float(...) for float64, an array('f') for ranges, int for sec and nanosec.
 
 from array import array
 from collections.abc import Callable
+from dataclasses import fields
+from functools import partial
+from operator import attrgetter
+from pkgutil import resolve_name
 from typing import Any
 
 import numpy as np
@@ -13,25 +17,79 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, PoseArray, Quaternion, Vector3
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import Imu, JointState, LaserScan
+from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
 from harness import samples
 from harness.robots import RoverSpec
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.table import SensorRow, Topic
+from harness.sim_time import NANOSECONDS
+from rover_metrics.extended.truth_columns import TRAVERSAL
 
-NANOSECONDS = 1_000_000_000
 GROUND_TRUTH_POSE_VARIANCE = 0.01  # on the diagonal, as RoboTerrain's PoseConverterNode says
 
-TRAVERSAL = (  # the values of /rover/truth/traversal, in order
-    "contact_force",
-    *("rock_contact", "scrape"),
-    *("speed", "path_length"),
-    *("slip_front_left", "slip_rear_left", "slip_front_right", "slip_rear_right"),
-    "roughness",
-)
+Message = Any  # rclpy's classes have no types
+Fill = Callable[[Any], Message]  # a sample of the topic's kind -> the refilled message
 
-Fill = Callable[[Any], Any]  # a sample of the topic's kind -> the refilled message
+
+def message_class(topic: Topic) -> type:
+    """Returns the class of a topic's messages."""
+    kind: type = resolve_name(topic.message_type.replace("/msg/", ".msg:"))
+    return kind
+
+
+def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> Fill:
+    """Returns what makes messages of a sensor's samples: one of FILLERS, or `by_names`.
+
+    Args:
+        row: The sensor.
+        topic: One of its topics.
+        rover: Gives the frames.
+        lidar: Gives the geometry of scans.
+    """
+    message = message_class(topic)()
+    if hasattr(message, "header"):
+        message.header.frame_id = row.frame_on(rover)
+    special = FILLERS.get((row.sample, type(message)))
+    return by_names(message, row.sample) if special is None else special(message, rover, lidar)
+
+
+def by_names(message: Message, sample_type: type) -> Fill:
+    """Returns a filler of the stamp and of every field whose name the sample has too."""
+    stamp = message.header.stamp if hasattr(message, "header") else Time()
+    names = [item.name for item in fields(sample_type) if hasattr(message, item.name)]
+    setters = [(attrgetter(name), _setter(message, name)) for name in names]
+
+    def fill(sample: samples.Sample) -> Message:
+        set_stamp(stamp, sample.stamp_ns)
+        for value_of, put in setters:
+            put(value_of(sample))
+        return message
+
+    return fill
+
+
+def _setter(message: Message, name: str) -> Callable[[Any], None]:
+    """Returns what sets a field that is a vector, a quaternion, an array or a plain value."""
+    present = getattr(message, name)
+    if isinstance(present, Vector3 | Point):
+        return partial(_set_vector, present)
+    if isinstance(present, Quaternion):
+        return partial(_set_quaternion, present)
+    if isinstance(present, array):
+        return lambda value: setattr(message, name, array(present.typecode, value))
+    if isinstance(present, np.ndarray):
+        return lambda value: setattr(message, name, np.asarray(value, present.dtype))
+    return lambda value: setattr(message, name, type(present)(value))
+
+
+def _set_vector(target: Vector3 | Point, value: samples.Vector3) -> None:
+    target.x, target.y, target.z = value
+
+
+def _set_quaternion(target: Quaternion, value: samples.Quaternion) -> None:
+    target.x, target.y, target.z, target.w = value
 
 
 def set_stamp(stamp: Time, stamp_ns: int) -> None:
@@ -40,7 +98,7 @@ def set_stamp(stamp: Time, stamp_ns: int) -> None:
 
 
 def clock() -> Callable[[int], Clock]:
-    """A filler of Clock messages."""
+    """Returns a filler of Clock messages."""
     message = Clock()
 
     def fill(stamp_ns: int) -> Clock:
@@ -50,13 +108,8 @@ def clock() -> Callable[[int], Clock]:
     return fill
 
 
-def laser_scan(lidar: LidarSpec) -> Fill:
-    """A filler of LaserScan messages with that lidar's beams.
-
-    scan_time and time_increment are 0, as ros_gz_bridge leaves them.
-    """
-    message = LaserScan()
-    message.header.frame_id = "lidar_link"
+def _laser_scan(message: LaserScan, _: RoverSpec, lidar: LidarSpec) -> Fill:
+    """Scans of that lidar; scan_time and time_increment stay 0, as ros_gz_bridge leaves them."""
     message.angle_min, message.angle_max = -lidar.angle_max, lidar.angle_max
     message.angle_increment = 2 * lidar.angle_max / (lidar.beams - 1)
     message.range_min, message.range_max = lidar.range_min, lidar.range_max
@@ -76,46 +129,23 @@ def laser_scan(lidar: LidarSpec) -> Fill:
     return fill
 
 
-def imu(rover: RoverSpec) -> Fill:
-    """A filler of Imu messages; covariances stay 0, as in Gazebo."""
-    message = Imu()
-    message.header.frame_id = rover.imu_frame
-
-    def fill(reading: samples.Imu) -> Imu:
-        set_stamp(message.header.stamp, reading.stamp_ns)
-        _set_quaternion(message.orientation, reading.orientation)
-        _set_vector(message.angular_velocity, reading.angular_velocity)
-        _set_vector(message.linear_acceleration, reading.linear_acceleration)
-        return message
-
-    return fill
-
-
-def pose_array() -> Fill:
-    """A filler of PoseArray messages with the one pose."""
-    message = PoseArray(poses=[Pose()])
-    message.header.frame_id = "world"
-    pose = message.poses[0]
+def _pose_array(message: PoseArray, _: RoverSpec, __: LidarSpec) -> Fill:
+    pose = by_names(Pose(), samples.Pose)
 
     def fill(sample: samples.Pose) -> PoseArray:
         set_stamp(message.header.stamp, sample.stamp_ns)
-        message.poses = [] if sample.empty else [pose]
-        _set_vector(pose.position, sample.position)
-        _set_quaternion(pose.orientation, sample.orientation)
+        message.poses = [] if sample.empty else [pose(sample)]
         return message
 
     return fill
 
 
-def wheel_odometry(rover: RoverSpec) -> Fill:
-    """A filler of wheel Odometry messages; covariances stay 0, as in Gazebo."""
-    message = Odometry()
-    message.header.frame_id = "odom"
+def _wheel_odometry(message: Odometry, rover: RoverSpec, _: LidarSpec) -> Fill:
+    """Wheel odometry; covariances stay 0, as in Gazebo."""
     message.child_frame_id = rover.odometry_child_frame
 
     def fill(sample: samples.Odometry) -> Odometry:
-        set_stamp(message.header.stamp, sample.stamp_ns)
-        _set_planar_pose(message, sample.x, sample.y, sample.yaw)
+        _set_planar_pose(message, sample)
         message.twist.twist.linear.x = sample.twist.linear
         message.twist.twist.angular.z = sample.twist.angular
         return message
@@ -123,16 +153,13 @@ def wheel_odometry(rover: RoverSpec) -> Fill:
     return fill
 
 
-def ground_truth() -> Fill:
-    """A filler of true Odometry messages, planar as RoboTerrain's; the twist is the true one."""
-    message = Odometry()
-    message.header.frame_id = "odom"
+def _ground_truth(message: Odometry, _: RoverSpec, __: LidarSpec) -> Fill:
+    """True odometry, planar as RoboTerrain's; the twist is the true one."""
     message.child_frame_id = "base_footprint"
     message.pose.covariance = (np.eye(6) * GROUND_TRUTH_POSE_VARIANCE).ravel()
 
     def fill(sample: samples.GroundTruth) -> Odometry:
-        set_stamp(message.header.stamp, sample.stamp_ns)
-        _set_planar_pose(message, sample.x, sample.y, sample.yaw)
+        _set_planar_pose(message, sample)
         _set_vector(message.twist.twist.linear, sample.linear_velocity)
         _set_vector(message.twist.twist.angular, sample.angular_velocity)
         return message
@@ -140,24 +167,13 @@ def ground_truth() -> Fill:
     return fill
 
 
-def joint_states(rover: RoverSpec) -> Fill:
-    """A filler of JointState messages."""
-    message = JointState()
+def _joint_states(message: JointState, rover: RoverSpec, _: LidarSpec) -> Fill:
     message.name = list(rover.joints)
-
-    def fill(sample: samples.JointStates) -> JointState:
-        set_stamp(message.header.stamp, sample.stamp_ns)
-        message.position = array("d", sample.position)
-        message.velocity = array("d", sample.velocity)
-        message.effort = array("d", sample.effort)
-        return message
-
-    return fill
+    return by_names(message, samples.JointStates)
 
 
-def contact() -> Fill:
-    """A filler of Bool messages: whether the rover has touched a hazard."""
-    message = Bool()
+def _contact(message: Bool, _: RoverSpec, __: LidarSpec) -> Fill:
+    """Whether the rover has touched a hazard."""
 
     def fill(truth: samples.TruthState) -> Bool:
         message.data = truth.hazard_contact
@@ -166,39 +182,31 @@ def contact() -> Fill:
     return fill
 
 
-def traversal() -> Fill:
-    """A filler of Float64MultiArray messages; the label of the one dimension names the values."""
+def _traversal(message: Float64MultiArray, _: RoverSpec, __: LidarSpec) -> Fill:
+    """The values of the truth; the label of the one dimension names them."""
     size = len(TRAVERSAL)
-    message = Float64MultiArray()
     message.layout.dim = [MultiArrayDimension(label=",".join(TRAVERSAL), size=size, stride=size)]
 
     def fill(truth: samples.TruthState) -> Float64MultiArray:
-        message.data = array(
-            "d",
-            (
-                truth.contact_force,
-                truth.rock_contact,
-                truth.scrape,
-                truth.speed,
-                truth.path_length,
-                *truth.slip,
-                truth.roughness,
-            ),
-        )
+        message.data = array("d", truth.traversal)
         return message
 
     return fill
 
 
-def _set_vector(target: Vector3 | Point, value: samples.Vector3) -> None:
-    target.x, target.y, target.z = value
-
-
-def _set_quaternion(target: Quaternion, value: samples.Quaternion) -> None:
-    target.x, target.y, target.z, target.w = value
-
-
-def _set_planar_pose(message: Odometry, x: float, y: float, yaw: float) -> None:
+def _set_planar_pose(message: Odometry, sample: samples.Odometry | samples.GroundTruth) -> None:
+    set_stamp(message.header.stamp, sample.stamp_ns)
     position, orientation = message.pose.pose.position, message.pose.pose.orientation
-    position.x, position.y = x, y
-    orientation.z, orientation.w = float(np.sin(yaw / 2)), float(np.cos(yaw / 2))
+    position.x, position.y = sample.x, sample.y
+    orientation.z, orientation.w = float(np.sin(sample.yaw / 2)), float(np.cos(sample.yaw / 2))
+
+
+FILLERS: dict[tuple[type, type], Callable[[Message, RoverSpec, LidarSpec], Fill]] = {
+    (samples.LaserScan, LaserScan): _laser_scan,
+    (samples.Pose, PoseArray): _pose_array,
+    (samples.Odometry, Odometry): _wheel_odometry,
+    (samples.GroundTruth, Odometry): _ground_truth,
+    (samples.JointStates, JointState): _joint_states,
+    (samples.TruthState, Bool): _contact,
+    (samples.TruthState, Float64MultiArray): _traversal,
+}

@@ -7,28 +7,25 @@ system every simulated second (or MiB), so a killed run loses less than its last
 a file lacks its end, which `mcap recover FILE -o MENDED` writes. rover_metrics.replay reads either.
 """
 
-import importlib
-import re
-from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Self
 
 from mcap.writer import CompressionType, Writer
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
 
 from harness import __version__
 from harness.errors import RunFailed, UsageError
-from harness.ros.bridge import Bridge, Channel
+from harness.ros.bridge import Bridge
+from harness.ros.messages import Message
 from harness.sim_time import NANOSECONDS
 
 CHUNK_SIZE = 1024 * 1024  # [B]
-SEPARATOR = "\n" + "=" * 80 + "\n"
-NESTED_TYPE = re.compile(r"^\s*(?:(\w+)/)?([A-Z]\w*)(?:\[[^\]]*\])?\s+\w", re.MULTILINE)
-TYPE_HASH = re.compile(r'"type_name":\s*"([^"]+)",\s*"hash_string":\s*"([^"]+)"')
+SEPARATOR = "=" * 80 + "\n"
 
 # What rosbag2 looks up before it reads a bare file: version 8 is the last whose QoS profiles are
 # numbers, which every distribution understands. The zeros are placeholders; it counts for itself.
@@ -110,26 +107,31 @@ class Recorder:
     def tap(self, bridge: Bridge) -> None:
         """Records everything that the bridge publishes from now on."""
         for channel in bridge.channels:
-            channel.fill = self._recording(channel)
+            publisher = channel.publisher
+            name = _type_name(publisher.msg_type)
+            identifier = self._register(channel.topic, name, publisher.qos_profile)
+            # A channel's messages of one length differ in nothing else: their padding is the same.
+            channel.record = partial(self._serialized, identifier, name, {})
 
-    def _recording(self, channel: Channel) -> Callable[[Any], bytes]:
-        """The channel's filler, which now records and gives the serialised message."""
-        kind, fill = channel.publisher.msg_type, channel.fill
-        identifier = self._register(channel.topic, kind, channel.publisher.qos_profile)
-        padding: dict[int, list[int]] = {}  # by length; a channel's messages differ in nothing else
+    def _serialized(
+        self, identifier: int, name: str, padding: dict[int, list[int]], message: Message
+    ) -> bytes:
+        """Records a message and returns its bytes."""
+        data: bytes = serialize_message(message)
+        positions = padding.get(len(data))
+        if positions is None:
+            positions = padding[len(data)] = padding_of(data, name)
+        if positions:
+            cleaned = bytearray(data)
+            for position in positions:
+                cleaned[position] = 0
+            data = bytes(cleaned)
+        self._record(identifier, data)
+        return data
 
-        def fill_and_record(sample: Any) -> bytes:  # noqa: ANN401 - the kind that `fill` takes
-            data = serialize_message(fill(sample))
-            if len(data) not in padding:
-                padding[len(data)] = padding_of(data, _type_name(kind))
-            data = _zeroed(data, padding[len(data)])
-            self._record(identifier, data)
-            return data
-
-        return fill_and_record
-
-    def _register(self, topic: str, kind: type, qos: QoSProfile) -> int:
-        name = _type_name(kind)
+    def _register(self, topic: str, name: str, qos: QoSProfile) -> int:
+        if name not in _store().types:
+            raise UsageError(f"--record needs the definition of {name}, which rosbags does not know")
         if name not in self._schemas:
             definition = full_definition(name).encode()
             self._schemas[name] = self._writer.register_schema(name, "ros2msg", definition)
@@ -139,7 +141,7 @@ class Recorder:
             reliability=int(qos.reliability),
             durability=int(qos.durability),
         )
-        metadata = {"offered_qos_profiles": offered, "topic_type_hash": _type_hash(name)}
+        metadata = {"offered_qos_profiles": offered, "topic_type_hash": _store().hash_rihs01(name)}
         return self._writer.register_channel(topic, "cdr", self._schemas[name], metadata)
 
     def _record(self, identifier: int, data: bytes) -> None:
@@ -159,84 +161,39 @@ class Recorder:
 
 
 def padding_of(data: bytes, type_name: str) -> list[int]:
-    """Finds the bytes of a CDR message that align its fields and carry nothing.
+    """Returns the positions of the bytes of a CDR message that align its fields and carry nothing.
 
     DDS leaves in them whatever was in memory. They are the bytes that writing the same message into a
     buffer of zeros and into one of ones leaves different; so are the closing zeros of strings, which
     rosbags does not write.
     """
-    store = _typestore()
-    message = store.deserialize_cdr(data, type_name)
-    serialize = store.get_msgdef(type_name).serialize_cdr_le
+    message = _store().deserialize_cdr(data, type_name)
+    serialize = _store().get_msgdef(type_name).serialize_cdr_le
     body = len(data) - 4  # behind the encapsulation header
     buffers = bytearray(body), bytearray(b"\xff" * body)
     for buffer in buffers:
-        serialize(memoryview(buffer), 0, message, store)
+        serialize(memoryview(buffer), 0, message, _store())
     return [4 + i for i, (zero, one) in enumerate(zip(*buffers, strict=True)) if zero != one]
 
 
 def full_definition(type_name: str) -> str:
-    """A message's .msg text followed by those of the types in it, as rosbag2 stores it.
+    """Returns a message's definition followed by those of the types in it, as rosbag2 stores it.
 
     Args:
         type_name: As in sensor_msgs/msg/LaserScan.
     """
-    package, _, name = type_name.split("/")
-    nested = _nested_types(package, name)
-    parts = [f"MSG: {p}/{n}\n{_definition(p, n)}" for p, n in sorted(nested - {(package, name)})]
-    return SEPARATOR.join([_definition(package, name), *parts])
+    text, _ = _store().generate_msgdef(type_name, ros_version=2)
+    definition, *nested = text.split(SEPARATOR)
+    return SEPARATOR.join([definition, *sorted(nested)])
 
 
-def _nested_types(package: str, name: str) -> set[tuple[str, str]]:
-    """The type itself and all types that its fields need, as (package, name)."""
-    found = {(package, name)}
-    for other, nested in NESTED_TYPE.findall(_definition(package, name)):
-        found |= _nested_types(other or package, nested)
-    return found
-
-
-def _definition(package: str, name: str) -> str:
-    return _share_file(package, f"{name}.msg").read_text(encoding="utf-8").rstrip()
-
-
-def _type_hash(type_name: str) -> str:
-    """The RIHS01 hash that distributions from Iron on install; empty before."""
-    package, _, name = type_name.split("/")
-    try:
-        text = _share_file(package, f"{name}.json").read_text(encoding="utf-8")
-    except UsageError:
-        return ""
-    pairs: list[tuple[str, str]] = re.findall(TYPE_HASH, text)
-    return dict(pairs).get(type_name, "")
-
-
-def _share_file(package: str, name: str) -> Path:
-    """A file of a message package, in the share/ folder that belongs to its Python module."""
-    module = Path(str(importlib.import_module(package).__file__))
-    for prefix in module.parents:
-        file = prefix / "share" / package / "msg" / name
-        if file.exists():
-            return file
-    message = f"--record needs {name}, which {package} at {module.parent} does not bring along"
-    raise UsageError(message)
-
-
-@cache
-def _typestore() -> Any:  # noqa: ANN401 - rosbags' generated code has no types
+@cache  # it takes a while to build
+def _store() -> Typestore:
     return get_typestore(Stores.LATEST)
 
 
 def _type_name(kind: type) -> str:
     return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
-
-
-def _zeroed(data: bytes, positions: list[int]) -> bytes:
-    if not positions:
-        return data
-    cleaned = bytearray(data)
-    for position in positions:
-        cleaned[position] = 0
-    return bytes(cleaned)
 
 
 def _refusal(path: Path, error: OSError) -> str:

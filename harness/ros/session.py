@@ -14,7 +14,7 @@ from harness.episode.pacing import Pacer
 from harness.episode.result import Progress, RunResult, TopicCount
 from harness.episode.stream import EpisodeProcess
 from harness.errors import RunFailed
-from harness.faults.injector import FaultInjector, disturb_time
+from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.interrupt import GRACE, Overdue, StopRequest
 from harness.robots import find_rover
@@ -81,9 +81,8 @@ class _Run:
             on_command=source.command,
         )
         at_end.callback(self._bridge.destroy_node)
-        faults = parse_faults(config.faults)
-        self._faults = FaultInjector(faults, config.seed)
-        self._executor = make_executor(context, time_jumps=disturb_time(faults))
+        self._faults = FaultInjector(parse_faults(config.faults), config.seed)
+        self._executor = make_executor(context, time_jumps=self._faults.disturbs_time)
         at_end.callback(self._executor.shutdown)
         self._executor.add_node(self._bridge)
         self._controls = Controls(self._bridge, self._executor, source.reset)

@@ -27,8 +27,18 @@ COLUMNS = ("topic", "type", "Hz", "sim Hz", "age [s]", "QoS", "publishers", "sub
 TYPE = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)")
 
 
-class Onlooker:
-    """A node that listens to everything below a namespace, in best effort so that it holds up nobody."""
+class TopicMonitor:
+    """Listens to every topic below a namespace, in best effort so that it holds up nobody.
+
+    Args:
+        node: Its subscriptions are made on.
+        namespace: Topics outside it are left out, but for /clock.
+        now: Wall time [s].
+
+    Attributes:
+        types: Of each topic; `counts` are its messages so far, `paces` their rates.
+        clock: How fast /clock runs.
+    """
 
     def __init__(self, node: Node, namespace: str, now: Callable[[], float] = time.monotonic) -> None:
         self._node, self._now, self._below = node, now, f"/{namespace.strip('/')}/".replace("//", "/")
@@ -48,7 +58,7 @@ class Onlooker:
                 self._listen(topic, message_class(types[0]))
 
     def table(self) -> Table:
-        """What is known now, one row a topic."""
+        """Returns what is known now, one row a topic."""
         now, speed = self._now(), self.clock.rate(self._now())
         table = Table(*COLUMNS, title=f"{len(self.types)} topics", title_justify="left")
         for topic in sorted(self.types):
@@ -79,8 +89,8 @@ class Onlooker:
 
 
 @contextmanager
-def looking(namespace: str) -> Iterator[tuple[Onlooker, Executor]]:
-    """An onlooker in a context of its own, and the executor that lets it hear.
+def topic_monitor(namespace: str) -> Iterator[tuple[TopicMonitor, Executor]]:
+    """Yields a monitor in a context of its own, and the executor that spins it.
 
     Raises:
         UsageError: ROS 2 refuses the environment.
@@ -91,11 +101,11 @@ def looking(namespace: str) -> Iterator[tuple[Onlooker, Executor]]:
         at_end.callback(executor.shutdown)
         node = rclpy.create_node(f"topics_{os.getpid()}", context=context, enable_rosout=False)
         executor.add_node(node)
-        yield Onlooker(node, namespace), executor
+        yield TopicMonitor(node, namespace), executor
 
 
 def message_class(type_name: str) -> type | None:
-    """The class of a type such as sensor_msgs/msg/Imu; None if it is not installed here.
+    """Returns the class of a type such as sensor_msgs/msg/Imu; None if it is not installed here.
 
     The name comes from the network: nothing is imported unless it is a package of ROS messages.
     """
@@ -108,7 +118,7 @@ def message_class(type_name: str) -> type | None:
 
 
 def quality(profile: Any) -> str:  # noqa: ANN401 - rclpy has no types
-    """Reliability, durability unless volatile, and the depth where the middleware tells it."""
+    """Returns reliability, durability unless volatile, and the depth where the middleware tells it."""
     words = [profile.reliability.name.lower().replace("_", " ")]
     if profile.durability.name not in ("VOLATILE", "SYSTEM_DEFAULT", "UNKNOWN"):
         words.append(profile.durability.name.lower().replace("_", " "))

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.samples import Vector3
-
-NANOSECONDS = 1_000_000_000
+from harness.sim_time import NANOSECONDS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,7 +42,7 @@ class AxisTriad:
         self._stamp_ns: int | None = None
 
     def corrupt(self, value: Vector3, stamp_ns: int) -> Vector3:
-        """The reading for an exact value; stamps must not go backwards."""
+        """Returns the reading for an exact value; stamps must not go backwards."""
         errors = self._errors
         self._wander(stamp_ns)
         read = np.array(value) + self._bias + _gaussian(self._rng, errors.white, (3,))
@@ -75,7 +74,7 @@ class RangeErrors:
     def corrupt(
         self, ranges: NDArray[np.float32], limits: tuple[float, float], rng: np.random.Generator
     ) -> NDArray[np.float32]:
-        """Ranges [m] as read, REP-117 coded; a lost return is a miss, which is +inf."""
+        """Returns ranges [m] as read, REP-117 coded; a lost return is a miss, which is +inf."""
         read = (ranges + _gaussian(rng, self.white, ranges.shape)).astype(np.float32)  # inf stays inf
         if self.step:
             read = (self.step * np.round(read / self.step)).astype(np.float32)
@@ -107,7 +106,7 @@ class ContactChatter:
     friction: float
 
     def shake(self, force: Vector3, wheel_speed: float, rng: np.random.Generator) -> Vector3:
-        """Specific force [m/s^2] as it would be found at one step, for the mean over the window."""
+        """Returns the specific force [m/s^2] of one step, for the mean over the window."""
         disturbed = -math.expm1(-abs(wheel_speed) / self.speed)
         load = rng.gamma(self.shape, 1.0 / self.shape)
         along, across = disturbed * self.friction * math.hypot(*force) * rng.standard_normal(2)

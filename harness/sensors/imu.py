@@ -9,14 +9,14 @@ import numpy as np
 
 from harness.physics.simulation import Simulation
 from harness.samples import Imu, Quaternion, Vector3
+from harness.sensors.base import Sensor
 
 
-class ImuSensor:
+class ImuSensor(Sensor):
     """Averages over its window; call `observe` after every tick, `read` at the end of the window."""
 
     def __init__(self, simulation: Simulation, period_ticks: int) -> None:
-        self.period_ticks = period_ticks
-        self._simulation = simulation
+        super().__init__(simulation, period_ticks)
         self._steps = 0  # in the window so far
         self._force_in_tick = simulation.summed("imu_accelerometer")
         self._rate_in_tick = simulation.summed("imu_gyro")
@@ -31,18 +31,21 @@ class ImuSensor:
         self._steps += self._simulation.steps_per_tick
 
     def read(self) -> Imu:
-        """The window's means [m/s^2, rad/s] and the attitude at its end; starts a new window."""
+        """Returns the window's means [m/s^2, rad/s] and the attitude at its end; starts a new window."""
         reading = Imu(
             stamp_ns=self._simulation.time_ns,
             orientation=self._orientation(),
             angular_velocity=_vector(self._rate_sum / self._steps),
             linear_acceleration=_vector(self._force_sum / self._steps),
         )
-        self.forget()
+        self._begin_window()
         return reading
 
-    def forget(self) -> None:
+    def after_reset(self) -> None:
         """Starts a new window; what is in the present one is never read."""
+        self._begin_window()
+
+    def _begin_window(self) -> None:
         self._force_sum.fill(0.0)
         self._rate_sum.fill(0.0)
         self._steps = 0

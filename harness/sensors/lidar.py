@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from harness.physics.simulation import Simulation
 from harness.samples import LaserScan
+from harness.sensors.base import Sensor
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.rays.heightfield_rays import HeightfieldRays
 from harness.sensors.rays.obstacle_rays import ObstacleRays
@@ -36,7 +37,7 @@ class Lidar:
         self._distances = np.empty_like(angles)
 
     def scan(self, data: mujoco.MjData) -> NDArray[np.float32]:
-        """Ranges [m] of one revolution, shape (beams,), in a new array.
+        """Returns the ranges [m] of one revolution, shape (beams,), in a new array.
 
         +inf: nothing within range_max; -inf: something nearer than range_min. The poses in `data`
         must be those of its qpos: after mj_step, call mj_kinematics first.
@@ -53,20 +54,19 @@ class Lidar:
         return distances.astype(np.float32)
 
 
-class LidarSensor:
+class LidarSensor(Sensor):
     """The lidar as a sensor of the episode."""
 
     def __init__(self, simulation: Simulation, lidar: Lidar, period_ticks: int) -> None:
-        self.period_ticks = period_ticks
-        self._simulation = simulation
+        super().__init__(simulation, period_ticks)
         self._lidar = lidar
 
     def read(self) -> LaserScan:
-        """A scan from where the rover is now."""
+        """Returns a scan from where the rover is now."""
         self._simulation.refresh_kinematics()
         return LaserScan(self._simulation.time_ns, self._lidar.scan(self._simulation.data))
 
 
 def beam_bearings(lidar: LidarSpec) -> NDArray[np.float64]:
-    """Direction [rad] of each beam in the rover's frame: the lidar looks backwards (yaw pi)."""
+    """Returns each beam's direction [rad] in the rover's frame: the lidar looks backwards (yaw pi)."""
     return np.remainder(lidar.angles + 2 * math.pi, math.tau) - math.pi

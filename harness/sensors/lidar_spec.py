@@ -30,5 +30,5 @@ class LidarSpec:
 
     @property
     def angles(self) -> NDArray[np.float64]:
-        """Azimuth of every beam in the lidar's frame [rad], counter-clockwise, shape (beams,)."""
+        """Returns every beam's azimuth in the lidar's frame [rad], counter-clockwise, shape (beams,)."""
         return np.linspace(-self.angle_max, self.angle_max, self.beams)

@@ -105,7 +105,7 @@ class SensorNoise:
         self._wheel_speed = 0.0
 
     def corrupt(self, sample: Sample) -> Sample:
-        """The reading as a faulty sensor would give it."""
+        """Returns the reading as a faulty sensor would give it."""
         if isinstance(sample, Odometry):
             self._wheel_speed = sample.twist.linear
         if isinstance(sample, LaserScan):

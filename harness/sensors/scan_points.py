@@ -15,7 +15,7 @@ Points = NDArray[np.float64]  # shape (k, 2): x, y in the world [m]
 
 
 def scan_points(placed: PlacedScan, rover: RoverSpec) -> Points:
-    """Where the beams of a scan hit something."""
+    """Returns where the beams of a scan hit something, shape (k, 2) in the world [m]."""
     ranges = placed.scan.ranges.astype(np.float64)
     hit = np.isfinite(ranges)
     angles = LidarSpec(beams=len(ranges)).angles[hit]
@@ -29,7 +29,7 @@ def scan_points(placed: PlacedScan, rover: RoverSpec) -> Points:
 
 @cache
 def _lidar_mount(rover: RoverSpec) -> tuple[Points, Points]:
-    """Position [m] and rotation of the lidar in the model frame, from the rover's model file."""
+    """Returns position [m] and rotation of the lidar in the model frame, from the rover's model file."""
     model = mujoco.MjModel.from_xml_path(str(rover.model_path))
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)

@@ -1,36 +1,31 @@
 """What RoboTerrain reads from Gazebo's state: model pose, true odometry, joint states."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from harness.physics.simulation import Simulation
 from harness.samples import GroundTruth, JointStates, Pose, TruthState
-from harness.truth.recorder import TruthRecorder
+from harness.sensors.base import Sensor
 
-TRUTH_RATE = 20  # [Hz]
+if TYPE_CHECKING:
+    from harness.physics.simulation import Simulation
+    from harness.truth.recorder import TruthRecorder
 
 
-class PoseSensor:
+class PoseSensor(Sensor):
     """Pose of the model frame in the world, as PoseConverterNode publishes it."""
 
-    def __init__(self, simulation: Simulation, period_ticks: int) -> None:
-        self.period_ticks = period_ticks
-        self._simulation = simulation
-
     def read(self) -> Pose:
-        """The true pose."""
+        """Returns the true pose."""
         simulation = self._simulation
         return Pose(simulation.time_ns, simulation.position, simulation.orientation)
 
 
-class GroundTruthSensor:
+class GroundTruthSensor(Sensor):
     """Planar true pose and body-frame velocity."""
 
-    def __init__(self, simulation: Simulation, period_ticks: int) -> None:
-        self.period_ticks = period_ticks
-        self._simulation = simulation
-
     def read(self) -> GroundTruth:
-        """The truth; a free joint's angular qvel is in the model frame."""
+        """Returns the truth; a free joint's angular qvel is in the model frame."""
         simulation = self._simulation
         x, y, _ = simulation.position
         wx, wy, wz = simulation.data.qvel[3:6].tolist()
@@ -44,18 +39,17 @@ class GroundTruthSensor:
         )
 
 
-class JointSensor:
+class JointSensor(Sensor):
     """Joint positions, velocities and motor torques in the order of the rover's joints."""
 
-    def __init__(self, simulation: Simulation, period_ticks: int) -> None:
-        self.period_ticks = period_ticks
-        self._simulation = simulation
+    def __init__(self, simulation: "Simulation", period_ticks: int) -> None:
+        super().__init__(simulation, period_ticks)
         model, joints = simulation.model, simulation.scene.rover.joints
         self._qpos = np.array([int(model.joint(name).qposadr[0]) for name in joints])
         self._dofs = np.array([int(model.joint(name).dofadr[0]) for name in joints])
 
     def read(self) -> JointStates:
-        """Positions [rad], velocities [rad/s] and efforts [N m]."""
+        """Returns positions [rad], velocities [rad/s] and efforts [N m]."""
         data = self._simulation.data
         return JointStates(
             stamp_ns=self._simulation.time_ns,
@@ -65,13 +59,12 @@ class JointSensor:
         )
 
 
-class TruthSensor:
-    """Reads a recorder; nothing corrupts what it says."""
+class TruthSensor(Sensor):
+    """What only the simulator knows; nothing corrupts what it says."""
 
-    def __init__(self, recorder: TruthRecorder, period_ticks: int) -> None:
-        self.period_ticks = period_ticks
-        self._recorder = recorder
+    def __init__(self, recorder: "TruthRecorder", period_ticks: int) -> None:
+        self._recorder, self.period_ticks = recorder, period_ticks
 
     def read(self) -> TruthState:
-        """The truth now and since the last reading."""
+        """Returns the truth now and since the last reading."""
         return self._recorder.state()

@@ -16,7 +16,7 @@ from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.loop import drive as drive_loop
 from harness.errors import UsageError
-from harness.faults.injector import FaultInjector, disturb_time
+from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
@@ -90,8 +90,7 @@ class Trial:
         stay_local()
         self.domain = at_end.enter_context(reserved_domain())
         self._episode = Episode(self.config)
-        faults = parse_faults(self.config.faults)
-        injector = FaultInjector(faults, self.config.seed)
+        injector = FaultInjector(parse_faults(self.config.faults), self.config.seed)
         self._ticks = drive_loop(self._batches(), injector, self._take)
         rclpy.init(
             args=list(ON_SIMULATED_TIME),
@@ -103,7 +102,8 @@ class Trial:
         self._bridge = Bridge(find_rover(self.config.robot), lidar, on_command=self._episode.command)
         at_end.callback(self._bridge.destroy_node)
         self._bridge.set_parameters([Parameter("use_sim_time", value=False)])  # it makes the time
-        self._executor = make_executor(rclpy.get_default_context(), time_jumps=disturb_time(faults))
+        context = rclpy.get_default_context()
+        self._executor = make_executor(context, time_jumps=injector.disturbs_time)
         at_end.callback(self._executor.shutdown)
         self._executor.add_node(self._bridge)
 

@@ -83,8 +83,8 @@ def test_memory_is_bounded_by_the_window() -> None:
     ],
 )
 def test_a_type_name_from_the_network_imports_nothing_but_messages(name: str) -> None:
-    onlooker = pytest.importorskip("harness.ros.topic_monitor", exc_type=ImportError)
-    assert onlooker.message_class(name) is None
+    topic_monitor = pytest.importorskip("harness.ros.topic_monitor", exc_type=ImportError)
+    assert topic_monitor.message_class(name) is None
     assert "antigravity" not in sys.modules
 
 
@@ -104,8 +104,8 @@ def profile(
     ],
 )
 def test_quality_shows_what_the_middleware_tells(announced: object, shown: str) -> None:
-    onlooker = pytest.importorskip("harness.ros.topic_monitor", exc_type=ImportError)
-    assert onlooker.quality(announced) == shown
+    topic_monitor = pytest.importorskip("harness.ros.topic_monitor", exc_type=ImportError)
+    assert topic_monitor.quality(announced) == shown
 
 
 @pytest.mark.parametrize("seconds", ["0", "-1", "nan", "inf", "soon"])
@@ -137,13 +137,13 @@ def test_without_ros_the_command_says_so_in_one_line(tmp_path: Path) -> None:
 
 
 class Scene:
-    """A talker and an onlooker in one process, on a clock that the test sets."""
+    """A talker and a monitor in one process, on a clock that the test sets."""
 
     def __init__(self, at_end: ExitStack, namespace: str = "") -> None:
         import rclpy  # noqa: PLC0415 - most of this file needs no ROS
         from rclpy.executors import SingleThreadedExecutor  # noqa: PLC0415
 
-        from harness.ros.topic_monitor import Onlooker  # noqa: PLC0415
+        from harness.ros.topic_monitor import TopicMonitor  # noqa: PLC0415
 
         self.now = 0.0
         self.context = rclpy.Context()
@@ -153,17 +153,17 @@ class Scene:
         at_end.callback(self.executor.shutdown)
         self.talker: Untyped = rclpy.create_node("talker", context=self.context)
         watcher: Untyped = rclpy.create_node("watcher", context=self.context)
-        self.onlooker = Onlooker(watcher, namespace, now=lambda: self.now)
+        self.monitor = TopicMonitor(watcher, namespace, now=lambda: self.now)
         for node in (self.talker, watcher):
             at_end.callback(node.destroy_node)
             self.executor.add_node(node)
 
     def publisher(self, kind: type, topic: str, qos: object = 10) -> Untyped:
-        """A publisher that the onlooker hears."""
+        """A publisher that the monitor hears."""
         publisher = self.talker.create_publisher(kind, topic, qos)
 
         def heard() -> bool:
-            self.onlooker.look_around()
+            self.monitor.look_around()
             return bool(publisher.get_subscription_count())
 
         self.spin_until(heard)
@@ -176,8 +176,8 @@ class Scene:
             self.executor.spin_once(timeout_sec=0.02)
 
     def publish(self, publisher: Untyped, message: object, at: float) -> None:
-        """Publishes at a time [s] and waits until the onlooker has it."""
-        self.now, counts = at, self.onlooker.counts
+        """Publishes at a time [s] and waits until the monitor has it."""
+        self.now, counts = at, self.monitor.counts
         expected = counts[publisher.topic_name] + 1
         publisher.publish(message)
         self.spin_until(lambda: counts[publisher.topic_name] == expected)
@@ -186,7 +186,7 @@ class Scene:
         """The table's row of a topic."""
         console = Console(width=200)
         with console.capture() as captured:
-            console.print(self.onlooker.table())
+            console.print(self.monitor.table())
         (row,) = [line for line in captured.get().splitlines() if line.startswith(f"│ {topic} ")]
         return [cell.strip() for cell in row.strip("│ ").split("│")]
 
@@ -257,7 +257,7 @@ def test_a_namespace_leaves_out_the_others_but_not_the_clock(ros_domain: int) ->
         ]
         scene.publisher(Clock, "/clock")
         scene.publisher(Imu, "/rover1/imu")
-        assert set(scene.onlooker.types) == {"/clock", "/rover1/imu"}
+        assert set(scene.monitor.types) == {"/clock", "/rover1/imu"}
         assert [other.get_subscription_count() for other in others] == [0, 0]
 
 

@@ -86,7 +86,7 @@ def test_message_that_never_arrives_is_given_up_and_counted(
     monkeypatch.setattr(lockstep, "PATIENCE", 0.2)
     step = LockStep(nodes.bridge, nodes.executor, (nodes.hosted,))
     step.advance(tick(1))
-    nodes.bridge.of[Imu][0].published += 3  # three that DDS swallowed
+    nodes.bridge.channels_of[Imu][0].published += 3  # three that DDS swallowed
     step.advance(tick(2))
     monkeypatch.undo()
     monkeypatch.delattr(HostedMetrics, "_give_up")  # nothing is waited for twice
@@ -106,7 +106,7 @@ def test_truth_for_the_extended_columns_is_waited_for_and_missed_as_every_topic(
     step = LockStep(nodes.bridge, nodes.executor, (nodes.hosted,))
     state = TruthState(TICK_NS, True, False, False, 5.0, 0.3, 1.0, (0.1, 0.1, 0.1, 0.1), 0.01)
     step.advance(Tick(TICK_NS, (state,)))
-    contact, traversal = nodes.bridge.of[TruthState]
+    contact, traversal = nodes.bridge.channels_of[TruthState]
     assert (nodes.hosted.received()[contact.topic], nodes.hosted.received()[traversal.topic]) == (1, 1)
     contact.published += 1  # one that DDS swallowed
     step.advance(tick(2))

@@ -75,12 +75,9 @@ def publish(bridge: Bridge, recorder: Recorder, ticks: int) -> None:
 
 
 def record(path: Path, bridge: Bridge, ticks: int) -> None:
-    original = [(channel, channel.fill) for channel in bridge.channels]
     with Recorder(path) as recorder:
         recorder.tap(bridge)
         publish(bridge, recorder, ticks)
-    for channel, fill in original:
-        channel.fill = fill
 
 
 def test_the_file_is_one_that_rosbag2_and_rosbags_read_without_another(

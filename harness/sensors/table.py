@@ -1,0 +1,152 @@
+"""The sensors: one row each. Episode, bridge, metrics, faults and recorder read this table.
+
+A new sensor is a sample and a Sensor that reads it (one file), its row here, and a test. Importing the
+table loads neither MuJoCo nor compiled kernels, so that processes which only publish start fast.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from operator import attrgetter
+from pkgutil import resolve_name
+from typing import cast
+
+from harness.robots import RoverSpec
+from harness.samples import GroundTruth, Imu, JointStates, LaserScan, Odometry, Pose, Sample, TruthState
+from harness.sensors.base import Sensor, period_ticks
+
+
+@dataclass(frozen=True)
+class Topic:
+    """Where the samples of a sensor are published; keep-last 10, volatile.
+
+    Attributes:
+        name: Relative to the namespace of the run.
+        message_type: E.g. "sensor_msgs/msg/Imu". Unless harness.ros.messages has a filler for it, its
+            fields are filled from those of the sample that have the same names.
+        best_effort: Whether it is offered best effort instead of reliable.
+    """
+
+    name: str
+    message_type: str
+    best_effort: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensorRow:
+    """One sensor.
+
+    Attributes:
+        sample: What it reads: a frozen dataclass with a stamp_ns.
+        reader: The Sensor class, as "module:Class"; it is loaded by whoever makes one.
+        parts: What of an episode it is made from; its period follows as the last argument.
+        topics: Where the sample is published, in this order.
+        rate: Samples a second of simulation time, of every rover or by rover [Hz].
+        frame: Of the messages' headers, of every rover or by rover.
+        fault: Its name in --fault; None if no fault touches it.
+        measured: The fields of the sample that faults of values change. Attitudes are left alone: a
+            quaternion has no single value that is off.
+    """
+
+    sample: type[Sample]
+    reader: str
+    parts: tuple[str, ...] = ("simulation",)
+    topics: tuple[Topic, ...]
+    rate: int | Callable[[RoverSpec], int]
+    frame: str | Callable[[RoverSpec], str] = ""
+    fault: str | None = None
+    measured: tuple[str, ...] = ()
+
+    def rate_on(self, rover: RoverSpec) -> int:
+        """Returns the default rate on that rover [Hz]."""
+        return self.rate if isinstance(self.rate, int) else self.rate(rover)
+
+    def frame_on(self, rover: RoverSpec) -> str:
+        """Returns the name of the frame on that rover."""
+        return self.frame if isinstance(self.frame, str) else self.frame(rover)
+
+    def make(self, parts: Mapping[str, object], rate: int) -> Sensor:
+        """Returns the sensor of an episode.
+
+        Args:
+            parts: What it may be made from, by the names that rows use.
+            rate: In samples a second of simulation time [Hz].
+
+        Raises:
+            UsageError: The period is no whole number of clock ticks.
+        """
+        made_from = (parts[name] for name in self.parts)
+        return cast("Sensor", resolve_name(self.reader)(*made_from, period_ticks(rate)))
+
+
+# In publishing order. Rates, topics and frames are RoboTerrain's.
+SENSORS: tuple[SensorRow, ...] = (
+    SensorRow(
+        sample=LaserScan,
+        reader="harness.sensors.lidar:LidarSensor",
+        parts=("simulation", "lidar"),
+        topics=(Topic("scan", "sensor_msgs/msg/LaserScan"),),
+        rate=20,
+        frame="lidar_link",
+        fault="scan",
+        measured=("ranges",),
+    ),
+    SensorRow(
+        sample=Imu,
+        reader="harness.sensors.imu:ImuSensor",
+        topics=(Topic("imu/data", "sensor_msgs/msg/Imu"),),
+        rate=20,
+        frame=attrgetter("imu_frame"),
+        fault="imu",
+        measured=("angular_velocity", "linear_acceleration"),
+    ),
+    SensorRow(
+        sample=Pose,
+        reader="harness.sensors.state:PoseSensor",
+        topics=(Topic("rover/pose_array", "geometry_msgs/msg/PoseArray", best_effort=True),),
+        rate=50,
+        frame="world",
+        fault="pose",
+        measured=("position",),
+    ),
+    SensorRow(
+        sample=Odometry,
+        reader="harness.sensors.odometry:WheelOdometry",
+        topics=(Topic("odometry/wheels", "nav_msgs/msg/Odometry"),),
+        rate=attrgetter("odometry_rate"),
+        frame="odom",
+        fault="odometry",
+        measured=("x", "y", "twist"),
+    ),
+    SensorRow(
+        sample=GroundTruth,
+        reader="harness.sensors.state:GroundTruthSensor",
+        topics=(Topic("odom_ground_truth", "nav_msgs/msg/Odometry"),),
+        rate=50,
+        frame="odom",
+        fault="ground_truth",
+        measured=("x", "y", "linear_velocity", "angular_velocity"),
+    ),
+    SensorRow(
+        sample=JointStates,
+        reader="harness.sensors.state:JointSensor",
+        topics=(Topic("joint_states", "sensor_msgs/msg/JointState"),),
+        rate=50,
+        fault="joint_states",
+        measured=("position", "velocity", "effort"),
+    ),
+    SensorRow(
+        sample=TruthState,
+        reader="harness.sensors.state:TruthSensor",
+        parts=("recorder",),
+        topics=(
+            Topic("rover/truth/contact", "std_msgs/msg/Bool"),
+            Topic("rover/truth/traversal", "std_msgs/msg/Float64MultiArray"),
+        ),
+        rate=20,
+    ),
+)
+
+
+def by_fault_name() -> dict[str, SensorRow]:
+    """Returns the rows of the sensors that can have faults, by their names in --fault."""
+    return {row.fault: row for row in SENSORS if row.fault is not None}

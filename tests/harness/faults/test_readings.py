@@ -1,0 +1,116 @@
+"""Faults of one reading by itself."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from harness.faults.readings import with_values
+from harness.samples import (
+    GroundTruth,
+    Imu,
+    JointStates,
+    LaserScan,
+    Odometry,
+    Pose,
+    Sample,
+    Twist,
+)
+from harness.sim_time import NANOSECONDS as SECOND
+from harness.sim_time import TICK_NS as TICK
+from tests.harness.faults.faulty_ticks import UPRIGHT, imus, readings, scans, sent, times
+
+
+@pytest.mark.parametrize(
+    ("fault", "is_hit"),
+    [
+        ("nan", math.isnan),
+        ("inf", math.isinf),
+        ("zero", lambda x: x == 0.0),
+        ("huge", lambda x: x == 1e30),
+        ("stuck=-4", lambda x: x == -4.0),
+    ],
+)
+def test_values_are_hit_from_start_to_before_the_end(
+    fault: str, is_hit: Callable[[float], bool]
+) -> None:
+    hit = [
+        imu.stamp_ns / SECOND
+        for imu in imus(f"imu:{fault}@1+0.5")
+        if all(is_hit(x) for x in (*imu.linear_acceleration, *imu.angular_velocity))
+    ]
+    assert hit == [n / 100 for n in range(100, 150)]
+
+
+def test_share_of_beams_is_hit_at_random() -> None:
+    share = np.mean([np.isnan(scan.ranges).mean() for scan in scans("scan:nan=0.3")])
+    assert share == pytest.approx(0.3, abs=0.03)
+    assert all(scan.ranges.dtype == np.float32 for scan in scans("scan:nan=0.3"))
+
+
+def test_spike_throws_one_value_in_ten_off_to_both_sides() -> None:
+    off = np.concatenate([s.ranges - round(s.stamp_ns / TICK) for s in scans("scan:spike=3")])
+    assert set(np.unique(off).tolist()) == {-3.0, 0.0, 3.0}
+    assert np.mean(off != 0.0) == pytest.approx(0.1, abs=0.02)
+
+
+def test_dropout_silences_and_then_ends() -> None:
+    assert times(scans("scan:dropout@1+2.5")) == [n / 100 for n in (*range(1, 100), *range(350, 401))]
+
+
+def test_dropout_rate_is_the_share_that_is_not_sent() -> None:
+    assert len(imus("imu:dropout=0.25")) == pytest.approx(300, abs=30)
+
+
+@pytest.mark.parametrize(
+    ("sensor", "expected"),
+    [
+        ("imu", Imu(TICK, UPRIGHT, (7.0,) * 3, (7.0,) * 3)),
+        ("pose", Pose(TICK, (7.0,) * 3, UPRIGHT)),
+        ("odometry", Odometry(TICK, 7.0, 7.0, 0.5, Twist(7.0, 7.0))),
+        ("ground_truth", GroundTruth(TICK, 7.0, 7.0, 0.5, (7.0,) * 3, (7.0,) * 3)),
+        ("joint_states", JointStates(TICK, (7.0,) * 3, (7.0,) * 3, (7.0,) * 3)),
+    ],
+)
+def test_everything_measured_is_hit_and_no_attitude(sensor: str, expected: Sample) -> None:
+    (found,) = readings(sent(f"{sensor}:stuck=7", seconds=0.01), type(expected))
+    assert found == expected
+
+
+def test_a_twist_keeps_its_axes() -> None:
+    """Values that differ: forward must not become yaw."""
+    reading = Odometry(TICK, 1.0, 2.0, 3.0, Twist(4.0, 5.0))
+    assert with_values(reading, ("x", "y", "twist"), lambda values: values + 10.0) == Odometry(
+        TICK, 11.0, 12.0, 3.0, Twist(14.0, 15.0)
+    )
+
+
+def test_duplicates_follow_each_other() -> None:
+    assert times(imus("imu:duplicate=3@3.99")) == [
+        *(n / 100 for n in range(1, 399)),
+        *[3.99] * 3,
+        *[4.0] * 3,
+    ]
+
+
+def test_stamps_shift_but_never_below_zero_or_stand_still() -> None:
+    assert times(imus("imu:stamp-shift=-0.5@0.2+0.4"))[18:61:20] == [0.19, 0.0, 0.09]
+    assert times(imus("imu:stamp-freeze@1+1"))[98:201:50] == [0.99, 0.99, 0.99]
+
+
+def test_empty_messages_hold_no_readings() -> None:
+    one = sent("scan:empty", "pose:empty", "joint_states:empty")[0]
+    scan, _, pose, _, _, joints = one.samples
+    assert isinstance(scan, LaserScan)
+    assert scan.ranges.size == 0
+    assert isinstance(pose, Pose)
+    assert pose.empty
+    assert np.isnan(pose.position).all()
+    assert isinstance(joints, JointStates)
+    assert (joints.position, joints.velocity, joints.effort) == ((), (), ())
+
+
+def test_beams_are_cut_or_added() -> None:
+    assert scans("scan:beams=3")[6].ranges.tolist() == [7.0] * 3
+    assert scans("scan:beams=12")[6].ranges.tolist() == [7.0] * 10 + [math.inf] * 2

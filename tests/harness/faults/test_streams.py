@@ -1,0 +1,35 @@
+"""Faults that remember earlier readings."""
+
+from harness.samples import (
+    LaserScan,
+)
+from harness.sim_time import NANOSECONDS as SECOND
+from tests.harness.faults.faulty_ticks import scans, sent, times
+
+
+def test_frozen_sensor_repeats_its_last_reading_with_new_stamps() -> None:
+    frozen = scans("scan:freeze@1+1")
+    assert times(frozen) == [n / 100 for n in range(1, 401)]
+    assert {scan.ranges[0] for scan in frozen[98:199]} == {99.0}
+    assert frozen[199].ranges[0] == 200.0
+
+
+def test_sensor_that_is_frozen_from_the_start_repeats_its_first_reading() -> None:
+    assert {scan.ranges[0] for scan in scans("scan:freeze")} == {1.0}
+
+
+def test_late_readings_come_in_order_with_their_own_stamps() -> None:
+    late = sent("scan:latency=0.2@1+1")
+    arrivals = [
+        (one.stamp_ns, s.stamp_ns) for one in late for s in one.samples if isinstance(s, LaserScan)
+    ]
+    assert len(arrivals) == 400
+    assert [stamp for _, stamp in arrivals] == sorted(stamp for _, stamp in arrivals)
+    delays = {(then - stamp) / SECOND for then, stamp in arrivals if 1.0 <= stamp / SECOND < 2.0}
+    assert delays == {0.2}
+    assert {then - stamp for then, stamp in arrivals if not 1.0 <= stamp / SECOND < 2.2} == {0}
+
+
+def test_lower_rate_leaves_readings_evenly_out_from_the_start_of_the_fault() -> None:
+    assert times(scans("scan:rate=5@1+1"))[98:106] == [0.99, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.01]
+    assert times(scans("scan:rate=2@1.3+1.2"))[128:134] == [1.29, 1.3, 1.8, 2.3, 2.5, 2.51]

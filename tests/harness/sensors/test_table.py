@@ -1,0 +1,125 @@
+"""A sensor that is not there yet: one class, one row, and it is in every part of a run."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from harness.config import EpisodeConfig
+from harness.episode.episode import Episode
+from harness.faults.injector import FaultInjector
+from harness.faults.spec import describe_faults, parse_faults
+from harness.robots import ROVERS, find_rover
+from harness.samples import Tick
+from harness.sensors import table
+from harness.sensors.base import Sensor, period_ticks
+from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.table import SensorRow, Topic
+
+SEA_LEVEL, GRADIENT = 101_325.0, -12.0  # [Pa], [Pa/m]
+BEAMS = 8
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """Air pressure and its variance."""
+
+    stamp_ns: int
+    fluid_pressure: float
+    variance: float
+
+
+class Barometer(Sensor):
+    """Pressure that falls with height."""
+
+    def read(self) -> Pressure:
+        """Returns the pressure [Pa] where the rover is."""
+        height = self._simulation.position[2]
+        return Pressure(self._simulation.time_ns, SEA_LEVEL + GRADIENT * height, 2.5)
+
+
+BAROMETER = SensorRow(
+    sample=Pressure,
+    reader=f"{__name__}:Barometer",
+    topics=(Topic("pressure", "sensor_msgs/msg/FluidPressure"),),
+    rate=10,
+    frame="barometer_link",
+    fault="barometer",
+    measured=("fluid_pressure",),
+)
+
+
+@pytest.fixture
+def _barometer(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(table, "SENSORS", (*table.SENSORS, BAROMETER))
+
+
+@pytest.fixture
+def ticks(_barometer: None) -> tuple[Tick, ...]:
+    """Of one second with a barometer that says 7 from 0.5 s on, and never anything in between."""
+    config = EpisodeConfig(terrain="flat", driver="spin", lidar_beams=BEAMS, duration=1.0)
+    faults = FaultInjector(parse_faults(["barometer:stuck=7@0.5", "imu:dropout"]), seed=0)
+    batches = Episode(config).batches()
+    return tuple(faults.corrupt(tick) for batch in batches for tick in batch.ticks)
+
+
+def pressures(ticks: tuple[Tick, ...]) -> list[Pressure]:
+    return [sample for tick in ticks for sample in tick.samples if isinstance(sample, Pressure)]
+
+
+def test_a_new_row_is_read_at_its_rate_and_has_faults_of_its_own(ticks: tuple[Tick, ...]) -> None:
+    told = pressures(ticks)
+    assert [p.stamp_ns / 1e9 for p in told] == [n / 10 for n in range(1, 11)]
+    assert all(101_000.0 < p.fluid_pressure < SEA_LEVEL + 1.0 for p in told[:4])
+    assert {p.fluid_pressure for p in told[4:]} == {7.0}
+    assert {p.variance for p in told} == {2.5}
+
+
+@pytest.mark.usefixtures("_barometer")
+def test_a_new_row_is_in_the_help() -> None:
+    assert "joint_states, barometer, clock" in describe_faults().splitlines()[0]
+
+
+@pytest.fixture
+def recording(ticks: tuple[Tick, ...], ros_domain: int, tmp_path: Path) -> Path:
+    """What the bridge has published of them."""
+    rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    from harness.ros.bridge import Bridge  # noqa: PLC0415 - the other tests need no ROS
+    from harness.ros.recorder import Recorder  # noqa: PLC0415
+
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=ros_domain)
+    bridge = Bridge(find_rover("leo"), LidarSpec(beams=BEAMS), context=context)
+    with Recorder(tmp_path / "bag.mcap") as recorder:
+        recorder.tap(bridge)
+        for tick in ticks:
+            recorder.time_ns = tick.stamp_ns
+            bridge.publish_samples(tick)
+    assert bridge.published()["/pressure"] == 10
+    bridge.destroy_node()
+    context.shutdown()
+    return tmp_path / "bag.mcap"
+
+
+def test_a_new_row_is_published_and_recorded_without_a_line_for_its_message(
+    recording: Path, ticks: tuple[Tick, ...]
+) -> None:
+    from rosbags.highlevel import AnyReader  # noqa: PLC0415 - the other tests need no recording
+
+    with AnyReader([recording]) as bag:
+        (connection,) = (c for c in bag.connections if c.topic == "/pressure")
+        assert connection.msgtype == "sensor_msgs/msg/FluidPressure"
+        told = [bag.deserialize(data, c.msgtype) for c, _, data in bag.messages([connection])]
+    stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in told]  # type: ignore[attr-defined]
+    values = [(m.fluid_pressure, m.variance) for m in told]  # type: ignore[attr-defined]
+    assert stamps == [p.stamp_ns for p in pressures(ticks)]
+    assert values == [(p.fluid_pressure, p.variance) for p in pressures(ticks)]
+    assert {m.header.frame_id for m in told} == {"barometer_link"}  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("row", table.SENSORS, ids=lambda row: row.sample.__name__)
+def test_every_row_has_a_valid_rate_on_every_rover_and_fields_that_its_sample_has(
+    row: SensorRow,
+) -> None:
+    assert all(period_ticks(row.rate_on(rover)) for rover in ROVERS.values())
+    assert set(row.measured) <= set(row.sample.__dataclass_fields__)
