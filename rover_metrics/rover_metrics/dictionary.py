@@ -12,7 +12,7 @@ from rover_metrics.core.column import Column
 from rover_metrics.core.roboterrain_columns import SEED_COLUMNS
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 from rover_metrics.extended.row import EXTENDED_COLUMNS
-from rover_metrics.extended.settings import DEFAULT_EXTENDED
+from rover_metrics.extended.settings import EXTENDED_INFO
 
 COMMAND = "python -m rover_metrics.dictionary --write docs/metrics.md"
 
@@ -85,12 +85,10 @@ def _cells(column: Column) -> tuple[str, ...]:
 
 
 def _thresholds() -> Iterator[tuple[str, ...]]:
-    for name, info in THRESHOLD_INFO.items():
+    extended = ("footprint_threshold", EXTENDED_INFO["footprint_threshold"])
+    for name, info in (*THRESHOLD_INFO.items(), extended):
         valid = f"{info.minimum:g} to {info.maximum:g}"
         yield f"`{name}`", f"{info.default:g}", info.unit, valid, info.description
-    threshold = f"{DEFAULT_EXTENDED.footprint_threshold:g}"
-    meaning = "a scan whose footprint clearance is below this is a footprint collision"
-    yield "`footprint_threshold`", threshold, "m", "0 to 100", meaning
 
 
 def _table(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -12,12 +12,12 @@ class RoverMetricsError(Exception):
     exit_code = 2
 
 
-class ThresholdError(RoverMetricsError):
-    """A threshold outside its valid range."""
-
-
 class ParameterError(RoverMetricsError):
     """A ROS parameter of the wrong type or outside its range."""
+
+
+class ThresholdError(ParameterError):
+    """A threshold outside its valid range."""
 
 
 class LogError(RoverMetricsError):

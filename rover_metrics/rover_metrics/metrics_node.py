@@ -18,16 +18,15 @@ try:
     from rclpy.parameter import Parameter
     from std_srvs.srv import Trigger
 
-    from rover_metrics.ros import extended_parameters
     from rover_metrics.ros.metrics_publisher import MetricsPublisher
-    from rover_metrics.ros.parameters import Settings, declare_settings, wrong_type
+    from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_type
     from rover_metrics.ros.program import run_node
     from rover_metrics.ros.row_timer import RowTimer
     from rover_metrics.ros.subscriptions import subscribe
 except ImportError as error:
     raise missing_ros(error) from None
 
-from rover_metrics.extended.settings import ExtendedSettings
+from rover_metrics.extended.settings import ExtendedSettings, Settings
 from rover_metrics.extended.traffic_columns import POSE, SCAN, Topic
 from rover_metrics.health.live_view import LiveView, Status
 from rover_metrics.health.reception import LOST, Reception
@@ -224,10 +223,8 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def _use_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
         """Take changed parameters into use at once, all of them or none."""
         try:
-            settings = self.settings.updated(parameters)
-            extended_parameters.refuse_switching(
-                self.settings.extended_columns, settings.extended_columns
-            )
+            settings = self.settings.updated({each.name: each.value for each in parameters})
+            require_same_columns(self.settings, settings)
         except ParameterError as error:
             return SetParametersResult(successful=False, reason=str(error))
         if self.session.extended is not None and settings.extended != self.settings.extended:

@@ -172,7 +172,7 @@ def test_the_parameter_file_holds_the_defaults_in_every_namespace(
     rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
     from rclpy.parameter import parameter_dict_from_yaml_file  # noqa: PLC0415
 
-    from rover_metrics.ros.parameters import Settings  # noqa: PLC0415
+    from rover_metrics.extended.settings import Settings  # noqa: PLC0415
 
     assert rclpy
     values = parameter_dict_from_yaml_file(str(CONFIG), use_wildcard=True)
