@@ -10,10 +10,10 @@ from typing import Any
 
 from rover_metrics.core.metrics import Vector3
 from rover_metrics.extended.imu_columns import Quaternion
-from rover_metrics.extended.metrics import NANOSECONDS
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic
 from rover_metrics.extended.truth_columns import TRAVERSAL
 from rover_metrics.session import MetricsSession, Remark
+from rover_metrics.timing.clocks import NANOSECONDS
 
 CLOCK, CLOCK_TYPE = "/clock", "rosgraph_msgs/msg/Clock"
 UNKNOWN = -1.0  # first covariance of what a sensor does not give (sensor_msgs/Imu)

@@ -12,8 +12,8 @@ from mcap.reader import SeekingReader
 from mcap.stream_reader import StreamReader, breakup_chunk
 
 from rover_metrics.errors import RoverMetricsError
+from rover_metrics.timing.clocks import NANOSECONDS
 
-NANOSECONDS = 1_000_000_000
 LARGEST_RECORD = 2**30  # bytes; a longer one is a damaged length
 
 # What reading damaged bytes as MCAP raises; lz4 has no better type than RuntimeError.

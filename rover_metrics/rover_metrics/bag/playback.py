@@ -19,10 +19,10 @@ from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError, Message
 from rover_metrics.core.row import Row
 from rover_metrics.session import MetricsSession
-from rover_metrics.timing.recorded_time import NANOSECONDS, ClockSeconds, FullSeconds, TimeSource
+from rover_metrics.timing.clocks import NANOSECONDS, OTHER_CLOCK
+from rover_metrics.timing.recorded_time import ClockRows, FullSeconds, TimeSource
 from rover_metrics.topics import CLOCK, CLOCK_TYPE, SENSORS, TRUTH, Source
 
-OTHER_CLOCK = 3600 * NANOSECONDS  # header and recorded time that far apart are not the same clock
 MOST_NOTES = 5
 
 
@@ -78,7 +78,7 @@ class Playback:
         self._clock_topic = remaps.get(CLOCK, CLOCK)
         self.time_source = self._resolved(time_source)
         self.counts = {topic: Count() for topic in self._sensors}
-        self._timer = ClockSeconds() if self.time_source is TimeSource.SIM else FullSeconds()
+        self._timer = ClockRows() if self.time_source is TimeSource.SIM else FullSeconds()
         self._other_clock: str | None = None
         self._types = {t: sensor.message_type for t, sensor in self._sensors.items()}
         if self.time_source is TimeSource.SIM:
@@ -99,13 +99,12 @@ class Playback:
             parsed = self._parsed(message)
             now = self._time(message, parsed)
             if now is not None:
-                for second in self._timer.due(now):
-                    at_clock = self.time_source is TimeSource.SIM
-                    yield self._session.row(now if at_clock else second * NANOSECONDS)
+                for at_ns in self._timer.due(now):
+                    yield self._session.row(at_ns)
             if parsed is not None:
                 self._take(message.topic, parsed)
-        for second in self._timer.rest():
-            yield self._session.row(second * NANOSECONDS)
+        for at_ns in self._timer.rest():
+            yield self._session.row(at_ns)
 
     def _parsed(self, message: Message) -> Any | None:  # noqa: ANN401
         """The message as an object; None if nobody wants it or it is not readable."""
@@ -126,7 +125,11 @@ class Playback:
         stamp = 0 if header is None else _nanoseconds(header.stamp)  # 0: never set
         if self.time_source is TimeSource.HEADER:
             return stamp or None
-        if stamp and self._other_clock is None and abs(stamp - message.time_ns) > OTHER_CLOCK:
+        if (
+            stamp
+            and self._other_clock is None
+            and abs(stamp - message.time_ns) > OTHER_CLOCK * NANOSECONDS
+        ):
             self._other_clock = (
                 f"header stamps ({stamp / NANOSECONDS:.2f} s) are of another clock than the recorded "
                 f"time ({message.time_ns / NANOSECONDS:.2f} s); --time header follows them"

@@ -8,8 +8,7 @@ from typing import NamedTuple
 from rover_metrics.core.row import DECIMALS, Field, Row
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.health.reception import TopicState
-
-OTHER_CLOCK = 86_400.0  # s: a stamp that far from now is of another clock
+from rover_metrics.timing.clocks import OTHER_CLOCK
 
 
 class Level(IntEnum):

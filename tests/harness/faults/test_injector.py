@@ -22,7 +22,7 @@ from harness.samples import (
     TruthState,
     Twist,
 )
-from rover_metrics.timing.row_schedule import RosTimer
+from rover_metrics.timing.row_times import RosTimer
 
 TICK = 10_000_000
 SECOND = 1_000_000_000
