@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from rover_metrics.core.column import Column
-from rover_metrics.core.roboterrain_columns import SEED_COLUMNS
+from rover_metrics.core.roboterrain_columns import ROBOTERRAIN_COLUMNS
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 from rover_metrics.extended.row import EXTENDED_COLUMNS
 from rover_metrics.extended.settings import EXTENDED_INFO
@@ -59,7 +59,7 @@ def dictionary() -> str:
     parts = (
         HEAD,
         "## The twelve\n",
-        _table(COLUMN_TITLES, map(_cells, SEED_COLUMNS)),
+        _table(COLUMN_TITLES, map(_cells, ROBOTERRAIN_COLUMNS)),
         "## Extended columns\n",
         EXTENDED_HEAD,
         _table(COLUMN_TITLES, map(_cells, EXTENDED_COLUMNS)),

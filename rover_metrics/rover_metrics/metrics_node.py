@@ -24,14 +24,14 @@ try:
     from rover_metrics.ros.row_timer import RowTimer
     from rover_metrics.ros.subscriptions import subscribe
 except ImportError as error:
-    raise missing_ros(error) from None
+    raise missing_ros(error, is_program=__name__ == "__main__") from None
 
 from rover_metrics.extended.settings import ExtendedSettings, Settings
 from rover_metrics.extended.traffic_columns import POSE, SCAN, Topic
 from rover_metrics.health.live_view import LiveView, Status
 from rover_metrics.health.reception import LOST, Reception
 from rover_metrics.health.rejections import NO_POSE
-from rover_metrics.log.buffered_log import PatientLog
+from rover_metrics.log.buffered_log import BufferedLog
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.log.session_record import SessionRecord
 from rover_metrics.session import MetricsSession
@@ -82,7 +82,7 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
             self.session = MetricsSession(self.settings.thresholds, self._extended_settings())
             self.metrics = self.session.metrics
             self.setup_subscribers()
-            self.log = PatientLog(self._csv_log(now()), self._tell)
+            self.log = BufferedLog(self._csv_log(now()), self._tell)
         except RoverMetricsError:
             super().destroy_node()
             raise

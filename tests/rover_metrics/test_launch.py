@@ -142,7 +142,7 @@ def test_metrics_declares_what_its_users_change() -> None:
 def test_metrics_launches_the_installed_program() -> None:
     node = launched(METRICS, {})
     assert (node.package, node.output) == ("rover_metrics", "screen")
-    assert f'"{node.executable} = rover_metrics.metrics_node:main"' in (PACKAGE / "setup.py").read_text()
+    assert f'"{node.executable} = rover_metrics.__main__:main"' in (PACKAGE / "setup.py").read_text()
     assert node.namespace == LaunchConfiguration("namespace")
 
 

@@ -3,9 +3,9 @@
 from dataclasses import dataclass, fields
 from typing import Protocol
 
-from rover_metrics.core.roboterrain_columns import SEED_COLUMNS
+from rover_metrics.core.roboterrain_columns import ROBOTERRAIN_COLUMNS
 
-COLUMNS: tuple[str, ...] = tuple(column.header for column in SEED_COLUMNS)
+COLUMNS: tuple[str, ...] = tuple(column.header for column in ROBOTERRAIN_COLUMNS)
 
 DECIMALS = 4
 

@@ -12,7 +12,7 @@ from rover_metrics.errors import is_worth_a_line
 CAPACITY = 3600  # rows: an hour, about 2 MB
 
 
-class PatientLog:
+class BufferedLog:
     """Writes rows to a CsvLog; what that refuses waits, at most `capacity` rows.
 
     Every row is tried again with the next one. Above the capacity the oldest row is dropped and

@@ -60,9 +60,7 @@ def test_rows_on_the_clock_topic_are_the_nodes_and_its_jumps_are_told() -> None:
     assert due(timer, 5.25, 4.25) == [5]  # a second is no jump
     assert timer.jumps == ["time jumps from 2.00 s to 5.50 s", "time jumps from 6.00 s to 3.25 s"]
     assert timer.rest() == []
-    assert timer.due(round(6.25 * SECOND)) == [
-        round(6.25 * SECOND)
-    ]
+    assert timer.due(round(6.25 * SECOND)) == [round(6.25 * SECOND)]
 
 
 def test_a_recording_that_begins_amid_a_run_has_its_first_row_at_a_full_second() -> None:
