@@ -60,7 +60,7 @@ class McapFile:
         self.topics = self._scanned_topics() if summarised is None else summarised
 
     def messages(self, wanted: Collection[str], problems: list[str]) -> Iterator[Message]:
-        """Yield each message, in the order of the file."""
+        """Yields each message, in the order of the file."""
         topics: dict[int, str] = {}
         for record in self._records(problems):
             if isinstance(record, records.Message) and record.channel_id in topics:
