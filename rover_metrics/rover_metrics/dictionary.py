@@ -39,7 +39,7 @@ THRESHOLDS_HEAD = """Parameters of `metrics_node`, which can be changed while it
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; gives its exit code."""
+    """Runs the command; returns its exit code."""
     parser = argparse.ArgumentParser(prog="python -m rover_metrics.dictionary", description=__doc__)
     parser.add_argument("--write", type=Path, metavar="FILE", help="write it there, not to stdout")
     options = parser.parse_args(arguments)
@@ -55,7 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def dictionary() -> str:
-    """Give the data dictionary as Markdown."""
+    """Returns the data dictionary as Markdown."""
     parts = (
         HEAD,
         "## The twelve\n",

@@ -32,7 +32,7 @@ INTERRUPTED = 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; gives its exit code."""
+    """Runs the command; returns its exit code."""
     options = parser().parse_args(arguments)
     try:
         return _replay(options)

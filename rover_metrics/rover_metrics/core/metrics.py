@@ -45,7 +45,7 @@ class ImuReading(NamedTuple):
 class TraversalMetrics:
     """Counts, sums and windows over the samples of one session.
 
-    Each add method takes one sample and tells whether it was usable. A sample with a component that
+    Each add method takes one sample and returns whether it was usable. A sample with a component that
     is not finite or beyond all physics is left out, for it would spoil a cumulative sum for ever.
 
     Attributes:
@@ -72,7 +72,7 @@ class TraversalMetrics:
         self._position: Vector3 | None = None
 
     def add_scan(self, ranges: ArrayLike) -> bool:
-        """Take the ranges of one lidar scan.
+        """Takes the ranges of one lidar scan.
 
         Args:
             ranges: Distances [m], any length; -inf, inf and NaN are what REP-117 says they are and
@@ -94,7 +94,7 @@ class TraversalMetrics:
         return True
 
     def add_imu(self, acceleration: Vector3, angular_velocity: Vector3) -> bool:
-        """Take one IMU sample.
+        """Takes one IMU sample.
 
         Args:
             acceleration: Linear acceleration in the IMU frame, gravity included [m/s^2].
@@ -113,7 +113,7 @@ class TraversalMetrics:
         return True
 
     def add_pose(self, position: Vector3) -> bool:
-        """Take one true position.
+        """Takes one true position.
 
         A step of distance_threshold or more is not travel but a jump; the next step starts from
         where the jump ended.
@@ -134,7 +134,7 @@ class TraversalMetrics:
         return True
 
     def add_odometry(self, linear_velocity: Vector3) -> bool:
-        """Take one wheel odometry sample.
+        """Takes one wheel odometry sample.
 
         Args:
             linear_velocity: Linear velocity in the body frame [m/s].
@@ -149,7 +149,7 @@ class TraversalMetrics:
         return True
 
     def row(self, stamp_s: int) -> MetricsRow:
-        """Sum up the session so far.
+        """Sums up the session so far.
 
         Args:
             stamp_s: ROS time of the row [s].

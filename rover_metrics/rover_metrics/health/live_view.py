@@ -53,7 +53,7 @@ class LiveView:
     def statuses(
         self, row: Row, topics: Iterable[TopicState], thresholds: Thresholds, now_ns: int
     ) -> list[Status]:
-        """Give the status of the traversal, then one for each topic.
+        """Returns the status of the traversal, then one for each topic.
 
         Args:
             row: The latest row.
@@ -104,7 +104,7 @@ class LiveView:
 
 
 def plain(value: Field) -> str:
-    """Give a value as text that every plotting tool takes for a number, if it is one."""
+    """Returns a value as text that every plotting tool takes for a number, if it is one."""
     return f"{value:.{DECIMALS}f}" if isinstance(value, float) else str(value)
 
 
