@@ -44,10 +44,14 @@ class Source:
     is_truth: bool = False
 
 
+def nanoseconds(time: Message) -> int:
+    """Returns a builtin_interfaces/Time in nanoseconds."""
+    return int(time.sec) * NANOSECONDS + int(time.nanosec)
+
+
 def stamp_ns(message: Message) -> int:
     """Returns the stamp of a message's header [ns]."""
-    stamp = message.header.stamp
-    return int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)
+    return nanoseconds(message.header.stamp)
 
 
 def _scan(session: MetricsSession, scan: Message) -> Remark | None:
