@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 from rover_metrics.core.parameter import ParameterInfo, parameter, parameters_of, require_ranges
@@ -120,4 +121,6 @@ def _known(values: Mapping[str, Any], infos: Mapping[str, ParameterInfo]) -> dic
     return {name: value for name, value in values.items() if name in infos}
 
 
-PARAMETERS = parameters_of(Settings) | THRESHOLD_INFO | EXTENDED_INFO
+PARAMETERS: Mapping[str, ParameterInfo] = MappingProxyType(
+    {**parameters_of(Settings), **THRESHOLD_INFO, **EXTENDED_INFO}
+)
