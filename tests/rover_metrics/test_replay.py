@@ -538,9 +538,7 @@ def played(messages: list[Recorded], time: TimeSource, **kwargs: Any) -> tuple[l
 
 
 @pytest.mark.parametrize(("ahead", "other"), [(86400.0, 0), (86400.5, 1), (-86400.0, 0), (-86400.5, 1)])
-def test_stamps_over_a_day_from_the_recorded_time_are_of_another_clock(
-    ahead: float, other: int
-) -> None:
+def test_stamps_over_a_day_from_the_recorded_time_are_of_another_clock(ahead: float, other: int) -> None:
     late = 500_000 * NANOSECONDS
     stamps = [0, late, late]  # 0 was never set
     recorded = [
