@@ -24,7 +24,7 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            "metrics_node = rover_metrics.metrics_node:main",
+            "metrics_node = rover_metrics.__main__:main",
             "analyze = rover_metrics.analyze:main",
             "replay = rover_metrics.replay:main",
         ]

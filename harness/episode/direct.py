@@ -30,7 +30,7 @@ from rover_metrics.errors import LogError
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.log.session_record import COMPLETE, Outcome, failed, write_record
 from rover_metrics.session import MetricsSession
-from rover_metrics.timing.row_schedule import RowSchedule
+from rover_metrics.timing.row_times import RowSchedule
 
 if TYPE_CHECKING:
     from rover_metrics.core.row import Row

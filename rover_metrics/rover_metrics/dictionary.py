@@ -9,10 +9,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from rover_metrics.core.column import Column
-from rover_metrics.core.roboterrain_columns import SEED_COLUMNS
+from rover_metrics.core.roboterrain_columns import ROBOTERRAIN_COLUMNS
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 from rover_metrics.extended.row import EXTENDED_COLUMNS
-from rover_metrics.extended.settings import DEFAULT_EXTENDED
+from rover_metrics.extended.settings import EXTENDED_INFO
 
 COMMAND = "python -m rover_metrics.dictionary --write docs/metrics.md"
 
@@ -39,7 +39,7 @@ THRESHOLDS_HEAD = """Parameters of `metrics_node`, which can be changed while it
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; gives its exit code."""
+    """Runs the command; returns its exit code."""
     parser = argparse.ArgumentParser(prog="python -m rover_metrics.dictionary", description=__doc__)
     parser.add_argument("--write", type=Path, metavar="FILE", help="write it there, not to stdout")
     options = parser.parse_args(arguments)
@@ -55,11 +55,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def dictionary() -> str:
-    """Give the data dictionary as Markdown."""
+    """Returns the data dictionary as Markdown."""
     parts = (
         HEAD,
         "## The twelve\n",
-        _table(COLUMN_TITLES, map(_cells, SEED_COLUMNS)),
+        _table(COLUMN_TITLES, map(_cells, ROBOTERRAIN_COLUMNS)),
         "## Extended columns\n",
         EXTENDED_HEAD,
         _table(COLUMN_TITLES, map(_cells, EXTENDED_COLUMNS)),
@@ -85,12 +85,10 @@ def _cells(column: Column) -> tuple[str, ...]:
 
 
 def _thresholds() -> Iterator[tuple[str, ...]]:
-    for name, info in THRESHOLD_INFO.items():
+    extended = ("footprint_threshold", EXTENDED_INFO["footprint_threshold"])
+    for name, info in (*THRESHOLD_INFO.items(), extended):
         valid = f"{info.minimum:g} to {info.maximum:g}"
         yield f"`{name}`", f"{info.default:g}", info.unit, valid, info.description
-    threshold = f"{DEFAULT_EXTENDED.footprint_threshold:g}"
-    meaning = "a scan whose footprint clearance is below this is a footprint collision"
-    yield "`footprint_threshold`", threshold, "m", "0 to 100", meaning
 
 
 def _table(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

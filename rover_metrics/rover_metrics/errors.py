@@ -2,7 +2,6 @@
 
 import argparse
 import sys
-from pathlib import Path
 from typing import NoReturn
 
 
@@ -12,12 +11,12 @@ class RoverMetricsError(Exception):
     exit_code = 2
 
 
-class ThresholdError(RoverMetricsError):
-    """A threshold outside its valid range."""
-
-
 class ParameterError(RoverMetricsError):
     """A ROS parameter of the wrong type or outside its range."""
+
+
+class ThresholdError(ParameterError):
+    """A threshold outside its valid range."""
 
 
 class LogError(RoverMetricsError):
@@ -32,21 +31,19 @@ class MissingRosError(RoverMetricsError, ImportError):
     """ROS 2 is not installed in this interpreter, or only half of it."""
 
 
-def missing_ros(error: ImportError) -> BaseException:
-    """Tell how to get ROS 2, in the form that suits who imports the node.
+def missing_ros(error: ImportError, *, is_program: bool) -> BaseException:
+    """Returns what to raise where ROS 2 is missing.
 
     Args:
         error: What the import of rclpy or of a message package said.
-
-    Returns:
-        The exception to raise: for the program metrics_node itself, which has nobody above it to
-        catch one, a SystemExit after one line on stderr; for a library user a MissingRosError.
+        is_program: Whether nobody is there to catch it; then it is a SystemExit after one line on
+            stderr, else a MissingRosError.
     """
     message = (
         f"metrics_node needs ROS 2, but: {error}; source one (source /opt/ros/<distro>/setup.bash) "
         "or install its wheels into this environment (pip install 'rover-harness[ros]')"
     )
-    if Path(sys.argv[0]).stem != "metrics_node":
+    if not is_program:
         return MissingRosError(message)
     print(message, file=sys.stderr)
     return SystemExit(MissingRosError.exit_code)

@@ -18,24 +18,23 @@ try:
     from rclpy.parameter import Parameter
     from std_srvs.srv import Trigger
 
-    from rover_metrics.ros import extended_parameters
     from rover_metrics.ros.metrics_publisher import MetricsPublisher
-    from rover_metrics.ros.parameters import Settings, declare_settings, wrong_type
+    from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_type
     from rover_metrics.ros.program import run_node
     from rover_metrics.ros.row_timer import RowTimer
     from rover_metrics.ros.subscriptions import subscribe
 except ImportError as error:
-    raise missing_ros(error) from None
+    raise missing_ros(error, is_program=__name__ == "__main__") from None
 
-from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.extended.traffic_columns import POSE, SCAN, Topic
 from rover_metrics.health.live_view import LiveView, Status
 from rover_metrics.health.reception import LOST, Reception
 from rover_metrics.health.rejections import NO_POSE
-from rover_metrics.log.buffered_log import PatientLog
+from rover_metrics.log.buffered_log import BufferedLog
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.log.session_record import SessionRecord
 from rover_metrics.session import MetricsSession
+from rover_metrics.timing.clocks import NANOSECONDS
 from rover_metrics.topics import SENSORS, TRUTH, Message, Source, stamp_ns
 
 if TYPE_CHECKING:
@@ -54,14 +53,11 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
     Attributes:
         settings: The current parameter values.
-        session: Takes the samples and makes the rows, with the extended columns if they are wanted.
-        metrics: The metrics of this session.
-        log: The CSV log of this session.
-        record: The JSON beside it.
+        session: Takes the samples and makes the rows; `metrics` are its twelve columns.
+        log: The CSV log of this session, and `record` the JSON beside it.
         reception: What arrived on each topic, what was odd about it and what is missing.
         topics: The resolved name of each topic that is listened to.
         timer: Fires when a row is due.
-        publisher: Publishes the metrics.
         last_row: The latest row, written or not; None before the first.
 
     Raises:
@@ -79,11 +75,12 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         super().__init__("metrics_node", context=context, parameter_overrides=parameter_overrides)
         self.reception = Reception(self._tell)
         try:
-            self.settings: Settings = declare_settings(self)
-            self.session = MetricsSession(self.settings.thresholds, self._extended_settings())
+            self.settings = declare_settings(self)
+            extended = self.settings.extended if self.settings.extended_columns else None
+            self.session = MetricsSession(self.settings.thresholds, extended)
             self.metrics = self.session.metrics
             self.setup_subscribers()
-            self.log = PatientLog(self._csv_log(now()), self._tell)
+            self.log = BufferedLog(self._csv_log(now()), self._tell)
         except RoverMetricsError:
             super().destroy_node()
             raise
@@ -118,7 +115,7 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         return self.log.dropped + self.log.waiting
 
     def setup_subscribers(self) -> None:
-        """Subscribe to the topics, relative to the node's namespace."""
+        """Subscribes to the topics, relative to the node's namespace."""
         sources = SENSORS if self.session.extended is None else (*SENSORS, *TRUTH)
         self.topics: dict[Source, str] = {}
         for source in sources:
@@ -137,38 +134,34 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
             self._debug(source, topic)
 
     def periodic_logging(self) -> None:
-        """Write a row; what a failing disk refuses waits in memory."""
+        """Writes a row; what a failing disk refuses waits in memory."""
         now_ns = self.get_clock().now().nanoseconds
         self.last_row = self.session.row(now_ns, self._reported_lost())
         self.log.write(self.last_row)
 
     def fail(self, reason: str) -> None:
-        """Take note that the session has failed."""
+        """Takes note that the session has failed."""
         self.record.failure = reason
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
-        """Set all of the parameters or none; also what ros2 param set comes down to."""
+        """Sets all of the parameters or none; also what ros2 param set comes down to."""
         reason = wrong_type(self, parameter_list)
         if reason is not None:
             return SetParametersResult(successful=False, reason=reason)
         return super().set_parameters_atomically(parameter_list)
 
     def destroy_node(self) -> None:
-        """Close the log, mark its end and leave the graph."""
+        """Closes the log, marks its end and leaves the graph."""
         self.log.close()
-        segments = self.timer.times.segments
         details = {
             "rows": self.rows,
-            "segments": segments,
+            "segments": self.timer.times.segments,
             "topics": self.reception.account(),
             "thresholds": asdict(self.settings.thresholds),
         }
         self.record.end(self.log.path, self.lost_rows, details)
         self.timer.close()
         super().destroy_node()
-
-    def _extended_settings(self) -> ExtendedSettings | None:
-        return self.settings.extended if self.settings.extended_columns else None
 
     def _csv_log(self, started: datetime) -> CsvLog:
         folder = Path(self.settings.log_dir).expanduser()
@@ -184,15 +177,12 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
     def _each_second(self) -> None:
         self.periodic_logging()
-        watched = [
-            *self.received,
-            *([self.resolve_topic_name("/clock")] if self._uses_sim_time() else []),
-        ]
-        for topic in watched:
+        follows_clock = self.get_parameter("use_sim_time").value
+        clock = [self.resolve_topic_name("/clock")] if follows_clock else []
+        for topic in (*self.received, *clock):
             self.reception.publishers(topic, self.count_publishers(topic))
-        stale_after_ns = round(self.settings.stale_after * 1e9)
         now_ns = self.get_clock().now().nanoseconds
-        self.reception.look(now_ns, stale_after_ns)
+        self.reception.look(now_ns, round(self.settings.stale_after * NANOSECONDS))
         self.publisher.publish(now_ns, lambda: self._statuses(now_ns))
 
     def _statuses(self, now_ns: int) -> list[Status]:
@@ -200,47 +190,36 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         states = self.reception.states()
         return self._view.statuses(self.last_row, states, self.settings.thresholds, now_ns)
 
-    def _uses_sim_time(self) -> bool:
-        return bool(self.get_parameter("use_sim_time").value)
-
     def _tell(self, line: str) -> None:
         self.get_logger().warning(line)
 
     def _debug(self, source: Source, topic: str) -> None:
         if self.received[topic] % self.settings.debug_interval:
             return
-        metrics = self.metrics
+        m, tell = self.metrics, self.get_logger().info
         if source.topic is SCAN:
-            self.get_logger().info(
-                f"LIDAR: clearance {metrics.clearance:.4f} m, "
-                f"total collisions {metrics.total_collisions}"
-            )
+            tell(f"LIDAR: clearance {m.clearance:.4f} m, total collisions {m.total_collisions}")
         elif source.topic is POSE:
-            self.get_logger().info(
-                f"Position update: distance {metrics.last_step:.4f} m, "
-                f"total {metrics.total_distance:.4f} m"
-            )
+            tell(f"Position update: distance {m.last_step:.4f} m, total {m.total_distance:.4f} m")
 
     def _use_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
-        """Take changed parameters into use at once, all of them or none."""
+        """Takes changed parameters into use at once, all of them or none."""
         try:
-            settings = self.settings.updated(parameters)
-            extended_parameters.refuse_switching(
-                self.settings.extended_columns, settings.extended_columns
-            )
+            settings = self.settings.updated({each.name: each.value for each in parameters})
+            require_same_columns(self.settings, settings)
         except ParameterError as error:
             return SetParametersResult(successful=False, reason=str(error))
         if self.session.extended is not None and settings.extended != self.settings.extended:
             self.session.extended.use(settings.extended)
         self.settings = settings
-        self.metrics.thresholds = self.settings.thresholds
-        self.log.fsync = self.settings.fsync
-        self.publisher.enabled = self.settings.publish_metrics
-        self.timer.stale_after = self.settings.stale_after
+        self.metrics.thresholds = settings.thresholds
+        self.log.fsync = settings.fsync
+        self.publisher.enabled = settings.publish_metrics
+        self.timer.stale_after = settings.stale_after
         return SetParametersResult(successful=True)
 
     def _report_received(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Answer ~/received: what arrived and what was written, as JSON."""
+        """Answers ~/received: what arrived and what was written, as JSON."""
         remarks = {topic: dict(counts) for topic, counts in self.reception.remarks.items() if counts}
         told = {
             **self.received,
@@ -255,7 +234,7 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
 
 def main(args: list[str] | None = None) -> int:
-    """Run the node until SIGINT or SIGTERM.
+    """Runs the node until SIGINT or SIGTERM.
 
     Args:
         args: Command line as for rclpy.init; sys.argv if None.

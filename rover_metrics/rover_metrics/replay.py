@@ -15,7 +15,7 @@ from pathlib import Path
 
 try:
     from rover_metrics.bag.bag_reader import Bag
-    from rover_metrics.bag.parameter_file import FileParameters, read_parameters
+    from rover_metrics.bag.parameter_file import read_parameters
     from rover_metrics.bag.playback import Playback
     from rover_metrics.timing.recorded_time import TimeSource
 except ImportError as error:
@@ -24,6 +24,7 @@ except ImportError as error:
 
 from rover_metrics.bag.replay_options import DEFAULT_LOG_DIR, parser
 from rover_metrics.errors import LogError, RoverMetricsError
+from rover_metrics.extended.settings import Settings
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.session import MetricsSession
 
@@ -31,7 +32,7 @@ INTERRUPTED = 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; gives its exit code."""
+    """Runs the command; returns its exit code."""
     options = parser().parse_args(arguments)
     try:
         return _replay(options)
@@ -44,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _replay(options: argparse.Namespace) -> int:
-    parameters = read_parameters(options.params) if options.params else FileParameters()
+    parameters = read_parameters(options.params) if options.params else Settings()
     is_extended = options.extended or parameters.extended_columns
     session = MetricsSession(parameters.thresholds, parameters.extended if is_extended else None)
     code = 0

@@ -14,12 +14,13 @@ from rover_metrics.core.metrics import TraversalMetrics, Vector3
 from rover_metrics.core.row import COLUMNS, Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 from rover_metrics.extended.imu_columns import Quaternion
-from rover_metrics.extended.metrics import NANOSECONDS, NONE_LOST, ExtendedMetrics
+from rover_metrics.extended.metrics import NONE_LOST, ExtendedMetrics
 from rover_metrics.extended.row import EXTENDED_HEADER
 from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.extended.traffic_columns import Topic
 from rover_metrics.extended.truth_columns import TRAVERSAL
 from rover_metrics.health import rejections
+from rover_metrics.timing.clocks import NANOSECONDS
 
 
 class Remark(NamedTuple):

@@ -10,10 +10,10 @@ from typing import Any
 
 from rover_metrics.core.metrics import Vector3
 from rover_metrics.extended.imu_columns import Quaternion
-from rover_metrics.extended.metrics import NANOSECONDS
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic
 from rover_metrics.extended.truth_columns import TRAVERSAL
 from rover_metrics.session import MetricsSession, Remark
+from rover_metrics.timing.clocks import NANOSECONDS
 
 CLOCK, CLOCK_TYPE = "/clock", "rosgraph_msgs/msg/Clock"
 UNKNOWN = -1.0  # first covariance of what a sensor does not give (sensor_msgs/Imu)
@@ -44,10 +44,14 @@ class Source:
     is_truth: bool = False
 
 
+def nanoseconds(time: Message) -> int:
+    """Returns a builtin_interfaces/Time in nanoseconds."""
+    return int(time.sec) * NANOSECONDS + int(time.nanosec)
+
+
 def stamp_ns(message: Message) -> int:
     """Returns the stamp of a message's header [ns]."""
-    stamp = message.header.stamp
-    return int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)
+    return nanoseconds(message.header.stamp)
 
 
 def _scan(session: MetricsSession, scan: Message) -> Remark | None:

@@ -1,5 +1,3 @@
-import sys
-
 import pytest
 
 from rover_metrics import errors
@@ -13,22 +11,19 @@ TOLD = (
 )
 
 
-@pytest.mark.parametrize("program", ["/usr/bin/metrics_node", "lib/rover_metrics/metrics_node.py"])
 def test_without_ros_the_program_ends_with_two_after_one_line(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], program: str
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr(sys, "argv", [program, "--ros-args"])
-    end = missing_ros(NO_ROS)
+    end = missing_ros(NO_ROS, is_program=True)
     assert isinstance(end, SystemExit)
     assert end.code == 2
     assert capsys.readouterr() == ("", f"{TOLD}\n")
 
 
 def test_without_ros_a_library_user_is_given_an_import_error(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr(sys, "argv", ["/usr/bin/pytest"])
-    error = missing_ros(NO_ROS)
+    error = missing_ros(NO_ROS, is_program=False)
     assert isinstance(error, MissingRosError)
     assert isinstance(error, ImportError)
     assert str(error) == TOLD

@@ -142,7 +142,7 @@ def test_metrics_declares_what_its_users_change() -> None:
 def test_metrics_launches_the_installed_program() -> None:
     node = launched(METRICS, {})
     assert (node.package, node.output) == ("rover_metrics", "screen")
-    assert f'"{node.executable} = rover_metrics.metrics_node:main"' in (PACKAGE / "setup.py").read_text()
+    assert f'"{node.executable} = rover_metrics.__main__:main"' in (PACKAGE / "setup.py").read_text()
     assert node.namespace == LaunchConfiguration("namespace")
 
 
@@ -172,7 +172,7 @@ def test_the_parameter_file_holds_the_defaults_in_every_namespace(
     rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
     from rclpy.parameter import parameter_dict_from_yaml_file  # noqa: PLC0415
 
-    from rover_metrics.ros.parameters import Settings  # noqa: PLC0415
+    from rover_metrics.extended.settings import Settings  # noqa: PLC0415
 
     assert rclpy
     values = parameter_dict_from_yaml_file(str(CONFIG), use_wildcard=True)

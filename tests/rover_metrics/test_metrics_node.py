@@ -82,7 +82,7 @@ def test_messages_over_ros_give_the_row_of_the_same_samples_given_directly(rig: 
     assert node.rejected == dict.fromkeys(node.received, 0)
 
 
-def test_topics_have_the_seeds_names_in_the_root_namespace(rig: "Rig") -> None:
+def test_topics_have_roboterrains_names_in_the_root_namespace(rig: "Rig") -> None:
     assert set(rig.start().received) == {f"/{topic}" for topic in TOPICS}
 
 
@@ -220,7 +220,7 @@ def test_the_received_service_tells_what_arrived_and_what_was_written(rig: "Rig"
 # Parameters
 
 
-def test_parameters_have_the_seeds_defaults(rig: "Rig") -> None:
+def test_parameters_have_roboterrains_defaults(rig: "Rig") -> None:
     node = rig.start()
     assert node.get_parameter("debug_mode").value is False
     assert node.get_parameter("debug_interval").value == 100

@@ -24,6 +24,7 @@ TIMEOUT = 30.0  # seconds; reached only when a test fails
 UNMARKED = "the session has no end mark: it was killed, or is still running"
 PACKAGE = str(Path(rover_metrics.__file__).parents[1])
 COMMAND = [sys.executable, "-m", "rover_metrics.metrics_node"]
+INSTALLED = [sys.executable, "-m", "rover_metrics"]  # what the script metrics_node calls
 
 
 def environment(*paths: str) -> dict[str, str]:
@@ -35,10 +36,12 @@ def _ros() -> None:
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
 
 
-def refused(tmp_path: Path, *args: str, env: dict[str, str] | None = None) -> str:
+def refused(
+    tmp_path: Path, *args: str, env: dict[str, str] | None = None, command: list[str] = COMMAND
+) -> str:
     """Run the program, which must refuse to start without a traceback; gives its last line."""
     run = subprocess.run(
-        [*COMMAND, *args],
+        [*command, *args],
         cwd=tmp_path,
         env=env or environment(),
         capture_output=True,
@@ -171,9 +174,10 @@ def test_a_known_mistake_is_told_in_one_line(tmp_path: Path) -> None:
         assert told in line
 
 
-def test_without_ros_the_program_says_how_to_get_it(tmp_path: Path) -> None:
+@pytest.mark.parametrize("command", [COMMAND, INSTALLED])
+def test_without_ros_the_program_says_how_to_get_it(tmp_path: Path, command: list[str]) -> None:
     (tmp_path / "rclpy.py").write_text("raise ImportError(\"No module named 'rclpy'\")\n")
-    line = refused(tmp_path, env=environment(str(tmp_path)))
+    line = refused(tmp_path, env=environment(str(tmp_path)), command=command)
     assert "No module named 'rclpy'" in line
     assert "rover-harness[ros]" in line
     assert "source /opt/ros" in line

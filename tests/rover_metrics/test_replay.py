@@ -537,18 +537,16 @@ def played(messages: list[Recorded], time: TimeSource, **kwargs: Any) -> tuple[l
     return [row.stamp_s for row in playback.rows()], playback
 
 
-@pytest.mark.parametrize(("ahead", "other"), [(3600.0, 0), (3600.5, 1), (-3600.0, 0), (-3600.5, 1)])
-def test_stamps_over_an_hour_from_the_recorded_time_are_of_another_clock(
-    ahead: float, other: int
-) -> None:
-    hour = 5000 * NANOSECONDS
-    stamps = [0, hour, hour]  # 0 was never set
+@pytest.mark.parametrize(("ahead", "other"), [(86400.0, 0), (86400.5, 1), (-86400.0, 0), (-86400.5, 1)])
+def test_stamps_over_a_day_from_the_recorded_time_are_of_another_clock(ahead: float, other: int) -> None:
+    late = 500_000 * NANOSECONDS
+    stamps = [0, late, late]  # 0 was never set
     recorded = [
-        ("/imu/data", hour - round(ahead * NANOSECONDS), imu_message(stamp, 9.8)) for stamp in stamps
+        ("/imu/data", late - round(ahead * NANOSECONDS), imu_message(stamp, 9.8)) for stamp in stamps
     ]
     _, playback = played(recorded, TimeSource.RECORDED)
     assert len(playback.notes) == other
-    assert all(note.startswith("header stamps (5000.00 s) are of another") for note in playback.notes)
+    assert all(note.startswith("header stamps (500000.00 s) are of another") for note in playback.notes)
     rows, playback = played(recorded, TimeSource.HEADER)
     assert rows == []
     assert playback.notes == []

@@ -3,7 +3,8 @@
 Messages come in the order in which they were recorded. What cannot be read is left out and told in
 `Bag.problems`; everything else is kept: the chunks before and after a damaged one, the rows of a
 database around a bad page, a recording that was killed before it could write its end or its folder's
-metadata.yaml.
+metadata.yaml. The readers of rosbags do none of that: they sort by time, which hides a recorder's clock
+that was set back, leave out a database's write-ahead log and end at the first damage.
 """
 
 import re
@@ -12,8 +13,6 @@ import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path, PurePath
-from types import TracebackType
-from typing import Any
 from urllib.parse import quote
 
 import zstandard
@@ -23,8 +22,6 @@ from ruamel.yaml.error import YAMLError
 from rover_metrics.bag.mcap_stream import BagError, McapFile, Message, UnreadableError
 
 LARGEST_SKIP = 2**32  # rows
-
-
 SUFFIXES = (".mcap", ".db3", ".mcap.zstd", ".db3.zstd")
 MCAP_MAGIC = b"\x89MCAP0\r\n"
 SQLITE_MAGIC = b"SQLite format 3\0"
@@ -53,42 +50,35 @@ class SqliteFile:
             raise UnreadableError(f"not readable as a rosbag2 database ({error})") from error
 
     def messages(self, wanted: Collection[str], problems: list[str]) -> Iterator[Message]:
-        """Yield each message, in the order of recording."""
+        """Yields each message in the order of recording; past a bad page, ever further ahead."""
+        keys = ",".join(str(key) for key, name in self._names.items() if name in wanted)
+        query = (
+            "SELECT id, topic_id, timestamp, "  # noqa: S608 - the keys are whole numbers
+            f"CASE WHEN topic_id IN ({keys}) THEN data END FROM messages WHERE id > ? ORDER BY id"
+        )
         gaps: list[str] = []
+        after, skip = -1, 1
         with closing(self._connect()) as database:
-            for key, time_ns, data in self._rows(database, wanted, gaps):
-                if key in self._names and isinstance(time_ns, int):
-                    yield Message(self._names[key], time_ns, data if isinstance(data, bytes) else b"")
+            while skip < LARGEST_SKIP:
+                try:
+                    for row_id, key, time_ns, data in database.execute(query, (after,)):
+                        after, skip = row_id, 1
+                        if key in self._names and isinstance(time_ns, int):
+                            known = data if isinstance(data, bytes) else b""
+                            yield Message(self._names[key], time_ns, known)
+                    break
+                except sqlite3.Error as error:
+                    if skip == 1:
+                        gaps.append(f"after row {after} ({error})")
+                    after, skip = after + skip, skip * 2
         if gaps:
             problems.append(
                 f"{self._path.name} is damaged; messages were lost in {len(gaps)} place(s), "
                 f"the first {gaps[0]}"
             )
 
-    def _rows(
-        self, database: sqlite3.Connection, wanted: Collection[str], gaps: list[str]
-    ) -> Iterator[tuple[int, object, object]]:
-        """Walk the messages; past a bad page, look ever further ahead for the next good one."""
-        keys = ",".join(str(key) for key, name in self._names.items() if name in wanted)
-        query = (
-            "SELECT id, topic_id, timestamp, "  # noqa: S608 - the keys are whole numbers
-            f"CASE WHEN topic_id IN ({keys}) THEN data END FROM messages WHERE id > ? ORDER BY id"
-        )
-        after, skip = -1, 1
-        while skip < LARGEST_SKIP:
-            try:
-                for row_id, key, time_ns, data in database.execute(query, (after,)):
-                    after, skip = row_id, 1
-                    yield key, time_ns, data
-            except sqlite3.Error as error:  # noqa: PERF203 - each try walks on behind a gap
-                if skip == 1:
-                    gaps.append(f"after row {after} ({error})")
-                after, skip = after + skip, skip * 2
-            else:
-                return
-
     def _connect(self) -> sqlite3.Connection:
-        """Open for reading; nothing is written, unless a write-ahead log has to be taken in."""
+        """Opens for reading; nothing is written, unless a write-ahead log has to be taken in."""
         wal = self._path.with_name(f"{self._path.name}-wal")
         mode = "mode=ro" if wal.exists() else "mode=ro&immutable=1"
         database = sqlite3.connect(f"file:{quote(str(self._path.absolute()))}?{mode}", uri=True)
@@ -97,7 +87,7 @@ class SqliteFile:
         return database
 
 
-class Bag:
+class Bag(ExitStack):
     """A recording; a context manager.
 
     Args:
@@ -112,31 +102,19 @@ class Bag:
     """
 
     def __init__(self, path: str | Path) -> None:
+        super().__init__()
         self.path = Path(path)
         self.problems: list[str] = []
-        self._at_end = ExitStack()
         self._message_compression = False
-        self._files: list[McapFile | SqliteFile] = []
         try:
-            self._open(self._paths())
+            self._files = self._opened(self._paths())
         except BaseException:
-            self._at_end.close()
+            self.close()
             raise
         self.topics = {topic: kind for file in self._files for topic, kind in file.topics.items()}
 
-    def __enter__(self) -> "Bag":
-        return self
-
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self._at_end.close()
-
     def messages(self, wanted: Collection[str]) -> Iterator[Message]:
-        """Yield all messages in recorded order, those of the wanted topics with their bytes."""
+        """Yields all messages in recorded order, those of the wanted topics with their bytes."""
         for file in self._files:
             for message in file.messages(wanted, self.problems):
                 yield self._decompressed(message) if self._message_compression else message
@@ -160,9 +138,7 @@ class Bag:
             )
             return []
         try:
-            metadata: dict[str, Any] = YAML(typ="safe").load(metadata_file)[
-                "rosbag2_bagfile_information"
-            ]
+            metadata = YAML(typ="safe").load(metadata_file)["rosbag2_bagfile_information"]
             paths = [self.path / PurePath(name).name for name in metadata["relative_file_paths"]]
             self._message_compression = str(metadata.get("compression_mode")).lower() == "message"
         except (OSError, YAMLError, ValueError, KeyError, TypeError, AttributeError):
@@ -171,24 +147,27 @@ class Bag:
         self.problems.extend(f"{p.name} is missing from the bag" for p in paths if not p.exists())
         return [path for path in paths if path.exists()]
 
-    def _open(self, paths: list[Path]) -> None:
-        """Open what can be opened; only if that is nothing it is an error."""
+    def _opened(self, paths: list[Path]) -> list[McapFile | SqliteFile]:
+        """Returns the files that can be opened; only if there is none it is an error."""
+        files: list[McapFile | SqliteFile] = []
         refusals: list[str] = []
         for path in paths:
             try:
-                self._files.append(self._opened(path))
+                files.append(self._file(path))
             except (UnreadableError, OSError) as error:  # noqa: PERF203 - one bad file of several
                 reason = error.strerror if isinstance(error, OSError) else error
                 refusals.append(f"{path.name}: {reason}")
-        if not self._files:
+        if not files:
             raise BagError("; ".join(refusals))
         self.problems.extend(f"{refusal}; left out" for refusal in refusals)
+        return files
 
-    def _opened(self, path: Path) -> McapFile | SqliteFile:
-        """Open a file as what its first bytes say it is."""
-        if _first_bytes(path).startswith(ZSTD_MAGIC):
-            path = self._decompressed_file(path)
+    def _file(self, path: Path) -> McapFile | SqliteFile:
+        """Opens a file as what its first bytes say it is."""
         start = _first_bytes(path)
+        if start.startswith(ZSTD_MAGIC):
+            path = self._decompressed_file(path)
+            start = _first_bytes(path)
         if start.startswith(MCAP_MAGIC):
             return McapFile(path)
         if start.startswith(SQLITE_MAGIC):
@@ -198,7 +177,7 @@ class Bag:
         raise UnreadableError("neither MCAP nor sqlite3" if start else "the file is empty")
 
     def _decompressed_file(self, path: Path) -> Path:
-        folder = self._at_end.enter_context(tempfile.TemporaryDirectory(prefix="replay_"))
+        folder = self.enter_context(tempfile.TemporaryDirectory(prefix="replay_"))
         target = Path(folder) / path.stem
         with path.open("rb") as packed, target.open("wb") as unpacked:
             try:

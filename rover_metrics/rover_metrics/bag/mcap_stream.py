@@ -12,8 +12,8 @@ from mcap.reader import SeekingReader
 from mcap.stream_reader import StreamReader, breakup_chunk
 
 from rover_metrics.errors import RoverMetricsError
+from rover_metrics.timing.clocks import NANOSECONDS
 
-NANOSECONDS = 1_000_000_000
 LARGEST_RECORD = 2**30  # bytes; a longer one is a damaged length
 
 # What reading damaged bytes as MCAP raises; lz4 has no better type than RuntimeError.
@@ -60,7 +60,7 @@ class McapFile:
         self.topics = self._scanned_topics() if summarised is None else summarised
 
     def messages(self, wanted: Collection[str], problems: list[str]) -> Iterator[Message]:
-        """Yield each message, in the order of the file."""
+        """Yields each message, in the order of the file."""
         topics: dict[int, str] = {}
         for record in self._records(problems):
             if isinstance(record, records.Message) and record.channel_id in topics:

@@ -7,7 +7,7 @@ recorded or header time a second is full when a message comes from after it, or 
 of harness.run thus gives the rows of the live run in each of the three ways.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -19,10 +19,10 @@ from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError, Message
 from rover_metrics.core.row import Row
 from rover_metrics.session import MetricsSession
-from rover_metrics.timing.recorded_time import NANOSECONDS, ClockSeconds, FullSeconds, TimeSource
-from rover_metrics.topics import CLOCK, CLOCK_TYPE, SENSORS, TRUTH, Source
+from rover_metrics.timing.clocks import NANOSECONDS, OTHER_CLOCK
+from rover_metrics.timing.recorded_time import ClockRows, FullSeconds, TimeSource
+from rover_metrics.topics import CLOCK, CLOCK_TYPE, SENSORS, TRUTH, Source, nanoseconds, stamp_ns
 
-OTHER_CLOCK = 3600 * NANOSECONDS  # header and recorded time that far apart are not the same clock
 MOST_NOTES = 5
 
 
@@ -62,23 +62,20 @@ class Playback:
         time_source: TimeSource = TimeSource.AUTO,
     ) -> None:
         self._bag, self._session, self.metrics = bag, session, session.metrics
-        wished = {remaps.get(source.name, source.name): source for source in SENSORS}
-        if len(wished) < len(SENSORS):
+        if len({remaps.get(source.name, source.name) for source in SENSORS}) < len(SENSORS):
             raise BagError("two topics are remapped to the same one; each sensor needs its own")
-        reasons = {topic: self._unusable(topic, s.message_type) for topic, s in wished.items()}
-        self.missing = [reason for reason in reasons.values() if reason is not None]
-        self._sensors = {t: sensor for t, sensor in wished.items() if reasons[t] is None}
+        self._sensors, self.missing = self._there(SENSORS, remaps)
         if not self._sensors:
             recorded = ", ".join(sorted(bag.topics)) or "none"
             raise BagError(
                 f"{bag.path} has no topic to replay ({'; '.join(self.missing)}); its topics: {recorded}"
             )
         if session.extended is not None:
-            self._sensors |= self._recorded_truth(remaps)
+            self._sensors |= self._there(TRUTH, remaps)[0]  # a real rover has none
         self._clock_topic = remaps.get(CLOCK, CLOCK)
         self.time_source = self._resolved(time_source)
         self.counts = {topic: Count() for topic in self._sensors}
-        self._timer = ClockSeconds() if self.time_source is TimeSource.SIM else FullSeconds()
+        self._timer = ClockRows() if self.time_source is TimeSource.SIM else FullSeconds()
         self._other_clock: str | None = None
         self._types = {t: sensor.message_type for t, sensor in self._sensors.items()}
         if self.time_source is TimeSource.SIM:
@@ -94,18 +91,17 @@ class Playback:
         return [*notes[:MOST_NOTES], f"{more} more jumps of time"] if more > 0 else notes
 
     def rows(self) -> Iterator[Row]:
-        """Play everything; yields each row when it is due."""
+        """Plays everything; yields each row when it is due."""
         for message in self._bag.messages(self._types):
             parsed = self._parsed(message)
             now = self._time(message, parsed)
             if now is not None:
-                for second in self._timer.due(now):
-                    at_clock = self.time_source is TimeSource.SIM
-                    yield self._session.row(now if at_clock else second * NANOSECONDS)
+                for at_ns in self._timer.due(now):
+                    yield self._session.row(at_ns)
             if parsed is not None:
                 self._take(message.topic, parsed)
-        for second in self._timer.rest():
-            yield self._session.row(second * NANOSECONDS)
+        for at_ns in self._timer.rest():
+            yield self._session.row(at_ns)
 
     def _parsed(self, message: Message) -> Any | None:  # noqa: ANN401
         """The message as an object; None if nobody wants it or it is not readable."""
@@ -121,12 +117,15 @@ class Playback:
     def _time(self, message: Message, parsed: Any | None) -> int | None:  # noqa: ANN401
         """The time that a message tells [ns]; None if it tells none."""
         if self.time_source is TimeSource.SIM:
-            return _nanoseconds(parsed.clock) if parsed and message.topic == self._clock_topic else None
-        header = getattr(parsed, "header", None)
-        stamp = 0 if header is None else _nanoseconds(header.stamp)  # 0: never set
+            return nanoseconds(parsed.clock) if parsed and message.topic == self._clock_topic else None
+        stamp = stamp_ns(parsed) if hasattr(parsed, "header") else 0  # 0: never set
         if self.time_source is TimeSource.HEADER:
             return stamp or None
-        if stamp and self._other_clock is None and abs(stamp - message.time_ns) > OTHER_CLOCK:
+        if (
+            stamp
+            and self._other_clock is None
+            and abs(stamp - message.time_ns) > OTHER_CLOCK * NANOSECONDS
+        ):
             self._other_clock = (
                 f"header stamps ({stamp / NANOSECONDS:.2f} s) are of another clock than the recorded "
                 f"time ({message.time_ns / NANOSECONDS:.2f} s); --time header follows them"
@@ -141,10 +140,14 @@ class Playback:
         else:
             count.used += 1
 
-    def _recorded_truth(self, remaps: Mapping[str, str]) -> dict[str, Source]:
-        """The topics of the truth that are there; a real rover has none."""
-        wished = {remaps.get(source.name, source.name): source for source in TRUTH}
-        return {t: s for t, s in wished.items() if self._unusable(t, s.message_type) is None}
+    def _there(
+        self, sources: Iterable[Source], remaps: Mapping[str, str]
+    ) -> tuple[dict[str, Source], list[str]]:
+        """The sources that can be used, by recorded topic, and why the others cannot."""
+        wished = {remaps.get(source.name, source.name): source for source in sources}
+        reasons = {topic: self._unusable(topic, s.message_type) for topic, s in wished.items()}
+        there = {topic: source for topic, source in wished.items() if reasons[topic] is None}
+        return there, [reason for reason in reasons.values() if reason is not None]
 
     def _unusable(self, topic: str, message_type: str) -> str | None:
         """Why a topic cannot be used; None if it can."""
@@ -168,7 +171,3 @@ def _full_name(message_type: str) -> str:
     """The type with its /msg/, which older recorders leave out."""
     package, _, name = message_type.rpartition("/")
     return message_type if "/" in package or not package else f"{package}/msg/{name}"
-
-
-def _nanoseconds(stamp: Any) -> int:  # noqa: ANN401
-    return int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)

@@ -4,14 +4,15 @@ import argparse
 from pathlib import Path
 
 from rover_metrics.errors import OneLineParser
+from rover_metrics.extended.settings import Settings
 from rover_metrics.timing.recorded_time import TimeSource
 from rover_metrics.topics import CLOCK, SENSORS, TRUTH
 
-DEFAULT_LOG_DIR = Path("metrics_analyzer/data/metric_logs")
+DEFAULT_LOG_DIR = Path(Settings().log_dir)
 
 
 def parser() -> argparse.ArgumentParser:
-    """Make the parser."""
+    """Returns the parser."""
     parser = OneLineParser(
         prog="python -m rover_metrics.replay",
         description="Computes the traversal metrics of a recorded drive, as metrics_node would have.",
@@ -53,7 +54,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def _remap(text: str) -> tuple[str, str]:
-    """Parse FROM:=TO, both made absolute."""
+    """Returns the two parts of FROM:=TO, both made absolute."""
     known = (*(source.name for source in (*SENSORS, *TRUTH)), CLOCK)
     name, separator, recorded = text.partition(":=")
     name, recorded = (f"/{part.strip().lstrip('/')}" for part in (name, recorded))

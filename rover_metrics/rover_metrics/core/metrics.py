@@ -34,18 +34,18 @@ class ImuReading(NamedTuple):
     accel_magnitude: float
     vertical_roughness: float
     angular_magnitude: float
-    is_rough: bool
+    is_rough_terrain: bool
 
     @property
     def smoothness(self) -> float:
-        """|a| + |w|, the seed's measure of how rough a movement is [m/s^2 + rad/s]."""
+        """|a| + |w|, RoboTerrain's measure of how a movement shakes [m/s^2 + rad/s]."""
         return self.accel_magnitude + self.angular_magnitude
 
 
 class TraversalMetrics:
     """Counts, sums and windows over the samples of one session.
 
-    Each add method takes one sample and tells whether it was usable. A sample with a component that
+    Each add method takes one sample and returns whether it was usable. A sample with a component that
     is not finite or beyond all physics is left out, for it would spoil a cumulative sum for ever.
 
     Attributes:
@@ -56,7 +56,6 @@ class TraversalMetrics:
         smoothness_metric: Sum of |a| + |w| over all IMU samples [m/s^2 + rad/s].
         total_distance: Path length so far, outliers left out [m].
         last_step: Distance between the latest two poses, counted or not [m].
-        velocity_over_rough: Latest speed seen while the IMU said rough terrain [m/s].
     """
 
     def __init__(self, thresholds: Thresholds = DEFAULT_THRESHOLDS) -> None:
@@ -67,14 +66,13 @@ class TraversalMetrics:
         self.smoothness_metric = 0.0
         self.total_distance = 0.0
         self.last_step = 0.0
-        self.velocity_over_rough = 0.0
         self._clearances: deque[float] = deque(maxlen=WINDOW)
         self._imu: deque[ImuReading] = deque(maxlen=WINDOW)
         self._velocities: deque[float] = deque(maxlen=WINDOW)
         self._position: Vector3 | None = None
 
     def add_scan(self, ranges: ArrayLike) -> bool:
-        """Take the ranges of one lidar scan.
+        """Takes the ranges of one lidar scan.
 
         Args:
             ranges: Distances [m], any length; -inf, inf and NaN are what REP-117 says they are and
@@ -96,7 +94,7 @@ class TraversalMetrics:
         return True
 
     def add_imu(self, acceleration: Vector3, angular_velocity: Vector3) -> bool:
-        """Take one IMU sample.
+        """Takes one IMU sample.
 
         Args:
             acceleration: Linear acceleration in the IMU frame, gravity included [m/s^2].
@@ -109,13 +107,13 @@ class TraversalMetrics:
         angular = math.hypot(*angular_velocity)
         if not (accel <= LARGEST_ACCELERATION and angular <= LARGEST_ANGULAR_RATE):
             return False  # NaN too, which compares false
-        is_rough = accel > self.thresholds.rough_terrain_threshold
-        self._imu.append(ImuReading(accel, abs(acceleration[2]), angular, is_rough))
+        is_rough_terrain = accel > self.thresholds.rough_terrain_threshold
+        self._imu.append(ImuReading(accel, abs(acceleration[2]), angular, is_rough_terrain))
         self.smoothness_metric += accel + angular
         return True
 
     def add_pose(self, position: Vector3) -> bool:
-        """Take one true position.
+        """Takes one true position.
 
         A step of distance_threshold or more is not travel but a jump; the next step starts from
         where the jump ended.
@@ -136,7 +134,7 @@ class TraversalMetrics:
         return True
 
     def add_odometry(self, linear_velocity: Vector3) -> bool:
-        """Take one wheel odometry sample.
+        """Takes one wheel odometry sample.
 
         Args:
             linear_velocity: Linear velocity in the body frame [m/s].
@@ -148,12 +146,10 @@ class TraversalMetrics:
         if not speed <= LARGEST_SPEED:
             return False
         self._velocities.append(speed)
-        if self._imu and self._imu[-1].is_rough:
-            self.velocity_over_rough = speed
         return True
 
     def row(self, stamp_s: int) -> MetricsRow:
-        """Sum up the session so far.
+        """Sums up the session so far.
 
         Args:
             stamp_s: ROS time of the row [s].
@@ -163,7 +159,7 @@ class TraversalMetrics:
             ("0", where a mean of zero is "0.0"); a clearance without samples is inf.
         """
         clearance = _mean(self._clearances, empty=math.inf)
-        latest = self._imu[-1] if self._imu else ImuReading(0, 0, 0, is_rough=False)
+        latest = self._imu[-1] if self._imu else ImuReading(0, 0, 0, is_rough_terrain=False)
         return MetricsRow(
             stamp_s=stamp_s,
             total_collisions=self.total_collisions,
@@ -174,7 +170,7 @@ class TraversalMetrics:
             distance_traveled=self.total_distance,
             current_velocity=_mean(self._velocities, empty=0),
             imu_acceleration_magnitude=latest.accel_magnitude,
-            is_rough_terrain=int(latest.is_rough),
+            is_rough_terrain=int(latest.is_rough_terrain),
             vertical_roughness=latest.vertical_roughness,
         )
 

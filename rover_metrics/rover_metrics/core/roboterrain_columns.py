@@ -13,7 +13,7 @@ _LATEST = "the latest sample only: a second's other samples do not show"
 
 
 @dataclass(frozen=True, kw_only=True)
-class SeedColumn(Column):
+class RoboTerrainColumn(Column):
     """One of the twelve; their names stand in the log without units."""
 
     @property
@@ -22,29 +22,29 @@ class SeedColumn(Column):
         return self.name
 
 
-SEED_COLUMNS = (
-    SeedColumn(
+ROBOTERRAIN_COLUMNS = (
+    RoboTerrainColumn(
         name="Timestamp",
         unit="s",
         meaning="ROS time of the row: simulation time with use_sim_time, else Unix time.",
         formula="Whole seconds of the clock.",
         source="/clock or system time",
     ),
-    SeedColumn(
+    RoboTerrainColumn(
         name="Total Collisions",
         meaning="Scans so far in which something was near.",
         formula="Scans whose nearest finite range is below collision_threshold, strictly.",
         source=_SCAN,
         rate_invariant=_COUNTS_SCANS,
     ),
-    SeedColumn(
+    RoboTerrainColumn(
         name="Current Collision Status",
         meaning="1 while things have been near for a while, else 0.",
         formula="Obstacle Clearance < collision_threshold.",
         source=_SCAN,
         rate_invariant=_WINDOW,
     ),
-    SeedColumn(
+    RoboTerrainColumn(
         name="Smoothness Metric",
         unit="m/s^2 + rad/s",
         meaning="The whole ride's shaking so far, gravity included.",
@@ -52,7 +52,7 @@ SEED_COLUMNS = (
         source=_IMU,
         rate_invariant="no: it grows with the rate; per sample it does not",
     ),
-    SeedColumn(
+    RoboTerrainColumn(
         name="Current Smoothness",
         unit="m/s^2 + rad/s",
         meaning="How rough the ride is now; about 9.8 at rest.",
@@ -60,7 +60,7 @@ SEED_COLUMNS = (
         source=_IMU,
         rate_invariant=_WINDOW,
     ),
-    SeedColumn(
+    RoboTerrainColumn(
         name="Obstacle Clearance",
         unit="m",
         meaning="Distance from the lidar to what is nearest; inf before the first range.",
@@ -68,7 +68,7 @@ SEED_COLUMNS = (
         source=_SCAN,
         rate_invariant=_WINDOW,
     ),
-    SeedColumn(
+    RoboTerrainColumn(
         name="Distance Traveled",
         unit="m",
         meaning="Length of the path so far, in three dimensions.",
@@ -76,7 +76,7 @@ SEED_COLUMNS = (
         source="/rover/pose_array poses[0].position",
         rate_invariant="yes, unless the pose is noisy: noise lengthens a path, and a fast one more",
     ),
-    SeedColumn(
+    RoboTerrainColumn(
         name="Current Velocity",
         unit="m/s",
         meaning="Speed by the wheels, never negative.",
@@ -84,7 +84,7 @@ SEED_COLUMNS = (
         source="/odometry/wheels twist.twist.linear",
         rate_invariant=_WINDOW,
     ),
-    SeedColumn(
+    RoboTerrainColumn(
         name="IMU Acceleration Magnitude",
         unit="m/s^2",
         meaning="How hard the rover was shaken just now, gravity included.",
@@ -92,14 +92,14 @@ SEED_COLUMNS = (
         source=_ACCELERATION,
         rate_invariant=_LATEST,
     ),
-    SeedColumn(
+    RoboTerrainColumn(
         name="Is Rough Terrain",
         meaning="1 if it was shaken hard just now, else 0.",
         formula="|a| of the latest sample > rough_terrain_threshold.",
         source=_ACCELERATION,
         rate_invariant=_LATEST,
     ),
-    SeedColumn(
+    RoboTerrainColumn(
         name="Vertical Roughness",
         unit="m/s^2",
         meaning="The same along the IMU's z axis, gravity included: about 9.8 at rest.",
@@ -107,7 +107,7 @@ SEED_COLUMNS = (
         source=_ACCELERATION,
         rate_invariant=_LATEST,
     ),
-    SeedColumn(
+    RoboTerrainColumn(
         name="Notes",
         meaning="Always `Normal operation`, as RoboTerrain's node writes it.",
         formula="Constant.",

@@ -3,9 +3,9 @@
 from dataclasses import dataclass, fields
 from typing import Protocol
 
-from rover_metrics.core.roboterrain_columns import SEED_COLUMNS
+from rover_metrics.core.roboterrain_columns import ROBOTERRAIN_COLUMNS
 
-COLUMNS: tuple[str, ...] = tuple(column.header for column in SEED_COLUMNS)
+COLUMNS: tuple[str, ...] = tuple(column.header for column in ROBOTERRAIN_COLUMNS)
 
 DECIMALS = 4
 
@@ -32,22 +32,7 @@ class Row(Protocol):
 
 @dataclass(frozen=True)
 class MetricsRow:
-    """The metrics at one second; the fields stand in the order of COLUMNS.
-
-    Attributes:
-        stamp_s: ROS time [s].
-        total_collisions: Scans so far whose nearest range was below the collision threshold.
-        collision_status: 1 if the windowed clearance is below the collision threshold, else 0.
-        smoothness_metric: Sum of |a| + |w| over all IMU samples so far [m/s^2 + rad/s].
-        current_smoothness: Windowed mean of |a| + |w| [m/s^2 + rad/s].
-        obstacle_clearance: Windowed mean of the nearest ranges [m]; inf before the first.
-        distance_traveled: Path length of the pose so far, outliers left out [m].
-        current_velocity: Windowed mean of the wheel odometry speed [m/s].
-        imu_acceleration_magnitude: |a| of the latest IMU sample, gravity included [m/s^2].
-        is_rough_terrain: 1 if the latest IMU sample is rough, else 0.
-        vertical_roughness: |az| of the latest IMU sample, gravity included [m/s^2].
-        notes: What an annotator has to say.
-    """
+    """The metrics at one second; the fields stand in the order of COLUMNS, which describe them."""
 
     stamp_s: int
     total_collisions: int
@@ -68,7 +53,7 @@ class MetricsRow:
         return COLUMNS
 
     def as_fields(self) -> tuple[Field, ...]:
-        """Give the CSV cells, floats rounded to four decimals."""
+        """Returns the CSV cells, floats rounded to four decimals."""
         return tuple(_cell(getattr(self, column.name)) for column in fields(self))
 
 

@@ -14,8 +14,8 @@ from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic, TrafficColumns
 from rover_metrics.extended.travel_columns import TravelColumns
 from rover_metrics.extended.truth_columns import TRAVERSAL, TruthColumns
+from rover_metrics.timing.clocks import NANOSECONDS
 
-NANOSECONDS = 1_000_000_000
 NONE_LOST: Mapping[Topic, int] = MappingProxyType({})
 
 

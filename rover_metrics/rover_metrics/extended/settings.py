@@ -1,43 +1,126 @@
-"""What the extended columns need to know beyond the thresholds."""
+"""All parameters of metrics_node as values: its own, the thresholds, those of the extended columns."""
 
-import math
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any
 
+from rover_metrics.core.parameter import ParameterInfo, parameter, parameters_of, require_ranges
+from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO, Thresholds
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose
-
-LARGEST_FOOTPRINT_THRESHOLD = 100.0  # m
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExtendedSettings:
-    """Values of the parameters that only the extended columns read.
+    """Values of the parameters that only the extended columns read; each is described below.
 
-    Attributes:
-        footprint: The rover's outline in the base frame; None leaves the columns of it empty.
-        lidar_pose: Where the lidar is in the same frame.
-        near_returns_as_contact: Whether a return nearer than range_min (-inf, REP-117) is footprint
-            clearance 0.
-        footprint_threshold: A scan whose footprint clearance is below this is a footprint collision
-            [m]. Contacts show as a few centimetres: lidars and poses of lidars are that exact.
+    Without a footprint its columns stay empty. Contacts show as a few centimetres of clearance: lidars
+    and poses of lidars are that exact.
 
     Raises:
         ParameterError: The threshold is outside its range.
     """
 
-    footprint: Footprint | None = None
-    lidar_pose: LidarPose = field(default_factory=LidarPose)
-    near_returns_as_contact: bool = False
-    footprint_threshold: float = 0.05
+    footprint: Footprint | None = parameter(  # noqa: RUF009 - makes a field
+        None,
+        "corners of the rover's outline in the base frame, in order: x0, y0, x1, y1, ... "
+        "[m]; empty leaves the columns of the footprint empty",
+        ros_default=(),
+        valid="a list of numbers with decimal points, 3 corners or more of a polygon "
+        "that does not cross itself, e.g. [0.2, 0.2, -0.2, 0.2, -0.2, -0.2, 0.2, -0.2]",
+    )
+    lidar_pose: LidarPose = parameter(  # noqa: RUF009
+        LidarPose(),
+        "x, y, yaw of the lidar's frame in the base frame",
+        ros_default=(0.0, 0.0, 0.0),
+        unit="m, m, rad",
+        valid="a list of three numbers with decimal points, e.g. [0.174, 0.0, 3.14159]",
+    )
+    near_returns_as_contact: bool = parameter(
+        False, "a return nearer than range_min (-inf, REP-117) is footprint clearance 0"
+    )
+    footprint_threshold: float = parameter(
+        0.05,
+        "a scan whose footprint clearance is below this is a footprint collision",
+        maximum=100.0,
+        unit="m",
+        example="0.1, not 1",
+    )
 
     def __post_init__(self) -> None:
-        value = self.footprint_threshold
-        if math.isnan(value) or not 0.0 <= value <= LARGEST_FOOTPRINT_THRESHOLD:
-            message = (
-                f"footprint_threshold = {value} is not valid: it must be from 0.0 to "
-                f"{LARGEST_FOOTPRINT_THRESHOLD} m"
-            )
-            raise ParameterError(message)
+        require_ranges(self)
 
 
+EXTENDED_INFO = parameters_of(ExtendedSettings)
 DEFAULT_EXTENDED = ExtendedSettings()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """The values of the node's parameters, all valid; each is described below."""
+
+    debug_mode: bool = parameter(False, "report clearance, collisions and distance while running")
+    debug_interval: int = parameter(
+        100, "callbacks of a topic from one debug report to the next", minimum=1, maximum=1_000_000
+    )
+    log_dir: str = parameter(
+        "metrics_analyzer/data/metric_logs/",
+        "folder for the log of this session; fixed once the node runs",
+        valid="the path of a folder, as text",
+        read_only=True,
+    )
+    fsync: bool = parameter(
+        False,
+        "force each row onto the disk, so that it survives a power cut too; "
+        "rows survive the death of the node either way",
+    )
+    stale_after: float = parameter(
+        5.0,
+        "report a topic, or /clock, that has been silent for so long; 0 is never",
+        maximum=86400.0,
+        unit="s",
+        example="5.0, not 5",
+    )
+    publish_metrics: bool = parameter(
+        True,
+        "publish each row, and the state of each topic, on rover/metrics "
+        "(diagnostic_msgs/DiagnosticArray)",
+    )
+    extended_columns: bool = parameter(
+        False,
+        "write the extended columns of docs/metrics.md after the twelve; fixed once the "
+        "node runs, for the header of a log cannot change",
+    )
+    thresholds: Thresholds = DEFAULT_THRESHOLDS
+    extended: ExtendedSettings = DEFAULT_EXTENDED
+
+    def updated(self, values: Mapping[str, Any]) -> "Settings":
+        """Returns these settings with some parameters changed, by name; other names are ignored.
+
+        Raises:
+            ParameterError: A value is not valid; then no value is to be used.
+        """
+        if values.get("log_dir") == "":
+            raise ParameterError("parameter log_dir must be the path of a folder, not empty text")
+        extended = _known(values, EXTENDED_INFO)
+        if "footprint" in extended:
+            corners = extended["footprint"]
+            extended["footprint"] = Footprint.from_flat(corners) if len(corners or ()) else None
+        if "lidar_pose" in extended:
+            extended["lidar_pose"] = LidarPose.from_flat(extended["lidar_pose"])
+        return replace(
+            self,
+            thresholds=replace(self.thresholds, **_known(values, THRESHOLD_INFO)),
+            extended=replace(self.extended, **extended),
+            **_known(values, parameters_of(Settings)),
+        )
+
+
+def _known(values: Mapping[str, Any], infos: Mapping[str, ParameterInfo]) -> dict[str, Any]:
+    return {name: value for name, value in values.items() if name in infos}
+
+
+PARAMETERS: Mapping[str, ParameterInfo] = MappingProxyType(
+    {**parameters_of(Settings), **THRESHOLD_INFO, **EXTENDED_INFO}
+)

@@ -5,8 +5,7 @@ from typing import NamedTuple
 
 from rover_metrics.core.column import Cell, Column
 from rover_metrics.health.stamps import MISSING, StampWatch
-
-OTHER_CLOCK = 86_400.0  # s: a stamp that far from now is of another clock
+from rover_metrics.timing.clocks import OTHER_CLOCK
 
 
 class Topic(NamedTuple):

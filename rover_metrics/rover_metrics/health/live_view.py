@@ -8,8 +8,7 @@ from typing import NamedTuple
 from rover_metrics.core.row import DECIMALS, Field, Row
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.health.reception import TopicState
-
-OTHER_CLOCK = 86_400.0  # s: a stamp that far from now is of another clock
+from rover_metrics.timing.clocks import OTHER_CLOCK
 
 
 class Level(IntEnum):
@@ -54,7 +53,7 @@ class LiveView:
     def statuses(
         self, row: Row, topics: Iterable[TopicState], thresholds: Thresholds, now_ns: int
     ) -> list[Status]:
-        """Give the status of the traversal, then one for each topic.
+        """Returns the status of the traversal, then one for each topic.
 
         Args:
             row: The latest row.
@@ -105,7 +104,7 @@ class LiveView:
 
 
 def plain(value: Field) -> str:
-    """Give a value as text that every plotting tool takes for a number, if it is one."""
+    """Returns a value as text that every plotting tool takes for a number, if it is one."""
     return f"{value:.{DECIMALS}f}" if isinstance(value, float) else str(value)
 
 

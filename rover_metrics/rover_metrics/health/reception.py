@@ -58,7 +58,7 @@ class Reception:
         self._silent_by_right: set[str] = set()
 
     def listen(self, topic: str, *, may_be_missing: bool = False) -> None:
-        """Open the account of a topic; one that may be missing is not missed before it has spoken."""
+        """Opens the account of a topic; one that may be missing is not missed before it has spoken."""
         if may_be_missing:
             self._silent_by_right.add(topic)
         self.received[topic] = self.rejected[topic] = 0
@@ -67,7 +67,7 @@ class Reception:
         self._silences[topic] = SilenceWatch()
 
     def arrived(self, topic: str, stamp_ns: int | None) -> None:
-        """Count a message with the stamp of its header [ns]; None if its type has none."""
+        """Counts a message with the stamp of its header [ns]; None if its type has none."""
         self.received[topic] += 1
         self._silent_by_right.discard(topic)
         finding = None if stamp_ns is None else self._stamps[topic].take(stamp_ns)
@@ -75,12 +75,12 @@ class Reception:
             self.remark(topic, *finding)
 
     def reject(self, topic: str, reason: str) -> None:
-        """Count a message that was left out."""
+        """Counts a message that was left out."""
         self.rejected[topic] += 1
         self.remark(topic, reason, detail=", left out")
 
     def remark(self, topic: str, what: str, times: int = 1, *, detail: str = "") -> None:
-        """Count something odd; the detail is told, not counted by."""
+        """Counts something odd; the detail is told, not counted by."""
         remarks = self.remarks[topic]
         before = remarks[what]
         remarks[what] = before + times
@@ -88,7 +88,7 @@ class Reception:
             self._tell(f"{topic}: {what}{detail} ({before + times} so far)")
 
     def look(self, now_ns: int, stale_after_ns: int) -> None:
-        """Look once a second for topics that have stopped.
+        """Looks once a second for topics that have stopped.
 
         Args:
             now_ns: The time [ns].
@@ -111,7 +111,7 @@ class Reception:
             )
 
     def publishers(self, topic: str, number: int) -> None:
-        """Take how many publishers a topic has; more than one is told, and when that is over."""
+        """Takes how many publishers a topic has; more than one is told, and when that is over."""
         before = self._publishers.get(topic, 0)
         self._publishers[topic] = number
         if number == before or max(number, before) < 2:
@@ -125,7 +125,7 @@ class Reception:
             self._tell(f"{topic}: no second publisher any more")
 
     def states(self) -> list[TopicState]:
-        """Give the state of each topic, but for those that may be missing and are."""
+        """Returns the state of each topic, but for those that may be missing and are."""
         return [
             TopicState(
                 topic=topic,

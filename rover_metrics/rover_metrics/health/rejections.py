@@ -25,7 +25,7 @@ ABOVE_LIMIT = "range above range_max, taken as a reading"
 
 
 def imu_fault(acceleration: Vector3, angular_velocity: Vector3) -> str:
-    """Name what is wrong with an IMU sample that the metrics have refused."""
+    """Returns the name of what is wrong with an IMU sample that the metrics have refused."""
     if not all(map(math.isfinite, (*acceleration, *angular_velocity))):
         return NOT_FINITE
     if math.hypot(*acceleration) > LARGEST_ACCELERATION:
@@ -34,14 +34,14 @@ def imu_fault(acceleration: Vector3, angular_velocity: Vector3) -> str:
 
 
 def odometry_fault(linear_velocity: Vector3) -> str:
-    """Name what is wrong with a velocity that the metrics have refused."""
+    """Returns the name of what is wrong with a velocity that the metrics have refused."""
     if math.hypot(*linear_velocity) > LARGEST_SPEED and all(map(math.isfinite, linear_velocity)):
         return HUGE_SPEED
     return NOT_FINITE
 
 
 def unusable_scan(ranges: ArrayLike) -> str | None:
-    """Name what is odd about a scan without a finite range; None if it is open space: all inf."""
+    """Returns what is odd about a scan without a finite range; None for open space, all inf."""
     values = np.asarray(ranges, dtype=np.float32)
     if values.size == 0:
         return NO_RANGES
@@ -51,7 +51,7 @@ def unusable_scan(ranges: ArrayLike) -> str | None:
 
 
 def scan_oddity(nearest: float, farthest: float, range_min: float, range_max: float) -> str | None:
-    """Name what is odd about a scan that counts all the same; None if nothing is.
+    """Returns what is odd about a scan that counts all the same; None if nothing is.
 
     Args:
         nearest: Its nearest finite range [m].

@@ -30,7 +30,7 @@ class SilenceWatch:
         return self._is_silent
 
     def look(self, progress: int, now_ns: int, limit_ns: int) -> Silence | None:
-        """Look again.
+        """Looks again.
 
         Args:
             progress: The count as it is now.

@@ -37,7 +37,7 @@ class StampWatch:
         return self._last or 0
 
     def take(self, stamp_ns: int) -> Finding | None:
-        """Take the stamp of the next message [ns]; gives what is odd about it."""
+        """Takes the stamp of the next message [ns]; returns what is odd about it."""
         last, self._last = self._last, stamp_ns
         if last is None:
             return None if stamp_ns else (NO_STAMP, 1)
@@ -48,7 +48,7 @@ class StampWatch:
         return self._oddity(stamp_ns, interval)
 
     def learn(self) -> None:
-        """Take the median of the recent intervals for the period; to be called now and then."""
+        """Takes the median of the recent intervals for the period; to be called now and then."""
         if len(self._intervals) >= LEARNING:
             self.period_ns = median(self._intervals)
             self._longest = min(GAP * self.period_ns, JUMP)

@@ -4,15 +4,14 @@ from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
-from rover_metrics.log.csv_log import CsvLog
-from rover_metrics.errors import LogError
 from rover_metrics.core.row import Row
-from rover_metrics.errors import is_worth_a_line
+from rover_metrics.errors import LogError, is_worth_a_line
+from rover_metrics.log.csv_log import CsvLog
 
 CAPACITY = 3600  # rows: an hour, about 2 MB
 
 
-class PatientLog:
+class BufferedLog:
     """Writes rows to a CsvLog; what that refuses waits, at most `capacity` rows.
 
     Every row is tried again with the next one. Above the capacity the oldest row is dropped and
@@ -59,7 +58,7 @@ class PatientLog:
         self._log.fsync = value
 
     def write(self, row: Row) -> None:
-        """Append a row, after those that wait.
+        """Appends a row, after those that wait.
 
         Raises:
             LogError: The log is closed.

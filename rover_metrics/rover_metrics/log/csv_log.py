@@ -5,21 +5,17 @@ import errno
 import io
 import os
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from datetime import datetime
 from itertools import count
 from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO
 
-from rover_metrics.errors import LogError
 from rover_metrics.core.row import COLUMNS, Field, Row
-
-from rover_metrics.core.row import Field
+from rover_metrics.errors import LogError
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")  # what spreadsheets take for the beginning of one
-
-
 _MENDS = {
     errno.EEXIST: "a file stands where a folder should be; remove it or choose another folder",
     errno.ENOTDIR: "a file stands where a folder should be; remove it or choose another folder",
@@ -31,7 +27,7 @@ _MENDS = {
 }
 
 
-class CsvLog:
+class CsvLog(AbstractContextManager["CsvLog"]):
     """One session's file metrics_log_YYYYMMDD_HHMMSS.csv, never one that exists already.
 
     Each row goes to the operating system in one unbuffered write, so rows survive the death of this
@@ -78,9 +74,6 @@ class CsvLog:
                 self.path.unlink()
             raise
 
-    def __enter__(self) -> "CsvLog":
-        return self
-
     def __exit__(
         self,
         exc_type: type[BaseException] | None,
@@ -90,7 +83,7 @@ class CsvLog:
         self.close()
 
     def write(self, row: Row) -> None:
-        """Append a row.
+        """Appends a row.
 
         Raises:
             LogError: The row could not be written. The file holds no part of it, and the next row
@@ -100,7 +93,7 @@ class CsvLog:
         self.rows += 1
 
     def close(self) -> None:
-        """Close the file; closing twice is fine."""
+        """Closes the file; closing twice is fine."""
         self._file.close()
 
     def _write_line(self, cells: Iterable[Field]) -> None:
@@ -117,7 +110,7 @@ class CsvLog:
         self._size += len(line)
 
     def _put_back(self) -> None:
-        """Copy the deleted file, which lives on while it is open, to where it was."""
+        """Copies the deleted file, which lives on while it is open, to where it was."""
         path, file = _create(self.path.parent, self.path.stem)
         try:
             self._file.seek(0)
@@ -132,14 +125,14 @@ class CsvLog:
         self.path, self._file = path, file
 
     def _forget_torn_line(self) -> None:
-        """Cut the file back to its whole lines; if even that fails, the next line overwrites."""
+        """Cuts the file back to its whole lines; if even that fails, the next line overwrites."""
         with suppress(OSError, ValueError):
             self._file.seek(self._size)
             self._file.truncate()
 
 
 def _create(directory: Path, stem: str) -> tuple[Path, BinaryIO]:
-    """Open the first of stem.csv, stem_1.csv, ... that does not exist, in a folder that will."""
+    """Opens the first of stem.csv, stem_1.csv, ... that does not exist, in a folder that will."""
     directory.mkdir(parents=True, exist_ok=True)
     for number in count():
         path = directory / (f"{stem}_{number}.csv" if number else f"{stem}.csv")
@@ -155,7 +148,7 @@ def _csv_line(cells: Iterable[Field]) -> bytes:
 
 
 def _write_all(file: BinaryIO, data: bytes) -> None:
-    """Write everything; a raw write may take only a part, as on a disk that is nearly full."""
+    """Writes everything; a raw write may take only a part, as on a disk that is nearly full."""
     while data:
         data = data[file.write(data) :]
 
@@ -172,14 +165,13 @@ def _sync(file: BinaryIO, folder: Path | None) -> None:
 
 
 def _log_error(what: str, directory: Path, error: Exception) -> LogError:
-    number = error.errno if isinstance(error, OSError) else None
-    reason = error.strerror if isinstance(error, OSError) else str(error)
+    number, reason = (error.errno, error.strerror) if isinstance(error, OSError) else (0, str(error))
     mend = _MENDS.get(number or 0, "choose another folder")
     return LogError(f"{what} in {directory}: {reason}; {mend}")
 
 
 def harmless(cell: Field) -> Field:
-    """Give text that would start a formula with an apostrophe before it; numbers as they are.
+    """Returns a cell, with an apostrophe before text that would start a formula.
 
     What is in a note, or in the name of a log, may come from strangers, and a spreadsheet that opens the
     file would run it (OWASP, CSV injection).

@@ -10,9 +10,9 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
-from rover_metrics.log.files import whole_file
-from rover_metrics.errors import LogError, ThresholdError
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
+from rover_metrics.errors import LogError, ThresholdError
+from rover_metrics.log.files import whole_file
 
 Outcome = Mapping[str, str | None]
 
@@ -37,11 +37,17 @@ class SessionRecord:
         self.failure: str | None = None
 
     def begin(self, log: Path) -> None:
-        """Write that the session runs."""
-        self._write(log, None, None, {})
+        """Writes that the session runs."""
+        self._write(log, None, {"ended": None})
 
     def end(self, log: Path, lost_rows: int, details: Mapping[str, Any]) -> None:
-        """Write that the session is over, once."""
+        """Writes that the session is over, once.
+
+        Args:
+            log: The log's file.
+            lost_rows: Rows that are not in it.
+            details: What else shall stand there, as JSON values.
+        """
         if self._is_over:
             return
         self._is_over = True
@@ -49,17 +55,13 @@ class SessionRecord:
         if failure is None and lost_rows:
             failure = f"{lost_rows} rows could not be written"
         outcome = COMPLETE if failure is None else failed(failure)
-        self._write(log, outcome, self._now(), {"lost_rows": lost_rows, **details})
+        ended = self._now().astimezone().isoformat()
+        self._write(log, outcome, {"ended": ended, "lost_rows": lost_rows, **details})
 
-    def _write(
-        self, log: Path, outcome: Outcome | None, ended: datetime | None, details: Mapping[str, Any]
-    ) -> None:
-        times = {
-            "started": self._started.astimezone().isoformat(),
-            "ended": None if ended is None else ended.astimezone().isoformat(),
-        }
+    def _write(self, log: Path, outcome: Outcome | None, details: Mapping[str, Any]) -> None:
+        started = self._started.astimezone().isoformat()
         try:
-            write_record(log, outcome, {"node": self._node, **times, **details})
+            write_record(log, outcome, {"node": self._node, "started": started, **details})
         except LogError as error:
             self._tell(str(error))
 
@@ -73,12 +75,12 @@ class SessionEnd(Enum):
 
 
 def failed(reason: str) -> Outcome:
-    """Give the outcome of a session that ended badly."""
+    """Returns the outcome of a session that ended badly."""
     return {"status": "failed", "reason": reason}
 
 
 def write_record(log: Path, outcome: Outcome | None, details: Mapping[str, Any]) -> None:
-    """Write the record of a log; it is there whole or not at all.
+    """Writes the record of a log; it is there whole or not at all.
 
     Args:
         log: The log's file.
@@ -99,7 +101,7 @@ def write_record(log: Path, outcome: Outcome | None, details: Mapping[str, Any])
 
 
 def session_end(log: str | Path) -> SessionEnd:
-    """Tell how the session of a log has ended."""
+    """Returns how the session of a log has ended."""
     record = _read(log)
     if "outcome" not in record:
         return SessionEnd.UNKNOWN
@@ -107,7 +109,7 @@ def session_end(log: str | Path) -> SessionEnd:
 
 
 def session_thresholds(log: str | Path) -> Thresholds | None:
-    """Give the thresholds at the end of a log's session; None if its record does not tell."""
+    """Returns the thresholds at the end of a log's session; None if its record does not tell."""
     told = _read(log).get("thresholds")
     if not isinstance(told, dict):
         return None

@@ -7,7 +7,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rclpy.time import Time
 
 from rover_metrics.errors import is_worth_a_line
-from rover_metrics.health.live_view import Level, Status
+from rover_metrics.health.live_view import Status
 
 try:
     from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -80,21 +80,9 @@ class MetricsPublisher:
 
     def _status(self, status: Status) -> "DiagnosticStatus":
         return DiagnosticStatus(
-            level=_LEVELS[status.level],
+            level=bytes([status.level]),
             name=f"{self._name}: {status.name}",
             message=status.message,
             hardware_id=self._hardware,
             values=[KeyValue(key=key, value=value) for key, value in status.values],
         )
-
-
-_LEVELS = (
-    {}
-    if DiagnosticArray is None
-    else {
-        Level.OK: DiagnosticStatus.OK,
-        Level.WARN: DiagnosticStatus.WARN,
-        Level.ERROR: DiagnosticStatus.ERROR,
-        Level.STALE: DiagnosticStatus.STALE,
-    }
-)

@@ -15,16 +15,16 @@ class Program(Protocol):
     """A node that wants to know why it ends."""
 
     def fail(self, reason: str) -> None:
-        """Take note that the session has failed."""
+        """Takes note that the session has failed."""
         ...
 
     def destroy_node(self) -> None:
-        """Leave the graph."""
+        """Leaves the graph."""
         ...
 
 
 def run_node(name: str, make_node: Callable[[], Program], args: list[str] | None) -> int:
-    """Run a node until SIGINT or SIGTERM.
+    """Runs a node until SIGINT or SIGTERM.
 
     Args:
         name: What the program is called.

@@ -9,6 +9,7 @@ from rclpy.node import Node
 
 from rover_metrics.errors import is_worth_a_line
 from rover_metrics.health.silence import SilenceWatch
+from rover_metrics.timing.clocks import NANOSECONDS
 from rover_metrics.timing.row_times import RowTimes
 
 LOOK_PERIOD = 1.0  # seconds of steady time between two looks at the clock
@@ -39,32 +40,32 @@ class RowTimer:
         self.stale_after = stale_after
         self._fire, self._tell = fire, tell
         self._clock = node.get_clock()
-        self._period_ns = round(period * 1e9)
+        self._period_ns = round(period * NANOSECONDS)
         self.times = RowTimes(self._period_ns)
         self._silence = SilenceWatch()
         self._timer = node.create_timer(period, self.on_time)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(LOOK_PERIOD, lambda: self.look(time.monotonic_ns()), clock=steady)
-        half = Duration(nanoseconds=self._period_ns // 2)
-        back = Duration(nanoseconds=-(self._period_ns // 2))
-        threshold = JumpThreshold(min_forward=half, min_backward=back, on_clock_change=False)
+        ahead, back = (Duration(nanoseconds=sign * self.times.jump_ns) for sign in (1, -1))
+        threshold = JumpThreshold(min_forward=ahead, min_backward=back, on_clock_change=False)
         self._jumps = self._clock.create_jump_callback(threshold, post_callback=self._jumped)
 
     def on_time(self) -> None:
-        """Fire, if a row is due now."""
+        """Fires, if a row is due now."""
         if self.times.is_due(self._clock.now().nanoseconds):
             self._fire()
 
     def look(self, steady_ns: int) -> None:
-        """Look after the clock; to be called once a second of steady time [ns].
+        """Looks after the clock; to be called once a second of steady time [ns].
 
         System time that is set back takes no timer with it: that would wait until the old time.
         """
-        if not self._clock.ros_time_is_active and self._wait_ns() > 2 * self._period_ns:
+        wait_ns = self._timer.time_until_next_call() or 0
+        if not self._clock.ros_time_is_active and wait_ns > 2 * self._period_ns:
             self._timer.reset()
             self._went_back()
         now_ns = self._clock.now().nanoseconds
-        change = self._silence.look(now_ns, steady_ns, round(self.stale_after * 1e9))
+        change = self._silence.look(now_ns, steady_ns, round(self.stale_after * NANOSECONDS))
         if change is None:
             return
         if change.is_over:
@@ -76,12 +77,8 @@ class RowTimer:
             )
 
     def close(self) -> None:
-        """Listen to the clock no more."""
+        """Listens to the clock no more."""
         self._jumps.unregister()
-
-    def _wait_ns(self) -> int:
-        wait_ns: int | None = self._timer.time_until_next_call()
-        return wait_ns or 0
 
     def _jumped(self, jump: TimeJump) -> None:
         if jump.delta.nanoseconds < 0:

@@ -38,7 +38,7 @@ _MESSAGES = {name: _message_class(name) for name in {s.message_type for s in (*S
 def subscribe(
     node: Node, source: Source, callback: Callable[[Message], None], reception: Reception
 ) -> str:
-    """Subscribe and open the topic's account.
+    """Subscribes and opens the topic's account.
 
     Args:
         node: Who subscribes.

@@ -1,4 +1,9 @@
-"""When a row is due: once a period, whatever clock and executor do; and when a new segment begins."""
+"""When a row is due: once a period, whatever clock and executor do; and when a new segment begins.
+
+RowTimes is the node's rule. RowSchedule applies it to the times of /clock without ROS, with rcl's timers
+modelled: runs without ROS and replays follow it, and tests/e2e holds it to the real node, through every
+fault of the clock.
+"""
 
 
 class RowTimes:
@@ -11,36 +16,75 @@ class RowTimes:
         period_ns: Time from row to row [ns].
 
     Attributes:
+        jump_ns: From which step on the clock has not gone on but was set [ns].
         segments: Segments so far, this one included.
-        suppressed: Rows that were not due.
     """
 
     def __init__(self, period_ns: int) -> None:
-        self._period = period_ns
-        self._last: int | None = None  # time of the latest row
+        self._period, self.jump_ns, self.segments = period_ns, period_ns // 2, 1
+        self._last = -period_ns  # time of the latest row
         self._is_new_segment = False  # and time has passed in it without a leap
-        self.segments = 1
-        self.suppressed = 0
 
     def went_back(self) -> None:
-        """Begin a new segment: the clock has been set back."""
+        """Begins a new segment: the clock has been set back."""
         self.segments += 1
         self._is_new_segment = True
 
     def leapt_ahead(self) -> None:
-        """Take note that the clock has been set ahead: what fires now is no full period."""
+        """Takes note that the clock has been set ahead: what fires now is no full period."""
         self._is_new_segment = False
 
     def is_due(self, now_ns: int) -> bool:
-        """Tell whether a timer that fires now is to write a row; if so, count on that it does."""
-        if self._is_double(now_ns) and not self._is_new_segment:
-            self.suppressed += 1
+        """Returns whether a timer that fires now is to write a row; if so, counts on that it does.
+
+        It is not if the latest row has the same timestamp and is less than half a period away.
+        """
+        same = now_ns // self._period == self._last // self._period
+        if same and abs(now_ns - self._last) < self._period / 2 and not self._is_new_segment:
             return False
         self._last, self._is_new_segment = now_ns, False
         return True
 
-    def _is_double(self, now_ns: int) -> bool:
-        """Whether the latest row has the same timestamp and is less than half a period away."""
-        if self._last is None or now_ns // self._period != self._last // self._period:
+
+class RosTimer:
+    """A timer on ROS time that was made when the time was `start_ns`; 0 is before the first /clock.
+
+    After a jump ahead the missed calls are skipped; after a jump to before the last call the next one
+    comes a period later (rcl_timer_call and _rcl_timer_time_jump of rcl/timer.c).
+    """
+
+    def __init__(self, period_ns: int, start_ns: int = 0) -> None:
+        self._period_ns = period_ns
+        self._next_ns = (start_ns // period_ns + 1) * period_ns
+        self._last_ns = start_ns
+
+    def fires_at(self, now_ns: int) -> bool:
+        """Takes the next time of /clock; returns whether the timer is called then."""
+        if now_ns < self._last_ns:
+            self._last_ns, self._next_ns = now_ns, now_ns + self._period_ns
+        if now_ns < self._next_ns:
             return False
-        return abs(now_ns - self._last) < self._period / 2
+        self._last_ns = now_ns
+        self._next_ns += ((now_ns - self._next_ns) // self._period_ns + 1) * self._period_ns
+        return True
+
+
+class RowSchedule:
+    """The timer and the node's guard over it; ask with every time that /clock tells.
+
+    Attributes:
+        now_ns: The latest of these times [ns].
+    """
+
+    def __init__(self, period_ns: int, start_ns: int = 0) -> None:
+        self._timer, self._times = RosTimer(period_ns, start_ns), RowTimes(period_ns)
+        self.now_ns = start_ns
+
+    def is_due(self, now_ns: int) -> bool:
+        """Returns whether a row is written at that time."""
+        ahead_ns, self.now_ns = now_ns - self.now_ns, now_ns
+        if ahead_ns >= self._times.jump_ns:
+            self._times.leapt_ahead()
+        elif ahead_ns <= -self._times.jump_ns:
+            self._times.went_back()
+        return self._timer.fires_at(now_ns) and self._times.is_due(now_ns)

@@ -16,7 +16,7 @@ from harness.samples import (
 from harness.sensors import table
 from harness.sim_time import NANOSECONDS as SECOND
 from harness.sim_time import TICK_NS as TICK
-from rover_metrics.timing.row_schedule import RosTimer
+from rover_metrics.timing.row_times import RosTimer
 from tests.harness.faults.faulty_ticks import imus, readings, sent, tick
 
 SENSORS = {name: row.sample for name, row in table.by_fault_name().items()}

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from rover_metrics.bag.parameter_file import FileParameters, read_parameters
+from rover_metrics.bag.parameter_file import read_parameters
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose
-from rover_metrics.extended.settings import ExtendedSettings
+from rover_metrics.extended.settings import ExtendedSettings, Settings
 
 
 @pytest.fixture
@@ -42,15 +42,15 @@ def test_every_parameter_of_the_rows_is_read(file: Path) -> None:
         near_returns_as_contact=True,
         footprint_threshold=0.08,
     )
-    assert read_parameters(file) == FileParameters(
-        Thresholds(0.3, 11.0, 0.6, 0.7, 16.0), extended_columns=True, extended=extended
+    assert read_parameters(file) == Settings(
+        thresholds=Thresholds(0.3, 11.0, 0.6, 0.7, 16.0), extended_columns=True, extended=extended
     )
 
 
 def test_what_is_not_named_keeps_its_default(file: Path) -> None:
     file.write_text(section("log_dir: /tmp", "footprint: []"))
-    assert read_parameters(file) == FileParameters(
-        Thresholds(), extended_columns=False, extended=ExtendedSettings()
+    assert read_parameters(file) == Settings(
+        thresholds=Thresholds(), extended_columns=False, extended=ExtendedSettings()
     )
 
 

@@ -15,7 +15,7 @@ VALID = {  # RoboTerrain's default; the largest value and the unit of docs/metri
 }
 
 
-def test_thresholds_have_the_seeds_defaults_and_a_described_range_from_zero() -> None:
+def test_thresholds_have_roboterrains_defaults_and_a_described_range_from_zero() -> None:
     assert dataclasses.asdict(Thresholds()) == {name: default for name, (default, _, _) in VALID.items()}
     assert Thresholds() == DEFAULT_THRESHOLDS
     assert list(THRESHOLD_INFO) == list(VALID)

@@ -16,7 +16,7 @@ import rover_metrics
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.core.row import MetricsRow
 from rover_metrics.errors import LogError
-from rover_metrics.log.buffered_log import PatientLog
+from rover_metrics.log.buffered_log import BufferedLog
 from rover_metrics.log.csv_log import CsvLog
 
 STARTED = datetime(2025, 1, 16, 12, 4, 57)
@@ -37,15 +37,15 @@ def seconds(path: Path) -> list[int]:
         return [int(line["Timestamp"]) for line in csv.DictReader(file)]
 
 
-def patient(folder: Path, told: Told, *capacity: int) -> PatientLog:
-    return PatientLog(CsvLog(folder, STARTED), told.append, *capacity)
+def buffered(folder: Path, told: Told, *capacity: int) -> BufferedLog:
+    return BufferedLog(CsvLog(folder, STARTED), told.append, *capacity)
 
 
 def test_rows_wait_while_the_disk_is_full_and_are_written_in_order_when_it_is_not(
     tmp_path: Path, full_disk: FullDisk
 ) -> None:
     told = Told()
-    log = patient(tmp_path, told)
+    log = buffered(tmp_path, told)
     log.write(row(0))
     with full_disk(log.path.stat().st_size + 5):
         for second in range(1, 6):
@@ -60,7 +60,7 @@ def test_rows_wait_while_the_disk_is_full_and_are_written_in_order_when_it_is_no
 
 def test_a_full_disk_is_told_once_and_its_end_once(tmp_path: Path, full_disk: FullDisk) -> None:
     told = Told()
-    log = patient(tmp_path, told)
+    log = buffered(tmp_path, told)
     with full_disk(1):
         for second in range(50):
             log.write(row(second))
@@ -76,7 +76,7 @@ def test_a_full_disk_is_told_once_and_its_end_once(tmp_path: Path, full_disk: Fu
 def test_another_reason_is_told_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     told = Told()
     csv_log = CsvLog(tmp_path, STARTED)
-    log = PatientLog(csv_log, told.append)
+    log = BufferedLog(csv_log, told.append)
     for number in (errno.ENOSPC, errno.ENOSPC, errno.EROFS, errno.EROFS, errno.EIO):
 
         def refuse(_: MetricsRow, number: int = number) -> None:
@@ -94,7 +94,7 @@ def test_another_reason_is_told_again(tmp_path: Path, monkeypatch: pytest.Monkey
 
 def test_above_the_bound_the_oldest_rows_go_and_are_counted(tmp_path: Path, full_disk: FullDisk) -> None:
     told = Told()
-    log = patient(tmp_path, told, 10)
+    log = buffered(tmp_path, told, 10)
     with full_disk(1):
         for second in range(25):
             log.write(row(second))
@@ -110,7 +110,7 @@ def test_above_the_bound_the_oldest_rows_go_and_are_counted(tmp_path: Path, full
 
 
 def test_at_the_bound_nothing_is_lost(tmp_path: Path, full_disk: FullDisk) -> None:
-    log = patient(tmp_path, Told(), 10)
+    log = buffered(tmp_path, Told(), 10)
     with full_disk(1):
         for second in range(10):
             log.write(row(second))
@@ -123,7 +123,7 @@ def test_what_still_waits_at_the_end_is_tried_once_more_and_then_counted_as_lost
     tmp_path: Path, full_disk: FullDisk
 ) -> None:
     told = Told()
-    log = patient(tmp_path, told)
+    log = buffered(tmp_path, told)
     with full_disk(1):
         for second in range(3):
             log.write(row(second))
@@ -138,7 +138,7 @@ def test_what_still_waits_at_the_end_is_tried_once_more_and_then_counted_as_lost
 def test_rows_outlive_a_folder_that_is_removed_and_cannot_be_made_again(tmp_path: Path) -> None:
     told = Told()
     folder = tmp_path / "logs"
-    log = patient(folder, told)
+    log = buffered(folder, told)
     log.write(row(0))
     shutil.rmtree(folder)
     folder.write_text("in the way")
@@ -156,7 +156,7 @@ def test_rows_outlive_a_folder_that_is_removed_and_cannot_be_made_again(tmp_path
 
 def test_whether_the_disk_is_waited_for_is_the_logs_own_affair(tmp_path: Path) -> None:
     csv_log = CsvLog(tmp_path, STARTED)
-    log = PatientLog(csv_log, print)
+    log = BufferedLog(csv_log, print)
     for value in (True, False):
         log.fsync = value
         assert csv_log.fsync is log.fsync is value
@@ -171,12 +171,12 @@ from datetime import datetime
 from pathlib import Path
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.core.metrics import TraversalMetrics
-from rover_metrics.log.buffered_log import PatientLog
+from rover_metrics.log.buffered_log import BufferedLog
 disk = Path(sys.argv[1])
 if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=32k", "tmpfs", disk]).returncode:
     sys.exit(77)
 told = []
-log = PatientLog(CsvLog(disk, datetime.now()), told.append)
+log = BufferedLog(CsvLog(disk, datetime.now()), told.append)
 for second in range(50):
     log.write(TraversalMetrics().row(second))
 filler = open(disk / "filler", "wb", buffering=0)

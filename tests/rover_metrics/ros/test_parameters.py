@@ -12,9 +12,13 @@ from rclpy.parameter import Parameter
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose
-from rover_metrics.extended.settings import ExtendedSettings
-from rover_metrics.ros import extended_parameters
-from rover_metrics.ros.parameters import Settings, declare_reliability, declare_settings, wrong_type
+from rover_metrics.extended.settings import ExtendedSettings, Settings
+from rover_metrics.ros.parameters import (
+    declare_reliability,
+    declare_settings,
+    require_same_columns,
+    wrong_type,
+)
 
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 
@@ -69,9 +73,6 @@ class Stub:
         if isinstance(value, Exception):
             raise value
         self.parameters[name] = Parameter(name, value=value)
-        return self.parameters[name]
-
-    def get_parameter_or(self, name: str) -> Parameter:
         return self.parameters[name]
 
     def set_parameters(self, parameters: list[Parameter]) -> None:
@@ -137,12 +138,12 @@ def test_a_value_of_the_launch_or_a_change_is_in_the_settings_and_nothing_else_i
 ) -> None:
     launched = declare_settings(Stub(**{name: value}))
     assert flat(launched) == {**flat(Settings()), name: kept}
-    rest = [Parameter(each, value=given) for each, given, _, _ in CHANGES if each != name]
-    full = launched.updated([*rest, Parameter("use_sim_time", value=True)])
+    rest = {each: given for each, given, _, _ in CHANGES if each != name}
+    full = launched.updated({**rest, "use_sim_time": True})
     assert flat(full) == {each: expected for each, _, expected, _ in CHANGES}
-    again = full.updated([Parameter(name, DOUBLES if other == [] else None, other)])
+    again = full.updated({name: other})
     assert {each for each in flat(full) if flat(full)[each] != flat(again)[each]} == {name}
-    assert full.updated([]) == full
+    assert full.updated({}) == full
 
 
 @pytest.mark.parametrize(
@@ -157,7 +158,7 @@ def test_a_value_of_the_launch_or_a_change_is_in_the_settings_and_nothing_else_i
 )
 def test_a_change_that_is_not_valid_is_one_line(name: str, value: object, message: str) -> None:
     with pytest.raises(ParameterError) as caught:
-        Settings().updated([Parameter("debug_mode", value=True), Parameter(name, value=value)])
+        Settings().updated({"debug_mode": True, name: value})
     assert str(caught.value).startswith(message)
 
 
@@ -182,11 +183,12 @@ def test_a_footprint_that_is_not_set_is_an_empty_list_and_one_that_is_stays() ->
 
 @pytest.mark.parametrize("now", [True, False])
 def test_the_extended_columns_are_fixed_once_the_node_runs(now: bool) -> None:
-    extended_parameters.refuse_switching(now, now)
+    settings, wish = Settings(extended_columns=now), Settings(extended_columns=not now)
+    require_same_columns(settings, settings)
     with pytest.raises(
         ParameterError, match=f"start the node with -p extended_columns:={not now}".lower()
     ):
-        extended_parameters.refuse_switching(now, not now)
+        require_same_columns(settings, wish)
 
 
 @pytest.mark.parametrize(

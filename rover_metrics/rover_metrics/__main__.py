@@ -1,0 +1,19 @@
+"""The program metrics_node as it is installed; without ROS 2 it ends after one line."""
+
+import sys
+
+from rover_metrics.errors import MissingRosError
+
+
+def main() -> int:
+    """Returns the exit code of metrics_node."""
+    try:
+        from rover_metrics.metrics_node import main as run  # noqa: PLC0415 - needs ROS 2
+    except MissingRosError as error:
+        print(error, file=sys.stderr)
+        return error.exit_code
+    return run()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
