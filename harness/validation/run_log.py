@@ -10,7 +10,7 @@ from harness.config import EpisodeConfig
 from harness.drivers import DriverContext, Observation
 from harness.episode.episode import Episode
 from harness.episode.metrics_feed import SampleFeed
-from harness.robots import ROVER_ZERO4WD
+from harness.robots import find_rover
 from harness.samples import LaserScan, Tick
 from harness.sensors.lidar import beam_bearings
 from harness.sensors.lidar_spec import LidarSpec
@@ -19,23 +19,16 @@ from harness.validation.agent import RecordedAgent
 from harness.validation.recorded import Log, as_log
 from rover_metrics.session import MetricsSession
 
-CONFIG = EpisodeConfig(
-    robot=ROVER_ZERO4WD.name,
-    terrain="posts",
-    difficulty=0.5,
-    driver="cmd_vel",
-    noise="gazebo",
-    duration=600.0,
-)
+CONFIG = EpisodeConfig(terrain="posts", difficulty=0.5, driver="cmd_vel", noise="gazebo", duration=600.0)
 AGENT_STREAM = 30  # keeps the agent's random numbers apart
 
 
-def drive(config: EpisodeConfig = CONFIG) -> Log:
+def drive(config: EpisodeConfig) -> Log:
     """Drives the run and returns its rows."""
     episode = Episode(config)
     agent = RecordedAgent(
         DriverContext(
-            ROVER_ZERO4WD,
+            find_rover(config.robot),
             episode.info.map_size / 2,
             beam_bearings(LidarSpec()),
             np.random.default_rng([config.seed, AGENT_STREAM]),

@@ -14,13 +14,13 @@ from harness.report.map_layout import map_layout
 from harness.report.recorder import Stretch
 from harness.report.series import series_figure, thinned
 from harness.report.terrain_map import map_figure, roughness
-from harness.robots import LEO
 from harness.samples import LaserScan, PlacedScan, Pose
 from harness.sensors.scan_points import scan_points
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation, outline
 from harness.world.world import build_world
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
+from tests.support.rovers import LEO
 
 NO_POINTS = np.empty((0, 2))
 _NOTHING: tuple[Thresholds, list[Stretch], list[Event]] = (DEFAULT_THRESHOLDS, [], [])

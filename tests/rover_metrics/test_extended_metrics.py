@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from rover_metrics.bag.recorded_topics import SENSORS, TRUTH, Sink
+from rover_metrics.extended.messages import MessageIntake
 from scipy.spatial.transform import Rotation
 
-from rover_metrics.bag.recorded_topics import SENSORS, TRUTH, Sink
 from rover_metrics.core.metrics import TraversalMetrics, Vector3
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose
-from rover_metrics.extended.messages import MessageIntake
 from rover_metrics.extended.row import EXTENDED_HEADER
 from rover_metrics.extended.settings import DEFAULT_EXTENDED, ExtendedSettings
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN

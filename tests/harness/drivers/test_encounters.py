@@ -10,10 +10,10 @@ from harness.drivers import find_driver
 from harness.drivers.approach import Line, line_past
 from harness.drivers.base import DriverContext, Observation
 from harness.episode.episode import Episode
-from harness.robots import LEO, ROVER_ZERO4WD
 from harness.samples import Twist
 from harness.truth.traversal import Truth
 from harness.world.obstacles import Obstacle, ObstacleKind, half_extent, orientation
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 MEETING = ("ram", "reverse_into", "graze", "swing", "pass_by")
 

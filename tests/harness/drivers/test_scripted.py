@@ -3,8 +3,8 @@ import math
 import numpy as np
 
 from harness.drivers import DRIVERS, DriverContext, Observation
-from harness.robots import LEO
 from harness.samples import Twist
+from tests.support.rovers import LEO
 
 
 def context() -> DriverContext:

@@ -5,7 +5,7 @@ import pytest
 
 from harness.drivers.base import DriverContext, Observation
 from harness.drivers.wander import BACK_OUT_NS, STUCK_AFTER_NS, Wander
-from harness.robots import LEO
+from tests.support.rovers import LEO
 
 BEARINGS = np.linspace(-math.pi, math.pi, 360, endpoint=False)
 PERIOD_NS = 50_000_000

@@ -12,7 +12,7 @@ from harness.episode.metrics_feed import (
     extended_settings,
     outline_parameters,
 )
-from harness.robots import LEO, ROVER_ZERO4WD, RoverSpec
+from harness.robots import RoverSpec
 from harness.samples import (
     GroundTruth,
     Imu,
@@ -25,6 +25,7 @@ from harness.samples import (
     Twist,
 )
 from harness.sensors.lidar_spec import LidarSpec
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 # The rectangle around the wheels in models/README.md, and x of the lidar, which looks backwards.
 OUTLINES = [(LEO, (-0.212, 0.218, 0.214), 0.174), (ROVER_ZERO4WD, (-0.272, 0.268, 0.223), 0.174)]

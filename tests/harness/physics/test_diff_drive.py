@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from harness.physics.diff_drive import DiffDrive
-from harness.robots import LEO, ROVER_ZERO4WD
 from harness.samples import Twist
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 PERIOD = 0.01
 

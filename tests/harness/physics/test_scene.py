@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from harness.physics.scene import Scene, build_scene, model_hash
-from harness.robots import LEO, ROVERS, RoverSpec
+from harness.robots import ROVERS, RoverSpec
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
 from harness.world.world import World
+from tests.support.rovers import LEO
 
 OBSTACLES = (
     Obstacle(

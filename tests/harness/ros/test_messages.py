@@ -9,9 +9,10 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 from rclpy.serialization import deserialize_message, serialize_message
 
 from harness import samples
-from harness.robots import LEO, ROVER_ZERO4WD, RoverSpec
+from harness.robots import RoverSpec
 from harness.ros import messages
 from harness.sensors.lidar_spec import LidarSpec
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 STAMP_NS = 12_345_678_901
 

@@ -13,12 +13,12 @@ from harness.episode.episode import Episode
 from harness.errors import UsageError
 from harness.files import whole_file
 from harness.physics.scene import build_scene
-from harness.robots import LEO
 from harness.run import main
 from harness.view.camera import best_view, chase_view
 from harness.view.drawing import Drawing
 from harness.view.marks import beam_marks, path_marks, track_marks
 from harness.view.states import States, StateWriter, read_states
+from tests.support.rovers import LEO
 
 CONFIG = EpisodeConfig(terrain="rocky", driver="straight", duration=2.0)
 RUN = ["--direct", "--terrain", "flat", "--duration", "1"]

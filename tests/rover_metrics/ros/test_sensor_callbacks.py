@@ -7,12 +7,12 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from rover_metrics.extended.messages import MessageIntake
+from rover_metrics.ros.sensor_callbacks import SensorCallbacks
 
 from rover_metrics.core.metrics import TraversalMetrics, Vector3
-from rover_metrics.extended.messages import MessageIntake
 from rover_metrics.health import rejections as faults
 from rover_metrics.health.reception import Reception
-from rover_metrics.ros.sensor_callbacks import SensorCallbacks
 
 INF, NAN = math.inf, math.nan
 STILL = (0.0, 0.0, 0.0)
