@@ -24,15 +24,16 @@ TRUTH_TOPICS: dict[type, tuple[str, ...]] = {
 
 
 def extended_settings(rover: RoverSpec) -> ExtendedSettings:
-    """The rover's footprint and where its lidar is; it looks backwards (models/README.md)."""
+    """The rover's footprint and gravity, and where its lidar is, which looks backwards."""
     return ExtendedSettings(
         footprint=Footprint.rectangle(*rover.footprint),
         lidar_pose=LidarPose(rover.lidar_x, 0.0, math.pi),
+        gravity=rover.gravity,
     )
 
 
 def outline_parameters(rover: RoverSpec) -> dict[str, list[float]]:
-    """The same as parameters of a metrics_node."""
+    """The first two as parameters of a metrics_node, which hold for a real rover too."""
     settings = extended_settings(rover)
     corners = () if settings.footprint is None else settings.footprint.corners
     pose = settings.lidar_pose
@@ -44,7 +45,7 @@ def outline_parameters(rover: RoverSpec) -> dict[str, list[float]]:
 
 def extended_ros_args(rover: RoverSpec) -> list[str]:
     """The arguments for a metrics_node with extended columns; what the user says after them wins."""
-    parameters = {"extended_columns": "true"} | outline_parameters(rover)
+    parameters = {"extended_columns": "true"} | outline_parameters(rover) | {"gravity": rover.gravity}
     words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={value}")]
     return ["--ros-args", *words, "--"]
 

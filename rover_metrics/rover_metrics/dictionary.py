@@ -91,6 +91,8 @@ def _thresholds() -> Iterator[tuple[str, ...]]:
     threshold = f"{DEFAULT_EXTENDED.footprint_threshold:g}"
     meaning = "a scan whose footprint clearance is below this is a footprint collision"
     yield "`footprint_threshold`", threshold, "m", "0 to 100", meaning
+    meaning = "what the IMU reads at rest, taken out of Roughness RMS; a simulator's may be another"
+    yield "`gravity`", f"{DEFAULT_EXTENDED.gravity:g}", "m/s^2", "0 to 100", meaning
 
 
 def _table(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -23,7 +23,8 @@ from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 from tests.support.rovers import LEO
 
 NO_POINTS = np.empty((0, 2))
-_NOTHING: tuple[Thresholds, list[Stretch], list[Event]] = (DEFAULT_THRESHOLDS, [], [])
+GRAVITY = 9.81
+_NOTHING: tuple[Thresholds, list[Stretch], list[Event], float] = (DEFAULT_THRESHOLDS, [], [], GRAVITY)
 
 
 def stretches(*changes: dict[str, float]) -> list[Stretch]:
@@ -173,7 +174,7 @@ def test_a_log_without_the_counter_has_no_collisions() -> None:
 def test_roughness_counts_in_both_directions_and_holds_where_no_sample_is() -> None:
     quiet = {"lowest_acceleration": 9.81, "highest_acceleration": 9.81}
     dip = {"lowest_acceleration": 6.81, "highest_acceleration": 10.0}
-    assert roughness(stretches(quiet, dip, {})) == pytest.approx([0.0, 3.0, 3.0])
+    assert roughness(stretches(quiet, dip, {}), GRAVITY) == pytest.approx([0.0, 3.0, 3.0])
 
 
 def test_map_shows_the_path_and_everything_that_happened_on_it() -> None:
@@ -187,6 +188,7 @@ def test_map_shows_the_path_and_everything_that_happened_on_it() -> None:
         collisions=collisions(log, track),
         contacts=contacts(track),
         scan=np.array([[1.0, 2.0]]),
+        gravity=GRAVITY,
     )
     assert {key.name for key in keys(figure)} == {
         "rock",
@@ -204,14 +206,18 @@ def test_map_shows_the_path_and_everything_that_happened_on_it() -> None:
 def test_map_of_a_run_that_never_moved_or_diverged_shows_the_terrain() -> None:
     world = build_world("flat", seed=0)
     lost = Stretch(1.0, (math.nan, 0.0, 0.0), 0.0)
-    figure = map_figure(world, shade(world.ground), [lost], collisions=[], contacts=[], scan=NO_POINTS)
+    figure = map_figure(
+        world, shade(world.ground), [lost], collisions=[], contacts=[], scan=NO_POINTS, gravity=GRAVITY
+    )
     assert figure["data"] == []
     assert figure["layout"]["xaxis"]["range"] == [-20.0, 20.0]
 
 
 def test_every_threshold_of_a_column_is_drawn_with_its_value_and_unit() -> None:
     log = Log([1.0, 2.0], {"Obstacle Clearance": [1.0, math.inf]})
-    figure = series_figure("Obstacle Clearance", log, Thresholds(collision_threshold=0.3), [], [])
+    figure = series_figure(
+        "Obstacle Clearance", log, Thresholds(collision_threshold=0.3), [], [], GRAVITY
+    )
     assert {key.name for key in keys(figure)} == {
         "log",
         "collision_threshold = 0.3 m",
@@ -229,14 +235,16 @@ def test_the_truth_is_drawn_beside_distance_and_velocity() -> None:
         [1.0, 2.0, 3.0], {name: [0.1, 0.2, 0.3] for name in ("Distance Traveled", "Current Velocity")}
     )
     log.columns["Total Collisions"] = [0.0, 1.0, 2.0]
-    distance = series_figure("Distance Traveled", log, DEFAULT_THRESHOLDS, track, [])
+    distance = series_figure("Distance Traveled", log, DEFAULT_THRESHOLDS, track, [], GRAVITY)
     assert [(t["name"], t["x"], t["y"]) for t in distance["data"]] == [
         ("log", [1.0, 2.0, 3.0], [0.1, 0.2, 0.3]),
         ("truth", [1.0, 3.0, 3.5], [0.5, 1.5, 1.6]),
     ]
-    velocity = series_figure("Current Velocity", log, DEFAULT_THRESHOLDS, track, [])
+    velocity = series_figure("Current Velocity", log, DEFAULT_THRESHOLDS, track, [], GRAVITY)
     assert (velocity["data"][1]["x"], velocity["data"][1]["y"]) == ([3.0, 3.5], [0.5, 0.2])
-    assert len(series_figure("Total Collisions", log, DEFAULT_THRESHOLDS, track, [])["data"]) == 1
+    assert (
+        len(series_figure("Total Collisions", log, DEFAULT_THRESHOLDS, track, [], GRAVITY)["data"]) == 1
+    )
     assert velocity["layout"]["xaxis"]["range"] == [0.0, 3.5]
     assert [key.dash for key in keys(velocity)] == ["", "2 2"]
 
@@ -244,7 +252,7 @@ def test_the_truth_is_drawn_beside_distance_and_velocity() -> None:
 def test_the_band_of_all_imu_samples_lies_behind_the_log() -> None:
     name = "IMU Acceleration Magnitude"
     track = stretches({"lowest_acceleration": 9.0, "highest_acceleration": 11.0}, {})
-    figure = series_figure(name, Log([1.0], {name: [9.8]}), DEFAULT_THRESHOLDS, track, [])
+    figure = series_figure(name, Log([1.0], {name: [9.8]}), DEFAULT_THRESHOLDS, track, [], GRAVITY)
     low, high, log = figure["data"]
     assert (low["y"], high["y"], log["y"]) == ([9.0, None], [11.0, None], [9.8])
     assert high["fill"] == "tonexty"
@@ -260,7 +268,7 @@ def test_the_band_of_all_imu_samples_lies_behind_the_log() -> None:
 def test_contacts_are_bands_and_flags_are_steps() -> None:
     name, touched = "Is Rough Terrain", [Event(1.0, 2.5, (0.0, 0.0, 0.0))]
     log = Log([1.0, 2.0, 3.0], {name: [0.0, 1.0, 0.0]})
-    figure = series_figure(name, log, DEFAULT_THRESHOLDS, [], touched)
+    figure = series_figure(name, log, DEFAULT_THRESHOLDS, [], touched, GRAVITY)
     (band,) = figure["layout"]["shapes"]
     assert (band["x0"], band["x1"], band["y0"], band["y1"]) == (1.0, 2.5, 0.0, 1.0)
     assert figure["data"][0]["line"]["shape"] == "hv"
@@ -297,7 +305,13 @@ def test_the_path_is_coloured_by_roughness_with_the_roughest_on_top() -> None:
     one = Event(1.0, 2.0, (7.0, 8.0, 0.0))
     other = replace(one, position=(5.0, 6.0, 0.0))
     figure = map_figure(
-        world, shade(world.ground), track, collisions=[one], contacts=[other], scan=NO_POINTS
+        world,
+        shade(world.ground),
+        track,
+        collisions=[one],
+        contacts=[other],
+        scan=NO_POINTS,
+        gravity=GRAVITY,
     )
     traces = {trace["name"]: trace for trace in figure["data"]}
     path = traces["path"]
@@ -313,7 +327,7 @@ def test_the_path_is_coloured_by_roughness_with_the_roughest_on_top() -> None:
 
 def test_an_unknown_column_is_drawn_with_the_unit_in_its_name() -> None:
     log = Log([1.0], {"Wheel Heat [K]": [300.0]})
-    figure = series_figure("Wheel Heat [K]", log, DEFAULT_THRESHOLDS, [], [])
+    figure = series_figure("Wheel Heat [K]", log, DEFAULT_THRESHOLDS, [], [], GRAVITY)
     assert figure["layout"]["yaxis"]["title"] == {"text": "[K]"}
 
 

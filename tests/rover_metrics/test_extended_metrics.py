@@ -493,6 +493,15 @@ def test_roughness_of_a_shaking_is_its_rms_at_any_rate(
     assert feed.row()["Roughness RMS [m/s^2]"] == pytest.approx(3.0 / math.sqrt(2.0), rel=0.02)
 
 
+def test_roughness_at_rest_is_0_where_the_gravity_is_another_one() -> None:
+    feed = Feed(ExtendedSettings(gravity=9.8))
+    feed.imu(0.0, (0.0, 0.0, 9.8), LEVEL)
+    assert feed.row()["Roughness RMS [m/s^2]"] == 0.0
+    feed.extended.use(ExtendedSettings(gravity=3.7))
+    feed.imu(0.1, (0.0, 0.0, 3.7), LEVEL)
+    assert feed.row()["Roughness RMS [m/s^2]"] == 0.0
+
+
 # Motion
 
 

@@ -17,7 +17,7 @@ from rover_metrics.extended.settings import DEFAULT_EXTENDED, ExtendedSettings
 NODE_NAMES = ("metrics_node", "*", "**")
 _SWITCHES = ("extended_columns", "near_returns_as_contact")
 _LISTS = ("footprint", "lidar_pose")
-_NUMBERS = (*THRESHOLD_INFO, "footprint_threshold")
+_NUMBERS = (*THRESHOLD_INFO, "footprint_threshold", "gravity")
 _KNOWN = (*_NUMBERS, *_LISTS, *_SWITCHES)
 
 

@@ -12,12 +12,12 @@ from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.settings import (
     DEFAULT_EXTENDED,
-    LARGEST_FOOTPRINT_THRESHOLD,
+    LARGEST,
     ExtendedSettings,
 )
 
 SWITCH = "extended_columns"
-NAMES = ("footprint", "lidar_pose", "near_returns_as_contact", "footprint_threshold")
+NAMES = ("footprint", "lidar_pose", "near_returns_as_contact", "footprint_threshold", "gravity")
 
 
 def descriptors() -> dict[str, tuple[Any, ParameterDescriptor]]:
@@ -28,6 +28,7 @@ def descriptors() -> dict[str, tuple[Any, ParameterDescriptor]]:
         "lidar_pose": ([0.0, 0.0, 0.0], _lidar_pose()),
         "near_returns_as_contact": (DEFAULT_EXTENDED.near_returns_as_contact, _near_returns()),
         "footprint_threshold": (DEFAULT_EXTENDED.footprint_threshold, _footprint_threshold()),
+        "gravity": (DEFAULT_EXTENDED.gravity, _gravity()),
     }
 
 
@@ -102,9 +103,19 @@ def _near_returns() -> ParameterDescriptor:
 
 
 def _footprint_threshold() -> ParameterDescriptor:
-    largest = LARGEST_FOOTPRINT_THRESHOLD
+    meaning = "a scan whose footprint clearance is below this is a footprint collision [m]"
+    return _number("footprint_threshold", meaning)
+
+
+def _gravity() -> ParameterDescriptor:
+    return _number("gravity", "what the IMU reads at rest, taken out of Roughness RMS [m/s^2]")
+
+
+def _number(name: str, meaning: str) -> ParameterDescriptor:
+    largest, unit = LARGEST[name]
+    valid = f"a number with a decimal point (0.1, not 1) from 0.0 to {largest} {unit}"
     return ParameterDescriptor(
-        description="a scan whose footprint clearance is below this is a footprint collision [m]",
-        additional_constraints=f"a number with a decimal point (0.1, not 1) from 0.0 to {largest} m",
+        description=meaning,
+        additional_constraints=valid,
         floating_point_range=[FloatingPointRange(from_value=0.0, to_value=largest, step=0.0)],
     )
