@@ -14,7 +14,7 @@ from harness.robots import RoverSpec
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
 
-TERRAIN_GROUP, OBSTACLE_GROUP, VISUAL_GROUP, COLLISION_GROUP = 0, 1, 2, 3
+TERRAIN_GROUP, OBSTACLE_GROUP, VISUAL_GROUP = 0, 1, 2
 GROUND_CONTACT = {"contype": 2, "conaffinity": 1}  # the rover's geoms carry (1, 2)
 BASE_THICKNESS = 1.0  # [m] of solid ground below the lowest point
 

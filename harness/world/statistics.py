@@ -7,7 +7,7 @@ published figures of the ERC Marsyard 2021 DEM (slope p50 13.0 deg, p95 40.5 deg
 """
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -47,13 +47,6 @@ class Promise:
     rms_1m: Range
     rms_03m: Range
     obstacle_density: Range
-
-    def broken(self, measured: TerrainStatistics) -> list[str]:
-        """Names the statistics that are out of their range."""
-        ranges: dict[str, Range] = {f.name: getattr(self, f.name) for f in fields(self)}
-        return [
-            name for name, (low, high) in ranges.items() if not low <= getattr(measured, name) <= high
-        ]
 
     def describe(self) -> str:
         """One line with units."""
