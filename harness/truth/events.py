@@ -1,10 +1,13 @@
 """What a rover touched: one value for each contact event with a hazard, a rock or the ground."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from harness.physics.contacts import ContactKind
 from harness.samples import Vector3, sent_by_fields
 from harness.sim_time import NANOSECONDS
+
+if TYPE_CHECKING:  # loads MuJoCo, which who only publishes events does without
+    from harness.physics.contacts import ContactKind
 
 EVENT_GAP_NS = NANOSECONDS // 2  # contacts of a kind closer together than this are one event
 
@@ -26,7 +29,7 @@ class ContactEvent:
         point: Where on the rover, in its model frame [m].
     """
 
-    kind: ContactKind
+    kind: "ContactKind"
     start_ns: int
     end_ns: int
     part: str
