@@ -5,7 +5,7 @@ import pytest
 
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
-from harness.world.statistics import Promise, TerrainStatistics, measure, reach, residual_rms, slopes
+from harness.world.statistics import Promise, measure, reach, residual_rms, slopes
 
 AXIS = np.linspace(-10.0, 10.0, 201)
 X, Y = np.meshgrid(AXIS, AXIS)
