@@ -122,11 +122,7 @@ def _padded(size: tuple[float, ...]) -> list[float]:
 
 def _add_truth_sensors(spec: mujoco.MjSpec) -> None:
     """Contact counts of the whole rover with rocks and hazards, of its body with the ground."""
-    subtree, body, geom = (
-        mujoco.mjtObj.mjOBJ_XBODY,
-        mujoco.mjtObj.mjOBJ_BODY,
-        mujoco.mjtObj.mjOBJ_GEOM,
-    )
+    subtree, body, geom = (mujoco.mjtObj.mjOBJ_XBODY, mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_GEOM)
     _add_contact_count(spec, ROCK_CONTACT, (subtree, "rover"), (body, "rocks"))
     _add_contact_count(spec, HAZARD_CONTACT, (subtree, "rover"), (body, "hazards"))
     for part in spec.bodies:
@@ -136,10 +132,7 @@ def _add_truth_sensors(spec: mujoco.MjSpec) -> None:
 
 
 def _add_contact_count(
-    spec: mujoco.MjSpec,
-    name: str,
-    one: tuple[mujoco.mjtObj, str],
-    other: tuple[mujoco.mjtObj, str],
+    spec: mujoco.MjSpec, name: str, one: tuple[mujoco.mjtObj, str], other: tuple[mujoco.mjtObj, str]
 ) -> None:
     found, net_force, slots = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 3, 1
     spec.add_sensor(

@@ -100,7 +100,7 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
     config = comparison.config
     console.print(
         f"ours: {config.robot} on {config.terrain}, difficulty {config.difficulty:g}, noise "
-        f"{config.noise}, {config.duration:.0f} s, speeds as recorded (harness/validation/agent.py)"
+        f"{config.noise}, {config.duration:.0f} s, speeds as recorded (harness/validation/run_log.py)"
     )
     console.print(_spread_table(comparison))
     console.print(_distance_table(comparison))

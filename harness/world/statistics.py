@@ -17,8 +17,8 @@ from harness.world.obstacles import Obstacle
 
 WINDOW = 0.3  # [m]
 
-
 Range = tuple[float, float]
+NONE: Range = (0.0, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,13 +40,13 @@ class TerrainStatistics:
 
 @dataclass(frozen=True, kw_only=True)
 class Promise:
-    """Lowest and highest value of each statistic at difficulty 0.5, whatever the seed."""
+    """Lowest and highest value of each statistic at difficulty 0.5, whatever the seed; 0 by default."""
 
-    slope_p50: Range
-    slope_p95: Range
-    rms_1m: Range
-    rms_03m: Range
-    obstacle_density: Range
+    slope_p50: Range = NONE
+    slope_p95: Range = NONE
+    rms_1m: Range = NONE
+    rms_03m: Range = NONE
+    obstacle_density: Range = NONE
 
     def describe(self) -> str:
         """One line with units."""

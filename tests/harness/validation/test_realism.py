@@ -12,11 +12,10 @@ from scipy.stats import wasserstein_distance
 
 from harness.drivers import DriverContext, Observation
 from harness.samples import Imu, LaserScan, Odometry, Tick, Twist
-from harness.validation import agent
-from harness.validation.agent import SPEEDS, RecordedAgent
+from harness.validation import run_log
 from harness.validation.realism import WITHIN, Comparison, Distances, distances, print_comparison
 from harness.validation.recorded import COLUMNS, Log, read_log
-from harness.validation.run_log import CONFIG, _Logger, drive
+from harness.validation.run_log import CONFIG, SPEEDS, RecordedAgent, _Logger, drive
 from tests.support.rovers import ROVER_ZERO4WD
 
 IMU = ("IMU Acceleration Magnitude", "Vertical Roughness")
@@ -69,7 +68,7 @@ def test_the_agent_drives_as_its_driver_at_speeds_that_it_holds_for_six_to_fourt
         contexts.append(context)
         return SimpleNamespace(command=lambda _: Twist(0.5, 0.3))
 
-    monkeypatch.setattr(agent, "Wander", driver)
+    monkeypatch.setattr(run_log, "Wander", driver)
     context = DriverContext(ROVER_ZERO4WD, 9.0, np.empty(0), np.random.default_rng(0))
     ours = RecordedAgent(context)
     twists = [ours.command(Observation(n * 100_000_000, 0.0, 0.0, 0.0, None)) for n in range(3000 * 10)]
