@@ -62,7 +62,7 @@ def fill(cls: type[T], values: Mapping[str, object], where: str, **given: object
 
 def _convert(value: object, wanted: Any, where: str) -> object:  # noqa: ANN401 - a type or an alias
     plain, parts = get_origin(wanted) or wanted, get_args(wanted)
-    if is_dataclass(plain) and isinstance(value, dict):
+    if isinstance(plain, type) and is_dataclass(plain) and isinstance(value, dict):
         return fill(plain, value, where)
     if plain is tuple and isinstance(value, list):
         kinds = parts[:1] * len(value) if Ellipsis in parts else parts

@@ -103,7 +103,7 @@ def test_distances_are_those_of_scipy_and_pass_up_to_twice_the_yardstick() -> No
 
 def test_the_comparison_is_printed_with_percentiles_shares_and_verdicts() -> None:
     values = np.linspace(0.0, 20.0, 201)
-    logs = {
+    logs: dict[str, Log] = {
         title: dict.fromkeys(COLUMNS, values + shift) for shift, title in enumerate(("ours", "a", "b"))
     }
     found = dict.fromkeys(COLUMNS, Distances((2.0, 4.0), 2.0)) | {

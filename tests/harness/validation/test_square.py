@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from harness.robots import RoverSpec
 from harness.samples import Odometry, Twist
 from harness.validation import square
 from harness.validation.rig import Stance
@@ -71,7 +72,7 @@ def test_a_square_with_right_corners_closes_and_one_with_wide_ones_does_not() ->
 
 @pytest.mark.parametrize(("rover", "believed"), [(LEO, 1.0), (ROVER_ZERO4WD, 0.122 / 0.127)])
 def test_what_is_told_is_judged_by_the_yaw_ratio_and_the_believed_radius(
-    rover: square.RoverSpec, believed: float, monkeypatch: pytest.MonkeyPatch
+    rover: RoverSpec, believed: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     journey = SimpleNamespace(
         told_path=8.2,
