@@ -58,7 +58,7 @@ def test_the_ground_has_its_heights_where_the_world_has_them(model: mujoco.MjMod
 
     def top(x: float, y: float) -> float:
         start, down, hit = np.array([x, y, 50.0]), np.array([0.0, 0.0, -1.0]), np.zeros(1, np.int32)
-        return 50.0 - mujoco.mj_ray(model, data, start, down, only_terrain, 1, -1, hit)
+        return float(50.0 - mujoco.mj_ray(model, data, start, down, only_terrain, 1, -1, hit))
 
     # Row 4, column 1 is y = 4, x = -2; the ray falls a hair inside the edge.
     assert top(-2.0, 4.0 - 1e-9) == pytest.approx(-1.5, abs=1e-6)
