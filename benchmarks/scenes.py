@@ -5,7 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.physics.scene import Scene, build_scene
-from harness.robots import LEO
+from harness.robots import find_rover
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Form, ObstacleKind, Shape, place, scatter
 from harness.world.world import World
@@ -47,7 +47,7 @@ def _stone(index: int, rng: np.random.Generator) -> Form:
 
 def scene_on_hills(size: float, cell: float, obstacles: int, height: float = HILL_HEIGHT) -> Scene:
     """A Leo in such a world."""
-    return build_scene(hills(size, cell, obstacles, height), LEO, TIMESTEP)
+    return build_scene(hills(size, cell, obstacles, height), find_rover("leo"), TIMESTEP)
 
 
 def poses(scene: Scene, count: int) -> list[mujoco.MjData]:

@@ -5,6 +5,7 @@ Light to import: the process that only publishes an episode needs neither MuJoCo
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 from harness.drivers import find_driver
@@ -21,6 +22,14 @@ from harness.world.world import DEFAULT_DIFFICULTY, World, build_world, find_ter
 LIDAR_BEAMS, IMU_RATE = 640, 20
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
 FEWEST_BEAMS, MOST_BEAMS = 2, 100_000
+
+
+_world = lru_cache(maxsize=2)(build_world)  # a run asks for its own up to four times
+
+
+@lru_cache(maxsize=2)
+def _file_world(file: TerrainFile, seed: int, _modified_ns: int) -> World:
+    return file_world(file, seed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,14 +61,15 @@ class EpisodeConfig:
         return math.ceil(self.total_ticks / TICKS_PER_CONTROL)
 
     def world(self) -> World:
-        """Builds the world.
+        """Returns the world, which is built once and then shared: nobody changes one.
 
         Raises:
             UsageError: The terrain's file is not usable.
         """
-        if is_terrain_file(self.terrain):
-            return file_world(self._terrain_file(), self.seed)
-        return build_world(self.terrain, self.seed, self.difficulty)
+        if not is_terrain_file(self.terrain):
+            return _world(self.terrain, self.seed, self.difficulty)
+        file = self._terrain_file()
+        return _file_world(file, self.seed, file.path.stat().st_mtime_ns if file.path.exists() else 0)
 
     def _terrain_file(self) -> TerrainFile:
         return TerrainFile(path=Path(self.terrain), size=self.terrain_size, relief=self.terrain_height)

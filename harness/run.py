@@ -26,8 +26,7 @@ from harness.errors import HarnessError, UsageError
 from harness.files import check_target
 from harness.interrupt import StopRequest
 from harness.report import RunReport
-from harness.view import headless
-from harness.view.drawing import Drawing
+from harness.view.drawing import Drawing, keep_opengl_out
 from harness.world.heightmap.dem import is_terrain_file
 
 
@@ -46,9 +45,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _command(options: RunOptions, console: Console) -> int:
-    drawing = Drawing(
-        options.picture, options.video, lidar=options.picture_lidar, backend=headless.REQUESTED
-    )
+    backend = keep_opengl_out()  # before MuJoCo is loaded
+    drawing = Drawing(options.picture, options.video, lidar=options.picture_lidar, backend=backend)
     report = RunReport(options.report)
     _load(options)
     with StopRequest() as stop, drawing:

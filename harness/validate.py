@@ -1,7 +1,7 @@
 """Command: drive standard manoeuvres and compare what the rovers do with what their sources say.
 
     python -m harness.validate --robot leo --seed 1
-    python -m harness.validate --realism
+    python -m harness.validate --robot rover_zero4wd --realism A.csv B.csv
 
 Parses, calls, prints; the work is in harness.validation.
 """
@@ -16,7 +16,6 @@ from rich.console import Console
 from harness.errors import HarnessError, UsageError
 from harness.robots import MODELS_DIR, ROVERS, find_rover
 from harness.validation.realism import compare, print_comparison
-from harness.validation.recorded import DEFAULT_LOGS
 from harness.validation.suite import validate
 from harness.validation.table import as_markdown, print_table, write_between_markers
 from rover_metrics.errors import OneLineParser
@@ -54,7 +53,7 @@ def _suite(options: argparse.Namespace, console: Console) -> int:
 
 
 def _realism(options: argparse.Namespace, console: Console) -> int:
-    comparison = compare(options.logs, options.seed)
+    comparison = compare(options.realism, options.robot, options.seed)
     print_comparison(console, comparison)
     return _report_misses(comparison.missed)
 
@@ -72,8 +71,8 @@ def _check(options: argparse.Namespace) -> None:
         raise UsageError(f"seed {options.seed} is not valid; give a whole number from 0 up")
     if options.write and (options.robot is not None or options.realism):
         raise UsageError("--write makes the whole table; leave out --robot and --realism")
-    if options.realism and options.robot not in {None, "rover_zero4wd"}:
-        raise UsageError("--realism compares with logs of rover_zero4wd; leave out --robot")
+    if options.realism and options.robot is None:
+        raise UsageError("--realism needs --robot, the rover that the logs are of")
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -87,15 +86,11 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--write", action="store_true", help="put the table into models/README.md")
     parser.add_argument(
-        "--realism", action="store_true", help="compare a 10-minute run with recorded logs instead"
-    )
-    parser.add_argument(
-        "--logs",
+        "--realism",
         nargs=2,
         type=Path,
-        default=DEFAULT_LOGS,
         metavar=("A.csv", "B.csv"),
-        help="two recorded logs for --realism; RoboTerrain's of 2025-01-16 by default",
+        help="compare a 10-minute run with two logs recorded of that rover instead",
     )
     return parser
 

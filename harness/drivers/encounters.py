@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from harness.drivers.approach import line_past
-from harness.drivers.encounter import Encounter, Meeting
+from harness.drivers.staged import Meeting, StagedEncounter
 from harness.samples import Twist
 from harness.world.obstacles import Obstacle, half_extent
 
@@ -17,7 +17,7 @@ SWING_GAP = (0.0, 0.1)  # [m], less than what the corners stand out beyond the s
 SWING_TIME = 3.0  # [s]
 
 
-class Ram(Encounter):
+class Ram(StagedEncounter):
     """Straight into it."""
 
     summary: ClassVar[str] = "drives into hazards head on (knowing where they are)"
@@ -40,7 +40,7 @@ class ReverseInto(Ram):
         return -super().random_speed()
 
 
-class PassBy(Encounter):
+class PassBy(StagedEncounter):
     """Past it, close but without touching."""
 
     summary: ClassVar[str] = "passes hazards closely without touching (knowing where they are)"

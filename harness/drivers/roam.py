@@ -6,9 +6,9 @@ from typing import ClassVar
 from harness.drivers.base import DriverContext, Observation
 from harness.drivers.wander import Wander
 from harness.samples import Twist
+from harness.sim_time import NANOSECONDS
 
 SLOWEST, FASTEST = 0.2, 0.9  # of the rover's top speed
-NANOSECONDS = 1_000_000_000
 SPELL_NS = 8 * NANOSECONDS  # at one speed
 
 

@@ -10,30 +10,33 @@ STRAIGHT_SPEED = 0.3  # [m/s]: a default run of 60 s ends before the edge of a 4
 TURN_RADIUS = 1.5  # [m] of each circle of the eight
 
 
-class Straight:
+class Constant:
+    """One twist for ever, open loop."""
+
+    def __init__(self, twist: Twist) -> None:
+        self._twist = twist
+
+    def command(self, observation: Observation) -> Twist:  # noqa: ARG002 - open loop
+        """Returns the same twist at any time."""
+        return self._twist
+
+
+class Straight(Constant):
     """Straight ahead."""
 
     summary: ClassVar[str] = "straight ahead at 0.3 m/s"
 
     def __init__(self, context: DriverContext) -> None:
-        self._twist = Twist(linear=min(STRAIGHT_SPEED, context.rover.cruise_speed))
-
-    def command(self, observation: Observation) -> Twist:  # noqa: ARG002 - open loop
-        """The same twist for ever."""
-        return self._twist
+        super().__init__(Twist(linear=min(STRAIGHT_SPEED, context.rover.cruise_speed)))
 
 
-class Spin:
+class Spin(Constant):
     """Turning in place."""
 
     summary: ClassVar[str] = "turns left in place"
 
     def __init__(self, context: DriverContext) -> None:
-        self._twist = Twist(angular=context.rover.cruise_yaw_rate)
-
-    def command(self, observation: Observation) -> Twist:  # noqa: ARG002 - open loop
-        """The same twist for ever."""
-        return self._twist
+        super().__init__(Twist(angular=context.rover.cruise_yaw_rate))
 
 
 class Figure8:

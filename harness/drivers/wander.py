@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from harness.drivers.base import DriverContext, Observation
 from harness.samples import Twist
+from harness.sim_time import NANOSECONDS
 
-NANOSECONDS = 1_000_000_000
 GOAL_DISTANCE = (4.0, 10.0)  # [m] from where the rover is
 GOAL_REACHED = 0.6  # [m]
 GOAL_PATIENCE_NS = 45 * NANOSECONDS

@@ -15,10 +15,11 @@ from rover_metrics.topics import SENSORS, TRUTH
 
 
 def extended_settings(rover: RoverSpec) -> ExtendedSettings:
-    """Returns the rover's footprint and where its lidar is; it looks backwards (models/README.md)."""
+    """Returns the rover's footprint and gravity, and where its lidar is, which looks backwards."""
     return ExtendedSettings(
         footprint=Footprint.rectangle(*rover.footprint),
         lidar_pose=LidarPose(rover.lidar_x, 0.0, math.pi),
+        gravity=rover.gravity,
     )
 
 
@@ -35,7 +36,7 @@ def outline_parameters(rover: RoverSpec) -> dict[str, list[float]]:
 
 def extended_ros_args(rover: RoverSpec) -> list[str]:
     """Returns arguments for a metrics_node with extended columns; what follows them wins."""
-    parameters = {"extended_columns": "true"} | outline_parameters(rover)
+    parameters = {"extended_columns": "true"} | outline_parameters(rover) | {"gravity": rover.gravity}
     words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={value}")]
     return ["--ros-args", *words, "--"]
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from rover_metrics.core.row import COLUMNS
 
 TIME_COLUMN, NOTES_COLUMN = COLUMNS[0], COLUMNS[-1]
-GRAVITY = 9.81  # [m/s^2]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -59,6 +59,7 @@ def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
         collisions=collided,
         contacts=touched,
         scan=np.empty((0, 2)) if placed is None else scan_points(placed, rover),
+        gravity=rover.gravity,
     )
     summary = (
         f"Path of {result.truth.path_length:.1f} m with {len(collided)} places where the metrics "
@@ -79,14 +80,14 @@ def _signed(height: float) -> str:
 
 def _series(result: RunResult, recorder: RunRecorder, log: Log) -> list[Plot]:
     track = recorder.track
-    touched = contacts(track)
+    touched, gravity = contacts(track), find_rover(result.config.robot).gravity
     return [
         Plot(
             name=f"series-{number}",
             heading=name,
             caption=describe(name).meaning,
             summary=_summary(name, values),
-            figure=series_figure(name, log, result.thresholds, track, touched),
+            figure=series_figure(name, log, result.thresholds, track, touched, gravity),
         )
         for number, (name, values) in enumerate(log.columns.items())
     ]

@@ -4,12 +4,12 @@ Horn's shaded relief (Proc. IEEE 69, 1981) of the terrain's slope; y (up on the 
 """
 
 import base64
-import struct
-import zlib
+import io
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from harness.world.heightfield import Heightfield
 
@@ -37,7 +37,9 @@ class Hillshade:
 
     def data_uri(self) -> str:
         """The picture as a PNG in a data URI."""
-        return "data:image/png;base64," + base64.b64encode(_png(self.pixels)).decode("ascii")
+        png = io.BytesIO()
+        Image.fromarray(self.pixels).save(png, "PNG", optimize=True)
+        return "data:image/png;base64," + base64.b64encode(png.getvalue()).decode("ascii")
 
 
 def shade(ground: Heightfield) -> Hillshade:
@@ -55,17 +57,3 @@ def shade(ground: Heightfield) -> Hillshade:
     west, side = -ground.half_size - 0.5 * cell, cell * len(heights)
     pixels = np.flipud(grey.round().astype(np.uint8))
     return Hillshade(pixels, west, west + side, side, exaggeration)
-
-
-def _png(pixels: NDArray[np.uint8]) -> bytes:
-    """Encodes 8-bit grey (PNG specification, sections 5 and 11); each row's filter is 'up'."""
-    rows, cols = pixels.shape
-    above = np.vstack([np.zeros((1, cols), np.uint8), pixels[:-1]])
-    filtered = np.hstack([np.full((rows, 1), 2, np.uint8), pixels - above])
-    header = struct.pack(">IIBBBBB", cols, rows, 8, 0, 0, 0, 0)
-    chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(filtered.tobytes(), 9)), (b"IEND", b""))
-    return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(kind, data) for kind, data in chunks)
-
-
-def _chunk(kind: bytes, data: bytes) -> bytes:
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

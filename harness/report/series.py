@@ -33,7 +33,12 @@ def thinned(times: Sequence[float], values: Sequence[float], most: int = MOST_RO
 
 
 def series_figure(
-    name: str, log: Log, thresholds: Thresholds, track: Sequence[Stretch], contacts: Sequence[Event]
+    name: str,
+    log: Log,
+    thresholds: Thresholds,
+    track: Sequence[Stretch],
+    contacts: Sequence[Event],
+    gravity: float,
 ) -> Figure:
     """Draws one column over time.
 
@@ -43,11 +48,12 @@ def series_figure(
         thresholds: Of the run.
         track: What was recorded beside the log.
         contacts: When the rover touched a hazard.
+        gravity: Of the run [m/s^2].
     """
     column = describe(name)
     data = [*_below(name, track), _logged(name, column, log), *_above(name, track)]
     end_s = max([*log.time_s[-1:], *(stretch.time_s for stretch in track[-1:])], default=1.0)
-    return {"data": data, "layout": series_layout(column, thresholds, contacts, end_s)}
+    return {"data": data, "layout": series_layout(column, thresholds, contacts, end_s, gravity)}
 
 
 def _logged(name: str, column: Column, log: Log) -> Trace:

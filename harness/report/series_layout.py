@@ -3,15 +3,23 @@
 from collections.abc import Sequence
 
 from harness.page.figure import AXIS, INK, TRUTH, Layout, common_layout
-from harness.report.columns import GRAVITY, Column
+from harness.report.columns import Column
 from harness.report.events import Event
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 
 
 def series_layout(
-    column: Column, thresholds: Thresholds, contacts: Sequence[Event], end_s: float
+    column: Column, thresholds: Thresholds, contacts: Sequence[Event], end_s: float, gravity: float
 ) -> Layout:
-    """Lays out the plot of a column, from the start of the run to its end [s]."""
+    """Returns the layout of a column's plot.
+
+    Args:
+        column: What is drawn.
+        thresholds: Of the run.
+        contacts: When the rover touched a hazard.
+        end_s: End of the run [s]; it starts at 0.
+        gravity: Of the run [m/s^2].
+    """
     fixed = AXIS | {"automargin": False}  # so that the time axes of all plots are in line
     y_axis = fixed | {"title": {"text": f"[{column.unit}]" if column.unit else ""}}
     if column.is_flag:
@@ -25,7 +33,7 @@ def series_layout(
         for name, dash in zip(column.thresholds, ("dash", "dashdot"), strict=False)
     ]
     if column.shows_gravity:
-        lines.append(_level(GRAVITY, f"g = {GRAVITY} m/s²", "dot"))
+        lines.append(_level(gravity, f"g = {gravity:g} m/s²", "dot"))
     return common_layout(
         xaxis=fixed | {"title": {"text": "simulated time [s]"}, "range": [0.0, round(end_s, 2)]},
         yaxis=y_axis,

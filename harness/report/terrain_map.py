@@ -16,7 +16,6 @@ from harness.page.figure import (
     Trace,
     numbers,
 )
-from harness.report.columns import GRAVITY
 from harness.report.events import Event
 from harness.report.hillshade import Hillshade
 from harness.report.map_layout import map_layout
@@ -30,13 +29,13 @@ SATURATED = 99.0  # [%] of the path below the top of the scale
 NAMES = {ObstacleKind.ROCK: ("rock", "--rock"), ObstacleKind.HAZARD: ("hazard", "--hazard")}
 
 
-def roughness(track: Sequence[Stretch]) -> list[float]:
+def roughness(track: Sequence[Stretch], gravity: float) -> list[float]:
     """Largest deviation of |a| from gravity in each stretch [m/s^2]; the last known where none is."""
     latest, values = 0.0, []
     for stretch in track:
         if stretch.highest_acceleration >= 0.0:
             high, low = stretch.highest_acceleration, stretch.lowest_acceleration
-            latest = max(high - GRAVITY, GRAVITY - low)
+            latest = max(high - gravity, gravity - low)
         values.append(latest)
     return values
 
@@ -49,6 +48,7 @@ def map_figure(
     collisions: Sequence[Event],
     contacts: Sequence[Event],
     scan: Points,
+    gravity: float,
 ) -> Figure:
     """Draws a run from above, in metres, y up.
 
@@ -59,12 +59,13 @@ def map_figure(
         collisions: What the metrics counted.
         contacts: What really happened.
         scan: Where the beams of the last scan ended [m].
+        gravity: Of the run [m/s^2].
     """
     track = [stretch for stretch in track if all(map(math.isfinite, stretch.position))]
     data = [
         *(_obstacles(world.obstacles, kind) for kind in NAMES),
         _points(scan, "last scan", {"size": 3, "color": SCAN}),
-        *_path(track),
+        *_path(track, gravity),
         *_ends(track),
         _events(collisions, "collision (metric)", "diamond-open", METRIC),
         _events(contacts, "contact with a hazard (truth)", "x-thin-open", TRUTH),
@@ -90,9 +91,9 @@ def _obstacles(obstacles: Sequence[Obstacle], kind: ObstacleKind) -> Trace:
     }
 
 
-def _path(track: Sequence[Stretch]) -> list[Trace]:
+def _path(track: Sequence[Stretch], gravity: float) -> list[Trace]:
     """A line for contrast with the ground, and on it a point for each stretch, the roughest on top."""
-    rough = roughness(track)
+    rough = roughness(track, gravity)
     top = _scale_top(rough)
     line_points = [stretch.position for stretch in track]
     order = sorted(range(len(track)), key=lambda index: rough[index])

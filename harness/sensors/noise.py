@@ -12,7 +12,7 @@ from harness.errors import find_named
 from harness.samples import Imu, LaserScan, Odometry, Sample
 from harness.sensors.corruption import AxisErrors, AxisTriad, ContactChatter, RangeErrors
 
-G = 9.80665  # [m/s^2]: data sheets count in it
+G = 9.80665  # [m/s^2], the unit that data sheets count in, wherever the rover is
 DEGREE = np.pi / 180.0  # [rad]
 
 

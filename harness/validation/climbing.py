@@ -7,7 +7,7 @@ from harness.robots import RoverSpec
 from harness.validation.check import Check, Span, at_least
 from harness.validation.expected import expected_of
 from harness.validation.grounds import Block, floor, ramp
-from harness.validation.rig import Rig, steepest
+from harness.validation.rig import Rig, largest_passing
 from harness.validation.stability import steepest_stand
 from harness.validation.statics import balance, kerb_limit
 
@@ -24,16 +24,12 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
     stand = balance(Rig(rover, floor(seed)))
     pulled_up = at_least(kerb_limit(rover, stand), "D: statics of the rear wheels, mu 1, no run-up")
     yield Check("kerb climbed, head-on", "m", pulled_up, _kerb(rover, seed, one_side=False))
-    one_side = expected_of(rover).kerb_one_side
-    yield Check("kerb climbed, one side", "m", one_side, _kerb(rover, seed, one_side=True))
+    expected = expected_of(rover)
+    yield Check("kerb climbed, one side", "m", expected.kerb_one_side, _kerb(rover, seed, one_side=True))
     limit = math.degrees(steepest_stand(stand))
-    span = Span(limit - 3.0, limit + 1.5, _ramp_source(rover))
+    source = f"{expected.ramp_source}D: atan(mu = 1) or the tip angle, whichever is less"
+    span = Span(limit - 3.0, limit + 1.5, source)
     yield Check("slope climbed, 0.4 m/s commanded", "deg", span, _ramp(rover, seed), digits=0)
-
-
-def _ramp_source(rover: RoverSpec) -> str:
-    stated = "S: spec page 45; " if rover.name == "leo" else ""
-    return f"{stated}D: atan(mu = 1) or the tip angle, whichever is less"
 
 
 def _kerb(rover: RoverSpec, seed: int, *, one_side: bool) -> float:
@@ -47,7 +43,7 @@ def _kerb(rover: RoverSpec, seed: int, *, one_side: bool) -> float:
         rig.command(KERB_SPEED)
         return rig.run_until(lambda: rig.stance.ahead > passed, KERB_LIMIT)
 
-    return steepest(climbs, *KERBS, KERB_STEP)
+    return largest_passing(climbs, *KERBS, KERB_STEP)
 
 
 def _ramp(rover: RoverSpec, seed: int) -> float:
@@ -56,4 +52,4 @@ def _ramp(rover: RoverSpec, seed: int) -> float:
         rig.command(RAMP_SPEED)
         return rig.run_until(lambda: rig.stance.ahead > RAMP_TOP, RAMP_LIMIT)
 
-    return steepest(climbs, *RAMPS, 1.0)
+    return largest_passing(climbs, *RAMPS, 1.0)

@@ -1,7 +1,7 @@
-"""A 10-minute run of rover_zero4wd beside the logs that RoboTerrain recorded of it.
+"""A 10-minute run of a rover beside two logs that were recorded of it.
 
 What counts is the shape: how the values of a CSV row are spread. The yardstick is how far two recorded
-logs lie apart, for they too came from different places and drives.
+logs lie apart, for they too come from different places and drives.
 """
 
 from collections.abc import Sequence
@@ -11,13 +11,14 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 from rich.table import Table
+from scipy.stats import wasserstein_distance
 
-from harness.validation.recorded import COLUMNS, Log, read_log, wasserstein
+from harness.config import EpisodeConfig
+from harness.validation.recorded import COLUMNS, Log, Values, read_log
 from harness.validation.run_log import CONFIG, drive
+from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 
-ROUGH = 15.0  # [m/s2]: metrics_node's threshold
-
-
+ROUGH = DEFAULT_THRESHOLDS.rough_terrain_threshold  # [m/s2]
 WITHIN = 2.0  # times the yardstick
 
 
@@ -46,10 +47,12 @@ class Comparison:
     Attributes:
         logs: By title, ours first.
         distances: By column.
+        config: Of our run.
     """
 
     logs: dict[str, Log]
     distances: dict[str, Distances]
+    config: EpisodeConfig = CONFIG
 
     @property
     def missed(self) -> list[str]:
@@ -57,18 +60,25 @@ class Comparison:
         return [column for column, distance in self.distances.items() if not distance.passed]
 
 
-def compare(paths: Sequence[Path], seed: int) -> Comparison:
-    """Drives our run and compares it with two logs.
+def compare(paths: Sequence[Path], robot: str, seed: int) -> Comparison:
+    """Returns how a run of ours lies to two logs.
+
+    Args:
+        paths: Of the two logs.
+        robot: Name of the rover that they are of.
+        seed: Of our run.
 
     Raises:
         UsageError: A log cannot be read.
     """
     recorded = [read_log(path) for path in paths]
-    ours = drive(replace(CONFIG, seed=seed))
+    config = replace(CONFIG, robot=robot, seed=seed)
+    ours = drive(config)
     titles = ["ours", *(path.stem.removeprefix("metrics_log_") for path in paths)]
     return Comparison(
         logs=dict(zip(titles, [ours, *recorded], strict=True)),
         distances={column: distances(ours, recorded, column) for column in COLUMNS},
+        config=config,
     )
 
 
@@ -76,16 +86,21 @@ def distances(ours: Log, recorded: Sequence[Log], column: str) -> Distances:
     """How far a column of ours lies from two recorded ones, and those from each other."""
     first, second = (log[column] for log in recorded)
     return Distances(
-        ours=(wasserstein(ours[column], first), wasserstein(ours[column], second)),
-        recorded=wasserstein(first, second),
+        ours=(_distance(ours[column], first), _distance(ours[column], second)),
+        recorded=_distance(first, second),
     )
+
+
+def _distance(one: Values, other: Values) -> float:
+    return float(wasserstein_distance(one, other))
 
 
 def print_comparison(console: Console, comparison: Comparison) -> None:
     """Prints percentiles of all logs and the distances between them."""
+    config = comparison.config
     console.print(
-        f"ours: {CONFIG.robot} on {CONFIG.terrain}, difficulty {CONFIG.difficulty:g}, noise "
-        f"{CONFIG.noise}, {CONFIG.duration:.0f} s, speeds as recorded (harness/validation/agent.py)"
+        f"ours: {config.robot} on {config.terrain}, difficulty {config.difficulty:g}, noise "
+        f"{config.noise}, {config.duration:.0f} s, speeds as recorded (harness/validation/run_log.py)"
     )
     console.print(_spread_table(comparison))
     console.print(_distance_table(comparison))

@@ -1,7 +1,4 @@
-"""Recorded logs, the columns that tell how a run went, and how far two of them lie apart.
-
-RoboTerrain's logs are not part of this project: they are read from where its data are kept.
-"""
+"""Recorded logs, and the columns of them that tell how a run went."""
 
 import csv
 from collections.abc import Mapping
@@ -12,11 +9,6 @@ from numpy.typing import NDArray
 
 from harness.errors import UsageError
 
-LOGS_DIR = Path(__file__).parents[3] / "shared/data/roboterrain/logs"
-DEFAULT_LOGS = [
-    LOGS_DIR / "metrics_log_20250116_120457.csv",
-    LOGS_DIR / "metrics_log_20250116_125842.csv",
-]
 COLUMNS = {
     "IMU Acceleration Magnitude": "m/s2",
     "Vertical Roughness": "m/s2",
@@ -38,7 +30,7 @@ def read_log(path: Path) -> Log:
         with path.open(encoding="utf-8", newline="") as file:
             rows = [[float(row[column]) for column in COLUMNS] for row in csv.DictReader(file)]
     except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror}; name two logs with --logs") from error
+        raise UsageError(f"cannot read {path}: {error.strerror}; --realism takes two logs") from error
     except (KeyError, TypeError, ValueError) as error:
         message = f"{path} is no metrics log; it needs numbers in {', '.join(COLUMNS)}"
         raise UsageError(message) from error
@@ -55,13 +47,3 @@ def as_log(rows: Values, name: str) -> Log:
     if not len(finite):
         raise UsageError(f"{name} holds no complete row")
     return dict(zip(COLUMNS, finite.T, strict=True))
-
-
-def wasserstein(one: Values, other: Values) -> float:
-    """Wasserstein distance of two samples: the area between their distribution functions."""
-    everything = np.sort(np.concatenate([one, other]))
-    below = [
-        np.searchsorted(np.sort(values), everything[:-1], side="right") / len(values)
-        for values in (one, other)
-    ]
-    return float(np.sum(np.abs(below[0] - below[1]) * np.diff(everything)))

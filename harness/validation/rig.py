@@ -122,10 +122,14 @@ class Rig:
         return self.simulation.yaw
 
 
-def steepest(passes: Callable[[float], bool], low: float, high: float, step: float) -> float:
-    """Largest multiple of `step` from `low` to `high` that passes, by bisection; NaN if none does.
+def largest_passing(passes: Callable[[float], bool], low: float, high: float, step: float) -> float:
+    """Returns the largest value that passes, by bisection; NaN if none does.
 
-    What passes must do so for all smaller values too.
+    Args:
+        passes: Whether a value does; if one does, so do all smaller ones.
+        low: Smallest value that is tried.
+        high: Largest value that is tried.
+        step: Only its multiples are tried.
     """
     first, last = round(low / step) - 1, round(high / step)
     best = first

@@ -14,7 +14,7 @@ from harness.robots import RoverSpec
 from harness.validation.check import Check, Span, around, at_most
 from harness.validation.grounds import floor
 from harness.validation.rig import TICK, Rig
-from harness.validation.statics import GRAVITY, WHEEL_FRICTION, Balance, balance, tip_angle
+from harness.validation.statics import WHEEL_FRICTION, Balance, balance, tip_angle
 
 RAIL_FRICTION = 5.0
 FAST, SLOW = math.radians(30.0), math.radians(2.5)  # [rad/s]: far from and near the angle looked for
@@ -35,13 +35,14 @@ class TiltTable:
 
     def __init__(self, rig: Rig, uphill: float) -> None:
         self.rig, self.angle = rig, 0.0
+        self._gravity = -float(rig.simulation.model.opt.gravity[2])
         self._uphill = np.array([math.cos(uphill), math.sin(uphill), 0.0])
 
     def tilt(self, angle: float) -> None:
         """Sets the incline [rad]."""
         self.angle = angle
         up = math.sin(angle) * self._uphill + np.array([0.0, 0.0, math.cos(angle)])
-        self.rig.simulation.model.opt.gravity[:] = -GRAVITY * up
+        self.rig.simulation.model.opt.gravity[:] = -self._gravity * up
 
     def raise_until(self, done: Callable[[], bool], near: float) -> float:
         """Tilts until something happens, slowly from `near` on; NaN if nothing does [rad]."""

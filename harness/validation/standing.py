@@ -11,8 +11,7 @@ from harness.sensors.imu import ImuSensor
 from harness.validation.check import Check, Span, around, at_most
 from harness.validation.expected import Passage, expected_of
 from harness.validation.grounds import Block, floor, saddle
-from harness.validation.rig import Rig, steepest
-from harness.validation.statics import GRAVITY
+from harness.validation.rig import Rig, largest_passing
 
 IMU_RATE, REST = 20, 40  # [Hz], readings
 REST_BEFORE = 1.0  # [s]
@@ -43,7 +42,7 @@ def _rest(rover: RoverSpec, seed: int) -> Iterator[Check]:
         readings.append(imu.read())
     force = np.linalg.norm([reading.linear_acceleration for reading in readings], axis=1)
     rate = np.linalg.norm([reading.angular_velocity for reading in readings], axis=1)
-    gravity = around(GRAVITY, 0.005, "S: gravity of RoboTerrain's worlds, noise off")
+    gravity = around(rover.gravity, 0.005, "S: gravity of RoboTerrain's worlds, noise off")
     yield Check("IMU at rest, |a|", "m/s2", gravity, float(force.mean()), digits=4)
     still = at_most(1e-3, "S: no noise in RoboTerrain's sensors")
     yield Check("IMU at rest, sd of |a|", "m/s2", still, float(force.std()), digits=4)
@@ -58,7 +57,7 @@ def _clearance(rover: RoverSpec, seed: int, passage: Passage) -> Check:
         rig.command(POST_SPEED)
         return not rig.run_until(lambda: rig.touches_block, POST_LIMIT)
 
-    highest = steepest(passes, passage.height - SCATTER, passage.height + SCATTER, 0.001)
+    highest = largest_passing(passes, passage.height - SCATTER, passage.height + SCATTER, 0.001)
     span = Span(
         passage.height - 0.005, passage.height + 0.001, f"{passage.source}; D: up to 5 mm of sink, heave"
     )
@@ -72,7 +71,7 @@ def _rockers(rover: RoverSpec, seed: int) -> Iterator[Check]:
         f"rocker angle on a saddle of {TWIST:g} rad", "rad", follows, float(np.abs(turned).max())
     )
     limited = _twisted(rover, seed, OVERTWIST)
-    stop = around(0.24, 0.006, "S: limits of the SDF, +-0.24")
+    stop = expected_of(rover).rocker_stop
     yield Check("rocker angle at its stops", "rad", stop, float(np.abs(limited).max()))
     rig = Rig(rover, floor(seed, Block(shape="box", half_size=(0.05, 0.5, 0.025), x=0.5, y=0.52)))
     uneven: list[float] = []

@@ -9,7 +9,6 @@ import numpy as np
 from harness.robots import RoverSpec
 from harness.validation.rig import Rig
 
-GRAVITY = 9.8  # [m/s2], as in RoboTerrain's worlds
 WHEEL_FRICTION = 1.0  # models/README.md
 KERB_STEP = 1e-3  # [m]
 
@@ -42,7 +41,7 @@ def balance(rig: Rig) -> Balance:
     wheels = rig.in_model_frame(data.geom_xpos[rig.wheel_geoms])
     front_left, rear_left, front_right, rear_right = wheels
     return Balance(
-        weight=float(model.body_mass.sum()) * GRAVITY,
+        weight=float(model.body_mass.sum()) * rig.rover.gravity,
         height=z - float(wheels[:, 2].mean()) + rig.rover.wheel_radius,
         front=float(front_left[0] + front_right[0]) / 2 - x,
         rear=x - float(rear_left[0] + rear_right[0]) / 2,

@@ -7,7 +7,6 @@ from rich.console import Console
 from rich.table import Table
 
 from harness.errors import UsageError
-from harness.robots import ROVERS
 from harness.validation.check import Check
 
 BEGIN = "<!-- begin: python -m harness.validate --write -->"
@@ -47,18 +46,6 @@ def write_between_markers(path: Path, text: str) -> None:
         raise UsageError(f"{path} must hold '{BEGIN}' and '{END}' once each") from error
     except OSError as error:
         raise UsageError(f"cannot rewrite {path}: {error.strerror}") from error
-
-
-def listed_quantities(path: Path) -> dict[str, list[str]]:
-    """The quantities of the tables between the markers, by rover."""
-    listed: dict[str, list[str]] = {}
-    for line in path.read_text(encoding="utf-8").split(BEGIN)[1].split(END)[0].splitlines():
-        if line.startswith("### "):
-            robot = line.removeprefix("### ")
-            listed[robot] = []
-        elif line.startswith("| ") and not line.startswith(f"| {HEADINGS[0]} "):
-            listed[robot].append(line.split(" | ")[0].removeprefix("| "))
-    return {robot: listed[robot] for robot in ROVERS if robot in listed}
 
 
 def _rows(checks: Sequence[Check]) -> str:

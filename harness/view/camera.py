@@ -93,12 +93,7 @@ def best_view(
 
 
 def _merit(
-    view: View,
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    path: Vector,
-    yaw: float,
-    half_width: float,
+    view: View, model: mujoco.MjModel, data: mujoco.MjData, path: Vector, yaw: float, half_width: float
 ) -> float:
     shown = float(np.mean(view.sees(path, half_width))) if len(path) > 1 else 0.0
     to_camera = math.radians(view.azimuth + 180.0)

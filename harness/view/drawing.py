@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 from contextlib import ExitStack
+from functools import cache
 from pathlib import Path
 from typing import Self
 
@@ -17,6 +18,18 @@ from harness.view.states import StateWriter
 
 BACKENDS = ("egl", "osmesa")  # of MuJoCo, in the order in which they are tried
 PACKAGES = "libegl1 libgl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"
+
+
+@cache
+def keep_opengl_out() -> str:
+    """Returns the OpenGL that MUJOCO_GL asked for at first, and switches it off in this process.
+
+    MuJoCo loads what MUJOCO_GL names when it is imported, and fails where that is missing. A run draws
+    nothing itself: it must start there too. What draws has a process of its own.
+    """
+    requested = os.environ.get("MUJOCO_GL", "").strip().lower()
+    os.environ["MUJOCO_GL"] = "off"
+    return requested
 
 
 class DrawingFailed(HarnessError):

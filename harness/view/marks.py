@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
@@ -32,7 +32,9 @@ class Mark:
     """One geom that is only to be seen.
 
     Attributes:
+        position: Of its middle, or of one end [m].
         frame: Its axes as columns, shape (3, 3).
+        end: The other end of a capsule or a line [m], whose width is the first size.
         since: Time [s] from which on it is there.
         glow: How much it shines by itself, 0..1.
     """
@@ -40,8 +42,9 @@ class Mark:
     shape: mujoco.mjtGeom
     size: tuple[float, float, float]
     position: Vector
-    frame: Vector
     color: tuple[float, float, float, float]
+    frame: Vector = field(default_factory=lambda: np.eye(3))
+    end: Vector | None = None
     since: float = 0.0
     glow: float = 0.0
 
@@ -56,6 +59,8 @@ def add_marks(scene: mujoco.MjvScene, marks: Iterable[Mark], time: float) -> Non
         geom = scene.geoms[scene.ngeom]
         color = np.array(mark.color, np.float32)
         mujoco.mjv_initGeom(geom, mark.shape, mark.size, mark.position, mark.frame.ravel(), color)
+        if mark.end is not None:
+            mujoco.mjv_connector(geom, mark.shape, mark.size[0], mark.position, mark.end)
         geom.emission = mark.glow
         scene.ngeom += 1
 
@@ -66,8 +71,9 @@ def path_marks(recording: States, ground: Heightfield) -> list[Mark]:
     spacing = max(PATH_SPACING, along.length / MOST_PATH_MARKS)
     stations = np.arange(0.0, along.length, spacing)
     points = [_on_ground(ground, *along.point(s), -PATH_SUNK) for s in stations]
+    shape, size = mujoco.mjtGeom.mjGEOM_CAPSULE, (PATH_RADIUS,) * 3
     return [
-        _line(a, b, PATH_RADIUS, PATH_COLOR, since=along.time(s), glow=0.45)
+        Mark(shape, size, a, PATH_COLOR, end=b, since=along.time(s), glow=0.45)
         for a, b, s in zip(points[:-1], points[1:], stations[1:], strict=True)
     ]
 
@@ -82,7 +88,7 @@ def track_marks(recording: States, ground: Heightfield, rover: RoverSpec) -> lis
         for side in (0.5 * rover.track, -0.5 * rover.track):
             place = _on_ground(ground, x - side * math.sin(yaw), y + side * math.cos(yaw), 0.0)
             frame = _lying_frame(ground, place, yaw)
-            marks.append(Mark(mujoco.mjtGeom.mjGEOM_BOX, size, place, frame, TRACK_COLOR, since=since))
+            marks.append(Mark(mujoco.mjtGeom.mjGEOM_BOX, size, place, TRACK_COLOR, frame, since=since))
     return marks
 
 
@@ -94,21 +100,15 @@ def beam_marks(origin: Vector, directions: Vector, ranges: NDArray[np.float32]) 
         directions: Unit vectors in the world, shape (beams, 3).
         ranges: As in LaserScan, shape (beams,).
     """
+    # A line, unlike a thin capsule, casts no shadow.
+    line, sphere = mujoco.mjtGeom.mjGEOM_LINE, mujoco.mjtGeom.mjGEOM_SPHERE
     marks = []
     for direction, distance in zip(directions, ranges.astype(float), strict=True):
         if math.isfinite(distance):
             hit = origin + distance * direction
-            marks.append(_beam(origin, direction, distance))
-            size = (HIT_RADIUS, HIT_RADIUS, HIT_RADIUS)
-            sphere = mujoco.mjtGeom.mjGEOM_SPHERE
-            marks.append(Mark(sphere, size, hit, np.eye(3), HIT_COLOR, glow=0.8))
+            marks.append(Mark(line, (BEAM_WIDTH,) * 3, origin, BEAM_COLOR, end=hit, glow=1.0))
+            marks.append(Mark(sphere, (HIT_RADIUS,) * 3, hit, HIT_COLOR, glow=0.8))
     return marks
-
-
-def _beam(origin: Vector, direction: Vector, length: float) -> Mark:
-    # A line, unlike a thin capsule, casts no shadow.
-    line, size = mujoco.mjtGeom.mjGEOM_LINE, (BEAM_WIDTH, BEAM_WIDTH, length)
-    return Mark(line, size, origin, _frame_along(direction), BEAM_COLOR, glow=1.0)
 
 
 class _Course:
@@ -146,27 +146,3 @@ def _lying_frame(ground: Heightfield, place: Vector, yaw: float) -> Vector:
     forward -= up * (forward @ up)
     forward /= np.linalg.norm(forward)
     return np.column_stack([forward, np.cross(up, forward), up])
-
-
-def _line(
-    start: Vector,
-    end: Vector,
-    radius: float,
-    color: tuple[float, float, float, float],
-    *,
-    since: float = 0.0,
-    glow: float = 0.0,
-) -> Mark:
-    along = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
-    half_length = 0.5 * float(np.linalg.norm(end - start))
-    shape = mujoco.mjtGeom.mjGEOM_CAPSULE
-    size = (radius, half_length, 0.0)
-    return Mark(shape, size, 0.5 * (start + end), _frame_along(along), color, since=since, glow=glow)
-
-
-def _frame_along(direction: Vector) -> Vector:
-    """Axes as columns, the third along a unit vector."""
-    helper = np.array([1.0, 0.0, 0.0]) if abs(direction[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
-    side = np.cross(helper, direction)
-    side /= np.linalg.norm(side)
-    return np.column_stack([side, np.cross(direction, side), direction])

@@ -1,4 +1,4 @@
-"""A model made ready to be looked at: a low sun, sharp shadows, ground with grain, a clear sky."""
+"""A scene made ready to be looked at: a low sun, sharp shadows, ground with grain, a clear sky."""
 
 import math
 from dataclasses import dataclass
@@ -7,16 +7,21 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.physics.scene import OBSTACLE_GROUP, TERRAIN_GROUP
+from harness.physics.scene import OBSTACLE_BODIES, TERRAIN, TERRAIN_GROUP
+from harness.world.fields import unit_noise
+from harness.world.obstacles import ObstacleKind
 
 SHADOW_REACH = 10.0  # [m] around what is looked at
 NEAREST, FARTHEST = 0.05, 150.0  # [m] that the camera sees
 SUN_ELEVATION = math.radians(32.0)
 SUN_BEARING = math.radians(145.0)  # off the camera's view: over the left shoulder
-OBSTACLE_SHADE = 0.68  # darker than the ground
+OBSTACLE_COLORS = {  # RGBA, darker than the ground
+    ObstacleKind.ROCK: [0.3128, 0.272, 0.238, 1.0],
+    ObstacleKind.HAZARD: [0.4216, 0.204, 0.136, 1.0],
+}
 FIELD_OF_VIEW = 38.0  # [deg], vertical
+SOIL_PIXELS = 1024
 DARK_SOIL, LIGHT_SOIL = (128.0, 82.0, 54.0), (226.0, 168.0, 122.0)  # RGB, 0..255
-
 SKY = (224, 208, 188)  # RGB, 0..255
 
 
@@ -38,29 +43,42 @@ class Quality:
     slices: int
 
 
-def prepare(model: mujoco.MjModel, quality: Quality) -> None:
-    """Sets resolution, lenses, shadows and light; call before the renderer is made."""
-    model.vis.global_.offwidth, model.vis.global_.offheight = quality.width, quality.height
-    model.vis.quality.shadowsize = quality.shadow_map
-    model.vis.quality.offsamples = quality.samples
-    model.vis.quality.numslices, model.vis.quality.numstacks = quality.slices, quality.slices // 2
-    model.vis.global_.fovy = FIELD_OF_VIEW
-    model.stat.extent = SHADOW_REACH
-    model.vis.map.shadowclip = 1.0
-    model.vis.map.znear, model.vis.map.zfar = NEAREST / SHADOW_REACH, FARTHEST / SHADOW_REACH
-    model.vis.headlight.ambient[:] = 0.42
-    model.vis.headlight.diffuse[:] = 0.14
-    model.light_diffuse[:] = (0.98, 0.92, 0.82)
-    model.geom_rgba[model.geom_group == OBSTACLE_GROUP, :3] *= OBSTACLE_SHADE
-    _paint_ground(model)
-    _paint_sky(model)
+def dress(spec: mujoco.MjSpec, quality: Quality) -> None:
+    """Adds soil, sky and sun to a scene, and sets resolution, lenses and shadows."""
+    view = spec.visual
+    view.global_.offwidth, view.global_.offheight = quality.width, quality.height
+    view.global_.fovy = FIELD_OF_VIEW
+    view.quality.shadowsize, view.quality.offsamples = quality.shadow_map, quality.samples
+    view.quality.numslices, view.quality.numstacks = quality.slices, quality.slices // 2
+    view.map.shadowclip = 1.0
+    view.map.znear, view.map.zfar = NEAREST / SHADOW_REACH, FARTHEST / SHADOW_REACH
+    view.headlight.ambient, view.headlight.diffuse = [0.42] * 3, [0.14] * 3
+    view.headlight.specular = [0.0] * 3
+    spec.stat.extent = SHADOW_REACH
+    spec.worldbody.add_light(
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, diffuse=[0.98, 0.92, 0.82], castshadow=True
+    )
+    for kind, body in OBSTACLE_BODIES.items():
+        for geom in spec.body(body).geoms:
+            geom.rgba = OBSTACLE_COLORS[kind]
+    _add_soil(spec)
+    # One colour: of a gradient, a picture near the horizon shows nothing but bands.
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT,
+        rgb1=np.array(SKY) / 255,
+        rgb2=np.array(SKY) / 255,
+        width=256,
+        height=256,
+    )
 
 
 def aim_sun(model: mujoco.MjModel, at: NDArray[np.float64], azimuth: float) -> None:
     """Shines over the camera's shoulder onto a point, around which shadows are cast.
 
     Args:
-        model: The prepared model.
+        model: The dressed scene.
         at: Point in the world [m].
         azimuth: Direction in which the camera looks [deg].
     """
@@ -73,39 +91,24 @@ def aim_sun(model: mujoco.MjModel, at: NDArray[np.float64], azimuth: float) -> N
     model.light_pos[:] = at + SHADOW_REACH * towards_sun
 
 
-def _paint_ground(model: mujoco.MjModel) -> None:
+def _add_soil(spec: mujoco.MjSpec) -> None:
     """Soil with patches and grain, a tile that repeats without seams."""
-    material = model.geom_matid[model.geom("terrain").id]
-    texture = model.mat_texid[material, mujoco.mjtTextureRole.mjTEXROLE_RGB]
-    width, height = int(model.tex_width[texture]), int(model.tex_height[texture])
-    rng = np.random.default_rng(0)
-    shape = (height, width)
-    shade = 0.55 + 0.10 * _tile(rng, shape, 5.0, 60.0, 0.6) + 0.09 * _tile(rng, shape, 90.0, 400.0, 0.1)
+    rng, cell = np.random.default_rng(0), 1.0 / SOIL_PIXELS
+    patches = unit_noise(rng, SOIL_PIXELS, cell=cell, longest=1 / 5, shortest=1 / 60, hurst=0.6)
+    grain = unit_noise(rng, SOIL_PIXELS, cell=cell, longest=1 / 90, shortest=1 / 400, hurst=0.1)
     dark, light = np.array(DARK_SOIL), np.array(LIGHT_SOIL)
-    colors = dark + (light - dark) * np.clip(shade, 0.0, 1.0)[..., None]
-    start = int(model.tex_adr[texture])
-    model.tex_data[start : start + colors.size] = colors.astype(np.uint8).ravel()
-
-
-def _paint_sky(model: mujoco.MjModel) -> None:
-    """One colour: of a gradient, a picture near the horizon shows nothing but bands."""
-    sky = model.texture("sky").id
-    start, pixels = int(model.tex_adr[sky]), int(model.tex_width[sky] * model.tex_height[sky])
-    model.tex_data[start : start + 3 * pixels] = np.tile(np.array(SKY, np.uint8), pixels)
-
-
-def _tile(
-    rng: np.random.Generator, shape: tuple[int, int], longest: float, shortest: float, hurst: float
-) -> NDArray[np.float64]:
-    """Periodic noise of unit RMS between two frequencies, in cycles per tile."""
-    frequency = np.hypot(
-        np.fft.fftfreq(shape[0], 1 / shape[0])[:, None], np.fft.rfftfreq(shape[1], 1 / shape[1])
+    shade = np.clip(0.55 + 0.10 * patches + 0.09 * grain, 0.0, 1.0)[..., None]
+    texture = spec.add_texture(
+        name="ground",
+        type=mujoco.mjtTexture.mjTEXTURE_2D,
+        width=SOIL_PIXELS,
+        height=SOIL_PIXELS,
+        nchannel=3,
     )
-    amplitude = (frequency**2 + longest**2) ** (-0.5 * (hurst + 1.0))
-    amplitude *= np.exp(-0.5 * (frequency / shortest) ** 2)
-    field = np.fft.irfft2(np.fft.rfft2(rng.standard_normal(shape)) * amplitude, s=shape)
-    field -= field.mean()
-    return np.asarray(field / field.std())
+    texture.data = (dark + (light - dark) * shade).astype(np.uint8).tobytes()
+    material = spec.add_material(name="ground", texrepeat=[20, 20], specular=0.0, reflectance=0.0)
+    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "ground"
+    spec.geom(TERRAIN).material = "ground"
 
 
 def visible_groups() -> mujoco.MjvOption:

@@ -4,6 +4,7 @@ Importing it needs no OpenGL; making a `Studio` does.
 """
 
 import math
+from functools import partial
 from pathlib import Path
 from typing import Self
 
@@ -17,7 +18,7 @@ from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.view.camera import View
 from harness.view.marks import Mark, add_marks, beam_marks, path_marks, track_marks
-from harness.view.stage import Quality, aim_sun, prepare, visible_groups
+from harness.view.stage import Quality, aim_sun, dress, visible_groups
 from harness.view.states import read_states
 
 MOST_GEOMS = 20_000  # of scene and marks together
@@ -37,7 +38,7 @@ class Studio:
         self.recording = read_states(path)
         config = self.recording.config
         rover, world = find_rover(config.robot), config.world()
-        self.model = build_scene(world, rover, config.timestep, for_pictures=True).model
+        self.model = build_scene(world, rover, config.timestep, partial(dress, quality=quality)).model
         self.data = mujoco.MjData(self.model)
         self._joints = [int(self.model.joint(name).qposadr[0]) for name in rover.joints]
         self._lidar = Lidar(self.model, LidarSpec(beams=config.lidar_beams)) if lidar else None
@@ -45,7 +46,6 @@ class Studio:
             *path_marks(self.recording, world.ground),
             *track_marks(self.recording, world.ground, rover),
         ]
-        prepare(self.model, quality)
         self.half_width = _half_width(self.model)
         self._renderer = mujoco.Renderer(self.model, quality.height, quality.width, max_geom=MOST_GEOMS)
 

@@ -30,11 +30,28 @@ def fractal(
         hurst: Spectral density falls as frequency to the power of -2 (hurst + 1); more is smoother.
     """
     n = math.ceil(1.25 * shape[0] / FFT_MULTIPLE) * FFT_MULTIPLE  # cropped: no periodic edges
+    field = _periodic(rng, n, cell, longest, shortest, hurst)[: shape[0], : shape[1]]
+    return _of_unit_rms(field)
+
+
+def unit_noise(
+    rng: np.random.Generator, n: int, *, cell: float, longest: float, shortest: float, hurst: float
+) -> Field:
+    """Returns such a field of n x n vertices that repeats without seams; arguments as of `fractal`."""
+    return _of_unit_rms(_periodic(rng, n, cell, longest, shortest, hurst))
+
+
+def _periodic(
+    rng: np.random.Generator, n: int, cell: float, longest: float, shortest: float, hurst: float
+) -> Field:
     frequency = np.hypot(np.fft.fftfreq(n, cell)[:, None], np.fft.rfftfreq(n, cell))
     amplitude = (frequency**2 + longest**-2) ** (-0.5 * (hurst + 1))
     amplitude *= np.exp(-0.5 * (frequency * shortest) ** 2)
     spectrum = np.fft.rfft2(rng.standard_normal((n, n))) * amplitude
-    field = np.fft.irfft2(spectrum, s=(n, n))[: shape[0], : shape[1]]
+    return np.asarray(np.fft.irfft2(spectrum, s=(n, n)))
+
+
+def _of_unit_rms(field: Field) -> Field:
     field -= field.mean()
     return np.asarray(field / field.std())
 

@@ -85,12 +85,7 @@ def orientation(yaw: float, tilt: float = 0.0) -> tuple[float, float, float, flo
 
 
 def scatter(
-    rng: np.random.Generator,
-    count: int,
-    *,
-    reach: float,
-    spacing: float,
-    keep_out: float,
+    rng: np.random.Generator, count: int, *, reach: float, spacing: float, keep_out: float
 ) -> Points:
     """Scatters points at random, none too close to another (dart throwing).
 

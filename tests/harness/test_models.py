@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from harness.robots import LEO, ROVER_ZERO4WD, ROVERS, RoverSpec
+from harness.robots import ROVERS, RoverSpec
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 GRAVITY = 9.8
 TIMESTEP = 0.0025

@@ -4,7 +4,8 @@ import mujoco
 import pytest
 
 from harness.errors import UsageError
-from harness.robots import LEO, ROVER_ZERO4WD, ROVERS, RoverSpec, find_rover
+from harness.robots import ROVERS, RoverSpec, find_rover
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from rover_metrics.bag.recorded_topics import SENSORS, TRUTH
 from scipy.spatial.transform import Rotation
 
 from rover_metrics.core.metrics import Vector3
@@ -500,6 +501,15 @@ def test_roughness_of_a_shaking_is_its_rms_at_any_rate(
     for t in times(rate, seconds=10.0):
         feed.imu(t, (0.0, 0.0, GRAVITY + 3.0 * math.sin(math.tau * 5.0 * t)), orientation)
     assert feed.row()["Roughness RMS [m/s^2]"] == pytest.approx(3.0 / math.sqrt(2.0), rel=0.02)
+
+
+def test_roughness_at_rest_is_0_where_the_gravity_is_another_one() -> None:
+    feed = Feed(ExtendedSettings(gravity=9.8))
+    feed.imu(0.0, (0.0, 0.0, 9.8), LEVEL)
+    assert feed.row()["Roughness RMS [m/s^2]"] == 0.0
+    feed.extended.use(ExtendedSettings(gravity=3.7))
+    feed.imu(0.1, (0.0, 0.0, 3.7), LEVEL)
+    assert feed.row()["Roughness RMS [m/s^2]"] == 0.0
 
 
 # Motion

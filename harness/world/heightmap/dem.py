@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.errors import UsageError
 from harness.world.heightfield import Heightfield
 from harness.world.heightmap.raster import Raster, Values, read_raster
 from harness.world.heightmap.regrid import filled, resampled
+from harness.world.statistics import slopes
 from harness.world.terrain import HEIGHT_DECIMALS
 from harness.world.terrains import TERRAINS
 from harness.world.world import DEFAULT_DIFFICULTY, World
@@ -169,8 +169,10 @@ def _start(heights: Values, cell: float) -> tuple[int, int]:
     Raises:
         UsageError: There is none within reach; the message tells how steep it is.
     """
+    from scipy.ndimage import maximum_filter  # noqa: PLC0415 - 0.1 s that named terrains save
+
     middle, reach = (len(heights) - 1) / 2, math.ceil(START_REACH / cell)
-    steepest = _steepest_around(heights, cell, reach)
+    steepest = maximum_filter(slopes(Heightfield(heights, cell)), 2 * reach + 1, mode="nearest")
     axis = np.arange(len(heights)) - middle
     distance = np.hypot(axis[:, None], axis[None, :])
     searched = distance <= max(START_SEARCH * len(heights), 1.0)
@@ -183,17 +185,6 @@ def _start(heights: Values, cell: float) -> tuple[int, int]:
         )
     row, column = np.unravel_index(np.argmin(np.where(fit, distance, np.inf)), heights.shape)
     return int(row), int(column)
-
-
-def _steepest_around(heights: Values, cell: float, reach: int) -> NDArray[np.float64]:
-    """Largest slope [deg] within `reach` vertices of each vertex."""
-    along_y, along_x = np.gradient(heights, cell)
-    slope = np.degrees(np.arctan(np.hypot(along_x, along_y)))
-    for axis in (0, 1):
-        padded = np.pad(slope, [(reach, reach) if a == axis else (0, 0) for a in (0, 1)], mode="edge")
-        windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=axis)
-        slope = windows.max(axis=-1)
-    return np.asarray(slope)
 
 
 def _centred(heights: Values, row: int, column: int, cell: float, notes: list[str]) -> Values:

@@ -1,5 +1,7 @@
 """Rasters without gaps and on other grids."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -7,7 +9,7 @@ Values = NDArray[np.float64]
 
 
 def filled(values: Values) -> Values:
-    """Missing values (NaN) replaced by a smooth surface through their surroundings.
+    """Returns the raster with missing values (NaN) replaced by a smooth surface through the rest.
 
     Means over blocks of 2 x 2, recursively, until no gap is left; then back down (a pull-push pyramid).
     """
@@ -21,12 +23,11 @@ def filled(values: Values) -> Values:
     sums = np.nansum(blocks, axis=(1, 3))
     coarse = filled(np.where(known > 0, sums / np.maximum(known, 1), np.nan))
     # A block's middle lies between its pixels.
-    at_rows, at_columns = (np.asarray((np.arange(n) - 0.5) / 2.0) for n in (rows, columns))
-    return np.where(missing, _interpolated(coarse, at_rows, at_columns), values)
+    return np.where(missing, _bilinear(coarse, (0.5, 0.5), (-0.25, -0.25), values.shape), values)
 
 
 def resampled(values: Values, step: tuple[float, float], count: int) -> Values:
-    """Values on a square grid in the middle of another one.
+    """Returns values on a square grid in the middle of another one.
 
     Where the new grid is coarser, means are taken first, so that no roughness turns into hills.
 
@@ -35,41 +36,20 @@ def resampled(values: Values, step: tuple[float, float], count: int) -> Values:
         step: Distance of the new points in rows and in columns.
         count: New points along each side.
     """
-    for axis, stride in enumerate(step):
-        values = _moving_mean(values, round(stride), axis)
-    rows, columns = (
-        0.5 * (size - 1) + stride * (np.arange(count) - 0.5 * (count - 1))
+    from scipy.ndimage import uniform_filter  # noqa: PLC0415 - see _bilinear
+
+    widths = [2 * (round(stride) // 2) + 1 for stride in step]  # odd
+    first = [
+        0.5 * (size - 1) - 0.5 * stride * (count - 1)
         for size, stride in zip(values.shape, step, strict=True)
-    )
-    return _interpolated(values, rows, columns)
+    ]
+    return _bilinear(uniform_filter(values, widths, mode="nearest"), step, first, (count, count))
 
 
-def _moving_mean(values: Values, width: int, axis: int) -> Values:
-    """Means over an odd number of neighbours; towards the edges over what there is."""
-    reach = width // 2
-    if reach == 0:
-        return values
-    padding = [(reach, reach) if a == axis else (0, 0) for a in (0, 1)]
-    padded = np.pad(values, padding, mode="edge")
-    sums = np.insert(np.cumsum(padded, axis=axis), 0, 0.0, axis=axis)
-    upper = np.take(sums, np.arange(2 * reach + 1, sums.shape[axis]), axis=axis)
-    lower = np.take(sums, np.arange(sums.shape[axis] - 2 * reach - 1), axis=axis)
-    return np.asarray((upper - lower) / (2 * reach + 1))
+def _bilinear(
+    values: Values, step: Sequence[float], first: Sequence[float], shape: tuple[int, ...]
+) -> Values:
+    """Values on another grid; positions beyond the edge take the edge's value."""
+    from scipy.ndimage import affine_transform  # noqa: PLC0415 - 0.1 s that named terrains save
 
-
-def _interpolated(values: Values, rows: Values, columns: Values) -> Values:
-    """Bilinear; positions beyond the edge take the edge's value."""
-    low_row, part_row = _cells(rows, values.shape[0])
-    low_column, part_column = _cells(columns, values.shape[1])
-    next_row = np.minimum(low_row + 1, values.shape[0] - 1)
-    next_column = np.minimum(low_column + 1, values.shape[1] - 1)
-    along = values[low_row] + part_row[:, None] * (values[next_row] - values[low_row])
-    return np.asarray(
-        along[:, low_column] + part_column * (along[:, next_column] - along[:, low_column])
-    )
-
-
-def _cells(positions: Values, size: int) -> tuple[NDArray[np.intp], Values]:
-    inside = np.clip(positions, 0.0, size - 1.0)
-    low = np.floor(inside).astype(np.intp)
-    return low, inside - low
+    return np.asarray(affine_transform(values, step, first, shape, order=1, mode="nearest"))

@@ -14,16 +14,5 @@ from harness.world.terrains.washboard import Washboard
 
 TERRAINS: dict[str, type[Terrain]] = {
     terrain.name: terrain
-    for terrain in (
-        Flat,
-        Slope,
-        Rolling,
-        Gravel,
-        Rocky,
-        Washboard,
-        Dunes,
-        Posts,
-        Maze,
-        Marsyard,
-    )
+    for terrain in (Flat, Slope, Rolling, Gravel, Rocky, Washboard, Dunes, Posts, Maze, Marsyard)
 }

@@ -28,7 +28,6 @@ class Dunes(Terrain):
         slope_p95=(14.0, 19.0),
         rms_1m=(0.007, 0.012),
         rms_03m=(0.0, 0.001),
-        obstacle_density=(0.0, 0.0),
     )
 
     height: float = parameter(0.2, 0.45, 0.56, "m")

@@ -16,13 +16,7 @@ class Flat(Terrain):
 
     name: ClassVar[str] = "flat"
     summary: ClassVar[str] = "level plane, the same for every seed and difficulty"
-    promise: ClassVar[Promise] = Promise(
-        slope_p50=(0.0, 0.0),
-        slope_p95=(0.0, 0.0),
-        rms_1m=(0.0, 0.0),
-        rms_03m=(0.0, 0.0),
-        obstacle_density=(0.0, 0.0),
-    )
+    promise: ClassVar[Promise] = Promise()
 
     def heights(self, x: Field, _y: Field, _rng: np.random.Generator, /) -> Field:
         """Zero everywhere [m]."""

@@ -30,7 +30,6 @@ class Gravel(Terrain):
         slope_p95=(18.5, 20.5),
         rms_1m=(0.0095, 0.011),
         rms_03m=(0.0095, 0.0105),
-        obstacle_density=(0.0, 0.0),
     )
 
     cell: float = constant(0.05, "m")

@@ -47,7 +47,6 @@ class Marsyard(Terrain):
         slope_p95=(30.0, 40.0),
         rms_1m=(0.029, 0.039),
         rms_03m=(0.005, 0.007),
-        obstacle_density=(0.0, 0.0),
     )
 
     size: float = constant(48.0, "m")

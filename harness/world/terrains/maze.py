@@ -39,10 +39,6 @@ class Maze(Terrain):
     name: ClassVar[str] = "maze"
     summary: ClassVar[str] = "20 x 20 m arena with walls of 1 m and passages of 2 m, level"
     promise: ClassVar[Promise] = Promise(
-        slope_p50=(0.0, 0.0),
-        slope_p95=(0.0, 0.0),
-        rms_1m=(0.0, 0.0),
-        rms_03m=(0.0, 0.0),
         obstacle_density=(0.04, 0.065),
     )
 

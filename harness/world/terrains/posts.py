@@ -12,13 +12,7 @@ from harness.world.fields import Field, fractal
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Form, Obstacle, ObstacleKind, place, scatter
 from harness.world.statistics import Promise
-from harness.world.terrain import (
-    EDGE_CLEARANCE,
-    SPAWN_CLEARANCE,
-    Terrain,
-    constant,
-    parameter,
-)
+from harness.world.terrain import EDGE_CLEARANCE, SPAWN_CLEARANCE, Terrain, constant, parameter
 
 POST_HEIGHT, CUBE = 3.0, 0.5  # [m]
 REACH = 0.36  # [m] from the centre of a cube to its corner, rounded up

@@ -9,12 +9,7 @@ from harness.world.fields import Field, fractal
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Form, Obstacle, ObstacleKind, Points, place, scatter
 from harness.world.statistics import Promise
-from harness.world.terrain import (
-    EDGE_CLEARANCE,
-    SPAWN_CLEARANCE,
-    Terrain,
-    parameter,
-)
+from harness.world.terrain import EDGE_CLEARANCE, SPAWN_CLEARANCE, Terrain, parameter
 
 LARGEST_ROCK, LARGEST_BOULDER = 0.15, 0.6  # [m] horizontal reach from the centre
 ROCK_SPACING, BOULDER_SPACING = 0.5, 3.0  # [m] between centres

@@ -26,7 +26,6 @@ class Rolling(Terrain):
         slope_p95=(11.0, 17.0),
         rms_1m=(0.005, 0.011),
         rms_03m=(0.0, 0.001),
-        obstacle_density=(0.0, 0.0),
     )
 
     relief: float = parameter(0.08, 0.2, 0.4, "m")

@@ -27,7 +27,6 @@ class Slope(Terrain):
         slope_p95=(10.4, 10.9),
         rms_1m=(0.001, 0.002),
         rms_03m=(0.0, 0.001),
-        obstacle_density=(0.0, 0.0),
     )
     has_level_spawn: ClassVar[bool] = False
 

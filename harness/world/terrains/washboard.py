@@ -28,7 +28,6 @@ class Washboard(Terrain):
         slope_p95=(17.0, 20.0),
         rms_1m=(0.016, 0.019),
         rms_03m=(0.010, 0.013),
-        obstacle_density=(0.0, 0.0),
     )
 
     cell: float = constant(0.05, "m")

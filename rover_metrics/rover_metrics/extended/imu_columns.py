@@ -5,7 +5,6 @@ import math
 from rover_metrics.core.column import Cell, Column
 from rover_metrics.core.metrics import Vector3
 
-GRAVITY = 9.80665  # m/s^2, standard
 SETTLING = 1.0  # s: time constant of the gravity estimate where there is no orientation
 LONGEST_STEP = 1.0  # s: samples further apart say nothing of what was between
 NOT_FILLED = (0.0, 0.0, 0.0, 1.0)  # what a message has that nobody gave an orientation
@@ -22,8 +21,8 @@ class ImuColumns:
             unit="m/s^2",
             meaning="How strongly the rover is shaken; 0 at rest, on a slope too.",
             formula="sqrt(mean(|a - g|^2)) over the samples since the row before. g: the orientation's "
-            f"vertical in the IMU frame times {GRAVITY} m/s^2; where the orientation is not filled in, "
-            f"the first-order low-pass of a with a time constant of {SETTLING:g} s.",
+            "vertical in the IMU frame times the parameter gravity; where the orientation is not filled "
+            f"in, the first-order low-pass of a with a time constant of {SETTLING:g} s.",
             source="/imu/data linear_acceleration, orientation",
             rate_invariant="yes, within the sensor's bandwidth",
         ),
@@ -38,9 +37,10 @@ class ImuColumns:
         ),
     )
 
-    def __init__(self) -> None:
+    def __init__(self, gravity: float) -> None:
+        self.gravity = gravity  # m/s^2
         self._last: tuple[int, Vector3] | None = None
-        self._gravity: Vector3 = (0.0, 0.0, 0.0)
+        self._lasting: Vector3 = (0.0, 0.0, 0.0)  # what lasts of the acceleration, m/s^2
         self._begin()
 
     def _begin(self) -> None:
@@ -55,9 +55,10 @@ class ImuColumns:
             self._jerk = jerk if self._jerk is None else max(self._jerk, jerk)
         self._settle(step, acceleration)
         vertical = None if orientation is None else up(orientation)
-        gravity = self._gravity
+        gravity = self._lasting
         if vertical is not None:
-            gravity = (GRAVITY * vertical[0], GRAVITY * vertical[1], GRAVITY * vertical[2])
+            g = self.gravity
+            gravity = (g * vertical[0], g * vertical[1], g * vertical[2])
         self._squares += math.dist(acceleration, gravity) ** 2
         self._count += 1
         self._last = (stamp_ns, acceleration)
@@ -79,8 +80,8 @@ class ImuColumns:
     def _settle(self, step: float | None, acceleration: Vector3) -> None:
         """Let the estimate of gravity follow; after a gap it starts from the sample."""
         share = 1.0 if step is None else -math.expm1(-step / SETTLING)
-        x, y, z = (g + share * (a - g) for g, a in zip(self._gravity, acceleration, strict=True))
-        self._gravity = (x, y, z)
+        x, y, z = (g + share * (a - g) for g, a in zip(self._lasting, acceleration, strict=True))
+        self._lasting = (x, y, z)
 
 
 def up(orientation: Quaternion) -> Vector3 | None:

@@ -34,13 +34,14 @@ class ExtendedMetrics:
         self._metrics = metrics
         self._travel = TravelColumns()
         self._scans = ScanColumns(settings)
-        self._imu = ImuColumns()
+        self._imu = ImuColumns(settings.gravity)
         self._traffic = TrafficColumns()
         self._truth = TruthColumns()
 
     def use(self, settings: ExtendedSettings) -> None:
         """Measure by other settings from now on."""
         self._scans.use(settings)
+        self._imu.gravity = settings.gravity
 
     def add_scan(
         self,

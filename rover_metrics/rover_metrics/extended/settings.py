@@ -10,6 +10,8 @@ from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO, Th
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose
 
+STANDARD_GRAVITY = 9.80665  # m/s^2, ISO 80000-3
+
 
 @dataclass(frozen=True, kw_only=True)
 class ExtendedSettings:
@@ -19,7 +21,7 @@ class ExtendedSettings:
     and poses of lidars are that exact.
 
     Raises:
-        ParameterError: The threshold is outside its range.
+        ParameterError: A number is outside its range.
     """
 
     footprint: Footprint | None = parameter(  # noqa: RUF009 - makes a field
@@ -46,6 +48,13 @@ class ExtendedSettings:
         maximum=100.0,
         unit="m",
         example="0.1, not 1",
+    )
+    gravity: float = parameter(
+        STANDARD_GRAVITY,
+        "what the IMU reads at rest, taken out of Roughness RMS; a simulator's may be another",
+        maximum=100.0,
+        unit="m/s^2",
+        example="9.8, not 9",
     )
 
     def __post_init__(self) -> None:

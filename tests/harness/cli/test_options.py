@@ -7,7 +7,7 @@ from harness.cli.options import DEFAULT_LOG_DIR, RunOptions, parse_run, split_ro
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.metrics_feed import extended_ros_args
 from harness.errors import UsageError
-from harness.robots import LEO, ROVER_ZERO4WD
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 
 def parsed(words: str) -> RunOptions:

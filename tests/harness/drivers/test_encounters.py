@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from harness.drivers.encounter import Encounter, Meeting
 
 from harness.config import EpisodeConfig
 from harness.drivers import find_driver
 from harness.drivers.base import DriverContext, Observation
-from harness.drivers.encounter import Encounter, Meeting
 from harness.episode.episode import Episode
-from harness.robots import LEO, ROVER_ZERO4WD, ROVERS, RoverSpec
+from harness.robots import ROVERS, RoverSpec
 from harness.samples import Twist
 from harness.truth.traversal import Truth
 from harness.world.obstacles import Obstacle, ObstacleKind, half_extent, orientation
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 if TYPE_CHECKING:
     from tests.harness.drivers.conftest import Ride

@@ -9,8 +9,9 @@ import pytest
 
 from harness.drivers import DRIVERS, CmdVel, DriverContext, Observation, find_driver
 from harness.errors import UsageError
-from harness.robots import LEO, ROVER_ZERO4WD, RoverSpec
+from harness.robots import RoverSpec
 from harness.samples import Twist
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 MEETING = ["ram", "reverse_into", "graze", "swing", "pass_by"]
 NAMES = [

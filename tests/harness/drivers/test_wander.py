@@ -9,8 +9,9 @@ import pytest
 
 from harness.drivers.base import DriverContext, Observation
 from harness.drivers.wander import Wander
-from harness.robots import LEO, ROVER_ZERO4WD, ROVERS, RoverSpec
+from harness.robots import ROVERS, RoverSpec
 from harness.samples import Twist
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 BEARINGS = np.linspace(-math.pi, math.pi, 91)[:-1] + 0.01
 AHEAD = 0.5  # the share of -pi..pi that is straight along x

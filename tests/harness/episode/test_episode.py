@@ -13,7 +13,7 @@ from harness.config import EpisodeConfig
 from harness.drivers import Observation
 from harness.episode.episode import Episode
 from harness.errors import RunFailed, UsageError
-from harness.robots import LEO, ROVER_ZERO4WD, ROVERS
+from harness.robots import ROVERS
 from harness.samples import (
     GroundTruth,
     Imu,
@@ -29,6 +29,7 @@ from harness.samples import (
 from harness.sensors.lidar import LidarSensor, beam_bearings
 from harness.sensors.lidar_spec import LidarSpec
 from harness.world.world import terrain_hash
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 SECOND = 1_000_000_000
 

@@ -13,7 +13,7 @@ from harness.episode.metrics_feed import (
     extended_settings,
     outline_parameters,
 )
-from harness.robots import LEO, ROVER_ZERO4WD, RoverSpec
+from harness.robots import RoverSpec
 from harness.samples import (
     GroundTruth,
     Imu,
@@ -46,11 +46,13 @@ def test_a_node_is_told_the_footprint_and_the_pose_of_the_lidar(
     assert sorted(corners) == expected
     assert told["lidar_pose"] == [lidar_x, 0.0, math.pi]
     settings = extended_settings(rover)
+    assert settings.gravity == 9.8
     assert settings.footprint is not None
     assert [list(corner) for corner in settings.footprint.corners] == corners
     words = extended_ros_args(rover)
     assert words[:3] == ["--ros-args", "-p", "extended_columns:=true"]
     assert words[-1] == "--"
+    assert "gravity:=9.8" in words
     assert f"lidar_pose:={told['lidar_pose']}" in words
     assert f"footprint:={told['footprint']}" in words
 

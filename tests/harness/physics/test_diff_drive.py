@@ -7,8 +7,9 @@ import pytest
 from numpy.typing import NDArray
 
 from harness.physics.diff_drive import DiffDrive
-from harness.robots import LEO, ROVER_ZERO4WD, RoverSpec
+from harness.robots import RoverSpec
 from harness.samples import Twist
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 PERIOD = 0.01
 # Believed radius [m] and separation [m], limits [m/s^2] and [rad/s^2], of RoboTerrain's DiffDrive.

@@ -2,16 +2,20 @@
 
 import hashlib
 import math
+from functools import partial
 
 import mujoco
 import numpy as np
 import pytest
 
-from harness.physics.scene import Scene, build_scene, model_hash
-from harness.robots import LEO, ROVERS, RoverSpec
+from harness.physics.scene import Dress, Scene, build_scene, model_hash
+from harness.robots import ROVERS, RoverSpec
+from harness.view import stage
+from harness.view.picture import QUALITY
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
 from harness.world.world import World
+from tests.support.rovers import LEO
 
 OBSTACLES = (
     Obstacle(
@@ -28,15 +32,23 @@ HEIGHTS = -2.0 + np.array(
     [[0, 0, 0, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 0, 0.25], [0, 0.5, 0, 0, 0]], float
 )
 
+DRESS = partial(stage.dress, quality=QUALITY)
 
-def scene_of(rover: RoverSpec = LEO, timestep: float = 0.002, *, for_pictures: bool = False) -> Scene:
+
+def scene_of(rover: RoverSpec = LEO, timestep: float = 0.002, dress: Dress | None = None) -> Scene:
     world = World("w", Heightfield(HEIGHTS, cell=2.0), OBSTACLES, 0, 0.5)
-    return build_scene(world, rover, timestep, for_pictures=for_pictures)
+    return build_scene(world, rover, timestep, dress)
 
 
 @pytest.fixture(scope="module")
 def model() -> mujoco.MjModel:
     return scene_of().model
+
+
+@pytest.fixture(scope="module")
+def dressed() -> mujoco.MjModel:
+    """The scene as it is looked at."""
+    return scene_of(dress=DRESS).model
 
 
 def test_the_ground_has_its_heights_where_the_world_has_them(model: mujoco.MjModel) -> None:
@@ -76,8 +88,6 @@ def test_obstacles_are_geoms_of_two_bodies_with_size_place_and_turn(model: mujoc
         body = {"hazard": "hazards", "rock": "rocks"}[name.split("_")[0]]
         assert model.body(geom.bodyid[0]).name == body
         assert geom.group[0] == 1
-    assert not np.array_equal(model.geom("hazard_0").rgba, model.geom("rock_1").rgba)
-    assert np.array_equal(model.geom("hazard_0").rgba, model.geom("hazard_2").rgba)
 
 
 def test_ground_and_obstacles_meet_the_rover_and_never_each_other(model: mujoco.MjModel) -> None:
@@ -93,10 +103,7 @@ def test_ground_and_obstacles_meet_the_rover_and_never_each_other(model: mujoco.
 
 @pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
 def test_what_is_only_looked_at_is_left_out_unless_pictures_are_taken(rover: RoverSpec) -> None:
-    groups = [
-        set(scene_of(rover, for_pictures=pictures).model.geom_group.tolist())
-        for pictures in (False, True)
-    ]
+    groups = [set(scene_of(rover, dress=dress).model.geom_group.tolist()) for dress in (None, DRESS)]
 
     assert groups == [{0, 1, 3}, {0, 1, 2, 3}]
 
@@ -158,7 +165,16 @@ def test_a_touch_of_a_hazard_is_counted_as_such() -> None:
         assert counts[counted] > 1  # contacts, not whether there are any
 
 
-def test_the_sun_shines_down_and_casts_shadows(model: mujoco.MjModel) -> None:
+def test_obstacles_have_the_colours_of_their_kind_where_pictures_are_taken(
+    dressed: mujoco.MjModel,
+) -> None:
+    colours = [dressed.geom(name).rgba for name in ("hazard_0", "rock_1", "hazard_2")]
+    assert not np.array_equal(colours[0], colours[1])
+    assert np.array_equal(colours[0], colours[2])
+
+
+def test_the_sun_shines_down_and_casts_shadows(dressed: mujoco.MjModel) -> None:
+    model = dressed
     assert model.nlight == 1
     assert model.light_type[0] == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
     assert model.light_castshadow[0]

@@ -15,8 +15,9 @@ from harness.errors import Diverged, RunFailed
 from harness.physics.contacts import Touch
 from harness.physics.scene import build_scene
 from harness.physics.simulation import Simulation
-from harness.robots import ROVER_ZERO4WD, ROVERS
+from harness.robots import ROVERS
 from harness.sim_time import NANOSECONDS
+from tests.support.rovers import ROVER_ZERO4WD
 
 TICK_NS = 10_000_000
 SPEEDS = np.array([1.0, 2.0, 3.0, 4.0])  # [rad/s] of the wheels, all different

@@ -11,7 +11,6 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu as ImuMessage
 
 from harness.errors import RunFailed
-from harness.robots import LEO
 from harness.ros import lockstep
 from harness.ros.bridge import Bridge
 from harness.ros.executor import make_executor, spin_until
@@ -19,6 +18,7 @@ from harness.ros.lockstep import HostedMetrics, LockStep
 from harness.samples import Imu, Pose, Tick, TruthState
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.metrics_node import MetricsNode
+from tests.support.rovers import LEO
 
 TICK_NS = 10_000_000
 

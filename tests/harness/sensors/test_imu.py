@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from harness.physics.simulation import Simulation
-from harness.robots import LEO, ROVERS, RoverSpec
+from harness.robots import ROVERS, RoverSpec
 from harness.samples import Imu
 from harness.sensors.imu import ImuSensor
+from tests.support.rovers import LEO
 
 BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
 

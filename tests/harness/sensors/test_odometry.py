@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from harness.robots import LEO, ROVER_ZERO4WD, ROVERS, RoverSpec
+from harness.robots import ROVERS, RoverSpec
 from harness.sensors.odometry import WheelOdometry
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 if TYPE_CHECKING:
     from harness.physics.simulation import Simulation

@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from harness.robots import LEO
 from harness.samples import LaserScan, PlacedScan, Pose
 from harness.sensors.scan_points import scan_points
+from tests.support.rovers import LEO
 
 
 def test_beams_of_a_scan_end_where_the_lidar_saw_something() -> None:

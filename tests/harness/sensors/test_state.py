@@ -9,8 +9,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from harness.physics.simulation import Simulation
-from harness.robots import LEO, ROVERS, RoverSpec
+from harness.robots import ROVERS, RoverSpec
 from harness.sensors.state import GroundTruthSensor, JointSensor, PoseSensor
+from tests.support.rovers import LEO
 
 BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
 TORQUE_LIMIT, SERVO_GAIN = {"leo": 4.0, "rover_zero4wd": 7.0}, 20.0  # [N m], [N m s/rad]

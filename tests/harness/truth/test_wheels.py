@@ -9,8 +9,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from harness.physics.simulation import Simulation
-from harness.robots import LEO, ROVERS, RoverSpec
+from harness.robots import ROVERS, RoverSpec
 from harness.truth.wheels import WheelMotion, Wheels
+from tests.support.rovers import LEO
 
 BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
 RADIUS = {"leo": 0.0625, "rover_zero4wd": 0.127}

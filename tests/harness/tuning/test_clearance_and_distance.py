@@ -5,13 +5,14 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
-from harness.robots import LEO, ROVER_ZERO4WD, RoverSpec
+from harness.robots import RoverSpec
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord, Sight, Zone
 from harness.tuning.scoring import clearance
 from harness.tuning.scoring.braking import Braking, measure_braking
 from harness.tuning.scoring.clearance import study_clearance
 from harness.tuning.scoring.distance import study_distance
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 MakeRecord = Callable[..., EpisodeRecord]
 

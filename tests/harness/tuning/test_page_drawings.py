@@ -7,12 +7,13 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from harness.robots import LEO, ROVER_ZERO4WD, ROVERS, RoverSpec
+from harness.robots import ROVERS, RoverSpec
 from harness.tuning.page.curves import MOST_POINTS, Labelled, precision_recall, roc
 from harness.tuning.page.reach import blind_strips, reach
 from harness.tuning.page.rover.side_view import HAZARDS, side_view
 from harness.tuning.page.rover.top_view import Distances, frame, top_view
 from harness.tuning.page.silhouette import ABOVE, SIDE, silhouette
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 SQUARE = replace(LEO, footprint=(-1.0, 1.0, -1.0, 1.0), lidar_x=0.0)
 AROUND = Distances(range_min=0.15, default=0.2, tuned=0.44, clearance=0.05)

@@ -2,6 +2,7 @@
 
 import io
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,24 +11,25 @@ from rich.console import Console
 from scipy.stats import wasserstein_distance
 
 from harness.drivers import DriverContext, Observation
-from harness.robots import ROVER_ZERO4WD
 from harness.samples import Imu, LaserScan, Odometry, Tick, Twist
-from harness.validation import agent
-from harness.validation.agent import SPEEDS, RecordedAgent
+from harness.validation import run_log
 from harness.validation.realism import WITHIN, Comparison, Distances, distances, print_comparison
-from harness.validation.recorded import COLUMNS, DEFAULT_LOGS, Log, read_log
+from harness.validation.recorded import COLUMNS, Log, read_log
 from harness.validation.run_log import CONFIG, _Logger, drive
 
 IMU = ("IMU Acceleration Magnitude", "Vertical Roughness")
-MINUTES_2 = replace(CONFIG, duration=120.0)
+LOGS_DIR = Path(__file__).parents[4] / "shared/data/roboterrain/logs"
+LOGS = [LOGS_DIR / f"metrics_log_20250116_{time}.csv" for time in (120457, 125842)]
+RECORDED = replace(CONFIG, robot=ROVER_ZERO4WD.name)
+MINUTES_2 = replace(RECORDED, duration=120.0)
 
 
 @pytest.fixture(scope="module")
 def recorded() -> list[Log]:
-    missing = [str(path) for path in DEFAULT_LOGS if not path.is_file()]
+    missing = [str(path) for path in LOGS if not path.is_file()]
     if missing:
         pytest.skip(f"RoboTerrain's logs are not part of the project: no {', '.join(missing)}")
-    return [read_log(path) for path in DEFAULT_LOGS]
+    return [read_log(path) for path in LOGS]
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +45,7 @@ def test_two_minutes_lie_as_near_to_the_recorded_logs_as_those_to_each_other_tim
 
 
 def test_without_the_noise_the_imu_is_calmer_than_any_recorded(recorded: list[Log]) -> None:
-    calm = drive(replace(CONFIG, noise=None, duration=30.0))
+    calm = drive(replace(RECORDED, noise=None, duration=30.0))
     for column in IMU:
         assert distances(calm, recorded, column).ratio > WITHIN
         assert np.percentile(calm[column], 95) < 12.0
@@ -51,7 +53,7 @@ def test_without_the_noise_the_imu_is_calmer_than_any_recorded(recorded: list[Lo
 
 def test_the_run_has_a_row_for_every_second_and_repeats_itself(shaken: Log) -> None:
     assert {len(values) for values in shaken.values()} == {120}
-    short = drive(replace(CONFIG, duration=10.0))
+    short = drive(replace(RECORDED, duration=10.0))
     for column in COLUMNS:
         assert short[column].tolist() == shaken[column][:10].tolist()
 
@@ -65,7 +67,7 @@ def test_the_agent_drives_as_its_driver_at_speeds_that_it_holds_for_six_to_fourt
         contexts.append(context)
         return SimpleNamespace(command=lambda _: Twist(0.5, 0.3))
 
-    monkeypatch.setattr(agent, "Wander", driver)
+    monkeypatch.setattr(run_log, "Wander", driver)
     context = DriverContext(ROVER_ZERO4WD, 9.0, np.empty(0), np.random.default_rng(0))
     ours = RecordedAgent(context)
     twists = [ours.command(Observation(n * 100_000_000, 0.0, 0.0, 0.0, None)) for n in range(3000 * 10)]

@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from harness.robots import LEO
 from harness.validation.grounds import Block, floor
-from harness.validation.rig import Rig, steepest
+from harness.validation.rig import Rig, largest_passing
+from tests.support.rovers import LEO
 
 
 def test_bisection_finds_the_last_step_that_passes() -> None:
@@ -15,13 +15,13 @@ def test_bisection_finds_the_last_step_that_passes() -> None:
         tried.append(height)
         return height < 0.0721
 
-    assert steepest(passes, 0.03, 0.14, 0.005) == pytest.approx(0.070)
+    assert largest_passing(passes, 0.03, 0.14, 0.005) == pytest.approx(0.070)
     assert len(tried) <= 5
 
 
 def test_bisection_tells_apart_nothing_passes_and_everything_does() -> None:
-    assert math.isnan(steepest(lambda _: False, 1, 9, 1))
-    assert steepest(lambda _: True, 1, 9, 1) == 9
+    assert math.isnan(largest_passing(lambda _: False, 1, 9, 1))
+    assert largest_passing(lambda _: True, 1, 9, 1) == 9
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])

@@ -7,10 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from harness.robots import LEO, ROVER_ZERO4WD, RoverSpec
+from harness.robots import RoverSpec
 from harness.samples import Odometry, Twist
 from harness.validation import square
 from harness.validation.rig import Stance
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 HEADING = 0.5  # [rad] of the course in the world
 

@@ -7,10 +7,11 @@ import pytest
 
 from harness.physics.scene import Scene
 from harness.physics.simulation import Simulation
-from harness.robots import LEO, ROVERS, RoverSpec
+from harness.robots import ROVERS, RoverSpec
 from harness.validation import driving, rig, stability, standing
 from harness.validation.check import Check
 from harness.validation.suite import Manoeuvres
+from tests.support.rovers import LEO
 
 Tampering = Callable[[mujoco.MjModel], None]
 

@@ -53,9 +53,12 @@ def test_a_miss_is_named_and_is_exit_code_1(
         (["--robot", "spirit"], "available: leo, rover_zero4wd"),
         (["--seed", "-1"], "whole number from 0 up"),
         (["--write", "--robot", "leo"], "leave out --robot"),
-        (["--write", "--realism"], "leave out --robot and --realism"),
-        (["--realism", "--robot", "leo"], "rover_zero4wd"),
-        (["--realism", "--logs", "/none/a.csv", "/none/b.csv"], "name two logs with --logs"),
+        (["--write", "--realism", "a.csv", "b.csv"], "leave out --robot and --realism"),
+        (["--realism", "a.csv", "b.csv"], "--realism needs --robot"),
+        (
+            ["--robot", "leo", "--realism", "/none/a.csv", "/none/b.csv"],
+            "--realism takes two logs",
+        ),
     ],
 )
 def test_bad_arguments_are_one_line_and_exit_code_2(

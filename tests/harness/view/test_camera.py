@@ -4,9 +4,9 @@ import numpy as np
 
 from harness.episode.episode import Episode
 from harness.physics.scene import build_scene
-from harness.robots import LEO
 from harness.view.camera import best_view, chase_view
 from tests.harness.view.recorded import CONFIG, recorded
+from tests.support.rovers import LEO
 
 
 def test_best_view_shows_the_path_and_stands_over_the_ground(tmp_path: Path) -> None:

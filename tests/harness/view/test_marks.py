@@ -3,9 +3,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.robots import LEO
 from harness.view.marks import beam_marks, path_marks, track_marks
 from tests.harness.view.recorded import CONFIG, recorded
+from tests.support.rovers import LEO
 
 
 def test_path_lies_on_the_ground_and_grows_with_time(tmp_path: Path) -> None:

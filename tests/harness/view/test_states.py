@@ -5,9 +5,9 @@ import pytest
 
 from harness.episode.episode import Episode
 from harness.errors import UsageError
-from harness.robots import LEO
 from harness.view.states import StateWriter, read_states
 from tests.harness.view.recorded import CONFIG, recorded
+from tests.support.rovers import LEO
 
 
 def test_states_are_those_of_the_episode(tmp_path: Path) -> None:

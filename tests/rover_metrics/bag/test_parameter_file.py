@@ -34,6 +34,7 @@ def test_every_parameter_of_the_rows_is_read(file: Path) -> None:
             "footprint: [0.0, 0.0, 1.0, 0.0, 0.0, 2.0]",
             "lidar_pose: [0.1, 0.2, 0.3]",
             "footprint_threshold: 0.08",
+            "gravity: 9.8",
         )
     )
     extended = ExtendedSettings(
@@ -41,6 +42,7 @@ def test_every_parameter_of_the_rows_is_read(file: Path) -> None:
         lidar_pose=LidarPose(0.1, 0.2, 0.3),
         near_returns_as_contact=True,
         footprint_threshold=0.08,
+        gravity=9.8,
     )
     assert read_parameters(file) == Settings(
         thresholds=Thresholds(0.3, 11.0, 0.6, 0.7, 16.0), extended_columns=True, extended=extended

@@ -40,6 +40,7 @@ DECLARED: dict[str, tuple[object, tuple[float, float] | None]] = {  # default an
     "lidar_pose": ([0.0, 0.0, 0.0], None),
     "near_returns_as_contact": (False, None),
     "footprint_threshold": (0.05, (0.0, 100.0)),
+    "gravity": (9.80665, (0.0, 100.0)),
 }
 FIXED = {"log_dir"}
 TRIANGLE = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0]
@@ -56,6 +57,7 @@ CHANGES: list[tuple[str, Any, Any, Any]] = [  # value, what the settings then ha
     ("lidar_pose", [0.1, 0.2, 0.3], LidarPose(0.1, 0.2, 0.3), [0.0, 0.0, 0.0]),
     ("near_returns_as_contact", True, True, False),
     ("footprint_threshold", 0.25, 0.25, 0.5),
+    ("gravity", 9.8, 9.8, 3.7),
 ]
 
 
@@ -126,6 +128,7 @@ def test_thresholds_are_described_with_their_units_and_silence_in_seconds() -> N
         "distance_threshold": "[m]",
         "rough_terrain_threshold": "[m/s^2]",
         "footprint_threshold": "[m]",
+        "gravity": "[m/s^2]",
         "stale_after": "[s]",
     }
     for name, unit in units.items():
@@ -152,6 +155,7 @@ def test_a_value_of_the_launch_or_a_change_is_in_the_settings_and_nothing_else_i
         ("log_dir", "", "parameter log_dir must be the path of a folder, not empty text"),
         ("collision_threshold", -1.0, "collision_threshold = -1.0 is not valid: it must be from 0.0"),
         ("footprint_threshold", 101.0, "footprint_threshold = 101.0 is not valid"),
+        ("gravity", -1.0, "gravity = -1.0 is not valid: it must be from 0.0 to 100.0 m/s^2"),
         ("footprint", [1.0], "footprint has 1 numbers"),
         ("lidar_pose", [1.0], "lidar_pose has 1 numbers"),
     ],

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from harness.config import EpisodeConfig
-from harness.robots import LEO, ROVER_ZERO4WD
 from harness.samples import LaserScan, PlacedScan, Pose
 from harness.sensors.lidar_spec import LidarSpec
 from harness.truth.events import ContactEvent
@@ -16,6 +15,7 @@ from harness.tuning.episodes.record import Sight, Zone
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
 from harness.world.world import World
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 ANGLES = LidarSpec().angles
 

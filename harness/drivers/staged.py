@@ -46,7 +46,7 @@ class Meeting:
         return self.line.heading + (math.pi if self.speed < 0.0 else 0.0)
 
 
-class Encounter(ABC):
+class StagedEncounter(ABC):
     """Goes from hazard to hazard; a subclass says how each is met.
 
     Without hazards it stands still.
@@ -74,7 +74,7 @@ class Encounter(ABC):
         yield from self.follow(meeting, meeting.reach + RUN_UP / 2)
 
     def command(self, observation: Observation) -> Twist:
-        """The next word of the script."""
+        """Returns the next twist of the script."""
         self._now = observation
         return next(self._script, Twist())
 
