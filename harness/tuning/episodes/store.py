@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import __version__
+from harness.config import EpisodeConfig
 from harness.errors import UsageError
 from harness.files import whole_file
 from harness.tuning.episodes.plan import Planned
@@ -121,9 +122,14 @@ def _identity(planned: tuple[Planned, ...]) -> dict[str, Any]:
     identity = {
         "version": __version__,
         "schema": SCHEMA,
-        "episodes": {episode.name: asdict(episode.config) for episode in planned},
+        "episodes": {episode.name: _arguments(episode.config) for episode in planned},
     }
     return dict(json.loads(json.dumps(identity)))  # as it will be read: lists for tuples
+
+
+def _arguments(config: EpisodeConfig) -> dict[str, Any]:
+    """Returns what determines an episode; exact sensors are false, as in the sweeps that users keep."""
+    return asdict(config) | {"noise": config.noise or False}
 
 
 def _read_json(path: Path) -> Any:  # noqa: ANN401 - whatever somebody has put there
