@@ -39,8 +39,8 @@ STRATA = tuple(
 class Part(StrEnum):
     """What an episode is for; no threshold is scored as checked where it was chosen."""
 
-    CHOOSING = "choosing"
-    CHECKING = "checking"
+    TRAIN = "train"
+    TEST = "test"
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +92,7 @@ def plan(robots: Sequence[str], episodes: int, seed: int, duration: float) -> tu
 
 
 def _part(world: int) -> Part:
-    return (Part.CHOOSING, Part.CHECKING)[world % 2]
+    return (Part.TRAIN, Part.TEST)[world % 2]
 
 
 def _config(robot: str, world: int, seed: int, duration: float) -> EpisodeConfig:

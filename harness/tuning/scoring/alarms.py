@@ -10,7 +10,7 @@ from harness.tuning.scoring.estimate import Counts, Measure, Sums, ratio
 
 GAP = 0.5  # [s]: alarms, like contacts, that are closer together are one
 # What is counted of an episode.
-CONTACTS, FOUND, ALARMS, RIGHT, KM = range(5)  # events
+CONTACTS, DETECTED, ALARMS, RIGHT, KM = range(5)  # events
 TP, FP, FN, TN = range(4)  # scans
 
 Distances = NDArray[np.float64]  # one per scan [m]; -inf counts as contact whatever the threshold
@@ -18,7 +18,7 @@ Detector = Callable[[EpisodeRecord], Distances]
 
 
 def nearest_range(record: EpisodeRecord) -> Distances:
-    """The seed's: the smallest finite range."""
+    """RoboTerrain's: the smallest finite range."""
     return record.scans["nearest"].astype(np.float64)
 
 
@@ -117,7 +117,7 @@ def _precision(sums: Sums) -> NDArray[np.float64]:
 
 
 def _recall(sums: Sums) -> NDArray[np.float64]:
-    return ratio(sums[..., FOUND], sums[..., CONTACTS])
+    return ratio(sums[..., DETECTED], sums[..., CONTACTS])
 
 
 def event_f1(sums: Sums) -> NDArray[np.float64]:

@@ -89,7 +89,7 @@ def judged(
         scoring: How it is judged.
         records: The episodes.
         lack: Why the data support no value, or None if they do.
-        value: One that was found by other means; the best of the grid on the choosing part if None.
+        value: One that was found by other means; the best of the grid on the training half if None.
         note: What the value holds for, or is made of.
     """
     info = THRESHOLD_INFO[parameter]
@@ -98,7 +98,7 @@ def judged(
         return Verdict(
             name=parameter, unit=info.unit, measure=scoring.objective, default=default, lack=lack
         )
-    best = scoring.best(records[Part.CHOOSING]) if value is None else value
+    best = scoring.best(records[Part.TRAIN]) if value is None else value
     tuned = scoring.candidate(records, best)
     return Verdict(
         name=parameter,
@@ -106,7 +106,7 @@ def judged(
         measure=scoring.objective,
         default=default,
         tuned=tuned,
-        gain=scoring.gain(records[Part.CHECKING], tuned.value, info.default),
+        gain=scoring.gain(records[Part.TEST], tuned.value, info.default),
         note=note,
     )
 

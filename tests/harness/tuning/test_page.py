@@ -100,17 +100,17 @@ def test_a_threshold_is_told_with_its_scores_on_both_parts(page: str, small_swee
     assert (measure, default, standing) == ("F1", "0.2 m", "better: intervals apart")
     told = [score.replace("\N{NO-BREAK SPACE}", " ") for score in scores]
     assert told[2] == f"{verdict.tuned.value:g} m"
-    assert told[4] == verdict.tuned.scores[Part.CHECKING]["F1"].text()
+    assert told[4] == verdict.tuned.scores[Part.TEST]["F1"].text()
     assert told[5].startswith("+")
 
 
 def test_a_threshold_without_support_says_why(page: str) -> None:
     second = page[page.index('<th scope="row">distance_threshold</th>') :]
     assert cells_of(second, "collision_threshold")[-1].startswith(
-        "default stays: 0 contacts with hazards in the choosing episodes"
+        "default stays: 0 contacts with hazards in the training episodes"
     )
-    assert "No contact with a hazard in the checking episodes, so there is no curve." in page
-    assert "The checking episodes have ground of one class only, so there is no figure." in page
+    assert "No contact with a hazard in the test episodes, so there is no curve." in page
+    assert "The test episodes have ground of one class only, so there is no figure." in page
 
 
 def test_parameter_files_stand_on_the_page_as_they_are(
