@@ -15,6 +15,7 @@ from harness.samples import Imu, LaserScan, PlacedScan, Pose, Tick, Vector3
 from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import Truth
 
+GRAVITY = 9.8  # [m/s^2] of the models, as in RoboTerrain's worlds
 BATCHES_PER_STRETCH = 2  # at first: 0.1 s
 FEWEST_STRETCHES = 1500  # of a long run, and twice as many at most
 
@@ -40,7 +41,7 @@ class Stretch:
     contact_s: float = 0.0
 
     def followed_by(self, later: "Stretch") -> "Stretch":
-        """Both as one."""
+        """Returns the stretch that both are together."""
         return replace(
             later,
             lowest_acceleration=min(self.lowest_acceleration, later.lowest_acceleration),

@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 
 from harness.page.figure import keys
-from harness.report.events import Event, collisions, contacts
-from harness.report.hillshade import shade
-from harness.report.log import Log
-from harness.report.map_layout import map_layout
+from harness.report.hillshade import map_layout, shade
+from harness.report.log import Event, Log, collisions, contacts
 from harness.report.recorder import Stretch
 from harness.report.series import series_figure, thinned
 from harness.report.terrain_map import map_figure, roughness
@@ -171,8 +169,8 @@ def test_a_log_without_the_counter_has_no_collisions() -> None:
 
 
 def test_roughness_counts_in_both_directions_and_holds_where_no_sample_is() -> None:
-    quiet = {"lowest_acceleration": 9.81, "highest_acceleration": 9.81}
-    dip = {"lowest_acceleration": 6.81, "highest_acceleration": 10.0}
+    quiet = {"lowest_acceleration": 9.8, "highest_acceleration": 9.8}
+    dip = {"lowest_acceleration": 6.8, "highest_acceleration": 10.0}
     assert roughness(stretches(quiet, dip, {})) == pytest.approx([0.0, 3.0, 3.0])
 
 
@@ -251,7 +249,7 @@ def test_the_band_of_all_imu_samples_lies_behind_the_log() -> None:
     assert [key.name for key in keys(figure)][:2] == ["all samples, as simulated", "log"]
     assert [shape["y0"] for shape in figure["layout"]["shapes"]] == [
         DEFAULT_THRESHOLDS.rough_terrain_threshold,
-        9.81,
+        9.8,
     ]
     assert "rangemode" not in figure["layout"]["yaxis"]
     assert log["mode"] == "lines+markers", "a single point has no line"
@@ -291,8 +289,8 @@ def test_the_map_shows_a_square_around_the_path(
 
 
 def test_the_path_is_coloured_by_roughness_with_the_roughest_on_top() -> None:
-    levels = (12.81, 9.81, 10.81)
-    track = stretches(*({"lowest_acceleration": 9.81, "highest_acceleration": h} for h in levels))
+    levels = (12.8, 9.8, 10.8)
+    track = stretches(*({"lowest_acceleration": 9.8, "highest_acceleration": h} for h in levels))
     world = build_world("flat", seed=0)
     one = Event(1.0, 2.0, (7.0, 8.0, 0.0))
     other = replace(one, position=(5.0, 6.0, 0.0))
