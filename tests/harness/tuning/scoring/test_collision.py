@@ -81,7 +81,7 @@ def test_too_few_contacts_support_no_value(at: AtDistance, touches: int) -> None
 
     assert study.verdict.value is None
     assert study.detectors == ()
-    assert f"{touches} contacts with hazards in the training episodes" in judgement("r", study.verdict)
+    assert f"{touches} contacts with hazards in the train episodes" in judgement("r", study.verdict)
 
 
 def test_contacts_that_the_lidar_cannot_know_of_are_their_own_line(at: AtDistance) -> None:

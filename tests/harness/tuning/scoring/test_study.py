@@ -12,7 +12,7 @@ from harness.tuning.scoring.collision import CollisionStudy, DetectorStudy
 from harness.tuning.scoring.estimate import Estimate
 from harness.tuning.scoring.notes import alternatives, judgement, unreachable
 from harness.tuning.scoring.result import Candidate, Verdict
-from harness.tuning.scoring.study import Driven, _driven, _scored
+from harness.tuning.scoring.study import Driven, _driven, scored_records
 
 MakeRecord = Callable[..., EpisodeRecord]
 
@@ -28,7 +28,8 @@ def test_what_diverged_is_counted_but_not_scored(make_record: MakeRecord) -> Non
         )
     }
 
-    scored = {part: [record.duration for record in _scored(records, part)] for part in Part}
+    parts = scored_records("leo", records)
+    scored = {part: [record.duration for record in parts[part]] for part in Part}
     driven = _driven(list(records.values()))
 
     assert scored == {Part.TRAIN: [1.0, 3.0], Part.TEST: [2.0, 4.0, 6.0]}  # in their order
