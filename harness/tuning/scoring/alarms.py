@@ -6,12 +6,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.tuning.episodes.record import EpisodeRecord
-from harness.tuning.scoring.estimate import Counts, Measure, Sums, ratio
+from harness.tuning.scoring.estimate import (
+    FN,
+    FP,
+    TN,
+    TP,
+    Counts,
+    Measure,
+    Sums,
+    confusion,
+    ratio,
+    recall,
+)
 
 GAP = 0.5  # [s]: alarms, like contacts, that are closer together are one
 # What is counted of an episode.
 CONTACTS, DETECTED, ALARMS, RIGHT, KM = range(5)  # events
-TP, FP, FN, TN = range(4)  # scans
 
 Distances = NDArray[np.float64]  # one per scan [m]; -inf counts as contact whatever the threshold
 Detector = Callable[[EpisodeRecord], Distances]
@@ -91,16 +101,8 @@ def event_counts(
 def scan_counts(
     detector: Detector, records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]
 ) -> Counts:
-    """True and false positives, false and true negatives: shape (thresholds, episodes, 4)."""
-    counts = np.zeros((len(thresholds), len(records), 4))
-    for place, record in enumerate(records):
-        contact = record.scans["contact"]
-        says = detector(record)[None, :] < thresholds[:, None]
-        counts[:, place, TP] = (says & contact).sum(axis=1)
-        counts[:, place, FP] = (says & ~contact).sum(axis=1)
-        counts[:, place, FN] = (~says & contact).sum(axis=1)
-        counts[:, place, TN] = (~says & ~contact).sum(axis=1)
-    return counts
+    """Returns counts of `confusion`, shape (thresholds, episodes, 4)."""
+    return confusion([(detector(record), record.scans["contact"]) for record in records], thresholds)
 
 
 def lead_times(record: EpisodeRecord, distances: Distances, threshold: float) -> NDArray[np.float64]:
@@ -137,6 +139,6 @@ EVENT_MEASURES: dict[str, Measure] = {
 SCAN_MEASURES: dict[str, Measure] = {
     "F1": lambda sums: ratio(2 * sums[..., TP], 2 * sums[..., TP] + sums[..., FP] + sums[..., FN]),
     "precision": lambda sums: ratio(sums[..., TP], sums[..., TP] + sums[..., FP]),
-    "recall": lambda sums: ratio(sums[..., TP], sums[..., TP] + sums[..., FN]),
+    "recall": recall,
     "false positive rate": lambda sums: ratio(sums[..., FP], sums[..., FP] + sums[..., TN]),
 }

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 RESAMPLES, LEVEL = 2000, 0.95
 FEWEST_EPISODES = 8  # that have what is counted; with fewer, resampling means little
+TP, FP, FN, TN = range(4)  # of `confusion`
 COLLAPSED = "other"  # strata of a single episode, together
 
 Counts = NDArray[np.float64]  # shape (..., episodes, kinds)
@@ -69,6 +70,32 @@ def ratio(part: NDArray[np.float64], whole: NDArray[np.float64]) -> NDArray[np.f
     """Part / whole, NaN where there is no whole."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.where(whole > 0, part / whole, np.nan))
+
+
+def confusion(
+    episodes: Sequence[tuple[NDArray[np.float64], NDArray[np.bool_]]], thresholds: NDArray[np.float64]
+) -> Counts:
+    """Returns true and false positives, false and true negatives, shape (thresholds, episodes, 4).
+
+    Args:
+        episodes: Values of each, positive below a threshold, and the truth, both of shape (n,).
+        thresholds: Shape (thresholds,).
+    """
+    counts = np.zeros((len(thresholds), len(episodes), 4))
+    for place, (values, truth) in enumerate(episodes):
+        says = values[None, :] < thresholds[:, None]
+        counts[:, place, TP], counts[:, place, FP] = (
+            (says & truth).sum(axis=1),
+            (says & ~truth).sum(axis=1),
+        )
+        counts[:, place, FN] = (~says & truth).sum(axis=1)
+        counts[:, place, TN] = (~says & ~truth).sum(axis=1)
+    return counts
+
+
+def recall(sums: Sums) -> NDArray[np.float64]:
+    """Returns the share of what is there that is said, of sums of `confusion`."""
+    return ratio(sums[..., TP], sums[..., TP] + sums[..., FN])
 
 
 def _weights(strata: tuple[str, ...]) -> NDArray[np.float64]:

@@ -13,7 +13,18 @@ from sklearn.metrics import roc_auc_score
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.scoring.choose import Records, Scoring, by_terrain, judged
-from harness.tuning.scoring.estimate import Counts, Estimate, Measure, Sums, estimate, ratio
+from harness.tuning.scoring.estimate import (FP, TN, Counts, Estimate, Measure, Sums, confusion, estimate, ratio, recall)
+    FP,
+    TN,
+    Counts,
+    Estimate,
+    Measure,
+    Sums,
+    confusion,
+    estimate,
+    ratio,
+    recall,
+)
 from harness.tuning.scoring.imu_events import ROUGH, ImuEvents, Signal
 from harness.tuning.scoring.result import Verdict
 
@@ -21,7 +32,6 @@ FEWEST_WINDOWS = 50  # seconds of each class and part: fewer do not support a th
 FEWEST_IN_BIN = 20  # of each class
 SPEED_BINS = ((0.05, 0.2), (0.2, 0.4), (0.4, 0.6), (0.6, 2.0))  # [m/s]
 GRID = np.round(np.arange(9.8, 30.0, 0.05), 2)  # from gravity up
-TP, FP, FN, TN = range(4)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,29 +87,17 @@ def study_ground(records: Records, signal: Signal) -> GroundStudy:
 
 
 def counts_of(episodes: Sequence[ImuEvents], thresholds: NDArray[np.float64]) -> Counts:
-    """True and false positives, false and true negatives: shape (thresholds, episodes, 4)."""
-    counts = np.zeros((len(thresholds), len(episodes), 4))
-    for place, events in enumerate(episodes):
-        says = events.signal[None, :] > thresholds[:, None]
-        counts[:, place, TP] = (says & events.rough).sum(axis=1)
-        counts[:, place, FP] = (says & ~events.rough).sum(axis=1)
-        counts[:, place, FN] = (~says & events.rough).sum(axis=1)
-        counts[:, place, TN] = (~says & ~events.rough).sum(axis=1)
-    return counts
-
-
-def recall(sums: Sums) -> NDArray[np.float64]:
-    """Share of rough ground that is called rough."""
-    return ratio(sums[..., TP], sums[..., TP] + sums[..., FN])
+    """Returns counts of `confusion` at every threshold."""
+    return confusion([(-one.signal, one.rough) for one in episodes], -thresholds)
 
 
 def specificity(sums: Sums) -> NDArray[np.float64]:
-    """Share of smooth ground that is not called rough."""
+    """Returns the share of smooth ground that is not called rough."""
     return ratio(sums[..., TN], sums[..., TN] + sums[..., FP])
 
 
 def balanced_accuracy(sums: Sums) -> NDArray[np.float64]:
-    """Mean of both: the cost where a miss costs as much as a false alarm and no class is rarer."""
+    """Returns the mean of recall and specificity: the cost where a miss costs as much as a false alarm and no class is rarer."""
     return (recall(sums) + specificity(sums)) / 2
 
 

@@ -10,8 +10,7 @@ pytest.importorskip("joblib", reason="needs the extra [tune]")
 
 from harness.errors import UsageError
 from harness.tuning.backend import backend_of, trial
-from harness.tuning.backend.address import Address, parse_address
-from harness.tuning.backend.trial import workers_at
+from harness.tuning.backend.address import Address, parse_address, workers_at
 
 
 @pytest.mark.parametrize(
