@@ -13,7 +13,7 @@ from sklearn.metrics import roc_auc_score
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.scoring.choose import Records, Scoring, by_terrain, judged
-from harness.tuning.scoring.estimate import (FP, TN, Counts, Estimate, Measure, Sums, confusion, estimate, ratio, recall)
+from harness.tuning.scoring.estimate import (
     FP,
     TN,
     Counts,
@@ -87,7 +87,7 @@ def study_ground(records: Records, signal: Signal) -> GroundStudy:
 
 
 def counts_of(episodes: Sequence[ImuEvents], thresholds: NDArray[np.float64]) -> Counts:
-    """Returns counts of `confusion` at every threshold."""
+    """Returns counts of `confusion` at every threshold, above which ground is called rough."""
     return confusion([(-one.signal, one.rough) for one in episodes], -thresholds)
 
 
