@@ -97,7 +97,7 @@ def specificity(sums: Sums) -> NDArray[np.float64]:
 
 
 def balanced_accuracy(sums: Sums) -> NDArray[np.float64]:
-    """Returns the mean of recall and specificity: the cost where a miss costs as much as a false alarm and no class is rarer."""
+    """Returns the mean of both rates, where a miss costs as much as a false alarm, whatever is rarer."""
     return (recall(sums) + specificity(sums)) / 2
 
 
