@@ -21,7 +21,7 @@ FOOTPRINT_UNITS = {
 
 
 def parameter_file(study: RobotStudy, command: str) -> str:
-    """The text of ROBOT.yaml.
+    """Returns the text of ROBOT.yaml.
 
     A threshold that the data do not support is not in it; a comment says why. `/**` holds for the node
     in every namespace.

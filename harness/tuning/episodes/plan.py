@@ -59,13 +59,13 @@ class Planned:
 
     @property
     def name(self) -> str:
-        """Tells it from the others, for people and file names."""
+        """Its name, which is that of its file too."""
         config = self.config
         return f"{self.index:04d}-{config.robot}-{config.terrain}-{config.driver}"
 
 
 def plan(robots: Sequence[str], episodes: int, seed: int, duration: float) -> tuple[Planned, ...]:
-    """Lays out a sweep.
+    """Returns the episodes of a sweep.
 
     Args:
         robots: Names of rovers; every one drives in all worlds.

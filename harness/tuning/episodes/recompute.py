@@ -52,7 +52,7 @@ class Collected:
         return self.states[-1].path_length if self.states else 0.0
 
     def placed_scans(self) -> list[PlacedScan]:
-        """Each scan with the pose nearest to it in time, at most 10 ms away."""
+        """Returns each scan with the pose nearest to it in time, at most 10 ms away."""
         stamps = np.array([pose.stamp_ns for pose in self.poses])
         halfway = (stamps[1:] + stamps[:-1]) / 2
         nearest = np.searchsorted(halfway, [scan.stamp_ns for scan in self.scans])
@@ -63,7 +63,7 @@ class Collected:
 
 
 def scan_rows(collected: Collected, rover: RoverSpec) -> Table:
-    """One row of dtype SCAN per scan."""
+    """Returns one row of dtype SCAN per scan."""
     rows = np.zeros(len(collected.scans), SCAN)
     if not collected.scans:
         return rows

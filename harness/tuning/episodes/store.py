@@ -23,7 +23,7 @@ LABELS = ("ending", "driver", "terrain")
 
 
 def encode(record: EpisodeRecord) -> bytes:
-    """A record as the bytes of an npz file, an array per column; equal records give equal bytes."""
+    """Returns the bytes of an npz file with an array per column; equal records give equal bytes."""
     buffer = io.BytesIO()
     columns = {
         f"{table}.{column}": getattr(record, table)[column]
@@ -37,7 +37,7 @@ def encode(record: EpisodeRecord) -> bytes:
 
 
 def decode(content: bytes) -> EpisodeRecord:
-    """The record in the bytes of an npz file.
+    """Returns the record in the bytes of an npz file.
 
     Raises:
         ValueError: It is not one, or of another schema.
@@ -91,7 +91,7 @@ class Store:
             part.write_bytes(content)
 
     def read(self, planned: Planned) -> EpisodeRecord | None:
-        """An episode that was driven before; None if it was not, or its file is damaged."""
+        """Returns an episode that was driven before; None if it was not, or its file is damaged."""
         try:
             return decode(self._path(planned).read_bytes())
         except (FileNotFoundError, ValueError):

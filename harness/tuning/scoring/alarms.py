@@ -28,22 +28,22 @@ Detector = Callable[[EpisodeRecord], Distances]
 
 
 def nearest_range(record: EpisodeRecord) -> Distances:
-    """RoboTerrain's: the smallest finite range."""
+    """Returns what RoboTerrain compares: the smallest finite range of each scan."""
     return record.scans["nearest"].astype(np.float64)
 
 
 def nearest_or_near_return(record: EpisodeRecord) -> Distances:
-    """The same, but a beam that met something nearer than range_min is contact (REP-117: -inf)."""
+    """Returns the nearest range, -inf where a beam met something nearer than range_min (REP-117)."""
     return np.where(record.scans["near_returns"] > 0, -np.inf, nearest_range(record))
 
 
 def footprint_clearance(record: EpisodeRecord) -> Distances:
-    """From the finite returns to the rover's outline."""
+    """Returns the smallest distance from a finite return to the rover's outline, scan by scan."""
     return record.scans["footprint"].astype(np.float64)
 
 
 def footprint_or_near_return(record: EpisodeRecord) -> Distances:
-    """The same, but a beam that met something nearer than range_min is contact."""
+    """Returns the footprint clearance, -inf where a beam met something nearer than range_min."""
     return np.where(record.scans["near_returns"] > 0, -np.inf, footprint_clearance(record))
 
 
@@ -56,7 +56,7 @@ DETECTORS: dict[str, Detector] = {
 
 
 def alarms(record: EpisodeRecord, distances: Distances, threshold: float) -> NDArray[np.float64]:
-    """Start and end of each run of scans below a threshold, shape (n, 2) [s]."""
+    """Returns start and end of each run of scans below a threshold, shape (n, 2) [s]."""
     times = record.times[distances < threshold]
     if times.size == 0:
         return np.empty((0, 2))
@@ -67,7 +67,7 @@ def alarms(record: EpisodeRecord, distances: Distances, threshold: float) -> NDA
 
 
 def matches(record: EpisodeRecord, found: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which alarm belongs to which contact, shape (alarms, contacts).
+    """Returns which alarm belongs to which contact, shape (alarms, contacts).
 
     It overlaps the contact or ends at most GAP before it: a scan just before a touch that hides what
     is touched from the next one is no false alarm.
@@ -81,7 +81,7 @@ def matches(record: EpisodeRecord, found: NDArray[np.float64]) -> NDArray[np.boo
 def event_counts(
     detector: Detector, records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]
 ) -> Counts:
-    """Contacts, those found, alarms, right ones, kilometres: shape (thresholds, episodes, 5)."""
+    """Returns contacts, detected ones, alarms, right ones, km: shape (thresholds, episodes, 5)."""
     counts = np.zeros((len(thresholds), len(records), 5))
     for place, record in enumerate(records):
         distances = detector(record)
@@ -106,7 +106,7 @@ def scan_counts(
 
 
 def lead_times(record: EpisodeRecord, distances: Distances, threshold: float) -> NDArray[np.float64]:
-    """How long before each contact that was found its first alarm began, shape (found,) [s]."""
+    """Returns how long before each detected contact its first alarm began, shape (detected,) [s]."""
     found = alarms(record, distances, threshold)
     match = matches(record, found)
     starts = np.where(match, found[:, :1], np.inf).min(axis=0, initial=np.inf)
@@ -123,7 +123,7 @@ def _recall(sums: Sums) -> NDArray[np.float64]:
 
 
 def event_f1(sums: Sums) -> NDArray[np.float64]:
-    """Harmonic mean of precision (of alarms) and recall (of contacts); 0 if nothing is found."""
+    """Returns the harmonic mean of precision (alarms) and recall (contacts); 0 if nothing is detected."""
     precision, recall = np.nan_to_num(_precision(sums)), _recall(sums)
     return np.where(
         precision + recall > 0, ratio(2 * precision * recall, precision + recall), 0 * recall

@@ -32,7 +32,7 @@ class ZoneRow:
 
 
 def unseen_contacts(records: Sequence[EpisodeRecord]) -> tuple[UnseenContacts, ...]:
-    """Contacts without a finite return of what was touched, by reason."""
+    """Returns contacts without a finite return of what was touched, by reason."""
     sights = _all(records, "sight")
     return tuple(
         UnseenContacts(sight, int(np.count_nonzero(sights == sight)))
@@ -44,7 +44,7 @@ def unseen_contacts(records: Sequence[EpisodeRecord]) -> tuple[UnseenContacts, .
 def zone_rows(
     records: Sequence[EpisodeRecord], detectors: Mapping[str, tuple[Detector, float]]
 ) -> tuple[ZoneRow, ...]:
-    """How many contacts of each side each detector tells.
+    """Returns how many contacts of each side each detector tells.
 
     Args:
         records: The episodes.

@@ -34,11 +34,11 @@ class Estimate:
     high: float | None = None
 
     def is_above(self, other: "Estimate") -> bool:
-        """Whether the two intervals do not overlap and this one is the higher."""
+        """Returns whether the two intervals do not overlap and this one is the higher."""
         return self.low is not None and other.high is not None and self.low > other.high
 
     def text(self, digits: int = 2) -> str:
-        """As '0.93 (0.88 to 0.97)'."""
+        """Returns it as '0.93 (0.88 to 0.97)'."""
         if math.isnan(self.value):
             return "undefined"
         if self.low is None or self.high is None:
@@ -47,7 +47,7 @@ class Estimate:
 
 
 def estimate(counts: Counts, measure: Measure, strata: Sequence[str]) -> Estimate:
-    """A measure over episodes, with its percentile bootstrap interval.
+    """Returns a measure over episodes with its percentile bootstrap interval.
 
     Args:
         counts: Shape (episodes, kinds).
@@ -67,7 +67,7 @@ def estimate(counts: Counts, measure: Measure, strata: Sequence[str]) -> Estimat
 
 
 def ratio(part: NDArray[np.float64], whole: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Part / whole, NaN where there is no whole."""
+    """Returns part / whole, NaN where there is no whole."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.where(whole > 0, part / whole, np.nan))
 

@@ -58,7 +58,7 @@ class GroundStudy:
 
     Attributes:
         verdict: On it.
-        what: The signal, for people.
+        what: The signal, as the page names it.
         auc: Area under the ROC curve by part.
         speed_bins: Over all episodes.
     """

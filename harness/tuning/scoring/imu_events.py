@@ -47,7 +47,7 @@ class Signal:
 
     Attributes:
         parameter: The threshold.
-        what: The signal, for people.
+        what: The signal, as the page names it.
         imu_events: Takes it from an episode.
     """
 
@@ -63,7 +63,7 @@ def _usable(windows: Table) -> NDArray[np.bool_]:
 
 
 def peak_acceleration(record: EpisodeRecord) -> ImuEvents:
-    """Seconds, with the largest acceleration in each."""
+    """Returns seconds with the largest acceleration in each."""
     windows = record.windows[_usable(record.windows)]
     return ImuEvents(windows["peak_acceleration"], windows["roughness"] > ROUGH, windows["speed"])
 

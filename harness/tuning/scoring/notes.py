@@ -12,7 +12,7 @@ MATERIAL = 0.05  # of a score: a smaller difference is real, but no default is w
 
 
 def conclusions(study: RobotStudy) -> Iterator[str]:
-    """What a user must know of a robot, a sentence or two for each matter."""
+    """Yields what a user must know of a robot, a sentence or two for each matter."""
     for verdict in study.verdicts:
         yield judgement(study.robot, verdict)
     yield unreachable(study.collision)
@@ -20,7 +20,7 @@ def conclusions(study: RobotStudy) -> Iterator[str]:
 
 
 def judgement(robot: str, verdict: Verdict) -> str:
-    """Whether the default of a threshold suits a robot."""
+    """Returns whether the default of a threshold suits a robot."""
     default = f"{verdict.name}: the default {verdict.default.value:g} {verdict.unit}"
     if verdict.tuned is None:
         return f"{default} stays for {robot}, because the data support no value: {verdict.lack}."
@@ -44,7 +44,7 @@ def judgement(robot: str, verdict: Verdict) -> str:
 
 
 def unreachable(study: CollisionStudy) -> str:
-    """The contacts that no threshold can tell."""
+    """Returns the sentence on contacts that no threshold can tell."""
     blind = [spot for spot in study.unseen_contacts if spot.contacts]
     total = sum(spot.contacts for spot in blind)
     if not study.contacts:
@@ -60,7 +60,7 @@ def unreachable(study: CollisionStudy) -> str:
 
 
 def alternatives(study: CollisionStudy) -> Iterator[str]:
-    """What the other detectors of the metrics node buy."""
+    """Yields what the other detectors of the metrics node buy."""
     for detector in study.detectors[1:]:
         scores = detector.events.scores[TEST]
         yield (

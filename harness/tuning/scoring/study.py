@@ -56,7 +56,13 @@ class RobotStudy:
 
 
 def study(robot: str, records: Mapping[Planned, EpisodeRecord], seed: int) -> RobotStudy:
-    """Scores the thresholds of one robot on its episodes of a sweep."""
+    """Returns the scores of one robot's thresholds on its episodes of a sweep.
+
+    Args:
+        robot: Its name.
+        records: All episodes of the sweep.
+        seed: Of the sweep, for the measured stop.
+    """
     rover = find_rover(robot)
     parts = scored_records(robot, records)
     return RobotStudy(
