@@ -7,6 +7,7 @@ import io
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -25,7 +26,12 @@ SCALE_BAR, GAP, AIR = 0.2, 0.18, 0.2  # [m] of the bar, between hazards, above e
 NAMES = ("ink", "muted", "line", "panel", "metric", "truth", "scan", "rock", "hazard")
 COLORS = {name: f"#c010{number:02x}" for number, name in enumerate(NAMES)}  # stand-ins for the page's
 INK, MUTED, LINE, PANEL, METRIC, TRUTH, SCAN, ROCK, HAZARD = COLORS.values()
-STYLE = {"svg.fonttype": "none", "font.size": 12.5, "font.family": "DejaVu Sans", "text.color": INK}
+STYLE: dict[Any, Any] = {
+    "svg.fonttype": "none",
+    "font.size": 12.5,
+    "font.family": "DejaVu Sans",
+    "text.color": INK,
+}
 
 NOT_IN_HTML = r'<defs>\s*<style.*?</defs>|<metadata>.*?</metadata>| id="[a-z0-9]+_\d+"'
 
@@ -110,7 +116,7 @@ Extent = tuple[float, float, float, float]  # left, right, bottom, top [m]
 
 def _drawing(rover: RoverSpec, around: Distances, above: Extent, side: Extent, front: float) -> Markup:
     heights = [WIDTH * (top - bottom) / (right - left) for left, right, bottom, top in (side, above)]
-    with mpl.rc_context(STYLE | {"svg.hashsalt": rover.name}):
+    with mpl.rc_context({**STYLE, "svg.hashsalt": rover.name}):
         figure = Figure((WIDTH / 72, sum(heights) / 72), dpi=72)
         share = heights[0] / sum(heights)
         _draw_side(_axes(figure, (0, 0, 1, share), side), rover, front)

@@ -123,7 +123,7 @@ def _recall(sums: Sums) -> NDArray[np.float64]:
 
 
 def event_f1(sums: Sums) -> NDArray[np.float64]:
-    """Returns the harmonic mean of precision (alarms) and recall (contacts); 0 if nothing is detected."""
+    """Returns the harmonic mean of precision (alarms) and recall (contacts); 0 if none is detected."""
     precision, recall = np.nan_to_num(_precision(sums)), _recall(sums)
     return np.where(
         precision + recall > 0, ratio(2 * precision * recall, precision + recall), 0 * recall
