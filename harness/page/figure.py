@@ -1,4 +1,4 @@
-"""Plotly figures as plain JSON values, and what all of them have in common.
+"""Plotly figures as plain JSON values: their traces, axes and legends.
 
 A colour that starts with two dashes is a custom property of the page's style sheet, so that one figure
 serves light and dark; assets/plots.js puts the value in its place.
@@ -9,8 +9,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-DASHES = {"solid": "", "dash": "6 4", "dashdot": "8 3 2 3", "dot": "2 2"}  # [px], as Plotly draws them
+import numpy as np
+from numpy.typing import ArrayLike
 
+DASHES = {"solid": "", "dash": "6 4", "dashdot": "8 3 2 3", "dot": "2 2"}  # [px], as Plotly draws them
 
 Figure = dict[str, Any]
 Trace = dict[str, Any]
@@ -19,6 +21,9 @@ Layout = dict[str, Any]
 TIMES, MINUS, DASH = "\N{MULTIPLICATION SIGN}", "\N{MINUS SIGN}", "\N{EN DASH}"
 
 METRIC, TRUTH, SCAN, INK, MUTED = "--metric", "--truth", "--scan", "--ink", "--muted"
+BAND, PANEL = "--band", "--panel"
+
+COLUMN = {"yref": "paper", "y0": 0.0, "y1": 1.0}  # a shape from bottom to top
 
 AXIS: Layout = {
     "gridcolor": "--grid",
@@ -33,22 +38,84 @@ AXIS: Layout = {
 
 
 def common_layout(**values: object) -> Layout:
-    """A layout with the page's colours and font."""
+    """Returns a layout with the page's colours and font, and these values."""
     return {
-        "paper_bgcolor": "--panel",
-        "plot_bgcolor": "--panel",
+        "paper_bgcolor": PANEL,
+        "plot_bgcolor": PANEL,
         "font": {"family": "system-ui, sans-serif", "size": 12, "color": INK},
-        "hoverlabel": {"bgcolor": "--panel", "bordercolor": "--line", "font": {"color": INK}},
+        "hoverlabel": {"bgcolor": PANEL, "bordercolor": "--line", "font": {"color": INK}},
         "modebar": {"bgcolor": "rgba(0,0,0,0)", "color": MUTED, "activecolor": INK},
         "dragmode": "zoom",
-        "showlegend": False,  # harness.page.figure makes one that never covers anything
+        "showlegend": False,  # `keys` makes one that never covers anything
+        "margin": {"l": 60, "r": 14, "t": 30, "b": 44},
         **values,
     }
 
 
-def numbers(values: Iterable[float], decimals: int = 3) -> list[float | None]:
-    """Rounded for a smaller page; JSON knows neither infinity nor NaN, and Plotly leaves a gap."""
-    return [round(value, decimals) if math.isfinite(value) else None for value in values]
+def titled(text: str, **values: object) -> Layout:
+    """Returns an axis with a title, its unit in brackets, and these values."""
+    return AXIS | {"title": {"text": text}, **values}
+
+
+def numbers(values: ArrayLike, decimals: int = 3) -> list[float | None]:
+    """Returns rounded values for a smaller page; None, which Plotly leaves out, for inf and NaN."""
+    plain = np.asarray(values, dtype=np.float64).tolist()
+    return [round(value, decimals) if math.isfinite(value) else None for value in plain]
+
+
+def line(
+    name: str,
+    x: ArrayLike,
+    y: ArrayLike,
+    color: str = METRIC,
+    *,
+    hover: str | None = None,
+    **style: object,
+) -> Trace:
+    """Returns a curve.
+
+    Args:
+        name: In the legend.
+        x: Shape (n,).
+        y: Likewise.
+        color: Name of a custom property of the style sheet.
+        hover: Template of the text under the pointer; the curve does not react to it if None.
+        style: Of the line, in Plotly's terms: dash, width [px], shape.
+    """
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "name": name,
+        "x": numbers(x, 4),
+        "y": numbers(y, 4),
+        "line": {"color": color, "width": 2, **style},
+        **({"hoverinfo": "skip"} if hover is None else {"hovertemplate": f"{hover}<extra></extra>"}),
+    }
+
+
+def band(name: str, x: ArrayLike, low: ArrayLike, high: ArrayLike) -> list[Trace]:
+    """Returns the area between two curves.
+
+    Args:
+        name: In the legend.
+        x: Shape (n,).
+        low: The lower curve, likewise.
+        high: The upper curve, likewise.
+    """
+    edges = [line(name, x, y, BAND, width=0) for y in (low, high)]
+    return [edges[0] | {"showlegend": False}, edges[1] | {"fill": "tonexty", "fillcolor": BAND}]
+
+
+def level(name: str, place: Layout, dash: str, color: str = INK) -> Layout:
+    """Returns a straight line across a plot, as a shape.
+
+    Args:
+        name: In the legend; beside the line it would cover curves.
+        place: Its ends in Plotly's terms.
+        dash: One of DASHES.
+        color: Name of a custom property of the style sheet.
+    """
+    return {"type": "line", "name": name, "line": {"color": color, "width": 1.5, "dash": dash}, **place}
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,30 +135,20 @@ class Key:
 
 
 def keys(figure: Figure) -> list[Key]:
-    """A key for every name in a figure, in the order of drawing."""
-    traces = [_trace_key(trace) for trace in figure["data"] if trace.get("showlegend", True)]
-    shapes = [_shape_key(shape) for shape in figure["layout"].get("shapes", ())]
-    return list({key.name: key for key in (*traces, *shapes)}.values())
+    """Returns a key for every name in a figure, in the order of drawing."""
+    drawn = [*figure["data"], *figure["layout"].get("shapes", ())]
+    shown = (_key(item) for item in drawn if item.get("showlegend", True))
+    return list({key.name: key for key in shown}.values())
 
 
-def _trace_key(trace: Trace) -> Key:
-    name = trace["name"]
-    if "fill" in trace:
-        return Key(name, "area", trace["fillcolor"])
-    if "lines" in trace["mode"]:
-        return _line_key(name, trace["line"])
-    marker = trace["marker"]
-    return Key(name, marker.get("symbol", "dot"), marker.get("line", marker)["color"])
-
-
-def _shape_key(shape: dict[str, Any]) -> Key:
-    if shape["type"] == "rect":
-        return Key(shape["name"], "area", shape["fillcolor"])
-    return _line_key(shape["name"], shape["line"])
-
-
-def _line_key(name: str, line: dict[str, Any]) -> Key:
-    return Key(name, "line", line["color"], DASHES[line.get("dash", "solid")])
+def _key(item: Trace | Layout) -> Key:
+    if "fillcolor" in item:
+        return Key(item["name"], "area", item["fillcolor"])
+    if "lines" in item.get("mode", "lines"):
+        drawn = item["line"]
+        return Key(item["name"], "line", drawn["color"], DASHES[drawn.get("dash", "solid")])
+    marker = item["marker"]
+    return Key(item["name"], marker.get("symbol", "dot"), marker.get("line", marker)["color"])
 
 
 @dataclass(frozen=True)
@@ -100,16 +157,24 @@ class Plot:
 
     Attributes:
         name: Identifies it on the page.
-        summary: What it shows, in words, for who cannot see it.
+        summary: What it shows, as text for readers who cannot see it.
+        figure: For Plotly.
+        heading: Above it; empty where the page has one.
+        caption: Below it, likewise.
     """
 
     name: str
-    heading: str
-    caption: str
     summary: str
     figure: Figure
+    heading: str = ""
+    caption: str = ""
 
     @property
     def legend(self) -> list[Key]:
         """What its colours and symbols mean."""
         return keys(self.figure)
+
+
+def named(plots: Iterable[Plot]) -> dict[str, Figure]:
+    """Returns the figures of plots by name, as the page's script looks for them."""
+    return {plot.name: plot.figure for plot in plots}

@@ -1,16 +1,12 @@
-"""How each column of the metrics log is drawn: its unit, its thresholds, the truth beside it."""
+"""How each column of the metrics log is drawn: its unit, its thresholds, what it means."""
 
 import re
 from dataclasses import dataclass
 
-from rover_metrics.core.row import COLUMNS
-
-TIME_COLUMN, NOTES_COLUMN = COLUMNS[0], COLUMNS[-1]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Column:
-    """What a reader of a plot wants to know about a column.
+    """How a column of the log is drawn.
 
     Attributes:
         meaning: The caption.
@@ -69,7 +65,7 @@ KNOWN_COLUMNS = {
 
 
 def describe(name: str) -> Column:
-    """What is known of a column; the unit of an unknown one is what its name has in brackets."""
+    """Returns what is known of a column; an unknown one has the unit in its name's brackets."""
     unit = re.search(r"\[(.+)\]$", name)
     unknown = Column(meaning="A column beyond RoboTerrain's twelve.", unit=unit[1] if unit else "")
     return KNOWN_COLUMNS.get(name, unknown)

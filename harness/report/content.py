@@ -1,4 +1,4 @@
-"""What a report shows, gathered: the names of the template's variables are the keys here."""
+"""The page about a run: the names of the template's variables are the keys here."""
 
 import math
 from datetime import datetime
@@ -8,12 +8,11 @@ import numpy as np
 
 from harness.episode.manifest import manifest
 from harness.episode.result import RunResult
-from harness.page.figure import MINUS, TIMES, Plot
+from harness.page.figure import MINUS, TIMES, Plot, named
 from harness.page.shell import fill
 from harness.report.columns import describe
-from harness.report.events import collisions, contacts
 from harness.report.hillshade import shade
-from harness.report.log import Log, read_log
+from harness.report.log import Log, collisions, contacts, read_log
 from harness.report.recorder import RunRecorder
 from harness.report.series import MOST_ROWS, series_figure
 from harness.report.tables import comparisons, contact_rows, facts, key_figures
@@ -25,7 +24,7 @@ LISTED = ("arguments", "versions", "world")  # parts of the manifest that are ta
 
 
 def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
-    """Everything that the template needs to know of a run."""
+    """Returns what the template shows of a run."""
     log, values = read_log(result.log_path), manifest(result)
     terrain_map, series = _map(result, recorder, log), _series(result, recorder, log)
     return {
@@ -39,7 +38,7 @@ def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
         "contacts": contact_rows(result),
         "series": series,
         "notes": log.notes,
-        "figures": {plot.name: plot.figure for plot in (terrain_map, *series)},
+        "figures": named((terrain_map, *series)),
         "thinned_to": MOST_ROWS if len(log.time_s) > MOST_ROWS else None,
         "facts": {name: facts(values[name] or {}) for name in LISTED},
     }
@@ -71,7 +70,7 @@ def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
         f"{hillshade.exaggeration:.1f} times as steep. A point of the path is the largest "
         f"||a| {MINUS} g| within {recorder.stretch_s:g} s; outlines include what is below the ground."
     )
-    return Plot("map", "Map", caption, summary, figure)
+    return Plot("map", summary, figure, "Map", caption)
 
 
 def _signed(height: float) -> str:
@@ -102,5 +101,5 @@ def _summary(name: str, values: list[float]) -> str:
 
 
 def render(result: RunResult, recorder: RunRecorder) -> str:
-    """The HTML of a run's report."""
+    """Returns the HTML of a run's report."""
     return fill("report", content(result, recorder), "harness.report")

@@ -1,22 +1,26 @@
-"""Hillshade: how a terrain looks from above, lit from the north-west as on a paper map.
+"""Hillshade: a terrain from above, lit from the north-west as on a paper map, and the axes of its map.
 
 Horn's shaded relief (Proc. IEEE 69, 1981) of the terrain's slope; y (up on the page) is north.
 """
 
 import base64
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from harness.page.figure import Layout, common_layout, titled
+from harness.report.recorder import Stretch
 from harness.world.heightfield import Heightfield
 
 SUN_AZIMUTH, SUN_ELEVATION = np.radians(135.0), np.radians(45.0)  # azimuth from +x to +y
 STEEP_LOOK = np.tan(np.radians(35.0))  # how steep the steepest twentieth shall look
 MOST_EXAGGERATION = 8.0
 DARKEST, BRIGHTEST = 70, 250  # grey levels
+MARGIN, SHORTEST_SIDE = 2.0, 8.0  # [m] around the path and of the first view
 MOST_PIXELS = 600  # along a side: the picture is most of the page, and few screens show more
 
 
@@ -36,14 +40,14 @@ class Hillshade:
     exaggeration: float
 
     def data_uri(self) -> str:
-        """The picture as a PNG in a data URI."""
+        """Returns the picture as a PNG in a data URI."""
         png = io.BytesIO()
-        Image.fromarray(self.pixels).save(png, "PNG", optimize=True)
+        Image.fromarray(self.pixels).save(png, "png", optimize=True)
         return "data:image/png;base64," + base64.b64encode(png.getvalue()).decode("ascii")
 
 
 def shade(ground: Heightfield) -> Hillshade:
-    """Shades a ground; a large one is taken at fewer points."""
+    """Returns the relief of a ground, a large one at fewer points."""
     stride = -(-len(ground.heights) // MOST_PIXELS)
     heights, cell = ground.heights[::stride, ::stride], ground.cell * stride
     slope_y, slope_x = np.gradient(heights, cell)
@@ -57,3 +61,46 @@ def shade(ground: Heightfield) -> Hillshade:
     west, side = -ground.half_size - 0.5 * cell, cell * len(heights)
     pixels = np.flipud(grey.round().astype(np.uint8))
     return Hillshade(pixels, west, west + side, side, exaggeration)
+
+
+def map_layout(half_size: float, hillshade: Hillshade, track: Sequence[Stretch]) -> Layout:
+    """Returns axes of one scale over the terrain as a picture.
+
+    Args:
+        half_size: Of the square terrain, from -half_size on both axes [m].
+        hillshade: Its picture.
+        track: What the axes show at first.
+    """
+    x_range, y_range = _view(track, half_size)
+    picture = {
+        "source": hillshade.data_uri(),
+        "xref": "x",
+        "yref": "y",
+        "x": hillshade.west,
+        "y": hillshade.north,
+        "sizex": hillshade.side,
+        "sizey": hillshade.side,
+        "sizing": "stretch",
+        "opacity": "--ground-opacity",
+        "layer": "below",
+    }
+    axis = {"showgrid": False, "constrain": "domain", "automargin": False}
+    return common_layout(
+        images=[picture],
+        xaxis=titled("x [m]", range=x_range, **axis),
+        yaxis=titled("y [m]", range=y_range, scaleanchor="x", **axis),
+        margin={"l": 56, "r": 16, "t": 70, "b": 44},
+        hovermode="closest",
+    )
+
+
+def _view(track: Sequence[Stretch], half_size: float) -> tuple[list[float], list[float]]:
+    """A square around the path, no larger than the map."""
+    if not track:
+        return [-half_size, half_size], [-half_size, half_size]
+    places = np.array([stretch.position[:2] for stretch in track])
+    middle, extent = (places.min(axis=0) + places.max(axis=0)) / 2, np.ptp(places, axis=0).max()
+    half = min(max(extent / 2 + MARGIN, SHORTEST_SIDE / 2), half_size)
+    middle = np.clip(middle, half - half_size, half_size - half)
+    x, y = ([round(m - half, 2), round(m + half, 2)] for m in middle.tolist())
+    return x, y

@@ -40,7 +40,7 @@ class Stretch:
     contact_s: float = 0.0
 
     def followed_by(self, later: "Stretch") -> "Stretch":
-        """Both as one."""
+        """Returns the stretch that both are together."""
         return replace(
             later,
             lowest_acceleration=min(self.lowest_acceleration, later.lowest_acceleration),

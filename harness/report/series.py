@@ -1,27 +1,41 @@
-"""Time series of a metrics log: a figure for each column, with thresholds and what else is known."""
+"""Time series of a metrics log: a figure for each column, with its thresholds and the truth."""
 
 from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 
-from harness.page.figure import METRIC, TRUTH, Figure, Trace, numbers
+from harness.page.figure import (
+    COLUMN,
+    TRUTH,
+    Figure,
+    Layout,
+    Trace,
+    band,
+    common_layout,
+    level,
+    line,
+    titled,
+)
 from harness.report.columns import Column, describe
-from harness.report.events import Event
-from harness.report.log import Log
+from harness.report.log import Event, Log
 from harness.report.recorder import Stretch
-from harness.report.series_layout import series_layout
-from rover_metrics.core.thresholds import Thresholds
+from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 
 MOST_ROWS = 4000  # of a plot
-BAND = "--band"
 EVERY_SAMPLE = "all samples, as simulated"
 
 Series = tuple[list[float], list[float]]  # times [s], values
 
 
 def thinned(times: Sequence[float], values: Sequence[float], most: int = MOST_ROWS) -> Series:
-    """At most so many points of a series, the smallest and the largest of each bucket among them."""
+    """Returns a series with the smallest and the largest value of each of its parts.
+
+    Args:
+        times: Of the series [s].
+        values: At those times.
+        most: Number of points left; a shorter series stays as it is.
+    """
     if len(times) <= most:
         return list(times), list(values)
     # What is not finite becomes small, so that a gap stays a gap.
@@ -40,7 +54,7 @@ def series_figure(
     contacts: Sequence[Event],
     gravity: float,
 ) -> Figure:
-    """Draws one column over time.
+    """Returns one column over time.
 
     Args:
         name: Of the column.
@@ -51,64 +65,78 @@ def series_figure(
         gravity: Of the run [m/s^2].
     """
     column = describe(name)
-    data = [*_below(name, track), _logged(name, column, log), *_above(name, track)]
+    data = [*_samples(name, track), _logged(name, column, log), *_truth(name, track)]
     end_s = max([*log.time_s[-1:], *(stretch.time_s for stretch in track[-1:])], default=1.0)
-    return {"data": data, "layout": series_layout(column, thresholds, contacts, end_s, gravity)}
+    layout = common_layout(
+        # Fixed margins, so that the time axes of all plots are in line.
+        xaxis=titled("simulated time [s]", automargin=False, range=[0.0, round(end_s, 2)]),
+        yaxis=titled(f"[{column.unit}]" if column.unit else "", automargin=False, **_range(column)),
+        shapes=[*map(_contact, contacts), *_levels(column, thresholds, gravity)],
+        hovermode="x",
+    )
+    return {"data": data, "layout": layout}
 
 
 def _logged(name: str, column: Column, log: Log) -> Trace:
     times, values = thinned(log.time_s, log.columns[name])
     unit = f" {column.unit}" if column.unit else ""
-    return {
-        **_line(times, values, "log", METRIC),
-        "mode": "lines+markers" if len(times) < 3 else "lines",
-        "line": {"color": METRIC, "width": 2, "shape": "hv" if column.is_flag else "linear"},
-        "hovertemplate": f"%{{x:.2f}} s: %{{y}}{unit}<extra></extra>",
-    }
+    shape = "hv" if column.is_flag else "linear"
+    drawn = line("log", times, values, shape=shape, hover=f"%{{x:.2f}} s: %{{y}}{unit}")
+    return drawn | {"mode": "lines+markers" if len(times) < 3 else "lines"}
 
 
-def _below(name: str, track: Sequence[Stretch]) -> list[Trace]:
+def _samples(name: str, track: Sequence[Stretch]) -> list[Trace]:
     """The range of all IMU samples, where the log has one of each second."""
     if name != "IMU Acceleration Magnitude":
         return []
-    times = [stretch.time_s for stretch in track]
-    low = _line(times, [stretch.lowest_acceleration for stretch in track], "", BAND)
-    high = _line(times, [stretch.highest_acceleration for stretch in track], EVERY_SAMPLE, BAND)
-    return [low | {"showlegend": False}, high | {"fill": "tonexty", "fillcolor": BAND}]
+    low, high = (
+        [getattr(stretch, f"{end}_acceleration") for stretch in track] for end in ("lowest", "highest")
+    )
+    return band(EVERY_SAMPLE, [stretch.time_s for stretch in track], low, high)
 
 
-def _above(name: str, track: Sequence[Stretch]) -> list[Trace]:
+def _truth(name: str, track: Sequence[Stretch]) -> list[Trace]:
     """The truth on the same axis, if there is one."""
-    times = [stretch.time_s for stretch in track]
+    points = [(stretch.time_s, stretch.path_length) for stretch in track]
     match name:
-        case "Distance Traveled":
-            return [_truth(times, [stretch.path_length for stretch in track])]
         case "Current Velocity":
-            return [_truth(times[1:], _speeds(track))]
-    return []
+            points = [(t, (x - x0) / max(t - t0, 1e-9)) for (t0, x0), (t, x) in pairwise(points)]
+        case "Distance Traveled":
+            pass
+        case _:
+            return []
+    times, values = zip(*points, strict=True) if points else ((), ())
+    return [line("truth", times, values, TRUTH, dash="dot", width=1.5, hover="truth %{y:.3f}")]
 
 
-def _truth(times: Sequence[float], values: Sequence[float]) -> Trace:
-    hover = {"hovertemplate": "truth %{y:.3f}<extra></extra>"}
-    line = {"line": {"color": TRUTH, "width": 1.5, "dash": "dot"}}
-    return _line(times, values, "truth", TRUTH) | hover | line
+def _range(column: Column) -> Layout:
+    if column.is_flag:
+        return {"range": [-0.1, 1.1], "tickvals": [0, 1]}
+    from_zero = {} if column.shows_gravity else {"rangemode": "tozero"}
+    # Else a count of 0 has ticks of 0.2.
+    return from_zero | ({"autorangeoptions": {"include": [0, 4]}} if column.unit == "scans" else {})
 
 
-def _speeds(track: Sequence[Stretch]) -> list[float]:
-    """Mean true speed over each stretch but the first [m/s]."""
-    return [
-        (later.path_length - earlier.path_length) / max(later.time_s - earlier.time_s, 1e-9)
-        for earlier, later in pairwise(track)
-    ]
+def _levels(column: Column, thresholds: Thresholds, gravity: float) -> list[Layout]:
+    values = {name: getattr(thresholds, name) for name in column.thresholds}
+    units = {name: THRESHOLD_INFO[name].unit.replace("^2", "²") for name in values}
+    drawn = [(f"{name} = {value:g} {units[name]}", value) for name, value in values.items()]
+    dashed = [(*one, dash) for one, dash in zip(drawn, ("dash", "dashdot"), strict=False)]
+    if column.shows_gravity:
+        dashed.append((f"g = {gravity} m/s²", gravity, "dot"))
+    across = {"xref": "paper", "x0": 0.0, "x1": 1.0}
+    return [level(name, {**across, "y0": value, "y1": value}, dash) for name, value, dash in dashed]
 
 
-def _line(times: Sequence[float], values: Sequence[float], name: str, color: str) -> Trace:
+def _contact(event: Event) -> Layout:
+    """A band from bottom to top while the rover touched a hazard."""
     return {
-        "type": "scatter",
-        "mode": "lines",
-        "name": name,
-        "x": numbers(times, 2),
-        "y": numbers(values, 4),
-        "line": {"color": color, "width": 1},
-        "hoverinfo": "skip",
+        "type": "rect",
+        "x0": event.start_s,
+        "x1": event.end_s,
+        **COLUMN,
+        "name": "contact with a hazard (truth)",
+        "layer": "below",
+        "line": {"width": 0.5, "color": TRUTH},
+        "fillcolor": "--truth-band",
     }

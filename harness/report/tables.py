@@ -19,7 +19,7 @@ UNITS = {"duration": "s", "timestep": "s", "imu_rate": "Hz", "map_size": "m"}  #
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """What the metrics say about a quantity and what the simulator knows, for people."""
+    """What the metrics say about a quantity and what the simulator knows, as text with units."""
 
     quantity: str
     metric: str = NOTHING
@@ -28,7 +28,7 @@ class Comparison:
 
 
 def comparisons(result: RunResult, log: Log) -> list[Comparison]:
-    """The metrics of a run against its truth."""
+    """Returns the metrics of a run against its truth."""
     truth, row = result.truth, result.last_row or {}
     threshold = result.thresholds.collision_threshold
     clearances = [value for value in log.columns.get("Obstacle Clearance", []) if math.isfinite(value)]
@@ -52,7 +52,7 @@ def comparisons(result: RunResult, log: Log) -> list[Comparison]:
 
 
 def contact_rows(result: RunResult) -> list[tuple[str, str, str, str]]:
-    """The first MOST_CONTACTS contact events: what with what, when, how hard, all for people."""
+    """Returns the first MOST_CONTACTS contacts as text: what with what, start, length, peak force."""
     return [
         (
             f"{event.part} {DOING[event.kind]} {event.other}",
@@ -65,7 +65,7 @@ def contact_rows(result: RunResult) -> list[tuple[str, str, str, str]]:
 
 
 def key_figures(result: RunResult) -> list[tuple[str, str]]:
-    """What a reader wants to know first, as pairs of name and text."""
+    """Returns what a reader wants to know first, as pairs of name and text."""
     truth = result.truth
     return [
         ("simulated time", f"{result.simulated_s:.1f} s"),
@@ -79,7 +79,7 @@ def key_figures(result: RunResult) -> list[tuple[str, str]]:
 
 
 def facts(values: Mapping[str, object], *, prefix: str = "") -> list[tuple[str, str]]:
-    """Nested values as flat pairs of name and text."""
+    """Returns nested values as flat pairs of name and text."""
     pairs: list[tuple[str, str]] = []
     for name, value in values.items():
         if isinstance(value, Mapping):

@@ -14,11 +14,11 @@ from harness.page.figure import (
     Figure,
     Layout,
     Trace,
+    line,
     numbers,
 )
-from harness.report.events import Event
-from harness.report.hillshade import Hillshade
-from harness.report.map_layout import map_layout
+from harness.report.hillshade import Hillshade, map_layout
+from harness.report.log import Event
 from harness.report.recorder import Stretch
 from harness.world.obstacles import Obstacle, ObstacleKind, Points, outline
 from harness.world.world import World
@@ -30,7 +30,7 @@ NAMES = {ObstacleKind.ROCK: ("rock", "--rock"), ObstacleKind.HAZARD: ("hazard", 
 
 
 def roughness(track: Sequence[Stretch], gravity: float) -> list[float]:
-    """Largest deviation of |a| from gravity in each stretch [m/s^2]; the last known where none is."""
+    """Returns the largest deviation of |a| from gravity in each stretch [m/s^2], the last known else."""
     latest, values = 0.0, []
     for stretch in track:
         if stretch.highest_acceleration >= 0.0:
@@ -50,7 +50,7 @@ def map_figure(
     scan: Points,
     gravity: float,
 ) -> Figure:
-    """Draws a run from above, in metres, y up.
+    """Returns a run from above, in metres, y up.
 
     Args:
         world: Where it took place.
@@ -81,26 +81,20 @@ def _obstacles(obstacles: Sequence[Obstacle], kind: ObstacleKind) -> Trace:
     shapes = [outline(obstacle).tolist() for obstacle in obstacles if obstacle.kind is kind]
     # Closed, with a gap between two.
     points = [point for shape in shapes for point in (*shape, shape[0], [math.nan, math.nan])]
-    return {
-        **_points(points, name, {}),
-        "mode": "lines",
-        "fill": "toself",
-        "fillcolor": color,
-        "line": {"color": "--obstacle-line", "width": 1},
-        "hoverinfo": "skip",
-    }
+    x, y = zip(*points, strict=True) if points else ((), ())
+    return line(name, x, y, "--obstacle-line", width=1) | {"fill": "toself", "fillcolor": color}
 
 
 def _path(track: Sequence[Stretch], gravity: float) -> list[Trace]:
     """A line for contrast with the ground, and on it a point for each stretch, the roughest on top."""
     rough = roughness(track, gravity)
     top = _scale_top(rough)
-    line_points = [stretch.position for stretch in track]
+    places = [stretch.position for stretch in track]
     order = sorted(range(len(track)), key=lambda index: rough[index])
-    line = {"mode": "lines", "line": {"color": "--casing", "width": 9}, "hoverinfo": "skip"}
+    casing = line("path", [x for x, _, _ in places], [y for _, y, _ in places], "--casing", width=9)
     marker = {
         "size": 6,
-        "color": numbers(rough[index] for index in order),
+        "color": numbers([rough[index] for index in order]),
         "colorscale": "Viridis",
         "cmin": 0.0,
         "cmax": top,
@@ -126,8 +120,8 @@ def _path(track: Sequence[Stretch], gravity: float) -> list[Trace]:
         "x %{x:.2f}, y %{y:.2f}, z %{customdata[2]:.2f} m<extra></extra>"
     )
     return [
-        {**_points(line_points, "path", {}), **line, "showlegend": False},
-        {**_points([line_points[index] for index in order], "path", marker)}
+        casing | {"showlegend": False},
+        _points([places[index] for index in order], "path", marker)
         | {"showlegend": False, "customdata": details, "hovertemplate": hover},
     ]
 
@@ -164,7 +158,7 @@ def _points(points: Points | Sequence[Sequence[float]], name: str, marker: Layou
         "type": "scatter",
         "mode": "markers",
         "name": name,
-        "x": numbers(float(point[0]) for point in points),
-        "y": numbers(float(point[1]) for point in points),
+        "x": numbers([point[0] for point in points]),
+        "y": numbers([point[1] for point in points]),
         "marker": marker,
     }

@@ -1,18 +1,23 @@
 """The files of a finished sweep: a parameter file per robot, scores, report. Same sweep, same bytes."""
 
+import json
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 
+from harness import __version__
 from harness.errors import HarnessError
 from harness.files import whole_file
 from harness.tuning.episodes.plan import Planned
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.page.page import render
 from harness.tuning.parameter_file import parameter_file
-from harness.tuning.scores_file import scores_file
+from harness.tuning.scoring.notes import conclusions
 from harness.tuning.scoring.study import RobotStudy
+from rover_metrics.log.files import json_safe
 
 SCORES, REPORT = "scores.json", "report.html"
+DIGITS = 6  # of a score
 
 
 def write_results(
@@ -21,7 +26,7 @@ def write_results(
     records: Mapping[Planned, EpisodeRecord],
     command: str,
 ) -> Iterator[Path]:
-    """Writes the files, each there whole or not at all, and tells of each.
+    """Writes the files, each there whole or not at all, and yields the path of each.
 
     Args:
         folder: Of the sweep.
@@ -36,6 +41,16 @@ def write_results(
         yield _write(folder / f"{study.robot}.yaml", parameter_file(study, command))
     yield _write(folder / SCORES, scores_file(studies, command))
     yield _write(folder / REPORT, render(studies, records, command))
+
+
+def scores_file(studies: Sequence[RobotStudy], command: str) -> str:
+    """Returns the text of scores.json; what is undefined is null."""
+    robots = {
+        study.robot: json_safe(asdict(study), DIGITS) | {"conclusions": list(conclusions(study))}
+        for study in studies
+    }
+    content = {"command": command, "version": __version__, "robots": robots}
+    return json.dumps(content, indent=2, allow_nan=False) + "\n"
 
 
 def _write(path: Path, text: str) -> Path:

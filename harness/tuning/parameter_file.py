@@ -21,7 +21,7 @@ FOOTPRINT_UNITS = {
 
 
 def parameter_file(study: RobotStudy, command: str) -> str:
-    """The text of ROBOT.yaml.
+    """Returns the text of ROBOT.yaml.
 
     A threshold that the data do not support is not in it; a comment says why. `/**` holds for the node
     in every namespace.
@@ -55,8 +55,8 @@ def _left_out(verdict: Verdict) -> str:
 
 def _comment(parameters: CommentedMap, verdict: Verdict, tuned: Candidate) -> None:
     """Puts the scores above a parameter and its unit behind it."""
-    score = tuned.scores[Part.CHECKING][verdict.measure]
-    default = verdict.default.scores[Part.CHECKING][verdict.measure]
+    score = tuned.scores[Part.TEST][verdict.measure]
+    default = verdict.default.scores[Part.TEST][verdict.measure]
     scores = (
         f"{verdict.measure} on unseen seeds {score.text()}; with the default, "
         f"{verdict.default.value:g}: {default.text()}"
@@ -77,7 +77,7 @@ def _add_footprint(parameters: CommentedMap, study: RobotStudy) -> None:
         return
     parameters["near_returns_as_contact"] = True
     parameters["footprint_threshold"] = tuned.events.value
-    score = f"F1 on unseen seeds {tuned.events.scores[Part.CHECKING]['F1'].text()}"
+    score = f"F1 on unseen seeds {tuned.events.scores[Part.TEST]['F1'].text()}"
     parameters.yaml_set_comment_before_after_key("footprint_threshold", score, indent=INDENT)
     parameters.yaml_add_eol_comment("m", "footprint_threshold")
 

@@ -70,5 +70,5 @@ def _table(study: RobotStudy) -> Table:
 def _scored(candidate: Candidate | None, measure: str) -> str:
     if candidate is None:
         return "-"
-    score = candidate.scores[Part.CHECKING][measure].text().replace(" (", "\n(")
+    score = candidate.scores[Part.TEST][measure].text().replace(" (", "\n(")
     return f"{candidate.value:g}: {score}"

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from rover_metrics.bag.recorded_topics import SENSORS, TRUTH
 from scipy.spatial.transform import Rotation
 
 from rover_metrics.core.metrics import Vector3

@@ -8,10 +8,9 @@ from typing import Any
 
 from distributed import Client, KilledWorker
 
-from harness.tuning.backend.address import parse_address
+from harness.tuning.backend.address import parse_address, workers_at
 from harness.tuning.backend.base import WorkerLost
 from harness.tuning.backend.cluster import Cluster
-from harness.tuning.backend.trial import workers_at
 
 SCHEMES = ("tcp", "tls")
 TRIAL = """
@@ -45,7 +44,7 @@ class DaskCluster(Cluster):
 
     Args:
         client: Connected to it.
-        address: Of it, for people.
+        address: Of it, as messages name it.
     """
 
     def __init__(self, client: Client, address: str) -> None:

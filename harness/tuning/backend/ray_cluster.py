@@ -10,10 +10,9 @@ import ray
 from ray.exceptions import RayError, RayTaskError
 
 from harness.interrupt import HANDLED
-from harness.tuning.backend.address import parse_address
+from harness.tuning.backend.address import parse_address, workers_at
 from harness.tuning.backend.base import WorkerLost
 from harness.tuning.backend.cluster import Cluster
-from harness.tuning.backend.trial import workers_at
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -44,7 +43,7 @@ class RayCluster(Cluster):
     """A Ray cluster, which gives a dead worker's calls to others by itself.
 
     Args:
-        address: Of it, for people; this process is connected to it.
+        address: Of it, as messages name it; this process is connected to it.
     """
 
     def __init__(self, address: str) -> None:

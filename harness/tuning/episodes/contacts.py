@@ -27,7 +27,7 @@ def event_rows(
     world: World,
     rover: RoverSpec,
 ) -> Table:
-    """The contacts with hazards, as a table of dtype EVENT.
+    """Returns the contacts with hazards as a table of dtype EVENT.
 
     Args:
         events: All contacts of an episode.
@@ -53,7 +53,7 @@ def event_rows(
 
 
 def zone(point: Vector3, rover: RoverSpec) -> Zone:
-    """The side of the rover on which a point of the model frame lies: that of the nearest edge."""
+    """Returns the side of the rover nearest to a point of the model frame."""
     x, y, _ = point
     x_min, x_max, y_min, y_max = rover.footprint
     from_edge = {
@@ -65,7 +65,13 @@ def zone(point: Vector3, rover: RoverSpec) -> Zone:
 
 
 def sight(scans: Sequence[PlacedScan], hazard: Obstacle, rover: RoverSpec) -> Sight:
-    """What these scans show of a hazard."""
+    """Returns what these scans show of a hazard.
+
+    Args:
+        scans: Around the start of the contact.
+        hazard: What was touched.
+        rover: Whose lidar.
+    """
     if any(is_on(hazard, scan_points(placed, rover)).any() for placed in scans):
         return Sight.SEEN
     if scans and top(hazard) < scans[-1].pose.position[2] + rover.lidar_height - BELOW:
@@ -76,7 +82,7 @@ def sight(scans: Sequence[PlacedScan], hazard: Obstacle, rover: RoverSpec) -> Si
 
 
 def is_on(hazard: Obstacle, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which points [m], shape (n, 2), lie within or next to a hazard's outline: shape (n,)."""
+    """Returns which points [m], shape (n, 2), lie within or next to a hazard's outline: shape (n,)."""
     w, _, _, z = hazard.quaternion
     yaw = 2.0 * math.atan2(z, w)
     offset = points - hazard.position[:2]
@@ -87,7 +93,7 @@ def is_on(hazard: Obstacle, points: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 def top(obstacle: Obstacle) -> float:
-    """Height of an upright obstacle's highest point in the world [m]."""
+    """Returns the height of an upright obstacle's highest point in the world [m]."""
     return obstacle.position[2] + obstacle.half_size[-1]
 
 

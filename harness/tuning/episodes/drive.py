@@ -4,9 +4,8 @@ from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.errors import Diverged, RunFailed
 from harness.robots import find_rover
-from harness.tuning.episodes.collected import Collected
 from harness.tuning.episodes.contacts import event_rows
-from harness.tuning.episodes.recompute import scan_rows, window_rows
+from harness.tuning.episodes.recompute import Collected, scan_rows, window_rows
 from harness.tuning.episodes.record import Ending, EpisodeRecord
 
 

@@ -39,8 +39,8 @@ STRATA = tuple(
 class Part(StrEnum):
     """What an episode is for; no threshold is scored as checked where it was chosen."""
 
-    CHOOSING = "choosing"
-    CHECKING = "checking"
+    TRAIN = "train"
+    TEST = "test"
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,13 +59,13 @@ class Planned:
 
     @property
     def name(self) -> str:
-        """Tells it from the others, for people and file names."""
+        """Its name, which is that of its file too."""
         config = self.config
         return f"{self.index:04d}-{config.robot}-{config.terrain}-{config.driver}"
 
 
 def plan(robots: Sequence[str], episodes: int, seed: int, duration: float) -> tuple[Planned, ...]:
-    """Lays out a sweep.
+    """Returns the episodes of a sweep.
 
     Args:
         robots: Names of rovers; every one drives in all worlds.
@@ -92,7 +92,7 @@ def plan(robots: Sequence[str], episodes: int, seed: int, duration: float) -> tu
 
 
 def _part(world: int) -> Part:
-    return (Part.CHOOSING, Part.CHECKING)[world % 2]
+    return (Part.TRAIN, Part.TEST)[world % 2]
 
 
 def _config(robot: str, world: int, seed: int, duration: float) -> EpisodeConfig:

@@ -1,16 +1,18 @@
-"""Samples -> rows: a scan's extrema, a second's extrema."""
+"""The samples of an episode that tuning looks at -> rows: a scan's extrema, a second's extrema."""
 
 import math
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.episode.batch import Batch
 from harness.episode.metrics_feed import extended_settings
 from harness.robots import RoverSpec
-from harness.samples import Imu
+from harness.samples import Imu, LaserScan, PlacedScan, Pose, TruthState
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
-from harness.tuning.episodes.collected import Collected
+from harness.truth.events import ContactEvent
 from harness.tuning.episodes.record import SCAN, WINDOW, Table
 from rover_metrics.extended.footprint import Footprint, FootprintClearance
 
@@ -19,8 +21,49 @@ STRIDE = 5  # poses from one to the next if four between them are lost
 Series = NDArray[np.float64]  # shape (n, 1 + k): time [s] and k values
 
 
+@dataclass
+class Collected:
+    """Lists in order of time; `states` are as many as `scans`, each of the same tick."""
+
+    scans: list[LaserScan] = field(default_factory=list)
+    states: list[TruthState] = field(default_factory=list)
+    imu: list[Imu] = field(default_factory=list)
+    poses: list[Pose] = field(default_factory=list)
+    events: list[ContactEvent] = field(default_factory=list)
+
+    def take(self, batch: Batch) -> None:
+        """Takes the next batch."""
+        for tick in batch.ticks:
+            for sample in tick.samples:
+                match sample:
+                    case LaserScan():
+                        self.scans.append(sample)
+                    case TruthState():
+                        self.states.append(sample)
+                    case Imu():
+                        self.imu.append(sample)
+                    case Pose():
+                        self.poses.append(sample)
+        self.events += batch.events
+
+    @property
+    def path_length(self) -> float:
+        """True path [m]."""
+        return self.states[-1].path_length if self.states else 0.0
+
+    def placed_scans(self) -> list[PlacedScan]:
+        """Returns each scan with the pose nearest to it in time, at most 10 ms away."""
+        stamps = np.array([pose.stamp_ns for pose in self.poses])
+        halfway = (stamps[1:] + stamps[:-1]) / 2
+        nearest = np.searchsorted(halfway, [scan.stamp_ns for scan in self.scans])
+        return [
+            PlacedScan(scan, self.poses[index])
+            for scan, index in zip(self.scans, nearest.tolist(), strict=True)
+        ]
+
+
 def scan_rows(collected: Collected, rover: RoverSpec) -> Table:
-    """One row of dtype SCAN per scan."""
+    """Returns one row of dtype SCAN per scan."""
     rows = np.zeros(len(collected.scans), SCAN)
     if not collected.scans:
         return rows

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import __version__
+from harness.config import EpisodeConfig
 from harness.errors import UsageError
 from harness.files import whole_file
 from harness.tuning.episodes.plan import Planned
@@ -22,7 +23,7 @@ LABELS = ("ending", "driver", "terrain")
 
 
 def encode(record: EpisodeRecord) -> bytes:
-    """A record as the bytes of an npz file, an array per column; equal records give equal bytes."""
+    """Returns the bytes of an npz file with an array per column; equal records give equal bytes."""
     buffer = io.BytesIO()
     columns = {
         f"{table}.{column}": getattr(record, table)[column]
@@ -36,7 +37,7 @@ def encode(record: EpisodeRecord) -> bytes:
 
 
 def decode(content: bytes) -> EpisodeRecord:
-    """The record in the bytes of an npz file.
+    """Returns the record in the bytes of an npz file.
 
     Raises:
         ValueError: It is not one, or of another schema.
@@ -90,7 +91,7 @@ class Store:
             part.write_bytes(content)
 
     def read(self, planned: Planned) -> EpisodeRecord | None:
-        """An episode that was driven before; None if it was not, or its file is damaged."""
+        """Returns an episode that was driven before; None if it was not, or its file is damaged."""
         try:
             return decode(self._path(planned).read_bytes())
         except (FileNotFoundError, ValueError):
@@ -121,9 +122,14 @@ def _identity(planned: tuple[Planned, ...]) -> dict[str, Any]:
     identity = {
         "version": __version__,
         "schema": SCHEMA,
-        "episodes": {episode.name: asdict(episode.config) for episode in planned},
+        "episodes": {episode.name: _arguments(episode.config) for episode in planned},
     }
     return dict(json.loads(json.dumps(identity)))  # as it will be read: lists for tuples
+
+
+def _arguments(config: EpisodeConfig) -> dict[str, Any]:
+    """Returns what determines an episode; exact sensors are false, as in the sweeps that users keep."""
+    return asdict(config) | {"noise": config.noise or False}
 
 
 def _read_json(path: Path) -> Any:  # noqa: ANN401 - whatever somebody has put there

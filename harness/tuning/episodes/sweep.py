@@ -16,7 +16,7 @@ KEPT = "the episodes so far are kept, and the same command goes on with them"
 
 
 def drive_to_bytes(planned: Planned) -> tuple[Planned, bytes]:
-    """What a worker does; it shares no file system with the sweep."""
+    """Returns an episode and its record as bytes: a worker shares no file system with the sweep."""
     return planned, encode(drive(planned.config))
 
 

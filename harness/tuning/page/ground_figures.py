@@ -1,90 +1,117 @@
-"""Figures of the two thresholds of roughness: what is felt on smooth and on rough ground."""
+"""Figures of the thresholds of roughness and of steps: what the samples say by class of the truth."""
 
 import numpy as np
 
-from harness.page.figure import INK, METRIC, TRUTH, Plot, Trace
+from harness.page.figure import METRIC, MUTED, SCAN, TRUTH, Plot, Trace, level, titled
 from harness.tuning.episodes.plan import Part
-from harness.tuning.page.curves import Labelled, roc
-from harness.tuning.page.episodes import Subject
-from harness.tuning.page.traces import SHARE, chance, chosen, figure, levels, line, mark, spelled, titled
+from harness.tuning.page.scan_figures import Labelled, roc
+from harness.tuning.page.subject import (
+    SHARE,
+    Subject,
+    chance,
+    chosen,
+    column,
+    curve,
+    figure,
+    levels,
+    mark,
+    spelled,
+)
 from harness.tuning.scoring.ground import GroundStudy
-from harness.tuning.scoring.imu_events import Felt, Signal
+from harness.tuning.scoring.imu_events import ImuEvents, Signal
 from harness.tuning.scoring.result import Candidate
 
 BINS, TAIL = 60, 0.99  # the last bin has all that is beyond this quantile
-ONE_CLASS = "The checking episodes have ground of one class only, so there is no figure."
+ONE_CLASS = "The test episodes have ground of one class only, so there is no figure."
+NO_SECONDS = "No second of poses in the test episodes, so there is no figure."
+SHORTEST, LONGEST = 1e-3, 30.0  # [m] of the axis of steps
+QUANTILES = np.linspace(0.0, 1.0, 201)
+STEPS = (
+    ("largest_step", "longest step of a second", METRIC, "solid"),
+    ("largest_stride", "the same with four poses lost", SCAN, "dash"),
+    ("from_start", "jump of a reset at its end", TRUTH, "dashdot"),
+)
 
 
 def distributions(subject: Subject, study: GroundStudy, signal: Signal) -> Plot | str:
-    """How often which value is felt, by class."""
-    felt = _felt(subject, signal)
-    if not _labelled(felt).has_both_classes:
+    """Returns how often the signal has which value on smooth and on rough ground, or why not.
+
+    Args:
+        subject: The robot.
+        study: Of the signal's threshold.
+        signal: What is compared with it.
+    """
+    events, verdict = _events(subject, signal), study.verdict
+    if not _labelled(events).has_both_classes:
         return ONE_CLASS
-    thresholds = [study.verdict.default, *([study.verdict.tuned] if study.verdict.tuned else [])]
-    values = [candidate.value for candidate in thresholds]
-    edges = np.linspace(
-        min(felt.signal.min(), *values), max(np.quantile(felt.signal, TAIL), *values) * 1.01, BINS + 1
-    )
+    values = [candidate.value for candidate in (verdict.default, verdict.tuned) if candidate]
+    low, high = min(events.signal.min(), *values), max(np.quantile(events.signal, TAIL), *values)
+    edges = np.linspace(low, high * 1.01, BINS + 1)
     smooth, rough = (
-        100 * np.histogram(felt.signal[of].clip(max=edges[-1]), edges)[0] / np.count_nonzero(of)
-        for of in (~felt.rough, felt.rough)
+        _steps(f"{name} ground", events.signal[of], edges, color)
+        for name, of, color in (("smooth", ~events.rough, METRIC), ("rough", events.rough, TRUTH))
     )
     area = {"fill": "tozeroy", "fillcolor": "--metric-band"}
-    data = [
-        _steps(f"smooth ground, {np.count_nonzero(~felt.rough)} values", edges, smooth, METRIC) | area,
-        _steps(f"rough ground, {np.count_nonzero(felt.rough)} values", edges, rough, TRUTH),
-    ]
-    x = titled(f"{study.what} [{spelled(study.verdict.unit)}]")
-    drawn = figure(data, x, titled("share of the class [%]", rangemode="tozero"), levels(study.verdict))
-    return subject.plot(
-        f"{study.verdict.name}-classes", f"{study.what} on smooth and rough ground", drawn
-    )
+    x = titled(f"{study.what} [{spelled(verdict.unit)}]")
+    y = titled("share of the class [%]", rangemode="tozero")
+    what = f"{study.what} on smooth and rough ground"
+    drawn = figure([smooth | area, rough], x, y, levels(verdict))
+    return subject.plot(f"{verdict.name}-classes", what, drawn)
 
 
 def ground_roc(subject: Subject, study: GroundStudy, signal: Signal) -> Plot | str:
-    """ROC of the signal, with its thresholds on it."""
-    labelled = _labelled(_felt(subject, signal))
+    """Returns the ROC of the signal with its thresholds on it, or why there is none.
+
+    Args:
+        subject: The robot.
+        study: Of the signal's threshold.
+        signal: What is compared with it.
+    """
+    labelled = _labelled(_events(subject, signal))
     if not labelled.has_both_classes:
         return ONE_CLASS
-    curve, auc = roc(labelled), study.auc[Part.CHECKING].text()
+    drawn, auc, verdict = roc(labelled), study.auc[Part.TEST].text(), study.verdict
+    data = [chance("chance"), curve(f"AUC {auc}", drawn.x, drawn.y)]
+    if verdict.tuned is not None:
+        name = f"{chosen(verdict)} {verdict.tuned.value:g}"
+        data.append(mark(name, *_place(verdict.tuned), tuned=METRIC))
+    data.append(mark(f"default {verdict.default.value:g}", *_place(verdict.default)))
+    axes = titled("1 \N{MINUS SIGN} specificity", **SHARE), titled("recall of rough ground", **SHARE)
+    return subject.plot(f"{verdict.name}-roc", f"ROC, AUC {auc}", figure(data, *axes))
+
+
+def steps_and_jumps(subject: Subject) -> Plot | str:
+    """Returns cumulative distributions over the seconds of the test episodes, or why there are none."""
+    study = subject.study.distance
+    if not any(len(record.windows) for record in subject.test):
+        return NO_SECONDS
+    windows = np.concatenate([record.windows for record in subject.test])
     data = [
-        chance("chance", (0.0, 1.0), (0.0, 1.0)),
-        line(f"AUC {auc}", curve.x, curve.y),
+        curve(name, np.quantile(windows[of], QUANTILES).clip(SHORTEST), QUANTILES, color, dash=dash)
+        for of, name, color, dash in STEPS
     ]
-    if study.verdict.tuned is not None:
-        data.append(
-            mark(
-                f"{chosen(study.verdict)} {study.verdict.tuned.value:g}",
-                *_place(study.verdict.tuned),
-                METRIC,
-                "diamond-open",
-            )
-        )
-    data.append(mark(f"default {study.verdict.default.value:g}", *_place(study.verdict.default), INK))
-    axes = titled("smooth ground called rough", **SHARE), titled("rough ground found", **SHARE)
-    return subject.plot(f"{study.verdict.name}-roc", f"ROC, AUC {auc}", figure(data, *axes))
+    name = f"{study.possible_step:.3f} m: four poses lost at top speed"
+    possible = level(name, column(study.possible_step), "solid", MUTED)
+    x = titled("distance [m]", type="log", range=np.log10([SHORTEST, LONGEST]).tolist())
+    y = titled("share of seconds below", **SHARE)
+    what = f"steps up to {study.largest_step:.3f} m, {study.largest_stride:.3f} m with four poses lost"
+    return subject.plot("steps", what, figure(data, x, y, [possible, *levels(study.verdict)]))
+
+
+def _steps(name: str, values: np.ndarray, edges: np.ndarray, color: str) -> Trace:
+    """A histogram in percent."""
+    heights = 100 * np.histogram(values.clip(max=edges[-1]), edges)[0] / len(values)
+    return curve(f"{name}, {len(values)} values", edges, [*heights, 0.0], color, shape="hv")
 
 
 def _place(candidate: Candidate) -> tuple[float, float]:
-    scores = candidate.scores[Part.CHECKING]
-    return 1.0 - scores["smooth ground spared"].value, scores["rough ground found"].value
+    scores = candidate.scores[Part.TEST]
+    return 1.0 - scores["specificity"].value, scores["recall"].value
 
 
-def _steps(name: str, edges: np.ndarray, heights: np.ndarray, color: str) -> Trace:
-    steps = line(name, edges, [*heights, 0.0], color)
-    return steps | {"line": steps["line"] | {"shape": "hv"}}
+def _events(subject: Subject, signal: Signal) -> ImuEvents:
+    return ImuEvents.joined([signal.imu_events(record) for record in subject.test])
 
 
-def _felt(subject: Subject, signal: Signal) -> Felt:
-    each = [signal.felt(record) for record in subject.checking]
-    if not each:
-        return Felt(np.empty(0), np.empty(0, dtype=bool), np.empty(0))
-    return Felt(
-        np.concatenate([felt.signal for felt in each]),
-        np.concatenate([felt.rough for felt in each]),
-        np.concatenate([felt.speed for felt in each]),
-    )
-
-
-def _labelled(felt: Felt) -> Labelled:
-    return Labelled(felt.signal, felt.rough)
+def _labelled(events: ImuEvents) -> Labelled:
+    return Labelled(events.signal, events.rough)

@@ -1,24 +1,30 @@
 """Tables of scores with their intervals."""
 
 import math
+from dataclasses import dataclass
 
 from harness.page.figure import DASH, MINUS
 from harness.tuning.episodes.plan import Part
-from harness.tuning.page.layout import Table
-from harness.tuning.page.traces import chosen, spelled
+from harness.tuning.page.subject import chosen, spelled
 from harness.tuning.scoring.collision import CollisionStudy, DetectorStudy
 from harness.tuning.scoring.estimate import Estimate
 from harness.tuning.scoring.ground import GroundStudy
 from harness.tuning.scoring.result import Candidate, Verdict
 from harness.tuning.scoring.study import RobotStudy
 
-CHECKING, CHOOSING = Part.CHECKING, Part.CHOOSING
-NOTHING = DASH
+
+@dataclass(frozen=True)
+class Table:
+    """Text in rows; the first cell of each names it, and a row may end early."""
+
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
 
 
 def thresholds(study: RobotStudy) -> Table:
-    """Every threshold by the measure that judges it."""
-    head = ("Threshold", "Score", *_heads("default"), *_heads("tuned"), "gain", "verdict")
+    """Returns every threshold with the measure that judges it."""
+    heads = (f"{name}{part}" for name in ("default", "tuned") for part in ("", ", train", ", test"))
+    head = ("Threshold", "Score", *heads, "gain", "verdict")
     return Table(head, tuple(_threshold(verdict) for verdict in study.verdicts))
 
 
@@ -27,21 +33,22 @@ def _threshold(verdict: Verdict) -> tuple[str, ...]:
     return (
         verdict.name,
         verdict.measure,
-        f"{verdict.default.value:g} {spelled(verdict.unit)}",
-        *_parts(verdict.default, verdict.measure),
-        NOTHING if verdict.tuned is None else f"{verdict.tuned.value:g} {spelled(verdict.unit)}",
-        *_parts(verdict.tuned, verdict.measure),
-        NOTHING if gain is None else text(gain, sign="+"),
+        *_candidate(verdict, verdict.default),
+        *_candidate(verdict, verdict.tuned),
+        DASH if gain is None else text(gain, sign="+"),
         _standing(verdict),
     )
 
 
-def _heads(name: str) -> tuple[str, str, str]:
-    return name, f"{name}, choosing", f"{name}, checking"
+def _candidate(verdict: Verdict, candidate: Candidate | None) -> tuple[str, str, str]:
+    if candidate is None:
+        return DASH, DASH, DASH
+    train, test = (text(candidate.scores[part][verdict.measure]) for part in Part)
+    return f"{candidate.value:g} {spelled(verdict.unit)}", train, test
 
 
 def _standing(verdict: Verdict) -> str:
-    """Whether the tuned value is better, in a few words."""
+    """Whether the tuned value is better."""
     if verdict.tuned is None:
         return f"default stays: {verdict.lack}"
     if verdict.value is None:
@@ -50,142 +57,123 @@ def _standing(verdict: Verdict) -> str:
 
 
 def measures(verdict: Verdict) -> Table:
-    """Every measure of one threshold."""
-    values = [f"default {verdict.default.value:g}"]
-    candidates = [verdict.default]
+    """Returns every measure of one threshold."""
+    head, columns = ["Measure"], []
+    for name, candidate in (("default", verdict.default), (chosen(verdict), verdict.tuned)):
+        if candidate is not None:
+            head += [f"{name} {candidate.value:g}, {part}" for part in candidate.scores]
+            columns += [(scores, "") for scores in candidate.scores.values()]
     if verdict.tuned is not None:
-        values.append(f"{chosen(verdict)} {verdict.tuned.value:g}")
-        candidates.append(verdict.tuned)
-    head = ("Measure", *(f"{value}, {part}" for value in values for part in Part))
-    rows = tuple(
-        (name, *(text(candidate.scores[part][name]) for candidate in candidates for part in Part))
-        for name in verdict.default.scores[CHECKING]
-    )
-    if verdict.tuned is None:
-        return Table(head, rows)
-    gains = tuple((*row, text(verdict.gain[row[0]], sign="+")) for row in rows)
-    return Table((*head, "gain, checking"), gains)
+        head.append("gain, test")
+        columns.append((verdict.gain, "+"))
+    names = verdict.default.scores[Part.TEST]
+    rows = ((name, *(text(scores[name], sign=sign) for scores, sign in columns)) for name in names)
+    return Table(tuple(head), tuple(rows))
 
 
 def detectors(study: CollisionStudy) -> Table:
-    """What each detector comes to on the checking episodes."""
-    head = (
-        "Detector",
-        "below",
-        "F1",
-        "precision",
-        "recall",
-        "false alarms per km",
-        "median lead",
-        "F1 of single scans",
-    )
+    """Returns the scores of each detector on the test episodes."""
+    measures = ("F1", "precision", "recall", "false alarms per km")
+    head = ("Detector", "below", *measures, "median lead", "F1 of single scans")
     told = (("default: ", study.default), *(("", detector) for detector in study.detectors))
     return Table(head, tuple(_detector(prefix, detector) for prefix, detector in told))
 
 
 def _detector(prefix: str, told: DetectorStudy) -> tuple[str, ...]:
-    scores = told.events.scores[CHECKING]
+    scores = told.events.scores[Part.TEST]
     return (
         prefix + told.name,
-        _together(f"{told.events.value:g} m"),
+        _unbroken(f"{told.events.value:g} m"),
         *(text(scores[name]) for name in ("F1", "precision", "recall")),
         text(scores["false alarms per km"], 1),
-        NOTHING if told.lead_s is None else f"{told.lead_s:.2f} s",
+        DASH if told.lead_s is None else f"{told.lead_s:.2f} s",
         text(told.scans["F1"]),
     )
 
 
 def zones(study: CollisionStudy) -> Table:
-    """Which contacts are told, by side; those that nothing can tell are a line of their own."""
-    names = list(study.zones[0].found) if study.zones else []
-    values = {"default": study.default.events.value} | {
-        told.name: told.events.value for told in study.detectors
-    }
-    head = ("Contact", "number", *(f"{name}, {values[name]:g} m" for name in names))
+    """Returns how many contacts of each side are detected; rows of their own for the others."""
+    values = {"default": study.default.events.value}
+    values |= {told.name: told.events.value for told in study.detectors}
+    names = [f"{name}, {value:g} m" for name, value in values.items()] if study.zones else []
     rows = [
         (
             f"{row.zone}, seen",
             str(row.contacts),
-            *(_share(row.found[name], row.contacts) for name in names),
+            *(_share(detected, row.contacts) for detected in row.detected.values()),
         )
         for row in study.zones
     ]
-    blind = [(f"not seen: {spot.sight}", str(spot.contacts)) for spot in study.blind_spots]
-    return Table(head, (*rows, *blind))
+    unseen = [(f"not seen: {one.sight}", str(one.contacts)) for one in study.unseen_contacts]
+    return Table(("Contact", "number", *names), (*rows, *unseen))
 
 
 def speeds(study: GroundStudy) -> Table:
-    """How the best value and the separation shift with speed, over all episodes."""
-    head = ("Speed", "values", "rough", "AUC", "best value")
+    """Returns how the best value and the separation shift with speed, over all episodes."""
     unit = spelled(study.verdict.unit)
     rows = tuple(
         (
             f"{at.speeds[0]:g} to {at.speeds[1]:g} m/s",
             str(at.windows),
             str(at.rough),
-            NOTHING if at.auc is None else f"{at.auc:.2f}",
-            NOTHING if at.best is None else f"{at.best:g} {unit}",
+            DASH if at.auc is None else f"{at.auc:.2f}",
+            DASH if at.best is None else f"{at.best:g} {unit}",
         )
         for at in study.speed_bins
     )
-    return Table(head, rows)
+    return Table(("Speed", "values", "rough", "AUC", "best value"), rows)
 
 
 def clearance(study: RobotStudy) -> Table:
-    """The sum that makes the safe clearance."""
-    parts, verdict = study.clearance, study.clearance.verdict
-    stop = parts.braking
+    """Returns the sum that makes the safe clearance."""
+    parts, verdict, stop = study.clearance, study.clearance.verdict, study.clearance.braking
     driven_on = stop.stopping_distance - stop.distance
-    rows = [
-        ("from the lidar to the front end", f"{parts.overhang:.3f} m"),
-        (f"driven at {stop.speed:.2f} m/s before a command answers a scan", f"{driven_on:.3f} m"),
-        (f"braking from there, measured ({stop.time:.2f} s)", f"{stop.distance:.3f} m"),
-        ("margin", f"{parts.margin:.3f} m"),
-        ("sum", f"{parts.overhang + stop.stopping_distance + parts.margin:.3f} m"),
+    lengths = [
+        ("from the lidar to the front end", parts.overhang),
+        (f"driven at {stop.speed:.2f} m/s before a command answers a scan", driven_on),
+        (f"braking from there, measured ({stop.time:.2f} s)", stop.distance),
+        ("margin", parts.margin),
+        ("sum", parts.overhang + stop.stopping_distance + parts.margin),
     ]
+    rows = [(name, f"{length:.3f} m") for name, length in lengths]
     if verdict.tuned is not None:
         rows.append(("rounded up", f"{verdict.tuned.value:g} m"))
-    rows.append(("default", f"{verdict.default.value:g} m"))
-    return Table(("Part", "length"), tuple(rows))
+    return Table(("Part", "length"), (*rows, ("default", f"{verdict.default.value:g} m")))
 
 
 def driven(study: RobotStudy) -> Table:
-    """What was driven."""
+    """Returns what was driven."""
     what = study.driven
     rows = [(f"episodes: {ending}", str(number)) for ending, number in sorted(what.endings.items())]
     rows += [
         ("scored time", f"{what.seconds:.0f} s"),
         ("scored path", f"{what.path_length / 1000:.3f} km"),
-        ("contacts with hazards, checking", str(study.collision.contacts)),
+        ("contacts with hazards, test", str(study.collision.contacts)),
     ]
     return Table(("What", "how much"), tuple(rows))
 
 
 def text(score: Estimate, digits: int = 2, sign: str = "") -> str:
-    """A score with its interval, short enough for a cell."""
+    """Returns a score with its interval, short enough for a cell.
+
+    Args:
+        score: To show.
+        digits: Behind the point.
+        sign: "+" where positive numbers have one.
+    """
     if math.isnan(score.value):
-        return NOTHING
-    value = _number(score.value, digits, sign)
-    if score.low is None or score.high is None:
-        return f"{value} {_together('(no interval)')}"
-    interval = f"({_number(score.low, digits, sign)} to {_number(score.high, digits, sign)})"
-    return f"{value} {_together(interval)}"
-
-
-def _number(value: float, digits: int, sign: str) -> str:
-    return f"{value:{sign}.{digits}f}".replace("-", MINUS)
-
-
-def _parts(candidate: Candidate | None, measure: str) -> tuple[str, str]:
-    if candidate is None:
-        return NOTHING, NOTHING
-    return text(candidate.scores[CHOOSING][measure]), text(candidate.scores[CHECKING][measure])
+        return DASH
+    value, low, high = (
+        DASH if number is None else f"{number:{sign}.{digits}f}".replace("-", MINUS)
+        for number in (score.value, score.low, score.high)
+    )
+    return f"{value} {_unbroken('(no interval)' if score.low is None else f'({low} to {high})')}"
 
 
 def _share(part: int, whole: int) -> str:
-    return _together(f"{part} ({100 * part / whole:.0f} %)") if whole else str(part)
+    return _unbroken(f"{part} ({100 * part / whole:.0f} %)") if whole else str(part)
 
 
-def _together(words: str) -> str:
-    """Words that stay on one line."""
-    return words.replace(" ", "\N{NO-BREAK SPACE}")
+def _unbroken(text: str) -> str:
+    """Text that stays on one line."""
+    return text.replace(" ", "\N{NO-BREAK SPACE}")

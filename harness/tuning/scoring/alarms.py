@@ -6,34 +6,44 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.tuning.episodes.record import EpisodeRecord
-from harness.tuning.scoring.estimate import Counts, Measure, Sums, ratio
+from harness.tuning.scoring.estimate import (
+    FN,
+    FP,
+    TN,
+    TP,
+    Counts,
+    Measure,
+    Sums,
+    confusion,
+    ratio,
+    recall,
+)
 
 GAP = 0.5  # [s]: alarms, like contacts, that are closer together are one
 # What is counted of an episode.
-CONTACTS, FOUND, ALARMS, RIGHT, KM = range(5)  # events
-TP, FP, FN, TN = range(4)  # scans
+CONTACTS, DETECTED, ALARMS, RIGHT, KM = range(5)  # events
 
 Distances = NDArray[np.float64]  # one per scan [m]; -inf counts as contact whatever the threshold
 Detector = Callable[[EpisodeRecord], Distances]
 
 
 def nearest_range(record: EpisodeRecord) -> Distances:
-    """The seed's: the smallest finite range."""
+    """Returns what RoboTerrain compares: the smallest finite range of each scan."""
     return record.scans["nearest"].astype(np.float64)
 
 
 def nearest_or_near_return(record: EpisodeRecord) -> Distances:
-    """The same, but a beam that met something nearer than range_min is contact (REP-117: -inf)."""
+    """Returns the nearest range, -inf where a beam met something nearer than range_min (REP-117)."""
     return np.where(record.scans["near_returns"] > 0, -np.inf, nearest_range(record))
 
 
 def footprint_clearance(record: EpisodeRecord) -> Distances:
-    """From the finite returns to the rover's outline."""
+    """Returns the smallest distance from a finite return to the rover's outline, scan by scan."""
     return record.scans["footprint"].astype(np.float64)
 
 
 def footprint_or_near_return(record: EpisodeRecord) -> Distances:
-    """The same, but a beam that met something nearer than range_min is contact."""
+    """Returns the footprint clearance, -inf where a beam met something nearer than range_min."""
     return np.where(record.scans["near_returns"] > 0, -np.inf, footprint_clearance(record))
 
 
@@ -46,7 +56,7 @@ DETECTORS: dict[str, Detector] = {
 
 
 def alarms(record: EpisodeRecord, distances: Distances, threshold: float) -> NDArray[np.float64]:
-    """Start and end of each run of scans below a threshold, shape (n, 2) [s]."""
+    """Returns start and end of each run of scans below a threshold, shape (n, 2) [s]."""
     times = record.times[distances < threshold]
     if times.size == 0:
         return np.empty((0, 2))
@@ -57,7 +67,7 @@ def alarms(record: EpisodeRecord, distances: Distances, threshold: float) -> NDA
 
 
 def matches(record: EpisodeRecord, found: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which alarm belongs to which contact, shape (alarms, contacts).
+    """Returns which alarm belongs to which contact, shape (alarms, contacts).
 
     It overlaps the contact or ends at most GAP before it: a scan just before a touch that hides what
     is touched from the next one is no false alarm.
@@ -71,7 +81,7 @@ def matches(record: EpisodeRecord, found: NDArray[np.float64]) -> NDArray[np.boo
 def event_counts(
     detector: Detector, records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]
 ) -> Counts:
-    """Contacts, those found, alarms, right ones, kilometres: shape (thresholds, episodes, 5)."""
+    """Returns contacts, detected ones, alarms, right ones, km: shape (thresholds, episodes, 5)."""
     counts = np.zeros((len(thresholds), len(records), 5))
     for place, record in enumerate(records):
         distances = detector(record)
@@ -91,20 +101,12 @@ def event_counts(
 def scan_counts(
     detector: Detector, records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]
 ) -> Counts:
-    """True and false positives, false and true negatives: shape (thresholds, episodes, 4)."""
-    counts = np.zeros((len(thresholds), len(records), 4))
-    for place, record in enumerate(records):
-        contact = record.scans["contact"]
-        says = detector(record)[None, :] < thresholds[:, None]
-        counts[:, place, TP] = (says & contact).sum(axis=1)
-        counts[:, place, FP] = (says & ~contact).sum(axis=1)
-        counts[:, place, FN] = (~says & contact).sum(axis=1)
-        counts[:, place, TN] = (~says & ~contact).sum(axis=1)
-    return counts
+    """Returns counts of `confusion`, shape (thresholds, episodes, 4)."""
+    return confusion([(detector(record), record.scans["contact"]) for record in records], thresholds)
 
 
 def lead_times(record: EpisodeRecord, distances: Distances, threshold: float) -> NDArray[np.float64]:
-    """How long before each contact that was found its first alarm began, shape (found,) [s]."""
+    """Returns how long before each detected contact its first alarm began, shape (detected,) [s]."""
     found = alarms(record, distances, threshold)
     match = matches(record, found)
     starts = np.where(match, found[:, :1], np.inf).min(axis=0, initial=np.inf)
@@ -117,11 +119,11 @@ def _precision(sums: Sums) -> NDArray[np.float64]:
 
 
 def _recall(sums: Sums) -> NDArray[np.float64]:
-    return ratio(sums[..., FOUND], sums[..., CONTACTS])
+    return ratio(sums[..., DETECTED], sums[..., CONTACTS])
 
 
 def event_f1(sums: Sums) -> NDArray[np.float64]:
-    """Harmonic mean of precision (of alarms) and recall (of contacts); 0 if nothing is found."""
+    """Returns the harmonic mean of precision (alarms) and recall (contacts); 0 if none is detected."""
     precision, recall = np.nan_to_num(_precision(sums)), _recall(sums)
     return np.where(
         precision + recall > 0, ratio(2 * precision * recall, precision + recall), 0 * recall
@@ -137,6 +139,6 @@ EVENT_MEASURES: dict[str, Measure] = {
 SCAN_MEASURES: dict[str, Measure] = {
     "F1": lambda sums: ratio(2 * sums[..., TP], 2 * sums[..., TP] + sums[..., FP] + sums[..., FN]),
     "precision": lambda sums: ratio(sums[..., TP], sums[..., TP] + sums[..., FP]),
-    "recall": lambda sums: ratio(sums[..., TP], sums[..., TP] + sums[..., FN]),
+    "recall": recall,
     "false positive rate": lambda sums: ratio(sums[..., FP], sums[..., FP] + sums[..., TN]),
 }

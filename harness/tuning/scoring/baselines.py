@@ -11,7 +11,7 @@ from harness.tuning.scoring.alarms import Detector, alarms, matches
 
 
 @dataclass(frozen=True, slots=True)
-class BlindSpot:
+class UnseenContacts:
     """Contacts that the lidar could not know of, for one reason."""
 
     sight: Sight
@@ -23,19 +23,19 @@ class ZoneRow:
     """Contacts on one side with hazards that the lidar saw.
 
     Attributes:
-        found: How many of them each detector tells, by its name.
+        detected: How many of them each detector tells, by its name.
     """
 
     zone: Zone
     contacts: int
-    found: Mapping[str, int]
+    detected: Mapping[str, int]
 
 
-def blind_spots(records: Sequence[EpisodeRecord]) -> tuple[BlindSpot, ...]:
-    """Contacts without a finite return of what was touched, by reason."""
+def unseen_contacts(records: Sequence[EpisodeRecord]) -> tuple[UnseenContacts, ...]:
+    """Returns contacts without a finite return of what was touched, by reason."""
     sights = _all(records, "sight")
     return tuple(
-        BlindSpot(sight, int(np.count_nonzero(sights == sight)))
+        UnseenContacts(sight, int(np.count_nonzero(sights == sight)))
         for sight in Sight
         if sight is not Sight.SEEN
     )
@@ -44,26 +44,28 @@ def blind_spots(records: Sequence[EpisodeRecord]) -> tuple[BlindSpot, ...]:
 def zone_rows(
     records: Sequence[EpisodeRecord], detectors: Mapping[str, tuple[Detector, float]]
 ) -> tuple[ZoneRow, ...]:
-    """How many contacts of each side each detector finds.
+    """Returns how many contacts of each side each detector tells.
 
     Args:
         records: The episodes.
         detectors: A detector and its threshold [m], by name.
     """
     zones, seen = _all(records, "zone"), _all(records, "sight") == Sight.SEEN
-    found = {name: _found(records, *detector) for name, detector in detectors.items()}
+    detected = {name: _detected(records, *detector) for name, detector in detectors.items()}
     return tuple(
         ZoneRow(
             zone,
             int(np.count_nonzero(here)),
-            {name: int(np.count_nonzero(told & here)) for name, told in found.items()},
+            {name: int(np.count_nonzero(told & here)) for name, told in detected.items()},
         )
         for zone in Zone
         for here in [seen & (zones == zone)]
     )
 
 
-def _found(records: Sequence[EpisodeRecord], detector: Detector, threshold: float) -> NDArray[np.bool_]:
+def _detected(
+    records: Sequence[EpisodeRecord], detector: Detector, threshold: float
+) -> NDArray[np.bool_]:
     each = [
         matches(record, alarms(record, detector(record), threshold)).any(axis=0) for record in records
     ]

@@ -17,7 +17,7 @@ Count = Callable[[Sequence[EpisodeRecord], NDArray[np.float64]], Counts]
 
 
 def by_driver(record: EpisodeRecord) -> str:
-    """The stratum that decides how hazards are touched."""
+    """Returns the stratum that decides how hazards are touched."""
     return record.driver
 
 
@@ -45,25 +45,25 @@ class Scoring:
     stratum: Callable[[EpisodeRecord], str] = by_driver
 
     def best(self, records: Sequence[EpisodeRecord]) -> float:
-        """The value with the highest objective; the middle one where several have it."""
+        """Returns the value with the highest objective; the middle one where several have it."""
         scores = self.measures[self.objective](self.count(records, self.grid).sum(axis=1))
         best = np.flatnonzero(scores == np.nanmax(scores))
         return float(self.grid[best[len(best) // 2]])
 
     def candidate(self, records: Records, value: float) -> Candidate:
-        """A value with its scores on all parts."""
+        """Returns a value with its scores on all parts."""
         return Candidate(
             value=value, scores={part: self.scores(some, value) for part, some in records.items()}
         )
 
     def scores(self, records: Sequence[EpisodeRecord], value: float) -> dict[str, Estimate]:
-        """All measures of a value."""
+        """Returns all measures of a value."""
         counts = self.count(records, np.array([value]))[0]
         strata = [self.stratum(record) for record in records]
         return {name: estimate(counts, measure, strata) for name, measure in self.measures.items()}
 
     def gain(self, records: Sequence[EpisodeRecord], tuned: float, default: float) -> Scores:
-        """Tuned minus default by measure: the same resampled episodes for both."""
+        """Returns tuned minus default by measure: the same resampled episodes for both."""
         both = self.count(records, np.array([tuned, default]))
         counts = np.concatenate((both[0], both[1]), axis=-1)
         strata = [self.stratum(record) for record in records]
@@ -82,14 +82,14 @@ def judged(
     value: float | None = None,
     note: str = "",
 ) -> Verdict:
-    """The verdict on a threshold.
+    """Returns the verdict on a threshold.
 
     Args:
         parameter: The threshold's name.
         scoring: How it is judged.
         records: The episodes.
         lack: Why the data support no value, or None if they do.
-        value: One that was found by other means; the best of the grid on the choosing part if None.
+        value: One that was found by other means; the best of the grid on the training half if None.
         note: What the value holds for, or is made of.
     """
     info = THRESHOLD_INFO[parameter]
@@ -98,7 +98,7 @@ def judged(
         return Verdict(
             name=parameter, unit=info.unit, measure=scoring.objective, default=default, lack=lack
         )
-    best = scoring.best(records[Part.CHOOSING]) if value is None else value
+    best = scoring.best(records[Part.TRAIN]) if value is None else value
     tuned = scoring.candidate(records, best)
     return Verdict(
         name=parameter,
@@ -106,7 +106,7 @@ def judged(
         measure=scoring.objective,
         default=default,
         tuned=tuned,
-        gain=scoring.gain(records[Part.CHECKING], tuned.value, info.default),
+        gain=scoring.gain(records[Part.TEST], tuned.value, info.default),
         note=note,
     )
 

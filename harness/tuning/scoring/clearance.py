@@ -14,8 +14,8 @@ from harness.tuning.episodes.record import EpisodeRecord, Sight, Zone
 from harness.tuning.scoring.alarms import (
     ALARMS,
     CONTACTS,
+    DETECTED,
     EVENT_MEASURES,
-    FOUND,
     KM,
     RIGHT,
     alarms,
@@ -77,7 +77,7 @@ def _counts(
             lead = contacts["start_s"] - warnings[:, :1]  # (warnings, contacts)
             ongoing = contacts["start_s"] <= warnings[:, 1:] + HORIZON
             counts[row, place, CONTACTS] = len(contacts)
-            counts[row, place, FOUND] = ((lead >= needed) & ongoing).any(axis=0).sum()
+            counts[row, place, DETECTED] = ((lead >= needed) & ongoing).any(axis=0).sum()
             counts[row, place, ALARMS] = len(warnings)
             counts[row, place, RIGHT] = _followed(record, warnings)
             counts[row, place, KM] = record.path_length / 1000.0
@@ -86,11 +86,11 @@ def _counts(
 
 def _lack(records: Records) -> str | None:
     """Why the contacts do not support a value, or None."""
-    checking = records[Part.CHECKING]
-    contacts = sum(int(np.count_nonzero(_is_head_on(record))) for record in checking)
+    test = records[Part.TEST]
+    contacts = sum(int(np.count_nonzero(_is_head_on(record))) for record in test)
     if contacts < FEWEST_HEAD_ON:
         return (
-            f"{contacts} contacts ahead with hazards that the lidar saw in the checking episodes; "
+            f"{contacts} contacts ahead with hazards that the lidar saw in the test episodes; "
             f"{FEWEST_HEAD_ON} are needed to check it"
         )
     return None

@@ -17,11 +17,11 @@ from harness.tuning.scoring.alarms import (
     lead_times,
     scan_counts,
 )
-from harness.tuning.scoring.baselines import BlindSpot, ZoneRow, blind_spots, zone_rows
+from harness.tuning.scoring.baselines import UnseenContacts, ZoneRow, unseen_contacts, zone_rows
 from harness.tuning.scoring.choose import Records, Scoring, judged
 from harness.tuning.scoring.result import Candidate, Scores, Verdict
 
-PARAMETER, SEEDS_DETECTOR = "collision_threshold", "nearest range"
+PARAMETER, REFERENCE_DETECTOR = "collision_threshold", "nearest range"
 GRID = np.round(np.arange(0.02, 1.001, 0.01), 2)  # [m]
 FEWEST_CONTACTS = 10  # of each part: fewer do not support a threshold
 
@@ -33,7 +33,7 @@ class DetectorStudy:
     Attributes:
         name: Of the detector.
         events: Its threshold and scores per event.
-        scans: Its scores per scan on the checking part.
+        scans: Its scores per scan on the test half.
         lead_s: Median time from alarm to contact there [s]; None if it finds none.
     """
 
@@ -48,29 +48,29 @@ class CollisionStudy:
     """Everything about the contacts of one robot.
 
     Attributes:
-        verdict: On the seed's detector.
-        default: The seed's detector at the default.
-        detectors: The seed's and those that the metrics node offers beside it, each at its best;
+        verdict: On RoboTerrain's detector.
+        default: RoboTerrain's detector at the default.
+        detectors: RoboTerrain's and those that the metrics node offers beside it, each at its best;
             empty where the data support none.
-        zones: Contacts by side, on the checking part.
-        blind_spots: Contacts that no threshold can tell, and why, on the checking part.
-        contacts: All contacts of the checking part.
+        zones: Contacts by side, on the test half.
+        unseen_contacts: Contacts that no threshold can tell, and why, on the test half.
+        contacts: All contacts of the test half.
     """
 
     verdict: Verdict
     default: DetectorStudy
     detectors: tuple[DetectorStudy, ...]
     zones: tuple[ZoneRow, ...]
-    blind_spots: tuple[BlindSpot, ...]
+    unseen_contacts: tuple[UnseenContacts, ...]
     contacts: int
 
 
 def study_collisions(records: Records) -> CollisionStudy:
     """Judges the default and chooses a better value, if the data support one."""
-    checking = records[Part.CHECKING]
+    test = records[Part.TEST]
     lack = _lack(records)
-    verdict = judged(PARAMETER, _scoring(DETECTORS[SEEDS_DETECTOR]), records, lack=lack)
-    default = _detector_study(SEEDS_DETECTOR, records, verdict.default)
+    verdict = judged(PARAMETER, _scoring(DETECTORS[REFERENCE_DETECTOR]), records, lack=lack)
+    default = _detector_study(REFERENCE_DETECTOR, records, verdict.default)
     detectors = () if lack is not None else tuple(_at_best(name, records) for name in DETECTORS)
     told = {"default": default} | {study.name: study for study in detectors}
     thresholds = {name: (DETECTORS[study.name], study.events.value) for name, study in told.items()}
@@ -78,9 +78,9 @@ def study_collisions(records: Records) -> CollisionStudy:
         verdict=verdict,
         default=default,
         detectors=detectors,
-        zones=zone_rows(checking, thresholds),
-        blind_spots=blind_spots(checking),
-        contacts=_contacts(checking),
+        zones=zone_rows(test, thresholds),
+        unseen_contacts=unseen_contacts(test),
+        contacts=_contacts(test),
     )
 
 
@@ -90,19 +90,19 @@ def _scoring(detector: Detector) -> Scoring:
 
 def _at_best(name: str, records: Records) -> DetectorStudy:
     scoring = _scoring(DETECTORS[name])
-    best = scoring.candidate(records, scoring.best(records[Part.CHOOSING]))
+    best = scoring.candidate(records, scoring.best(records[Part.TRAIN]))
     return _detector_study(name, records, best)
 
 
 def _detector_study(name: str, records: Records, candidate: Candidate) -> DetectorStudy:
-    detector, checking = DETECTORS[name], records[Part.CHECKING]
+    detector, test = DETECTORS[name], records[Part.TEST]
     per_scan = Scoring(partial(scan_counts, detector), SCAN_MEASURES, "F1", GRID)
-    leads = [lead_times(record, detector(record), candidate.value) for record in checking]
+    leads = [lead_times(record, detector(record), candidate.value) for record in test]
     lead = np.concatenate(leads) if leads else np.empty(0)
     return DetectorStudy(
         name=name,
         events=candidate,
-        scans=per_scan.scores(checking, candidate.value),
+        scans=per_scan.scores(test, candidate.value),
         lead_s=float(np.median(lead)) if lead.size else None,
     )
 

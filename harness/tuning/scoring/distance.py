@@ -39,7 +39,7 @@ class DistanceStudy:
 
 
 def study_distance(records: Records, rover: RoverSpec) -> DistanceStudy:
-    """Judges the default and chooses a value above every plausible step."""
+    """Returns the verdict on the default and on a value above every plausible step."""
     everything = [record.windows for some in records.values() for record in some]
     possible = rover.top_speed * STRIDE * POSE_PERIOD
     lowest = math.ceil(possible / STEP) * STEP
@@ -71,12 +71,12 @@ def _counts(records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -
 
 
 def false_accept_rate(sums: Sums) -> NDArray[np.float64]:
-    """Share of resets, one each second, whose jump would count as travel."""
+    """Returns the share of resets, one each second, whose jump would count as travel."""
     return ratio(sums[..., TAKEN], sums[..., JUMPS])
 
 
 def false_reject_rate(sums: Sums) -> NDArray[np.float64]:
-    """Share of seconds in which a step of true travel would be refused."""
+    """Returns the share of seconds in which a step of true travel would be refused."""
     return ratio(sums[..., REFUSED], sums[..., STEPS])
 
 

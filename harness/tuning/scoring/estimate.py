@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 RESAMPLES, LEVEL = 2000, 0.95
 FEWEST_EPISODES = 8  # that have what is counted; with fewer, resampling means little
+TP, FP, FN, TN = range(4)  # of `confusion`
 COLLAPSED = "other"  # strata of a single episode, together
 
 Counts = NDArray[np.float64]  # shape (..., episodes, kinds)
@@ -33,11 +34,11 @@ class Estimate:
     high: float | None = None
 
     def is_above(self, other: "Estimate") -> bool:
-        """Whether the two intervals do not overlap and this one is the higher."""
+        """Returns whether the two intervals do not overlap and this one is the higher."""
         return self.low is not None and other.high is not None and self.low > other.high
 
     def text(self, digits: int = 2) -> str:
-        """As '0.93 (0.88 to 0.97)'."""
+        """Returns it as '0.93 (0.88 to 0.97)'."""
         if math.isnan(self.value):
             return "undefined"
         if self.low is None or self.high is None:
@@ -46,7 +47,7 @@ class Estimate:
 
 
 def estimate(counts: Counts, measure: Measure, strata: Sequence[str]) -> Estimate:
-    """A measure over episodes, with its percentile bootstrap interval.
+    """Returns a measure over episodes with its percentile bootstrap interval.
 
     Args:
         counts: Shape (episodes, kinds).
@@ -66,9 +67,35 @@ def estimate(counts: Counts, measure: Measure, strata: Sequence[str]) -> Estimat
 
 
 def ratio(part: NDArray[np.float64], whole: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Part / whole, NaN where there is no whole."""
+    """Returns part / whole, NaN where there is no whole."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.where(whole > 0, part / whole, np.nan))
+
+
+def confusion(
+    episodes: Sequence[tuple[NDArray[np.float64], NDArray[np.bool_]]], thresholds: NDArray[np.float64]
+) -> Counts:
+    """Returns true and false positives, false and true negatives, shape (thresholds, episodes, 4).
+
+    Args:
+        episodes: Values of each, positive below a threshold, and the truth, both of shape (n,).
+        thresholds: Shape (thresholds,).
+    """
+    counts = np.zeros((len(thresholds), len(episodes), 4))
+    for place, (values, truth) in enumerate(episodes):
+        says = values[None, :] < thresholds[:, None]
+        counts[:, place, TP], counts[:, place, FP] = (
+            (says & truth).sum(axis=1),
+            (says & ~truth).sum(axis=1),
+        )
+        counts[:, place, FN] = (~says & truth).sum(axis=1)
+        counts[:, place, TN] = (~says & ~truth).sum(axis=1)
+    return counts
+
+
+def recall(sums: Sums) -> NDArray[np.float64]:
+    """Returns the share of what is there that is said, of sums of `confusion`."""
+    return ratio(sums[..., TP], sums[..., TP] + sums[..., FN])
 
 
 def _weights(strata: tuple[str, ...]) -> NDArray[np.float64]:

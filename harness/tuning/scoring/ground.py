@@ -13,15 +13,25 @@ from sklearn.metrics import roc_auc_score
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.scoring.choose import Records, Scoring, by_terrain, judged
-from harness.tuning.scoring.estimate import Counts, Estimate, Measure, Sums, estimate, ratio
-from harness.tuning.scoring.imu_events import ROUGH, Felt, Signal
+from harness.tuning.scoring.estimate import (
+    FP,
+    TN,
+    Counts,
+    Estimate,
+    Measure,
+    Sums,
+    confusion,
+    estimate,
+    ratio,
+    recall,
+)
+from harness.tuning.scoring.imu_events import ROUGH, ImuEvents, Signal
 from harness.tuning.scoring.result import Verdict
 
 FEWEST_WINDOWS = 50  # seconds of each class and part: fewer do not support a threshold
 FEWEST_IN_BIN = 20  # of each class
 SPEED_BINS = ((0.05, 0.2), (0.2, 0.4), (0.4, 0.6), (0.6, 2.0))  # [m/s]
 GRID = np.round(np.arange(9.8, 30.0, 0.05), 2)  # from gravity up
-TP, FP, FN, TN = range(4)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +58,7 @@ class GroundStudy:
 
     Attributes:
         verdict: On it.
-        what: The signal, for people.
+        what: The signal, as the page names it.
         auc: Area under the ROC curve by part.
         speed_bins: Over all episodes.
     """
@@ -63,49 +73,38 @@ def study_ground(records: Records, signal: Signal) -> GroundStudy:
     """Judges the default of the signal's threshold and chooses a better value, if there is one."""
 
     def count(some: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -> Counts:
-        return counts_of([signal.felt(record) for record in some], thresholds)
+        return counts_of([signal.imu_events(record) for record in some], thresholds)
 
     scoring = Scoring(count, MEASURES, "balanced accuracy", GRID, by_terrain)
     verdict = judged(signal.parameter, scoring, records, lack=_lack(records, signal))
+    everything = ImuEvents.joined([signal.imu_events(one) for some in records.values() for one in some])
     return GroundStudy(
         verdict=verdict,
         what=signal.what,
         auc={part: _auc(count(some, GRID), some) for part, some in records.items()},
-        speed_bins=_speed_bins([signal.felt(record) for some in records.values() for record in some]),
+        speed_bins=tuple(_speed_bin(speeds, everything.within(*speeds)) for speeds in SPEED_BINS),
     )
 
 
-def counts_of(episodes: Sequence[Felt], thresholds: NDArray[np.float64]) -> Counts:
-    """True and false positives, false and true negatives: shape (thresholds, episodes, 4)."""
-    counts = np.zeros((len(thresholds), len(episodes), 4))
-    for place, felt in enumerate(episodes):
-        says = felt.signal[None, :] > thresholds[:, None]
-        counts[:, place, TP] = (says & felt.rough).sum(axis=1)
-        counts[:, place, FP] = (says & ~felt.rough).sum(axis=1)
-        counts[:, place, FN] = (~says & felt.rough).sum(axis=1)
-        counts[:, place, TN] = (~says & ~felt.rough).sum(axis=1)
-    return counts
+def counts_of(episodes: Sequence[ImuEvents], thresholds: NDArray[np.float64]) -> Counts:
+    """Returns counts of `confusion` at every threshold, above which ground is called rough."""
+    return confusion([(-one.signal, one.rough) for one in episodes], -thresholds)
 
 
-def found(sums: Sums) -> NDArray[np.float64]:
-    """Share of rough ground that is called rough."""
-    return ratio(sums[..., TP], sums[..., TP] + sums[..., FN])
-
-
-def spared(sums: Sums) -> NDArray[np.float64]:
-    """Share of smooth ground that is not called rough."""
+def specificity(sums: Sums) -> NDArray[np.float64]:
+    """Returns the share of smooth ground that is not called rough."""
     return ratio(sums[..., TN], sums[..., TN] + sums[..., FP])
 
 
 def balanced_accuracy(sums: Sums) -> NDArray[np.float64]:
-    """Mean of both: the cost where a miss costs as much as a false alarm and no class is rarer."""
-    return (found(sums) + spared(sums)) / 2
+    """Returns the mean of both rates, where a miss costs as much as a false alarm, whatever is rarer."""
+    return (recall(sums) + specificity(sums)) / 2
 
 
 MEASURES: dict[str, Measure] = {
     "balanced accuracy": balanced_accuracy,
-    "rough ground found": found,
-    "smooth ground spared": spared,
+    "recall": recall,
+    "specificity": specificity,
 }
 
 
@@ -116,7 +115,7 @@ def _auc(counts: Counts, records: Sequence[EpisodeRecord]) -> Estimate:
 
     def area(sums: Sums) -> NDArray[np.float64]:
         at = sums.reshape(*sums.shape[:-1], thresholds, kinds)
-        hits, misses = found(at), 1.0 - spared(at)
+        hits, misses = recall(at), 1.0 - specificity(at)
         ends = [(0, 0)] * (hits.ndim - 1)
         hits = np.pad(hits, [*ends, (1, 1)], constant_values=((1.0, 0.0),))
         misses = np.pad(misses, [*ends, (1, 1)], constant_values=((1.0, 0.0),))
@@ -128,7 +127,7 @@ def _auc(counts: Counts, records: Sequence[EpisodeRecord]) -> Estimate:
 def _lack(records: Records, signal: Signal) -> str | None:
     """Why the data support no value, or None."""
     for part, some in records.items():
-        rough = np.concatenate([signal.felt(record).rough for record in some])
+        rough = np.concatenate([signal.imu_events(record).rough for record in some])
         fewest = min(np.count_nonzero(rough), np.count_nonzero(~rough))
         if fewest < FEWEST_WINDOWS:
             return (
@@ -139,26 +138,15 @@ def _lack(records: Records, signal: Signal) -> str | None:
     return None
 
 
-def _speed_bins(episodes: Sequence[Felt]) -> tuple[SpeedBin, ...]:
-    signal = np.concatenate([felt.signal for felt in episodes])
-    rough = np.concatenate([felt.rough for felt in episodes])
-    speed = np.concatenate([felt.speed for felt in episodes])
-    return tuple(
-        _speed_bin(bounds, Felt(signal[inside], rough[inside], speed[inside]))
-        for bounds in SPEED_BINS
-        for inside in [(speed >= bounds[0]) & (speed < bounds[1])]
-    )
-
-
-def _speed_bin(speeds: tuple[float, float], felt: Felt) -> SpeedBin:
-    rough = int(np.count_nonzero(felt.rough))
-    if min(rough, len(felt.rough) - rough) < FEWEST_IN_BIN:
-        return SpeedBin(speeds=speeds, windows=len(felt.rough), rough=rough, auc=None, best=None)
-    scores = balanced_accuracy(counts_of([felt], GRID)[:, 0])
+def _speed_bin(speeds: tuple[float, float], events: ImuEvents) -> SpeedBin:
+    rough = int(np.count_nonzero(events.rough))
+    if min(rough, len(events.rough) - rough) < FEWEST_IN_BIN:
+        return SpeedBin(speeds=speeds, windows=len(events.rough), rough=rough, auc=None, best=None)
+    scores = balanced_accuracy(counts_of([events], GRID)[:, 0])
     return SpeedBin(
         speeds=speeds,
-        windows=len(felt.rough),
+        windows=len(events.rough),
         rough=rough,
-        auc=float(roc_auc_score(felt.rough, felt.signal)),
+        auc=float(roc_auc_score(events.rough, events.signal)),
         best=float(GRID[int(np.argmax(scores))]),
     )

@@ -1,6 +1,6 @@
 """What the IMU lets a metric feel of the ground, second by second, beside how rough it truly is."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ COLUMN_WINDOWS = 5  # seconds that Current Smoothness covers: 100 IMU samples at
 
 
 @dataclass(frozen=True, slots=True)
-class Felt:
+class ImuEvents:
     """What a metric says of stretches of an episode, and whether they are rough.
 
     Attributes:
@@ -27,6 +27,19 @@ class Felt:
     rough: NDArray[np.bool_]
     speed: NDArray[np.float64]
 
+    @classmethod
+    def joined(cls, each: Sequence["ImuEvents"]) -> "ImuEvents":
+        """Returns those of several episodes, in their order."""
+        if not each:
+            return cls(np.empty(0), np.empty(0, dtype=bool), np.empty(0))
+        columns = ((one.signal, one.rough, one.speed) for one in each)
+        return cls(*map(np.concatenate, zip(*columns, strict=True)))
+
+    def within(self, low: float, high: float) -> "ImuEvents":
+        """Returns those at a speed of at least `low` and less than `high` [m/s]."""
+        inside = (self.speed >= low) & (self.speed < high)
+        return ImuEvents(self.signal[inside], self.rough[inside], self.speed[inside])
+
 
 @dataclass(frozen=True)
 class Signal:
@@ -34,38 +47,38 @@ class Signal:
 
     Attributes:
         parameter: The threshold.
-        what: The signal, for people.
-        felt: Takes it from an episode.
+        what: The signal, as the page names it.
+        imu_events: Takes it from an episode.
     """
 
     parameter: str
     what: str
-    felt: Callable[[EpisodeRecord], Felt]
+    imu_events: Callable[[EpisodeRecord], ImuEvents]
 
 
 def _usable(windows: Table) -> NDArray[np.bool_]:
-    # Rocks and hazards are felt but are not in the height map, whose roughness is the truth here.
+    # Rocks and hazards move the IMU but are not in the height map, whose roughness is the truth here.
     touching = windows["contact"] | (windows["rocks"] > 0.0)
     return np.asarray(~touching & (windows["speed"] >= STANDING))
 
 
-def peak_acceleration(record: EpisodeRecord) -> Felt:
-    """Seconds, with the largest acceleration in each."""
+def peak_acceleration(record: EpisodeRecord) -> ImuEvents:
+    """Returns seconds with the largest acceleration in each."""
     windows = record.windows[_usable(record.windows)]
-    return Felt(windows["peak_acceleration"], windows["roughness"] > ROUGH, windows["speed"])
+    return ImuEvents(windows["peak_acceleration"], windows["roughness"] > ROUGH, windows["speed"])
 
 
-def current_smoothness(record: EpisodeRecord) -> Felt:
+def current_smoothness(record: EpisodeRecord) -> ImuEvents:
     """Seconds, with the value that the column Current Smoothness has at their end."""
     windows, kernel = record.windows, np.full(COLUMN_WINDOWS, 1.0 / COLUMN_WINDOWS)
     if len(windows) < COLUMN_WINDOWS:
-        return Felt(np.empty(0), np.empty(0, dtype=bool), np.empty(0))
+        return ImuEvents.joined([])
     means = {
         name: np.convolve(windows[name].astype(np.float64), kernel, mode="valid")
         for name in ("mean_smoothness", "roughness", "speed")
     }
     usable = np.convolve(_usable(windows), np.ones(COLUMN_WINDOWS), mode="valid") == COLUMN_WINDOWS
-    return Felt(
+    return ImuEvents(
         means["mean_smoothness"][usable], means["roughness"][usable] > ROUGH, means["speed"][usable]
     )
 

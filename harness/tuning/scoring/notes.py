@@ -7,12 +7,12 @@ from harness.tuning.scoring.collision import CollisionStudy
 from harness.tuning.scoring.result import Verdict
 from harness.tuning.scoring.study import RobotStudy
 
-CHECKING = Part.CHECKING
+TEST = Part.TEST
 MATERIAL = 0.05  # of a score: a smaller difference is real, but no default is wrong for it
 
 
 def conclusions(study: RobotStudy) -> Iterator[str]:
-    """What a user must know of a robot, a sentence or two for each matter."""
+    """Yields what a user must know of a robot, a sentence or two for each matter."""
     for verdict in study.verdicts:
         yield judgement(study.robot, verdict)
     yield unreachable(study.collision)
@@ -20,13 +20,13 @@ def conclusions(study: RobotStudy) -> Iterator[str]:
 
 
 def judgement(robot: str, verdict: Verdict) -> str:
-    """Whether the default of a threshold suits a robot."""
+    """Returns whether the default of a threshold suits a robot."""
     default = f"{verdict.name}: the default {verdict.default.value:g} {verdict.unit}"
     if verdict.tuned is None:
         return f"{default} stays for {robot}, because the data support no value: {verdict.lack}."
     tuned = f"{verdict.tuned.value:g} {verdict.unit}"
-    was = verdict.default.scores[CHECKING][verdict.measure]
-    becomes = verdict.tuned.scores[CHECKING][verdict.measure]
+    was = verdict.default.scores[TEST][verdict.measure]
+    becomes = verdict.tuned.scores[TEST][verdict.measure]
     gain = verdict.gain[verdict.measure]
     note = f" ({verdict.note})" if verdict.note else ""
     scores = (
@@ -44,8 +44,8 @@ def judgement(robot: str, verdict: Verdict) -> str:
 
 
 def unreachable(study: CollisionStudy) -> str:
-    """The contacts that no threshold can tell."""
-    blind = [spot for spot in study.blind_spots if spot.contacts]
+    """Returns the sentence on contacts that no threshold can tell."""
+    blind = [spot for spot in study.unseen_contacts if spot.contacts]
     total = sum(spot.contacts for spot in blind)
     if not study.contacts:
         return "No contact took place in the episodes that check."
@@ -60,9 +60,9 @@ def unreachable(study: CollisionStudy) -> str:
 
 
 def alternatives(study: CollisionStudy) -> Iterator[str]:
-    """What the other detectors of the metrics node buy."""
+    """Yields what the other detectors of the metrics node buy."""
     for detector in study.detectors[1:]:
-        scores = detector.events.scores[CHECKING]
+        scores = detector.events.scores[TEST]
         yield (
             f"{detector.name.capitalize()} below {detector.events.value:g} m: F1 {scores['F1'].text()}, "
             f"recall {scores['recall'].text()}, "

@@ -28,9 +28,9 @@ class Verdict:
     Attributes:
         name: The ROS parameter; `unit` is its unit.
         measure: The one by which a value is chosen.
-        default: The seed's value.
+        default: RoboTerrain's value.
         tuned: What was chosen; None where the data support no value.
-        gain: Tuned minus default on the checking episodes, by measure.
+        gain: Tuned minus default on the test episodes, by measure.
         lack: Why the data support no value, in a clause; None if they do.
         note: What the tuned value holds for, or is made of; may be empty.
     """
@@ -58,10 +58,10 @@ class Verdict:
 
     @property
     def is_proven(self) -> bool:
-        """Whether the intervals of tuned and default on the checking episodes do not overlap."""
+        """Whether the intervals of tuned and default on the test episodes do not overlap."""
         if self.tuned is None:
             return False
         tuned, default = (
-            candidate.scores[Part.CHECKING][self.measure] for candidate in (self.tuned, self.default)
+            candidate.scores[Part.TEST][self.measure] for candidate in (self.tuned, self.default)
         )
         return tuned.is_above(default)

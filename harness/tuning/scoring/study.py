@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from harness.robots import find_rover
 from harness.tuning.episodes.plan import Part, Planned
 from harness.tuning.episodes.record import Ending, EpisodeRecord
+from harness.tuning.scoring.choose import Records
 from harness.tuning.scoring.clearance import ClearanceStudy, study_clearance
 from harness.tuning.scoring.collision import CollisionStudy, study_collisions
 from harness.tuning.scoring.distance import DistanceStudy, study_distance
@@ -29,7 +30,7 @@ class Driven:
     path_length: float
 
     def text(self) -> str:
-        """In a line."""
+        """Returns time, path and endings in one line."""
         endings = ", ".join(f"{number} {ending}" for ending, number in sorted(self.endings.items()))
         return f"{self.seconds / 60:.0f} min and {self.path_length / 1000:.2f} km scored; {endings}"
 
@@ -55,13 +56,18 @@ class RobotStudy:
 
 
 def study(robot: str, records: Mapping[Planned, EpisodeRecord], seed: int) -> RobotStudy:
-    """Scores the thresholds of one robot on its episodes of a sweep."""
+    """Returns the scores of one robot's thresholds on its episodes of a sweep.
+
+    Args:
+        robot: Its name.
+        records: All episodes of the sweep.
+        seed: Of the sweep, for the measured stop.
+    """
     rover = find_rover(robot)
-    mine = {planned: record for planned, record in records.items() if planned.config.robot == robot}
-    parts = {part: _scored(mine, part) for part in Part}
+    parts = scored_records(robot, records)
     return RobotStudy(
         robot=robot,
-        driven=_driven(list(mine.values())),
+        driven=_driven([record for planned, record in records.items() if planned.config.robot == robot]),
         collision=study_collisions(parts),
         clearance=study_clearance(parts, rover, seed),
         grounds=tuple(study_ground(parts, signal) for signal in SIGNALS),
@@ -69,12 +75,21 @@ def study(robot: str, records: Mapping[Planned, EpisodeRecord], seed: int) -> Ro
     )
 
 
-def _scored(records: Mapping[Planned, EpisodeRecord], part: Part) -> list[EpisodeRecord]:
-    return [
-        record
-        for planned, record in sorted(records.items(), key=lambda item: item[0].index)
-        if planned.part is part and record.ending is not Ending.DIVERGED
-    ]
+def scored_records(robot: str, records: Mapping[Planned, EpisodeRecord]) -> Records:
+    """Returns a robot's episodes by part, in the order of the plan, without those that diverged."""
+    mine = sorted((planned for planned in records if planned.config.robot == robot), key=_place)
+    return {
+        part: [
+            records[planned]
+            for planned in mine
+            if planned.part is part and records[planned].ending is not Ending.DIVERGED
+        ]
+        for part in Part
+    }
+
+
+def _place(planned: Planned) -> int:
+    return planned.index
 
 
 def _driven(records: Sequence[EpisodeRecord]) -> Driven:

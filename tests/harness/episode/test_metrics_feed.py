@@ -28,6 +28,7 @@ from harness.samples import (
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics import topics
 from rover_metrics.session import MetricsSession
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 # The rectangle around the wheels in models/README.md, and x of the lidar, which looks backwards.
 OUTLINES = [(LEO, (-0.212, 0.218, 0.214), 0.174), (ROVER_ZERO4WD, (-0.272, 0.268, 0.223), 0.174)]

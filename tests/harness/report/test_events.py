@@ -1,5 +1,4 @@
-from harness.report.events import collisions, contacts
-from harness.report.log import Log
+from harness.report.log import Log, collisions, contacts
 from harness.report.recorder import Stretch
 from tests.harness.report.stretches import stretches
 

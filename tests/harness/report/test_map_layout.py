@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 
-from harness.report.hillshade import shade
-from harness.report.map_layout import map_layout
+from harness.report.hillshade import map_layout, shade
 from harness.report.recorder import Stretch
 from harness.world.heightfield import Heightfield
 

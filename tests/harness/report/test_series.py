@@ -1,8 +1,7 @@
 import math
 
 from harness.page.figure import keys
-from harness.report.events import Event
-from harness.report.log import Log
+from harness.report.log import Event, Log
 from harness.report.recorder import Stretch
 from harness.report.series import series_figure, thinned
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds

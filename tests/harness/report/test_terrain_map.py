@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 
 from harness.page.figure import keys
-from harness.report.events import Event, collisions, contacts
 from harness.report.hillshade import shade
-from harness.report.log import Log
+from harness.report.log import Event, Log, collisions, contacts
 from harness.report.recorder import Stretch
 from harness.report.terrain_map import map_figure, roughness
 from harness.world.world import build_world

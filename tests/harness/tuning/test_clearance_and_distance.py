@@ -73,7 +73,7 @@ def test_the_clearance_is_the_sum_of_its_parts_rounded_up(make_record: MakeRecor
     assert study.verdict.note == (
         "0.044 m from lidar to bumper + 0.100 m in 0.1 s at 1.00 m/s + 0.100 m braking + 0.1 m margin"
     )
-    assert study.verdict.tuned.scores[Part.CHECKING]["recall"].value == 1.0
+    assert study.verdict.tuned.scores[Part.TEST]["recall"].value == 1.0
 
 
 @pytest.mark.parametrize(
@@ -145,7 +145,7 @@ def test_only_contacts_ahead_that_were_seen_while_moving_could_have_been_avoided
         (
             4,
             (
-                "4 contacts ahead with hazards that the lidar saw in the checking episodes; "
+                "4 contacts ahead with hazards that the lidar saw in the test episodes; "
                 "5 are needed to check it"
             ),
         ),
@@ -155,7 +155,7 @@ def test_five_contacts_ahead_are_needed_to_check_it(
     make_record: MakeRecord, ahead: int, lack: str | None
 ) -> None:
     record = near_between(make_record, 1.0, 2.0, [(2.0, 2.1)])
-    records = {Part.CHOOSING: [record], Part.CHECKING: [record] * ahead}
+    records = {Part.TRAIN: [record], Part.TEST: [record] * ahead}
 
     assert study_clearance(records, LEO, seed=0).verdict.lack == lack
 
@@ -169,8 +169,8 @@ def test_the_step_threshold_is_above_every_possible_step(make_record: MakeRecord
     windows = [*seconds(0.1, 0.3), *seconds(0.1, 8.0)]
     other = make_record([], windows=seconds(0.125, 0.3, 40))
     records = {
-        Part.CHOOSING: [make_record([], windows=windows) for _ in range(10)],
-        Part.CHECKING: [make_record([], windows=windows) for _ in range(9)] + [other],
+        Part.TRAIN: [make_record([], windows=windows) for _ in range(10)],
+        Part.TEST: [make_record([], windows=windows) for _ in range(9)] + [other],
     }
     study = study_distance(records, ROVER_ZERO4WD)
 
@@ -180,7 +180,7 @@ def test_the_step_threshold_is_above_every_possible_step(make_record: MakeRecord
     assert study.verdict.tuned is not None
     # From the first hundredth of a metre above the possible step to the jumps of 0.3 m all is alike.
     assert study.verdict.tuned.value == 0.22  # of 0.13 to 0.30 the upper of the middle two
-    default = study.verdict.default.scores[Part.CHOOSING]
+    default = study.verdict.default.scores[Part.TRAIN]
     assert {name: score.value for name, score in default.items()} == pytest.approx(
         {"balanced accuracy": 0.75, "false accept rate": 0.5, "false reject rate": 0.0}
     )
@@ -191,7 +191,7 @@ def test_a_step_as_long_as_the_threshold_is_refused_and_no_travel(make_record: M
     windows = [*seconds(0.5, 0.5, 60), *seconds(0.25, 0.25, 20), *seconds(0.25, 9.0, 20)]
     study = study_distance(both([make_record([], windows=windows)]), ROVER_ZERO4WD)
 
-    scores = study.verdict.default.scores[Part.CHECKING]
+    scores = study.verdict.default.scores[Part.TEST]
 
     assert study.verdict.default.value == 0.5
     assert scores["false reject rate"].value == pytest.approx(0.6)
@@ -201,15 +201,15 @@ def test_a_step_as_long_as_the_threshold_is_refused_and_no_travel(make_record: M
 
 @pytest.mark.parametrize(
     ("count", "lack"),
-    [(100, None), (99, "99 s of poses in the checking episodes; 100 are needed")],
+    [(100, None), (99, "99 s of poses in the test episodes; 100 are needed")],
 )
 def test_a_hundred_seconds_of_each_part_are_needed(
     make_record: MakeRecord, count: int, lack: str | None
 ) -> None:
     enough = make_record([], windows=seconds(0.1, 5.0, 100))
     records = {
-        Part.CHOOSING: [enough],
-        Part.CHECKING: [make_record([], windows=seconds(0.1, 5.0, n)) for n in (50, count - 50)],
+        Part.TRAIN: [enough],
+        Part.TEST: [make_record([], windows=seconds(0.1, 5.0, n)) for n in (50, count - 50)],
     }
 
     assert study_distance(records, LEO).verdict.lack == lack

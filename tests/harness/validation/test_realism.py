@@ -15,7 +15,8 @@ from harness.samples import Imu, LaserScan, Odometry, Tick, Twist
 from harness.validation import run_log
 from harness.validation.realism import WITHIN, Comparison, Distances, distances, print_comparison
 from harness.validation.recorded import COLUMNS, Log, read_log
-from harness.validation.run_log import CONFIG, _Logger, drive
+from harness.validation.run_log import CONFIG, SPEEDS, RecordedAgent, _Logger, drive
+from tests.support.rovers import ROVER_ZERO4WD
 
 IMU = ("IMU Acceleration Magnitude", "Vertical Roughness")
 LOGS_DIR = Path(__file__).parents[4] / "shared/data/roboterrain/logs"

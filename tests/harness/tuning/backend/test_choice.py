@@ -9,9 +9,9 @@ import pytest
 pytest.importorskip("joblib", reason="needs the extra [tune]")
 
 from harness.errors import UsageError
-from harness.tuning.backend import backend_of, trial
-from harness.tuning.backend.address import Address, parse_address
-from harness.tuning.backend.trial import workers_at
+from harness.tuning.backend import address as addresses
+from harness.tuning.backend import backend_of
+from harness.tuning.backend.address import Address, parse_address, workers_at
 
 
 @pytest.mark.parametrize(
@@ -103,7 +103,7 @@ def test_a_closed_port_is_told_at_once() -> None:
 def test_what_does_not_answer_as_a_cluster_is_told(
     listener: Address, code: str, told: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(trial, "PATIENCE", 0.5)
+    monkeypatch.setattr(addresses, "PATIENCE", 0.5)
 
     with pytest.raises(UsageError, match=told):
         workers_at(listener, code, "Ray cluster", "start one")

@@ -22,14 +22,14 @@ def test_every_robot_drives_in_the_same_worlds() -> None:
     assert len(set(worlds[0])) == 10
 
 
-def test_worlds_alternate_between_choosing_and_checking_and_turn_their_strata_and_difficulties() -> None:
+def test_worlds_alternate_between_train_and_test_and_turn_their_strata_and_difficulties() -> None:
     planned = plan(ROBOTS, 4 * len(STRATA), 7, 60.0)
     second = planned[5]  # of the third world
 
     assert [episode.index for episode in planned] == list(range(8 * len(STRATA)))
     assert second.name == "0005-rover_zero4wd-gravel-roam"
-    assert second.part is Part.CHOOSING
-    assert planned[6].part is planned[7].part is Part.CHECKING
+    assert second.part is Part.TRAIN
+    assert planned[6].part is planned[7].part is Part.TEST
     assert second.config.duration == 60.0
     assert second.config.seed == int(np.random.SeedSequence([7, 2]).generate_state(1)[0])
     difficulties = [episode.config.difficulty for episode in planned[::4]]  # a pair of worlds each
@@ -73,12 +73,12 @@ def test_hazards_of_every_kind_and_grounds_of_every_kind_are_driven() -> None:
     )
 
 
-def test_no_seed_is_used_for_choosing_and_checking() -> None:
+def test_no_seed_is_used_for_training_and_testing() -> None:
     planned = plan(ROBOTS, 64, 0, 60.0)
     seeds = {part: {e.config.seed for e in planned if e.part is part} for part in Part}
 
-    assert len(seeds[Part.CHOOSING]) == len(seeds[Part.CHECKING]) == 32
-    assert not seeds[Part.CHOOSING] & seeds[Part.CHECKING]
+    assert len(seeds[Part.TRAIN]) == len(seeds[Part.TEST]) == 32
+    assert not seeds[Part.TRAIN] & seeds[Part.TEST]
 
 
 def test_both_parts_have_the_same_strata() -> None:
@@ -90,7 +90,7 @@ def test_both_parts_have_the_same_strata() -> None:
         for part in Part
     }
 
-    assert kinds[Part.CHOOSING] == kinds[Part.CHECKING]
+    assert kinds[Part.TRAIN] == kinds[Part.TEST]
 
 
 def test_a_full_plan_has_every_stratum_and_a_short_one_contacts_and_ground() -> None:

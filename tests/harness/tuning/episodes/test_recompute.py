@@ -9,8 +9,7 @@ from harness.episode.batch import Batch
 from harness.samples import Imu, LaserScan, Pose, Tick, TruthState
 from harness.sim_time import TICK_NS
 from harness.truth.traversal import Truth
-from harness.tuning.episodes.collected import Collected
-from harness.tuning.episodes.recompute import scan_rows, window_rows
+from harness.tuning.episodes.recompute import Collected, scan_rows, window_rows
 from tests.support.rovers import ROVER_ZERO4WD
 
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)

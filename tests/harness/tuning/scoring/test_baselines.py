@@ -6,7 +6,7 @@ import pytest
 
 from harness.tuning.episodes.record import EpisodeRecord, Sight, Zone
 from harness.tuning.scoring.alarms import footprint_clearance, nearest_range
-from harness.tuning.scoring.baselines import BlindSpot, ZoneRow, blind_spots, zone_rows
+from harness.tuning.scoring.baselines import UnseenContacts, ZoneRow, unseen_contacts, zone_rows
 
 MakeRecord = Callable[..., EpisodeRecord]
 
@@ -39,13 +39,13 @@ def test_contacts_that_the_lidar_saw_are_counted_by_side_and_detector(
 
 
 def test_contacts_that_it_did_not_see_are_counted_by_reason(records: list[EpisodeRecord]) -> None:
-    assert blind_spots(records) == (
-        BlindSpot(Sight.TOO_LOW, 1),
-        BlindSpot(Sight.TOO_NEAR, 0),
-        BlindSpot(Sight.MISSED, 1),
+    assert unseen_contacts(records) == (
+        UnseenContacts(Sight.TOO_LOW, 1),
+        UnseenContacts(Sight.TOO_NEAR, 0),
+        UnseenContacts(Sight.MISSED, 1),
     )
 
 
 def test_without_episodes_there_are_no_contacts() -> None:
     assert [row.contacts for row in zone_rows([], {"range": (nearest_range, 0.2)})] == [0, 0, 0]
-    assert [spot.contacts for spot in blind_spots([])] == [0, 0, 0]
+    assert [spot.contacts for spot in unseen_contacts([])] == [0, 0, 0]

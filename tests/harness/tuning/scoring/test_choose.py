@@ -66,7 +66,7 @@ def test_the_best_value_is_the_middle_of_those_with_the_highest_score(
 def test_a_value_is_scored_over_all_episodes_of_each_part_by_every_measure(
     episodes: list[EpisodeRecord],
 ) -> None:
-    some = {Part.CHOOSING: episodes[:4], Part.CHECKING: episodes}
+    some = {Part.TRAIN: episodes[:4], Part.TEST: episodes}
     candidate = scoring((0.0, 1.0, 2.0, 3.0, 4.0, 5.0)).candidate(some, 0.4)
 
     values = {
@@ -77,10 +77,10 @@ def test_a_value_is_scored_over_all_episodes_of_each_part_by_every_measure(
     assert candidate.value == 0.4
     assert values == pytest.approx(
         {
-            (Part.CHOOSING, "mean"): 3.125,
-            (Part.CHOOSING, "doubled"): 6.25,
-            (Part.CHECKING, "mean"): 3.275,
-            (Part.CHECKING, "doubled"): 6.55,
+            (Part.TRAIN, "mean"): 3.125,
+            (Part.TRAIN, "doubled"): 6.25,
+            (Part.TEST, "mean"): 3.275,
+            (Part.TEST, "doubled"): 6.55,
         }
     )
 
@@ -117,7 +117,7 @@ def test_a_value_is_chosen_on_one_part_and_judged_against_the_default_on_the_oth
     verdict = judged(
         PARAMETER,
         Scoring(count, one.measures, "mean", GRID),
-        {Part.CHOOSING: episodes[:8], Part.CHECKING: episodes},
+        {Part.TRAIN: episodes[:8], Part.TEST: episodes},
         lack=None,
         note="a note",
     )
@@ -126,8 +126,8 @@ def test_a_value_is_chosen_on_one_part_and_judged_against_the_default_on_the_oth
     assert (verdict.note, verdict.lack) == ("a note", None)
     assert verdict.default.value == DEFAULT == 0.2
     assert verdict.tuned is not None
-    assert verdict.tuned.value == 0.3  # best of the choosing part
-    assert verdict.gain["mean"].value == pytest.approx(-3.0)  # but worse on the checking one
+    assert verdict.tuned.value == 0.3  # best of the training half
+    assert verdict.gain["mean"].value == pytest.approx(-3.0)  # but worse on the test half
     assert verdict.value is None
 
 
@@ -147,5 +147,5 @@ def test_without_support_only_the_default_is_scored(episodes: list[EpisodeRecord
 
     assert (verdict.tuned, verdict.value, verdict.lack) == (None, None, "too few")
     assert (verdict.name, verdict.unit, verdict.measure) == (PARAMETER, "m", "mean")
-    assert verdict.default.scores[Part.CHECKING]["mean"].value == pytest.approx(1.275)
+    assert verdict.default.scores[Part.TEST]["mean"].value == pytest.approx(1.275)
     assert not verdict.is_proven

@@ -45,7 +45,7 @@ def test_every_detector_is_judged_at_its_own_best_where_it_was_not_chosen(at: At
         record.scans["footprint"] = record.scans["nearest"] / 2
     for record in checked_on[:10]:
         record.scans["near_returns"][10] = 1  # 1.45 s before the contact
-    study = study_collisions({Part.CHOOSING: chosen_on, Part.CHECKING: checked_on})
+    study = study_collisions({Part.TRAIN: chosen_on, Part.TEST: checked_on})
 
     assert [(d.name, d.events.value) for d in study.detectors] == [
         ("nearest range", 0.29),
@@ -53,10 +53,10 @@ def test_every_detector_is_judged_at_its_own_best_where_it_was_not_chosen(at: At
         ("footprint clearance", 0.15),
         ("footprint clearance, near returns count", 0.15),
     ]
-    precision = [d.events.scores[Part.CHECKING]["precision"].value for d in study.detectors]
+    precision = [d.events.scores[Part.TEST]["precision"].value for d in study.detectors]
     assert precision == pytest.approx([1.0, 20 / 30, 1.0, 20 / 30])
     assert (study.default.name, study.default.events.value) == ("nearest range", 0.2)
-    assert study.default.events.scores[Part.CHECKING]["recall"].value == 0.0
+    assert study.default.events.scores[Part.TEST]["recall"].value == 0.0
     assert study.default.lead_s is None
     # Below 0.29 m the ranges come at the 40th scan, 2.0 s, in steps of 7 cm: 0 s before the contact.
     assert study.detectors[0].lead_s == pytest.approx(0.0)
@@ -67,7 +67,7 @@ def test_every_detector_is_judged_at_its_own_best_where_it_was_not_chosen(at: At
 def test_a_value_that_fails_on_unseen_episodes_is_not_written(at: AtDistance) -> None:
     chosen_on = [*at(0.3, touches=True), *at(0.5, touches=False)]
     checked_on = [*at(0.19, touches=True), *at(0.25, touches=False)]
-    study = study_collisions({Part.CHOOSING: chosen_on, Part.CHECKING: checked_on})
+    study = study_collisions({Part.TRAIN: chosen_on, Part.TEST: checked_on})
 
     assert study.verdict.tuned is not None
     assert study.verdict.value is None
@@ -81,7 +81,7 @@ def test_too_few_contacts_support_no_value(at: AtDistance, touches: int) -> None
 
     assert study.verdict.value is None
     assert study.detectors == ()
-    assert f"{touches} contacts with hazards in the choosing episodes" in judgement("r", study.verdict)
+    assert f"{touches} contacts with hazards in the train episodes" in judgement("r", study.verdict)
 
 
 def test_contacts_that_the_lidar_cannot_know_of_are_their_own_line(at: AtDistance) -> None:
@@ -93,12 +93,12 @@ def test_contacts_that_the_lidar_cannot_know_of_are_their_own_line(at: AtDistanc
     study = study_collisions(both(records))
 
     assert study.contacts == 17
-    assert {spot.sight: spot.contacts for spot in study.blind_spots if spot.contacts} == {
+    assert {spot.sight: spot.contacts for spot in study.unseen_contacts if spot.contacts} == {
         Sight.TOO_LOW: 5,
         Sight.TOO_NEAR: 2,
     }
     assert "7 of 17 contacts (41 %)" in unreachable(study)
     side = next(row for row in study.zones if row.zone is Zone.SIDE)
     assert side.contacts == 10
-    assert side.found["default"] == 0
-    assert side.found["nearest range"] == 10
+    assert side.detected["default"] == 0
+    assert side.detected["nearest range"] == 10

@@ -9,7 +9,7 @@ from sklearn.metrics import balanced_accuracy_score, confusion_matrix, roc_auc_s
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.scoring.ground import MEASURES, counts_of, study_ground
-from harness.tuning.scoring.imu_events import SIGNALS, Felt, current_smoothness, peak_acceleration
+from harness.tuning.scoring.imu_events import SIGNALS, ImuEvents, current_smoothness, peak_acceleration
 from harness.tuning.scoring.notes import judgement
 
 MakeRecord = Callable[..., EpisodeRecord]
@@ -33,7 +33,7 @@ def test_it_finds_the_acceleration_that_separates_the_classes(make_record: MakeR
 
     assert study.verdict.name == "rough_terrain_threshold"
     assert study.verdict.value == pytest.approx((10.0 + 11.45) / 2, abs=0.026)  # middle of the best
-    assert study.auc[Part.CHECKING].value == pytest.approx(1.0)
+    assert study.auc[Part.TEST].value == pytest.approx(1.0)
     assert study.what == "largest |a| of a second"
     assert "is wrong for leo" in judgement("leo", study.verdict)
 
@@ -44,7 +44,7 @@ def test_the_two_thresholds_have_their_signals(make_record: MakeRecord) -> None:
         window["mean_smoothness"] = 13.0
     record = make_record([], windows=windows)
 
-    assert {signal.parameter: float(signal.felt(record).signal[0]) for signal in SIGNALS} == {
+    assert {signal.parameter: float(signal.imu_events(record).signal[0]) for signal in SIGNALS} == {
         "rough_terrain_threshold": 11.0,
         "smoothness_threshold": 13.0,
     }
@@ -53,9 +53,9 @@ def test_the_two_thresholds_have_their_signals(make_record: MakeRecord) -> None:
 def test_counts_and_scores_of_a_threshold_are_those_of_scikit_learn() -> None:
     rng = np.random.default_rng(1)
     signal, rough = np.round(rng.uniform(10, 12, 300), 1), rng.random(300) < 0.4
-    felt = Felt(signal, rough, np.ones(300))
+    events = ImuEvents(signal, rough, np.ones(300))
 
-    counts = counts_of([felt, felt], np.array([10.5, signal[0]]))
+    counts = counts_of([events, events], np.array([10.5, signal[0]]))
 
     assert counts.shape == (2, 2, 4)
     for row, threshold in zip(counts[:, 1], (10.5, signal[0]), strict=True):
@@ -65,8 +65,8 @@ def test_counts_and_scores_of_a_threshold_are_those_of_scikit_learn() -> None:
         assert {name: float(measure(row)) for name, measure in MEASURES.items()} == pytest.approx(
             {
                 "balanced accuracy": balanced_accuracy_score(rough, says),
-                "rough ground found": tp / (tp + fn),
-                "smooth ground spared": tn / (tn + fp),
+                "recall": tp / (tp + fn),
+                "specificity": tn / (tn + fp),
             }
         )
 
@@ -81,13 +81,13 @@ def test_the_area_under_the_curve_is_that_of_scikit_learn(make_record: MakeRecor
             step = rng.integers(0, 60) + 8 * (window["roughness"] == ROUGH)
             window["peak_acceleration"] = 9.825 + 0.05 * step
         records.append(make_record([], windows=windows, terrain=("flat", "maze")[number % 2]))
-    parts = {Part.CHOOSING: records[:12], Part.CHECKING: records}
+    parts = {Part.TRAIN: records[:12], Part.TEST: records}
     study = study_ground(parts, SIGNALS[0])
 
     for part, some in parts.items():
-        felt = [peak_acceleration(record) for record in some]
-        truth = np.concatenate([f.rough for f in felt])
-        signal = np.concatenate([f.signal for f in felt])
+        events = [peak_acceleration(record) for record in some]
+        truth = np.concatenate([f.rough for f in events])
+        signal = np.concatenate([f.signal for f in events])
         auc = study.auc[part]
         assert auc.value == pytest.approx(roc_auc_score(truth, signal))
         assert auc.low is not None
@@ -101,10 +101,10 @@ def test_fifty_seconds_of_each_class_are_needed(
 ) -> None:
     enough = make_record([], windows=[*seconds(11.5, ROUGH, 60), *seconds(10.0, SMOOTH, 60)])
     few = make_record([], windows=[*seconds(11.5, ROUGH, rough), *seconds(10.0, SMOOTH, smooth)])
-    study = study_ground({Part.CHOOSING: [enough], Part.CHECKING: [few]}, SIGNALS[0])
+    study = study_ground({Part.TRAIN: [enough], Part.TEST: [few]}, SIGNALS[0])
 
     lack = (
-        f"{rough} s on rough ground (over 3 mm RMS) and {smooth} s on smooth in the checking episodes; "
+        f"{rough} s on rough ground (over 3 mm RMS) and {smooth} s on smooth in the test episodes; "
         "50 s of each are needed"
     )
     assert study.verdict.lack == (None if min(rough, smooth) == 50 else lack)
@@ -134,10 +134,10 @@ def test_what_the_height_map_does_not_explain_is_left_out(
 def test_ground_is_rough_above_three_millimetres(
     make_record: MakeRecord, roughness: float, *, rough: bool
 ) -> None:
-    felt = peak_acceleration(make_record([], windows=seconds(11.0, roughness, 2, speed=0.3)))
+    events = peak_acceleration(make_record([], windows=seconds(11.0, roughness, 2, speed=0.3)))
 
-    assert felt.rough.tolist() == [rough] * 2
-    assert felt.speed.tolist() == pytest.approx([0.3] * 2)
+    assert events.rough.tolist() == [rough] * 2
+    assert events.speed.tolist() == pytest.approx([0.3] * 2)
 
 
 def test_current_smoothness_is_the_mean_of_five_seconds(make_record: MakeRecord) -> None:
@@ -147,11 +147,11 @@ def test_current_smoothness_is_the_mean_of_five_seconds(make_record: MakeRecord)
         *seconds(15.0, SMOOTH, 1, speed=0.2),
     ]
 
-    felt = current_smoothness(make_record([], windows=windows))
+    events = current_smoothness(make_record([], windows=windows))
 
-    assert felt.signal == pytest.approx([12.0, 13.0])
-    assert felt.speed == pytest.approx([0.3, 0.3])
-    assert felt.rough.tolist() == [True, True]  # by the mean, 5.6 mm
+    assert events.signal == pytest.approx([12.0, 13.0])
+    assert events.speed == pytest.approx([0.3, 0.3])
+    assert events.rough.tolist() == [True, True]  # by the mean, 5.6 mm
     assert len(current_smoothness(make_record([], windows=windows[:5])).signal) == 1
     assert len(current_smoothness(make_record([], windows=windows[:4])).signal) == 0
 

@@ -7,12 +7,12 @@ import pytest
 
 from harness.tuning.episodes.plan import Part, plan
 from harness.tuning.episodes.record import Ending, EpisodeRecord, Sight
-from harness.tuning.scoring.baselines import BlindSpot
+from harness.tuning.scoring.baselines import UnseenContacts
 from harness.tuning.scoring.collision import CollisionStudy, DetectorStudy
 from harness.tuning.scoring.estimate import Estimate
 from harness.tuning.scoring.notes import alternatives, judgement, unreachable
 from harness.tuning.scoring.result import Candidate, Verdict
-from harness.tuning.scoring.study import Driven, _driven, _scored
+from harness.tuning.scoring.study import Driven, _driven, scored_records
 
 MakeRecord = Callable[..., EpisodeRecord]
 
@@ -28,10 +28,11 @@ def test_what_diverged_is_counted_but_not_scored(make_record: MakeRecord) -> Non
         )
     }
 
-    scored = {part: [record.duration for record in _scored(records, part)] for part in Part}
+    parts = scored_records("leo", records)
+    scored = {part: [record.duration for record in parts[part]] for part in Part}
     driven = _driven(list(records.values()))
 
-    assert scored == {Part.CHOOSING: [1.0, 3.0], Part.CHECKING: [2.0, 4.0, 6.0]}  # in their order
+    assert scored == {Part.TRAIN: [1.0, 3.0], Part.TEST: [2.0, 4.0, 6.0]}  # in their order
     assert driven.endings == {Ending.COMPLETE: 4, Ending.DIVERGED: 1, Ending.TIPPED_OVER: 1}
     assert (driven.seconds, driven.path_length) == (16.0, 16.0)
 
@@ -51,7 +52,7 @@ def verdict(tuned: Estimate | None, gain: Estimate, note: str = "") -> Verdict:
 
     def candidate(value: float, score: Estimate) -> Candidate:
         return Candidate(
-            value=value, scores={Part.CHOOSING: {"F1": Estimate(0.99)}, Part.CHECKING: {"F1": score}}
+            value=value, scores={Part.TRAIN: {"F1": Estimate(0.99)}, Part.TEST: {"F1": score}}
         )
 
     return Verdict(
@@ -115,7 +116,7 @@ def test_a_verdict_in_a_sentence(found: Verdict, said: str) -> None:
 
 
 def collision(
-    contacts: int, *spots: BlindSpot, detectors: tuple[DetectorStudy, ...] = ()
+    contacts: int, *spots: UnseenContacts, detectors: tuple[DetectorStudy, ...] = ()
 ) -> CollisionStudy:
     found = verdict(None, Estimate(0.0))
     default = DetectorStudy(name="nearest range", events=found.default, scans={}, lead_s=None)
@@ -124,7 +125,7 @@ def collision(
         default=default,
         detectors=detectors,
         zones=(),
-        blind_spots=spots,
+        unseen_contacts=spots,
         contacts=contacts,
     )
 
@@ -134,11 +135,13 @@ def collision(
     [
         (collision(0), "No contact took place in the episodes that check."),
         (
-            collision(7, BlindSpot(Sight.MISSED, 0)),
+            collision(7, UnseenContacts(Sight.MISSED, 0)),
             "The lidar saw every one of the 7 hazards that were touched.",
         ),
         (
-            collision(16, *map(BlindSpot, (Sight.TOO_LOW, Sight.TOO_NEAR, Sight.MISSED), (3, 0, 1))),
+            collision(
+                16, *map(UnseenContacts, (Sight.TOO_LOW, Sight.TOO_NEAR, Sight.MISSED), (3, 0, 1))
+            ),
             (
                 "No threshold can tell 4 of 16 contacts (25 %), for the lidar did not see the hazard: "
                 "3 below the lidar, 1 out of its plane."
@@ -157,7 +160,7 @@ def test_what_the_other_detectors_buy_in_sentences() -> None:
         "false alarms per km": Estimate(3.14, 2.71, 4.0),
     }
     worse = dict.fromkeys(scores, Estimate(0.1))
-    events = Candidate(value=0.05, scores={Part.CHOOSING: worse, Part.CHECKING: scores})
+    events = Candidate(value=0.05, scores={Part.TRAIN: worse, Part.TEST: scores})
     other = DetectorStudy(name="footprint clearance", events=events, scans={}, lead_s=None)
     first = replace(other, name="nearest range")
 

@@ -1,19 +1,17 @@
 """Drawings and curves of the tuning report, against what can be worked out by hand."""
 
 import math
+import re
 from dataclasses import replace
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
 
-from harness.robots import ROVERS, RoverSpec
-from harness.tuning.page.curves import MOST_POINTS, Labelled, precision_recall, roc
-from harness.tuning.page.reach import blind_strips, reach
-from harness.tuning.page.rover.side_view import HAZARDS, side_view
-from harness.tuning.page.rover.top_view import Distances, frame, top_view
-from harness.tuning.page.silhouette import ABOVE, SIDE, silhouette
-from tests.support.rovers import LEO, ROVER_ZERO4WD
+from harness.robots import LEO, ROVER_ZERO4WD, ROVERS, RoverSpec
+from harness.tuning.page.drawing import HAZARDS, Distances, drawings
+from harness.tuning.page.outline import ABOVE, SIDE, shares, silhouette, untold_strips
+from harness.tuning.page.scan_figures import MOST_POINTS, Labelled, precision_recall, roc
 
 SQUARE = replace(LEO, footprint=(-1.0, 1.0, -1.0, 1.0), lidar_x=0.0)
 AROUND = Distances(range_min=0.15, default=0.2, tuned=0.44, clearance=0.05)
@@ -30,21 +28,21 @@ AROUND = Distances(range_min=0.15, default=0.2, tuned=0.44, clearance=0.05)
 def test_a_threshold_covers_the_part_of_the_outline_within_its_circle(
     threshold: float, told: float
 ) -> None:
-    covered = reach(SQUARE, 0.15, threshold)
-    assert covered.told == pytest.approx(told, abs=2e-3)
-    assert covered.too_far == pytest.approx(1.0 - told, abs=2e-3)
-    assert covered.too_near == 0.0
+    near, covered, far = shares(SQUARE, 0.15, threshold)
+    assert covered == pytest.approx(told, abs=2e-3)
+    assert far == pytest.approx(1.0 - told, abs=2e-3)
+    assert near == 0.0
 
 
 def test_what_is_nearer_than_range_min_is_not_told() -> None:
-    covered = reach(SQUARE, math.sqrt(1.25), 1.5)
-    assert covered.too_near == pytest.approx(0.5, abs=2e-3)
-    assert covered.told == pytest.approx(0.5, abs=2e-3)
-    assert reach(SQUARE, math.sqrt(1.25), 1.0).told == pytest.approx(0.0)
+    near, covered, _ = shares(SQUARE, math.sqrt(1.25), 1.5)
+    assert near == pytest.approx(0.5, abs=2e-3)
+    assert covered == pytest.approx(0.5, abs=2e-3)
+    assert shares(SQUARE, math.sqrt(1.25), 1.0)[1] == pytest.approx(0.0)
 
 
 def test_strips_run_beside_the_corners_that_are_too_far_and_the_middles_that_are_too_near() -> None:
-    far = list(blind_strips(SQUARE, 0.0, math.sqrt(1.25), 0.1, 0.2))
+    far = list(untold_strips(SQUARE, 0.0, math.sqrt(1.25), 0.1, 0.2))
     assert len(far) == 8  # both ends of each side
     for strip in far:
         inner, outer = np.abs(strip).max(axis=1)[:2], np.abs(strip).max(axis=1)[2:]
@@ -52,10 +50,10 @@ def test_strips_run_beside_the_corners_that_are_too_far_and_the_middles_that_are
         assert outer == pytest.approx([1.3, 1.3])
         along = np.sort(np.abs(strip).min(axis=1))
         assert along == pytest.approx([0.5, 0.5, 1.0, 1.0], abs=2e-3)
-    near = list(blind_strips(SQUARE, math.sqrt(1.25), 1.5, 0.0, 0.2))
+    near = list(untold_strips(SQUARE, math.sqrt(1.25), 1.5, 0.0, 0.2))
     assert len(near) == 4
     assert all(np.ptp(strip, axis=0).max() == pytest.approx(1.0, abs=4e-3) for strip in near)
-    assert list(blind_strips(SQUARE, 0.0, 1.5, 0.0, 0.2)) == []
+    assert list(untold_strips(SQUARE, 0.0, 1.5, 0.0, 0.2)) == []
 
 
 @pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
@@ -79,16 +77,35 @@ def test_what_a_lidar_sees_of_a_hazard_depends_on_its_height() -> None:
 
 def test_drawings_are_well_formed_and_to_one_scale() -> None:
     rovers = (LEO, ROVER_ZERO4WD)
-    room = frame([(rover, AROUND) for rover in rovers])
-    above = [ET.fromstring(top_view(rover, AROUND, room)) for rover in rovers]  # noqa: S314 - ours
-    side = [ET.fromstring(side_view(rover, rovers)) for rover in rovers]  # noqa: S314 - likewise
-    assert above[0].attrib["viewBox"] == above[1].attrib["viewBox"]
-    assert side[0].attrib["viewBox"] == side[1].attrib["viewBox"]
-    default, tuned = (above[0].find(f"circle[@class='{kind}']") for kind in ("default", "tuned"))
-    assert default is not None
-    assert tuned is not None
-    ratio = float(tuned.attrib["r"]) / float(default.attrib["r"])
-    assert ratio == pytest.approx(AROUND.tuned / AROUND.default, rel=0.01)  # type: ignore[operator]  # given
+    pictures = drawings([(rover, AROUND) for rover in rovers])
+    assert pictures == drawings([(rover, AROUND) for rover in rovers])
+    first, second = (ET.fromstring(_named(picture)) for picture in pictures)  # noqa: S314 - ours
+    assert first.attrib["viewBox"] == second.attrib["viewBox"]
+    assert "leo to scale" in first.attrib["aria-label"]
+    assert "cube of 0.5 m: not seen" in first.attrib["aria-label"]
+    rings = [_width(path) for path in first.iter("path") if "C" in path.attrib["d"]]
+    ratio = AROUND.tuned / AROUND.default  # type: ignore[operator]  # given
+    assert any(one / other == pytest.approx(ratio, rel=1e-3) for one in rings for other in rings)
+
+
+def test_drawings_take_their_colours_from_the_page_and_share_no_names() -> None:
+    pictures = drawings([(rover, AROUND) for rover in (LEO, ROVER_ZERO4WD)])
+    names = [name for picture in pictures for name in re.findall(r' id="([^"]+)"', picture)]
+    assert len(names) == len(set(names))
+    for picture in pictures:
+        assert not re.search(r"https?:|<style|#[0-9a-f]{6}", picture)
+        assert "fill: var(--ink)" in picture
+        assert set(re.findall(r"#([^)\"]+)", picture)) <= set(names)
+
+
+def _named(picture: str) -> str:
+    """A picture as XML, where the prefix of links has a name."""
+    return str(picture).replace("<svg ", '<svg xmlns:xlink="links" ', 1)
+
+
+def _width(path: ET.Element) -> float:
+    x = [float(number) for number in re.findall(r"(-?[\d.]+) -?[\d.]+", path.attrib["d"])]
+    return max(x) - min(x)
 
 
 def test_curves_of_many_values_are_thinned_and_keep_their_ends_and_their_area() -> None:

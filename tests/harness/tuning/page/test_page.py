@@ -7,22 +7,17 @@ from html import unescape
 from html.parser import HTMLParser
 from importlib.resources import files
 from itertools import pairwise
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from harness.tuning.episodes.plan import Part
-from harness.tuning.page.episodes import subject
-from harness.tuning.page.event_figures import FALSE_ALARMS, frontier
+from harness.tuning.page.contact_figures import FALSE_ALARMS, frontier
 from harness.tuning.page.ground_figures import distributions
-from harness.tuning.page.method import SENTENCES
 from harness.tuning.page.page import render
-from harness.tuning.page.picture import draw_picture
+from harness.tuning.page.subject import levels, mark, subject
 from harness.tuning.page.tables import text
-from harness.tuning.page.traces import levels, mark
 from harness.tuning.parameter_file import parameter_file
 from harness.tuning.scoring.estimate import Estimate
 from harness.tuning.scoring.imu_events import SIGNALS
@@ -100,17 +95,17 @@ def test_a_threshold_is_told_with_its_scores_on_both_parts(page: str, small_swee
     assert (measure, default, standing) == ("F1", "0.2 m", "better: intervals apart")
     told = [score.replace("\N{NO-BREAK SPACE}", " ") for score in scores]
     assert told[2] == f"{verdict.tuned.value:g} m"
-    assert told[4] == verdict.tuned.scores[Part.CHECKING]["F1"].text()
+    assert told[4] == verdict.tuned.scores[Part.TEST]["F1"].text()
     assert told[5].startswith("+")
 
 
 def test_a_threshold_without_support_says_why(page: str) -> None:
     second = page[page.index('<th scope="row">distance_threshold</th>') :]
     assert cells_of(second, "collision_threshold")[-1].startswith(
-        "default stays: 0 contacts with hazards in the choosing episodes"
+        "default stays: 0 contacts with hazards in the train episodes"
     )
-    assert "No contact with a hazard in the checking episodes, so there is no curve." in page
-    assert "The checking episodes have ground of one class only, so there is no figure." in page
+    assert "No contact with a hazard in the test episodes, so there is no curve." in page
+    assert "The test episodes have ground of one class only, so there is no figure." in page
 
 
 def test_parameter_files_stand_on_the_page_as_they_are(
@@ -127,9 +122,11 @@ def test_the_command_is_text_and_never_markup(page: str) -> None:
     assert page.count("&lt;b&gt;tuning") == 3  # both files and the way to repeat it
 
 
-def test_the_method_takes_five_sentences() -> None:
-    assert [sentence.count(". ") for sentence in SENTENCES] == [0] * 5
-    assert all(sentence.endswith(".") for sentence in SENTENCES)
+def test_the_method_takes_five_sentences(page: str) -> None:
+    (method,) = re.findall(r'<ol class="sentences">(.*?)</ol>', page, re.DOTALL)
+    sentences = re.findall(r"<li>(.*?)</li>", method, re.DOTALL)
+    assert [sentence.count(". ") for sentence in sentences] == [0] * 5
+    assert all(sentence.endswith(".") for sentence in sentences)
 
 
 @pytest.mark.parametrize(
@@ -155,7 +152,7 @@ def test_a_frontier_has_the_highest_recall_for_each_price() -> None:
 
 
 def test_an_open_mark_shows_in_its_colour() -> None:
-    assert mark("", 0.0, 0.0, "--metric", "diamond-open")["marker"]["color"] == "--metric"
+    assert mark("", 0.0, 0.0, tuned="--metric")["marker"]["color"] == "--metric"
 
 
 def test_only_a_value_that_is_proven_is_called_tuned(small_sweep: "Sweep") -> None:
@@ -171,10 +168,3 @@ def test_each_class_of_ground_adds_up_to_all_of_it(number: int, small_sweep: "Sw
     plot = distributions(subject(studies[0], records), studies[0].grounds[number], SIGNALS[number])
     assert not isinstance(plot, str)
     assert [sum(trace["y"]) for trace in plot.figure["data"]] == pytest.approx([100.0, 100.0], abs=0.01)
-
-
-def test_the_picture_has_a_panel_for_each_robot(small_sweep: "Sweep", tmp_path: Path) -> None:
-    draw_picture(*small_sweep, tmp_path / "tuning.png")
-    with Image.open(tmp_path / "tuning.png") as image:
-        assert image.size == (1280, 390)
-    assert [path.name for path in tmp_path.iterdir()] == ["tuning.png"]

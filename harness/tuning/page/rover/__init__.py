@@ -1,1 +1,0 @@
-"""Drawings of the rover on the tuning page."""
