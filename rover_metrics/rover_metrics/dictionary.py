@@ -86,7 +86,7 @@ def _cells(column: Column) -> tuple[str, ...]:
 
 def _thresholds() -> Iterator[tuple[str, ...]]:
     extended = {name: EXTENDED_INFO[name] for name in ("footprint_threshold", "gravity")}
-    for name, info in (THRESHOLD_INFO | extended).items():
+    for name, info in {**THRESHOLD_INFO, **extended}.items():
         valid = f"{info.minimum:g} to {info.maximum:g}"
         yield f"`{name}`", f"{info.default:g}", info.unit, valid, info.description
 

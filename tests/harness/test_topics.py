@@ -224,8 +224,8 @@ def test_with_a_simulations_clock_the_rate_is_also_given_in_its_time(scene: Scen
         sec, nanosec = divmod(tick * 500_000_000, 10**9)
         scene.publish(clock, Clock(clock=Time(sec=sec, nanosec=nanosec)), at=tick * 0.1)
     assert scene.cells("/clock")[2:4] == ["10.0", "2.0"]
-    assert scene.onlooker.table().caption == "/clock runs at 5.0x real time"
-    assert scene.onlooker.table().title == "1 topics"
+    assert scene.monitor.table().caption == "/clock runs at 5.0x real time"
+    assert scene.monitor.table().title == "1 topics"
 
 
 def test_all_topics_but_plumbing_are_heard_whatever_their_quality_and_listed_by_name(
@@ -238,10 +238,10 @@ def test_all_topics_but_plumbing_are_heard_whatever_their_quality_and_listed_by_
     names = ["/zeta", "/eta", "/alpha"]
     for name in names:
         scene.publish(scene.publisher(Imu, name, best_effort), Imu(), at=0.0)
-    assert sorted(scene.onlooker.types) == sorted(names)
+    assert sorted(scene.monitor.types) == sorted(names)
     console = Console(width=200)
     with console.capture() as captured:
-        console.print(scene.onlooker.table())
+        console.print(scene.monitor.table())
     assert re.findall(r"^│ (/\w+)", captured.get(), re.MULTILINE) == sorted(names)
 
 

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from harness import robots
 from harness.config import EpisodeConfig
-from harness.robots import ROVERS, RoverSpec
+from harness.robots import RoverSpec, find_rover
 from harness.samples import Twist
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
@@ -42,11 +43,11 @@ class StagedConfig(EpisodeConfig):
 
     def validate(self) -> None:
         """Has the process that simulates find the staged rover."""
-        ROVERS[self.robot] = staged_rover(self)
+        robots.ROVERS = {**robots.ROVERS, self.robot: staged_rover(self)}
 
     def world(self) -> World:
         """The stage."""
-        return stage(ROVERS[self.robot])
+        return stage(find_rover(self.robot))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,7 +64,9 @@ class StagedRover(RoverSpec):
 
 def staged_rover(config: StagedConfig) -> StagedRover:
     """The rover of that name, with the staged model."""
-    return StagedRover(**vars(ROVERS[config.robot]) | {"file": config.model})
+    return StagedRover(
+        **vars(robots.read_rover(robots.MODELS_DIR / config.robot)) | {"file": config.model}
+    )
 
 
 def write_model(rover: RoverSpec, folder: Path) -> Path:

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from harness.drivers.encounter import Encounter, Meeting
 
 from harness.config import EpisodeConfig
 from harness.drivers import find_driver
 from harness.drivers.base import DriverContext, Observation
+from harness.drivers.staged import Meeting, StagedEncounter
 from harness.episode.episode import Episode
 from harness.robots import ROVERS, RoverSpec
 from harness.samples import Twist
@@ -80,10 +80,10 @@ def post(x: float, y: float, kind: ObstacleKind = ObstacleKind.HAZARD) -> Obstac
 
 def made(
     driver: str, rng: np.random.Generator, *obstacles: Obstacle, rover: RoverSpec = LEO
-) -> Encounter:
+) -> StagedEncounter:
     context = DriverContext(rover, 20.0, np.zeros(2), rng, obstacles)
     encounter = find_driver(driver)(context)
-    assert isinstance(encounter, Encounter)
+    assert isinstance(encounter, StagedEncounter)
     return encounter
 
 
@@ -256,7 +256,7 @@ def test_it_lines_up_within_60_mrad_or_gives_up_after_6_s(dice: MakeDice) -> Non
     shares = (0.0, 0.0, 0.5, 0.0, 0.0)
     start = 6.0 - RADIUS - LEO.length / 2 - 1.2
 
-    def stands(yaw: float) -> tuple[Encounter, Observation]:
+    def stands(yaw: float) -> tuple[StagedEncounter, Observation]:
         return made("ram", dice(*shares), post(6.0, 0.0)), Observation(0, start, 0.0, yaw, None)
 
     for yaw, turns in ((0.059, False), (-0.059, False), (0.061, True), (-0.061, True)):

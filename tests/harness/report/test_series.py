@@ -12,7 +12,9 @@ _NOTHING: tuple[Thresholds, list[Stretch], list[Event]] = (DEFAULT_THRESHOLDS, [
 
 def test_every_threshold_of_a_column_is_drawn_with_its_value_and_unit() -> None:
     log = Log([1.0, 2.0], {"Obstacle Clearance": [1.0, math.inf]})
-    figure = series_figure("Obstacle Clearance", log, Thresholds(collision_threshold=0.3), [], [])
+    figure = series_figure(
+        "Obstacle Clearance", log, Thresholds(collision_threshold=0.3), [], [], gravity=9.8
+    )
     assert {key.name for key in keys(figure)} == {
         "log",
         "collision_threshold = 0.3 m",
@@ -30,14 +32,17 @@ def test_the_truth_is_drawn_beside_distance_and_velocity() -> None:
         [1.0, 2.0, 3.0], {name: [0.1, 0.2, 0.3] for name in ("Distance Traveled", "Current Velocity")}
     )
     log.columns["Total Collisions"] = [0.0, 1.0, 2.0]
-    distance = series_figure("Distance Traveled", log, DEFAULT_THRESHOLDS, track, [])
+    distance = series_figure("Distance Traveled", log, DEFAULT_THRESHOLDS, track, [], gravity=9.8)
     assert [(t["name"], t["x"], t["y"]) for t in distance["data"]] == [
         ("log", [1.0, 2.0, 3.0], [0.1, 0.2, 0.3]),
         ("truth", [1.0, 3.0, 3.5], [0.5, 1.5, 1.6]),
     ]
-    velocity = series_figure("Current Velocity", log, DEFAULT_THRESHOLDS, track, [])
+    velocity = series_figure("Current Velocity", log, DEFAULT_THRESHOLDS, track, [], gravity=9.8)
     assert (velocity["data"][1]["x"], velocity["data"][1]["y"]) == ([3.0, 3.5], [0.5, 0.2])
-    assert len(series_figure("Total Collisions", log, DEFAULT_THRESHOLDS, track, [])["data"]) == 1
+    assert (
+        len(series_figure("Total Collisions", log, DEFAULT_THRESHOLDS, track, [], gravity=9.8)["data"])
+        == 1
+    )
     assert velocity["layout"]["xaxis"]["range"] == [0.0, 3.5]
     assert [key.dash for key in keys(velocity)] == ["", "2 2"]
 
@@ -45,7 +50,7 @@ def test_the_truth_is_drawn_beside_distance_and_velocity() -> None:
 def test_the_band_of_all_imu_samples_lies_behind_the_log() -> None:
     name = "IMU Acceleration Magnitude"
     track = stretches({"lowest_acceleration": 9.0, "highest_acceleration": 11.0}, {})
-    figure = series_figure(name, Log([1.0], {name: [9.8]}), DEFAULT_THRESHOLDS, track, [])
+    figure = series_figure(name, Log([1.0], {name: [9.8]}), DEFAULT_THRESHOLDS, track, [], gravity=9.8)
     low, high, log = figure["data"]
     assert (low["y"], high["y"], log["y"]) == ([9.0, None], [11.0, None], [9.8])
     assert high["fill"] == "tonexty"
@@ -61,19 +66,21 @@ def test_the_band_of_all_imu_samples_lies_behind_the_log() -> None:
 def test_contacts_are_bands_and_flags_are_steps() -> None:
     name, touched = "Is Rough Terrain", [Event(1.0, 2.5, (0.0, 0.0, 0.0))]
     log = Log([1.0, 2.0, 3.0], {name: [0.0, 1.0, 0.0]})
-    figure = series_figure(name, log, DEFAULT_THRESHOLDS, [], touched)
+    figure = series_figure(name, log, DEFAULT_THRESHOLDS, [], touched, gravity=9.8)
     (band,) = figure["layout"]["shapes"]
     assert (band["x0"], band["x1"], band["y0"], band["y1"]) == (1.0, 2.5, 0.0, 1.0)
     assert figure["data"][0]["line"]["shape"] == "hv"
     assert figure["layout"]["yaxis"]["range"] == [-0.1, 1.1]
-    counted = series_figure("Total Collisions", Log([1.0], {"Total Collisions": [0.0]}), *_NOTHING)
+    counted = series_figure(
+        "Total Collisions", Log([1.0], {"Total Collisions": [0.0]}), *_NOTHING, gravity=9.8
+    )
     assert counted["layout"]["yaxis"]["rangemode"] == "tozero"
     assert counted["layout"]["yaxis"]["autorangeoptions"] == {"include": [0, 4]}
 
 
 def test_an_unknown_column_is_drawn_with_the_unit_in_its_name() -> None:
     log = Log([1.0], {"Wheel Heat [K]": [300.0]})
-    figure = series_figure("Wheel Heat [K]", log, DEFAULT_THRESHOLDS, [], [])
+    figure = series_figure("Wheel Heat [K]", log, DEFAULT_THRESHOLDS, [], [], gravity=9.8)
     assert figure["layout"]["yaxis"]["title"] == {"text": "[K]"}
 
 

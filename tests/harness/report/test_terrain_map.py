@@ -18,7 +18,7 @@ NO_POINTS = np.empty((0, 2))
 def test_roughness_counts_in_both_directions_and_holds_where_no_sample_is() -> None:
     quiet = {"lowest_acceleration": 9.81, "highest_acceleration": 9.81}
     dip = {"lowest_acceleration": 6.81, "highest_acceleration": 10.0}
-    assert roughness(stretches(quiet, dip, {})) == pytest.approx([0.0, 3.0, 3.0])
+    assert roughness(stretches(quiet, dip, {}), 9.81) == pytest.approx([0.0, 3.0, 3.0])
 
 
 def test_map_shows_the_path_and_everything_that_happened_on_it() -> None:
@@ -32,6 +32,7 @@ def test_map_shows_the_path_and_everything_that_happened_on_it() -> None:
         collisions=collisions(log, track),
         contacts=contacts(track),
         scan=np.array([[1.0, 2.0]]),
+        gravity=9.81,
     )
     assert {key.name for key in keys(figure)} == {
         "rock",
@@ -49,7 +50,9 @@ def test_map_shows_the_path_and_everything_that_happened_on_it() -> None:
 def test_map_of_a_run_that_never_moved_or_diverged_shows_the_terrain() -> None:
     world = build_world("flat", seed=0)
     lost = Stretch(1.0, (math.nan, 0.0, 0.0), 0.0)
-    figure = map_figure(world, shade(world.ground), [lost], collisions=[], contacts=[], scan=NO_POINTS)
+    figure = map_figure(
+        world, shade(world.ground), [lost], collisions=[], contacts=[], scan=NO_POINTS, gravity=9.81
+    )
     assert figure["data"] == []
     assert figure["layout"]["xaxis"]["range"] == [-20.0, 20.0]
 
@@ -61,7 +64,13 @@ def test_the_path_is_coloured_by_roughness_with_the_roughest_on_top() -> None:
     one = Event(1.0, 2.0, (7.0, 8.0, 0.0))
     other = replace(one, position=(5.0, 6.0, 0.0))
     figure = map_figure(
-        world, shade(world.ground), track, collisions=[one], contacts=[other], scan=NO_POINTS
+        world,
+        shade(world.ground),
+        track,
+        collisions=[one],
+        contacts=[other],
+        scan=NO_POINTS,
+        gravity=9.81,
     )
     traces = {trace["name"]: trace for trace in figure["data"]}
     path = traces["path"]

@@ -47,7 +47,7 @@ def test_a_window_that_is_forgotten_is_never_read(simulate: MakeSimulation) -> N
     simulation = simulate(LEO)
     imu = ImuSensor(simulation, 5)
     for value in (70.0, 4.0):
-        imu.forget()
+        imu.after_reset()
         simulation.tick_sum[:] = value
         imu.observe()
     reading = imu.read()

@@ -115,7 +115,7 @@ def test_an_encoder_counts_what_is_full_and_below_zero_downwards(bench: MakeBenc
     rig = bench(LEO)
     for angle, count in [(0.001, 0), (0.999, 0), (1.001, 1), (-0.001, -1), (-0.999, -1), (-1.001, -2)]:
         rig.turn_to(angle - 0.5, angle + 9.5, angle + 19.5, angle + 29.5)
-        assert rig.odometry.encoders() == [count, count + 10, count + 20, count + 30]
+        assert rig.odometry._encoders() == [count, count + 10, count + 20, count + 30]
 
 
 def test_half_a_count_is_seen_when_the_next_is_full_and_then_once(bench: MakeBench) -> None:
@@ -132,11 +132,12 @@ def test_wheels_put_elsewhere_are_taken_for_unmoved_time_after_time(bench: MakeB
     rig.turn_by(100, 100, 120, 120)
     before = rig.odometry.read()
     for elsewhere in ((5.0, -7000.0, 11.0, 300.0), (0.0, 0.0, 0.0, 0.0)):
-        counts = rig.odometry.encoders()
+        counts = rig.odometry._encoders()
+        rig.odometry.before_reset()
         rig.turned = list(elsewhere)
         rig.turn_by(0, 0, 0, 0)
-        rig.odometry.go_on_from(counts)
-        assert rig.odometry.encoders() == counts
+        rig.odometry.after_reset()
+        assert rig.odometry._encoders() == counts
         stood = rig.odometry.read()
         assert (pose(stood), stood.twist.linear) == (pose(before), 0.0)
     rig.turn_by(*[50] * 4)
@@ -147,9 +148,9 @@ def test_wheels_put_elsewhere_are_taken_for_unmoved_time_after_time(bench: MakeB
 def test_counts_since_the_last_reading_survive_being_put_elsewhere(bench: MakeBench) -> None:
     rig = bench(LEO)
     rig.turn_by(*[30] * 4)
-    counts = rig.odometry.encoders()
+    rig.odometry.before_reset()
     rig.turn_by(*[-1000] * 4)
-    rig.odometry.go_on_from(counts)
+    rig.odometry.after_reset()
     assert rig.odometry.read().x == pytest.approx(30 * rig.count)
 
 

@@ -8,10 +8,11 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from harness.robots import LEO, ROVER_ZERO4WD, ROVERS, RoverSpec
+from harness.robots import ROVERS, RoverSpec
 from harness.tuning.page.drawing import HAZARDS, Distances, drawings
 from harness.tuning.page.outline import ABOVE, SIDE, shares, silhouette, untold_strips
 from harness.tuning.page.scan_figures import MOST_POINTS, Labelled, precision_recall, roc
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 SQUARE = replace(LEO, footprint=(-1.0, 1.0, -1.0, 1.0), lidar_x=0.0)
 AROUND = Distances(range_min=0.15, default=0.2, tuned=0.44, clearance=0.05)
