@@ -176,6 +176,7 @@ class Tick:
     tells_time: bool = True
 
 
+@sent_by_fields
 @dataclass(frozen=True, slots=True)
 class PlacedScan:
     """A scan and the pose of the model frame at the very tick of the scan."""

@@ -30,7 +30,7 @@ def tracked() -> list[Path]:
 
 def modules_at(package: str) -> set[str]:
     found = {path.name for path in tracked() if path.parent == Path(package) and path.suffix == ".py"}
-    return found - {"__init__.py"}
+    return {name for name in found if not name.startswith("__")}
 
 
 @pytest.mark.parametrize("package", PACKAGES)

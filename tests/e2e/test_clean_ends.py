@@ -263,7 +263,7 @@ class SlowDrawing(Drawing):
     def prepare(self, config: EpisodeConfig) -> None:
         """Needs no OpenGL."""
 
-    def watch(self, batch: Batch) -> None:  # noqa: ARG002 - as the real one
+    def take(self, batch: Batch) -> None:  # noqa: ARG002 - as the real one
         self.signalled()
 
     def finish(self) -> list[Path]:

@@ -19,6 +19,7 @@ metrics_node:
   ros__parameters:
     footprint: [-0.212, -0.214, 0.218, -0.214, 0.218, 0.214, -0.212, 0.214]
     lidar_pose: [0.174, 0.0, 3.141592653589793]
+    gravity: 9.8
 """
 
 

@@ -67,7 +67,7 @@ def test_an_episode_has_a_tick_each_10_ms_and_a_batch_each_50_ms_or_part_of_it(
         {"lidar_beams": 100_000},
         {"imu_rate": 1},
         {"imu_rate": 100},
-        {"noise": True},
+        {"noise": "white"},
         {"noise": "hardware"},
         {"faults": ("imu:nan",)},
         {"terrain": "no/such.npy", "terrain_size": (10.0, 50_000.0), "terrain_height": 0.0},

@@ -13,7 +13,6 @@ BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
 SPECIFIED = {
     LEO: {
         "name": "leo",
-        "model_frame": "base_footprint",
         "odometry_child_frame": "base_footprint",
         "imu_frame": "imu_frame",
         "rest_height": 0.0,
@@ -30,7 +29,6 @@ SPECIFIED = {
     },
     ROVER_ZERO4WD: {
         "name": "rover_zero4wd",
-        "model_frame": "base_link",
         "odometry_child_frame": "base_link",
         "imu_frame": "imu_link",
         "rest_height": 0.002,

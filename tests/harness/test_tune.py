@@ -30,7 +30,7 @@ def test_data_that_support_nothing_give_no_value_and_say_why(
     complaints = capsys.readouterr().err.splitlines()
     assert complaints[0] == (
         "harness.tune: leo: no value for collision_threshold, "
-        "0 contacts with hazards in the training episodes; 10 are needed"
+        "0 contacts with hazards in the train episodes; 10 are needed"
     )
     assert len(complaints) == 5
     text = (folder / "leo.yaml").read_text()

@@ -504,10 +504,11 @@ def test_roughness_of_a_shaking_is_its_rms_at_any_rate(
 
 def test_roughness_at_rest_is_0_where_the_gravity_is_another_one() -> None:
     feed = Feed(ExtendedSettings(gravity=9.8))
-    feed.imu(0.0, (0.0, 0.0, 9.8), LEVEL)
+    turned = (0.0, 0.0, 0.6, 0.8)  # level
+    feed.imu(0.0, (0.0, 0.0, 9.8), turned)
     assert feed.row()["Roughness RMS [m/s^2]"] == 0.0
     feed.extended.use(ExtendedSettings(gravity=3.7))
-    feed.imu(0.1, (0.0, 0.0, 3.7), LEVEL)
+    feed.imu(0.1, (0.0, 0.0, 3.7), turned)
     assert feed.row()["Roughness RMS [m/s^2]"] == 0.0
 
 

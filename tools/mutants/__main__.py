@@ -3,6 +3,7 @@
 import argparse
 import sys
 import time
+import zlib
 from collections import Counter
 
 from tools.mutants import survivors
@@ -32,14 +33,16 @@ def main() -> int:
 def _run(options: argparse.Namespace) -> int:
     files = _files(options)
     known = {entry.key for entry in survivors.listed(LISTED)}
-    made = {file: mutants_of(file, (ROOT / file).read_text()) for file in files}
-    stale = {key for key in known if options.all or key[0] in made}
-    stale -= {mutant.key for some in made.values() for mutant in some}
+    every = {file: mutants_of(file, (ROOT / file).read_text()) for file in files}
+    stale = {key for key in known if options.all or key[0] in every}
+    stale -= {mutant.key for some in every.values() for mutant in some}
+    made = {file: [m for m in some if _drawn(m, options.one_in)] for file, some in every.items()}
     began = time.monotonic()
     outcomes = _outcomes(files, made, set() if options.relist else known, known)
     dead = known & {outcome.mutant.key for outcome in outcomes if outcome.killer}
     unlisted = [o.mutant for o in outcomes if not o.killer and o.mutant.key not in known]
-    scores = _scores(files, made, unlisted, known - dead)
+    drawn = {mutant.key for some in made.values() for mutant in some}
+    scores = _scores(files, made, unlisted, (known - dead) & drawn)
     seconds = time.monotonic() - began
     print(survivors.table(scores), end="")
     print(f"{seconds:.0f} s, {len(outcomes) / max(seconds, 1e-9):.1f} mutants/s")
@@ -57,10 +60,18 @@ def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="make mutants", description=__doc__)
     parser.add_argument("files", nargs="*", help="modules; if none is named, those that were changed")
     parser.add_argument("--all", action="store_true", help="the whole scope; keeps the scores")
+    parser.add_argument(
+        "--one-in", type=int, default=1, metavar="N", help="a sample, the same for the same code"
+    )
     parser.add_argument("--base", metavar="REV", help="changed since when; default: since `main`")
     parser.add_argument("--list", action="store_true", help="add what survives to survivors.toml")
     parser.add_argument("--relist", action="store_true", help="try those that are listed as well")
     return parser.parse_args()
+
+
+def _drawn(mutant: Mutant, one_in: int) -> bool:
+    """Whether a mutant is in a sample of one in so many."""
+    return zlib.crc32("\0".join(mutant.key).encode()) % one_in == 0
 
 
 def _files(options: argparse.Namespace) -> dict[str, Package]:

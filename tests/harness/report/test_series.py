@@ -57,7 +57,7 @@ def test_the_band_of_all_imu_samples_lies_behind_the_log() -> None:
     assert [key.name for key in keys(figure)][:2] == ["all samples, as simulated", "log"]
     assert [shape["y0"] for shape in figure["layout"]["shapes"]] == [
         DEFAULT_THRESHOLDS.rough_terrain_threshold,
-        9.81,
+        9.8,
     ]
     assert "rangemode" not in figure["layout"]["yaxis"]
     assert log["mode"] == "lines+markers", "a single point has no line"

@@ -40,7 +40,7 @@ def _opengl() -> None:
         (["--picture", ""], "name a file that ends in .png"),
         (["--video", "a.avi"], "--video 'a.avi': name a file that ends in .mp4"),
         (["--picture", "/nowhere/a.png"], "there is no folder /nowhere; create it first"),
-        (["--picture", "/proc/a.png"], "--picture /proc/a.png: /proc is not writable"),
+        (["--picture", "/proc/a.png"], "--picture /proc/a.png cannot be written: "),
         (["--picture", "a" * 300 + ".png"], "File name too long"),
         (["--picture-lidar"], "--picture-lidar needs --picture or --video"),
     ],
