@@ -33,7 +33,9 @@ class Chooser:
         for file, lines in trace.lines.items():
             texts = Path(file).read_text().splitlines()
             for line, tests in lines.items():
-                for word in re.findall(r"\w+", texts[line - 1]):
+                # Code that is compiled under a file's name may have more lines than the file.
+                text = texts[line - 1] if line <= len(texts) else ""
+                for word in re.findall(r"\w+", text):
                     self._words[word] |= tests
         by_file: dict[str, set[str]] = defaultdict(set)
         for test in trace.costs:
