@@ -15,8 +15,9 @@ from harness.faults.spec import FORM, describe_faults
 from harness.robots import ROVERS, find_rover
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
 from rover_metrics.errors import OneLineParser
+from rover_metrics.extended.settings import Settings
 
-DEFAULT_LOG_DIR = Path("metrics_analyzer/data/metric_logs")
+DEFAULT_LOG_DIR = Path(Settings().log_dir)
 SLOWEST_RATE = 0.01
 
 Group = argparse._ArgumentGroup  # noqa: SLF001 - what add_argument_group gives has no public name
