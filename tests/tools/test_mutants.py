@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tools.mutants import __main__ as command
-from tools.mutants import survivors
+from tools.mutants import mutations, survivors
 from tools.mutants.mutations import Mutant, mutants_of
 from tools.mutants.scope import PACKAGES, ROOT, Package, changed_since, modules_of
 from tools.mutants.survivors import LISTED, SCORES, TABLE, Score, complaints, listed, record, recorded
@@ -83,8 +83,10 @@ def test_that_always_fails():
 TRY = """
 import json, sys
 from pathlib import Path
+from tools.mutants import mutations
 from tools.mutants.mutations import mutants_of
 from tools.mutants.trial import Trial
+mutations.A_PLACE, mutations.A_LINE = 2, 8
 root = Path(sys.argv[1])
 made = mutants_of("src/tank.py", (root / "src/tank.py").read_text())
 outcomes = Trial(root, ("src",), ("tests",), False, root / "kept", lambda outcome: None).judge(made)
@@ -151,7 +153,9 @@ words = "in a row"
     assert not texts(source)
 
 
-def test_kinds_of_mutations() -> None:
+def test_kinds_of_mutations(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mutations, "A_PLACE", 2)
+    monkeypatch.setattr(mutations, "A_LINE", 8)
     made = texts(
         "def f(a, b, c):\n    if a < b and not c:\n        g(a, key=b)\n    return a * b, 'key'\n"
     )
@@ -167,12 +171,12 @@ def test_same_code_gives_the_same_mutants_few_on_a_line_wherever_it_stands() -> 
     one = mutants_of("a.py", f"def t():\n{line}")
     other = mutants_of("a.py", f"import x\n\ndef t():\n{line}")
     assert [mutant.key for mutant in one] == [mutant.key for mutant in other]
-    assert max(Counter(mutant.number for mutant in one).values()) == 8
+    assert max(Counter(mutant.number for mutant in one).values()) == 3
 
 
 @pytest.fixture
 def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A tree whose one module has two mutants, both of which survive."""
+    """A tree whose one module has two mutants, both of which survive; scores are not kept."""
 
     class Survival:
         def __init__(self, *_: object) -> None: ...
@@ -180,11 +184,12 @@ def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         def judge(self, mutants: list[Mutant]) -> list[Outcome]:
             return [Outcome(mutant, "", ()) for mutant in mutants]
 
-    (tmp_path / "a.py").write_text("a = 1\n")
+    (tmp_path / "a.py").write_text("a = 1\nb = True\n")
     (tmp_path / "list.toml").write_text("")
     monkeypatch.setattr(command, "ROOT", tmp_path)
     monkeypatch.setattr(command, "LISTED", tmp_path / "list.toml")
     monkeypatch.setattr(command, "Trial", Survival)
+    monkeypatch.setattr(survivors, "record", lambda _: None)
     return tmp_path
 
 
@@ -200,8 +205,8 @@ def test_survivors_fail_the_run_until_they_are_listed(
     assert "| elsewhere | 2 | 0 | 0 | 0.0 % |" in capsys.readouterr().out
     entries = listed(tree / "list.toml")
     assert {entry.key for entry in entries} == {
-        ("a.py", "", "a = 1", "a = 0"),
-        ("a.py", "", "a = 1", "a = 2"),
+        ("a.py", "", "a = 1", mutants_of("a.py", "a = 1\n")[0].becomes),
+        ("a.py", "", "b = True", "b = False"),
     }
     assert mutants(monkeypatch, "a.py") == 0
     assert "| elsewhere | 2 | 0 | 2 | 0.0 % |" in capsys.readouterr().out
@@ -212,7 +217,7 @@ def test_an_entry_without_its_mutant_is_refused(
     tree: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     mutants(monkeypatch, "a.py", "--list")
-    (tree / "a.py").write_text("b = 1\n")
+    (tree / "a.py").write_text("b = True\n")
     assert mutants(monkeypatch, "a.py") == 1
     assert "listed, but no such mutant any more" in capsys.readouterr().out
     told = complaints(listed(tree / "list.toml"), tree)
@@ -257,16 +262,16 @@ def test_changed_are_the_files_that_differ_from_the_base(tmp_path: Path) -> None
     assert changed_since("HEAD", tmp_path) == {"edited", "new"}
 
 
-def test_scores_and_their_table_are_kept_together(tmp_path: Path) -> None:
+def test_scores_are_kept_by_file_and_their_table_tells_packages(tmp_path: Path) -> None:
     document, scores = tmp_path / "doc.md", tmp_path / "scores.json"
-    document.write_text("before\n\n" + survivors.table({"old": Score(2, 1, 1)}) + "\nafter\n")
-    kept = {"a": Score(mutants=8, killed=6, listed=2), "b": Score(1, 1, 0)}
-    record(kept, scores, document)
-    assert recorded(scores) == kept
-    rows = "| a | 8 | 6 | 2 | 75.0 % |\n| b | 1 | 1 | 0 | 100.0 % |\n"
+    document.write_text("before\n\n" + survivors.table({}, {}) + "| old | 2 |\n\nafter\n")
+    first, second = modules_of(PACKAGES[0])[:2]
+    record({first: Score(8, 6, 2), second: Score(2, 0, 0), "gone.py": Score(1, 0, 0)}, scores, document)
+    record({second: Score(2, 1, 1)}, scores, document)
+    assert recorded(scores) == {first: Score(8, 6, 2), second: Score(mutants=2, killed=1, listed=1)}
     text = document.read_text()
     assert text.startswith("before\n\n| package")
-    assert text.endswith(f"|\n{rows}\nafter\n")
+    assert text.endswith(f"|\n| {PACKAGES[0].name} | 10 | 7 | 3 | 70.0 % |\n\nafter\n")
     assert "old" not in text
 
 
@@ -283,9 +288,8 @@ def test_listed_survivors_are_true_to_the_code() -> None:
 
 
 def test_document_shows_the_scores_of_every_package() -> None:
-    if not SCORES.exists():
-        pytest.skip("make mutants ARGS=--all has not been run yet")
-    scores = recorded()
-    assert list(scores) == [package.name for package in PACKAGES]
-    assert survivors.table(scores) in TABLE.read_text()
-    assert all(score.killed >= 0.92 * score.mutants for score in scores.values())
+    scores, packages = recorded(SCORES), survivors.scope()
+    assert scores.keys() == packages.keys(), "`make mutants` tries what is new and forgets what is gone"
+    assert survivors.table(scores, packages) in TABLE.read_text()
+    for name, score in survivors.by_package(scores, packages).items():
+        assert score.killed_percent >= 92, name

@@ -8,12 +8,11 @@ from collections import Counter
 
 from tools.mutants import survivors
 from tools.mutants.mutations import Mutant, mutants_of
-from tools.mutants.scope import PACKAGES, ROOT, SOURCES, TESTS, Package, changed_since, modules_of
+from tools.mutants.scope import ROOT, SOURCES, TESTS, Package, changed_since
 from tools.mutants.survivors import LISTED, Key, Score
 from tools.mutants.trial import Outcome, Trial
 
 KEPT = ROOT / "build/mutants"
-ELSEWHERE = Package("elsewhere", ())
 TOLD = 5  # tests of a survivor
 
 
@@ -41,17 +40,16 @@ def _run(options: argparse.Namespace) -> int:
     outcomes = _outcomes(files, made, set() if options.relist else known, known)
     dead = known & {outcome.mutant.key for outcome in outcomes if outcome.killer}
     unlisted = [o.mutant for o in outcomes if not o.killer and o.mutant.key not in known]
-    drawn = {mutant.key for some in made.values() for mutant in some}
-    scores = _scores(files, made, unlisted, (known - dead) & drawn)
+    scores = _scores(made, unlisted, known - dead)
     seconds = time.monotonic() - began
-    print(survivors.table(scores), end="")
+    print(survivors.table(scores, files), end="")
     print(f"{seconds:.0f} s, {len(outcomes) / max(seconds, 1e-9):.1f} mutants/s")
     for told, keys in (("no such mutant any more", stale), ("a test notices it now", dead)):
         for key in sorted(keys):
             print(f"listed, but {told}:", *key, sep="\n    ")
     if options.list:
         survivors.append(unlisted, LISTED)
-    if options.all:
+    if options.one_in == 1:
         survivors.record(scores)
     return 1 if unlisted or stale or dead else 0
 
@@ -59,7 +57,7 @@ def _run(options: argparse.Namespace) -> int:
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="make mutants", description=__doc__)
     parser.add_argument("files", nargs="*", help="modules; if none is named, those that were changed")
-    parser.add_argument("--all", action="store_true", help="the whole scope; keeps the scores")
+    parser.add_argument("--all", action="store_true", help="the whole scope")
     parser.add_argument(
         "--one-in", type=int, default=1, metavar="N", help="a sample, the same for the same code"
     )
@@ -76,14 +74,14 @@ def _drawn(mutant: Mutant, one_in: int) -> bool:
 
 def _files(options: argparse.Namespace) -> dict[str, Package]:
     """The modules to mutate and their packages."""
-    scope = {file: package for package in PACKAGES for file in modules_of(package)}
+    scope = survivors.scope()
     if options.all:
         return scope
     if options.files:
         if missing := [file for file in options.files if not (ROOT / file).is_file()]:
             message = f"no such file: {', '.join(missing)}"
             raise ValueError(message)
-        return {file: scope.get(file, ELSEWHERE) for file in options.files}
+        return {file: scope.get(file, survivors.ELSEWHERE) for file in options.files}
     changed = changed_since(options.base)
     return {file: package for file, package in scope.items() if file in changed}
 
@@ -109,21 +107,14 @@ def _outcomes(
     return outcomes
 
 
-def _scores(
-    files: dict[str, Package],
-    made: dict[str, list[Mutant]],
-    unlisted: list[Mutant],
-    known: set[Key],
-) -> dict[str, Score]:
-    """Scores by package, in the order of the scope."""
-    mutants, alive, listed = Counter[str](), Counter[str](), Counter[str]()
+def _scores(made: dict[str, list[Mutant]], unlisted: list[Mutant], known: set[Key]) -> dict[str, Score]:
+    """Scores by file."""
+    alive = Counter(mutant.file for mutant in unlisted)
+    scores = {}
     for file, some in made.items():
-        mutants[files[file].name] += len(some)
-        listed[files[file].name] += sum(mutant.key in known for mutant in some)
-    for mutant in unlisted:
-        alive[files[mutant.file].name] += 1
-    names = [package.name for package in (*PACKAGES, ELSEWHERE) if mutants[package.name]]
-    return {n: Score(mutants[n], mutants[n] - alive[n] - listed[n], listed[n]) for n in names}
+        listed = sum(mutant.key in known for mutant in some)
+        scores[file] = Score(len(some), len(some) - alive[file] - listed, listed)
+    return scores
 
 
 class _Teller:

@@ -1,4 +1,4 @@
-"""The mutations of a module: mutmut's operators and a few more, at most two a place.
+"""The mutations of a module: mutmut's operators and a few more, one a place at most.
 
 What no test should hold is left alone: annotations, docstrings, errors and what is logged, any text
 with a space in it, decorators, type aliases.
@@ -17,7 +17,7 @@ import libcst.matchers as m
 from libcst.metadata import CodeRange, MetadataWrapper, WhitespaceInclusivePositionProvider
 from mutmut.mutation import mutators
 
-A_PLACE, A_LINE = 2, 8  # mutations at most; which, decides a hash of the code
+A_PLACE, A_LINE = 1, 3  # mutations at most; which, decides a hash of the code
 
 _LOGGING = {"print", "debug", "info", "warn", "warning", "error", "critical", "fatal", "add_argument"}
 _TYPING = {"TypeVar", "ParamSpec", "NewType", "cast"}

@@ -9,7 +9,7 @@ from pathlib import Path
 import tomllib
 
 from tools.mutants.mutations import Mutant
-from tools.mutants.scope import ROOT
+from tools.mutants.scope import PACKAGES, ROOT, Package, modules_of
 
 LISTED = ROOT / "tools/mutants/survivors.toml"
 SCORES = ROOT / "tools/mutants/scores.json"
@@ -17,6 +17,7 @@ TABLE = ROOT / "docs/guarantees.md"
 _HEAD = "| package | mutants | killed | listed | killed |\n|---|---|---|---|---|\n"
 
 Key = tuple[str, str, str, str]  # as Mutant.key
+ELSEWHERE = Package("elsewhere", ())
 
 
 @dataclass(frozen=True)
@@ -84,31 +85,66 @@ def _source(path: Path, function: str) -> str:
 
 @dataclass(frozen=True)
 class Score:
-    """How a package did: how many mutants, how many died, how many of the others are listed."""
+    """How many mutants there are, how many died, how many of the others are listed."""
 
-    mutants: int
-    killed: int
-    listed: int
+    mutants: int = 0
+    killed: int = 0
+    listed: int = 0
+
+    @property
+    def killed_percent(self) -> float:
+        """Of all mutants."""
+        return 100 * self.killed / max(self.mutants, 1)
+
+    def __add__(self, other: "Score") -> "Score":
+        return Score(
+            self.mutants + other.mutants, self.killed + other.killed, self.listed + other.listed
+        )
 
 
-def table(scores: Mapping[str, Score]) -> str:
-    """The scores in Markdown."""
+def scope() -> dict[str, Package]:
+    """The package of every module that is mutated as a habit."""
+    return {file: package for package in PACKAGES for file in modules_of(package)}
+
+
+def by_package(scores: Mapping[str, Score], packages: Mapping[str, Package]) -> dict[str, Score]:
+    """Sums over the files of each package, in the order of the scope.
+
+    Args:
+        scores: By file.
+        packages: The package of each file.
+    """
+    sums: dict[str, Score] = {}
+    for package in (*PACKAGES, ELSEWHERE):
+        some = [score for file, score in scores.items() if packages[file].name == package.name]
+        if some:
+            sums[package.name] = sum(some, Score())
+    return sums
+
+
+def table(scores: Mapping[str, Score], packages: Mapping[str, Package]) -> str:
+    """The scores of packages in Markdown; arguments as by_package."""
     rows = (
-        f"| {name} | {s.mutants} | {s.killed} | {s.listed} | {100 * s.killed / s.mutants:.1f} % |\n"
-        for name, s in scores.items()
+        f"| {name} | {s.mutants} | {s.killed} | {s.listed} | {s.killed_percent:.1f} % |\n"
+        for name, s in by_package(scores, packages).items()
     )
     return _HEAD + "".join(rows)
 
 
-def recorded(path: Path = SCORES) -> dict[str, Score]:
-    """The scores of the last run over everything."""
-    return {name: Score(**score) for name, score in json.loads(path.read_text()).items()}
+def recorded(path: Path) -> dict[str, Score]:
+    """The score of each file when its mutants were tried last; empty if there is no such record."""
+    return (
+        {f: Score(*score) for f, score in json.loads(path.read_text()).items()} if path.exists() else {}
+    )
 
 
-def record(scores: Mapping[str, Score], path: Path = SCORES, document: Path = TABLE) -> None:
-    """Keeps the scores, and puts their table in the place of the one in a document."""
+def record(scores: Mapping[str, Score], path: Path | None = None, document: Path | None = None) -> None:
+    """Keeps the scores of files that are in the scope, and their table in a document."""
+    path, document, packages = path or SCORES, document or TABLE, scope()
+    kept = {f: s for f, s in (recorded(path) | dict(scores)).items() if f in packages}
     text = document.read_text()
     begin = text.index(_HEAD)
     end = text.find("\n\n", begin) + 1 or len(text)
-    document.write_text(text[:begin] + table(scores) + text[end:])
-    path.write_text(json.dumps({name: vars(score) for name, score in scores.items()}, indent=2) + "\n")
+    document.write_text(text[:begin] + table(kept, packages) + text[end:])
+    rows = (f"  {json.dumps(file)}: {list(vars(kept[file]).values())}" for file in sorted(kept))
+    path.write_text("{\n" + ",\n".join(rows) + "\n}\n")
