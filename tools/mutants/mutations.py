@@ -22,7 +22,7 @@ A_PLACE, A_LINE = 1, 3  # mutations at most; which, decides a hash of the code
 _LOGGING = {"print", "debug", "info", "warn", "warning", "error", "critical", "fatal", "add_argument"}
 _TYPING = {"TypeVar", "ParamSpec", "NewType", "cast"}
 _UNMUTATED_ARGUMENTS = {"strict", "encoding", "help", "metavar", "description", "stacklevel", "unit"}
-_COMMUTATIVE = {"min", "max", "math.hypot", "np.minimum", "np.maximum"}
+_COMMUTATIVE = {"min", "max", "math.dist", "math.hypot", "np.minimum", "np.maximum"}
 _OPPOSITES = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}
 _PAIRS = "min-max sin-cos floor-ceil any-all left-right minimum-maximum argmin-argmax append-appendleft"
 _NAMES = {
@@ -35,6 +35,8 @@ _NAMES = {
     "round": "int",
     "sorted": "list",
 }
+
+_CLASSES = re.compile(r"\(((list|tuple|set|dict|int|float|str|[A-Z]\w+[a-z]\w*)(, |\)))+$")
 
 Mutated = tuple[cst.CSTNode, str]  # what is replaced, and by what
 
@@ -202,8 +204,8 @@ _EFFECT = (
 
 
 def _swapped(node: cst.CSTNode) -> Iterator[Mutated]:
-    """Two neighbours in a tuple or list."""
-    if isinstance(node, cst.Tuple | cst.List):
+    """Two neighbours in a tuple or list, if it is not one of types, whose order means nothing."""
+    if isinstance(node, cst.Tuple | cst.List) and not _CLASSES.match(_code(node)):
         for i, (one, other) in enumerate(pairwise(node.elements)):
             if isinstance(one, cst.Element) and isinstance(other, cst.Element):
                 pair = [one.with_changes(value=other.value), other.with_changes(value=one.value)]
