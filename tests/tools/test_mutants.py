@@ -211,6 +211,8 @@ def test_survivors_fail_the_run_until_they_are_listed(
     assert mutants(monkeypatch, "a.py") == 0
     assert "| elsewhere | 2 | 0 | 2 | 0.0 % |" in capsys.readouterr().out
     assert [one.rpartition(": ")[2] for one in complaints(entries, tree)] == ["no reason is given"] * 2
+    assert mutants(monkeypatch, "a.py", "--listed") == 0
+    assert "1 modules, 2 mutants to try" in capsys.readouterr().out
 
 
 def test_an_entry_without_its_mutant_is_refused(
@@ -222,6 +224,8 @@ def test_an_entry_without_its_mutant_is_refused(
     assert "listed, but no such mutant any more" in capsys.readouterr().out
     told = complaints(listed(tree / "list.toml"), tree)
     assert "a.py: : a = 1: the line does not stand there any more" in told
+    mutants(monkeypatch, "a.py", "--list")
+    assert [entry.key[2] for entry in listed(tree / "list.toml")] == ["b = True"]
 
 
 def test_teller_names_place_change_and_tests(capsys: pytest.CaptureFixture[str]) -> None:

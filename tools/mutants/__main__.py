@@ -35,22 +35,25 @@ def _run(options: argparse.Namespace) -> int:
     every = {file: mutants_of(file, (ROOT / file).read_text()) for file in files}
     stale = {key for key in known if options.all or key[0] in every}
     stale -= {mutant.key for some in every.values() for mutant in some}
-    made = {file: [m for m in some if _drawn(m, options.one_in)] for file, some in every.items()}
+    made = {
+        file: [m for m in some if _drawn(m, options.one_in) and (m.key in known) == options.listed]
+        for file, some in every.items()
+    }
     began = time.monotonic()
-    outcomes = _outcomes(files, made, set() if options.relist else known, known)
-    dead = known & {outcome.mutant.key for outcome in outcomes if outcome.killer}
+    outcomes = _outcomes(files, made, known)
+    dead = {outcome.mutant.key for outcome in outcomes if outcome.killer} & known
     unlisted = [o.mutant for o in outcomes if not o.killer and o.mutant.key not in known]
-    scores = _scores(made, unlisted, known - dead)
+    scores = _scores(every, unlisted, known - dead)
     seconds = time.monotonic() - began
-    print(survivors.table(scores, files), end="")
+    if options.one_in == 1:
+        print(survivors.table(scores, files), end="")
+        survivors.record(scores)
     print(f"{seconds:.0f} s, {len(outcomes) / max(seconds, 1e-9):.1f} mutants/s")
     for told, keys in (("no such mutant any more", stale), ("a test notices it now", dead)):
         for key in sorted(keys):
             print(f"listed, but {told}:", *key, sep="\n    ")
     if options.list:
-        survivors.append(unlisted, LISTED)
-    if options.one_in == 1:
-        survivors.record(scores)
+        survivors.update(LISTED, [mutant.key for mutant in unlisted], stale | dead)
     return 1 if unlisted or stale or dead else 0
 
 
@@ -62,8 +65,8 @@ def _options() -> argparse.Namespace:
         "--one-in", type=int, default=1, metavar="N", help="a sample, the same for the same code"
     )
     parser.add_argument("--base", metavar="REV", help="changed since when; default: since `main`")
-    parser.add_argument("--list", action="store_true", help="add what survives to survivors.toml")
-    parser.add_argument("--relist", action="store_true", help="try those that are listed as well")
+    parser.add_argument("--list", action="store_true", help="bring survivors.toml up to date")
+    parser.add_argument("--listed", action="store_true", help="try those that are listed, no other ones")
     return parser.parse_args()
 
 
@@ -87,15 +90,14 @@ def _files(options: argparse.Namespace) -> dict[str, Package]:
 
 
 def _outcomes(
-    files: dict[str, Package], made: dict[str, list[Mutant]], skipped: set[Key], known: set[Key]
+    files: dict[str, Package], made: dict[str, list[Mutant]], known: set[Key]
 ) -> list[Outcome]:
-    """Tries all mutants but those that are skipped; tells what survives and is not known."""
+    """Tries mutants; tells what survives and is not known."""
     groups: dict[tuple[bool, tuple[str, ...]], list[Mutant]] = {}
     for file, some in made.items():
-        group = groups.setdefault((files[file].plain, files[file].tests or TESTS), [])
-        group += [mutant for mutant in some if mutant.key not in skipped]
+        groups.setdefault((files[file].plain, files[file].tests or TESTS), []).extend(some)
     tell = _Teller(sum(map(len, groups.values())), known)
-    print(f"{len(made)} modules, {sum(map(len, made.values()))} mutants, {tell.left} to try", flush=True)
+    print(f"{len(made)} modules, {tell.left} mutants to try", flush=True)
     outcomes = []
     for (plain, tests), mutants in groups.items():
         if mutants:
@@ -107,11 +109,11 @@ def _outcomes(
     return outcomes
 
 
-def _scores(made: dict[str, list[Mutant]], unlisted: list[Mutant], known: set[Key]) -> dict[str, Score]:
+def _scores(every: dict[str, list[Mutant]], unlisted: list[Mutant], known: set[Key]) -> dict[str, Score]:
     """Scores by file."""
     alive = Counter(mutant.file for mutant in unlisted)
     scores = {}
-    for file, some in made.items():
+    for file, some in every.items():
         listed = sum(mutant.key in known for mutant in some)
         scores[file] = Score(len(some), len(some) - alive[file] - listed, listed)
     return scores

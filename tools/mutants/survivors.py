@@ -2,19 +2,20 @@
 
 import ast
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import tomllib
 
-from tools.mutants.mutations import Mutant
 from tools.mutants.scope import PACKAGES, ROOT, Package, modules_of
 
 LISTED = ROOT / "tools/mutants/survivors.toml"
 SCORES = ROOT / "tools/mutants/scores.json"
 TABLE = ROOT / "docs/guarantees.md"
 _HEAD = "| package | mutants | killed | listed | killed |\n|---|---|---|---|---|\n"
+
+_FIELDS = ("file", "function", "line", "becomes", "reason")
 
 Key = tuple[str, str, str, str]  # as Mutant.key
 ELSEWHERE = Package("elsewhere", ())
@@ -42,17 +43,17 @@ def listed(path: Path) -> list[Survivor]:
     ]
 
 
-def append(mutants: Iterable[Mutant], path: Path) -> None:
-    """Adds mutants to the list; their reasons are still to be written."""
-    names = ("file", "function", "line", "becomes", "reason")
-    with path.open("a") as file:
-        for mutant in mutants:
-            values = (*mutant.key, "")
-            lines = (
-                f"{n} = {json.dumps(v, ensure_ascii=False)}\n"
-                for n, v in zip(names, values, strict=True)
-            )
-            file.write("\n[[survivor]]\n" + "".join(lines))
+def update(path: Path, survived: Iterable[Key], gone: Collection[Key]) -> None:
+    """Adds mutants to the list, whose reasons are still to be written, and removes others."""
+    head = path.read_text().partition("[[")[0].rstrip()
+    kept = [entry for entry in listed(path) if entry.key not in gone]
+    entries = sorted([*kept, *(Survivor(key, "") for key in survived)], key=lambda entry: entry.key)
+    text = [head]
+    for entry in entries:
+        fields = zip(_FIELDS, (*entry.key, entry.reason), strict=True)
+        lines = (f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in fields)
+        text.append("\n".join(("[[survivor]]", *lines)))
+    path.write_text("\n\n".join(text) + "\n")
 
 
 def complaints(entries: Iterable[Survivor], root: Path = ROOT) -> list[str]:
