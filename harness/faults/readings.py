@@ -39,8 +39,11 @@ class ValueFault(PerSample):
     """A fault of all that a sensor measures: `_hit` returns what is sent for a field's values."""
 
     def _change(self, reading: Sample, rng: np.random.Generator) -> Readings:
-        measured = table.by_fault_name()[self.sensor].measured
-        return (with_values(reading, measured, lambda values: self._hit(values, rng)),)
+        changed = {
+            name: _changed(getattr(reading, name), lambda values: self._hit(values, rng))
+            for name in table.by_fault_name()[self.sensor].measured
+        }
+        return (replace(reading, **changed),)
 
     def _hit(self, values: Values, rng: np.random.Generator) -> Values:
         raise NotImplementedError
@@ -154,19 +157,6 @@ class Beams(PerSample):
         kept = reading.ranges[: int(self.value)]
         ranges[: kept.size] = kept
         return (replace(reading, ranges=ranges),)
-
-
-def with_values(
-    reading: Sample, measured: tuple[str, ...], change: Callable[[Values], Values]
-) -> Sample:
-    """Returns the reading with a function applied to everything that it measures.
-
-    Args:
-        reading: Of any sensor.
-        measured: The fields to change: numbers, tuples or arrays of them, twists.
-        change: Takes and gives the values of one field, shape (n,).
-    """
-    return replace(reading, **{name: _changed(getattr(reading, name), change) for name in measured})
 
 
 def _changed(value: Any, change: Callable[[Values], Values]) -> Any:  # noqa: ANN401 - a sample's field

@@ -9,10 +9,32 @@ from collections.abc import Iterable
 from functools import cache
 
 from harness.errors import UsageError
-from harness.faults import FAULTS
+from harness.faults import clock, readings, streams
 from harness.faults.base import Fault
-from harness.faults.clock import CLOCK
 from harness.sensors import table
+
+FAULTS: tuple[type[Fault], ...] = (  # in the order in which the help shows them
+    readings.Dropout,
+    streams.Decimation,
+    streams.Latency,
+    readings.Duplicate,
+    streams.Freeze,
+    readings.Stuck,
+    readings.Zero,
+    readings.Nan,
+    readings.Inf,
+    readings.Huge,
+    readings.Spike,
+    readings.StampShift,
+    streams.StampFreeze,
+    readings.Empty,
+    readings.Beams,
+    clock.ClockJump,
+    clock.ClockReset,
+    clock.ClockSpeed,
+    clock.ClockFreeze,
+    clock.ClockDropout,
+)
 
 FORM = "SENSOR:FAULT[=VALUE][@START[+LENGTH]]"
 _SPEC = re.compile(
@@ -23,12 +45,12 @@ _SPEC = re.compile(
 
 def sensors() -> tuple[str, ...]:
     """Returns the names of all sensors that can have faults; the clock is the last."""
-    return (*table.by_fault_name(), CLOCK)
+    return (*table.by_fault_name(), clock.CLOCK)
 
 
 def faults_of(sensor: str) -> dict[str, type[Fault]]:
     """Returns the faults that a sensor or the clock can have, by name."""
-    return {f.name: f for f in FAULTS if sensor in f.own or (not f.own and sensor != CLOCK)}
+    return {f.name: f for f in FAULTS if sensor in f.own or (not f.own and sensor != clock.CLOCK)}
 
 
 def parse_faults(specs: Iterable[str]) -> tuple[Fault, ...]:

@@ -4,28 +4,15 @@ Walks MuJoCo's contacts only in steps whose contact counts are not zero; the cou
 truth sensors of harness.physics.scene.
 """
 
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
 
-from harness.physics.scene import (
-    BODY_PREFIX,
-    HAZARD_CONTACT,
-    OBSTACLE_BODIES,
-    ROCK_CONTACT,
-    SCRAPE_CONTACT,
-    TERRAIN,
-)
-from harness.world.obstacles import ObstacleKind
+from harness.physics.scene import BODY_PREFIX, HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT, TERRAIN
+from harness.samples import ContactKind
 
-ContactKind = Literal["hazard", "rock", "scrape"]
-
-
-OBSTACLE_KINDS: dict[ObstacleKind, ContactKind] = {
-    ObstacleKind.ROCK: "rock",
-    ObstacleKind.HAZARD: "hazard",
-}
+KIND_OF_BODY: dict[str, ContactKind] = {"rocks": "rock", "hazards": "hazard"}
 
 
 class Touch(NamedTuple):
@@ -57,9 +44,9 @@ class ContactWatch:
         self._model, self._data = model, data
         self.counts = data.sensordata[_contact_counts(model)]
         self._obstacles: dict[int, ContactKind] = {
-            geom: OBSTACLE_KINDS[kind]
-            for kind, name in OBSTACLE_BODIES.items()
-            for geom in _geoms_of(model, name)
+            geom: kind
+            for body, kind in KIND_OF_BODY.items()
+            for geom in np.flatnonzero(model.geom_bodyid == model.body(body).id).tolist()
         }
         self._terrain = int(model.geom(TERRAIN).id)
         self._body = {
@@ -107,9 +94,3 @@ def _contact_counts(model: mujoco.MjModel) -> slice:
     sensors = [model.sensor(i) for i in range(model.nsensor)]
     places = [int(s.adr[0]) for s in sensors if s.name.startswith(counted)]
     return slice(min(places), max(places) + 1)
-
-
-def _geoms_of(model: mujoco.MjModel, body: str) -> range:
-    found = model.body(body)
-    start = int(found.geomadr[0])
-    return range(start, start + int(found.geomnum[0]))

@@ -108,16 +108,12 @@ def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None
         bodies[obstacle.kind].add_geom(
             name=f"{obstacle.kind.name.lower()}_{index}",
             type=SHAPES[obstacle.shape],
-            size=_padded(obstacle.half_size),
+            size=[*obstacle.half_size, 0.0][:3],
             pos=list(obstacle.position),
             quat=list(obstacle.quaternion),
             group=OBSTACLE_GROUP,
             **GROUND_CONTACT,
         )
-
-
-def _padded(size: tuple[float, ...]) -> list[float]:
-    return [*size, *(0.0 for _ in range(3 - len(size)))]
 
 
 def _add_truth_sensors(spec: mujoco.MjSpec) -> None:

@@ -43,7 +43,8 @@ class Simulation:
     """
 
     def __init__(self, scene: Scene, timestep_ns: int) -> None:
-        mujoco.set_mju_user_warning(_ignore)  # else MuJoCo writes MUJOCO_LOG.TXT into the cwd
+        # Its counters are checked on every tick; the texts would go into MUJOCO_LOG.TXT in the cwd.
+        mujoco.set_mju_user_warning(lambda _: None)
         self.scene = scene
         self.model = scene.model
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
@@ -100,10 +101,6 @@ class Simulation:
             2 * (x * y - w * z) * vx + (1 - 2 * (x * x + z * z)) * vy + 2 * (y * z + w * x) * vz,
             2 * (x * z + w * y) * vx + 2 * (y * z - w * x) * vy + (1 - 2 * (x * x + y * y)) * vz,
         )
-
-    def refresh_kinematics(self) -> None:
-        """Brings body and site poses, which MuJoCo leaves one step old, up to the present state."""
-        mujoco.mj_kinematics(self.model, self.data)
 
     def summed(self, sensor: str) -> NDArray[np.float64]:
         """A view onto the entries of `tick_sum` that belong to one sensor of the model."""
@@ -181,10 +178,6 @@ class Simulation:
             for y in np.arange(y_min, y_max, ground.cell / 2)
         )
         return highest + self.scene.rover.rest_height + DROP_HEIGHT
-
-
-def _ignore(_: str) -> None:
-    """Swallows MuJoCo's warning text; its counters are checked on every tick."""
 
 
 def _rounded(values: NDArray[np.float64]) -> list[float]:

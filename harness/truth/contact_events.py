@@ -6,10 +6,12 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from harness.physics.contacts import ContactKind, Touch
-from harness.samples import Vector3
-from harness.sim_time import TICK_NS
-from harness.truth.events import EVENT_GAP_NS, ContactEvent
+from harness.physics.contacts import Touch
+from harness.samples import ContactKind, Vector3
+from harness.sim_time import NANOSECONDS, TICK_NS
+from harness.truth.traversal import ContactEvent
+
+EVENT_GAP_NS = NANOSECONDS // 2  # contacts of a kind closer together than this are one event
 
 
 class ContactEvents:

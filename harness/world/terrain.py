@@ -26,9 +26,15 @@ Number = TypeVar("Number", int, float)
 
 
 def parameter(easiest: Number, default: Number, hardest: Number, unit: str) -> Number:
-    """A field of a terrain that follows the difficulty."""
-    values = (easiest, default, hardest)
-    return field(default=default, metadata={"values": values, "unit": unit})
+    """Returns a field of a terrain that follows the difficulty.
+
+    Args:
+        easiest: Its value at difficulty 0.
+        default: At 0.5.
+        hardest: At 1.
+        unit: Of all three; "" for none.
+    """
+    return field(default=default, metadata={"values": (easiest, default, hardest), "unit": unit})
 
 
 def constant(value: Number, unit: str) -> Number:

@@ -64,15 +64,12 @@ def read_raster(path: Path) -> Raster:
     except Exception as error:  # decoders raise anything at all over a damaged file
         reason = " ".join(str(error).split())[:120] or type(error).__name__
         raise UsageError(f"terrain {path} is damaged or cut short: {reason}") from error
-    missing = ~np.isfinite(raster.values) | (np.abs(raster.values) > LARGEST_HEIGHT * _scale(raster))
+    largest = LARGEST_HEIGHT if raster.in_metres else np.inf
+    missing = ~np.isfinite(raster.values) | (np.abs(raster.values) > largest)
     raster.values[missing] = np.nan
     if missing.all():
         raise UsageError(f"terrain {path} holds no height at all: every value is NaN or no-data")
     return raster
-
-
-def _scale(raster: Raster) -> float:
-    return 1.0 if raster.in_metres else np.inf
 
 
 def _kind(path: Path) -> str:

@@ -8,7 +8,6 @@ pits, and 0.1 m cells.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial, reduce
-from typing import ClassVar
 
 import numpy as np
 
@@ -40,9 +39,9 @@ class Marsyard(Terrain):
         roughness: RMS of the fine roughness [m].
     """
 
-    name: ClassVar[str] = "marsyard"
-    summary: ClassVar[str] = "like the European Rover Challenge: plain, steep hills, craters, pits"
-    promise: ClassVar[Promise] = Promise(
+    name = "marsyard"
+    summary = "like the European Rover Challenge: plain, steep hills, craters, pits"
+    promise = Promise(
         slope_p50=(8.0, 13.0),
         slope_p95=(30.0, 40.0),
         rms_1m=(0.029, 0.039),
@@ -76,8 +75,7 @@ class Marsyard(Terrain):
         hillock = (0.5 * self.hill, partial(hill, radius=HILLOCK_RADIUS))
         features: list[tuple[float, Profile]] = [
             (self.hill, partial(hill, radius=HILL_RADIUS)),
-            hillock,
-            hillock,
+            *(hillock, hillock),
             *(
                 (self.crater * radius / CRATER_RADII[0], partial(crater, radius=radius, rim=RIM))
                 for radius in CRATER_RADII

@@ -6,7 +6,6 @@ chambers; of the edges that it leaves closed, a share becomes walls. Runs of the
 
 from dataclasses import dataclass
 from itertools import groupby
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,11 +35,9 @@ class Maze(Terrain):
         walls: Share of the possible walls that stand; at 1 there is only one way to each chamber.
     """
 
-    name: ClassVar[str] = "maze"
-    summary: ClassVar[str] = "20 x 20 m arena with walls of 1 m and passages of 2 m, level"
-    promise: ClassVar[Promise] = Promise(
-        obstacle_density=(0.04, 0.065),
-    )
+    name = "maze"
+    summary = "20 x 20 m arena with walls of 1 m and passages of 2 m, level"
+    promise = Promise(obstacle_density=(0.04, 0.065))
 
     size: float = constant(24.0, "m")
     walls: float = parameter(0.25, 0.6, 1.0, "")
@@ -116,12 +113,9 @@ def _runs(indices: list[int]) -> list[tuple[int, int]]:
     runs: list[tuple[int, int]] = []
     for _, group in groupby(enumerate(indices), key=lambda item: item[1] - item[0]):
         run = [index for _, index in group]
-        runs.extend((part[0], part[-1] + 1) for part in _batched(run, LONGEST_RUN))
+        stop = run[-1] + 1
+        runs += [(start, min(start + LONGEST_RUN, stop)) for start in range(run[0], stop, LONGEST_RUN)]
     return runs
-
-
-def _batched(items: list[int], size: int) -> list[list[int]]:
-    return [items[i : i + size] for i in range(0, len(items), size)]
 
 
 def _at_spawn(index: int, across: float) -> bool:

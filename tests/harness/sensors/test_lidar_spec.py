@@ -40,3 +40,13 @@ def test_limits_that_are_no_range_are_refused(nearest: float, farthest: float, t
     with pytest.raises(UsageError, match=f"{told}.*: not a range$"):
         LidarSpec(range_min=nearest, range_max=farthest)
     assert LidarSpec(range_min=0.0).range_min == 0.0
+
+
+@pytest.mark.parametrize("beams", [4, 5, 640])
+def test_the_first_beam_looks_ahead_as_the_lidar_looks_backwards(beams: int) -> None:
+    bearings = LidarSpec(beams=beams).bearings
+    angles = np.linspace(-3.14159, 3.14159, beams)
+    expected = np.angle(np.exp(1j * (angles + math.pi)))
+    assert np.exp(1j * bearings) == pytest.approx(np.exp(1j * expected))
+    assert np.abs(bearings).max() <= math.pi
+    assert bearings[0] == pytest.approx(0.0, abs=1e-5)

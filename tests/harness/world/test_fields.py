@@ -3,7 +3,7 @@ import pytest
 
 from harness.world.fields import crater, fractal, hill, levelled, smoothstep
 from harness.world.heightfield import Heightfield
-from harness.world.statistics import residual_rms
+from tests.support.terrain_statistics import residual_rms
 
 
 def _fractal(seed: int = 0, shortest: float = 0.5) -> np.ndarray:

@@ -1,20 +1,18 @@
 from dataclasses import FrozenInstanceError, dataclass
-from typing import ClassVar
 
 import numpy as np
 import pytest
 
 from harness.world.fields import Field
-from harness.world.statistics import Promise
 from harness.world.terrain import Terrain, constant, parameter
-from harness.world.terrains.flat import Flat
+from harness.world.terrains.ground import Flat
 
 
 @dataclass(frozen=True, kw_only=True)
 class Noise(Terrain):
-    name: ClassVar[str] = "noise"
-    summary: ClassVar[str] = "white noise"
-    promise: ClassVar[Promise] = Flat.promise
+    name = "noise"
+    summary = "white noise"
+    promise = Flat.promise
 
     size: float = constant(12.0, "m")
     height: float = parameter(0.1, 0.5, 2.0, "m")

@@ -1,0 +1,91 @@
+"""A model's heightfield and obstacles as the arrays that the kernels take.
+
+MuJoCo keeps float32 heights normalised to 0..1. Rays are cast against those, not against the float64
+heights of the world they came from, so that its own ray caster is met to rounding. It asks every beam
+about every geom; a planar fan can go from obstacle to beams instead, with the same hits.
+"""
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.physics.scene import TERRAIN
+from harness.sensors.rays.obstacle_kernel import BOX, CYLINDER, ELLIPSOID
+
+COARSEST_LEVEL = 6  # blocks of 64 cells; coarser ones are hardly ever skipped whole
+KINDS = {
+    int(mujoco.mjtGeom.mjGEOM_BOX): BOX,
+    int(mujoco.mjtGeom.mjGEOM_CYLINDER): CYLINDER,
+    int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): ELLIPSOID,
+}
+
+Floats = NDArray[np.float32]
+Doubles = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+def heightfield_arrays(model: mujoco.MjModel) -> tuple[Floats, Floats, Integers, Doubles]:
+    """Returns heights, pyramid, levels and frame of the terrain as cast_rays takes them.
+
+    The heights are a view onto the model's: they must not be edited afterwards.
+
+    Raises:
+        ValueError: The terrain is no heightfield, or it is turned or moves.
+    """
+    geom = model.geom(TERRAIN).id
+    if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_HFIELD:
+        raise ValueError(f"geom '{TERRAIN}' is not a heightfield")
+    if model.geom_bodyid[geom] != 0 or not np.array_equal(model.geom_quat[geom], (1, 0, 0, 0)):
+        raise ValueError(f"heightfield '{TERRAIN}' must be upright and fixed to the world")
+    field = model.geom_dataid[geom]
+    rows, cols = int(model.hfield_nrow[field]), int(model.hfield_ncol[field])
+    start = int(model.hfield_adr[field])
+    heights = model.hfield_data[start : start + rows * cols].reshape(rows, cols)
+    half_x, half_y, relief, thickness = model.hfield_size[field]
+    frame = np.array(
+        [
+            model.geom_pos[geom] - (half_x, half_y, 0.0),
+            (0.5 * (cols - 1) / half_x, 0.5 * (rows - 1) / half_y, 1.0 / relief),
+            (-thickness / relief, heights.max(), 0.0),
+        ]
+    )
+    return heights, *_max_pyramid(heights), frame
+
+
+def obstacle_arrays(model: mujoco.MjModel, group: int) -> tuple[Integers, Doubles]:
+    """Returns the geoms of a group, with kinds, and their sizes as cast_fan takes them.
+
+    Raises:
+        ValueError: One of them is neither box, cylinder nor ellipsoid.
+    """
+    geoms = np.flatnonzero(model.geom_group == group)
+    for geom in geoms:
+        if int(model.geom_type[geom]) not in KINDS:
+            raise ValueError(
+                f"obstacle '{model.geom(geom).name}' has a shape that the lidar cannot see; "
+                "available: box, cylinder, ellipsoid"
+            )
+    kinds = np.array([KINDS[int(model.geom_type[geom])] for geom in geoms])
+    sizes = np.column_stack([model.geom_size[geoms], model.geom_rbound[geoms]])
+    return np.column_stack([geoms, kinds]).astype(np.int64), sizes
+
+
+def _max_pyramid(heights: Floats) -> tuple[Floats, Integers]:
+    """Maxima over blocks of 2, 4, 8... cells, flat, and where each level begins and its width.
+
+    Level 0, the cells, is not stored: looking at a cell's four heights decides it at once.
+    """
+    across = np.maximum(heights[:, :-1], heights[:, 1:])
+    blocks = np.maximum(across[:-1], across[1:])
+    maxima, levels, start = [np.empty(0, np.float32)], [(0, 0)], 0
+    while max(blocks.shape) > 1 and len(levels) <= COARSEST_LEVEL:
+        blocks = _halved(_halved(blocks).T).T
+        levels.append((start, blocks.shape[1]))
+        maxima.append(blocks.ravel())
+        start += blocks.size
+    return np.concatenate(maxima), np.array(levels, np.int64)
+
+
+def _halved(blocks: Floats) -> Floats:
+    """Maxima of each two neighbouring rows; a last row without neighbour stays as it is."""
+    return np.maximum.reduceat(blocks, np.arange(0, blocks.shape[0], 2), axis=0)
