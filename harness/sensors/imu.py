@@ -38,14 +38,11 @@ class ImuSensor(Sensor):
             angular_velocity=_vector(self._rate_sum / self._steps),
             linear_acceleration=_vector(self._force_sum / self._steps),
         )
-        self._begin_window()
+        self.after_reset()
         return reading
 
     def after_reset(self) -> None:
         """Starts a new window; what is in the present one is never read."""
-        self._begin_window()
-
-    def _begin_window(self) -> None:
         self._force_sum.fill(0.0)
         self._rate_sum.fill(0.0)
         self._steps = 0

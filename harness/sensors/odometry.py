@@ -6,22 +6,19 @@ a rover that is carried to another place.
 """
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from harness.physics.simulation import Simulation
 from harness.samples import Odometry, Twist
 from harness.sensors.base import Sensor
 from harness.sim_time import NANOSECONDS, TICK_NS
-
-if TYPE_CHECKING:
-    from harness.physics.simulation import Simulation
 
 
 class WheelOdometry(Sensor):
     """Integrates the encoder counts between two readings."""
 
-    def __init__(self, simulation: "Simulation", period_ticks: int) -> None:
+    def __init__(self, simulation: Simulation, period_ticks: int) -> None:
         super().__init__(simulation, period_ticks)
         self._rover = simulation.scene.rover
         model = simulation.model

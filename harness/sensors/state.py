@@ -1,15 +1,11 @@
 """What RoboTerrain reads from Gazebo's state: model pose, true odometry, joint states."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from harness.physics.simulation import Simulation
 from harness.samples import GroundTruth, JointStates, Pose, TruthState
 from harness.sensors.base import Sensor
-
-if TYPE_CHECKING:
-    from harness.physics.simulation import Simulation
-    from harness.truth.recorder import TruthRecorder
+from harness.truth.recorder import TruthRecorder
 
 
 class PoseSensor(Sensor):
@@ -42,7 +38,7 @@ class GroundTruthSensor(Sensor):
 class JointSensor(Sensor):
     """Joint positions, velocities and motor torques in the order of the rover's joints."""
 
-    def __init__(self, simulation: "Simulation", period_ticks: int) -> None:
+    def __init__(self, simulation: Simulation, period_ticks: int) -> None:
         super().__init__(simulation, period_ticks)
         model, joints = simulation.model, simulation.scene.rover.joints
         self._qpos = np.array([int(model.joint(name).qposadr[0]) for name in joints])
@@ -62,7 +58,7 @@ class JointSensor(Sensor):
 class TruthSensor(Sensor):
     """What only the simulator knows; nothing corrupts what it says."""
 
-    def __init__(self, recorder: "TruthRecorder", period_ticks: int) -> None:
+    def __init__(self, recorder: TruthRecorder, period_ticks: int) -> None:
         self._recorder, self.period_ticks = recorder, period_ticks
 
     def read(self) -> TruthState:

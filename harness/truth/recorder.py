@@ -12,7 +12,7 @@ from harness.samples import ContactKind, TruthState
 from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.truth.contact_events import ContactEvents
 from harness.truth.traversal import Truth
-from harness.truth.wheels import WheelMotion, Wheels
+from harness.truth.wheels import Wheels
 from harness.world.statistics import RoughnessMap
 
 TIPPED_OVER = math.radians(75.0)  # between the static tip angles (44-59 deg) and lying on a side
@@ -49,9 +49,6 @@ class TruthRecorder:
         self._previous = position
         _, x, y, _ = self._simulation.data.qpos[3:7].tolist()
         self._lowest_upright = min(self._lowest_upright, 1.0 - 2.0 * (x * x + y * y))
-        self._observe_contacts()
-
-    def _observe_contacts(self) -> None:
         strongest = self._simulation.contacts.strongest
         self.events.observe(self._simulation.time_ns, strongest)
         for kind, touch in strongest.items():
@@ -69,7 +66,10 @@ class TruthRecorder:
     def state(self) -> TruthState:
         """The truth now and since the last call."""
         wheels = self._wheels.motion()
-        self._count_slip(wheels)
+        for index, wheel in enumerate(wheels):
+            if wheel.moves:
+                self._slip_sums[index] += abs(wheel.slip)
+                self._slip_counts[index] += 1
         front_left, rear_left, front_right, rear_right = wheels
         squares = [self._roughness.mean_square(wheel.x, wheel.y) for wheel in wheels]
         touched = self._touched
@@ -87,12 +87,6 @@ class TruthRecorder:
         self._touched.clear()
         self._force = 0.0
         return state
-
-    def _count_slip(self, wheels: list[WheelMotion]) -> None:
-        for index, wheel in enumerate(wheels):
-            if wheel.moves:
-                self._slip_sums[index] += abs(wheel.slip)
-                self._slip_counts[index] += 1
 
     def truth(self) -> Truth:
         """The totals up to now."""

@@ -1,20 +1,26 @@
-"""A terrain's surface: heights on a square grid, centred on the world's origin.
+"""Heights in metres over a square grid: the surface of a terrain, and what terrains are built from.
 
-Row index runs with +y and column index with +x, the vertices stand at the ends, and each cell is two
-triangles split along (row, col)-(row+1, col+1): exactly MuJoCo's heightfield.
+The grid is centred on the world's origin. Row index runs with +y and column index with +x, the vertices
+stand at the ends, and each cell is two triangles split along (row, col)-(row+1, col+1): exactly MuJoCo's
+heightfield.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+Field = NDArray[np.float64]  # a value, mostly a height, for every vertex
+
+FFT_MULTIPLE = 48  # transforms of multiples of 2^4 * 3 are fast
 
 
 @dataclass(frozen=True, eq=False)
 class Heightfield:
     """Heights in metres, shape (n, n), `cell` metres apart."""
 
-    heights: NDArray[np.float64]
+    heights: Field
     cell: float
 
     @property
@@ -33,3 +39,76 @@ class Heightfield:
         corner = self.heights[row, col + 1] if du >= dv else self.heights[row + 1, col]
         low, high = min(du, dv), max(du, dv)
         return float(near + (corner - near) * (high - low) + (far - near) * low)
+
+
+def fractal(
+    rng: np.random.Generator,
+    shape: tuple[int, ...],
+    *,
+    cell: float,
+    longest: float,
+    shortest: float,
+    hurst: float = 0.8,
+    seamless: bool = False,
+) -> Field:
+    """Returns an isotropic random field of zero mean and unit RMS with a power-law spectrum.
+
+    Args:
+        rng: Source of randomness.
+        shape: Vertices per row and column; square.
+        cell: Vertex spacing [m].
+        longest: Wavelength [m] above which the spectrum is flat.
+        shortest: Wavelength [m] below which it fades out.
+        hurst: Spectral density falls as frequency to the power of -2 (hurst + 1); more is smoother.
+        seamless: Whether it repeats at its edges.
+    """
+    n = shape[0] if seamless else math.ceil(1.25 * shape[0] / FFT_MULTIPLE) * FFT_MULTIPLE
+    frequency = np.hypot(np.fft.fftfreq(n, cell)[:, None], np.fft.rfftfreq(n, cell))
+    amplitude = (frequency**2 + longest**-2) ** (-0.5 * (hurst + 1))
+    amplitude *= np.exp(-0.5 * (frequency * shortest) ** 2)
+    spectrum = np.fft.rfft2(rng.standard_normal((n, n))) * amplitude
+    field = np.fft.irfft2(spectrum, s=(n, n))[: shape[0], : shape[1]]  # the whole of it is periodic
+    field -= field.mean()
+    return np.asarray(field / field.std())
+
+
+def smoothstep(value: Field, start: float, end: float) -> Field:
+    """Returns 0 up to `start`, 1 from `end` on, without a kink in between.
+
+    Args:
+        value: Any numbers.
+        start: Below `end`, in the unit of `value`.
+        end: See `start`.
+    """
+    t = np.clip((value - start) / (end - start), 0.0, 1.0)
+    return np.asarray(t * t * (3.0 - 2.0 * t))
+
+
+def hill(distance: Field, radius: float) -> Field:
+    """A rounded hill of unit height, by distance from its top [m]; zero from `radius` on."""
+    return 1.0 - smoothstep(distance, 0.0, radius)
+
+
+def crater(distance: Field, radius: float, rim: float) -> Field:
+    """Returns a bowl of unit depth with a raised rim, which fades out over as much again.
+
+    Args:
+        distance: From its centre [m].
+        radius: Of the bowl [m], whose inner half is level.
+        rim: Its height as a fraction of the depth.
+    """
+    bowl = (1.0 + rim) * smoothstep(distance, 0.5 * radius, radius) - 1.0
+    return np.asarray(bowl - rim * smoothstep(distance, radius, 2.0 * radius))
+
+
+def levelled(heights: Field, distance: Field, inner: float, outer: float) -> Field:
+    """Returns heights blended to their own mean near a point.
+
+    Args:
+        heights: Of the whole map [m].
+        distance: From the point [m].
+        inner: Distance within which they are level [m].
+        outer: Distance from which on they are untouched [m].
+    """
+    level = heights[distance <= inner].mean()
+    return np.asarray(level + (heights - level) * smoothstep(distance, inner, outer))

@@ -44,7 +44,7 @@ class Obstacle:
     quaternion: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Form:
     """An obstacle before it has a place.
 

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.world.fields import Field
-from harness.world.heightfield import Heightfield
+from harness.world.heightfield import Field, Heightfield
 
 WINDOW = 0.3  # [m]
 

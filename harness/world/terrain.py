@@ -10,8 +10,7 @@ from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
-from harness.world.fields import Field, levelled
-from harness.world.heightfield import Heightfield
+from harness.world.heightfield import Field, Heightfield, levelled
 from harness.world.obstacles import Obstacle
 from harness.world.statistics import Promise
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.world.fields import Field, fractal, smoothstep
+from harness.world.heightfield import Field, fractal, smoothstep
 from harness.world.statistics import Promise
 from harness.world.terrain import Terrain, constant, parameter
 

@@ -11,7 +11,7 @@ from functools import partial, reduce
 
 import numpy as np
 
-from harness.world.fields import Field, crater, fractal, hill
+from harness.world.heightfield import Field, crater, fractal, hill
 from harness.world.obstacles import Points, scatter
 from harness.world.statistics import Promise
 from harness.world.terrain import Terrain, constant, parameter

@@ -10,8 +10,7 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.world.fields import Field
-from harness.world.heightfield import Heightfield
+from harness.world.heightfield import Field, Heightfield
 from harness.world.obstacles import Form, Obstacle, ObstacleKind, place
 from harness.world.statistics import Promise
 from harness.world.terrain import SPAWN_CLEARANCE, Terrain, constant, parameter
@@ -57,14 +56,11 @@ class Maze(Terrain):
                 ~doors[int(along_y)] & (wall_rng.random(doors[0].shape) < self.walls), along_y
             )
         ]
-        return tuple(
-            place(_wall(half_x, half_y, height), ground, x, y)
+        walls = (
+            (x, y, Form(ObstacleKind.HAZARD, "box", (half_x, half_y, 0.5 * height)))
             for x, y, half_x, half_y, height in (*_outer_boxes(), *inner)
         )
-
-
-def _wall(half_x: float, half_y: float, height: float) -> Form:
-    return Form(kind=ObstacleKind.HAZARD, shape="box", half_size=(half_x, half_y, 0.5 * height))
+        return tuple(place(form, ground, x, y) for x, y, form in walls)
 
 
 def _outer_boxes() -> list[Box]:

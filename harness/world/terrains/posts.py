@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.world.fields import Field, fractal
-from harness.world.heightfield import Heightfield
+from harness.world.heightfield import Field, Heightfield, fractal
 from harness.world.obstacles import Form, Obstacle, ObstacleKind, place, scatter
 from harness.world.statistics import Promise
 from harness.world.terrain import EDGE_CLEARANCE, SPAWN_CLEARANCE, Terrain, constant, parameter

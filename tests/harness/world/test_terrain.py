@@ -3,7 +3,7 @@ from dataclasses import FrozenInstanceError, dataclass
 import numpy as np
 import pytest
 
-from harness.world.fields import Field
+from harness.world.heightfield import Field
 from harness.world.terrain import Terrain, constant, parameter
 from harness.world.terrains.ground import Flat
 
