@@ -28,7 +28,6 @@ class Sample(Protocol):
     @property
     def stamp_ns(self) -> int:
         """Returns the stamp [ns]."""
-        ...
 
 
 @dataclass_transform(frozen_default=True)
@@ -146,15 +145,8 @@ class TruthState:
     @property
     def traversal(self) -> tuple[float, ...]:
         """Returns the values of /rover/truth/traversal, in its order."""
-        return (
-            self.contact_force,
-            self.rock_contact,
-            self.scrape,
-            self.speed,
-            self.path_length,
-            *self.slip,
-            self.roughness,
-        )
+        touched = (self.contact_force, self.rock_contact, self.scrape)
+        return (*touched, self.speed, self.path_length, *self.slip, self.roughness)
 
 
 @plain_value

@@ -22,10 +22,6 @@ RANDOM_STREAM = 11  # keeps these generators apart from those of the episode
 class FaultInjector:
     """Makes the ticks of an episode into those of a faulty rover; give it every tick, in order.
 
-    Args:
-        faults: In the order in which they act.
-        seed: Of the run.
-
     Attributes:
         disturbs_time: Whether time will do anything else than go on by one tick after the other.
     """

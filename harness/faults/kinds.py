@@ -1,13 +1,14 @@
 """All faults there are; the help shows them in this order."""
 
 import math
-from typing import Any
 
 import numpy as np
 
-from harness.faults import clock, readings, streams
+from harness.faults import clock
 from harness.faults.base import LONGEST, Kind, SensorAct, Value
-from harness.faults.clock import CLOCK, ClockAct
+from harness.faults.clock import ClockAct
+from harness.faults.readings import becomes, drop, each, empty, measured, resize, shift, spike
+from harness.faults.streams import decimated, frozen, late, repeat
 
 SHARE = Value("SHARE", "a share above 0 up to 1", lambda x: 0.0 < x <= 1.0, default=1.0)
 SIZE = Value("SIZE", "a size above 0", lambda x: 0.0 < x < math.inf, default=10.0)
@@ -23,34 +24,21 @@ SHIFT, JUMP = Value(*_SECONDS), Value(*_SECONDS, default=10.0)
 EMPTY = ("scan", "pose", "joint_states")  # the sensors whose messages can be
 
 OF_SENSORS: tuple[Kind[SensorAct], ...] = (
-    Kind("dropout", "messages are not sent", readings.each(readings.drop), SHARE),
-    Kind("rate", "at most so many messages a second", streams.decimated, RATE),
-    Kind("latency", "messages come late, in order, with the stamp of the reading", streams.late, DELAY),
-    Kind(
-        "duplicate", "each message is sent N times", readings.each(lambda r, n, _: (r,) * int(n)), COPIES
-    ),
-    Kind("freeze", "the last reading again and again, with new stamps", streams.frozen(streams.repeat)),
-    Kind("stuck", "every value is X", readings.measured(lambda v, x, _: np.full_like(v, x)), ANY),
-    Kind("zero", "values are 0", readings.becomes(0.0), SHARE),
-    Kind("nan", "values are NaN", readings.becomes(math.nan), SHARE),
-    Kind("inf", "values are infinite", readings.becomes(math.inf), SHARE),
-    # It fits float32; its square fits float64.
-    Kind("huge", "values are 1e30", readings.becomes(1e30), SHARE),
-    Kind(
-        "spike", "one value in ten, at random, is off by SIZE", readings.measured(readings.spike), SIZE
-    ),
-    Kind("stamp-shift", "stamps are off by S", readings.each(readings.shift), SHIFT),
-    Kind(
-        "stamp-freeze", "stamps stand still", streams.frozen(lambda last, now: streams.repeat(now, last))
-    ),
-    Kind("empty", "a message without readings", readings.each(readings.empty), own=EMPTY),
-    Kind(
-        "beams",
-        "only the first N ranges, or more that miss",
-        readings.each(readings.resize),
-        BEAMS,
-        own=("scan",),
-    ),
+    Kind("dropout", "messages are not sent", each(drop), SHARE),
+    Kind("rate", "at most so many messages a second", decimated, RATE),
+    Kind("latency", "messages come late, in order, with the stamp of the reading", late, DELAY),
+    Kind("duplicate", "each message is sent N times", each(lambda r, n, _: (r,) * int(n)), COPIES),
+    Kind("freeze", "the last reading again and again, with new stamps", frozen(repeat)),
+    Kind("stuck", "every value is X", measured(lambda v, x, _: np.full_like(v, x)), ANY),
+    Kind("zero", "values are 0", becomes(0.0), SHARE),
+    Kind("nan", "values are NaN", becomes(math.nan), SHARE),
+    Kind("inf", "values are infinite", becomes(math.inf), SHARE),
+    Kind("huge", "values are 1e30", becomes(1e30), SHARE),  # fits float32; its square fits float64
+    Kind("spike", "one value in ten, at random, is off by SIZE", measured(spike), SIZE),
+    Kind("stamp-shift", "stamps are off by S", each(shift), SHIFT),
+    Kind("stamp-freeze", "stamps stand still", frozen(lambda last, now: repeat(now, last))),
+    Kind("empty", "a message without readings", each(empty), own=EMPTY),
+    Kind("beams", "only the first N ranges, or more that miss", each(resize), BEAMS, own=("scan",)),
 )
 OF_THE_CLOCK: tuple[Kind[ClockAct], ...] = (
     Kind(
@@ -59,11 +47,9 @@ OF_THE_CLOCK: tuple[Kind[ClockAct], ...] = (
         clock.jump,
         JUMP,
         momentary=True,
-        own=(CLOCK,),
     ),
-    Kind("reset", "time starts again from 0", clock.reset, momentary=True, own=(CLOCK,)),
-    Kind("speed", "time runs FACTOR as fast, for stamps too", clock.drift, FACTOR, own=(CLOCK,)),
-    Kind("freeze", "/clock repeats its last time, then catches up", clock.freeze, own=(CLOCK,)),
-    Kind("dropout", "/clock is not sent", clock.silence, SHARE, own=(CLOCK,)),
+    Kind("reset", "time starts again from 0", clock.reset, momentary=True),
+    Kind("speed", "time runs FACTOR as fast, for stamps too", clock.drift, FACTOR),
+    Kind("freeze", "/clock repeats its last time, then catches up", clock.freeze),
+    Kind("dropout", "/clock is not sent", clock.silence, SHARE),
 )
-FAULTS: tuple[Kind[Any], ...] = (*OF_SENSORS, *OF_THE_CLOCK)

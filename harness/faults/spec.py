@@ -12,7 +12,7 @@ from typing import Any
 from harness.errors import UsageError
 from harness.faults.base import LONGEST, Fault, Kind
 from harness.faults.clock import CLOCK
-from harness.faults.kinds import FAULTS
+from harness.faults.kinds import OF_SENSORS, OF_THE_CLOCK
 from harness.sensors import table
 from harness.sim_time import NANOSECONDS
 
@@ -30,7 +30,8 @@ def sensors() -> tuple[str, ...]:
 
 def faults_of(sensor: str) -> dict[str, Kind[Any]]:
     """Returns the faults that a sensor or the clock can have, by name."""
-    return {f.name: f for f in FAULTS if sensor in f.own or (not f.own and sensor != CLOCK)}
+    kinds: tuple[Kind[Any], ...] = OF_THE_CLOCK if sensor == CLOCK else OF_SENSORS
+    return {kind.name: kind for kind in kinds if not kind.own or sensor in kind.own}
 
 
 def parse_faults(specs: Iterable[str]) -> tuple[Fault[Any], ...]:
@@ -100,9 +101,9 @@ def _number(text: str) -> float | None:
 def describe_faults() -> str:
     """Returns sensors and faults for a command's help."""
     lines = [f"sensors: {', '.join(sensors())}"]
-    lines += ["each sensor:", *(_described(fault) for fault in FAULTS if not fault.own)]
+    lines += ["each sensor:", *(_described(kind) for kind in OF_SENSORS if not kind.own)]
     for sensor in sensors():
-        own = [_described(fault) for fault in FAULTS if sensor in fault.own]
+        own = [_described(kind) for kind in faults_of(sensor).values() if kind.own or sensor == CLOCK]
         lines += [f"{sensor}:", *own] if own else []
     return "\n".join(lines)
 

@@ -63,7 +63,18 @@ class ContactWatch:
     def look(self) -> None:
         """Takes a step in which something was touched into account."""
         for index, (one, other) in enumerate(self._data.contact.geom.tolist()):
-            self._consider(index, one, other)
+            swapped = one in self._obstacles or one == self._terrain
+            part, thing = (other, one) if swapped else (one, other)
+            kind = self._obstacles.get(thing) or ("scrape" if part in self._body else None)
+            if kind is None:
+                continue  # a wheel on the ground
+            mujoco.mj_contactForce(self._model, self._data, index, self._force)
+            force = float(self._force[0])
+            before = self.strongest.get(kind)
+            if before is None or force > before.force:
+                position = self._data.contact.pos[index].tolist()
+                pose = self._data.qpos[:7].tolist()
+                self.strongest[kind] = Touch(force, part, thing, position, pose)
 
     def name_of(self, geom: int) -> str:
         """What a part, an obstacle or the ground is called."""
@@ -71,21 +82,6 @@ class ContactWatch:
             return "ground"
         name: str = self._model.geom(geom).name
         return name.removeprefix(BODY_PREFIX)
-
-    def _consider(self, index: int, one: int, other: int) -> None:
-        part, thing = (other, one) if one in self._obstacles or one == self._terrain else (one, other)
-        kind = self._obstacles.get(thing)
-        if kind is None:
-            if part not in self._body:
-                return  # a wheel on the ground
-            kind = "scrape"
-        mujoco.mj_contactForce(self._model, self._data, index, self._force)
-        force = float(self._force[0])
-        before = self.strongest.get(kind)
-        if before is None or force > before.force:
-            position = self._data.contact.pos[index].tolist()
-            pose = self._data.qpos[:7].tolist()
-            self.strongest[kind] = Touch(force, part, thing, position, pose)
 
 
 def _contact_counts(model: mujoco.MjModel) -> slice:

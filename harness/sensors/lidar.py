@@ -18,11 +18,11 @@ from harness.sensors.rays.obstacle_kernel import cast_fan
 
 
 class Lidar:
-    """The lidar at a site of a model; beams lie in the site's xy plane, azimuth 0 along its x."""
+    """The lidar at a model's site `lidar`; beams lie in the site's xy plane, azimuth 0 along its x."""
 
-    def __init__(self, model: mujoco.MjModel, spec: LidarSpec, site_name: str = "lidar") -> None:
+    def __init__(self, model: mujoco.MjModel, spec: LidarSpec) -> None:
         self.spec = spec
-        self._site = model.site(site_name).id
+        self._site = model.site("lidar").id
         self._terrain = heightfield_arrays(model)
         self._obstacles = obstacle_arrays(model, OBSTACLE_GROUP)
         angles = self.spec.angles

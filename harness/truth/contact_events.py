@@ -17,9 +17,6 @@ EVENT_GAP_NS = NANOSECONDS // 2  # contacts of a kind closer together than this 
 class ContactEvents:
     """Joins contacts to events; call `observe` after every clock tick.
 
-    Args:
-        name_of: What a geom of the model is called.
-
     Attributes:
         begun: How many events of each kind there have been.
     """

@@ -251,14 +251,3 @@ def test_as_plain_python_the_walk_meets_mujoco_too(monkeypatch: pytest.MonkeyPat
     ranges = np.array([np.inf, 0.4, 0.6])
     plain(*flat, np.array([0.3, 0.2, 0.5]), np.tile([0.0, 0.0, -1.0], (3, 1)), 10.0, ranges)
     assert ranges == pytest.approx([0.5, 0.4, 0.5])
-
-
-def test_other_than_an_upright_heightfield_is_refused() -> None:
-    spec = mujoco.MjSpec()
-    spec.worldbody.add_geom(name="terrain", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[1, 0, 0])
-    with pytest.raises(ValueError, match="'terrain' is not a heightfield"):
-        heightfield_arrays(spec.compile())
-    model, _ = terrain_model(np.zeros((3, 3)), 1.0)
-    model.geom_quat[0] = (0.0, 1.0, 0.0, 0.0)
-    with pytest.raises(ValueError, match="upright"):
-        heightfield_arrays(model)
