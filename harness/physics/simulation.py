@@ -142,21 +142,19 @@ class Simulation:
             return
         for warning, quantity in HEALTH_WARNINGS.items():
             if self.data.warning[warning].number:
-                message = (
+                raise Diverged(
                     f"the simulation diverged at t = {self.time_ns / NANOSECONDS:.2f} s "
                     f"(NaN, infinite or huge {quantity}); position {_rounded(self.data.qpos[:3])} m, "
                     f"velocity {_rounded(self.data.qvel[:3])} m/s; try a smaller --timestep"
                 )
-                raise Diverged(message)
 
     def _check_edge(self) -> None:
         x, y = self.data.qpos[0], self.data.qpos[1]
         if not (abs(x) < self._edge and abs(y) < self._edge):
-            message = (
+            raise RunFailed(
                 f"the rover reached the edge of the map at t = {self.time_ns / NANOSECONDS:.2f} s "
                 f"(x = {x:.2f} m, y = {y:.2f} m)"
             )
-            raise RunFailed(message)
 
     def _settle(self) -> None:
         """Lets the rover down onto the ground, so that no drop pollutes the first samples."""

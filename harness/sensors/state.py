@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from harness.physics.simulation import Simulation
-from harness.samples import GroundTruth, Imu, JointStates, Pose, Quaternion, TruthState, Vector3
+from harness.samples import GroundTruth, Imu, JointStates, Pose, TruthState, Vector3
 from harness.sensors.base import Sensor
 from harness.truth.recorder import TruthRecorder
 
@@ -42,9 +42,11 @@ class ImuSensor(Sensor):
 
     def read(self) -> Imu:
         """Returns the window's means [m/s^2, rad/s] and the attitude at its end; starts a new window."""
+        mujoco.mju_mulQuat(self._attitude, self._simulation.data.qpos[3:7], self._mounting)
+        w, x, y, z = self._attitude.tolist()
         reading = Imu(
             stamp_ns=self._simulation.time_ns,
-            orientation=self._orientation(),
+            orientation=(x, y, z, w),
             angular_velocity=_vector(self._rate_sum / self._steps),
             linear_acceleration=_vector(self._force_sum / self._steps),
         )
@@ -56,11 +58,6 @@ class ImuSensor(Sensor):
         self._force_sum.fill(0.0)
         self._rate_sum.fill(0.0)
         self._steps = 0
-
-    def _orientation(self) -> Quaternion:
-        mujoco.mju_mulQuat(self._attitude, self._simulation.data.qpos[3:7], self._mounting)
-        w, x, y, z = self._attitude.tolist()
-        return x, y, z, w
 
 
 class GroundTruthSensor(Sensor):

@@ -6,6 +6,7 @@ heightfield.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -84,31 +85,48 @@ def smoothstep(value: Field, start: float, end: float) -> Field:
     return np.asarray(t * t * (3.0 - 2.0 * t))
 
 
-def hill(distance: Field, radius: float) -> Field:
-    """A rounded hill of unit height, by distance from its top [m]; zero from `radius` on."""
-    return 1.0 - smoothstep(distance, 0.0, radius)
+def filled(values: Field) -> Field:
+    """Returns the raster with missing values (NaN) replaced by a smooth surface through the rest.
+
+    Means over blocks of 2 x 2, recursively, until no gap is left; then back down (a pull-push pyramid).
+    """
+    missing = np.isnan(values)
+    if not missing.any():
+        return values
+    rows, columns = values.shape
+    even = np.pad(values, ((0, rows % 2), (0, columns % 2)), constant_values=np.nan)
+    blocks = even.reshape(even.shape[0] // 2, 2, even.shape[1] // 2, 2)
+    known = (~np.isnan(blocks)).sum(axis=(1, 3))
+    sums = np.nansum(blocks, axis=(1, 3))
+    coarse = filled(np.where(known > 0, sums / np.maximum(known, 1), np.nan))
+    # A block's middle lies between its pixels.
+    return np.where(missing, _bilinear(coarse, (0.5, 0.5), (-0.25, -0.25), values.shape), values)
 
 
-def crater(distance: Field, radius: float, rim: float) -> Field:
-    """Returns a bowl of unit depth with a raised rim, which fades out over as much again.
+def resampled(values: Field, step: tuple[float, float], count: int) -> Field:
+    """Returns values on a square grid in the middle of another one.
+
+    Where the new grid is coarser, means are taken first, so that no roughness turns into hills.
 
     Args:
-        distance: From its centre [m].
-        radius: Of the bowl [m], whose inner half is level.
-        rim: Its height as a fraction of the depth.
+        values: Shape (rows, columns).
+        step: Distance of the new points in rows and in columns.
+        count: New points along each side.
     """
-    bowl = (1.0 + rim) * smoothstep(distance, 0.5 * radius, radius) - 1.0
-    return np.asarray(bowl - rim * smoothstep(distance, radius, 2.0 * radius))
+    from scipy.ndimage import uniform_filter  # noqa: PLC0415 - 0.1 s that named terrains save
+
+    widths = [2 * (round(stride) // 2) + 1 for stride in step]  # odd
+    first = [
+        0.5 * (size - 1) - 0.5 * stride * (count - 1)
+        for size, stride in zip(values.shape, step, strict=True)
+    ]
+    return _bilinear(uniform_filter(values, widths, mode="nearest"), step, first, (count, count))
 
 
-def levelled(heights: Field, distance: Field, inner: float, outer: float) -> Field:
-    """Returns heights blended to their own mean near a point.
+def _bilinear(
+    values: Field, step: Sequence[float], first: Sequence[float], shape: tuple[int, ...]
+) -> Field:
+    """Field on another grid; positions beyond the edge take the edge's value."""
+    from scipy.ndimage import affine_transform  # noqa: PLC0415 - 0.1 s that named terrains save
 
-    Args:
-        heights: Of the whole map [m].
-        distance: From the point [m].
-        inner: Distance within which they are level [m].
-        outer: Distance from which on they are untouched [m].
-    """
-    level = heights[distance <= inner].mean()
-    return np.asarray(level + (heights - level) * smoothstep(distance, inner, outer))
+    return np.asarray(affine_transform(values, step, first, shape, order=1, mode="nearest"))

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
-from harness.world.heightfield import Field, Heightfield, levelled
+from harness.world.heightfield import Field, Heightfield, smoothstep
 from harness.world.obstacles import Obstacle
 from harness.world.statistics import Promise
 
@@ -73,7 +73,10 @@ class Terrain(ABC):
         x, y = np.meshgrid(axis, axis)
         heights = self.heights(x, y, rng)
         if self.has_level_spawn:
-            heights = levelled(heights, np.hypot(x, y), SPAWN_RADIUS, SPAWN_BLEND_RADIUS)
+            distance = np.hypot(x, y)
+            level = heights[distance <= SPAWN_RADIUS].mean()
+            kept = smoothstep(distance, SPAWN_RADIUS, SPAWN_BLEND_RADIUS)
+            heights = level + (heights - level) * kept
         # Adding zero turns -0.0 into 0.0, which is another byte.
         return Heightfield(heights=np.round(heights, HEIGHT_DECIMALS) + 0.0, cell=self.cell)
 

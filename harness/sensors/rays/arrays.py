@@ -13,11 +13,6 @@ from harness.physics.scene import TERRAIN
 from harness.sensors.rays.obstacle_kernel import BOX, CYLINDER, ELLIPSOID
 
 COARSEST_LEVEL = 6  # blocks of 64 cells; coarser ones are hardly ever skipped whole
-KINDS = {
-    int(mujoco.mjtGeom.mjGEOM_BOX): BOX,
-    int(mujoco.mjtGeom.mjGEOM_CYLINDER): CYLINDER,
-    int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): ELLIPSOID,
-}
 
 Floats = NDArray[np.float32]
 Doubles = NDArray[np.float64]
@@ -52,13 +47,13 @@ def obstacle_arrays(model: mujoco.MjModel, group: int) -> tuple[Integers, Double
         ValueError: One of them is neither box, cylinder nor ellipsoid.
     """
     geoms = np.flatnonzero(model.geom_group == group)
-    for geom in geoms:
-        if int(model.geom_type[geom]) not in KINDS:
-            raise ValueError(
-                f"obstacle '{model.geom(geom).name}' has a shape that the lidar cannot see; "
-                "available: box, cylinder, ellipsoid"
-            )
-    kinds = np.array([KINDS[int(model.geom_type[geom])] for geom in geoms])
+    kinds = model.geom_type[geoms]
+    unseen = geoms[~np.isin(kinds, (BOX, CYLINDER, ELLIPSOID))]
+    if unseen.size:
+        raise ValueError(
+            f"obstacle '{model.geom(unseen[0]).name}' has a shape that the lidar cannot see; "
+            "available: box, cylinder, ellipsoid"
+        )
     sizes = np.column_stack([model.geom_size[geoms], model.geom_rbound[geoms]])
     return np.column_stack([geoms, kinds]).astype(np.int64), sizes
 

@@ -12,9 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import UsageError
-from harness.world.heightfield import Heightfield
-from harness.world.heightmap.raster import Raster, Values, read_raster
-from harness.world.heightmap.regrid import filled, resampled
+from harness.world.heightfield import Field, Heightfield, filled, resampled
+from harness.world.heightmap.raster import Raster, read_raster
 from harness.world.statistics import slopes
 from harness.world.terrain import HEIGHT_DECIMALS
 from harness.world.terrains import TERRAINS
@@ -100,8 +99,8 @@ def _pixel(raster: Raster, file: TerrainFile) -> tuple[float, float]:
     rows, columns = raster.values.shape
     if file.size is not None:
         return file.size[0] / (columns - 1), file.size[1] / (rows - 1)
-    if raster.pixel is None:
-        raise UsageError(f"{raster.size_unknown}; give --terrain-size in metres")
+    if isinstance(raster.pixel, str):
+        raise UsageError(f"{raster.pixel}; give --terrain-size in metres")
     width, depth = _extent(raster.values, raster.pixel)
     if not SMALLEST_MAP <= min(width, depth) <= max(width, depth) <= LARGEST_MAP:
         raise UsageError(
@@ -111,13 +110,13 @@ def _pixel(raster: Raster, file: TerrainFile) -> tuple[float, float]:
     return raster.pixel
 
 
-def _extent(values: Values, pixel: tuple[float, float]) -> tuple[float, float]:
+def _extent(values: Field, pixel: tuple[float, float]) -> tuple[float, float]:
     """Width and depth [m]."""
     rows, columns = values.shape
     return pixel[0] * (columns - 1), pixel[1] * (rows - 1)
 
 
-def _cropped(values: Values, pixel: tuple[float, float], notes: list[str]) -> Values:
+def _cropped(values: Field, pixel: tuple[float, float], notes: list[str]) -> Field:
     """The largest square in metres around the middle."""
     width, depth = _extent(values, pixel)
     side = min(width, depth)
@@ -130,7 +129,7 @@ def _cropped(values: Values, pixel: tuple[float, float], notes: list[str]) -> Va
     return values[row : row + kept[0], column : column + kept[1]]
 
 
-def _complete(values: Values, notes: list[str]) -> Values:
+def _complete(values: Field, notes: list[str]) -> Field:
     missing = int(np.isnan(values).sum())
     if not missing:
         return values
@@ -143,7 +142,7 @@ def _complete(values: Values, notes: list[str]) -> Values:
     return filled(values)
 
 
-def _in_metres(values: Values, raster: Raster, relief: float | None, notes: list[str]) -> Values:
+def _in_metres(values: Field, raster: Raster, relief: float | None, notes: list[str]) -> Field:
     lowest, extent = float(values.min()), float(np.ptp(values))
     if relief is None:
         if not raster.in_metres:
@@ -155,7 +154,7 @@ def _in_metres(values: Values, raster: Raster, relief: float | None, notes: list
     return (values - lowest) * (relief / extent if extent else 0.0)
 
 
-def _on_cells(heights: Values, pixel: tuple[float, float], notes: list[str]) -> tuple[Values, float]:
+def _on_cells(heights: Field, pixel: tuple[float, float], notes: list[str]) -> tuple[Field, float]:
     """Heights on square cells of a size that can be simulated, and that size [m]."""
     side = min(_extent(heights, pixel))
     cell = max(min(pixel), FINEST_CELL, side / (MOST_VERTICES - 1))
@@ -166,7 +165,7 @@ def _on_cells(heights: Values, pixel: tuple[float, float], notes: list[str]) -> 
     return resampled(heights, (cell / pixel[1], cell / pixel[0]), count), cell
 
 
-def _start(heights: Values, cell: float) -> tuple[int, int]:
+def _start(heights: Field, cell: float) -> tuple[int, int]:
     """The vertex next to the middle around which the ground is gentle.
 
     Raises:
@@ -190,7 +189,7 @@ def _start(heights: Values, cell: float) -> tuple[int, int]:
     return int(row), int(column)
 
 
-def _centred(heights: Values, row: int, column: int, cell: float, notes: list[str]) -> Values:
+def _centred(heights: Field, row: int, column: int, cell: float, notes: list[str]) -> Field:
     """The largest square with the start in its middle, where a rover is set down."""
     last = len(heights) - 1
     middle = last / 2

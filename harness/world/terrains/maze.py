@@ -10,10 +10,11 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.world.heightfield import Field, Heightfield
+from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Form, Obstacle, ObstacleKind, place
 from harness.world.statistics import Promise
-from harness.world.terrain import SPAWN_CLEARANCE, Terrain, constant, parameter
+from harness.world.terrain import SPAWN_CLEARANCE, constant, parameter
+from harness.world.terrains.ground import Flat
 
 ARENA = 20.0  # [m] between the outer walls
 CHAMBERS = 9  # along a side; odd, so that the rover starts in the middle of one
@@ -27,7 +28,7 @@ Walls = NDArray[np.bool_]  # (line, chamber along the line): a wall stands on th
 
 
 @dataclass(frozen=True, kw_only=True)
-class Maze(Terrain):
+class Maze(Flat):
     """Level ground with walls; every chamber can be reached through passages of 2 m.
 
     Attributes:
@@ -40,10 +41,6 @@ class Maze(Terrain):
 
     size: float = constant(24.0, "m")
     walls: float = parameter(0.25, 0.6, 1.0, "")
-
-    def heights(self, x: Field, _y: Field, _rng: np.random.Generator, /) -> Field:
-        """Zero everywhere [m]."""
-        return np.zeros_like(x)
 
     def obstacles(self, ground: Heightfield, rng: np.random.Generator, /) -> tuple[Obstacle, ...]:
         """Outer and inner walls, all of them hazards."""

@@ -3,7 +3,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from harness.world.heightfield import Heightfield, crater, fractal, hill, levelled, smoothstep
+from harness.world.heightfield import Heightfield, fractal, smoothstep
 from harness.world.world import World, build_world
 from tests.support.terrain_statistics import residual_rms
 
@@ -73,22 +73,3 @@ def test_smoothstep_rises_from_zero_to_one_without_kinks() -> None:
     assert (steps[300:] == 1.0).all()
     assert steps[200] == pytest.approx(0.5)
     assert np.diff(steps, 2).max() < 2e-4
-
-
-def test_a_hill_peaks_at_its_centre_and_ends_at_its_radius() -> None:
-    assert hill(np.array([0.0, 2.0, 9.0]), 2.0).tolist() == [1.0, 0.0, 0.0]
-
-
-def test_a_crater_has_a_floor_a_rim_and_an_end() -> None:
-    profile = crater(np.array([0.0, 1.0, 2.0, 4.0, 9.0]), 2.0, 0.25)
-    assert profile.tolist() == pytest.approx([-1.0, -1.0, 0.25, 0.0, 0.0])
-
-
-def test_levelled_ground_is_flat_inside_and_untouched_outside() -> None:
-    axis = np.linspace(-5.0, 5.0, 101)
-    x, y = np.meshgrid(axis, axis)
-    distance, heights = np.hypot(x, y), x**2 + y
-    result = levelled(heights, distance, 1.0, 3.0)
-    assert np.ptp(result[distance <= 1.0]) == pytest.approx(0.0, abs=1e-12)
-    assert result[50, 50] == pytest.approx(heights[distance <= 1.0].mean())
-    assert np.allclose(result[distance >= 3.0], heights[distance >= 3.0])
