@@ -14,7 +14,8 @@ from benchmarks.scenes import poses, scene_on_hills
 from harness.physics.scene import Scene
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.rays.heightfield_rays import HeightfieldRays
+from harness.sensors.rays.arrays import heightfield_arrays
+from harness.sensors.rays.heightfield_kernel import cast_rays
 
 Array = NDArray[np.float64]
 SPEC = LidarSpec(beams=360)
@@ -81,13 +82,13 @@ def _against_pybullet(scene: Scene, states: list[mujoco.MjData], effort: Effort)
         bullet: Any = import_module("pybullet")
     except ImportError as error:
         return (f"skipped: {error}", *("-",) * 5)
-    terrain = HeightfieldRays.from_model(scene.model)
+    terrain = heightfield_arrays(scene.model)
     fans = [_fan(scene, data) for data in states]
 
     def ours() -> list[Array]:
         found = [np.full(SPEC.beams, np.inf) for _ in fans]
         for fan, ranges in zip(fans, found, strict=True):
-            terrain.cast(fan.origin, fan.directions, SPEC.range_max, ranges)
+            cast_rays(*terrain, fan.origin, fan.directions, SPEC.range_max, ranges)
         return found
 
     client = bullet.connect(bullet.DIRECT)

@@ -10,14 +10,15 @@ from pathlib import Path
 
 from harness.drivers import find_driver
 from harness.drivers.base import CONTROL_PERIOD_NS
-from harness.errors import UsageError
+from harness.errors import UsageError, find_named
 from harness.faults.spec import parse_faults
 from harness.robots import find_rover
 from harness.sensors.base import period_ticks
-from harness.sensors.noise import find_preset
+from harness.sensors.noise import PRESETS
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
 from harness.world.heightmap.dem import TerrainFile, file_world, is_terrain_file
-from harness.world.world import DEFAULT_DIFFICULTY, World, build_world, find_terrain
+from harness.world.terrains import TERRAINS
+from harness.world.world import DEFAULT_DIFFICULTY, World, build_world
 
 LIDAR_BEAMS, IMU_RATE = 640, 20
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
@@ -80,7 +81,7 @@ class EpisodeConfig:
             if self.difficulty != DEFAULT_DIFFICULTY:
                 raise UsageError("a terrain from a file has no difficulty; leave out --difficulty")
             return
-        find_terrain(self.terrain)
+        find_named("terrain", self.terrain, TERRAINS)
         if self.terrain_size is not None or self.terrain_height is not None:
             raise UsageError("--terrain-size and --terrain-height apply to terrains from files only")
 
@@ -97,7 +98,7 @@ class EpisodeConfig:
         period_ticks(self.imu_rate)
         parse_faults(self.faults)
         if self.noise is not None:
-            find_preset(self.noise)
+            find_named("noise preset", self.noise, PRESETS)
         check_duration(self.duration)
         if self.seed < 0:
             raise UsageError(f"seed {self.seed} is not valid; give a whole number from 0 up")

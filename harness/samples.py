@@ -8,13 +8,14 @@ and units follow REP-103: metres, radians, seconds, x forward, y left, z up; qua
 
 from dataclasses import dataclass, fields
 from operator import attrgetter
-from typing import Any, ClassVar, Protocol, TypeVar
+from typing import Any, ClassVar, Literal, Protocol, TypeVar, dataclass_transform
 
 import numpy as np
 from numpy.typing import NDArray
 
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
+ContactKind = Literal["hazard", "rock", "scrape"]
 
 T = TypeVar("T")
 
@@ -27,26 +28,26 @@ class Sample(Protocol):
     @property
     def stamp_ns(self) -> int:
         """Returns the stamp [ns]."""
-        ...
 
 
-def sent_by_fields(value_type: type[T]) -> type[T]:
-    """Lets a frozen dataclass with two fields or more be pickled as a call of its constructor.
+@dataclass_transform(frozen_default=True)
+def plain_value(cls: type[T]) -> type[T]:
+    """Makes a class of two fields or more a frozen dataclass that is pickled as a constructor's call.
 
     The way that dataclasses with slots bring along costs twice as much, for every sample of a run:
     harness.episode.stream sends them from one process to another.
     """
-    values = attrgetter(*(item.name for item in fields(value_type)))  # type: ignore[arg-type]  # a dataclass
+    made = dataclass(frozen=True, slots=True)(cls)
+    values = attrgetter(*(item.name for item in fields(made)))  # type: ignore[arg-type]  # a dataclass
 
     def reduce(value: T) -> tuple[type[T], tuple[Any, ...]]:
-        return value_type, values(value)
+        return made, values(value)
 
-    value_type.__reduce__ = reduce  # type: ignore[assignment]  # narrower than object's
-    return value_type
+    made.__reduce__ = reduce  # type: ignore[assignment]  # narrower than object's
+    return made
 
 
-@sent_by_fields
-@dataclass(frozen=True, slots=True)
+@plain_value
 class Twist:
     """A body-frame velocity: linear.x in m/s (forward) and angular.z in rad/s (left)."""
 
@@ -54,8 +55,7 @@ class Twist:
     angular: float = 0.0
 
 
-@sent_by_fields
-@dataclass(frozen=True, slots=True)
+@plain_value
 class LaserScan:
     """One lidar revolution in lidar_link; `ranges` is float32, beam 0 at -pi, REP-117 coded."""
 
@@ -63,8 +63,7 @@ class LaserScan:
     ranges: NDArray[np.float32]
 
 
-@sent_by_fields
-@dataclass(frozen=True, slots=True)
+@plain_value
 class Imu:
     """Means over the sensor's window: specific force (gravity included) and rate, in imu frame."""
 
@@ -74,8 +73,7 @@ class Imu:
     linear_acceleration: Vector3
 
 
-@sent_by_fields
-@dataclass(frozen=True, slots=True)
+@plain_value
 class Pose:
     """Pose of the model frame in the world; `empty` stands for an array without it (a fault)."""
 
@@ -85,8 +83,7 @@ class Pose:
     empty: bool = False
 
 
-@sent_by_fields
-@dataclass(frozen=True, slots=True)
+@plain_value
 class Odometry:
     """Planar pose in the odom frame and body-frame twist, as wheel encoders tell it."""
 
@@ -97,8 +94,7 @@ class Odometry:
     twist: Twist
 
 
-@sent_by_fields
-@dataclass(frozen=True, slots=True)
+@plain_value
 class GroundTruth:
     """The true planar pose and the true body-frame velocity."""
 
@@ -110,8 +106,7 @@ class GroundTruth:
     angular_velocity: Vector3
 
 
-@sent_by_fields
-@dataclass(frozen=True, slots=True)
+@plain_value
 class JointStates:
     """Position [rad], velocity [rad/s] and effort [N m] of the joints named by the rover's spec."""
 
@@ -121,8 +116,7 @@ class JointStates:
     effort: tuple[float, ...]
 
 
-@sent_by_fields
-@dataclass(frozen=True, slots=True)
+@plain_value
 class TruthState:
     """What only the simulator knows, now and in the 50 ms since the last one; faults leave it alone.
 
@@ -151,19 +145,11 @@ class TruthState:
     @property
     def traversal(self) -> tuple[float, ...]:
         """Returns the values of /rover/truth/traversal, in its order."""
-        return (
-            self.contact_force,
-            self.rock_contact,
-            self.scrape,
-            self.speed,
-            self.path_length,
-            *self.slip,
-            self.roughness,
-        )
+        touched = (self.contact_force, self.rock_contact, self.scrape)
+        return (*touched, self.speed, self.path_length, *self.slip, self.roughness)
 
 
-@sent_by_fields
-@dataclass(frozen=True, slots=True)
+@plain_value
 class Tick:
     """All samples that fall on one clock tick, in publishing order.
 
@@ -176,8 +162,7 @@ class Tick:
     tells_time: bool = True
 
 
-@sent_by_fields
-@dataclass(frozen=True, slots=True)
+@plain_value
 class PlacedScan:
     """A scan and the pose of the model frame at the very tick of the scan."""
 

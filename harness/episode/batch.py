@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-from harness.samples import Tick, sent_by_fields
-from harness.truth.events import ContactEvent
-from harness.truth.traversal import Truth
+from harness.samples import Tick, plain_value
+from harness.truth.traversal import ContactEvent, Truth
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,8 +24,7 @@ class EpisodeInfo:
     notes: tuple[str, ...] = ()
 
 
-@sent_by_fields
-@dataclass(frozen=True, slots=True)
+@plain_value
 class Batch:
     """The ticks of one control period and the truth at their end.
 

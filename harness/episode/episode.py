@@ -19,9 +19,9 @@ from harness.robots import find_rover
 from harness.samples import Imu, LaserScan, Sample, Tick, Twist
 from harness.sensors import table
 from harness.sensors.base import Sensor
-from harness.sensors.lidar import Lidar, beam_bearings
+from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.noise import SensorNoise, find_preset
+from harness.sensors.noise import PRESETS, SensorNoise
 from harness.sim_time import NANOSECONDS, TICK_NS, parse_timestep
 from harness.truth.recorder import TruthRecorder
 from harness.world.world import terrain_hash
@@ -65,9 +65,9 @@ class Episode:
         self._noise = (
             None
             if config.noise is None
-            else SensorNoise(find_preset(config.noise), limits, scan_rng, imu_rng)
+            else SensorNoise(PRESETS[config.noise], limits, scan_rng, imu_rng)
         )
-        self._bearings = beam_bearings(lidar_spec)
+        self._bearings = lidar_spec.bearings
         self._begin()
 
     def _begin(self) -> None:

@@ -13,7 +13,7 @@ from harness.episode.result import RunResult
 from harness.errors import UsageError
 from harness.files import whole_file
 from harness.sim_time import NANOSECONDS
-from harness.truth.events import ContactEvent
+from harness.truth.traversal import ContactEvent
 from rover_metrics.log.files import json_safe
 
 FLAT_LIST = re.compile(r"\[[^\[\]{}\"]+\]")  # of numbers: one line for each is too much

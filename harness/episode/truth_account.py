@@ -8,8 +8,7 @@ import numpy as np
 from harness.episode.batch import Batch
 from harness.samples import TruthState, Vector3
 from harness.sim_time import NANOSECONDS
-from harness.truth.events import ContactEvent
-from harness.truth.traversal import Truth
+from harness.truth.traversal import ContactEvent, Truth
 
 MOST_EVENTS = 1000
 MOST_POINTS = 1000  # of the path

@@ -1,22 +1,19 @@
-"""What a fault is: a frozen value that a user's words are parsed into, and what values there are.
+"""What a fault is: one of the kinds that there are, at a sensor or the clock, with a value and times."""
 
-Each fault is a class of its own in harness.faults.
-"""
-
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Generic, TypeVar
 
 import numpy as np
 
-from harness.errors import UsageError
 from harness.samples import Sample
-from harness.sim_time import NANOSECONDS
 
 LONGEST = 1e8  # [s]: stamps have 31 bits of seconds
 
 Readings = tuple[Sample, ...]
 Effect = Callable[[Readings, int], Readings]  # what is sent at a tick [ns] for what was read
+SensorAct = Callable[["Fault[SensorAct]", np.random.Generator], Effect]
+A = TypeVar("A")
 
 
 @dataclass(frozen=True)
@@ -36,101 +33,45 @@ class Value:
     default: float | None = None
 
 
-SHARE = Value("SHARE", "a share above 0 up to 1", lambda x: 0.0 < x <= 1.0, default=1.0)
-
-
 @dataclass(frozen=True)
-class Fault:
-    """One fault of a run. The docstring of each class is its line in the help.
+class Kind(Generic[A]):
+    """One kind of fault.
 
     Attributes:
         name: As in --fault.
+        summary: Its line in the help.
+        act: Of sensors: makes a fault's Effect for one run, to be asked at every tick. Of the clock:
+            disturbs a FaultyClock at a tick, given the fault's value.
         takes: What may stand behind the '='; None for nothing.
         momentary: Whether it happens at one time, instead of lasting.
         own: The only sensors that can have it; empty if all can.
-        sensor: The name of its sensor.
-        value: In the unit of `takes`; 0 if it takes none.
+    """
+
+    name: str
+    summary: str
+    act: A
+    takes: Value | None = None
+    momentary: bool = False
+    own: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Fault(Generic[A]):
+    """One fault of a run.
+
+    Attributes:
+        sensor: The name of its sensor, or that of the clock.
+        value: In the unit of what its kind takes; 0 if it takes none.
         start_ns: Simulation time of the first tick that it touches.
         end_ns: Simulation time from which it is over; None at the end of the run.
     """
 
-    name: ClassVar[str]
-    takes: ClassVar[Value | None] = None
-    momentary: ClassVar[bool] = False
-    own: ClassVar[tuple[str, ...]] = ()
-
+    kind: Kind[A]
     sensor: str
     value: float = 0.0
     start_ns: int = 0
     end_ns: int | None = None
 
-    @classmethod
-    def parse(cls, spec: str, words: Mapping[str, str | None]) -> Self:
-        """Returns the fault that a user has written.
-
-        Args:
-            spec: As it was written, for messages.
-            words: Its sensor, name, value, start and length; None for those left out.
-
-        Raises:
-            UsageError: One of them is not valid; the message names what is.
-        """
-        sensor, start, length = str(words["sensor"]), words["start"], words["length"]
-        if cls.momentary and (start is None or length is not None):
-            raise UsageError(f"fault '{spec}' happens at one time; give {sensor}:{cls.name}@START")
-        start_ns = 0 if start is None else _time_ns(spec, start, "START")
-        end_ns = None if length is None else start_ns + _time_ns(spec, length, "LENGTH")
-        if end_ns == start_ns:
-            raise UsageError(f"fault '{spec}': LENGTH is 0 s; give more, or leave it out")
-        return cls(sensor, cls._value(spec, words["value"]), start_ns, end_ns)
-
-    @classmethod
-    def _value(cls, spec: str, text: str | None) -> float:
-        if cls.takes is None:
-            if text is not None:
-                raise UsageError(f"fault '{spec}' takes no value; leave out '={text}'")
-            return 0.0
-        if text is None:
-            if cls.takes.default is None:
-                raise UsageError(f"fault '{spec}' needs ={cls.takes.name}: {cls.takes.meaning}")
-            return cls.takes.default
-        number = _number(text)
-        if number is None or not cls.takes.valid(number):
-            raise UsageError(f"fault '{spec}': value '{text}' is not valid; give {cls.takes.meaning}")
-        return number
-
-    @classmethod
-    def described(cls) -> str:
-        """Returns its line in the help."""
-        form = cls.name
-        if cls.takes is not None:
-            value = f"={cls.takes.name}"
-            form += value if cls.takes.default is None else f"[{value}]"
-        summary = (cls.__doc__ or "").rstrip(".")
-        return f"  {form + '@START' * cls.momentary:22}{summary[:1].lower()}{summary[1:]}"
-
     def active(self, time_ns: int) -> bool:
         """Returns whether it touches a tick of that simulation time."""
         return self.start_ns <= time_ns and (self.end_ns is None or time_ns < self.end_ns)
-
-
-class SensorFault(Fault):
-    """A fault of a sensor."""
-
-    def apply(self, rng: np.random.Generator) -> Effect:
-        """Returns the fault at work in one run; it is to be asked at every tick."""
-        raise NotImplementedError
-
-
-def _time_ns(spec: str, text: str, what: str) -> int:
-    seconds = _number(text)
-    if seconds is None or not 0.0 <= seconds <= LONGEST:
-        raise UsageError(f"fault '{spec}': {what} '{text}' is not valid; give seconds from 0 up")
-    return round(seconds * NANOSECONDS)
-
-
-def _number(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None

@@ -7,11 +7,12 @@ the order in which they are given, after the clock's.
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from harness.faults.base import Fault, Readings, SensorFault
-from harness.faults.clock import ClockFault, FaultyClock
+from harness.faults.base import Fault, Readings
+from harness.faults.clock import CLOCK, FaultyClock
 from harness.samples import Sample, Tick
 from harness.sensors import table
 
@@ -21,25 +22,17 @@ RANDOM_STREAM = 11  # keeps these generators apart from those of the episode
 class FaultInjector:
     """Makes the ticks of an episode into those of a faulty rover; give it every tick, in order.
 
-    Args:
-        faults: In the order in which they act.
-        seed: Of the run.
-
     Attributes:
         disturbs_time: Whether time will do anything else than go on by one tick after the other.
     """
 
-    def __init__(self, faults: Iterable[Fault], seed: int) -> None:
+    def __init__(self, faults: Iterable[Fault[Any]], seed: int) -> None:
         drawn = [(fault, _generator(seed, index)) for index, fault in enumerate(faults)]
-        clock_faults = [(fault, rng) for fault, rng in drawn if isinstance(fault, ClockFault)]
+        clock_faults = [(fault, rng) for fault, rng in drawn if fault.sensor == CLOCK]
         self._faulty, self.disturbs_time = bool(drawn), bool(clock_faults)
         self._clock = FaultyClock(clock_faults)
         self._effects = {
-            row.sample: [
-                fault.apply(rng)
-                for fault, rng in drawn
-                if isinstance(fault, SensorFault) and fault.sensor == name
-            ]
+            row.sample: [fault.kind.act(fault, rng) for fault, rng in drawn if fault.sensor == name]
             for name, row in table.by_fault_name().items()
         }
 

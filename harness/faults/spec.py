@@ -7,12 +7,14 @@ lasts the whole run.
 import re
 from collections.abc import Iterable
 from functools import cache
+from typing import Any
 
 from harness.errors import UsageError
-from harness.faults import FAULTS
-from harness.faults.base import Fault
+from harness.faults.base import LONGEST, Fault, Kind
 from harness.faults.clock import CLOCK
+from harness.faults.kinds import OF_SENSORS, OF_THE_CLOCK
 from harness.sensors import table
+from harness.sim_time import NANOSECONDS
 
 FORM = "SENSOR:FAULT[=VALUE][@START[+LENGTH]]"
 _SPEC = re.compile(
@@ -26,12 +28,13 @@ def sensors() -> tuple[str, ...]:
     return (*table.by_fault_name(), CLOCK)
 
 
-def faults_of(sensor: str) -> dict[str, type[Fault]]:
+def faults_of(sensor: str) -> dict[str, Kind[Any]]:
     """Returns the faults that a sensor or the clock can have, by name."""
-    return {f.name: f for f in FAULTS if sensor in f.own or (not f.own and sensor != CLOCK)}
+    kinds: tuple[Kind[Any], ...] = OF_THE_CLOCK if sensor == CLOCK else OF_SENSORS
+    return {kind.name: kind for kind in kinds if not kind.own or sensor in kind.own}
 
 
-def parse_faults(specs: Iterable[str]) -> tuple[Fault, ...]:
+def parse_faults(specs: Iterable[str]) -> tuple[Fault[Any], ...]:
     """Parses faults.
 
     Raises:
@@ -41,26 +44,73 @@ def parse_faults(specs: Iterable[str]) -> tuple[Fault, ...]:
 
 
 @cache  # a run checks its options and then makes its faults
-def _parse(spec: str) -> Fault:
+def _parse(spec: str) -> Fault[Any]:
     found = _SPEC.fullmatch(spec)
     if found is None:
         raise UsageError(f"fault '{spec}' is not of the form {FORM}, e.g. imu:nan@10+2")
-    sensor, name = found["sensor"], found["name"]
+    sensor, name, value, start, length = found.groups()
     some = faults_of(sensor)
     if sensor not in sensors():
-        problem, available = f"there is no sensor '{sensor}'", sensors()
-    elif name not in some:
-        problem, available = f"{sensor} has no fault '{name}'", tuple(some)
-    else:
-        return some[name].parse(spec, found.groupdict())
-    raise UsageError(f"fault '{spec}': {problem}; available: {', '.join(available)}")
+        raise _unknown(spec, f"there is no sensor '{sensor}'", sensors())
+    if name not in some:
+        raise _unknown(spec, f"{sensor} has no fault '{name}'", some)
+    kind = some[name]
+    if kind.momentary and (start is None or length is not None):
+        raise UsageError(f"fault '{spec}' happens at one time; give {sensor}:{name}@START")
+    start_ns = 0 if start is None else _time_ns(spec, start, "START")
+    end_ns = None if length is None else start_ns + _time_ns(spec, length, "LENGTH")
+    if end_ns == start_ns:
+        raise UsageError(f"fault '{spec}': LENGTH is 0 s; give more, or leave it out")
+    return Fault(kind, sensor, _value(spec, kind, value), start_ns, end_ns)
+
+
+def _unknown(spec: str, problem: str, available: Iterable[str]) -> UsageError:
+    return UsageError(f"fault '{spec}': {problem}; available: {', '.join(available)}")
+
+
+def _value(spec: str, kind: Kind[Any], text: str | None) -> float:
+    takes = kind.takes
+    if takes is None:
+        if text is not None:
+            raise UsageError(f"fault '{spec}' takes no value; leave out '={text}'")
+        return 0.0
+    if text is None:
+        if takes.default is None:
+            raise UsageError(f"fault '{spec}' needs ={takes.name}: {takes.meaning}")
+        return takes.default
+    number = _number(text)
+    if number is None or not takes.valid(number):
+        raise UsageError(f"fault '{spec}': value '{text}' is not valid; give {takes.meaning}")
+    return number
+
+
+def _time_ns(spec: str, text: str, what: str) -> int:
+    seconds = _number(text)
+    if seconds is None or not 0.0 <= seconds <= LONGEST:
+        raise UsageError(f"fault '{spec}': {what} '{text}' is not valid; give seconds from 0 up")
+    return round(seconds * NANOSECONDS)
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
 
 
 def describe_faults() -> str:
     """Returns sensors and faults for a command's help."""
     lines = [f"sensors: {', '.join(sensors())}"]
-    lines += ["each sensor:", *(fault.described() for fault in FAULTS if not fault.own)]
+    lines += ["each sensor:", *(_described(kind) for kind in OF_SENSORS if not kind.own)]
     for sensor in sensors():
-        own = [fault.described() for fault in FAULTS if sensor in fault.own]
+        own = [_described(kind) for kind in faults_of(sensor).values() if kind.own or sensor == CLOCK]
         lines += [f"{sensor}:", *own] if own else []
     return "\n".join(lines)
+
+
+def _described(kind: Kind[Any]) -> str:
+    form = kind.name
+    if kind.takes is not None:
+        value = f"={kind.takes.name}"
+        form += value if kind.takes.default is None else f"[{value}]"
+    return f"  {form + '@START' * kind.momentary:22}{kind.summary}"

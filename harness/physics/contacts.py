@@ -4,28 +4,15 @@ Walks MuJoCo's contacts only in steps whose contact counts are not zero; the cou
 truth sensors of harness.physics.scene.
 """
 
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
 
-from harness.physics.scene import (
-    BODY_PREFIX,
-    HAZARD_CONTACT,
-    OBSTACLE_BODIES,
-    ROCK_CONTACT,
-    SCRAPE_CONTACT,
-    TERRAIN,
-)
-from harness.world.obstacles import ObstacleKind
+from harness.physics.scene import BODY_PREFIX, HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT, TERRAIN
+from harness.samples import ContactKind
 
-ContactKind = Literal["hazard", "rock", "scrape"]
-
-
-OBSTACLE_KINDS: dict[ObstacleKind, ContactKind] = {
-    ObstacleKind.ROCK: "rock",
-    ObstacleKind.HAZARD: "hazard",
-}
+KIND_OF_BODY: dict[str, ContactKind] = {"rocks": "rock", "hazards": "hazard"}
 
 
 class Touch(NamedTuple):
@@ -57,9 +44,9 @@ class ContactWatch:
         self._model, self._data = model, data
         self.counts = data.sensordata[_contact_counts(model)]
         self._obstacles: dict[int, ContactKind] = {
-            geom: OBSTACLE_KINDS[kind]
-            for kind, name in OBSTACLE_BODIES.items()
-            for geom in _geoms_of(model, name)
+            geom: kind
+            for body, kind in KIND_OF_BODY.items()
+            for geom in np.flatnonzero(model.geom_bodyid == model.body(body).id).tolist()
         }
         self._terrain = int(model.geom(TERRAIN).id)
         self._body = {
@@ -76,7 +63,18 @@ class ContactWatch:
     def look(self) -> None:
         """Takes a step in which something was touched into account."""
         for index, (one, other) in enumerate(self._data.contact.geom.tolist()):
-            self._consider(index, one, other)
+            swapped = one in self._obstacles or one == self._terrain
+            part, thing = (other, one) if swapped else (one, other)
+            kind = self._obstacles.get(thing) or ("scrape" if part in self._body else None)
+            if kind is None:
+                continue  # a wheel on the ground
+            mujoco.mj_contactForce(self._model, self._data, index, self._force)
+            force = float(self._force[0])
+            before = self.strongest.get(kind)
+            if before is None or force > before.force:
+                position = self._data.contact.pos[index].tolist()
+                pose = self._data.qpos[:7].tolist()
+                self.strongest[kind] = Touch(force, part, thing, position, pose)
 
     def name_of(self, geom: int) -> str:
         """What a part, an obstacle or the ground is called."""
@@ -85,21 +83,6 @@ class ContactWatch:
         name: str = self._model.geom(geom).name
         return name.removeprefix(BODY_PREFIX)
 
-    def _consider(self, index: int, one: int, other: int) -> None:
-        part, thing = (other, one) if one in self._obstacles or one == self._terrain else (one, other)
-        kind = self._obstacles.get(thing)
-        if kind is None:
-            if part not in self._body:
-                return  # a wheel on the ground
-            kind = "scrape"
-        mujoco.mj_contactForce(self._model, self._data, index, self._force)
-        force = float(self._force[0])
-        before = self.strongest.get(kind)
-        if before is None or force > before.force:
-            position = self._data.contact.pos[index].tolist()
-            pose = self._data.qpos[:7].tolist()
-            self.strongest[kind] = Touch(force, part, thing, position, pose)
-
 
 def _contact_counts(model: mujoco.MjModel) -> slice:
     """Where in the sensor data the contact counts stand: one next to the other."""
@@ -107,9 +90,3 @@ def _contact_counts(model: mujoco.MjModel) -> slice:
     sensors = [model.sensor(i) for i in range(model.nsensor)]
     places = [int(s.adr[0]) for s in sensors if s.name.startswith(counted)]
     return slice(min(places), max(places) + 1)
-
-
-def _geoms_of(model: mujoco.MjModel, body: str) -> range:
-    found = model.body(body)
-    start = int(found.geomadr[0])
-    return range(start, start + int(found.geomnum[0]))

@@ -108,7 +108,7 @@ def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None
         bodies[obstacle.kind].add_geom(
             name=f"{obstacle.kind.name.lower()}_{index}",
             type=SHAPES[obstacle.shape],
-            size=_padded(obstacle.half_size),
+            size=[*obstacle.half_size, 0.0][:3],
             pos=list(obstacle.position),
             quat=list(obstacle.quaternion),
             group=OBSTACLE_GROUP,
@@ -116,31 +116,23 @@ def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None
         )
 
 
-def _padded(size: tuple[float, ...]) -> list[float]:
-    return [*size, *(0.0 for _ in range(3 - len(size)))]
-
-
 def _add_truth_sensors(spec: mujoco.MjSpec) -> None:
     """Contact counts of the whole rover with rocks and hazards, of its body with the ground."""
     subtree, body, geom = (mujoco.mjtObj.mjOBJ_XBODY, mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_GEOM)
-    _add_contact_count(spec, ROCK_CONTACT, (subtree, "rover"), (body, "rocks"))
-    _add_contact_count(spec, HAZARD_CONTACT, (subtree, "rover"), (body, "hazards"))
-    for part in spec.bodies:
-        if any(g.name.startswith(BODY_PREFIX) for g in part.geoms):
-            name = f"{SCRAPE_CONTACT}_{part.name}"
-            _add_contact_count(spec, name, (body, part.name), (geom, TERRAIN))
-
-
-def _add_contact_count(
-    spec: mujoco.MjSpec, name: str, one: tuple[mujoco.mjtObj, str], other: tuple[mujoco.mjtObj, str]
-) -> None:
+    counts = [
+        (ROCK_CONTACT, (subtree, "rover"), (body, "rocks")),
+        (HAZARD_CONTACT, (subtree, "rover"), (body, "hazards")),
+    ]
+    scraping = (part for part in spec.bodies if any(g.name.startswith(BODY_PREFIX) for g in part.geoms))
+    counts += [(f"{SCRAPE_CONTACT}_{b.name}", (body, b.name), (geom, TERRAIN)) for b in scraping]
     found, net_force, slots = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 3, 1
-    spec.add_sensor(
-        name=name,
-        type=mujoco.mjtSensor.mjSENS_CONTACT,
-        objtype=one[0],
-        objname=one[1],
-        reftype=other[0],
-        refname=other[1],
-        intprm=[found, net_force, slots],
-    )
+    for name, (kind, one), (other_kind, other) in counts:
+        spec.add_sensor(
+            name=name,
+            type=mujoco.mjtSensor.mjSENS_CONTACT,
+            objtype=kind,
+            objname=one,
+            reftype=other_kind,
+            refname=other,
+            intprm=[found, net_force, slots],
+        )

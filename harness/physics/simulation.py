@@ -43,7 +43,8 @@ class Simulation:
     """
 
     def __init__(self, scene: Scene, timestep_ns: int) -> None:
-        mujoco.set_mju_user_warning(_ignore)  # else MuJoCo writes MUJOCO_LOG.TXT into the cwd
+        # Its counters are checked on every tick; the texts would go into MUJOCO_LOG.TXT in the cwd.
+        mujoco.set_mju_user_warning(lambda _: None)
         self.scene = scene
         self.model = scene.model
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
@@ -101,10 +102,6 @@ class Simulation:
             2 * (x * z + w * y) * vx + 2 * (y * z - w * x) * vy + (1 - 2 * (x * x + y * y)) * vz,
         )
 
-    def refresh_kinematics(self) -> None:
-        """Brings body and site poses, which MuJoCo leaves one step old, up to the present state."""
-        mujoco.mj_kinematics(self.model, self.data)
-
     def summed(self, sensor: str) -> NDArray[np.float64]:
         """A view onto the entries of `tick_sum` that belong to one sensor of the model."""
         found = self.model.sensor(sensor)
@@ -145,21 +142,19 @@ class Simulation:
             return
         for warning, quantity in HEALTH_WARNINGS.items():
             if self.data.warning[warning].number:
-                message = (
+                raise Diverged(
                     f"the simulation diverged at t = {self.time_ns / NANOSECONDS:.2f} s "
                     f"(NaN, infinite or huge {quantity}); position {_rounded(self.data.qpos[:3])} m, "
                     f"velocity {_rounded(self.data.qvel[:3])} m/s; try a smaller --timestep"
                 )
-                raise Diverged(message)
 
     def _check_edge(self) -> None:
         x, y = self.data.qpos[0], self.data.qpos[1]
         if not (abs(x) < self._edge and abs(y) < self._edge):
-            message = (
+            raise RunFailed(
                 f"the rover reached the edge of the map at t = {self.time_ns / NANOSECONDS:.2f} s "
                 f"(x = {x:.2f} m, y = {y:.2f} m)"
             )
-            raise RunFailed(message)
 
     def _settle(self) -> None:
         """Lets the rover down onto the ground, so that no drop pollutes the first samples."""
@@ -181,10 +176,6 @@ class Simulation:
             for y in np.arange(y_min, y_max, ground.cell / 2)
         )
         return highest + self.scene.rover.rest_height + DROP_HEIGHT
-
-
-def _ignore(_: str) -> None:
-    """Swallows MuJoCo's warning text; its counters are checked on every tick."""
 
 
 def _rounded(values: NDArray[np.float64]) -> list[float]:

@@ -18,7 +18,7 @@ from harness.report.series import MOST_ROWS, series_figure
 from harness.report.tables import comparisons, contact_rows, facts, key_figures
 from harness.report.terrain_map import map_figure
 from harness.robots import find_rover
-from harness.sensors.scan_points import scan_points
+from harness.sensors.lidar_spec import scan_points
 
 LISTED = ("arguments", "versions", "world")  # parts of the manifest that are tables of their own
 

@@ -15,7 +15,9 @@ from rover_metrics.core.row import COLUMNS
 
 TIME_COLUMN, NOTES_COLUMN = COLUMNS[0], COLUMNS[-1]
 COUNTER = "Total Collisions"
-LONGEST_GAP = 0.5  # [s]: what is interrupted for no longer is one event, as in harness.truth.events
+LONGEST_GAP = (
+    0.5  # [s]: what is interrupted for no longer is one event, as in harness.truth.contact_events
+)
 MOST_NOTES = 20  # kinds
 
 

@@ -13,12 +13,7 @@ HIGHEST_RATE = NANOSECONDS // TICK_NS  # [Hz]: one sample per clock tick
 
 
 class Sensor:
-    """One source of samples.
-
-    Args:
-        simulation: What it looks at.
-        period_ticks: Clock ticks between two samples.
-    """
+    """One source of samples, with `period_ticks` clock ticks between two."""
 
     def __init__(self, simulation: "Simulation", period_ticks: int) -> None:
         self._simulation = simulation

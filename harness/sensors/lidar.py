@@ -3,32 +3,28 @@
 The rover does not see itself: its geoms are in neither of the two groups that are looked at.
 """
 
-import math
-
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.physics.scene import OBSTACLE_GROUP
 from harness.physics.simulation import Simulation
 from harness.samples import LaserScan
 from harness.sensors.base import Sensor
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.rays.heightfield_rays import HeightfieldRays
-from harness.sensors.rays.obstacle_rays import ObstacleRays
-
-OBSTACLE_GROUP = 1
+from harness.sensors.rays.arrays import heightfield_arrays, obstacle_arrays
+from harness.sensors.rays.heightfield_kernel import cast_rays
+from harness.sensors.rays.obstacle_kernel import cast_fan
 
 
 class Lidar:
-    """The lidar at a site of a model; beams lie in the site's xy plane, azimuth 0 along its x."""
+    """The lidar at a model's site `lidar`; beams lie in the site's xy plane, azimuth 0 along its x."""
 
-    def __init__(
-        self, model: mujoco.MjModel, spec: LidarSpec | None = None, site_name: str = "lidar"
-    ) -> None:
-        self.spec = spec or LidarSpec()
-        self._site = model.site(site_name).id
-        self._terrain = HeightfieldRays.from_model(model)
-        self._obstacles = ObstacleRays.from_model(model, OBSTACLE_GROUP)
+    def __init__(self, model: mujoco.MjModel, spec: LidarSpec) -> None:
+        self.spec = spec
+        self._site = model.site("lidar").id
+        self._terrain = heightfield_arrays(model)
+        self._obstacles = obstacle_arrays(model, OBSTACLE_GROUP)
         angles = self.spec.angles
         self._beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
         self._fan = np.array([angles[0], angles[1] - angles[0], self.spec.range_max])
@@ -47,9 +43,10 @@ class Lidar:
         pose[1:] = data.site_xmat[self._site].reshape(3, 3)
         np.matmul(self._beams, pose[1:].T, out=directions)
         distances.fill(np.inf)
-        self._obstacles.cast(data, pose, directions, self._fan, distances)
+        positions, matrices = data.geom_xpos, data.geom_xmat
+        cast_fan(*self._obstacles, positions, matrices, pose, directions, self._fan, distances)
         # Obstacles first: the terrain is then walked no further than to them.
-        self._terrain.cast(pose[0], directions, self.spec.range_max, distances)
+        cast_rays(*self._terrain, pose[0], directions, self.spec.range_max, distances)
         distances[distances < self.spec.range_min] = -np.inf
         return distances.astype(np.float32)
 
@@ -63,10 +60,6 @@ class LidarSensor(Sensor):
 
     def read(self) -> LaserScan:
         """Returns a scan from where the rover is now."""
-        self._simulation.refresh_kinematics()
-        return LaserScan(self._simulation.time_ns, self._lidar.scan(self._simulation.data))
-
-
-def beam_bearings(lidar: LidarSpec) -> NDArray[np.float64]:
-    """Returns each beam's direction [rad] in the rover's frame: the lidar looks backwards (yaw pi)."""
-    return np.remainder(lidar.angles + 2 * math.pi, math.tau) - math.pi
+        simulation = self._simulation
+        mujoco.mj_kinematics(simulation.model, simulation.data)  # poses are one step old
+        return LaserScan(simulation.time_ns, self._lidar.scan(simulation.data))

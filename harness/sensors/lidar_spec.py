@@ -1,11 +1,15 @@
-"""What a lidar is: its beams and its range limits. No physics in here."""
+"""What a lidar is: its beams and its range limits; where its beams hit something."""
 
+import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.robots import RoverSpec
+from harness.samples import PlacedScan
+from harness.world.obstacles import Points, rotation_matrix
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,15 +24,38 @@ class LidarSpec:
     range_max: float = 10.0
     angle_max: float = 3.14159
 
-    def __post_init__(self) -> None:
-        if self.beams < 2:
-            message = f"a lidar needs 2 beams or more, not {self.beams}"
-            raise UsageError(message)
-        if not 0.0 <= self.range_min < self.range_max < np.inf:
-            message = f"range_min {self.range_min:g} m, range_max {self.range_max:g} m: not a range"
-            raise UsageError(message)
-
     @property
     def angles(self) -> NDArray[np.float64]:
         """Returns every beam's azimuth in the lidar's frame [rad], counter-clockwise, shape (beams,)."""
         return np.linspace(-self.angle_max, self.angle_max, self.beams)
+
+    @property
+    def bearings(self) -> NDArray[np.float64]:
+        """Returns the azimuths in the rover's frame [rad], whose lidar looks backwards (yaw pi)."""
+        return np.remainder(self.angles + 2 * math.pi, math.tau) - math.pi
+
+
+def scan_points(placed: PlacedScan, rover: RoverSpec) -> Points:
+    """Returns where the beams of a scan hit something, shape (k, 2) in the world [m]."""
+    ranges = placed.scan.ranges.astype(np.float64)
+    hit = np.isfinite(ranges)
+    angles = LidarSpec(beams=len(ranges)).angles[hit]
+    beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
+    mount, axes = _lidar_mount(rover)
+    in_rover = mount + (ranges[hit, None] * beams) @ axes.T
+    x, y, z, w = placed.pose.orientation
+    in_world = in_rover @ rotation_matrix((w, x, y, z)).T + placed.pose.position
+    return np.asarray(in_world[:, :2])
+
+
+@cache
+def _lidar_mount(rover: RoverSpec) -> tuple[Points, Points]:
+    """Returns position [m] and rotation of the lidar in the model frame, from the rover's model file."""
+    import mujoco  # noqa: PLC0415 - whoever only publishes does without
+
+    model = mujoco.MjModel.from_xml_path(str(rover.model_path))
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    body, site = data.body("rover"), data.site("lidar")
+    to_rover = body.xmat.reshape(3, 3).T
+    return to_rover @ (site.xpos - body.xpos), to_rover @ site.xmat.reshape(3, 3)

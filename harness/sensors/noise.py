@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from harness.errors import find_named
 from harness.samples import Imu, LaserScan, Odometry, Sample
 from harness.sensors.corruption import AxisErrors, AxisTriad, ContactChatter, RangeErrors
 
@@ -74,15 +73,6 @@ GAZEBO = NoisePreset(
 
 PRESETS = {preset.name: preset for preset in (WHITE, HARDWARE, GAZEBO)}
 DEFAULT_PRESET = WHITE.name
-
-
-def find_preset(name: str) -> NoisePreset:
-    """Returns the preset of that name.
-
-    Raises:
-        UsageError: No such preset; the message names those there are.
-    """
-    return find_named("noise preset", name, PRESETS)
 
 
 class SensorNoise:

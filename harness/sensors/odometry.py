@@ -6,37 +6,32 @@ a rover that is carried to another place.
 """
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from harness.physics.simulation import Simulation
 from harness.samples import Odometry, Twist
 from harness.sensors.base import Sensor
 from harness.sim_time import NANOSECONDS, TICK_NS
-
-if TYPE_CHECKING:
-    from harness.physics.simulation import Simulation
 
 
 class WheelOdometry(Sensor):
     """Integrates the encoder counts between two readings."""
 
-    def __init__(self, simulation: "Simulation", period_ticks: int) -> None:
+    def __init__(self, simulation: Simulation, period_ticks: int) -> None:
         super().__init__(simulation, period_ticks)
         self._rover = simulation.scene.rover
         model = simulation.model
         self._angles = np.array([int(model.joint(n).qposadr[0]) for n in self._rover.wheel_joints])
         self._metres_per_count = math.tau * self._rover.controller_radius / self._rover.encoder_ticks
         self._period = period_ticks * TICK_NS / NANOSECONDS
-        self._offset = [0] * len(self._angles)
         self._counts = self._kept = self._encoders()
         self._x = self._y = self._yaw = 0.0
 
     def _encoders(self) -> list[int]:
         counts_per_radian = self._rover.encoder_ticks / math.tau
         angles = self._simulation.data.qpos[self._angles].tolist()
-        turned = zip(angles, self._offset, strict=True)
-        return [math.floor(angle * counts_per_radian) + offset for angle, offset in turned]
+        return [math.floor(angle * counts_per_radian) for angle in angles]
 
     def before_reset(self) -> None:
         """Notes the counts, which a rover that is put elsewhere does not change."""
@@ -44,8 +39,8 @@ class WheelOdometry(Sensor):
 
     def after_reset(self) -> None:
         """Goes on from the counts before."""
-        moved = zip(self._kept, self._encoders(), self._offset, strict=True)
-        self._offset = [offset + before - now for before, now, offset in moved]
+        moved = zip(self._counts, self._kept, self._encoders(), strict=True)
+        self._counts = [last + now - kept for last, kept, now in moved]
 
     def read(self) -> Odometry:
         """Returns the pose integrated to now and the mean twist since the last reading."""

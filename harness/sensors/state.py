@@ -1,15 +1,12 @@
-"""What RoboTerrain reads from Gazebo's state: model pose, true odometry, joint states."""
+"""Sensors that read MuJoCo's state: model pose, IMU, true odometry, joint states, truth."""
 
-from typing import TYPE_CHECKING
-
+import mujoco
 import numpy as np
 
-from harness.samples import GroundTruth, JointStates, Pose, TruthState
+from harness.physics.simulation import Simulation
+from harness.samples import GroundTruth, Imu, JointStates, Pose, TruthState, Vector3
 from harness.sensors.base import Sensor
-
-if TYPE_CHECKING:
-    from harness.physics.simulation import Simulation
-    from harness.truth.recorder import TruthRecorder
+from harness.truth.recorder import TruthRecorder
 
 
 class PoseSensor(Sensor):
@@ -19,6 +16,48 @@ class PoseSensor(Sensor):
         """Returns the true pose."""
         simulation = self._simulation
         return Pose(simulation.time_ns, simulation.position, simulation.orientation)
+
+
+class ImuSensor(Sensor):
+    """Specific force and angular rate, averaged over every step of the sample's window.
+
+    A single step would alias the contacts' high frequencies into the reading; a real sensor filters them
+    (facts: models/README.md). The frame is that of the site `imu`.
+    """
+
+    def __init__(self, simulation: Simulation, period_ticks: int) -> None:
+        super().__init__(simulation, period_ticks)
+        self._steps = 0  # in the window so far
+        self._force_in_tick = simulation.summed("imu_accelerometer")
+        self._rate_in_tick = simulation.summed("imu_gyro")
+        self._force_sum, self._rate_sum = np.zeros(3), np.zeros(3)
+        self._mounting = simulation.model.site("imu").quat.copy()
+        self._attitude = np.empty(4)
+
+    def observe(self) -> None:
+        """Adds the tick that has just been simulated to the window."""
+        self._force_sum += self._force_in_tick
+        self._rate_sum += self._rate_in_tick
+        self._steps += self._simulation.steps_per_tick
+
+    def read(self) -> Imu:
+        """Returns the window's means [m/s^2, rad/s] and the attitude at its end; starts a new window."""
+        mujoco.mju_mulQuat(self._attitude, self._simulation.data.qpos[3:7], self._mounting)
+        w, x, y, z = self._attitude.tolist()
+        reading = Imu(
+            stamp_ns=self._simulation.time_ns,
+            orientation=(x, y, z, w),
+            angular_velocity=_vector(self._rate_sum / self._steps),
+            linear_acceleration=_vector(self._force_sum / self._steps),
+        )
+        self.after_reset()
+        return reading
+
+    def after_reset(self) -> None:
+        """Starts a new window; what is in the present one is never read."""
+        self._force_sum.fill(0.0)
+        self._rate_sum.fill(0.0)
+        self._steps = 0
 
 
 class GroundTruthSensor(Sensor):
@@ -42,7 +81,7 @@ class GroundTruthSensor(Sensor):
 class JointSensor(Sensor):
     """Joint positions, velocities and motor torques in the order of the rover's joints."""
 
-    def __init__(self, simulation: "Simulation", period_ticks: int) -> None:
+    def __init__(self, simulation: Simulation, period_ticks: int) -> None:
         super().__init__(simulation, period_ticks)
         model, joints = simulation.model, simulation.scene.rover.joints
         self._qpos = np.array([int(model.joint(name).qposadr[0]) for name in joints])
@@ -62,9 +101,14 @@ class JointSensor(Sensor):
 class TruthSensor(Sensor):
     """What only the simulator knows; nothing corrupts what it says."""
 
-    def __init__(self, recorder: "TruthRecorder", period_ticks: int) -> None:
+    def __init__(self, recorder: TruthRecorder, period_ticks: int) -> None:
         self._recorder, self.period_ticks = recorder, period_ticks
 
     def read(self) -> TruthState:
         """Returns the truth now and since the last reading."""
         return self._recorder.state()
+
+
+def _vector(values: np.ndarray) -> Vector3:
+    x, y, z = values.tolist()
+    return x, y, z

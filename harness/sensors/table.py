@@ -92,7 +92,7 @@ SENSORS: tuple[SensorRow, ...] = (
     ),
     SensorRow(
         sample=Imu,
-        reader="harness.sensors.imu:ImuSensor",
+        reader="harness.sensors.state:ImuSensor",
         topics=(Topic("imu/data", "sensor_msgs/msg/Imu"),),
         rate=20,
         frame=attrgetter("imu_frame"),

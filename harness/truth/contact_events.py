@@ -6,17 +6,16 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from harness.physics.contacts import ContactKind, Touch
-from harness.samples import Vector3
-from harness.sim_time import TICK_NS
-from harness.truth.events import EVENT_GAP_NS, ContactEvent
+from harness.physics.contacts import Touch
+from harness.samples import ContactKind, Vector3
+from harness.sim_time import NANOSECONDS, TICK_NS
+from harness.truth.traversal import ContactEvent
+
+EVENT_GAP_NS = NANOSECONDS // 2  # contacts of a kind closer together than this are one event
 
 
 class ContactEvents:
     """Joins contacts to events; call `observe` after every clock tick.
-
-    Args:
-        name_of: What a geom of the model is called.
 
     Attributes:
         begun: How many events of each kind there have been.
@@ -56,19 +55,15 @@ class ContactEvents:
 
     def _take(self, kind: ContactKind, touch: Touch, time_ns: int) -> None:
         event = self._open.get(kind)
+        if event is not None and touch.force <= event.force:
+            self._open[kind] = replace(event, end_ns=time_ns)
+            return
         if event is None:
             self.begun[kind] += 1
-            self._open[kind] = self._event(kind, touch, time_ns - TICK_NS, time_ns)
-        elif touch.force > event.force:
-            self._open[kind] = self._event(kind, touch, event.start_ns, time_ns)
-        else:
-            self._open[kind] = replace(event, end_ns=time_ns)
-
-    def _event(self, kind: ContactKind, touch: Touch, start_ns: int, end_ns: int) -> ContactEvent:
-        return ContactEvent(
+        self._open[kind] = ContactEvent(
             kind=kind,
-            start_ns=start_ns,
-            end_ns=end_ns,
+            start_ns=time_ns - TICK_NS if event is None else event.start_ns,
+            end_ns=time_ns,
             part=self._name_of(touch.part),
             other=self._name_of(touch.other),
             force=touch.force,

@@ -6,18 +6,16 @@ is missed.
 
 import math
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from harness.physics.simulation import Simulation
-from harness.samples import TruthState
+from harness.samples import ContactKind, TruthState
 from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.truth.contact_events import ContactEvents
-from harness.truth.traversal import TIPPED_OVER, Truth
-from harness.truth.wheels import WheelMotion, Wheels
+from harness.truth.traversal import Truth
+from harness.truth.wheels import Wheels
 from harness.world.statistics import RoughnessMap
 
-if TYPE_CHECKING:
-    from harness.physics.contacts import ContactKind
+TIPPED_OVER = math.radians(75.0)  # between the static tip angles (44-59 deg) and lying on a side
 
 
 class TruthRecorder:
@@ -51,9 +49,6 @@ class TruthRecorder:
         self._previous = position
         _, x, y, _ = self._simulation.data.qpos[3:7].tolist()
         self._lowest_upright = min(self._lowest_upright, 1.0 - 2.0 * (x * x + y * y))
-        self._observe_contacts()
-
-    def _observe_contacts(self) -> None:
         strongest = self._simulation.contacts.strongest
         self.events.observe(self._simulation.time_ns, strongest)
         for kind, touch in strongest.items():
@@ -71,7 +66,10 @@ class TruthRecorder:
     def state(self) -> TruthState:
         """The truth now and since the last call."""
         wheels = self._wheels.motion()
-        self._count_slip(wheels)
+        for index, wheel in enumerate(wheels):
+            if wheel.moves:
+                self._slip_sums[index] += abs(wheel.slip)
+                self._slip_counts[index] += 1
         front_left, rear_left, front_right, rear_right = wheels
         squares = [self._roughness.mean_square(wheel.x, wheel.y) for wheel in wheels]
         touched = self._touched
@@ -90,17 +88,11 @@ class TruthRecorder:
         self._force = 0.0
         return state
 
-    def _count_slip(self, wheels: list[WheelMotion]) -> None:
-        for index, wheel in enumerate(wheels):
-            if wheel.moves:
-                self._slip_sums[index] += abs(wheel.slip)
-                self._slip_counts[index] += 1
-
     def truth(self) -> Truth:
         """The totals up to now."""
-        tick_s = TICK_NS / NANOSECONDS
         tilt = math.acos(max(-1.0, min(1.0, self._lowest_upright)))
-        begun, ticks = self.events.begun, self._contact_ticks
+        begun = self.events.begun
+        seconds = {kind: ticks * (TICK_NS / NANOSECONDS) for kind, ticks in self._contact_ticks.items()}
         slips = zip(self._slip_sums, self._slip_counts, strict=True)
         front_left, rear_left, front_right, rear_right = [total / (n or 1) for total, n in slips]
         return Truth(
@@ -110,9 +102,9 @@ class TruthRecorder:
             hazard_contacts=begun["hazard"],
             rock_contacts=begun["rock"],
             scrapes=begun["scrape"],
-            hazard_contact_s=ticks["hazard"] * tick_s,
-            rock_contact_s=ticks["rock"] * tick_s,
-            scrape_s=ticks["scrape"] * tick_s,
+            hazard_contact_s=seconds["hazard"],
+            rock_contact_s=seconds["rock"],
+            scrape_s=seconds["scrape"],
             mean_slip=sum(self._slip_sums) / (sum(self._slip_counts) or 1),
             wheel_slip=(front_left, rear_left, front_right, rear_right),
             largest_tilt=tilt,

@@ -6,7 +6,8 @@ from typing import NamedTuple
 import mujoco
 
 from harness.physics.simulation import Simulation
-from harness.truth.traversal import SLIP_SPEED, slip_ratio
+
+SLIP_SPEED = 0.02  # [m/s]: a wheel and a rover both slower than this do not slip, they stand
 
 
 class WheelMotion(NamedTuple):
@@ -62,3 +63,19 @@ class Wheels:
             moves = abs(wheel_speed) >= SLIP_SPEED or abs(ground_speed) >= SLIP_SPEED
             wheels.append(WheelMotion(x, y, slip_ratio(wheel_speed, ground_speed), moves))
         return wheels
+
+
+def slip_ratio(wheel_speed: float, ground_speed: float) -> float:
+    """Longitudinal slip in -1..1: positive when driving, negative when braking, 0 at rest.
+
+    (w r - v) / max(|w r|, |v|), the two-sided form of Wong, Theory of Ground Vehicles, section 1.3; a
+    wheel that turns against its motion slips fully, it cannot do more.
+
+    Args:
+        wheel_speed: Circumferential speed of the wheel [m/s].
+        ground_speed: Speed of the wheel's centre along its heading [m/s].
+    """
+    reference = max(abs(wheel_speed), abs(ground_speed))
+    if reference < SLIP_SPEED:
+        return 0.0
+    return max(-1.0, min(1.0, (wheel_speed - ground_speed) / reference))

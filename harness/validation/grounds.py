@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.world.fields import Field, fractal
-from harness.world.heightfield import Heightfield
+from harness.world.heightfield import Field, Heightfield, fractal
 from harness.world.obstacles import Obstacle, ObstacleKind, Shape, orientation
 from harness.world.world import World
 

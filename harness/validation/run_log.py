@@ -16,7 +16,6 @@ from harness.episode.episode import Episode
 from harness.episode.metrics_feed import SampleFeed
 from harness.robots import find_rover
 from harness.samples import LaserScan, Tick, Twist
-from harness.sensors.lidar import beam_bearings
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
 from harness.validation.recorded import Log, as_log
@@ -63,7 +62,7 @@ def drive(config: EpisodeConfig) -> Log:
         DriverContext(
             find_rover(config.robot),
             episode.info.map_size / 2,
-            beam_bearings(LidarSpec()),
+            LidarSpec().bearings,
             np.random.default_rng([config.seed, AGENT_STREAM]),
         )
     )

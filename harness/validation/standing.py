@@ -7,7 +7,7 @@ import numpy as np
 
 from harness.robots import RoverSpec
 from harness.sensors.base import period_ticks
-from harness.sensors.imu import ImuSensor
+from harness.sensors.state import ImuSensor
 from harness.validation.check import Check, Span, around, at_most
 from harness.validation.expected import Passage, expected_of
 from harness.validation.grounds import Block, floor, saddle

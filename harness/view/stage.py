@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.physics.scene import OBSTACLE_BODIES, TERRAIN, TERRAIN_GROUP
-from harness.world.fields import unit_noise
+from harness.world.heightfield import fractal
 from harness.world.obstacles import ObstacleKind
 
 SHADOW_REACH = 10.0  # [m] around what is looked at
@@ -94,8 +95,9 @@ def aim_sun(model: mujoco.MjModel, at: NDArray[np.float64], azimuth: float) -> N
 def _add_soil(spec: mujoco.MjSpec) -> None:
     """Soil with patches and grain, a tile that repeats without seams."""
     rng, cell = np.random.default_rng(0), 1.0 / SOIL_PIXELS
-    patches = unit_noise(rng, SOIL_PIXELS, cell=cell, longest=1 / 5, shortest=1 / 60, hurst=0.6)
-    grain = unit_noise(rng, SOIL_PIXELS, cell=cell, longest=1 / 90, shortest=1 / 400, hurst=0.1)
+    noise = partial(fractal, rng, (SOIL_PIXELS, SOIL_PIXELS), cell=cell, seamless=True)
+    patches = noise(longest=1 / 5, shortest=1 / 60, hurst=0.6)
+    grain = noise(longest=1 / 90, shortest=1 / 400, hurst=0.1)
     dark, light = np.array(DARK_SOIL), np.array(LIGHT_SOIL)
     shade = np.clip(0.55 + 0.10 * patches + 0.09 * grain, 0.0, 1.0)[..., None]
     texture = spec.add_texture(

@@ -1,20 +1,27 @@
-"""A terrain's surface: heights on a square grid, centred on the world's origin.
+"""Heights in metres over a square grid: the surface of a terrain, and what terrains are built from.
 
-Row index runs with +y and column index with +x, the vertices stand at the ends, and each cell is two
-triangles split along (row, col)-(row+1, col+1): exactly MuJoCo's heightfield.
+The grid is centred on the world's origin. Row index runs with +y and column index with +x, the vertices
+stand at the ends, and each cell is two triangles split along (row, col)-(row+1, col+1): exactly MuJoCo's
+heightfield.
 """
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+Field = NDArray[np.float64]  # a value, mostly a height, for every vertex
+
+FFT_MULTIPLE = 48  # transforms of multiples of 2^4 * 3 are fast
 
 
 @dataclass(frozen=True, eq=False)
 class Heightfield:
     """Heights in metres, shape (n, n), `cell` metres apart."""
 
-    heights: NDArray[np.float64]
+    heights: Field
     cell: float
 
     @property
@@ -33,3 +40,93 @@ class Heightfield:
         corner = self.heights[row, col + 1] if du >= dv else self.heights[row + 1, col]
         low, high = min(du, dv), max(du, dv)
         return float(near + (corner - near) * (high - low) + (far - near) * low)
+
+
+def fractal(
+    rng: np.random.Generator,
+    shape: tuple[int, ...],
+    *,
+    cell: float,
+    longest: float,
+    shortest: float,
+    hurst: float = 0.8,
+    seamless: bool = False,
+) -> Field:
+    """Returns an isotropic random field of zero mean and unit RMS with a power-law spectrum.
+
+    Args:
+        rng: Source of randomness.
+        shape: Vertices per row and column; square.
+        cell: Vertex spacing [m].
+        longest: Wavelength [m] above which the spectrum is flat.
+        shortest: Wavelength [m] below which it fades out.
+        hurst: Spectral density falls as frequency to the power of -2 (hurst + 1); more is smoother.
+        seamless: Whether it repeats at its edges.
+    """
+    n = shape[0] if seamless else math.ceil(1.25 * shape[0] / FFT_MULTIPLE) * FFT_MULTIPLE
+    frequency = np.hypot(np.fft.fftfreq(n, cell)[:, None], np.fft.rfftfreq(n, cell))
+    amplitude = (frequency**2 + longest**-2) ** (-0.5 * (hurst + 1))
+    amplitude *= np.exp(-0.5 * (frequency * shortest) ** 2)
+    spectrum = np.fft.rfft2(rng.standard_normal((n, n))) * amplitude
+    field = np.fft.irfft2(spectrum, s=(n, n))[: shape[0], : shape[1]]  # the whole of it is periodic
+    field -= field.mean()
+    return np.asarray(field / field.std())
+
+
+def smoothstep(value: Field, start: float, end: float) -> Field:
+    """Returns 0 up to `start`, 1 from `end` on, without a kink in between.
+
+    Args:
+        value: Any numbers.
+        start: Below `end`, in the unit of `value`.
+        end: See `start`.
+    """
+    t = np.clip((value - start) / (end - start), 0.0, 1.0)
+    return np.asarray(t * t * (3.0 - 2.0 * t))
+
+
+def filled(values: Field) -> Field:
+    """Returns the raster with missing values (NaN) replaced by a smooth surface through the rest.
+
+    Means over blocks of 2 x 2, recursively, until no gap is left; then back down (a pull-push pyramid).
+    """
+    missing = np.isnan(values)
+    if not missing.any():
+        return values
+    rows, columns = values.shape
+    even = np.pad(values, ((0, rows % 2), (0, columns % 2)), constant_values=np.nan)
+    blocks = even.reshape(even.shape[0] // 2, 2, even.shape[1] // 2, 2)
+    known = (~np.isnan(blocks)).sum(axis=(1, 3))
+    sums = np.nansum(blocks, axis=(1, 3))
+    coarse = filled(np.where(known > 0, sums / np.maximum(known, 1), np.nan))
+    # A block's middle lies between its pixels.
+    return np.where(missing, _bilinear(coarse, (0.5, 0.5), (-0.25, -0.25), values.shape), values)
+
+
+def resampled(values: Field, step: tuple[float, float], count: int) -> Field:
+    """Returns values on a square grid in the middle of another one.
+
+    Where the new grid is coarser, means are taken first, so that no roughness turns into hills.
+
+    Args:
+        values: Shape (rows, columns).
+        step: Distance of the new points in rows and in columns.
+        count: New points along each side.
+    """
+    from scipy.ndimage import uniform_filter  # noqa: PLC0415 - 0.1 s that named terrains save
+
+    widths = [2 * (round(stride) // 2) + 1 for stride in step]  # odd
+    first = [
+        0.5 * (size - 1) - 0.5 * stride * (count - 1)
+        for size, stride in zip(values.shape, step, strict=True)
+    ]
+    return _bilinear(uniform_filter(values, widths, mode="nearest"), step, first, (count, count))
+
+
+def _bilinear(
+    values: Field, step: Sequence[float], first: Sequence[float], shape: tuple[int, ...]
+) -> Field:
+    """Field on another grid; positions beyond the edge take the edge's value."""
+    from scipy.ndimage import affine_transform  # noqa: PLC0415 - 0.1 s that named terrains save
+
+    return np.asarray(affine_transform(values, step, first, shape, order=1, mode="nearest"))

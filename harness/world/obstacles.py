@@ -14,10 +14,8 @@ from numpy.typing import NDArray
 from harness.world.heightfield import Heightfield
 
 OUTLINE_POINTS = 24
-Points = NDArray[np.float64]  # shape (k, 2): x, y in the world [m]
-
-
 TRIES_PER_POINT = 50
+Points = NDArray[np.float64]  # shape (k, 2): x, y in the world [m]
 
 Shape = Literal["ellipsoid", "box", "cylinder"]
 
@@ -29,7 +27,7 @@ class ObstacleKind(Enum):
     HAZARD = auto()
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Obstacle:
     """One geom in the world frame.
 
@@ -46,7 +44,7 @@ class Obstacle:
     quaternion: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Form:
     """An obstacle before it has a place.
 
@@ -66,15 +64,17 @@ class Form:
 
 
 def place(form: Form, ground: Heightfield, x: float, y: float) -> Obstacle:
-    """Stands a form on the ground at a point [m]."""
-    z = ground.height_at(x, y) + form.half_size[-1] - form.sink
-    return Obstacle(
-        kind=form.kind,
-        shape=form.shape,
-        half_size=form.half_size,
-        position=(x, y, z),
-        quaternion=orientation(form.yaw, form.tilt),
-    )
+    """Returns a form that stands on the ground at a point [m].
+
+    Args:
+        form: What is to stand there.
+        ground: On which it stands.
+        x: In the world [m]; likewise `y`.
+        y: See `x`.
+    """
+    position = (x, y, ground.height_at(x, y) + form.half_size[-1] - form.sink)
+    quaternion = orientation(form.yaw, form.tilt)
+    return Obstacle(form.kind, form.shape, form.half_size, position, quaternion)
 
 
 def orientation(yaw: float, tilt: float = 0.0) -> tuple[float, float, float, float]:
@@ -120,7 +120,7 @@ def outline(obstacle: Obstacle) -> Points:
 
 
 def half_extent(obstacle: Obstacle, direction: float) -> float:
-    """How far an obstacle reaches from its centre in a direction [rad], seen from above [m]."""
+    """Returns how far it reaches from its centre in a direction [rad], seen from above [m]."""
     ahead = np.array([[math.cos(direction), math.sin(direction)]])
     return float((_support(obstacle, ahead) * ahead).sum())
 

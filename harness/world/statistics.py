@@ -1,4 +1,4 @@
-"""What a world measures: slopes, roughness at two scales, obstacles; and what a terrain promises of it.
+"""What a ground measures: slopes and roughness; and what a terrain promises of its worlds.
 
 The residual of a vertex is its height above the mean of the square window around it. That is the
 distance to the window's best-fit plane at its centre, so a plane of any incline has none. Vertices
@@ -11,9 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.world.fields import Field
-from harness.world.heightfield import Heightfield
-from harness.world.obstacles import Obstacle
+from harness.world.heightfield import Field, Heightfield
 
 WINDOW = 0.3  # [m]
 
@@ -22,25 +20,14 @@ NONE: Range = (0.0, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class TerrainStatistics:
-    """Measured on a whole map.
+class Promise:
+    """Lowest and highest value of each statistic at difficulty 0.5, whatever the seed; 0 by default.
 
     Attributes:
         slope_p50: Median slope [deg]; `slope_p95` is the 95th percentile.
         rms_1m: RMS residual over windows of 1 m [m]; `rms_03m` over 0.3 m.
         obstacle_density: Rocks and hazards per ground area [1/m2].
     """
-
-    slope_p50: float
-    slope_p95: float
-    rms_1m: float
-    rms_03m: float
-    obstacle_density: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class Promise:
-    """Lowest and highest value of each statistic at difficulty 0.5, whatever the seed; 0 by default."""
 
     slope_p50: Range = NONE
     slope_p95: Range = NONE
@@ -57,27 +44,10 @@ class Promise:
         )
 
 
-def measure(ground: Heightfield, obstacles: tuple[Obstacle, ...] = ()) -> TerrainStatistics:
-    """Measures a world."""
-    p50, p95 = np.percentile(slopes(ground), (50, 95))
-    return TerrainStatistics(
-        slope_p50=float(p50),
-        slope_p95=float(p95),
-        rms_1m=residual_rms(ground, 1.0),
-        rms_03m=residual_rms(ground, 0.3),
-        obstacle_density=len(obstacles) / (2.0 * ground.half_size) ** 2,
-    )
-
-
 def slopes(ground: Heightfield) -> Field:
     """Slope at each vertex [deg], by central differences."""
     along_y, along_x = np.gradient(ground.heights, ground.cell)
     return np.asarray(np.degrees(np.arctan(np.hypot(along_x, along_y))))
-
-
-def residual_rms(ground: Heightfield, window: float) -> float:
-    """RMS residual [m] over square windows of that side length [m]."""
-    return float(np.sqrt(np.mean(residuals(ground, window) ** 2)))
 
 
 def residuals(ground: Heightfield, window: float) -> Field:

@@ -10,8 +10,7 @@ from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
-from harness.world.fields import Field, levelled
-from harness.world.heightfield import Heightfield
+from harness.world.heightfield import Field, Heightfield, smoothstep
 from harness.world.obstacles import Obstacle
 from harness.world.statistics import Promise
 
@@ -26,9 +25,15 @@ Number = TypeVar("Number", int, float)
 
 
 def parameter(easiest: Number, default: Number, hardest: Number, unit: str) -> Number:
-    """A field of a terrain that follows the difficulty."""
-    values = (easiest, default, hardest)
-    return field(default=default, metadata={"values": values, "unit": unit})
+    """Returns a field of a terrain that follows the difficulty.
+
+    Args:
+        easiest: Its value at difficulty 0.
+        default: At 0.5.
+        hardest: At 1.
+        unit: Of all three; "" for none.
+    """
+    return field(default=default, metadata={"values": (easiest, default, hardest), "unit": unit})
 
 
 def constant(value: Number, unit: str) -> Number:
@@ -68,7 +73,10 @@ class Terrain(ABC):
         x, y = np.meshgrid(axis, axis)
         heights = self.heights(x, y, rng)
         if self.has_level_spawn:
-            heights = levelled(heights, np.hypot(x, y), SPAWN_RADIUS, SPAWN_BLEND_RADIUS)
+            distance = np.hypot(x, y)
+            level = heights[distance <= SPAWN_RADIUS].mean()
+            kept = smoothstep(distance, SPAWN_RADIUS, SPAWN_BLEND_RADIUS)
+            heights = level + (heights - level) * kept
         # Adding zero turns -0.0 into 0.0, which is another byte.
         return Heightfield(heights=np.round(heights, HEIGHT_DECIMALS) + 0.0, cell=self.cell)
 

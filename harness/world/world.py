@@ -1,15 +1,12 @@
 """Name + seed + difficulty -> a world: the ground and what stands on it, as plain values."""
 
 import hashlib
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from harness.errors import UsageError, find_named
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle
-from harness.world.terrain import Terrain
 from harness.world.terrains import TERRAINS
 
 DEFAULT_DIFFICULTY = 0.5
@@ -31,32 +28,15 @@ class World:
     notes: tuple[str, ...] = ()
 
 
-def find_terrain(name: str) -> type[Terrain]:
-    """Returns the terrain of that name.
-
-    Raises:
-        UsageError: No such terrain; the message names those there are.
-    """
-    return find_named("terrain", name, TERRAINS)
-
-
 def build_world(name: str, seed: int, difficulty: float = DEFAULT_DIFFICULTY) -> World:
-    """Makes the world that these three values determine.
+    """Returns the world that these three values determine.
 
     Args:
         name: One of harness.world.terrains.TERRAINS.
         seed: Whole number from 0 up.
         difficulty: 0 (easiest) to 1 (hardest).
-
-    Raises:
-        UsageError: One of the three is not valid; the message names what is.
     """
-    terrain_type = find_terrain(name)
-    if seed < 0:
-        raise UsageError(f"seed {seed} is not valid; give a whole number from 0 up")
-    if math.isnan(difficulty) or not 0.0 <= difficulty <= 1.0:
-        raise UsageError(f"difficulty {difficulty:g} is not valid; give 0 to 1")
-    terrain = terrain_type.at_difficulty(difficulty)
+    terrain = TERRAINS[name].at_difficulty(difficulty)
     # The name is in the seed, so that two terrains do not share their hills; the children are
     # independent of each other and of how much each one draws.
     ground_rng, obstacle_rng = np.random.default_rng([seed, *name.encode()]).spawn(2)

@@ -1,5 +1,6 @@
 """What determines an episode: defaults, edges of what is valid, counts of ticks, its world."""
 
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -84,16 +85,19 @@ def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object
         ({"seed": -1}, "seed -1 is not valid; give a whole number from 0 up"),
         ({"difficulty": -1e-9}, "difficulty -1e-09 is not valid; give 0 to 1"),
         ({"difficulty": 1.001}, "difficulty 1.001 is not valid; give 0 to 1"),
+        ({"difficulty": math.nan}, "difficulty nan is not valid; give 0 to 1"),
+        ({"difficulty": math.inf}, "difficulty inf is not valid; give 0 to 1"),
         ({"lidar_beams": 1}, "1 lidar beams are not valid; give 2 to 100000"),
         ({"lidar_beams": 100_001}, "100001 lidar beams are not valid; give 2 to 100000"),
         ({"imu_rate": 0}, "rate 0 Hz does not divide"),
         ({"timestep": 0.003}, "timestep 0.003 s is refused"),
         ({"duration": 0.0}, "duration 0 s is not valid"),
-        ({"noise": "loud"}, "noise preset 'loud' does not exist"),
+        ({"noise": "loud"}, "'loud' does not exist; available: white, hardware, gazebo"),
+        ({"noise": ""}, "'' does not exist; available: white, hardware, gazebo"),
         ({"faults": ("imu:gone",)}, "gone"),
         ({"robot": "r2d2"}, "robot 'r2d2' does not exist"),
         ({"driver": "drunk"}, "driver 'drunk' does not exist"),
-        ({"terrain": "moon"}, "terrain 'moon' does not exist"),
+        ({"terrain": "moon"}, "terrain 'moon' does not exist; available: flat, slope, rolling, gravel"),
         (
             {"terrain_size": (20.0, 20.0)},
             "--terrain-size and --terrain-height apply to terrains from files only",

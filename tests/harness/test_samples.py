@@ -8,8 +8,7 @@ import pytest
 from harness import samples
 from harness.episode.batch import Batch
 from harness.samples import Odometry, Pose, Tick, Twist
-from harness.truth.events import ContactEvent
-from harness.truth.traversal import Truth
+from harness.truth.traversal import ContactEvent, Truth
 
 KINDS = [kind for kind in vars(samples).values() if isinstance(kind, type) and is_dataclass(kind)]
 

@@ -37,7 +37,7 @@ PACKAGES = (
     Package("timing and health", _modules(_METRICS, "timing/* health/* ros/row_timer")),
     Package("extended columns", _modules(_METRICS, "extended/*")),
     Package("statistics", _modules(f"{_METRICS}/analysis", "* logs/* statistics/*")),
-    Package("sensors", _modules(f"{_HARNESS}/sensors", "* rays/*_rays")),
+    Package("sensors", _modules(f"{_HARNESS}/sensors", "* rays/arrays")),
     Package("faults", _modules(_HARNESS, "faults/*")),
     Package(
         "lidar kernels",

@@ -7,13 +7,16 @@ the ray starts inside, as MuJoCo has it.
 
 import math
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.sensors.rays.compiled import inlined, kernel
 
 MISS = math.inf
-BOX, CYLINDER, ELLIPSOID = 0, 1, 2
+BOX = int(mujoco.mjtGeom.mjGEOM_BOX)
+CYLINDER = int(mujoco.mjtGeom.mjGEOM_CYLINDER)
+ELLIPSOID = int(mujoco.mjtGeom.mjGEOM_ELLIPSOID)
 
 Vector = tuple[float, float, float]
 Interval = tuple[float, float]  # of t; empty if its begin lies behind its end

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from harness.robots import RoverSpec
 from harness.samples import PlacedScan, Vector3
-from harness.sensors.scan_points import scan_points
+from harness.sensors.lidar_spec import scan_points
 from harness.sim_time import NANOSECONDS
-from harness.truth.events import ContactEvent
+from harness.truth.traversal import ContactEvent
 from harness.tuning.episodes.record import EVENT, Sight, Table, Zone
 from harness.world.obstacles import Obstacle
 from harness.world.world import World

@@ -12,7 +12,7 @@ from harness.robots import RoverSpec
 from harness.samples import Imu, LaserScan, PlacedScan, Pose, TruthState
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
-from harness.truth.events import ContactEvent
+from harness.truth.traversal import ContactEvent
 from harness.tuning.episodes.record import SCAN, WINDOW, Table
 from rover_metrics.extended.footprint import Footprint, FootprintClearance
 

@@ -1,1 +1,1 @@
-"""Heightmap files: reading, regridding, the terrain made of them."""
+"""Heightmap files: reading them, the terrain made of them."""

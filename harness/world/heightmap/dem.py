@@ -12,9 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import UsageError
-from harness.world.heightfield import Heightfield
-from harness.world.heightmap.raster import Raster, Values, read_raster
-from harness.world.heightmap.regrid import filled, resampled
+from harness.world.heightfield import Field, Heightfield, filled, resampled
+from harness.world.heightmap.raster import Raster, read_raster
 from harness.world.statistics import slopes
 from harness.world.terrain import HEIGHT_DECIMALS
 from harness.world.terrains import TERRAINS
@@ -75,7 +74,6 @@ def file_world(file: TerrainFile, seed: int) -> World:
     Raises:
         UsageError: The file is not readable, incomplete, or nowhere fit to stand on.
     """
-    file.check()
     raster = read_raster(file.path)
     try:
         ground, notes = _ground(raster, file)
@@ -101,9 +99,9 @@ def _pixel(raster: Raster, file: TerrainFile) -> tuple[float, float]:
     rows, columns = raster.values.shape
     if file.size is not None:
         return file.size[0] / (columns - 1), file.size[1] / (rows - 1)
-    if raster.pixel is None:
-        raise UsageError(f"{raster.size_unknown}; give --terrain-size in metres")
-    width, depth = raster.pixel[0] * (columns - 1), raster.pixel[1] * (rows - 1)
+    if isinstance(raster.pixel, str):
+        raise UsageError(f"{raster.pixel}; give --terrain-size in metres")
+    width, depth = _extent(raster.values, raster.pixel)
     if not SMALLEST_MAP <= min(width, depth) <= max(width, depth) <= LARGEST_MAP:
         raise UsageError(
             f"it is {width:g} x {depth:g} m; between {SMALLEST_MAP:g} and {LARGEST_MAP:g} m can be "
@@ -112,21 +110,26 @@ def _pixel(raster: Raster, file: TerrainFile) -> tuple[float, float]:
     return raster.pixel
 
 
-def _cropped(values: Values, pixel: tuple[float, float], notes: list[str]) -> Values:
-    """The largest square in metres around the middle."""
+def _extent(values: Field, pixel: tuple[float, float]) -> tuple[float, float]:
+    """Width and depth [m]."""
     rows, columns = values.shape
-    width, depth = pixel[0] * (columns - 1), pixel[1] * (rows - 1)
+    return pixel[0] * (columns - 1), pixel[1] * (rows - 1)
+
+
+def _cropped(values: Field, pixel: tuple[float, float], notes: list[str]) -> Field:
+    """The largest square in metres around the middle."""
+    width, depth = _extent(values, pixel)
     side = min(width, depth)
-    kept_columns = min(columns, math.floor(side / pixel[0] + 1e-6) + 1)
-    kept_rows = min(rows, math.floor(side / pixel[1] + 1e-6) + 1)
-    if (kept_rows, kept_columns) == (rows, columns):
+    kept = [math.floor(side / step + 1e-6) + 1 for step in reversed(pixel)]
+    spare = [max(0, count - keep) for count, keep in zip(values.shape, kept, strict=True)]
+    if not any(spare):
         return values
     notes.append(f"{width:.4g} x {depth:.4g} m cropped to the middle {side:.4g} m")
-    row, column = (rows - kept_rows) // 2, (columns - kept_columns) // 2
-    return values[row : row + kept_rows, column : column + kept_columns]
+    row, column = (count // 2 for count in spare)
+    return values[row : row + kept[0], column : column + kept[1]]
 
 
-def _complete(values: Values, notes: list[str]) -> Values:
+def _complete(values: Field, notes: list[str]) -> Field:
     missing = int(np.isnan(values).sum())
     if not missing:
         return values
@@ -139,7 +142,7 @@ def _complete(values: Values, notes: list[str]) -> Values:
     return filled(values)
 
 
-def _in_metres(values: Values, raster: Raster, relief: float | None, notes: list[str]) -> Values:
+def _in_metres(values: Field, raster: Raster, relief: float | None, notes: list[str]) -> Field:
     lowest, extent = float(values.min()), float(np.ptp(values))
     if relief is None:
         if not raster.in_metres:
@@ -151,19 +154,18 @@ def _in_metres(values: Values, raster: Raster, relief: float | None, notes: list
     return (values - lowest) * (relief / extent if extent else 0.0)
 
 
-def _on_cells(heights: Values, pixel: tuple[float, float], notes: list[str]) -> tuple[Values, float]:
+def _on_cells(heights: Field, pixel: tuple[float, float], notes: list[str]) -> tuple[Field, float]:
     """Heights on square cells of a size that can be simulated, and that size [m]."""
-    rows, columns = heights.shape
-    side = min(pixel[0] * (columns - 1), pixel[1] * (rows - 1))
+    side = min(_extent(heights, pixel))
     cell = max(min(pixel), FINEST_CELL, side / (MOST_VERTICES - 1))
     count = math.floor(side / cell + 1e-6) + 1
-    if rows == columns == count and math.isclose(pixel[0], pixel[1], rel_tol=1e-9):
+    if heights.shape == (count, count) and math.isclose(pixel[0], pixel[1], rel_tol=1e-9):
         return heights, pixel[0]
     notes.append(f"pixels of {pixel[0]:.4g} x {pixel[1]:.4g} m resampled to cells of {cell:.4g} m")
     return resampled(heights, (cell / pixel[1], cell / pixel[0]), count), cell
 
 
-def _start(heights: Values, cell: float) -> tuple[int, int]:
+def _start(heights: Field, cell: float) -> tuple[int, int]:
     """The vertex next to the middle around which the ground is gentle.
 
     Raises:
@@ -187,13 +189,13 @@ def _start(heights: Values, cell: float) -> tuple[int, int]:
     return int(row), int(column)
 
 
-def _centred(heights: Values, row: int, column: int, cell: float, notes: list[str]) -> Values:
+def _centred(heights: Field, row: int, column: int, cell: float, notes: list[str]) -> Field:
     """The largest square with the start in its middle, where a rover is set down."""
-    count = len(heights)
-    middle, off = (count - 1) / 2, 0.5
-    if abs(row - middle) <= off and abs(column - middle) <= off:
+    last = len(heights) - 1
+    middle = last / 2
+    if max(abs(row - middle), abs(column - middle)) <= 0.5:
         return heights
-    reach = min(row, column, count - 1 - row, count - 1 - column)
+    reach = min(row, column, last - row, last - column)
     moved = math.hypot(row - middle, column - middle) * cell
     notes.append(
         f"starts {moved:.3g} m off its middle, on gentle ground; {2 * reach * cell:.4g} m remain"

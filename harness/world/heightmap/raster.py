@@ -12,12 +12,10 @@ from pathlib import Path
 
 import numpy as np
 import tifffile
-from numpy.typing import NDArray
 from PIL import Image
 
 from harness.errors import UsageError
-
-Values = NDArray[np.float64]
+from harness.world.heightfield import Field
 
 MOST_PIXELS = 4096 * 4096  # 128 MiB as float64
 FEWEST_PIXELS = 8  # along either side
@@ -28,6 +26,7 @@ METRE = 9001  # EPSG's number for the unit
 GEOGRAPHIC = 2  # GeoTIFF's model type of longitude and latitude
 FORMATS = {b"\x93NUMPY": "npy", b"\x89PNG": "png", b"II": "tiff", b"MM": "tiff"}
 GREY_MODES = ("1", "L", "I", "F")  # Pillow's, beside those of 16 bits
+SIZE_UNKNOWN = "it does not say how large it is"
 REWRITE = "gdal_translate -ot Float32 -co COMPRESS=NONE rewrites it"
 
 
@@ -37,15 +36,13 @@ class Raster:
 
     Attributes:
         values: Shape (rows, columns), NaN where there are none.
-        pixel: Distance of two columns and of two rows [m]; None where the file does not say.
+        pixel: Distance of two columns and of two rows [m]; or why it is unknown, as a sentence starts.
         in_metres: Whether the values are heights in metres; else they only are proportional to them.
-        size_unknown: Why `pixel` is None, as the start of a sentence.
     """
 
-    values: Values
-    pixel: tuple[float, float] | None
+    values: Field
+    pixel: tuple[float, float] | str
     in_metres: bool
-    size_unknown: str = "it does not say how large it is"
 
 
 def read_raster(path: Path) -> Raster:
@@ -64,15 +61,12 @@ def read_raster(path: Path) -> Raster:
     except Exception as error:  # decoders raise anything at all over a damaged file
         reason = " ".join(str(error).split())[:120] or type(error).__name__
         raise UsageError(f"terrain {path} is damaged or cut short: {reason}") from error
-    missing = ~np.isfinite(raster.values) | (np.abs(raster.values) > LARGEST_HEIGHT * _scale(raster))
+    largest = LARGEST_HEIGHT if raster.in_metres else np.inf
+    missing = ~np.isfinite(raster.values) | (np.abs(raster.values) > largest)
     raster.values[missing] = np.nan
     if missing.all():
         raise UsageError(f"terrain {path} holds no height at all: every value is NaN or no-data")
     return raster
-
-
-def _scale(raster: Raster) -> float:
-    return 1.0 if raster.in_metres else np.inf
 
 
 def _kind(path: Path) -> str:
@@ -106,7 +100,7 @@ def _read_npy(path: Path) -> Raster:
     _check_size(array.shape[1], array.shape[0])
     if array.dtype.kind not in "fiu":
         raise UsageError(f"its values are {array.dtype}; heights are numbers")
-    return Raster(array.astype(np.float64), None, array.dtype.kind == "f")
+    return Raster(array.astype(np.float64), SIZE_UNKNOWN, array.dtype.kind == "f")
 
 
 def _read_png(path: Path) -> Raster:
@@ -115,10 +109,10 @@ def _read_png(path: Path) -> Raster:
     except Image.DecompressionBombError as error:
         raise UsageError(f"too many pixels; at most {MOST_PIXELS / 1e6:.0f} million are read") from error
     with image:
-        return Raster(_grey_values(image), None, in_metres=False)
+        return Raster(_grey_values(image), SIZE_UNKNOWN, in_metres=False)
 
 
-def _grey_values(image: Image.Image) -> Values:
+def _grey_values(image: Image.Image) -> Field:
     _check_size(*image.size)
     if image.mode not in GREY_MODES and not image.mode.startswith("I;16"):
         raise UsageError(f"a colour picture ({image.mode}), not a heightmap; convert it to grey")
@@ -139,13 +133,10 @@ def _read_tiff(path: Path) -> Raster:
     if nodata is not None:
         values[np.isclose(values, float(nodata), rtol=1e-6, atol=0.0)] = np.nan
     in_metres = kind == "f" or "ModelPixelScale" in georeference
-    problem = _unit_problem(georeference)
-    if problem is not None:
-        return Raster(values, None, in_metres, problem)
     return Raster(values, _pixel(georeference), in_metres)
 
 
-def _tiff_values(path: Path, page: tifffile.TiffPage) -> Values:
+def _tiff_values(path: Path, page: tifffile.TiffPage) -> Field:
     if page.dtype is not None and page.dtype.kind in "fiu":
         if page.compression == tifffile.COMPRESSION.NONE:
             return page.asarray().astype(np.float64)
@@ -170,17 +161,13 @@ def _refuse_bombs(page: tifffile.TiffPage) -> None:
             raise UsageError("a part of it unpacks to more than its size")
 
 
-def _unit_problem(georeference: dict[str, object]) -> str | None:
+def _pixel(georeference: dict[str, object]) -> tuple[float, float] | str:
+    """Size of a pixel [m] by a GeoTIFF's tags, or why it is unknown."""
     if georeference.get("GTModelTypeGeoKey") == GEOGRAPHIC:
         return "its pixels are degrees (gdalwarp -t_srs EPSG:... gives metres)"
     if georeference.get("ProjLinearUnitsGeoKey", METRE) != METRE:
         return "its unit is not the metre (gdalwarp -t_srs EPSG:... gives metres)"
-    return None
-
-
-def _pixel(georeference: dict[str, object]) -> tuple[float, float] | None:
-    """Size of a pixel [m], by a GeoTIFF's tags; None without."""
     scale = georeference.get("ModelPixelScale")
     if not isinstance(scale, list | tuple) or len(scale) < 2 or not (scale[0] > 0 and scale[1] > 0):
-        return None
+        return SIZE_UNKNOWN
     return float(scale[0]), float(scale[1])

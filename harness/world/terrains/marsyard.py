@@ -8,11 +8,10 @@ pits, and 0.1 m cells.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial, reduce
-from typing import ClassVar
 
 import numpy as np
 
-from harness.world.fields import Field, crater, fractal, hill
+from harness.world.heightfield import Field, fractal, smoothstep
 from harness.world.obstacles import Points, scatter
 from harness.world.statistics import Promise
 from harness.world.terrain import Terrain, constant, parameter
@@ -40,9 +39,9 @@ class Marsyard(Terrain):
         roughness: RMS of the fine roughness [m].
     """
 
-    name: ClassVar[str] = "marsyard"
-    summary: ClassVar[str] = "like the European Rover Challenge: plain, steep hills, craters, pits"
-    promise: ClassVar[Promise] = Promise(
+    name = "marsyard"
+    summary = "like the European Rover Challenge: plain, steep hills, craters, pits"
+    promise = Promise(
         slope_p50=(8.0, 13.0),
         slope_p95=(30.0, 40.0),
         rms_1m=(0.029, 0.039),
@@ -76,10 +75,9 @@ class Marsyard(Terrain):
         hillock = (0.5 * self.hill, partial(hill, radius=HILLOCK_RADIUS))
         features: list[tuple[float, Profile]] = [
             (self.hill, partial(hill, radius=HILL_RADIUS)),
-            hillock,
-            hillock,
+            *(hillock, hillock),
             *(
-                (self.crater * radius / CRATER_RADII[0], partial(crater, radius=radius, rim=RIM))
+                (self.crater * radius / CRATER_RADII[0], partial(crater, radius=radius))
                 for radius in CRATER_RADII
             ),
         ]
@@ -92,7 +90,18 @@ class Marsyard(Terrain):
         )
         distances = (np.hypot(x - x0, y - y0) for x0, y0 in centres)
         to_nearest: Field = reduce(np.minimum, distances)
-        return np.asarray(self.pit * crater(to_nearest, PIT_RADIUS, RIM))
+        return np.asarray(self.pit * crater(to_nearest, PIT_RADIUS))
+
+
+def hill(distance: Field, radius: float) -> Field:
+    """Returns a rounded hill of unit height, by distance from its top [m]; zero from `radius` on."""
+    return 1.0 - smoothstep(distance, 0.0, radius)
+
+
+def crater(distance: Field, radius: float) -> Field:
+    """Returns a bowl of unit depth, its inner half level, with a rim that ends at twice the radius."""
+    bowl = (1.0 + RIM) * smoothstep(distance, 0.5 * radius, radius) - 1.0
+    return np.asarray(bowl - RIM * smoothstep(distance, radius, 2.0 * radius))
 
 
 def _ring(rng: np.random.Generator) -> Points:

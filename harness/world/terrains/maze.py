@@ -6,16 +6,15 @@ chambers; of the edges that it leaves closed, a share becomes walls. Runs of the
 
 from dataclasses import dataclass
 from itertools import groupby
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.world.fields import Field
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Form, Obstacle, ObstacleKind, place
 from harness.world.statistics import Promise
-from harness.world.terrain import SPAWN_CLEARANCE, Terrain, constant, parameter
+from harness.world.terrain import SPAWN_CLEARANCE, constant, parameter
+from harness.world.terrains.ground import Flat
 
 ARENA = 20.0  # [m] between the outer walls
 CHAMBERS = 9  # along a side; odd, so that the rover starts in the middle of one
@@ -29,25 +28,19 @@ Walls = NDArray[np.bool_]  # (line, chamber along the line): a wall stands on th
 
 
 @dataclass(frozen=True, kw_only=True)
-class Maze(Terrain):
+class Maze(Flat):
     """Level ground with walls; every chamber can be reached through passages of 2 m.
 
     Attributes:
         walls: Share of the possible walls that stand; at 1 there is only one way to each chamber.
     """
 
-    name: ClassVar[str] = "maze"
-    summary: ClassVar[str] = "20 x 20 m arena with walls of 1 m and passages of 2 m, level"
-    promise: ClassVar[Promise] = Promise(
-        obstacle_density=(0.04, 0.065),
-    )
+    name = "maze"
+    summary = "20 x 20 m arena with walls of 1 m and passages of 2 m, level"
+    promise = Promise(obstacle_density=(0.04, 0.065))
 
     size: float = constant(24.0, "m")
     walls: float = parameter(0.25, 0.6, 1.0, "")
-
-    def heights(self, x: Field, _y: Field, _rng: np.random.Generator, /) -> Field:
-        """Zero everywhere [m]."""
-        return np.zeros_like(x)
 
     def obstacles(self, ground: Heightfield, rng: np.random.Generator, /) -> tuple[Obstacle, ...]:
         """Outer and inner walls, all of them hazards."""
@@ -60,14 +53,11 @@ class Maze(Terrain):
                 ~doors[int(along_y)] & (wall_rng.random(doors[0].shape) < self.walls), along_y
             )
         ]
-        return tuple(
-            place(_wall(half_x, half_y, height), ground, x, y)
+        walls = (
+            (x, y, Form(ObstacleKind.HAZARD, "box", (half_x, half_y, 0.5 * height)))
             for x, y, half_x, half_y, height in (*_outer_boxes(), *inner)
         )
-
-
-def _wall(half_x: float, half_y: float, height: float) -> Form:
-    return Form(kind=ObstacleKind.HAZARD, shape="box", half_size=(half_x, half_y, 0.5 * height))
+        return tuple(place(form, ground, x, y) for x, y, form in walls)
 
 
 def _outer_boxes() -> list[Box]:
@@ -116,12 +106,9 @@ def _runs(indices: list[int]) -> list[tuple[int, int]]:
     runs: list[tuple[int, int]] = []
     for _, group in groupby(enumerate(indices), key=lambda item: item[1] - item[0]):
         run = [index for _, index in group]
-        runs.extend((part[0], part[-1] + 1) for part in _batched(run, LONGEST_RUN))
+        stop = run[-1] + 1
+        runs += [(start, min(start + LONGEST_RUN, stop)) for start in range(run[0], stop, LONGEST_RUN)]
     return runs
-
-
-def _batched(items: list[int], size: int) -> list[list[int]]:
-    return [items[i : i + size] for i in range(0, len(items), size)]
 
 
 def _at_spawn(index: int, across: float) -> bool:

@@ -4,12 +4,10 @@ Its inspection_boxes worlds hold posts of 0.1-0.3 x 0.1-0.2 x 3 m and cubes of 0
 """
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from harness.world.fields import Field, fractal
-from harness.world.heightfield import Heightfield
+from harness.world.heightfield import Field, Heightfield, fractal
 from harness.world.obstacles import Form, Obstacle, ObstacleKind, place, scatter
 from harness.world.statistics import Promise
 from harness.world.terrain import EDGE_CLEARANCE, SPAWN_CLEARANCE, Terrain, constant, parameter
@@ -30,9 +28,9 @@ class Posts(Terrain):
         cubes: Number of cubes of 0.5 m.
     """
 
-    name: ClassVar[str] = "posts"
-    summary: ClassVar[str] = "nearly level, with posts 3 m high and cubes of 0.5 m to be avoided"
-    promise: ClassVar[Promise] = Promise(
+    name = "posts"
+    summary = "nearly level, with posts 3 m high and cubes of 0.5 m to be avoided"
+    promise = Promise(
         slope_p50=(1.5, 2.3),
         slope_p95=(3.2, 4.6),
         rms_1m=(0.002, 0.004),
@@ -46,8 +44,7 @@ class Posts(Terrain):
 
     def heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         """Slightly uneven ground [m]."""
-        uneven = fractal(rng, x.shape, cell=self.cell, longest=12.0, shortest=3.0)
-        return self.relief * uneven
+        return self.relief * fractal(rng, x.shape, cell=self.cell, longest=12.0, shortest=3.0)
 
     def obstacles(self, ground: Heightfield, rng: np.random.Generator, /) -> tuple[Obstacle, ...]:
         """Posts and cubes, all of them hazards."""
@@ -59,20 +56,15 @@ class Posts(Terrain):
             keep_out=SPAWN_CLEARANCE + REACH,
         )
         return tuple(
-            place(_post(rng) if index < self.posts else _cube(rng), ground, *point)
+            place(_block(rng, post=index < self.posts), ground, *point)
             for index, point in enumerate(points.tolist())
         )
 
 
-def _post(rng: np.random.Generator) -> Form:
-    half = (rng.uniform(0.05, 0.15), rng.uniform(0.05, 0.1), 0.5 * (POST_HEIGHT + SINK))
-    return _block(rng, half)
-
-
-def _cube(rng: np.random.Generator) -> Form:
-    return _block(rng, (0.5 * CUBE, 0.5 * CUBE, 0.5 * (CUBE + SINK)))
-
-
-def _block(rng: np.random.Generator, half_size: tuple[float, float, float]) -> Form:
+def _block(rng: np.random.Generator, *, post: bool) -> Form:
+    """A post or a cube."""
+    half_size = (0.5 * CUBE, 0.5 * CUBE, 0.5 * (CUBE + SINK))
+    if post:
+        half_size = (rng.uniform(0.05, 0.15), rng.uniform(0.05, 0.1), 0.5 * (POST_HEIGHT + SINK))
     yaw = rng.uniform(0.0, np.pi)
     return Form(kind=ObstacleKind.HAZARD, shape="box", half_size=half_size, sink=SINK, yaw=yaw)

@@ -1,13 +1,11 @@
 """Rocky ground, the default world: drivable rocks everywhere and a few boulders to be avoided."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from harness.world.fields import Field, fractal
-from harness.world.heightfield import Heightfield
-from harness.world.obstacles import Form, Obstacle, ObstacleKind, Points, place, scatter
+from harness.world.heightfield import Field, Heightfield, fractal
+from harness.world.obstacles import Form, Obstacle, ObstacleKind, place, scatter
 from harness.world.statistics import Promise
 from harness.world.terrain import EDGE_CLEARANCE, SPAWN_CLEARANCE, Terrain, parameter
 
@@ -27,9 +25,9 @@ class Rocky(Terrain):
         boulders: Number of hazards; every other one stands tall enough for a lidar 0.8 m up.
     """
 
-    name: ClassVar[str] = "rocky"
-    summary: ClassVar[str] = "rolling ground, drivable rocks of 4-15 cm and a few boulders (default)"
-    promise: ClassVar[Promise] = Promise(
+    name = "rocky"
+    summary = "rolling ground, drivable rocks of 4-15 cm and a few boulders (default)"
+    promise = Promise(
         slope_p50=(4.0, 6.0),
         slope_p95=(8.5, 12.0),
         rms_1m=(0.007, 0.010),
@@ -51,35 +49,30 @@ class Rocky(Terrain):
     def obstacles(self, ground: Heightfield, rng: np.random.Generator, /) -> tuple[Obstacle, ...]:
         """Boulders first, then the rocks between them."""
         boulder_rng, rock_rng = rng.spawn(2)
-        boulders = self._boulder_places(ground, boulder_rng)
-        rocks = self._rock_places(ground, rock_rng, boulders)
+        reach = ground.half_size - EDGE_CLEARANCE
+        boulders = scatter(
+            boulder_rng,
+            self.boulders,
+            reach=reach - LARGEST_BOULDER,
+            spacing=BOULDER_SPACING,
+            keep_out=SPAWN_CLEARANCE + LARGEST_BOULDER + 1.0,
+        )
+        rocks = scatter(
+            rock_rng,
+            self.rocks,
+            reach=reach - LARGEST_ROCK,
+            spacing=ROCK_SPACING,
+            keep_out=SPAWN_CLEARANCE + LARGEST_ROCK,
+        )
+        gaps = np.hypot(*(rocks[:, None] - boulders[None]).transpose(2, 0, 1))
+        free = rocks[(gaps > BOULDER_TO_ROCK).all(axis=1)]
         return (
             *(
                 place(_boulder(boulder_rng, tall=index % 2 == 0), ground, *point)
                 for index, point in enumerate(boulders.tolist())
             ),
-            *(place(_rock(rock_rng), ground, *point) for point in rocks.tolist()),
+            *(place(_rock(rock_rng), ground, *point) for point in free.tolist()),
         )
-
-    def _boulder_places(self, ground: Heightfield, rng: np.random.Generator) -> Points:
-        return scatter(
-            rng,
-            self.boulders,
-            reach=ground.half_size - EDGE_CLEARANCE - LARGEST_BOULDER,
-            spacing=BOULDER_SPACING,
-            keep_out=SPAWN_CLEARANCE + LARGEST_BOULDER + 1.0,
-        )
-
-    def _rock_places(self, ground: Heightfield, rng: np.random.Generator, boulders: Points) -> Points:
-        free = scatter(
-            rng,
-            self.rocks,
-            reach=ground.half_size - EDGE_CLEARANCE - LARGEST_ROCK,
-            spacing=ROCK_SPACING,
-            keep_out=SPAWN_CLEARANCE + LARGEST_ROCK,
-        )
-        gaps = np.hypot(*(free[:, None] - boulders[None]).transpose(2, 0, 1))
-        return np.asarray(free[(gaps > BOULDER_TO_ROCK).all(axis=1)])
 
 
 def _rock(rng: np.random.Generator) -> Form:

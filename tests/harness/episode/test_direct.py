@@ -19,8 +19,7 @@ from harness.episode.result import Progress, RunResult
 from harness.errors import RunFailed, UsageError
 from harness.interrupt import StopRequest
 from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState, Twist
-from harness.truth.events import ContactEvent
-from harness.truth.traversal import Truth
+from harness.truth.traversal import ContactEvent, Truth
 
 TICK_NS, BATCH_NS = 10_000_000, 50_000_000
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)

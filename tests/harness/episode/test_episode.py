@@ -26,8 +26,7 @@ from harness.samples import (
     TruthState,
     Twist,
 )
-from harness.sensors.lidar import LidarSensor, beam_bearings
-from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.lidar import LidarSensor
 from harness.world.world import terrain_hash
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
@@ -345,16 +344,6 @@ def test_a_driver_is_told_of_a_hazard_only_while_something_touches_it(spied: lis
         sums(kind)[0] = 1.0
     next(batches)
     assert [o.touches_hazard for o in spied[0].seen] == [False, False, False, True]
-
-
-@pytest.mark.parametrize("beams", [4, 5, 640])
-def test_the_first_beam_looks_ahead_as_the_lidar_looks_backwards(beams: int) -> None:
-    bearings = beam_bearings(LidarSpec(beams=beams))
-    angles = np.linspace(-3.14159, 3.14159, beams)
-    expected = np.angle(np.exp(1j * (angles + math.pi)))
-    assert np.exp(1j * bearings) == pytest.approx(np.exp(1j * expected))
-    assert np.abs(bearings).max() <= math.pi
-    assert bearings[0] == pytest.approx(0.0, abs=1e-5)
 
 
 def test_a_scan_is_taken_from_where_the_rover_is_now() -> None:

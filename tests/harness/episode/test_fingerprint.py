@@ -16,8 +16,7 @@ from harness.episode.result import RunResult, TopicCount
 from harness.errors import RunFailed
 from harness.interrupt import Interrupted, StopRequest
 from harness.samples import LaserScan, Pose, Tick
-from harness.truth.events import ContactEvent
-from harness.truth.traversal import Truth
+from harness.truth.traversal import ContactEvent, Truth
 
 SCAN = LaserScan(5, np.array([1.0, np.inf, 2.0], dtype=np.float32))
 POSE = Pose(5, (1.0, 2.0, 3.0), (0.0, 0.0, 0.0, 1.0))

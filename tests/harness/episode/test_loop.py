@@ -15,8 +15,7 @@ from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.interrupt import StopRequest
 from harness.samples import Pose, Tick
-from harness.truth.events import ContactEvent
-from harness.truth.traversal import Truth
+from harness.truth.traversal import ContactEvent, Truth
 
 TICK_NS = 10_000_000
 EVENT = ContactEvent("rock", 0, TICK_NS, "wheel_FL", "rock_1", 5.0, (0.1, 0.2, 0.0))

@@ -6,8 +6,7 @@ from harness.episode.batch import Batch
 from harness.episode.truth_account import TruthAccount
 from harness.samples import Tick, TruthState
 from harness.sim_time import NANOSECONDS
-from harness.truth.events import ContactEvent
-from harness.truth.traversal import Truth
+from harness.truth.traversal import ContactEvent, Truth
 
 MOST_POINTS, MOST_EVENTS = 10, 8
 

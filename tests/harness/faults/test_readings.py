@@ -2,11 +2,13 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import astuple
 
 import numpy as np
 import pytest
 
-from harness.faults.readings import with_values
+from harness.faults.injector import FaultInjector
+from harness.faults.spec import parse_faults
 from harness.samples import (
     GroundTruth,
     Imu,
@@ -15,6 +17,7 @@ from harness.samples import (
     Odometry,
     Pose,
     Sample,
+    Tick,
     Twist,
 )
 from harness.sim_time import NANOSECONDS as SECOND
@@ -80,10 +83,13 @@ def test_everything_measured_is_hit_and_no_attitude(sensor: str, expected: Sampl
 
 def test_a_twist_keeps_its_axes() -> None:
     """Values that differ: forward must not become yaw."""
-    reading = Odometry(TICK, 1.0, 2.0, 3.0, Twist(4.0, 5.0))
-    assert with_values(reading, ("x", "y", "twist"), lambda values: values + 10.0) == Odometry(
-        TICK, 11.0, 12.0, 3.0, Twist(14.0, 15.0)
-    )
+    faults = FaultInjector(parse_faults(["odometry:spike=0.25"]), 0)
+    clean = Odometry(TICK, 1.0, 2.0, 3.0, Twist(4.0, 5.0))
+    found = [faults.corrupt(Tick(TICK, (clean,))).samples[0] for _ in range(200)]
+    read = np.array([(o.x, o.y, o.yaw, *astuple(o.twist)) for o in found if isinstance(o, Odometry)])
+    off = read - (1.0, 2.0, 3.0, 4.0, 5.0)
+    assert set(np.unique(off)) == {-0.25, 0.0, 0.25}
+    assert off.any(axis=0).tolist() == [True, True, False, True, True]
 
 
 def test_duplicates_follow_each_other() -> None:

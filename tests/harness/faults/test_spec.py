@@ -5,18 +5,16 @@ import math
 import pytest
 
 from harness.errors import UsageError
-from harness.faults.clock import ClockJump
-from harness.faults.readings import Nan
+from harness.faults.base import Fault
 from harness.faults.spec import describe_faults, faults_of, parse_faults, sensors
-from harness.faults.streams import Latency
 from harness.sim_time import NANOSECONDS as SECOND
 
 
 def test_spec_says_sensor_fault_value_start_and_length() -> None:
     assert parse_faults(["imu:nan=0.5@10+2", "scan:latency=0.2", "clock:jump=-3@30"]) == (
-        Nan("imu", 0.5, 10 * SECOND, 12 * SECOND),
-        Latency("scan", 0.2, 0, None),
-        ClockJump("clock", -3.0, 30 * SECOND, None),
+        Fault(faults_of("imu")["nan"], "imu", 0.5, 10 * SECOND, 12 * SECOND),
+        Fault(faults_of("scan")["latency"], "scan", 0.2, 0, None),
+        Fault(faults_of("clock")["jump"], "clock", -3.0, 30 * SECOND, None),
     )
 
 

@@ -12,7 +12,7 @@ from harness.episode.result import RunResult, TopicCount
 from harness.interrupt import StopRequest
 from harness.report.content import render
 from harness.report.recorder import RunRecorder
-from harness.truth.events import ContactEvent
+from harness.truth.traversal import ContactEvent
 from rover_metrics.core.row import COLUMNS
 
 

@@ -8,8 +8,7 @@ from harness.episode.result import RunResult, TopicCount
 from harness.episode.truth_account import TruthAlong
 from harness.report.log import Log
 from harness.report.tables import Comparison, comparisons, contact_rows, facts, key_figures
-from harness.truth.events import ContactEvent
-from harness.truth.traversal import Truth
+from harness.truth.traversal import ContactEvent, Truth
 from rover_metrics.core.thresholds import Thresholds
 
 TRUTH = Truth(

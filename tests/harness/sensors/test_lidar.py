@@ -137,7 +137,7 @@ def test_thin_post_is_seen_all_around() -> None:
         post = [4.0 * np.cos(azimuth), 4.0 * np.sin(azimuth), 0.5]
         world.worldbody.add_geom(type=CYLINDER, size=[0.05, 1.0, 0.0], pos=post, group=1)
         scene = compiled(world)
-        ranges = Lidar(scene[0]).scan(scene[1])
+        ranges = Lidar(scene[0], LidarSpec()).scan(scene[1])
         assert_same_scan(ranges, mujoco_scan(scene, LidarSpec()))
         assert np.isfinite(ranges).sum() in {2, 3, 4}
 
@@ -153,12 +153,12 @@ def flat_scene(*walls: tuple[float, float, float]) -> Scene:
 
 def test_nothing_in_range_is_plus_infinity() -> None:
     model, data = flat_scene()
-    assert (Lidar(model).scan(data) == np.inf).all()
+    assert (Lidar(model, LidarSpec()).scan(data) == np.inf).all()
 
 
 def test_obstacle_nearer_than_range_min_is_minus_infinity() -> None:
     model, data = flat_scene((0.2, 0.1, 1.0))  # its face 0.1 m ahead
-    ranges = Lidar(model).scan(data)
+    ranges = Lidar(model, LidarSpec()).scan(data)
     assert ranges[0] == -np.inf
     assert ranges[len(ranges) // 2] == np.inf
 
@@ -166,7 +166,7 @@ def test_obstacle_nearer_than_range_min_is_minus_infinity() -> None:
 @pytest.mark.parametrize(("face", "seen"), [(0.151, 0.151), (9.999, 9.999), (10.001, np.inf)])
 def test_limits_of_the_range(face: float, seen: float) -> None:
     model, data = flat_scene((face + 0.1, 0.1, 1.0))
-    assert Lidar(model).scan(data)[0] == pytest.approx(seen, abs=1e-6)
+    assert Lidar(model, LidarSpec()).scan(data)[0] == pytest.approx(seen, abs=1e-6)
 
 
 @pytest.mark.parametrize(("nearest", "farthest"), [(1.5, 4.0), (0.5, 1.5)])
@@ -180,22 +180,22 @@ def test_terrain_nearer_than_range_min_is_minus_infinity() -> None:
     model, data = flat_scene()
     data.qpos[2] = -0.5  # the lidar on the ground
     mujoco.mj_kinematics(model, data)
-    assert (Lidar(model).scan(data) == -np.inf).all()
+    assert (Lidar(model, LidarSpec()).scan(data) == -np.inf).all()
 
 
 def test_nearest_of_obstacles_and_terrain_wins() -> None:
     model, data = flat_scene((4.0, 0.5, 1.0), (2.0, 0.5, 1.0), (3.0, 0.5, 0.4))
-    assert Lidar(model).scan(data)[0] == pytest.approx(1.5)
+    assert Lidar(model, LidarSpec()).scan(data)[0] == pytest.approx(1.5)
     data.qpos[2], data.qpos[3:7] = 0.1, (np.cos(0.25), 0.0, np.sin(0.25), 0.0)  # nose down
     mujoco.mj_kinematics(model, data)
-    scan = Lidar(model).scan(data)
+    scan = Lidar(model, LidarSpec()).scan(data)
     assert_same_scan(scan, mujoco_scan((model, data), LidarSpec()))
     assert scan[0] < 1.2  # the ground ahead of the first wall
 
 
 def test_first_and_last_beam_look_ahead_and_coincide() -> None:
     model, data = flat_scene((2.0, 0.5, 1.0))
-    ranges = Lidar(model).scan(data)
+    ranges = Lidar(model, LidarSpec()).scan(data)
     assert ranges[0] == pytest.approx(1.5)  # a site yawed by pi: azimuth -pi is robot-forward
     assert ranges[-1] == pytest.approx(ranges[0], abs=1e-6)
     assert ranges[len(ranges) // 4] == np.inf  # to the left
@@ -216,7 +216,7 @@ def test_moved_obstacle_is_seen_where_it_is_now() -> None:
     walker = world.worldbody.add_body(name="walker", mocap=True, pos=[3.0, 0.0, 0.5])
     walker.add_geom(type=BOX, size=[0.5] * 3, group=1)
     model, data = compiled(world)
-    lidar = Lidar(model)
+    lidar = Lidar(model, LidarSpec())
     assert lidar.scan(data)[0] == pytest.approx(2.5)
     data.mocap_pos[0, 0] = 5.0
     mujoco.mj_kinematics(model, data)
@@ -225,7 +225,7 @@ def test_moved_obstacle_is_seen_where_it_is_now() -> None:
 
 def test_scans_are_arrays_of_their_own_and_repeat_to_the_bit() -> None:
     model, data = flat_scene((2.0, 0.5, 1.0))
-    lidar = Lidar(model)
+    lidar = Lidar(model, LidarSpec())
     one, other = lidar.scan(data), lidar.scan(data)
     assert one is not other
     assert not np.shares_memory(one, other)
@@ -240,4 +240,4 @@ def test_obstacle_of_unknown_shape_is_named() -> None:
         name="pillar", type=mujoco.mjtGeom.mjGEOM_CAPSULE, size=[0.1, 0.5, 0.0], group=1
     )
     with pytest.raises(ValueError, match=r"'pillar'.*available: box, cylinder, ellipsoid"):
-        Lidar(world.compile())
+        Lidar(world.compile(), LidarSpec())

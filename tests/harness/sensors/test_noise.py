@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
-from harness.errors import UsageError
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist, Vector3
 from harness.sensors.noise import (
     GAZEBO,
@@ -17,7 +16,6 @@ from harness.sensors.noise import (
     WHITE,
     NoisePreset,
     SensorNoise,
-    find_preset,
 )
 
 LIMITS = (0.15, 10.0)
@@ -239,12 +237,7 @@ def test_ranges_beyond_the_lidars_limits_become_misses_and_near_returns() -> Non
     assert read_scan(noisy, 0.4, 0.6, 1.9, 2.1).tolist() == pytest.approx([-np.inf, 0.6, 1.9, np.inf])
 
 
-def test_presets_are_found_by_name_and_off_means_none() -> None:
+def test_there_are_three_presets_by_name() -> None:
     assert list(PRESETS) == ["white", "hardware", "gazebo"]
-    assert [find_preset(name) for name in PRESETS] == [WHITE, HARDWARE, GAZEBO]
-    for unknown in ("loud", ""):
-        with pytest.raises(
-            UsageError, match=f"'{unknown}' does not exist; available: white, hardware, gazebo$"
-        ):
-            find_preset(unknown)
+    assert list(PRESETS.values()) == [WHITE, HARDWARE, GAZEBO]
     assert all(one != other for one, other in pairwise(preset.summary for preset in PRESETS.values()))

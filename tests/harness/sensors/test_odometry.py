@@ -132,12 +132,10 @@ def test_wheels_put_elsewhere_are_taken_for_unmoved_time_after_time(bench: MakeB
     rig.turn_by(100, 100, 120, 120)
     before = rig.odometry.read()
     for elsewhere in ((5.0, -7000.0, 11.0, 300.0), (0.0, 0.0, 0.0, 0.0)):
-        counts = rig.odometry._encoders()
         rig.odometry.before_reset()
         rig.turned = list(elsewhere)
         rig.turn_by(0, 0, 0, 0)
         rig.odometry.after_reset()
-        assert rig.odometry._encoders() == counts
         stood = rig.odometry.read()
         assert (pose(stood), stood.twist.linear) == (pose(before), 0.0)
     rig.turn_by(*[50] * 4)

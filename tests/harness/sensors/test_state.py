@@ -1,4 +1,7 @@
-"""Pose, true odometry and joint states against MuJoCo's own account of a state written by hand."""
+"""Pose, true odometry and joint states against MuJoCo's own account of a state written by hand.
+
+And the IMU: means over a window, its mounting, and what it reads on a slope and in free fall.
+"""
 
 import math
 from collections.abc import Callable
@@ -6,12 +9,16 @@ from collections.abc import Callable
 import mujoco
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS, RoverSpec
-from harness.sensors.state import GroundTruthSensor, JointSensor, PoseSensor
+from harness.samples import Imu
+from harness.sensors.state import GroundTruthSensor, ImuSensor, JointSensor, PoseSensor
 from tests.support.rovers import LEO
+
+MakeSimulation = Callable[..., Simulation]
 
 BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
 TORQUE_LIMIT, SERVO_GAIN = {"leo": 4.0, "rover_zero4wd": 7.0}, 20.0  # [N m], [N m s/rad]
@@ -86,3 +93,85 @@ def test_joints_tell_angle_speed_and_the_motors_torque_which_is_none_where_there
     assert joints.position == pytest.approx([0.1 * n - 0.2 for n in range(4 + idle)])
     assert joints.velocity == pytest.approx([*speeds, *(0.3 + n for n in range(idle))])
     assert joints.effort == pytest.approx([*torques, *[0.0] * idle])
+
+
+def attitude(reading: Imu) -> NDArray[np.float64]:
+    return Rotation.from_quat(reading.orientation).as_matrix()
+
+
+@pytest.mark.parametrize(("timestep_ns", "steps"), [(2_500_000, 4), (5_000_000, 2)])
+def test_a_reading_is_the_mean_over_every_step_since_the_last_one(
+    simulate: MakeSimulation, timestep_ns: int, steps: int
+) -> None:
+    simulation = simulate(LEO, timestep_ns=timestep_ns)
+    imu = ImuSensor(simulation, 5)
+    rng = np.random.default_rng(1)
+    for ticks in (1, 5, 3):
+        force, rate = rng.normal(size=(2, ticks * steps, 3))
+        for tick in range(ticks):
+            of_tick = slice(tick * steps, (tick + 1) * steps)
+            for name, values in (("imu_accelerometer", force), ("imu_gyro", rate)):
+                start = int(simulation.model.sensor(name).adr[0])
+                simulation.tick_sum[start : start + 3] = values[of_tick].sum(axis=0)
+            imu.observe()
+        reading = imu.read()
+        assert reading.linear_acceleration == pytest.approx(force.mean(axis=0))
+        assert reading.angular_velocity == pytest.approx(rate.mean(axis=0))
+
+
+def test_a_window_that_is_forgotten_is_never_read(simulate: MakeSimulation) -> None:
+    simulation = simulate(LEO)
+    imu = ImuSensor(simulation, 5)
+    for value in (70.0, 4.0):
+        imu.after_reset()
+        simulation.tick_sum[:] = value
+        imu.observe()
+    reading = imu.read()
+    assert reading.linear_acceleration == reading.angular_velocity == (1.0, 1.0, 1.0)
+
+
+def test_orientation_is_that_of_the_mounted_sensor_in_the_world(simulate: MakeSimulation) -> None:
+    for seed in range(5):
+        R_world_model, R_model_imu = Rotation.random(2, rng=np.random.default_rng(seed))  # noqa: N806
+        simulation = simulate(LEO)
+        simulation.model.site("imu").quat[:] = R_model_imu.as_quat(scalar_first=True)
+        imu = ImuSensor(simulation, 5)
+        simulation.data.qpos[3:7] = R_world_model.as_quat(scalar_first=True)
+        imu.observe()
+        assert attitude(imu.read()) == pytest.approx((R_world_model * R_model_imu).as_matrix())
+
+
+@BOTH
+def test_at_rest_on_a_slope_it_reads_gravity_upwards_in_its_own_frame(
+    rover: RoverSpec, simulate: MakeSimulation
+) -> None:
+    slope = math.radians(10.0)
+    simulation = simulate(rover, slope=slope)
+    imu = ImuSensor(simulation, 5)
+    for _ in range(5):
+        simulation.tick()
+        imu.observe()
+    reading = imu.read()
+    assert reading.stamp_ns == 50_000_000
+    normal = [-math.sin(slope), 0.0, math.cos(slope)]
+    assert attitude(reading)[:, 2] == pytest.approx(normal, abs=0.02)
+    upward = 9.8 * attitude(reading)[2]  # the world's z axis in the sensor's frame
+    assert reading.linear_acceleration == pytest.approx(upward, abs=0.1)
+    across = math.hypot(*reading.linear_acceleration[:2])
+    assert across == pytest.approx(9.8 * math.sin(slope), abs=0.2)
+    assert reading.angular_velocity == pytest.approx((0.0, 0.0, 0.0), abs=0.01)
+
+
+@BOTH
+def test_in_free_fall_it_reads_no_force_and_how_fast_it_turns(
+    rover: RoverSpec, simulate: MakeSimulation
+) -> None:
+    simulation = simulate(rover)
+    simulation.data.qpos[2], simulation.data.qvel[:] = 3.0, 0.0
+    simulation.data.qvel[3:6] = 0.02, -0.03, 0.05
+    imu = ImuSensor(simulation, 1)
+    simulation.tick()
+    imu.observe()
+    reading = imu.read()
+    assert reading.linear_acceleration == pytest.approx((0.0, 0.0, 0.0), abs=0.02)
+    assert reading.angular_velocity == pytest.approx((0.02, -0.03, 0.05), abs=2e-3)

@@ -1,7 +1,7 @@
-from harness.physics.contacts import ContactKind, Touch
+from harness.physics.contacts import Touch
+from harness.samples import ContactKind
 from harness.sim_time import TICK_NS
-from harness.truth.contact_events import ContactEvents
-from harness.truth.events import EVENT_GAP_NS
+from harness.truth.contact_events import EVENT_GAP_NS, ContactEvents
 
 GAP_TICKS = EVENT_GAP_NS // TICK_NS
 UPRIGHT = [1.0, 0.0, 0.0, 0.0]

@@ -12,13 +12,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from harness.physics.contacts import ContactKind, Touch
+from harness.physics.contacts import Touch
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS
-from harness.samples import TruthState
-from harness.truth.events import ContactEvent
+from harness.samples import ContactKind, TruthState
 from harness.truth.recorder import TruthRecorder
-from harness.truth.traversal import Truth
+from harness.truth.traversal import ContactEvent, Truth
 from harness.truth.wheels import WheelMotion
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.statistics import RoughnessMap

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS, RoverSpec
-from harness.truth.wheels import WheelMotion, Wheels
+from harness.truth.wheels import WheelMotion, Wheels, slip_ratio
 from tests.support.rovers import LEO
 
 BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
@@ -131,3 +131,25 @@ def test_a_wheel_moves_from_two_centimetres_a_second_at_its_rim_or_its_centre(
     simulation.data.qpos[3:7] = 1.0, 0.0, 0.0, 0.0
     for wheels in (motion(simulation, 16 * speed), motion(simulation, 0.0, (speed, 0.0, 0.0))):
         assert [wheel.moves for wheel in wheels] == [moves] * 4
+
+
+@pytest.mark.parametrize(
+    ("wheel", "ground", "slip"),
+    [
+        (1.0, 1.0, 0.0),
+        (1.0, 0.5, 0.5),
+        (1.0, 0.0, 1.0),
+        (0.0, 1.0, -1.0),
+        (0.5, 1.0, -0.5),
+        (1.0, -0.1, 1.0),
+        (-1.0, -0.5, -0.5),
+        (-1.0, 0.1, -1.0),
+        (0.02, 0.0, 1.0),
+        (0.0, 0.0199, 0.0),
+        (0.0199, 0.0, 0.0),
+    ],
+)
+def test_slip_ratio_is_positive_when_driving_and_negative_when_braking(
+    wheel: float, ground: float, slip: float
+) -> None:
+    assert slip_ratio(wheel, ground) == pytest.approx(slip)

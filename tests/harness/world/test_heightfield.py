@@ -3,8 +3,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from harness.world.heightfield import Heightfield
+from harness.world.heightfield import Heightfield, fractal, smoothstep
 from harness.world.world import World, build_world
+from tests.support.terrain_statistics import residual_rms
 
 TopAt = Callable[[float, float], float]
 
@@ -34,3 +35,41 @@ def test_points_beyond_the_map_have_the_height_of_its_edge() -> None:
     assert ground.half_size == 0.5
     assert ground.height_at(99.0, 99.0) == 8.0
     assert ground.height_at(-99.0, -99.0) == 0.0
+
+
+def _fractal(seed: int = 0, shortest: float = 0.5) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    return fractal(rng, (201, 201), cell=0.1, longest=4.0, shortest=shortest)
+
+
+def test_fractal_noise_has_zero_mean_and_unit_rms() -> None:
+    assert _fractal().mean() == pytest.approx(0.0, abs=1e-12)
+    assert _fractal().std() == pytest.approx(1.0)
+
+
+def test_fractal_noise_depends_on_nothing_but_its_generator() -> None:
+    assert np.array_equal(_fractal(5), _fractal(5))
+    assert not np.array_equal(_fractal(5), _fractal(6))
+
+
+def test_fractal_noise_gets_rougher_with_shorter_wavelengths() -> None:
+    rough, smooth = (residual_rms(Heightfield(_fractal(shortest=s), cell=0.1), 0.3) for s in (0.2, 1.0))
+    assert rough > 2.0 * smooth
+
+
+def test_fractal_noise_does_not_prefer_an_axis() -> None:
+    along_y, along_x = np.gradient(_fractal())
+    assert along_y.std() == pytest.approx(along_x.std(), rel=0.15)
+
+
+def test_fractal_noise_does_not_repeat_at_the_edges() -> None:
+    noise = _fractal()
+    assert abs(np.corrcoef(noise[0], noise[-1])[0, 1]) < 0.6
+
+
+def test_smoothstep_rises_from_zero_to_one_without_kinks() -> None:
+    steps = smoothstep(np.linspace(0.0, 4.0, 401), 1.0, 3.0)
+    assert (steps[:101] == 0.0).all()
+    assert (steps[300:] == 1.0).all()
+    assert steps[200] == pytest.approx(0.5)
+    assert np.diff(steps, 2).max() < 2e-4

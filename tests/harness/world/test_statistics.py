@@ -5,14 +5,8 @@ import pytest
 
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
-from harness.world.statistics import (
-    Promise,
-    RoughnessMap,
-    measure,
-    reach,
-    residual_rms,
-    slopes,
-)
+from harness.world.statistics import Promise, RoughnessMap, reach, slopes
+from tests.support.terrain_statistics import measure, residual_rms
 
 AXIS = np.linspace(-10.0, 10.0, 201)
 X, Y = np.meshgrid(AXIS, AXIS)

@@ -1,20 +1,18 @@
 from dataclasses import FrozenInstanceError, dataclass
-from typing import ClassVar
 
 import numpy as np
 import pytest
 
-from harness.world.fields import Field
-from harness.world.statistics import Promise
+from harness.world.heightfield import Field
 from harness.world.terrain import Terrain, constant, parameter
-from harness.world.terrains.flat import Flat
+from harness.world.terrains.ground import Flat
 
 
 @dataclass(frozen=True, kw_only=True)
 class Noise(Terrain):
-    name: ClassVar[str] = "noise"
-    summary: ClassVar[str] = "white noise"
-    promise: ClassVar[Promise] = Flat.promise
+    name = "noise"
+    summary = "white noise"
+    promise = Flat.promise
 
     size: float = constant(12.0, "m")
     height: float = parameter(0.1, 0.5, 2.0, "m")
@@ -51,11 +49,13 @@ def test_the_grid_has_its_size_and_cell_with_a_vertex_at_the_origin() -> None:
 
 
 def test_the_spawn_is_levelled_and_the_rest_is_left_alone() -> None:
-    ground = Noise().ground(np.random.default_rng(0))
+    heights = Noise().ground(np.random.default_rng(0)).heights
     axis = np.linspace(-6.0, 6.0, 121)
     distance = np.hypot(*np.meshgrid(axis, axis))
-    assert np.ptp(ground.heights[distance <= 1.0]) == 0.0
-    assert ground.heights[distance > 4.0].std() == pytest.approx(0.5, rel=0.05)
+    made = 0.5 * np.random.default_rng(0).standard_normal((121, 121))
+    assert np.ptp(heights[distance <= 1.0]) == 0.0
+    assert heights[60, 60] == pytest.approx(made[distance <= 1.0].mean(), abs=1e-6)
+    assert np.allclose(heights[distance >= 4.0], made[distance >= 4.0], atol=1e-6)
 
 
 def test_heights_are_whole_micrometres_without_negative_zero() -> None:

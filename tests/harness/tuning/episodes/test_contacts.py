@@ -8,7 +8,7 @@ import pytest
 from harness.config import EpisodeConfig
 from harness.samples import LaserScan, PlacedScan, Pose
 from harness.sensors.lidar_spec import LidarSpec
-from harness.truth.events import ContactEvent
+from harness.truth.traversal import ContactEvent
 from harness.tuning.episodes.contacts import event_rows, is_on, sight, zone
 from harness.tuning.episodes.drive import drive
 from harness.tuning.episodes.record import Sight, Zone

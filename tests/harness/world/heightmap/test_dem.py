@@ -14,10 +14,10 @@ from PIL import Image
 from scipy.ndimage import map_coordinates, uniform_filter1d
 
 from harness.errors import UsageError
+from harness.world.heightfield import filled, resampled
 from harness.world.heightmap import raster as raster_module
 from harness.world.heightmap.dem import TerrainFile, file_world, is_terrain_file
 from harness.world.heightmap.raster import read_raster
-from harness.world.heightmap.regrid import filled, resampled
 from harness.world.statistics import slopes
 from harness.world.world import World, terrain_hash
 
@@ -185,7 +185,7 @@ def test_grey_pictures_are_read_as_they_are(tmp_path: Path, mode: str) -> None:
     raster = read_raster(tmp_path / "a.png")
     assert raster.values.shape == (8, 9)
     assert np.argwhere(raster.values).tolist() == [[2, 5]]
-    assert (raster.pixel, raster.in_metres) == (None, False)
+    assert (raster.pixel, raster.in_metres) == ("it does not say how large it is", False)
 
 
 def test_lzw_is_unpacked_by_libtiff(tmp_path: Path) -> None:

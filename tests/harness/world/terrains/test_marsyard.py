@@ -1,5 +1,7 @@
 import numpy as np
+import pytest
 
+from harness.world.terrains.marsyard import crater, hill
 from harness.world.world import build_world
 
 
@@ -16,3 +18,12 @@ def test_its_craters_lie_below_and_its_hills_above_the_plain() -> None:
     plain = np.median(heights)
     assert heights.min() < plain - 0.9
     assert heights.max() > plain + 2.5
+
+
+def test_a_hill_peaks_at_its_centre_and_ends_at_its_radius() -> None:
+    assert hill(np.array([0.0, 2.0, 9.0]), 2.0).tolist() == [1.0, 0.0, 0.0]
+
+
+def test_a_crater_has_a_floor_a_rim_and_an_end() -> None:
+    profile = crater(np.array([0.0, 1.0, 2.0, 4.0, 9.0]), 2.0)
+    assert profile.tolist() == pytest.approx([-1.0, -1.0, 0.25, 0.0, 0.0])

@@ -8,10 +8,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from harness.world.statistics import measure, slopes
+from harness.world.statistics import slopes
 from harness.world.terrain import SPAWN_CLEARANCE, SPAWN_RADIUS, Terrain
 from harness.world.terrains import TERRAINS
 from harness.world.world import World, build_world, terrain_hash
+from tests.support.terrain_statistics import measure
 
 SEEDS = (0, 1, 2, 123)
 ROUNDING = 1e-6  # heights are whole micrometres

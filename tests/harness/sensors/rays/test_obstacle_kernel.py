@@ -1,14 +1,15 @@
 """The fan of beams against mj_ray, obstacle by obstacle, compiled and as plain Python."""
 
 import math
+from collections.abc import Callable
 
 import mujoco
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from harness.sensors.rays import obstacle_rays
-from harness.sensors.rays.obstacle_rays import ObstacleRays
+from harness.sensors.rays.arrays import obstacle_arrays
+from harness.sensors.rays.obstacle_kernel import cast_fan
 from tests.harness.sensors.plain_python import as_plain_python
 
 Array = NDArray[np.float64]
@@ -29,7 +30,12 @@ def scene(*geoms: dict[str, object]) -> tuple[mujoco.MjModel, mujoco.MjData]:
     return model, data
 
 
-def fans(world: tuple[mujoco.MjModel, mujoco.MjData], origin: Array, turn: Array) -> tuple[Array, Array]:
+def fans(
+    world: tuple[mujoco.MjModel, mujoco.MjData],
+    origin: Array,
+    turn: Array,
+    kernel: Callable[..., None],
+) -> tuple[Array, Array]:
     """Our ranges and MuJoCo's, of a fan in the xy plane of a frame."""
     model, data = world
     angles = FIRST + STEP * np.arange(BEAMS)
@@ -37,7 +43,7 @@ def fans(world: tuple[mujoco.MjModel, mujoco.MjData], origin: Array, turn: Array
     ours = np.full(BEAMS, np.inf)
     fan = np.array([FIRST, STEP, RANGE_MAX])
     pose = np.ascontiguousarray(np.vstack([origin, turn]))
-    ObstacleRays.from_model(model, 1).cast(data, pose, beams, fan, ours)
+    kernel(*obstacle_arrays(model, 1), data.geom_xpos, data.geom_xmat, pose, beams, fan, ours)
     groups, hit = np.array([0, 1, 0, 0, 0, 0], np.uint8), np.zeros(1, np.int32)
     theirs = np.array([mujoco.mj_ray(model, data, origin, b, groups, 1, -1, hit) for b in beams])
     theirs[(theirs < 0) | (theirs > RANGE_MAX)] = np.inf
@@ -47,9 +53,8 @@ def fans(world: tuple[mujoco.MjModel, mujoco.MjData], origin: Array, turn: Array
 @pytest.mark.parametrize("way", ["compiled", "plain"])
 def test_a_fan_meets_mujoco(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """From outside and from within, level and tilted, over and beside, behind one another."""
-    if way == "plain":
-        kernel = as_plain_python("harness.sensors.rays.obstacle_kernel", monkeypatch)
-        monkeypatch.setattr(obstacle_rays, "cast_fan", kernel.cast_fan)
+    plain = as_plain_python("harness.sensors.rays.obstacle_kernel", monkeypatch).cast_fan
+    kernel = plain if way == "plain" else cast_fan
     rng = np.random.default_rng(0)
     hits = misses = 0
     for tilt in (0.0, 0.1, 1.0) * 8:
@@ -64,7 +69,7 @@ def test_a_fan_meets_mujoco(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
         ]
         turn, quaternion = np.empty(9), np.array([1.0, *(tilt * rng.normal(size=2)), rng.normal()])
         mujoco.mju_quat2Mat(turn, quaternion / np.linalg.norm(quaternion))
-        ours, theirs = fans(scene(*geoms), rng.uniform(-1, 1, 3), turn.reshape(3, 3))
+        ours, theirs = fans(scene(*geoms), rng.uniform(-1, 1, 3), turn.reshape(3, 3), kernel)
         np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=1e-9)
         hits, misses = hits + np.isfinite(ours).sum(), misses + np.isinf(ours).sum()
     assert min(hits, misses) > 200
@@ -75,7 +80,7 @@ def test_what_is_nearer_already_stays_and_without_obstacles_all_does() -> None:
     ranges, pose = np.array([1.0, 1.6]), np.vstack([np.zeros(3), np.eye(3)])
     beams, fan = np.tile([1.0, 0.0, 0.0], (2, 1)), np.array([0.0, 1e-3, 9.0])
 
-    ObstacleRays.from_model(model, 2).cast(data, pose, beams, fan, ranges)
+    cast_fan(*obstacle_arrays(model, 2), data.geom_xpos, data.geom_xmat, pose, beams, fan, ranges)
     assert ranges.tolist() == [1.0, 1.6]
-    ObstacleRays.from_model(model, 1).cast(data, pose, beams, fan, ranges)
+    cast_fan(*obstacle_arrays(model, 1), data.geom_xpos, data.geom_xmat, pose, beams, fan, ranges)
     assert ranges == pytest.approx([1.0, 1.5])

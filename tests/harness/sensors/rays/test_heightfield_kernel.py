@@ -1,19 +1,20 @@
 """The cell walk against mj_rayHfield, ray by ray, over everything a ray can do to a heightfield."""
 
 import itertools
-from dataclasses import replace
+from collections.abc import Callable
 
 import mujoco
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from harness.sensors.rays import heightfield_rays
-from harness.sensors.rays.heightfield_rays import HeightfieldRays
+from harness.sensors.rays.arrays import heightfield_arrays
+from harness.sensors.rays.heightfield_kernel import cast_rays
 from harness.world.heightfield import Heightfield
 from tests.harness.sensors.plain_python import as_plain_python
 
 Array = NDArray[np.float64]
+Rays = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.int64], Array]
 
 TOLERANCE = 1e-5  # [m]
 FAR = 1e6  # [m]
@@ -45,9 +46,15 @@ def terrain_model(
     return model, data
 
 
-def cast(rays: HeightfieldRays, origin: Array, directions: Array, range_max: float = FAR) -> Array:
+def cast(
+    rays: Rays,
+    origin: Array,
+    directions: Array,
+    range_max: float = FAR,
+    kernel: Callable[..., None] = cast_rays,
+) -> Array:
     ranges = np.full(len(directions), np.inf)
-    rays.cast(origin, directions, range_max, ranges)
+    kernel(*rays, origin, directions, range_max, ranges)
     return ranges
 
 
@@ -89,7 +96,7 @@ def test_random_rays_meet_mujoco(shape: tuple[int, int], steepness: float) -> No
         heights = relief * rng.normal(size=shape)
         center = (float(rng.normal()), float(rng.normal()))
         scene = terrain_model(heights, cell, center)
-        rays = HeightfieldRays.from_model(scene[0])
+        rays = heightfield_arrays(scene[0])
         size = np.array([cell * shape[1], cell * shape[0], np.ptp(heights) + BASE])
         for _ in range(4):
             origin = np.array([*center, 0.0]) + rng.uniform(-0.9, 0.9, 3) * size
@@ -100,7 +107,7 @@ def test_random_rays_meet_mujoco(shape: tuple[int, int], steepness: float) -> No
 def test_rays_from_below_the_surface_meet_mujoco() -> None:
     rng = np.random.default_rng(1)
     scene = terrain_model(rng.normal(size=(17, 17)), 0.25)
-    rays = HeightfieldRays.from_model(scene[0])
+    rays = heightfield_arrays(scene[0])
     low = float(scene[0].geom_pos[0, 2])
     for depth in (0.01, 0.2, 0.4, -0.1, -0.4, -BASE - 0.1):  # within the hills, the base, below it
         origin = np.array([*rng.uniform(-1.8, 1.8, 2), low + depth])
@@ -110,7 +117,7 @@ def test_rays_from_below_the_surface_meet_mujoco() -> None:
 
 def test_side_wall_is_hit_from_outside_and_from_within() -> None:
     model, _ = terrain_model(np.array([[0.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]]), 1.0)
-    rays = HeightfieldRays.from_model(model)
+    rays = heightfield_arrays(model)
     toward = np.array([[0.0, 1.0, 0.0]])
     assert cast(rays, np.array([0.0, -3.0, 0.5]), toward) == pytest.approx(2.0)
     assert cast(rays, np.array([0.0, 0.0, 0.5]), toward) == pytest.approx(1.0)
@@ -120,7 +127,7 @@ def test_side_wall_is_hit_from_outside_and_from_within() -> None:
 def test_vertical_rays_read_the_height_everywhere() -> None:
     rng = np.random.default_rng(2)
     heights = stepped_heights(rng, 9)
-    rays = HeightfieldRays.from_model(terrain_model(heights, 0.25)[0])
+    rays = heightfield_arrays(terrain_model(heights, 0.25)[0])
     down = np.array([[0.0, 0.0, -1.0]])
     for row, col in itertools.product(range(9), repeat=2):
         origin = np.array([0.25 * col - 1.0, 0.25 * row - 1.0, 3.0])
@@ -140,7 +147,7 @@ def test_rays_along_grid_lines_and_through_vertices_never_leak() -> None:
     for _ in range(4):
         ground = Heightfield(heights=stepped_heights(rng, 17), cell=0.25)
         scene = terrain_model(ground.heights, ground.cell)
-        rays = HeightfieldRays.from_model(scene[0])
+        rays = heightfield_arrays(scene[0])
         for _ in range(250):
             corner = rng.integers(1, 16, 2) * 0.25 - 2.0
             origin = np.array([*corner, rng.choice([1.5, 1.25, 0.6, 0.5, 0.0625])])
@@ -165,7 +172,7 @@ def test_grazing_rays_meet_mujoco() -> None:
     cell, n = 0.25, 17
     heights = 0.2 * rng.normal(size=(n, n))
     scene = terrain_model(heights, cell)
-    rays = HeightfieldRays.from_model(scene[0])
+    rays = heightfield_arrays(scene[0])
     for side in (-1e-7, 1e-7):
         for _ in range(60):
             row, col = rng.integers(1, n - 1, 2)
@@ -180,7 +187,7 @@ def test_origin_on_the_surface_is_at_zero_range() -> None:
     rng = np.random.default_rng(5)
     heights = stepped_heights(rng, 9)
     scene = terrain_model(heights, 0.25)
-    rays = HeightfieldRays.from_model(scene[0])
+    rays = heightfield_arrays(scene[0])
     for row, col in itertools.product(range(8), repeat=2):
         # A quarter and a half into the cell: right of its diagonal, at a height without rounding.
         near, right, far = heights[row, col], heights[row, col + 1], heights[row + 1, col + 1]
@@ -194,7 +201,7 @@ def test_origin_on_the_surface_is_at_zero_range() -> None:
 def test_flat_terrain_meets_mujoco() -> None:
     rng = np.random.default_rng(6)
     scene = terrain_model(np.full((9, 9), 2.0), 0.25)
-    rays = HeightfieldRays.from_model(scene[0])
+    rays = heightfield_arrays(scene[0])
     for _ in range(20):
         origin = np.array([*rng.uniform(-1.5, 1.5, 2), 2.0 + rng.uniform(-0.6, 0.3)])
         directions = random_directions(rng, 40, 0.5)
@@ -206,8 +213,9 @@ def test_skipping_blocks_changes_no_bit() -> None:
     for n in (66, 130):
         rolling = np.cumsum(np.cumsum(rng.normal(size=(n, n)), axis=0), axis=1)
         model, _ = terrain_model(rolling / np.ptp(rolling) * 2.0, 0.1)
-        rays = HeightfieldRays.from_model(model)
-        plain = replace(rays, pyramid=np.empty(0, np.float32), levels=np.zeros((1, 2), np.int64))
+        rays = heightfield_arrays(model)
+        heights, _, _, frame = rays
+        plain = (heights, np.empty(0, np.float32), np.zeros((1, 2), np.int64), frame)
         for _ in range(20):
             origin = np.append(rng.uniform(-0.05, 0.05, 2) * n, rng.uniform(-1.0, 2.5))
             directions = random_directions(rng, 100, 0.1)
@@ -217,41 +225,29 @@ def test_skipping_blocks_changes_no_bit() -> None:
 
 
 def test_only_nearer_hits_within_range_are_written() -> None:
-    rays = HeightfieldRays.from_model(terrain_model(np.zeros((3, 3)), 1.0)[0])
+    rays = heightfield_arrays(terrain_model(np.zeros((3, 3)), 1.0)[0])
     origin, down = np.array([0.3, 0.2, 0.5]), np.tile([0.0, 0.0, -1.0], (3, 1))
     ranges = np.array([np.inf, 0.4, 0.6])
-    rays.cast(origin, down, 10.0, ranges)
+    cast_rays(*rays, origin, down, 10.0, ranges)
     assert ranges == pytest.approx([0.5, 0.4, 0.5])
     assert (cast(rays, origin, down, range_max=0.49) == np.inf).all()
 
 
 def test_as_plain_python_the_walk_meets_mujoco_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    kernel = as_plain_python("harness.sensors.rays.heightfield_kernel", monkeypatch)
-    monkeypatch.setattr(heightfield_rays, "cast_rays", kernel.cast_rays)
+    plain = as_plain_python("harness.sensors.rays.heightfield_kernel", monkeypatch).cast_rays
     rng = np.random.default_rng(8)
     for shape in ((2, 2), (5, 9), (21, 18)):  # the last with three levels of blocks and more
         heights = 0.2 * rng.normal(size=shape)
         scene = terrain_model(heights, 0.25, (0.5, -1.0))
-        rays = HeightfieldRays.from_model(scene[0])
+        rays = heightfield_arrays(scene[0])
         size = np.array([0.25 * shape[1], 0.25 * shape[0], np.ptp(heights) + BASE])
         for steepness in (0.05, 1.0, 3.0):
             for _ in range(4):
                 origin = np.array([0.5, -1.0, 0.0]) + rng.uniform(-0.9, 0.9, 3) * size
                 directions = random_directions(rng, 20, steepness)
-                ours = cast(rays, origin, directions)
+                ours = cast(rays, origin, directions, kernel=plain)
                 assert_same_hits(ours, mujoco_cast(scene, origin, directions))
-    flat = HeightfieldRays.from_model(terrain_model(np.zeros((3, 3)), 1.0)[0])
+    flat = heightfield_arrays(terrain_model(np.zeros((3, 3)), 1.0)[0])
     ranges = np.array([np.inf, 0.4, 0.6])
-    flat.cast(np.array([0.3, 0.2, 0.5]), np.tile([0.0, 0.0, -1.0], (3, 1)), 10.0, ranges)
+    plain(*flat, np.array([0.3, 0.2, 0.5]), np.tile([0.0, 0.0, -1.0], (3, 1)), 10.0, ranges)
     assert ranges == pytest.approx([0.5, 0.4, 0.5])
-
-
-def test_other_than_an_upright_heightfield_is_refused() -> None:
-    spec = mujoco.MjSpec()
-    spec.worldbody.add_geom(name="terrain", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[1, 0, 0])
-    with pytest.raises(ValueError, match="'terrain' is not a heightfield"):
-        HeightfieldRays.from_model(spec.compile())
-    model, _ = terrain_model(np.zeros((3, 3)), 1.0)
-    model.geom_quat[0] = (0.0, 1.0, 0.0, 0.0)
-    with pytest.raises(ValueError, match="upright"):
-        HeightfieldRays.from_model(model)

@@ -1,0 +1,55 @@
+"""All faults there are; the help shows them in this order."""
+
+import math
+
+import numpy as np
+
+from harness.faults import clock
+from harness.faults.base import LONGEST, Kind, SensorAct, Value
+from harness.faults.clock import ClockAct
+from harness.faults.readings import becomes, drop, each, empty, measured, resize, shift, spike
+from harness.faults.streams import decimated, frozen, late, repeat
+
+SHARE = Value("SHARE", "a share above 0 up to 1", lambda x: 0.0 < x <= 1.0, default=1.0)
+SIZE = Value("SIZE", "a size above 0", lambda x: 0.0 < x < math.inf, default=10.0)
+ANY = Value("X", "a number, inf or nan", lambda _: True)
+RATE = Value("HZ", "a rate above 0 up to 100 Hz", lambda x: 0.0 < x <= 100.0)
+DELAY = Value("S", "seconds above 0 up to 60", lambda x: 0.0 < x <= 60.0)
+COPIES = Value("N", "a whole number from 2 to 10", lambda x: x in range(2, 11), default=2.0)
+BEAMS = Value("N", "a whole number from 0 to 100000", lambda x: x in range(100_001))
+FACTOR = Value("FACTOR", "a factor above 0 up to 100", lambda x: 0.0 < x <= 100.0)
+_SECONDS = ("S", "seconds, negative for back in time", lambda x: abs(x) <= LONGEST)
+SHIFT, JUMP = Value(*_SECONDS), Value(*_SECONDS, default=10.0)
+
+EMPTY = ("scan", "pose", "joint_states")  # the sensors whose messages can be
+
+OF_SENSORS: tuple[Kind[SensorAct], ...] = (
+    Kind("dropout", "messages are not sent", each(drop), SHARE),
+    Kind("rate", "at most so many messages a second", decimated, RATE),
+    Kind("latency", "messages come late, in order, with the stamp of the reading", late, DELAY),
+    Kind("duplicate", "each message is sent N times", each(lambda r, n, _: (r,) * int(n)), COPIES),
+    Kind("freeze", "the last reading again and again, with new stamps", frozen(repeat)),
+    Kind("stuck", "every value is X", measured(lambda v, x, _: np.full_like(v, x)), ANY),
+    Kind("zero", "values are 0", becomes(0.0), SHARE),
+    Kind("nan", "values are NaN", becomes(math.nan), SHARE),
+    Kind("inf", "values are infinite", becomes(math.inf), SHARE),
+    Kind("huge", "values are 1e30", becomes(1e30), SHARE),  # fits float32; its square fits float64
+    Kind("spike", "one value in ten, at random, is off by SIZE", measured(spike), SIZE),
+    Kind("stamp-shift", "stamps are off by S", each(shift), SHIFT),
+    Kind("stamp-freeze", "stamps stand still", frozen(lambda last, now: repeat(now, last))),
+    Kind("empty", "a message without readings", each(empty), own=EMPTY),
+    Kind("beams", "only the first N ranges, or more that miss", each(resize), BEAMS, own=("scan",)),
+)
+OF_THE_CLOCK: tuple[Kind[ClockAct], ...] = (
+    Kind(
+        "jump",
+        "time goes S ahead or back, not below 0, and on from there",
+        clock.jump,
+        JUMP,
+        momentary=True,
+    ),
+    Kind("reset", "time starts again from 0", clock.reset, momentary=True),
+    Kind("speed", "time runs FACTOR as fast, for stamps too", clock.drift, FACTOR),
+    Kind("freeze", "/clock repeats its last time, then catches up", clock.freeze),
+    Kind("dropout", "/clock is not sent", clock.silence, SHARE),
+)

@@ -1,0 +1,79 @@
+"""A model's heightfield and obstacles as the arrays that the kernels take.
+
+MuJoCo keeps float32 heights normalised to 0..1. Rays are cast against those, not against the float64
+heights of the world they came from, so that its own ray caster is met to rounding. It asks every beam
+about every geom; a planar fan can go from obstacle to beams instead, with the same hits.
+"""
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.physics.scene import TERRAIN
+from harness.sensors.rays.obstacle_kernel import BOX, CYLINDER, ELLIPSOID
+
+COARSEST_LEVEL = 6  # blocks of 64 cells; coarser ones are hardly ever skipped whole
+
+Floats = NDArray[np.float32]
+Doubles = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+def heightfield_arrays(model: mujoco.MjModel) -> tuple[Floats, Floats, Integers, Doubles]:
+    """Returns heights, pyramid, levels and frame of the terrain as cast_rays takes them.
+
+    The heights are a view onto the model's: they must not be edited afterwards.
+    """
+    geom = model.geom(TERRAIN).id
+    field = model.geom_dataid[geom]
+    rows, cols = int(model.hfield_nrow[field]), int(model.hfield_ncol[field])
+    start = int(model.hfield_adr[field])
+    heights = model.hfield_data[start : start + rows * cols].reshape(rows, cols)
+    half_x, half_y, relief, thickness = model.hfield_size[field]
+    frame = np.array(
+        [
+            model.geom_pos[geom] - (half_x, half_y, 0.0),
+            (0.5 * (cols - 1) / half_x, 0.5 * (rows - 1) / half_y, 1.0 / relief),
+            (-thickness / relief, heights.max(), 0.0),
+        ]
+    )
+    return heights, *_max_pyramid(heights), frame
+
+
+def obstacle_arrays(model: mujoco.MjModel, group: int) -> tuple[Integers, Doubles]:
+    """Returns the geoms of a group, with kinds, and their sizes as cast_fan takes them.
+
+    Raises:
+        ValueError: One of them is neither box, cylinder nor ellipsoid.
+    """
+    geoms = np.flatnonzero(model.geom_group == group)
+    kinds = model.geom_type[geoms]
+    unseen = geoms[~np.isin(kinds, (BOX, CYLINDER, ELLIPSOID))]
+    if unseen.size:
+        raise ValueError(
+            f"obstacle '{model.geom(unseen[0]).name}' has a shape that the lidar cannot see; "
+            "available: box, cylinder, ellipsoid"
+        )
+    sizes = np.column_stack([model.geom_size[geoms], model.geom_rbound[geoms]])
+    return np.column_stack([geoms, kinds]).astype(np.int64), sizes
+
+
+def _max_pyramid(heights: Floats) -> tuple[Floats, Integers]:
+    """Maxima over blocks of 2, 4, 8... cells, flat, and where each level begins and its width.
+
+    Level 0, the cells, is not stored: looking at a cell's four heights decides it at once.
+    """
+    across = np.maximum(heights[:, :-1], heights[:, 1:])
+    blocks = np.maximum(across[:-1], across[1:])
+    maxima, levels, start = [np.empty(0, np.float32)], [(0, 0)], 0
+    while max(blocks.shape) > 1 and len(levels) <= COARSEST_LEVEL:
+        blocks = _halved(_halved(blocks).T).T
+        levels.append((start, blocks.shape[1]))
+        maxima.append(blocks.ravel())
+        start += blocks.size
+    return np.concatenate(maxima), np.array(levels, np.int64)
+
+
+def _halved(blocks: Floats) -> Floats:
+    """Maxima of each two neighbouring rows; a last row without neighbour stays as it is."""
+    return np.maximum.reduceat(blocks, np.arange(0, blocks.shape[0], 2), axis=0)
