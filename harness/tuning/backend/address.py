@@ -57,12 +57,12 @@ def parse_address(text: str, schemes: Sequence[str], names: Sequence[str] = ()) 
     return Address(text, found["host"].strip("[]"), int(found["port"]))
 
 
-def workers_at(address: Address, code: str, what: str, mend: str) -> float:
-    """Returns how many workers a cluster has.
+def check_workers(address: Address, code: str, what: str, mend: str) -> None:
+    """Makes sure that a cluster has workers.
 
     Args:
         address: Of the cluster.
-        code: Python that connects to sys.argv[1] and prints the number.
+        code: Python that connects to sys.argv[1] and prints how many it has.
         what: The kind of cluster, as messages name it.
         mend: What to do if it is not there.
 
@@ -78,7 +78,6 @@ def workers_at(address: Address, code: str, what: str, mend: str) -> float:
         raise UsageError(message) from error
     if not answer:
         raise UsageError(f"the {what} at {address.text} has no worker; start some")
-    return answer
 
 
 def _answer(address: Address, code: str) -> float:

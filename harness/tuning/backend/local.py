@@ -4,6 +4,7 @@ import os
 import signal
 import threading
 import time
+import warnings
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager
@@ -12,27 +13,22 @@ from multiprocessing import resource_tracker
 from joblib import Parallel, delayed, parallel_config
 from joblib.externals.loky import get_reusable_executor
 
-from harness.tuning.backend.base import Backend, Item, Outcome, WorkerLost, closed_quietly
+from harness.tuning.backend.base import Backend, Item, Outcome, WorkerLost
 
 TERMINAL_SIGNALS = {signal.SIGINT, signal.SIGHUP}
 WARNINGS = "PYTHONWARNINGS"
 WATCH = 1.0  # [s] between two looks at whether the process that gives work is still there
 
 
-def usable_cpus() -> int:
-    """How many CPUs this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 class LocalBackend(Backend):
     """Local processes; with one job, this process itself.
 
     Args:
-        jobs: How many.
+        jobs: How many; None for one per CPU that this process may use.
     """
 
-    def __init__(self, jobs: int) -> None:
-        self.jobs = jobs
+    def __init__(self, jobs: int | None) -> None:
+        self.jobs = jobs or usable_cpus()
         self._started = False
 
     def map(
@@ -50,14 +46,25 @@ class LocalBackend(Backend):
         with _deaf_children(), _silent_tracker():
             outcomes = parallel(delayed(work)(item) for item in items)
         try:
-            yield from closed_quietly(outcomes)
+            # No `yield from`: it would close joblib's generator before its warning is off.
+            for outcome in outcomes:  # noqa: UP028 - see above
+                yield outcome
         except BrokenExecutor as error:
             raise WorkerLost("a worker process was killed (out of memory?)") from error
+        finally:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)  # that work is thrown away
+                outcomes.close()
 
     def close(self) -> None:
         """Ends the processes, which joblib would keep for the next work."""
         if self._started and self.jobs > 1:
             get_reusable_executor(reuse=True).shutdown(kill_workers=True)
+
+
+def usable_cpus() -> int:
+    """Returns how many CPUs this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager

@@ -10,19 +10,21 @@ from harness.robots import RoverSpec, find_rover
 from harness.sensors.lidar_spec import LidarSpec
 from harness.tuning.episodes.plan import Planned
 from harness.tuning.episodes.record import EpisodeRecord
-from harness.tuning.page import contact_figures, ground_figures, scan_figures, tables
+from harness.tuning.page import tables
+from harness.tuning.page.contact_figures import contact_figures
 from harness.tuning.page.drawing import Distances, drawings
+from harness.tuning.page.ground_figures import ground_figures, steps_and_jumps
 from harness.tuning.page.outline import shares
-from harness.tuning.page.subject import Subject, chosen, subject
+from harness.tuning.page.scan_figures import scan_figures
+from harness.tuning.page.subject import Subject, chosen
 from harness.tuning.page.tables import Table
 from harness.tuning.parameter_file import parameter_file
 from harness.tuning.scoring import alarms, clearance, estimate, imu_events
 from harness.tuning.scoring.collision import CollisionStudy
 from harness.tuning.scoring.imu_events import SIGNALS
 from harness.tuning.scoring.notes import conclusions, unreachable
-from harness.tuning.scoring.study import RobotStudy
+from harness.tuning.scoring.study import RobotStudy, scored_records
 
-CLEARANCE = next(name for name, told in alarms.DETECTORS.items() if told is alarms.footprint_clearance)
 NUMBERS = {  # of the method
     "gap": alarms.GAP,
     "rough": imu_events.ROUGH * 1e3,
@@ -43,7 +45,7 @@ def render(studies: Sequence[RobotStudy], records: Mapping[Planned, EpisodeRecor
     """
     around = [(find_rover(study.robot), _distances(study.collision)) for study in studies]
     robots = [
-        _robot(study, subject(study, records), command)
+        _robot(study, Subject(study, scored_records(study.robot, records)), command)
         | {"drawing": drawn, "legend": [*_legend(study, *one)]}
         for study, one, drawn in zip(studies, around, drawings(around), strict=True)
     ]
@@ -65,35 +67,33 @@ def _robot(study: RobotStudy, robot: Subject, command: str) -> dict[str, Any]:
         "conclusions": [*conclusions(study)],
         "unreachable": unreachable(study.collision),
         "file": parameter_file(study, command),
-        "items": dict(_items(study, robot)),
+        "items": _items(study, robot),
     }
 
 
-def _items(study: RobotStudy, robot: Subject) -> Iterator[tuple[str, Plot | Table | str]]:
+def _items(study: RobotStudy, robot: Subject) -> dict[str, Plot | Table | str]:
     """Every table and figure of a robot, or why there is none, by its name in the template."""
-    yield "thresholds", tables.thresholds(study)
-    yield "f1", contact_figures.f1_over_threshold(robot)
-    yield "parts", contact_figures.parts_over_threshold(robot)
-    yield "trade-off", contact_figures.trade_off(robot)
-    yield "detectors", tables.detectors(study.collision)
-    yield "zones", tables.zones(study.collision)
-    yield "roc", scan_figures.scan_roc(robot)
-    yield "pr", scan_figures.scan_precision_recall(robot)
-    yield "sum", tables.clearance(study)
+    items: dict[str, Plot | Table | str] = {
+        **contact_figures(robot),
+        **scan_figures(robot),
+        "thresholds": tables.thresholds(study),
+        "detectors": tables.detectors(study.collision),
+        "zones": tables.zones(study.collision),
+        "sum": tables.clearance(study),
+        "driven": tables.driven(study),
+        **{verdict.name: tables.measures(verdict) for verdict in study.verdicts},
+    }
     for ground, signal in zip(study.grounds, SIGNALS, strict=True):
-        name = signal.parameter
-        yield f"{name}-classes", ground_figures.distributions(robot, ground, signal)
-        yield f"{name}-roc", ground_figures.ground_roc(robot, ground, signal)
-        yield f"{name}-speeds", tables.speeds(ground)
-    yield "steps", ground_figures.steps_and_jumps(robot)
-    for verdict in study.verdicts:
-        yield verdict.name, tables.measures(verdict)
-    yield "driven", tables.driven(study)
+        items |= ground_figures(robot, ground, signal)
+        items[f"{signal.parameter}-speeds"] = tables.speeds(ground)
+    return items | {"steps": steps_and_jumps(robot)}
 
 
 def _distances(study: CollisionStudy) -> Distances:
     tuned = study.verdict.tuned
-    clearance = [told.events.value for told in study.detectors if told.name == CLEARANCE]
+    clearance = [
+        told.events.value for told in study.detectors if told.name == alarms.FOOTPRINT_CLEARANCE
+    ]
     return Distances(
         range_min=LidarSpec().range_min,
         default=study.verdict.default.value,

@@ -20,50 +20,41 @@ from harness.tuning.scoring.estimate import (
 )
 
 GAP = 0.5  # [s]: alarms, like contacts, that are closer together are one
-# What is counted of an episode.
-CONTACTS, DETECTED, ALARMS, RIGHT, KM = range(5)  # events
+CONTACTS, DETECTED, ALARMS, RIGHT, KM = range(5)  # what is counted of an episode's events
+NEAREST_RANGE, FOOTPRINT_CLEARANCE = "nearest range", "footprint clearance"
 
 Distances = NDArray[np.float64]  # one per scan [m]; -inf counts as contact whatever the threshold
 Detector = Callable[[EpisodeRecord], Distances]
 
 
-def nearest_range(record: EpisodeRecord) -> Distances:
-    """Returns what RoboTerrain compares: the smallest finite range of each scan."""
-    return record.scans["nearest"].astype(np.float64)
+def _distance(column: str) -> Detector:
+    return lambda record: record.scans[column].astype(np.float64)
 
 
-def nearest_or_near_return(record: EpisodeRecord) -> Distances:
-    """Returns the nearest range, -inf where a beam met something nearer than range_min (REP-117)."""
-    return np.where(record.scans["near_returns"] > 0, -np.inf, nearest_range(record))
-
-
-def footprint_clearance(record: EpisodeRecord) -> Distances:
-    """Returns the smallest distance from a finite return to the rover's outline, scan by scan."""
-    return record.scans["footprint"].astype(np.float64)
-
-
-def footprint_or_near_return(record: EpisodeRecord) -> Distances:
-    """Returns the footprint clearance, -inf where a beam met something nearer than range_min."""
-    return np.where(record.scans["near_returns"] > 0, -np.inf, footprint_clearance(record))
+def _or_near_return(column: str) -> Detector:
+    """A distance that is -inf where a beam met something nearer than range_min (REP-117)."""
+    return lambda record: np.where(record.scans["near_returns"] > 0, -np.inf, _distance(column)(record))
 
 
 DETECTORS: dict[str, Detector] = {
-    "nearest range": nearest_range,
-    "nearest range, near returns count": nearest_or_near_return,
-    "footprint clearance": footprint_clearance,
-    "footprint clearance, near returns count": footprint_or_near_return,
+    NEAREST_RANGE: _distance("nearest"),  # what RoboTerrain compares: the smallest finite range
+    f"{NEAREST_RANGE}, near returns count": _or_near_return("nearest"),
+    FOOTPRINT_CLEARANCE: _distance("footprint"),  # from a finite return to the rover's outline
+    f"{FOOTPRINT_CLEARANCE}, near returns count": _or_near_return("footprint"),
 }
 
 
 def alarms(record: EpisodeRecord, distances: Distances, threshold: float) -> NDArray[np.float64]:
-    """Returns start and end of each run of scans below a threshold, shape (n, 2) [s]."""
+    """Returns start and end of each run of scans below a threshold, shape (n, 2) [s].
+
+    Args:
+        record: The episode.
+        distances: Of its scans [m].
+        threshold: [m].
+    """
     times = record.times[distances < threshold]
-    if times.size == 0:
-        return np.empty((0, 2))
-    breaks = np.flatnonzero(np.diff(times) > GAP)
-    starts = times[np.concatenate(([0], breaks + 1))]
-    ends = times[np.concatenate((breaks, [times.size - 1]))]
-    return np.column_stack((starts, ends))
+    breaks = np.flatnonzero(np.diff(times, prepend=-np.inf, append=np.inf) > GAP)
+    return np.column_stack((times[breaks[:-1]], times[breaks[1:] - 1]))
 
 
 def matches(record: EpisodeRecord, found: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -81,7 +72,13 @@ def matches(record: EpisodeRecord, found: NDArray[np.float64]) -> NDArray[np.boo
 def event_counts(
     detector: Detector, records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]
 ) -> Counts:
-    """Returns contacts, detected ones, alarms, right ones, km: shape (thresholds, episodes, 5)."""
+    """Returns contacts, detected ones, alarms, right ones, km: shape (thresholds, episodes, 5).
+
+    Args:
+        detector: Whose alarms.
+        records: The episodes.
+        thresholds: Of the detector's distance [m].
+    """
     counts = np.zeros((len(thresholds), len(records), 5))
     for place, record in enumerate(records):
         distances = detector(record)
@@ -101,15 +98,26 @@ def event_counts(
 def scan_counts(
     detector: Detector, records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]
 ) -> Counts:
-    """Returns counts of `confusion`, shape (thresholds, episodes, 4)."""
+    """Returns counts of `confusion`, shape (thresholds, episodes, 4).
+
+    Args:
+        detector: Whose alarms.
+        records: The episodes.
+        thresholds: Of the detector's distance [m].
+    """
     return confusion([(detector(record), record.scans["contact"]) for record in records], thresholds)
 
 
 def lead_times(record: EpisodeRecord, distances: Distances, threshold: float) -> NDArray[np.float64]:
-    """Returns how long before each detected contact its first alarm began, shape (detected,) [s]."""
+    """Returns how long before each detected contact its first alarm began, shape (detected,) [s].
+
+    Args:
+        record: The episode.
+        distances: Of its scans [m].
+        threshold: [m].
+    """
     found = alarms(record, distances, threshold)
-    match = matches(record, found)
-    starts = np.where(match, found[:, :1], np.inf).min(axis=0, initial=np.inf)
+    starts = np.where(matches(record, found), found[:, :1], np.inf).min(axis=0, initial=np.inf)
     lead = record.events["start_s"] - starts
     return np.asarray(np.maximum(lead[np.isfinite(lead)], 0.0))
 
@@ -122,8 +130,8 @@ def _recall(sums: Sums) -> NDArray[np.float64]:
     return ratio(sums[..., DETECTED], sums[..., CONTACTS])
 
 
-def event_f1(sums: Sums) -> NDArray[np.float64]:
-    """Returns the harmonic mean of precision (alarms) and recall (contacts); 0 if none is detected."""
+def _event_f1(sums: Sums) -> NDArray[np.float64]:
+    """The harmonic mean of precision (alarms) and recall (contacts); 0 if none is detected."""
     precision, recall = np.nan_to_num(_precision(sums)), _recall(sums)
     return np.where(
         precision + recall > 0, ratio(2 * precision * recall, precision + recall), 0 * recall
@@ -131,7 +139,7 @@ def event_f1(sums: Sums) -> NDArray[np.float64]:
 
 
 EVENT_MEASURES: dict[str, Measure] = {
-    "F1": event_f1,
+    "F1": _event_f1,
     "precision": _precision,
     "recall": _recall,
     "false alarms per km": lambda sums: ratio(sums[..., ALARMS] - sums[..., RIGHT], sums[..., KM]),

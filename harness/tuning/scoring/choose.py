@@ -1,14 +1,14 @@
 """Choosing a threshold on one half of the episodes and scoring it, beside the default, on both."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
-from harness.tuning.scoring.estimate import Counts, Estimate, Measure, Sums, estimate
+from harness.tuning.scoring.estimate import Counts, Measure, Sums, estimate
 from harness.tuning.scoring.result import Candidate, Scores, Verdict
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 
@@ -22,7 +22,7 @@ def by_driver(record: EpisodeRecord) -> str:
 
 
 def by_terrain(record: EpisodeRecord) -> str:
-    """The stratum that decides how the ground feels."""
+    """Returns the stratum that decides how the ground feels."""
     return record.terrain
 
 
@@ -52,25 +52,39 @@ class Scoring:
 
     def candidate(self, records: Records, value: float) -> Candidate:
         """Returns a value with its scores on all parts."""
-        return Candidate(
-            value=value, scores={part: self.scores(some, value) for part, some in records.items()}
-        )
+        scores = {part: self.scores(some, value) for part, some in records.items()}
+        return Candidate(value=value, scores=scores)
 
-    def scores(self, records: Sequence[EpisodeRecord], value: float) -> dict[str, Estimate]:
+    def scores(self, records: Sequence[EpisodeRecord], value: float) -> Scores:
         """Returns all measures of a value."""
         counts = self.count(records, np.array([value]))[0]
-        strata = [self.stratum(record) for record in records]
-        return {name: estimate(counts, measure, strata) for name, measure in self.measures.items()}
+        return self._estimates(records, counts, self.measures)
 
     def gain(self, records: Sequence[EpisodeRecord], tuned: float, default: float) -> Scores:
-        """Returns tuned minus default by measure: the same resampled episodes for both."""
+        """Returns tuned minus default by measure.
+
+        Args:
+            records: The episodes, resampled alike for both.
+            tuned: The one value.
+            default: The other.
+        """
         both = self.count(records, np.array([tuned, default]))
-        counts = np.concatenate((both[0], both[1]), axis=-1)
+        kinds = both.shape[-1]
+        gains = {name: _difference(measure, kinds) for name, measure in self.measures.items()}
+        return self._estimates(records, np.concatenate(both, axis=-1), gains)
+
+    def _estimates(
+        self, records: Sequence[EpisodeRecord], counts: Counts, measures: Mapping[str, Measure]
+    ) -> Scores:
         strata = [self.stratum(record) for record in records]
-        return {
-            name: estimate(counts, _difference(measure, both.shape[-1]), strata)
-            for name, measure in self.measures.items()
-        }
+        return {name: estimate(counts, measure, strata) for name, measure in measures.items()}
+
+
+def _difference(measure: Measure, kinds: int) -> Measure:
+    def difference(sums: Sums) -> NDArray[np.float64]:
+        return measure(sums[..., :kinds]) - measure(sums[..., kinds:])
+
+    return difference
 
 
 def judged(
@@ -94,25 +108,29 @@ def judged(
     """
     info = THRESHOLD_INFO[parameter]
     default = scoring.candidate(records, info.default)
-    if lack is not None:
-        return Verdict(
-            name=parameter, unit=info.unit, measure=scoring.objective, default=default, lack=lack
-        )
-    best = scoring.best(records[Part.TRAIN]) if value is None else value
-    tuned = scoring.candidate(records, best)
-    return Verdict(
-        name=parameter,
-        unit=info.unit,
-        measure=scoring.objective,
-        default=default,
-        tuned=tuned,
-        gain=scoring.gain(records[Part.TEST], tuned.value, info.default),
-        note=note,
+    verdict = Verdict(
+        name=parameter, unit=info.unit, measure=scoring.objective, default=default, lack=lack
     )
+    if lack is not None:
+        return verdict
+    best = scoring.best(records[Part.TRAIN]) if value is None else value
+    gain = scoring.gain(records[Part.TEST], best, info.default)
+    return replace(verdict, tuned=scoring.candidate(records, best), gain=gain, note=note)
 
 
-def _difference(measure: Measure, kinds: int) -> Measure:
-    def difference(sums: Sums) -> NDArray[np.float64]:
-        return measure(sums[..., :kinds]) - measure(sums[..., kinds:])
+def lack_of(
+    records: Records, what: str, count: Callable[[EpisodeRecord], int], fewest: int
+) -> str | None:
+    """Returns in a clause why the data support no value, None if they do.
 
-    return difference
+    Args:
+        records: The episodes; every part has to have enough.
+        what: Is counted.
+        count: How many an episode has.
+        fewest: How many a part needs.
+    """
+    for part, some in records.items():
+        counted = sum(map(count, some))
+        if counted < fewest:
+            return f"{counted} {what} in the {part} episodes; {fewest} are needed"
+    return None

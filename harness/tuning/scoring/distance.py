@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from harness.robots import RoverSpec
 from harness.tuning.episodes.recompute import STRIDE
 from harness.tuning.episodes.record import EpisodeRecord
-from harness.tuning.scoring.choose import Records, Scoring, judged
+from harness.tuning.scoring.choose import Records, Scoring, judged, lack_of
 from harness.tuning.scoring.estimate import Counts, Measure, Sums, ratio
 from harness.tuning.scoring.result import Verdict
 
@@ -19,7 +19,7 @@ POSE_PERIOD = 0.02  # [s]
 COARSEST, STEP = 1.0, 0.01  # [m]
 FEWEST_SECONDS = 100  # of each part
 NOTE = "for poses at 50 Hz, four in a row of which may be lost"
-STEPS, REFUSED, JUMPS, TAKEN = range(4)
+SECONDS, REFUSED, TAKEN = range(3)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +49,7 @@ def study_distance(records: Records, rover: RoverSpec) -> DistanceStudy:
             PARAMETER,
             Scoring(_counts, MEASURES, "balanced accuracy", grid),
             records,
-            lack=_lack(records),
+            lack=lack_of(records, "s of poses", lambda record: len(record.windows), FEWEST_SECONDS),
             note=NOTE,
         ),
         possible_step=possible,
@@ -59,40 +59,31 @@ def study_distance(records: Records, rover: RoverSpec) -> DistanceStudy:
 
 
 def _counts(records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -> Counts:
-    """Seconds of driving, those with a step refused, jumps of resets, those taken for driving."""
-    counts = np.zeros((len(thresholds), len(records), 4))
+    """Seconds, each with a reset at its end; those with a step refused; resets taken for driving."""
+    counts = np.zeros((len(thresholds), len(records), 3))
     for place, record in enumerate(records):
-        windows = record.windows
-        counts[:, place, STEPS] = counts[:, place, JUMPS] = len(windows)
-        refused = windows["largest_stride"][None, :] >= thresholds[:, None]
-        taken = windows["from_start"][None, :] < thresholds[:, None]
+        refused = record.windows["largest_stride"] >= thresholds[:, None]
+        taken = record.windows["from_start"] < thresholds[:, None]
+        counts[:, place, SECONDS] = len(record.windows)
         counts[:, place, REFUSED], counts[:, place, TAKEN] = refused.sum(axis=1), taken.sum(axis=1)
     return counts
 
 
-def false_accept_rate(sums: Sums) -> NDArray[np.float64]:
-    """Returns the share of resets, one each second, whose jump would count as travel."""
-    return ratio(sums[..., TAKEN], sums[..., JUMPS])
+def _false_accept_rate(sums: Sums) -> NDArray[np.float64]:
+    """The share of resets, one each second, whose jump would count as travel."""
+    return ratio(sums[..., TAKEN], sums[..., SECONDS])
 
 
-def false_reject_rate(sums: Sums) -> NDArray[np.float64]:
-    """Returns the share of seconds in which a step of true travel would be refused."""
-    return ratio(sums[..., REFUSED], sums[..., STEPS])
+def _false_reject_rate(sums: Sums) -> NDArray[np.float64]:
+    """The share of seconds in which a step of true travel would be refused."""
+    return ratio(sums[..., REFUSED], sums[..., SECONDS])
 
 
 MEASURES: dict[str, Measure] = {
-    "balanced accuracy": lambda sums: 1 - (false_accept_rate(sums) + false_reject_rate(sums)) / 2,
-    "false accept rate": false_accept_rate,
-    "false reject rate": false_reject_rate,
+    "balanced accuracy": lambda sums: 1 - (_false_accept_rate(sums) + _false_reject_rate(sums)) / 2,
+    "false accept rate": _false_accept_rate,
+    "false reject rate": _false_reject_rate,
 }
-
-
-def _lack(records: Records) -> str | None:
-    for part, some in records.items():
-        seconds = sum(len(record.windows) for record in some)
-        if seconds < FEWEST_SECONDS:
-            return f"{seconds} s of poses in the {part} episodes; {FEWEST_SECONDS} are needed"
-    return None
 
 
 def _largest(windows: Sequence[NDArray[np.void]], column: str) -> float:

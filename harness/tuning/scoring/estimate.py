@@ -33,10 +33,6 @@ class Estimate:
     low: float | None = None
     high: float | None = None
 
-    def is_above(self, other: "Estimate") -> bool:
-        """Returns whether the two intervals do not overlap and this one is the higher."""
-        return self.low is not None and other.high is not None and self.low > other.high
-
     def text(self, digits: int = 2) -> str:
         """Returns it as '0.93 (0.88 to 0.97)'."""
         if math.isnan(self.value):
@@ -83,13 +79,9 @@ def confusion(
     """
     counts = np.zeros((len(thresholds), len(episodes), 4))
     for place, (values, truth) in enumerate(episodes):
-        says = values[None, :] < thresholds[:, None]
-        counts[:, place, TP], counts[:, place, FP] = (
-            (says & truth).sum(axis=1),
-            (says & ~truth).sum(axis=1),
-        )
-        counts[:, place, FN] = (~says & truth).sum(axis=1)
-        counts[:, place, TN] = (~says & ~truth).sum(axis=1)
+        says = values < thresholds[:, None]
+        each = (says & truth, says & ~truth, ~says & truth, ~says & ~truth)
+        counts[:, place] = np.stack(each).sum(axis=-1).T
     return counts
 
 
@@ -120,9 +112,9 @@ def _collapsed(strata: tuple[str, ...]) -> list[NDArray[np.intp]]:
     names, sizes = np.unique(labels, return_counts=True)
     labels = np.where(np.isin(labels, names[sizes == 1]), COLLAPSED, labels)
     groups = [np.flatnonzero(labels == name) for name in np.unique(labels)]
-    alone = [group for group in groups if len(group) == 1]
-    for group in alone:  # one episode without its like joins the largest
-        groups = [other for other in groups if other is not group]
-        largest = max(range(len(groups)), key=lambda place: len(groups[place]))
-        groups[largest] = np.concatenate((groups[largest], group))
+    sizes = np.array([len(group) for group in groups])
+    if 1 in sizes:  # one episode without its like joins the largest
+        alone, largest = int(np.argmin(sizes)), int(np.argmax(sizes))
+        groups[largest] = np.concatenate((groups[largest], groups[alone]))
+        del groups[alone]
     return groups

@@ -77,19 +77,11 @@ def study(robot: str, records: Mapping[Planned, EpisodeRecord], seed: int) -> Ro
 
 def scored_records(robot: str, records: Mapping[Planned, EpisodeRecord]) -> Records:
     """Returns a robot's episodes by part, in the order of the plan, without those that diverged."""
-    mine = sorted((planned for planned in records if planned.config.robot == robot), key=_place)
-    return {
-        part: [
-            records[planned]
-            for planned in mine
-            if planned.part is part and records[planned].ending is not Ending.DIVERGED
-        ]
-        for part in Part
-    }
-
-
-def _place(planned: Planned) -> int:
-    return planned.index
+    parts: dict[Part, list[EpisodeRecord]] = {part: [] for part in Part}
+    for planned in sorted(records, key=lambda planned: planned.index):
+        if planned.config.robot == robot and records[planned].ending is not Ending.DIVERGED:
+            parts[planned.part].append(records[planned])
+    return parts
 
 
 def _driven(records: Sequence[EpisodeRecord]) -> Driven:

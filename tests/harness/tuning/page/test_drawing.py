@@ -11,7 +11,7 @@ import pytest
 from harness.robots import ROVERS, RoverSpec
 from harness.tuning.page.drawing import HAZARDS, Distances, drawings
 from harness.tuning.page.outline import ABOVE, SIDE, shares, silhouette, untold_strips
-from harness.tuning.page.scan_figures import MOST_POINTS, Labelled, precision_recall, roc
+from harness.tuning.page.scan_figures import MOST_POINTS, has_both_classes, precision_recall, roc
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 SQUARE = replace(LEO, footprint=(-1.0, 1.0, -1.0, 1.0), lidar_x=0.0)
@@ -112,17 +112,17 @@ def _width(path: ET.Element) -> float:
 def test_curves_of_many_values_are_thinned_and_keep_their_ends_and_their_area() -> None:
     rng = np.random.default_rng(0)
     truth = rng.random(20_000) < 0.1
-    labelled = Labelled(rng.normal(truth * 2.0), truth)
-    curve = roc(labelled)
+    score = rng.normal(truth * 2.0)
+    curve = roc(score, truth)
     assert len(curve.x) <= MOST_POINTS + 1
     assert (curve.x[0], curve.y[0], curve.x[-1], curve.y[-1]) == (0.0, 0.0, 1.0, 1.0)
     assert np.trapezoid(curve.y, curve.x) == pytest.approx(curve.area, abs=0.002)
     assert curve.area == pytest.approx(0.921, abs=0.01)  # Phi(2 / sqrt 2)
-    along = precision_recall(labelled)
+    along = precision_recall(score, truth)
     assert (along.x[0] > 0.0, along.x[-1], along.y[-1]) == (True, 1.0, pytest.approx(truth.mean()))
 
 
 def test_a_curve_needs_both_classes() -> None:
-    assert not Labelled(np.zeros(3), np.ones(3, dtype=bool)).has_both_classes
-    assert not Labelled(np.zeros(0), np.zeros(0, dtype=bool)).has_both_classes
-    assert Labelled(np.zeros(2), np.array([True, False])).has_both_classes
+    assert not has_both_classes(np.ones(3, dtype=bool))
+    assert not has_both_classes(np.zeros(0, dtype=bool))
+    assert has_both_classes(np.array([True, False]))

@@ -11,17 +11,18 @@ from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.scoring.alarms import (
     DETECTORS,
     EVENT_MEASURES,
+    NEAREST_RANGE,
     SCAN_MEASURES,
     alarms,
     event_counts,
     lead_times,
     matches,
-    nearest_range,
     scan_counts,
 )
 
 MakeRecord = Callable[..., EpisodeRecord]
 
+nearest_range = DETECTORS[NEAREST_RANGE]
 FAR, NEAR = 3.0, 0.18
 THRESHOLD = np.array([0.2])
 

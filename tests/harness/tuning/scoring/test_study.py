@@ -7,8 +7,7 @@ import pytest
 
 from harness.tuning.episodes.plan import Part, plan
 from harness.tuning.episodes.record import Ending, EpisodeRecord, Sight
-from harness.tuning.scoring.baselines import UnseenContacts
-from harness.tuning.scoring.collision import CollisionStudy, DetectorStudy
+from harness.tuning.scoring.collision import CollisionStudy, DetectorStudy, UnseenContacts
 from harness.tuning.scoring.estimate import Estimate
 from harness.tuning.scoring.notes import alternatives, judgement, unreachable
 from harness.tuning.scoring.result import Candidate, Verdict
