@@ -1,12 +1,12 @@
 """What a sweep shows on the terminal: a progress bar, then a table and the conclusions."""
 
-from collections.abc import Sequence
-from typing import Self
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
+from rich.table import Column, Table
 
 from harness.tuning.episodes.plan import Part
 from harness.tuning.scoring.notes import conclusions
@@ -14,36 +14,25 @@ from harness.tuning.scoring.result import Candidate
 from harness.tuning.scoring.study import RobotStudy
 
 
-class SweepProgress:
-    """A bar over episodes; silent where the output is no terminal.
+@contextmanager
+def sweep_progress(console: Console, total: int, duration: float) -> Iterator[Callable[[int], None]]:
+    """Yields what moves a bar over episodes, told how many are done; silent where there is no terminal.
 
     Args:
         console: Where.
         total: Number of episodes.
         duration: Of each [s].
     """
-
-    def __init__(self, console: Console, total: int, duration: float) -> None:
-        self._bar = Progress(
-            TextColumn("[bold]driving {task.fields[duration]:g} s episodes"),
-            BarColumn(bar_width=None),
-            MofNCompleteColumn(),
-            TimeRemainingColumn(),
-            console=console,
-            disable=not console.is_terminal,
-        )
-        self._task = self._bar.add_task("", total=total, duration=duration)
-
-    def __enter__(self) -> Self:
-        self._bar.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.stop()
-
-    def show(self, done: int) -> None:
-        """Moves the bar."""
-        self._bar.update(self._task, completed=done)
+    with Progress(
+        TextColumn(f"[bold]driving {duration:g} s episodes"),
+        BarColumn(bar_width=None),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=console,
+        disable=not console.is_terminal,
+    ) as bar:
+        task = bar.add_task("", total=total)
+        yield lambda done: bar.update(task, completed=done)
 
 
 def print_studies(console: Console, studies: Sequence[RobotStudy]) -> None:
@@ -58,9 +47,15 @@ def print_studies(console: Console, studies: Sequence[RobotStudy]) -> None:
 
 def _table(study: RobotStudy) -> Table:
     title = f"{study.robot}: value and score, on seeds that no value was chosen on"
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
-    for column in ("threshold", "measure", "default", "tuned"):
-        table.add_column(column, no_wrap=column == "threshold")
+    table = Table(
+        Column("threshold", no_wrap=True),
+        "measure",
+        "default",
+        "tuned",
+        title=title,
+        title_justify="left",
+        box=SIMPLE_HEAD,
+    )
     for verdict in study.verdicts:
         tuned = "stays" if verdict.value is None else _scored(verdict.tuned, verdict.measure)
         table.add_row(verdict.name, verdict.measure, _scored(verdict.default, verdict.measure), tuned)

@@ -8,18 +8,21 @@ from typing import Any
 
 from distributed import Client, KilledWorker
 
-from harness.tuning.backend.address import check_workers, parse_address
+from harness.tuning.backend.address import ClusterKind
 from harness.tuning.backend.base import WorkerLost
 from harness.tuning.backend.cluster import ClusterBackend
 
-SCHEMES = ("tcp", "tls")
-TRIAL = """
+DASK = ClusterKind(
+    name="Dask cluster",
+    schemes=("tcp", "tls"),
+    trial="""
 import sys
 from distributed import Client
 with Client(sys.argv[1], set_as_default=False) as client:
     print(len(client.nthreads()))
-"""
-MEND = "start one with `dask scheduler` and `dask worker`, or correct --address"
+""",
+    mend="start one with `dask scheduler` and `dask worker`, or correct --address",
+)
 RUNNING = "running"  # a client's status
 
 
@@ -34,7 +37,7 @@ class DaskBackend(ClusterBackend):
     """
 
     def __init__(self, text: str) -> None:
-        check_workers(parse_address(text, SCHEMES), TRIAL, "Dask cluster", MEND)
+        DASK.check(text)
         # It logs what it retries; what matters comes as an exception.
         for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
             logging.getLogger(name).setLevel(logging.CRITICAL)

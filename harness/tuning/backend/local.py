@@ -10,7 +10,7 @@ from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
 
-from joblib import Parallel, delayed, parallel_config
+from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky import get_reusable_executor
 
 from harness.tuning.backend.base import Backend, Item, Outcome, WorkerLost
@@ -28,7 +28,7 @@ class LocalBackend(Backend):
     """
 
     def __init__(self, jobs: int | None) -> None:
-        self.jobs = jobs or usable_cpus()
+        self.jobs = jobs or cpu_count()
         self._started = False
 
     def map(
@@ -43,7 +43,7 @@ class LocalBackend(Backend):
         ):
             parallel = Parallel(n_jobs=self.jobs, return_as="generator_unordered", batch_size=1)
         self._started = True
-        with _deaf_children(), _silent_tracker():
+        with _quiet_children():
             outcomes = parallel(delayed(work)(item) for item in items)
         try:
             # No `yield from`: it would close joblib's generator before its warning is off.
@@ -62,42 +62,26 @@ class LocalBackend(Backend):
             get_reusable_executor(reuse=True).shutdown(kill_workers=True)
 
 
-def usable_cpus() -> int:
-    """Returns how many CPUs this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 @contextmanager
-def _deaf_children() -> Iterator[None]:
-    """Ctrl-C reaches every process of a terminal; processes that start within leave it to this one.
+def _quiet_children() -> Iterator[None]:
+    """Processes that start within leave Ctrl-C to this one, and loky's keeper of semaphores is silent.
 
-    They inherit blocked signals, as does the thread that starts them anew; what arrives here meanwhile
-    is delivered afterwards.
+    Ctrl-C reaches every process of a terminal. They inherit blocked signals, as does the thread that
+    starts them anew; what arrives here meanwhile is delivered afterwards. Then the keeper cleans up
+    what an executor had no time to, which is its purpose and no news.
     """
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
+    signals = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
+    filters = os.environ.get(WARNINGS)
+    os.environ[WARNINGS] = ",".join(filter(None, (filters, "ignore:resource_tracker:UserWarning")))
     try:
         resource_tracker.ensure_running()  # which unblocks SIGINT when it starts, so not later
         signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-@contextmanager
-def _silent_tracker() -> Iterator[None]:
-    """The process in which loky keeps track of semaphores, started within, does its work without a word.
-
-    After Ctrl-C it cleans up what an executor had no time to, which is its purpose and no news.
-    """
-    before = os.environ.get(WARNINGS)
-    os.environ[WARNINGS] = ",".join(filter(None, (before, "ignore:resource_tracker:UserWarning")))
-    try:
-        yield
-    finally:
-        if before is None:
-            del os.environ[WARNINGS]
-        else:
-            os.environ[WARNINGS] = before
+        os.environ.pop(WARNINGS)
+        if filters is not None:
+            os.environ[WARNINGS] = filters
+        signal.pthread_sigmask(signal.SIG_SETMASK, signals)
 
 
 def _leave_with(parent: int) -> None:

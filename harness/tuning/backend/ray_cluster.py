@@ -11,18 +11,22 @@ import ray
 from ray.exceptions import RayError, RayTaskError
 
 from harness.interrupt import HANDLED
-from harness.tuning.backend.address import check_workers, parse_address
+from harness.tuning.backend.address import ClusterKind
 from harness.tuning.backend.base import WorkerLost
 from harness.tuning.backend.cluster import ClusterBackend
 
-SCHEMES, NAMES = ("ray",), ("auto",)
-TRIAL = """
+RAY = ClusterKind(
+    name="Ray cluster",
+    schemes=("ray",),
+    names=("auto",),
+    trial="""
 import sys
 import ray
 ray.init(address=sys.argv[1], logging_level="error", log_to_driver=False)
 print(ray.cluster_resources().get("CPU", 0))
-"""
-MEND = "start one with `ray start --head`, or correct --address"
+""",
+    mend="start one with `ray start --head`, or correct --address",
+)
 
 
 class RayBackend(ClusterBackend):
@@ -36,7 +40,7 @@ class RayBackend(ClusterBackend):
     """
 
     def __init__(self, text: str) -> None:
-        check_workers(parse_address(text, SCHEMES, NAMES), TRIAL, "Ray cluster", MEND)
+        RAY.check(text)
         with _handlers_kept():
             ray.init(address=text, logging_level=logging.ERROR, log_to_driver=False)
         self._address = text

@@ -46,7 +46,8 @@ def event_rows(
         before = max(int(np.searchsorted(stamps, event.start_ns)) - 1, 0)
         row["start_s"], row["end_s"] = event.start_ns / NANOSECONDS, event.end_ns / NANOSECONDS
         row["zone"] = zone(event.point, rover)
-        row["sight"] = sight(scans[first:last], _touched(event, world), rover)
+        touched = world.obstacles[int(event.other.rsplit("_", 1)[1])]
+        row["sight"] = sight(scans[first:last], touched, rover)
         row["part"], row["force"] = event.part, event.force
         row["speed"] = speeds[before] if speeds.size else 0.0
     return rows
@@ -56,12 +57,8 @@ def zone(point: Vector3, rover: RoverSpec) -> Zone:
     """Returns the side of the rover nearest to a point of the model frame."""
     x, y, _ = point
     x_min, x_max, y_min, y_max = rover.footprint
-    from_edge = {
-        Zone.FRONT: x_max - x,
-        Zone.REAR: x - x_min,
-        Zone.SIDE: min(y_max - y, y - y_min),
-    }
-    return min(from_edge, key=from_edge.__getitem__)
+    sides = {Zone.FRONT: x_max - x, Zone.REAR: x - x_min, Zone.SIDE: min(y_max - y, y - y_min)}
+    return min(sides, key=sides.__getitem__)
 
 
 def sight(scans: Sequence[PlacedScan], hazard: Obstacle, rover: RoverSpec) -> Sight:
@@ -74,7 +71,11 @@ def sight(scans: Sequence[PlacedScan], hazard: Obstacle, rover: RoverSpec) -> Si
     """
     if any(is_on(hazard, scan_points(placed, rover)).any() for placed in scans):
         return Sight.SEEN
-    if scans and top(hazard) < scans[-1].pose.position[2] + rover.lidar_height - BELOW:
+    if (
+        scans
+        and hazard.position[2] + hazard.half_size[-1]
+        < scans[-1].pose.position[2] + rover.lidar_height - BELOW
+    ):
         return Sight.TOO_LOW
     if any(np.isneginf(placed.scan.ranges).any() for placed in scans):
         return Sight.TOO_NEAR
@@ -90,12 +91,3 @@ def is_on(hazard: Obstacle, points: NDArray[np.float64]) -> NDArray[np.bool_]:
     across = np.abs(offset @ (-math.sin(yaw), math.cos(yaw)))
     half = hazard.half_size if hazard.shape != "cylinder" else hazard.half_size[:1] * 2
     return np.asarray((along < half[0] + NEAR) & (across < half[1] + NEAR))
-
-
-def top(obstacle: Obstacle) -> float:
-    """Returns the height of an upright obstacle's highest point in the world [m]."""
-    return obstacle.position[2] + obstacle.half_size[-1]
-
-
-def _touched(event: ContactEvent, world: World) -> Obstacle:
-    return world.obstacles[int(event.other.rsplit("_", 1)[1])]

@@ -10,8 +10,8 @@ from harness.samples import LaserScan, PlacedScan, Pose
 from harness.sensors.lidar_spec import LidarSpec
 from harness.truth.events import ContactEvent
 from harness.tuning.episodes.contacts import event_rows, is_on, sight, zone
-from harness.tuning.episodes.drive import drive
 from harness.tuning.episodes.record import Sight, Zone
+from harness.tuning.episodes.sweep import drive
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
 from harness.world.world import World
