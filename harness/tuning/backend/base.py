@@ -27,7 +27,7 @@ class Backend(ABC):
             WorkerLost: A worker died; items whose outcome has not come may be given again.
         """
 
-    def close(self) -> None:  # noqa: B027 - processes of this machine need nothing
+    def close(self) -> None:  # noqa: B027 - processes of this machine are let go of by `map`
         """Lets go of the workers."""
 
     def __enter__(self) -> Self:

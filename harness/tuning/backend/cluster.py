@@ -8,7 +8,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import Future, as_completed
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from typing import Any
 
 from harness import __version__
@@ -69,19 +69,11 @@ class ClusterBackend(Backend):
             raise explained from error
 
 
-def work_elsewhere(work: Callable[[Item], Outcome], item: Item, expected: Mapping[str, str]) -> Outcome:
-    """Returns an outcome, in a process of a cluster.
+def _work_elsewhere(work: Callable[[Item], Outcome], item: Item, expected: Mapping[str, str]) -> Outcome:
+    """In a process of a cluster: works on an item, if the versions are those that give the same bytes.
 
     One item at a time, also where a process has several threads for work: Python would run only one
     of them anyway.
-
-    Args:
-        work: What to do.
-        item: With what.
-        expected: The versions that it has to be done with, or its bytes could differ.
-
-    Raises:
-        UsageError: Versions differ.
     """
     here = versions()
     differ = [f"{name} {here[name]} instead of {e}" for name, e in expected.items() if here[name] != e]
@@ -103,23 +95,16 @@ def versions() -> Mapping[str, str]:
         "Python": ".".join(platform.python_version_tuple()[:2]),
         "CPU": platform.machine(),
         "zlib": zlib.ZLIB_RUNTIME_VERSION,
-        **{package: _version(package) for package in PACKAGES},
+        **{package: version(package) for package in PACKAGES},
     }
 
 
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "none"
-
-
 def _by_value(*arguments: object) -> Callable[[], Any]:
-    """A call of `work_elsewhere` that arrives also where this package is missing, and tells so there.
+    """A call of `_work_elsewhere` that arrives also where this package is missing, and tells so there.
 
     Ray and Dask send a nested function by value; Dask's scheduler, too, would have to load any other.
     """
-    content = pickle.dumps((work_elsewhere, arguments))
+    content = pickle.dumps((_work_elsewhere, arguments))
 
     def load_and_call() -> Any:  # noqa: ANN401 - whatever is called
         try:

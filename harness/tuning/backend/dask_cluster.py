@@ -29,22 +29,19 @@ RUNNING = "running"  # a client's status
 class DaskBackend(ClusterBackend):
     """A Dask scheduler with its workers.
 
-    Args:
-        text: Its address, as the user wrote it.
-
     Raises:
         UsageError: It does not answer, or has no worker.
     """
 
-    def __init__(self, text: str) -> None:
-        DASK.check(text)
+    def __init__(self, address: str) -> None:
+        DASK.check(address)
         # It logs what it retries; what matters comes as an exception.
         for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
             logging.getLogger(name).setLevel(logging.CRITICAL)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about versions: each worker compares those that matter
-            self._client = Client(text, set_as_default=False)
-        self._address = text
+            self._client = Client(address, set_as_default=False)
+        self._address = address
         self._executor = self._client.get_executor(pure=False)
 
     def call(self, function: Callable[[], Any]) -> Future[Any]:

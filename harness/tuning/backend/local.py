@@ -21,15 +21,10 @@ WATCH = 1.0  # [s] between two looks at whether the process that gives work is s
 
 
 class LocalBackend(Backend):
-    """Local processes; with one job, this process itself.
+    """Local processes, as many as there are usable CPUs if not told; with one job, this process itself."""
 
-    Args:
-        jobs: How many; None for one per CPU that this process may use.
-    """
-
-    def __init__(self, jobs: int | None) -> None:
+    def __init__(self, jobs: int | None = None) -> None:
         self.jobs = jobs or cpu_count()
-        self._started = False
 
     def map(
         self, work: Callable[[Item], Outcome], items: Sequence[Item]
@@ -42,7 +37,6 @@ class LocalBackend(Backend):
             "loky", inner_max_num_threads=1, initializer=_leave_with, initargs=(os.getpid(),)
         ):
             parallel = Parallel(n_jobs=self.jobs, return_as="generator_unordered", batch_size=1)
-        self._started = True
         with _quiet_children():
             outcomes = parallel(delayed(work)(item) for item in items)
         try:
@@ -55,11 +49,8 @@ class LocalBackend(Backend):
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)  # that work is thrown away
                 outcomes.close()
-
-    def close(self) -> None:
-        """Ends the processes, which joblib would keep for the next work."""
-        if self._started and self.jobs > 1:
-            get_reusable_executor(reuse=True).shutdown(kill_workers=True)
+            if self.jobs > 1:  # joblib would keep the processes for the next work
+                get_reusable_executor(reuse=True).shutdown(kill_workers=True)
 
 
 @contextmanager

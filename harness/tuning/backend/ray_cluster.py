@@ -32,18 +32,15 @@ print(ray.cluster_resources().get("CPU", 0))
 class RayBackend(ClusterBackend):
     """A Ray cluster, to which this process is connected.
 
-    Args:
-        text: Its address, as the user wrote it.
-
     Raises:
         UsageError: It does not answer, or has no worker.
     """
 
-    def __init__(self, text: str) -> None:
-        RAY.check(text)
+    def __init__(self, address: str) -> None:
+        RAY.check(address)
         with _handlers_kept():
-            ray.init(address=text, logging_level=logging.ERROR, log_to_driver=False)
-        self._address = text
+            ray.init(address=address, logging_level=logging.ERROR, log_to_driver=False)
+        self._address = address
         self._call = ray.remote(lambda call: call())
         self._submitted: list[Any] = []
 

@@ -62,11 +62,7 @@ def _table(npz: Mapping[str, NDArray[Any]], name: str, dtype: np.dtype[np.void])
 
 
 class Store:
-    """The folder of one sweep.
-
-    Args:
-        folder: Made if it is not there.
-        planned: All episodes of the sweep.
+    """The folder of one sweep, made if it is not there.
 
     Raises:
         UsageError: The folder cannot be used, or holds another sweep's files.

@@ -10,7 +10,6 @@ from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.page.subject import SHARE, Subject, curve, levels, mark
 from harness.tuning.scoring.alarms import DETECTORS, EVENT_MEASURES, NEAREST_RANGE, event_counts
-from harness.tuning.scoring.choose import by_driver
 from harness.tuning.scoring.collision import GRID, CollisionStudy, DetectorStudy
 from harness.tuning.scoring.estimate import estimate
 
@@ -93,12 +92,7 @@ def frontier(scores: Mapping[str, Values]) -> tuple[Values, Values]:
 def operating_points(
     study: CollisionStudy, place: Callable[[DetectorStudy], tuple[float, float]]
 ) -> list[Trace]:
-    """Returns a mark for each detector at its tuned value, and for the default.
-
-    Args:
-        study: Of a robot.
-        place: Where a detector lies on the figure.
-    """
+    """Returns a mark for each detector at its tuned value, and for the default, each at its place."""
     points = [
         mark(
             "at its best value",
@@ -119,14 +113,14 @@ def _place(told: DetectorStudy) -> tuple[float, float]:
 
 def _event_scores(detector: str, records: Sequence[EpisodeRecord]) -> dict[str, Values]:
     """Every measure of alarms at every threshold."""
-    sums = event_counts(DETECTORS[detector], records, GRID).sum(axis=1)
+    sums = event_counts(DETECTORS[detector])(records, GRID).sum(axis=1)
     return {name: measure(sums) for name, measure in EVENT_MEASURES.items()}
 
 
 def _interval_band(subject: Subject) -> list[Trace]:
     """F1 on the test episodes with its interval, where there is one."""
-    strata = [by_driver(record) for record in subject.test]
-    counts = event_counts(DETECTORS[NEAREST_RANGE], subject.test, COARSE)
+    strata = [record.driver for record in subject.test]
+    counts = event_counts(DETECTORS[NEAREST_RANGE])(subject.test, COARSE)
     f1 = [estimate(row, EVENT_MEASURES["F1"], strata) for row in counts]
     edges = [(at, one.low, one.high) for at, one in zip(COARSE, f1, strict=True) if one.low is not None]
     return band("95 % interval, test episodes", *zip(*edges, strict=True)) if edges else []

@@ -18,7 +18,7 @@ from harness.tuning.page.subject import (
     upright,
 )
 from harness.tuning.scoring.ground import GroundStudy
-from harness.tuning.scoring.imu_events import ImuEvents, Signal
+from harness.tuning.scoring.imu_events import SIGNALS, ImuEvents
 from harness.tuning.scoring.result import Candidate
 
 BINS, TAIL = 60, 0.99  # the last bin has all that is beyond this quantile
@@ -33,20 +33,17 @@ STEPS = (
 )
 
 
-def ground_figures(subject: Subject, study: GroundStudy, signal: Signal) -> dict[str, Plot | str]:
-    """Returns figures of a signal on smooth and rough ground by name, or why there are none.
-
-    Args:
-        subject: The robot.
-        study: Of the signal's threshold.
-        signal: What is compared with it.
-    """
-    events = ImuEvents.joined([signal.imu_events(record) for record in subject.test])
-    names = f"{signal.parameter}-classes", f"{signal.parameter}-roc"
-    if not has_both_classes(events.rough):
-        return dict.fromkeys(names, ONE_CLASS)
-    plots = _distributions(subject, study, events), _roc(subject, study, events)
-    return dict(zip(names, plots, strict=True))
+def ground_figures(subject: Subject) -> dict[str, Plot | str]:
+    """Returns figures of each signal on smooth and rough ground by name, or why there are none."""
+    figures: dict[str, Plot | str] = {}
+    for study, signal in zip(subject.study.grounds, SIGNALS, strict=True):
+        events = ImuEvents.joined([signal.imu_events(record) for record in subject.test])
+        both = has_both_classes(events.rough)
+        figures[f"{signal.parameter}-classes"] = (
+            _distributions(subject, study, events) if both else ONE_CLASS
+        )
+        figures[f"{signal.parameter}-roc"] = _roc(subject, study, events) if both else ONE_CLASS
+    return figures
 
 
 def _distributions(subject: Subject, study: GroundStudy, events: ImuEvents) -> Plot:

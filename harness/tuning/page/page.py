@@ -14,7 +14,7 @@ from harness.tuning.page import tables
 from harness.tuning.page.contact_figures import contact_figures
 from harness.tuning.page.drawing import Distances, drawings
 from harness.tuning.page.ground_figures import ground_figures, steps_and_jumps
-from harness.tuning.page.outline import shares
+from harness.tuning.page.outline import Told, shares
 from harness.tuning.page.scan_figures import scan_figures
 from harness.tuning.page.subject import Subject, chosen
 from harness.tuning.page.tables import Table
@@ -22,8 +22,7 @@ from harness.tuning.parameter_file import parameter_file
 from harness.tuning.scoring import alarms, clearance, estimate, imu_events
 from harness.tuning.scoring.collision import CollisionStudy
 from harness.tuning.scoring.imu_events import SIGNALS
-from harness.tuning.scoring.notes import conclusions, unreachable
-from harness.tuning.scoring.study import RobotStudy, scored_records
+from harness.tuning.scoring.study import RobotStudy, conclusions, scored_records, unreachable
 
 NUMBERS = {  # of the method
     "gap": alarms.GAP,
@@ -44,9 +43,16 @@ def render(studies: Sequence[RobotStudy], records: Mapping[Planned, EpisodeRecor
         command: What makes this page.
     """
     around = [(find_rover(study.robot), _distances(study.collision)) for study in studies]
-    robots = [
-        _robot(study, Subject(study, scored_records(study.robot, records)), command)
-        | {"drawing": drawn, "legend": [*_legend(study, *one)]}
+    robots: list[dict[str, Any]] = [
+        {
+            "name": study.robot,
+            "conclusions": [*conclusions(study)],
+            "unreachable": unreachable(study.collision),
+            "file": parameter_file(study, command),
+            "items": _items(Subject(study, scored_records(study.robot, records))),
+            "drawing": drawn,
+            "legend": [*_legend(study, *one)],
+        }
         for study, one, drawn in zip(studies, around, drawings(around), strict=True)
     ]
     plots = [item for robot in robots for item in robot["items"].values() if isinstance(item, Plot)]
@@ -61,57 +67,44 @@ def render(studies: Sequence[RobotStudy], records: Mapping[Planned, EpisodeRecor
     return fill("tuning", content, package="harness.tuning.page")
 
 
-def _robot(study: RobotStudy, robot: Subject, command: str) -> dict[str, Any]:
-    return {
-        "name": study.robot,
-        "conclusions": [*conclusions(study)],
-        "unreachable": unreachable(study.collision),
-        "file": parameter_file(study, command),
-        "items": _items(study, robot),
-    }
-
-
-def _items(study: RobotStudy, robot: Subject) -> dict[str, Plot | Table | str]:
+def _items(robot: Subject) -> dict[str, Plot | Table | str]:
     """Every table and figure of a robot, or why there is none, by its name in the template."""
-    items: dict[str, Plot | Table | str] = {
+    study = robot.study
+    return {
         **contact_figures(robot),
         **scan_figures(robot),
+        **ground_figures(robot),
+        "steps": steps_and_jumps(robot),
         "thresholds": tables.thresholds(study),
         "detectors": tables.detectors(study.collision),
         "zones": tables.zones(study.collision),
         "sum": tables.clearance(study),
         "driven": tables.driven(study),
         **{verdict.name: tables.measures(verdict) for verdict in study.verdicts},
+        **{f"{ground.verdict.name}-speeds": tables.speeds(ground) for ground in study.grounds},
     }
-    for ground, signal in zip(study.grounds, SIGNALS, strict=True):
-        items |= ground_figures(robot, ground, signal)
-        items[f"{signal.parameter}-speeds"] = tables.speeds(ground)
-    return items | {"steps": steps_and_jumps(robot)}
 
 
 def _distances(study: CollisionStudy) -> Distances:
-    tuned = study.verdict.tuned
-    clearance = [
-        told.events.value for told in study.detectors if told.name == alarms.FOOTPRINT_CLEARANCE
-    ]
+    tuned, best = study.verdict.tuned, {told.name: told.events.value for told in study.detectors}
     return Distances(
         range_min=LidarSpec().range_min,
         default=study.verdict.default.value,
         tuned=None if tuned is None else tuned.value,
-        clearance=clearance[0] if clearance else None,
+        clearance=best.get(alarms.FOOTPRINT_CLEARANCE),
     )
 
 
 def _legend(study: RobotStudy, rover: RoverSpec, around: Distances) -> Iterator[Key]:
     ahead = f"{rover.lidar_x:.3f} m ahead of the middle, {rover.lidar_height:.3f} m up"
-    untold = _untold(rover, around.range_min, around.default)
+    untold = _untold(rover, (around.range_min, around.default))
     yield Key(f"footprint, {rover.length:.2f} {TIMES} {rover.width:.2f} m", "line", INK)
     yield Key(f"lidar, {ahead}", "circle", METRIC)
     yield Key(f"range_min {around.range_min:g} m", "line", MUTED, DASHES["dot"])
     yield Key(f"default collision_threshold {around.default:g} m", "line", INK, DASHES["dash"])
     yield Key(f"not told with the default: {untold}", "hatch", TRUTH)
     if around.tuned is not None:
-        name, untold = chosen(study.collision.verdict), _untold(rover, around.range_min, around.tuned)
+        name, untold = chosen(study.collision.verdict), _untold(rover, (around.range_min, around.tuned))
         yield Key(f"{name} collision_threshold {around.tuned:g} m", "line", METRIC)
         yield Key(f"not told with that value: {untold}", "cross", METRIC)
     if around.clearance is not None:
@@ -119,6 +112,6 @@ def _legend(study: RobotStudy, rover: RoverSpec, around: Distances) -> Iterator[
     yield Key("below the plane of the lidar: never seen", "hatch", MUTED)
 
 
-def _untold(rover: RoverSpec, range_min: float, threshold: float) -> str:
-    near, _, far = (f"{int(100 * share + 0.5)} %" for share in shares(rover, range_min, threshold))
+def _untold(rover: RoverSpec, told: Told) -> str:
+    near, _, far = (f"{int(100 * share + 0.5)} %" for share in shares(rover, told))
     return f"{far} of the outline lies beyond it, {near} nearer than range_min"

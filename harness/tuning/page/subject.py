@@ -28,11 +28,7 @@ SHARE = {"range": [-0.02, 1.02]}  # of an axis from 0 to 1
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """A robot with everything known of it.
-
-    Attributes:
-        records: Its episodes by part, in the order of the plan, without those that diverged.
-    """
+    """A robot's study and its scored records."""
 
     study: RobotStudy
     records: Records

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.tuning.episodes.record import EpisodeRecord
+from harness.tuning.scoring.choose import Count
 from harness.tuning.scoring.estimate import (
     FN,
     FP,
@@ -44,15 +45,9 @@ DETECTORS: dict[str, Detector] = {
 }
 
 
-def alarms(record: EpisodeRecord, distances: Distances, threshold: float) -> NDArray[np.float64]:
-    """Returns start and end of each run of scans below a threshold, shape (n, 2) [s].
-
-    Args:
-        record: The episode.
-        distances: Of its scans [m].
-        threshold: [m].
-    """
-    times = record.times[distances < threshold]
+def alarms(record: EpisodeRecord, below: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Returns start and end of each run of scans below a threshold, shape (n, 2) [s]."""
+    times = record.times[below]
     breaks = np.flatnonzero(np.diff(times, prepend=-np.inf, append=np.inf) > GAP)
     return np.column_stack((times[breaks[:-1]], times[breaks[1:] - 1]))
 
@@ -69,54 +64,38 @@ def matches(record: EpisodeRecord, found: NDArray[np.float64]) -> NDArray[np.boo
     return np.asarray(before & after)
 
 
-def event_counts(
-    detector: Detector, records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]
-) -> Counts:
-    """Returns contacts, detected ones, alarms, right ones, km: shape (thresholds, episodes, 5).
+def event_counts(detector: Detector) -> Count:
+    """Returns what counts contacts, detected ones, alarms, right ones and km of episodes."""
 
-    Args:
-        detector: Whose alarms.
-        records: The episodes.
-        thresholds: Of the detector's distance [m].
-    """
-    counts = np.zeros((len(thresholds), len(records), 5))
-    for place, record in enumerate(records):
-        distances = detector(record)
-        for row, threshold in enumerate(thresholds):
-            found = alarms(record, distances, threshold)
-            match = matches(record, found)
-            counts[row, place] = (
-                len(record.events),
-                match.any(axis=0).sum(),
-                len(found),
-                match.any(axis=1).sum(),
-                record.path_length / 1000.0,
-            )
-    return counts
+    def count(records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -> Counts:
+        counts = np.zeros((len(thresholds), len(records), 5))
+        for place, record in enumerate(records):
+            distances = detector(record)
+            for row, threshold in enumerate(thresholds):
+                found = alarms(record, distances < threshold)
+                match = matches(record, found)
+                counts[row, place] = (
+                    len(record.events),
+                    match.any(axis=0).sum(),
+                    len(found),
+                    match.any(axis=1).sum(),
+                    record.path_length / 1000.0,
+                )
+        return counts
+
+    return count
 
 
-def scan_counts(
-    detector: Detector, records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]
-) -> Counts:
-    """Returns counts of `confusion`, shape (thresholds, episodes, 4).
-
-    Args:
-        detector: Whose alarms.
-        records: The episodes.
-        thresholds: Of the detector's distance [m].
-    """
-    return confusion([(detector(record), record.scans["contact"]) for record in records], thresholds)
+def scan_counts(detector: Detector) -> Count:
+    """Returns what gives counts of `confusion` of single scans."""
+    return lambda records, thresholds: confusion(
+        [(detector(record), record.scans["contact"]) for record in records], thresholds
+    )
 
 
-def lead_times(record: EpisodeRecord, distances: Distances, threshold: float) -> NDArray[np.float64]:
-    """Returns how long before each detected contact its first alarm began, shape (detected,) [s].
-
-    Args:
-        record: The episode.
-        distances: Of its scans [m].
-        threshold: [m].
-    """
-    found = alarms(record, distances, threshold)
+def lead_times(record: EpisodeRecord, below: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Returns how long before each detected contact its first alarm began, shape (detected,) [s]."""
+    found = alarms(record, below)
     starts = np.where(matches(record, found), found[:, :1], np.inf).min(axis=0, initial=np.inf)
     lead = record.events["start_s"] - starts
     return np.asarray(np.maximum(lead[np.isfinite(lead)], 0.0))

@@ -2,28 +2,20 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
-from harness.tuning.scoring.estimate import Counts, Measure, Sums, estimate
+from harness.tuning.scoring.estimate import Counts, Measure, estimate
 from harness.tuning.scoring.result import Candidate, Scores, Verdict
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 
 Records = Mapping[Part, Sequence[EpisodeRecord]]
+# Of episodes for thresholds, shape (thresholds, episodes, kinds).
 Count = Callable[[Sequence[EpisodeRecord], NDArray[np.float64]], Counts]
-
-
-def by_driver(record: EpisodeRecord) -> str:
-    """Returns the stratum that decides how hazards are touched."""
-    return record.driver
-
-
-def by_terrain(record: EpisodeRecord) -> str:
-    """Returns the stratum that decides how the ground feels."""
-    return record.terrain
 
 
 @dataclass(frozen=True)
@@ -31,18 +23,18 @@ class Scoring:
     """How a threshold is judged.
 
     Attributes:
-        count: Counts of episodes for thresholds, shape (thresholds, episodes, kinds).
+        count: What is counted of episodes.
         measures: What is told of a value, by name.
         objective: Name of the measure that is maximised.
         grid: The values to choose from.
-        stratum: What kind an episode is of, for the intervals.
+        stratum: By what episodes are of a kind, for the intervals.
     """
 
     count: Count
     measures: Mapping[str, Measure]
     objective: str
     grid: NDArray[np.float64]
-    stratum: Callable[[EpisodeRecord], str] = by_driver
+    stratum: Literal["driver", "terrain"] = "driver"
 
     def best(self, records: Sequence[EpisodeRecord]) -> float:
         """Returns the value with the highest objective; the middle one where several have it."""
@@ -60,31 +52,22 @@ class Scoring:
         counts = self.count(records, np.array([value]))[0]
         return self._estimates(records, counts, self.measures)
 
-    def gain(self, records: Sequence[EpisodeRecord], tuned: float, default: float) -> Scores:
-        """Returns tuned minus default by measure.
-
-        Args:
-            records: The episodes, resampled alike for both.
-            tuned: The one value.
-            default: The other.
-        """
-        both = self.count(records, np.array([tuned, default]))
-        kinds = both.shape[-1]
-        gains = {name: _difference(measure, kinds) for name, measure in self.measures.items()}
+    def gain(self, records: Sequence[EpisodeRecord], values: tuple[float, float]) -> Scores:
+        """Returns the first value minus the second by measure, on the same resampled episodes."""
+        both = self.count(records, np.array(values))
+        gains = {name: _difference(measure) for name, measure in self.measures.items()}
         return self._estimates(records, np.concatenate(both, axis=-1), gains)
 
     def _estimates(
         self, records: Sequence[EpisodeRecord], counts: Counts, measures: Mapping[str, Measure]
     ) -> Scores:
-        strata = [self.stratum(record) for record in records]
+        strata = [getattr(record, self.stratum) for record in records]
         return {name: estimate(counts, measure, strata) for name, measure in measures.items()}
 
 
-def _difference(measure: Measure, kinds: int) -> Measure:
-    def difference(sums: Sums) -> NDArray[np.float64]:
-        return measure(sums[..., :kinds]) - measure(sums[..., kinds:])
-
-    return difference
+def _difference(measure: Measure) -> Measure:
+    """Of sums of one value and, behind them, of another."""
+    return lambda sums: np.subtract(*map(measure, np.split(sums, 2, axis=-1)))
 
 
 def judged(
@@ -114,7 +97,7 @@ def judged(
     if lack is not None:
         return verdict
     best = scoring.best(records[Part.TRAIN]) if value is None else value
-    gain = scoring.gain(records[Part.TEST], best, info.default)
+    gain = scoring.gain(records[Part.TEST], (best, info.default))
     return replace(verdict, tuned=scoring.candidate(records, best), gain=gain, note=note)
 
 

@@ -91,7 +91,10 @@ def study_clearance(records: Records, rover: RoverSpec, seed: int) -> ClearanceS
         f"{overhang:.3f} m from lidar to bumper + {braking.speed * LATENCY:.3f} m in {LATENCY:g} s at "
         f"{braking.speed:.2f} m/s + {braking.distance:.3f} m braking + {MARGIN:g} m margin"
     )
-    verdict = judged(PARAMETER, scoring, records, lack=_lack(records), value=round(value, 2), note=note)
+    what, test = "contacts ahead with hazards that the lidar saw", {Part.TEST: records[Part.TEST]}
+    lack = lack_of(test, what, lambda record: int(_is_head_on(record).sum()), FEWEST_HEAD_ON)
+    lack = lack and f"{lack} to check it"
+    verdict = judged(PARAMETER, scoring, records, lack=lack, value=round(value, 2), note=note)
     return ClearanceStudy(verdict=verdict, overhang=overhang, braking=braking, margin=MARGIN)
 
 
@@ -114,26 +117,21 @@ def _counts(
     counts = np.zeros((len(thresholds), len(records), 5))
     for place, record in enumerate(records):
         contacts, ranges = record.events[_is_head_on(record)], DETECTORS[NEAREST_RANGE](record)
+        starts = record.events["start_s"]  # of contacts of any kind
         needed = np.array([braking.needed_lead(speed) for speed in contacts["speed"]])
         for row, threshold in enumerate(thresholds):
-            warnings = alarms(record, ranges, threshold)
+            warnings = alarms(record, ranges < threshold)
             lead = contacts["start_s"] - warnings[:, :1]  # (warnings, contacts)
             ongoing = contacts["start_s"] <= warnings[:, 1:] + HORIZON
+            follow = (starts >= warnings[:, :1]) & (starts <= warnings[:, 1:] + HORIZON)
             counts[row, place] = (
                 len(contacts),
                 ((lead >= needed) & ongoing).any(axis=0).sum(),
                 len(warnings),
-                _followed(record, warnings),
+                follow.any(axis=1).sum(),
                 record.path_length / 1000.0,
             )
     return counts
-
-
-def _lack(records: Records) -> str | None:
-    what = "contacts ahead with hazards that the lidar saw"
-    test = {Part.TEST: records[Part.TEST]}
-    lack = lack_of(test, what, lambda record: int(_is_head_on(record).sum()), FEWEST_HEAD_ON)
-    return lack and f"{lack} to check it"
 
 
 def _is_head_on(record: EpisodeRecord) -> NDArray[np.bool_]:
@@ -142,10 +140,3 @@ def _is_head_on(record: EpisodeRecord) -> NDArray[np.bool_]:
     return np.asarray(
         (events["zone"] == Zone.FRONT) & (events["sight"] == Sight.SEEN) & (events["speed"] > MOVING)
     )
-
-
-def _followed(record: EpisodeRecord, warnings: NDArray[np.float64]) -> int:
-    """Warnings during which, or soon after which, any contact began."""
-    starts = record.events["start_s"]
-    follows = (starts >= warnings[:, :1]) & (starts <= warnings[:, 1:] + HORIZON)
-    return int(follows.any(axis=1).sum())

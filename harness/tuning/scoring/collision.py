@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -25,6 +24,10 @@ from harness.tuning.scoring.result import Candidate, Scores, Verdict
 
 PARAMETER = "collision_threshold"
 GRID = np.round(np.arange(0.02, 1.001, 0.01), 2)  # [m]
+SCORINGS = {
+    name: Scoring(event_counts(detector), EVENT_MEASURES, "F1", GRID)
+    for name, detector in DETECTORS.items()
+}
 FEWEST_CONTACTS = 10  # of each part: fewer do not support a threshold
 
 
@@ -92,15 +95,19 @@ def study_collisions(records: Records) -> CollisionStudy:
     """Judges the default and chooses a better value, if the data support one."""
     test = records[Part.TEST]
     lack = lack_of(records, "contacts with hazards", lambda record: len(record.events), FEWEST_CONTACTS)
-    verdict = judged(PARAMETER, _scoring(NEAREST_RANGE), records, lack=lack)
+    verdict = judged(PARAMETER, SCORINGS[NEAREST_RANGE], records, lack=lack)
     default = _detector_study(NEAREST_RANGE, records, verdict.default)
-    detectors = () if lack is not None else tuple(_at_best(name, records) for name in DETECTORS)
+    best = {} if lack else {name: one.best(records[Part.TRAIN]) for name, one in SCORINGS.items()}
+    detectors = [
+        _detector_study(name, records, SCORINGS[name].candidate(records, value))
+        for name, value in best.items()
+    ]
     told = {"default": default} | {study.name: study for study in detectors}
     thresholds = {name: (DETECTORS[study.name], study.events.value) for name, study in told.items()}
     return CollisionStudy(
         verdict=verdict,
         default=default,
-        detectors=detectors,
+        detectors=tuple(detectors),
         zones=zone_rows(test, thresholds),
         unseen_contacts=unseen_contacts(test),
         contacts=len(_events(test)),
@@ -110,15 +117,10 @@ def study_collisions(records: Records) -> CollisionStudy:
 def zone_rows(
     records: Sequence[EpisodeRecord], detectors: Mapping[str, tuple[Detector, float]]
 ) -> tuple[ZoneRow, ...]:
-    """Returns how many contacts of each side each detector tells.
-
-    Args:
-        records: The episodes.
-        detectors: A detector and its threshold [m], by name.
-    """
+    """Returns how many contacts of each side each detector tells with its threshold [m]."""
     events, told = _events(records), {}
     for name, (detector, threshold) in detectors.items():
-        each = [matches(one, alarms(one, detector(one), threshold)).any(axis=0) for one in records]
+        each = [matches(one, alarms(one, detector(one) < threshold)).any(axis=0) for one in records]
         told[name] = np.concatenate([np.empty(0, dtype=bool), *each])
     sides = {zone: (events["sight"] == Sight.SEEN) & (events["zone"] == zone) for zone in Zone}
     return tuple(
@@ -137,20 +139,10 @@ def _events(records: Sequence[EpisodeRecord]) -> Table:
     return np.concatenate([np.empty(0, EVENT), *(record.events for record in records)])
 
 
-def _scoring(name: str) -> Scoring:
-    return Scoring(partial(event_counts, DETECTORS[name]), EVENT_MEASURES, "F1", GRID)
-
-
-def _at_best(name: str, records: Records) -> DetectorStudy:
-    scoring = _scoring(name)
-    best = scoring.candidate(records, scoring.best(records[Part.TRAIN]))
-    return _detector_study(name, records, best)
-
-
 def _detector_study(name: str, records: Records, candidate: Candidate) -> DetectorStudy:
     detector, test = DETECTORS[name], records[Part.TEST]
-    per_scan = Scoring(partial(scan_counts, detector), SCAN_MEASURES, "F1", GRID)
-    leads = [lead_times(record, detector(record), candidate.value) for record in test]
+    per_scan = Scoring(scan_counts(detector), SCAN_MEASURES, "F1", GRID)
+    leads = (lead_times(record, detector(record) < candidate.value) for record in test)
     lead = np.concatenate([np.empty(0), *leads])
     return DetectorStudy(
         name=name,

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from harness.robots import RoverSpec
 from harness.tuning.episodes.recompute import STRIDE
-from harness.tuning.episodes.record import EpisodeRecord
+from harness.tuning.episodes.record import WINDOW, EpisodeRecord
 from harness.tuning.scoring.choose import Records, Scoring, judged, lack_of
 from harness.tuning.scoring.estimate import Counts, Measure, Sums, ratio
 from harness.tuning.scoring.result import Verdict
@@ -40,21 +40,17 @@ class DistanceStudy:
 
 def study_distance(records: Records, rover: RoverSpec) -> DistanceStudy:
     """Returns the verdict on the default and on a value above every plausible step."""
-    everything = [record.windows for some in records.values() for record in some]
+    everything = (record.windows for some in records.values() for record in some)
+    windows = np.concatenate([np.empty(0, WINDOW), *everything])
     possible = rover.top_speed * STRIDE * POSE_PERIOD
-    lowest = math.ceil(possible / STEP) * STEP
-    grid = np.round(np.arange(lowest, COARSEST, STEP), 2)
+    grid = np.round(np.arange(math.ceil(possible / STEP) * STEP, COARSEST, STEP), 2)
+    scoring = Scoring(_counts, MEASURES, "balanced accuracy", grid)
+    lack = lack_of(records, "s of poses", lambda record: len(record.windows), FEWEST_SECONDS)
     return DistanceStudy(
-        verdict=judged(
-            PARAMETER,
-            Scoring(_counts, MEASURES, "balanced accuracy", grid),
-            records,
-            lack=lack_of(records, "s of poses", lambda record: len(record.windows), FEWEST_SECONDS),
-            note=NOTE,
-        ),
+        verdict=judged(PARAMETER, scoring, records, lack=lack, note=NOTE),
         possible_step=possible,
-        largest_step=_largest(everything, "largest_step"),
-        largest_stride=_largest(everything, "largest_stride"),
+        largest_step=float(windows["largest_step"].max(initial=0.0)),
+        largest_stride=float(windows["largest_stride"].max(initial=0.0)),
     )
 
 
@@ -84,7 +80,3 @@ MEASURES: dict[str, Measure] = {
     "false accept rate": _false_accept_rate,
     "false reject rate": _false_reject_rate,
 }
-
-
-def _largest(windows: Sequence[NDArray[np.void]], column: str) -> float:
-    return max((float(some[column].max(initial=0.0)) for some in windows), default=0.0)

@@ -12,7 +12,7 @@ from sklearn.metrics import roc_auc_score
 
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
-from harness.tuning.scoring.choose import Records, Scoring, by_terrain, judged
+from harness.tuning.scoring.choose import Records, Scoring, judged
 from harness.tuning.scoring.estimate import (
     FP,
     TN,
@@ -75,7 +75,7 @@ def study_ground(records: Records, signal: Signal) -> GroundStudy:
     def count(some: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -> Counts:
         return counts_of([signal.imu_events(record) for record in some], thresholds)
 
-    scoring = Scoring(count, MEASURES, "balanced accuracy", GRID, by_terrain)
+    scoring = Scoring(count, MEASURES, "balanced accuracy", GRID, "terrain")
     verdict = judged(signal.parameter, scoring, records, lack=_lack(records, signal))
     everything = ImuEvents.joined([signal.imu_events(one) for some in records.values() for one in some])
     return GroundStudy(
@@ -122,7 +122,7 @@ def _auc(counts: Counts, records: Sequence[EpisodeRecord]) -> Estimate:
         )
         return np.asarray(-np.trapezoid(hits, misses, axis=-1))
 
-    return estimate(flat, area, [by_terrain(record) for record in records])
+    return estimate(flat, area, [record.terrain for record in records])
 
 
 def _lack(records: Records, signal: Signal) -> str | None:

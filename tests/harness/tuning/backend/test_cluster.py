@@ -12,7 +12,7 @@ pytest.importorskip("joblib", reason="needs the extra [tune]")
 
 from harness.errors import UsageError
 from harness.tuning.backend import WorkerLost
-from harness.tuning.backend.cluster import ClusterBackend, versions, work_elsewhere
+from harness.tuning.backend.cluster import ClusterBackend, _work_elsewhere, versions
 
 
 class Threads(ClusterBackend):
@@ -90,7 +90,7 @@ def test_a_worker_with_another_version_is_refused() -> None:
     expected = {**versions(), "numpy": "1.0"}
 
     with pytest.raises(UsageError, match=r"a worker of the cluster has numpy \S+ instead of 1\.0; "):
-        work_elsewhere(thread_name, 0, expected)
+        _work_elsewhere(thread_name, 0, expected)
 
 
 def test_a_process_does_one_thing_at_a_time() -> None:
@@ -100,7 +100,7 @@ def test_a_process_does_one_thing_at_a_time() -> None:
         met.wait()
 
     with ThreadPoolExecutor(2) as pool:
-        futures = [pool.submit(work_elsewhere, meet, n, versions()) for n in range(2)]
+        futures = [pool.submit(_work_elsewhere, meet, n, versions()) for n in range(2)]
         errors = [future.exception() for future in futures]
 
     assert all(isinstance(error, threading.BrokenBarrierError) for error in errors)

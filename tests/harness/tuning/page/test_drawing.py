@@ -29,21 +29,21 @@ AROUND = Distances(range_min=0.15, default=0.2, tuned=0.44, clearance=0.05)
 def test_a_threshold_covers_the_part_of_the_outline_within_its_circle(
     threshold: float, told: float
 ) -> None:
-    near, covered, far = shares(SQUARE, 0.15, threshold)
+    near, covered, far = shares(SQUARE, (0.15, threshold))
     assert covered == pytest.approx(told, abs=2e-3)
     assert far == pytest.approx(1.0 - told, abs=2e-3)
     assert near == 0.0
 
 
 def test_what_is_nearer_than_range_min_is_not_told() -> None:
-    near, covered, _ = shares(SQUARE, math.sqrt(1.25), 1.5)
+    near, covered, _ = shares(SQUARE, (math.sqrt(1.25), 1.5))
     assert near == pytest.approx(0.5, abs=2e-3)
     assert covered == pytest.approx(0.5, abs=2e-3)
-    assert shares(SQUARE, math.sqrt(1.25), 1.0)[1] == pytest.approx(0.0)
+    assert shares(SQUARE, (math.sqrt(1.25), 1.0))[1] == pytest.approx(0.0)
 
 
 def test_strips_run_beside_the_corners_that_are_too_far_and_the_middles_that_are_too_near() -> None:
-    far = list(untold_strips(SQUARE, 0.0, math.sqrt(1.25), 0.1, 0.2))
+    far = list(untold_strips(SQUARE, (0.0, math.sqrt(1.25)), 0.1, 0.2))
     assert len(far) == 8  # both ends of each side
     for strip in far:
         inner, outer = np.abs(strip).max(axis=1)[:2], np.abs(strip).max(axis=1)[2:]
@@ -51,10 +51,10 @@ def test_strips_run_beside_the_corners_that_are_too_far_and_the_middles_that_are
         assert outer == pytest.approx([1.3, 1.3])
         along = np.sort(np.abs(strip).min(axis=1))
         assert along == pytest.approx([0.5, 0.5, 1.0, 1.0], abs=2e-3)
-    near = list(untold_strips(SQUARE, math.sqrt(1.25), 1.5, 0.0, 0.2))
+    near = list(untold_strips(SQUARE, (math.sqrt(1.25), 1.5), 0.0, 0.2))
     assert len(near) == 4
     assert all(np.ptp(strip, axis=0).max() == pytest.approx(1.0, abs=4e-3) for strip in near)
-    assert list(untold_strips(SQUARE, 0.0, 1.5, 0.0, 0.2)) == []
+    assert list(untold_strips(SQUARE, (0.0, 1.5), 0.0, 0.2)) == []
 
 
 @pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)

@@ -167,6 +167,6 @@ def test_only_a_value_that_is_proven_is_called_tuned(small_sweep: "Sweep") -> No
 def test_each_class_of_ground_adds_up_to_all_of_it(number: int, small_sweep: "Sweep") -> None:
     studies, records = small_sweep
     leo, signal = Subject(studies[0], scored_records("leo", records)), SIGNALS[number]
-    plot = ground_figures(leo, studies[0].grounds[number], signal)[f"{signal.parameter}-classes"]
+    plot = ground_figures(leo)[f"{signal.parameter}-classes"]
     assert not isinstance(plot, str)
     assert [sum(trace["y"]) for trace in plot.figure["data"]] == pytest.approx([100.0, 100.0], abs=0.01)

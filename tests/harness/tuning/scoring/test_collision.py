@@ -15,7 +15,7 @@ from harness.tuning.scoring.collision import (
     unseen_contacts,
     zone_rows,
 )
-from harness.tuning.scoring.notes import judgement, unreachable
+from harness.tuning.scoring.study import judgement, unreachable
 
 MakeRecord = Callable[..., EpisodeRecord]
 AtDistance = Callable[..., list[EpisodeRecord]]
