@@ -21,9 +21,9 @@ WATCH = 1.0  # [s] between two looks at whether the process that gives work is s
 
 
 class LocalBackend(Backend):
-    """Local processes, as many as there are usable CPUs if not told; with one job, this process itself."""
+    """Local processes, one per usable CPU if `jobs` is None; with one job, this process itself."""
 
-    def __init__(self, jobs: int | None = None) -> None:
+    def __init__(self, jobs: int | None) -> None:
         self.jobs = jobs or cpu_count()
 
     def map(

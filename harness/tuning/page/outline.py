@@ -22,7 +22,7 @@ Told = tuple[float, float]  # range_min and a collision threshold [m]: touches b
 
 
 def silhouette(rover: RoverSpec, axes: tuple[int, int]) -> list[Points]:
-    """Returns convex outlines of a rover on flat ground, seen from ABOVE or the SIDE, in its frame [m]."""
+    """Returns convex outlines of a rover on flat ground in its frame [m]; `axes` are ABOVE or SIDE."""
     model = mujoco.MjModel.from_xml_path(str(rover.model_path))
     data = mujoco.MjData(model)
     data.qpos[:3] = 0.0, 0.0, rover.rest_height

@@ -31,7 +31,7 @@ def thresholds(study: RobotStudy) -> Table:
             verdict.measure,
             *_candidate(verdict, verdict.default),
             *_candidate(verdict, verdict.tuned),
-            text(verdict.gain[verdict.measure], sign="+") if verdict.tuned else DASH,
+            _text(verdict.gain[verdict.measure], sign="+") if verdict.tuned else DASH,
             _standing(verdict),
         )
         for verdict in study.verdicts
@@ -42,7 +42,7 @@ def thresholds(study: RobotStudy) -> Table:
 def _candidate(verdict: Verdict, candidate: Candidate | None) -> tuple[str, str, str]:
     if candidate is None:
         return DASH, DASH, DASH
-    train, test = (text(candidate.scores[part][verdict.measure]) for part in Part)
+    train, test = (_text(candidate.scores[part][verdict.measure]) for part in Part)
     return f"{candidate.value:g} {spelled(verdict.unit)}", train, test
 
 
@@ -66,7 +66,7 @@ def measures(verdict: Verdict) -> Table:
     if verdict.tuned is not None:
         columns["gain, test"] = verdict.gain, "+"
     rows = (
-        (name, *(text(scores[name], sign=sign) for scores, sign in columns.values()))
+        (name, *(_text(scores[name], sign=sign) for scores, sign in columns.values()))
         for name in verdict.default.scores[Part.TEST]
     )
     return Table(("Measure", *columns), tuple(rows))
@@ -80,10 +80,10 @@ def detectors(study: CollisionStudy) -> Table:
         (
             prefix + told.name,
             _unbroken(f"{told.events.value:g} m"),
-            *(text(told.events.scores[Part.TEST][name]) for name in measures),
-            text(told.events.scores[Part.TEST]["false alarms per km"], 1),
+            *(_text(told.events.scores[Part.TEST][name]) for name in measures),
+            _text(told.events.scores[Part.TEST]["false alarms per km"], 1),
             DASH if told.lead_s is None else f"{told.lead_s:.2f} s",
-            text(told.scans["F1"]),
+            _text(told.scans["F1"]),
         )
         for prefix, told in (("default: ", study.default), *(("", one) for one in study.detectors))
     )
@@ -152,14 +152,8 @@ def driven(study: RobotStudy) -> Table:
     return Table(("What", "how much"), tuple(rows))
 
 
-def text(score: Estimate, digits: int = 2, sign: str = "") -> str:
-    """Returns a score with its interval, short enough for a cell.
-
-    Args:
-        score: To show.
-        digits: Behind the point.
-        sign: "+" where positive numbers have one.
-    """
+def _text(score: Estimate, digits: int = 2, sign: str = "") -> str:
+    """A score with its interval, short enough for a cell; `sign` is "+" where positive ones have one."""
     if math.isnan(score.value):
         return DASH
     value, low, high = (

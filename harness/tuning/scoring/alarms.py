@@ -18,6 +18,7 @@ from harness.tuning.scoring.estimate import (
     confusion,
     ratio,
     recall,
+    share,
 )
 
 GAP = 0.5  # [s]: alarms, like contacts, that are closer together are one
@@ -101,12 +102,7 @@ def lead_times(record: EpisodeRecord, below: NDArray[np.bool_]) -> NDArray[np.fl
     return np.asarray(np.maximum(lead[np.isfinite(lead)], 0.0))
 
 
-def _precision(sums: Sums) -> NDArray[np.float64]:
-    return ratio(sums[..., RIGHT], sums[..., ALARMS])
-
-
-def _recall(sums: Sums) -> NDArray[np.float64]:
-    return ratio(sums[..., DETECTED], sums[..., CONTACTS])
+_precision, _recall = share(RIGHT, ALARMS), share(DETECTED, CONTACTS)
 
 
 def _event_f1(sums: Sums) -> NDArray[np.float64]:
@@ -125,7 +121,7 @@ EVENT_MEASURES: dict[str, Measure] = {
 }
 SCAN_MEASURES: dict[str, Measure] = {
     "F1": lambda sums: ratio(2 * sums[..., TP], 2 * sums[..., TP] + sums[..., FP] + sums[..., FN]),
-    "precision": lambda sums: ratio(sums[..., TP], sums[..., TP] + sums[..., FP]),
+    "precision": share(TP, TP, FP),
     "recall": recall,
-    "false positive rate": lambda sums: ratio(sums[..., FP], sums[..., FP] + sums[..., TN]),
+    "false positive rate": share(FP, FP, TN),
 }

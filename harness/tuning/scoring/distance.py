@@ -11,7 +11,7 @@ from harness.robots import RoverSpec
 from harness.tuning.episodes.recompute import STRIDE
 from harness.tuning.episodes.record import WINDOW, EpisodeRecord
 from harness.tuning.scoring.choose import Records, Scoring, judged, lack_of
-from harness.tuning.scoring.estimate import Counts, Measure, Sums, ratio
+from harness.tuning.scoring.estimate import Counts, Measure, share
 from harness.tuning.scoring.result import Verdict
 
 PARAMETER = "distance_threshold"
@@ -65,16 +65,8 @@ def _counts(records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -
     return counts
 
 
-def _false_accept_rate(sums: Sums) -> NDArray[np.float64]:
-    """The share of resets, one each second, whose jump would count as travel."""
-    return ratio(sums[..., TAKEN], sums[..., SECONDS])
-
-
-def _false_reject_rate(sums: Sums) -> NDArray[np.float64]:
-    """The share of seconds in which a step of true travel would be refused."""
-    return ratio(sums[..., REFUSED], sums[..., SECONDS])
-
-
+# Of resets, one each second, whose jump would count as travel; of seconds with a step that is refused.
+_false_accept_rate, _false_reject_rate = share(TAKEN, SECONDS), share(REFUSED, SECONDS)
 MEASURES: dict[str, Measure] = {
     "balanced accuracy": lambda sums: 1 - (_false_accept_rate(sums) + _false_reject_rate(sums)) / 2,
     "false accept rate": _false_accept_rate,

@@ -83,9 +83,13 @@ def confusion(
     return counts
 
 
-def recall(sums: Sums) -> NDArray[np.float64]:
-    """Returns the share of what is there that is said, of sums of `confusion`."""
-    return ratio(sums[..., TP], sums[..., TP] + sums[..., FN])
+def share(part: int, *whole: int) -> Measure:
+    """Returns the measure that divides the sum of a kind by the sum of others."""
+    return lambda sums: ratio(sums[..., part], sums[..., whole].sum(axis=-1))
+
+
+# Of sums of `confusion`: how much of what is there is said, and of what is not there is not.
+recall, specificity = share(TP, TP, FN), share(TN, TN, FP)
 
 
 def _weights(strata: tuple[str, ...]) -> NDArray[np.float64]:

@@ -14,16 +14,14 @@ from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.scoring.choose import Records, Scoring, judged
 from harness.tuning.scoring.estimate import (
-    FP,
-    TN,
     Counts,
     Estimate,
     Measure,
     Sums,
     confusion,
     estimate,
-    ratio,
     recall,
+    specificity,
 )
 from harness.tuning.scoring.imu_events import ROUGH, ImuEvents, Signal
 from harness.tuning.scoring.result import Verdict
@@ -89,11 +87,6 @@ def study_ground(records: Records, signal: Signal) -> GroundStudy:
 def counts_of(episodes: Sequence[ImuEvents], thresholds: NDArray[np.float64]) -> Counts:
     """Returns counts of `confusion` at every threshold, above which ground is called rough."""
     return confusion([(-one.signal, one.rough) for one in episodes], -thresholds)
-
-
-def specificity(sums: Sums) -> NDArray[np.float64]:
-    """Returns the share of smooth ground that is not called rough."""
-    return ratio(sums[..., TN], sums[..., TN] + sums[..., FP])
 
 
 def balanced_accuracy(sums: Sums) -> NDArray[np.float64]:

@@ -17,7 +17,7 @@ from harness.tuning.page.contact_figures import FALSE_ALARMS, frontier
 from harness.tuning.page.ground_figures import ground_figures
 from harness.tuning.page.page import render
 from harness.tuning.page.subject import Subject, levels, mark
-from harness.tuning.page.tables import text
+from harness.tuning.page.tables import _text
 from harness.tuning.parameter_file import parameter_file
 from harness.tuning.scoring.estimate import Estimate
 from harness.tuning.scoring.imu_events import SIGNALS
@@ -139,7 +139,7 @@ def test_the_method_takes_five_sentences(page: str) -> None:
     ],
 )
 def test_a_gain_has_a_sign_and_its_interval(score: Estimate, expected: str) -> None:
-    assert text(score, sign="+").replace("\N{NO-BREAK SPACE}", " ") == expected
+    assert _text(score, sign="+").replace("\N{NO-BREAK SPACE}", " ") == expected
 
 
 def test_a_frontier_has_the_highest_recall_for_each_price() -> None:
