@@ -27,11 +27,8 @@ class Backend(ABC):
             WorkerLost: A worker died; items whose outcome has not come may be given again.
         """
 
-    def close(self) -> None:  # noqa: B027 - processes of this machine are let go of by `map`
-        """Lets go of the workers."""
-
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def __exit__(self, *_: object) -> None:  # noqa: B027 - processes of this machine live no longer than `map`
+        """Lets go of the workers."""

@@ -66,8 +66,7 @@ class DaskBackend(ClusterBackend):
             self._executor.shutdown(wait=False)
             self._executor = self._client.get_executor(pure=False)
 
-    def close(self) -> None:
-        """Disconnects."""
+    def __exit__(self, *_: object) -> None:
         self._client.close()
 
     def _lost(self) -> WorkerLost:

@@ -66,8 +66,7 @@ class RayBackend(ClusterBackend):
                 ray.cancel(reference, force=True)
         self._submitted.clear()
 
-    def close(self) -> None:
-        """Disconnects."""
+    def __exit__(self, *_: object) -> None:
         ray.shutdown()
 
     def _lost(self) -> WorkerLost:

@@ -65,11 +65,8 @@ def _sight(scans: Sequence[PlacedScan], hazard: Obstacle, rover: RoverSpec) -> S
     """What the scans around the start of a contact show of what was touched."""
     if any(_is_on(hazard, scan_points(placed, rover)).any() for placed in scans):
         return Sight.SEEN
-    if (
-        scans
-        and hazard.position[2] + hazard.half_size[-1]
-        < scans[-1].pose.position[2] + rover.lidar_height - BELOW
-    ):
+    top = hazard.position[2] + hazard.half_size[-1]
+    if scans and top < scans[-1].pose.position[2] + rover.lidar_height - BELOW:
         return Sight.TOO_LOW
     if any(np.isneginf(placed.scan.ranges).any() for placed in scans):
         return Sight.TOO_NEAR

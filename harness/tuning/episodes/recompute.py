@@ -36,17 +36,16 @@ class Collected:
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""
-        for tick in batch.ticks:
-            for sample in tick.samples:
-                match sample:
-                    case LaserScan():
-                        self.scans.append(sample)
-                    case TruthState():
-                        self.states.append(sample)
-                    case Imu():
-                        self.imu.append(sample)
-                    case Pose():
-                        self.poses.append(sample)
+        for sample in (sample for tick in batch.ticks for sample in tick.samples):
+            match sample:
+                case LaserScan():
+                    self.scans.append(sample)
+                case TruthState():
+                    self.states.append(sample)
+                case Imu():
+                    self.imu.append(sample)
+                case Pose():
+                    self.poses.append(sample)
         self.events += batch.events
 
     @property
@@ -59,10 +58,7 @@ class Collected:
         stamps = np.array([pose.stamp_ns for pose in self.poses])
         halfway = (stamps[1:] + stamps[:-1]) / 2
         nearest = np.searchsorted(halfway, [scan.stamp_ns for scan in self.scans])
-        return [
-            PlacedScan(scan, self.poses[index])
-            for scan, index in zip(self.scans, nearest.tolist(), strict=True)
-        ]
+        return [PlacedScan(scan, self.poses[at]) for scan, at in zip(self.scans, nearest, strict=True)]
 
 
 def scan_rows(collected: Collected, rover: RoverSpec) -> Table:

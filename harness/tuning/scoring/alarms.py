@@ -29,20 +29,21 @@ Distances = NDArray[np.float64]  # one per scan [m]; -inf counts as contact what
 Detector = Callable[[EpisodeRecord], Distances]
 
 
-def _distance(column: str) -> Detector:
-    return lambda record: record.scans[column].astype(np.float64)
+def _distance(column: str, *, near_returns: bool = False) -> Detector:
+    """What gives a distance; if near returns count, -inf where a beam met one (REP-117)."""
 
+    def detector(record: EpisodeRecord) -> Distances:
+        near = near_returns & (record.scans["near_returns"] > 0)
+        return np.where(near, -np.inf, record.scans[column].astype(np.float64))
 
-def _or_near_return(column: str) -> Detector:
-    """A distance that is -inf where a beam met something nearer than range_min (REP-117)."""
-    return lambda record: np.where(record.scans["near_returns"] > 0, -np.inf, _distance(column)(record))
+    return detector
 
 
 DETECTORS: dict[str, Detector] = {
     NEAREST_RANGE: _distance("nearest"),  # what RoboTerrain compares: the smallest finite range
-    f"{NEAREST_RANGE}, near returns count": _or_near_return("nearest"),
+    f"{NEAREST_RANGE}, near returns count": _distance("nearest", near_returns=True),
     FOOTPRINT_CLEARANCE: _distance("footprint"),  # from a finite return to the rover's outline
-    f"{FOOTPRINT_CLEARANCE}, near returns count": _or_near_return("footprint"),
+    f"{FOOTPRINT_CLEARANCE}, near returns count": _distance("footprint", near_returns=True),
 }
 
 

@@ -33,7 +33,7 @@ class Threads(ClusterBackend):
     def cancel(self) -> None:
         self.cancelled += 1
 
-    def close(self) -> None:
+    def __exit__(self, *_: object) -> None:
         self._pool.shutdown(cancel_futures=True)
 
 
