@@ -23,8 +23,7 @@ from harness.tuning.backend import BACKENDS, backend_of
 from harness.tuning.episodes.plan import plan
 from harness.tuning.episodes.store import Store
 from harness.tuning.episodes.sweep import sweep
-from harness.tuning.output import write_results
-from harness.tuning.progress import SweepProgress, print_studies
+from harness.tuning.output import print_studies, sweep_progress, write_results
 from harness.tuning.scoring.study import RobotStudy, study
 from rover_metrics.errors import OneLineParser
 
@@ -56,8 +55,8 @@ def _tune(options: argparse.Namespace, console: Console) -> int:
     planned = plan(robots, options.episodes, options.seed, options.duration)
     with backend_of(options.backend, options.address, options.jobs) as backend:
         store = Store(options.out, planned)
-        with SweepProgress(console, len(planned), options.duration) as progress:
-            records = sweep(planned, store, backend, progress.show)
+        with sweep_progress(console, planned) as show:
+            records = sweep(planned, store, backend, show)
     studies = [study(robot, records, options.seed) for robot in robots]
     command = _command(robots, options)
     print_studies(console, studies)

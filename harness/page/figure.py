@@ -158,9 +158,7 @@ class Plot:
     Attributes:
         name: Identifies it on the page.
         summary: What it shows, as text for readers who cannot see it.
-        figure: For Plotly.
-        heading: Above it; empty where the page has one.
-        caption: Below it, likewise.
+        heading: Above it; empty where the page has one, as is the caption below it.
     """
 
     name: str

@@ -45,13 +45,10 @@ def _environment(package: str) -> Environment:
 
 def _policy(*scripts: str) -> str:
     """A content security policy: these scripts and no other, and nothing from the network."""
-    hashes = " ".join(f"'sha256-{_digest(script)}'" for script in scripts)
+    digests = (base64.b64encode(hashlib.sha256(script.encode()).digest()) for script in scripts)
+    hashes = " ".join(f"'sha256-{digest.decode()}'" for digest in digests)
     # Plotly sets styles of its own; pictures are data and, when a plot is saved, blobs.
     return f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; img-src data: blob:"
-
-
-def _digest(script: str) -> str:
-    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
 
 
 def _asset(package: str, name: str, missing: str | None = None) -> str:

@@ -1,23 +1,78 @@
-"""The files of a finished sweep: a parameter file per robot, scores, report. Same sweep, same bytes."""
+"""What a sweep shows on the terminal, and the files it leaves behind: same sweep, same bytes."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Column, Table
 
 from harness import __version__
 from harness.errors import HarnessError
 from harness.files import whole_file
-from harness.tuning.episodes.plan import Planned
+from harness.tuning.episodes.plan import Part, Planned
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.page.page import render
 from harness.tuning.parameter_file import parameter_file
-from harness.tuning.scoring.notes import conclusions
-from harness.tuning.scoring.study import RobotStudy
+from harness.tuning.scoring.result import Candidate
+from harness.tuning.scoring.study import RobotStudy, conclusions
 from rover_metrics.log.files import json_safe
 
 SCORES, REPORT = "scores.json", "report.html"
 DIGITS = 6  # of a score
+
+
+@contextmanager
+def sweep_progress(console: Console, planned: Sequence[Planned]) -> Iterator[Callable[[int], None]]:
+    """Yields what moves a bar, told how many episodes are done; silent where there is no terminal."""
+    with Progress(
+        TextColumn(f"[bold]driving {planned[0].config.duration:g} s episodes"),
+        BarColumn(bar_width=None),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=console,
+        disable=not console.is_terminal,
+    ) as bar:
+        task = bar.add_task("", total=len(planned))
+        yield lambda done: bar.update(task, completed=done)
+
+
+def print_studies(console: Console, studies: Sequence[RobotStudy]) -> None:
+    """For each robot a table of its thresholds and what follows from it."""
+    for study in studies:
+        console.print()
+        console.print(_table(study))
+        console.print(study.driven.text(), highlight=False)
+        for conclusion in conclusions(study):
+            console.print(f"- {conclusion}", highlight=False)
+
+
+def _table(study: RobotStudy) -> Table:
+    title = f"{study.robot}: value and score, on seeds that no value was chosen on"
+    table = Table(
+        Column("threshold", no_wrap=True),
+        "measure",
+        "default",
+        "tuned",
+        title=title,
+        title_justify="left",
+        box=SIMPLE_HEAD,
+    )
+    for verdict in study.verdicts:
+        tuned = "stays" if verdict.value is None else _scored(verdict.tuned, verdict.measure)
+        table.add_row(verdict.name, verdict.measure, _scored(verdict.default, verdict.measure), tuned)
+    return table
+
+
+def _scored(candidate: Candidate | None, measure: str) -> str:
+    if candidate is None:
+        return "-"
+    score = candidate.scores[Part.TEST][measure].text().replace(" (", "\n(")
+    return f"{candidate.value:g}: {score}"
 
 
 def write_results(
@@ -37,27 +92,23 @@ def write_results(
     Raises:
         HarnessError: One cannot be written.
     """
-    for study in studies:
-        yield _write(folder / f"{study.robot}.yaml", parameter_file(study, command))
-    yield _write(folder / SCORES, scores_file(studies, command))
-    yield _write(folder / REPORT, render(studies, records, command))
+    texts = {f"{study.robot}.yaml": parameter_file(study, command) for study in studies}
+    texts |= {SCORES: _scores(studies, command), REPORT: render(studies, records, command)}
+    for path, text in ((folder / name, text) for name, text in texts.items()):
+        try:
+            with whole_file(path) as part:
+                part.write_text(text, encoding="utf-8")
+        except OSError as error:
+            message = f"cannot write {path}: {error.strerror}"
+            raise HarnessError(message) from error
+        yield path
 
 
-def scores_file(studies: Sequence[RobotStudy], command: str) -> str:
-    """Returns the text of scores.json; what is undefined is null."""
+def _scores(studies: Sequence[RobotStudy], command: str) -> str:
+    """The text of scores.json; what is undefined is null."""
     robots = {
         study.robot: json_safe(asdict(study), DIGITS) | {"conclusions": list(conclusions(study))}
         for study in studies
     }
     content = {"command": command, "version": __version__, "robots": robots}
     return json.dumps(content, indent=2, allow_nan=False) + "\n"
-
-
-def _write(path: Path, text: str) -> Path:
-    try:
-        with whole_file(path) as part:
-            part.write_text(text, encoding="utf-8")
-    except OSError as error:
-        message = f"cannot write {path}: {error.strerror}"
-        raise HarnessError(message) from error
-    return path

@@ -24,16 +24,14 @@ def parameter_file(study: RobotStudy, command: str) -> str:
     """Returns the text of ROBOT.yaml.
 
     A threshold that the data do not support is not in it; a comment says why. `/**` holds for the node
-    in every namespace.
-
-    Args:
-        study: Of the robot.
-        command: What makes this file.
+    in every namespace; `command` is what makes this file.
     """
     parameters, left_out = CommentedMap(), list[str]()
     for verdict in study.verdicts:
         if verdict.value is None or verdict.tuned is None:
-            left_out.append(_left_out(verdict))
+            why = verdict.lack or "no value is proven to be better on unseen seeds"
+            default = f"{verdict.default.value:g} {verdict.unit}"
+            left_out.append(f"{verdict.name} stays at {default}: {why}")
         else:
             parameters[verdict.name] = verdict.value
             _comment(parameters, verdict, verdict.tuned)
@@ -44,13 +42,10 @@ def parameter_file(study: RobotStudy, command: str) -> str:
         "Use: metrics_node --ros-args --params-file THIS_FILE",
         *left_out,
     ]
-    document = CommentedMap({"/**": CommentedMap({"ros__parameters": parameters})})
-    return "".join(f"# {line}\n" for line in header) + _dumped(document)
-
-
-def _left_out(verdict: Verdict) -> str:
-    why = verdict.lack or "no value is proven to be better on unseen seeds"
-    return f"{verdict.name} stays at {verdict.default.value:g} {verdict.unit}: {why}"
+    yaml, text = YAML(), StringIO()
+    yaml.width = 1000  # no line is folded
+    yaml.dump({"/**": {"ros__parameters": parameters}}, text)
+    return "".join(f"# {line}\n" for line in header) + text.getvalue()
 
 
 def _comment(parameters: CommentedMap, verdict: Verdict, tuned: Candidate) -> None:
@@ -80,10 +75,3 @@ def _add_footprint(parameters: CommentedMap, study: RobotStudy) -> None:
     score = f"F1 on unseen seeds {tuned.events.scores[Part.TEST]['F1'].text()}"
     parameters.yaml_set_comment_before_after_key("footprint_threshold", score, indent=INDENT)
     parameters.yaml_add_eol_comment("m", "footprint_threshold")
-
-
-def _dumped(document: CommentedMap) -> str:
-    yaml, text = YAML(), StringIO()
-    yaml.width = 1000  # no line is folded
-    yaml.dump(document, text)
-    return text.getvalue()

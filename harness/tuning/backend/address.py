@@ -8,7 +8,6 @@ import re
 import socket
 import subprocess
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from harness.errors import UsageError
@@ -18,78 +17,64 @@ TCP_PATIENCE, PATIENCE = 3.0, 10.0  # [s] for a connection; for a cluster's answ
 FORM = re.compile(r"(?:(?P<scheme>\w+)://)?(?P<host>[\w.-]+|\[[0-9A-Fa-f:.]+\]):(?P<port>\d{1,5})")
 
 
-@dataclass(frozen=True, slots=True)
-class Address:
-    """A host and a port.
+@dataclass(frozen=True, kw_only=True)
+class ClusterKind:
+    """How clusters of a kind are addressed and found.
 
     Attributes:
-        text: As the user wrote it.
-        host: Empty where `text` is a name that the cluster's own client looks up.
-        port: Likewise 0.
+        name: As messages name it.
+        schemes: Of its addresses.
+        names: What is valid instead of an address; the cluster's own client looks it up.
+        trial: Python that connects to sys.argv[1] and prints the number of workers.
+        mend: What to do if there is none.
     """
 
-    text: str
-    host: str = ""
-    port: int = 0
+    name: str
+    schemes: tuple[str, ...]
+    names: tuple[str, ...] = ()
+    trial: str
+    mend: str
+
+    def place(self, address: str) -> tuple[str, int] | None:
+        """Returns host and port in HOST:PORT or SCHEME://HOST:PORT, None for a name.
+
+        Raises:
+            UsageError: It is neither.
+        """
+        if address in self.names:
+            return None
+        found = FORM.fullmatch(address)
+        if (
+            found is None
+            or not 0 < int(found["port"]) <= HIGHEST_PORT
+            or found["scheme"] not in (None, *self.schemes)
+        ):
+            forms = ["HOST:PORT", *(f"{scheme}://HOST:PORT" for scheme in self.schemes), *self.names]
+            raise UsageError(f"address '{address}' is not valid; give one of: {', '.join(forms)}")
+        return found["host"].strip("[]"), int(found["port"])
+
+    def check(self, address: str) -> None:
+        """Makes sure that a cluster has workers.
+
+        Raises:
+            UsageError: It does not answer, or has no worker; within seconds.
+        """
+        place = self.place(address)
+        try:
+            if place is not None:
+                socket.create_connection(place, timeout=TCP_PATIENCE).close()
+            workers = _answer(self.trial, address)
+        except OSError as error:
+            reason = error.strerror or error
+            raise UsageError(f"no {self.name} answers at {address} ({reason}); {self.mend}") from error
+        if not workers:
+            raise UsageError(f"the {self.name} at {address} has no worker; start some")
 
 
-def parse_address(text: str, schemes: Sequence[str], names: Sequence[str] = ()) -> Address:
-    """Returns the address in HOST:PORT or SCHEME://HOST:PORT.
-
-    Args:
-        text: What a user wrote.
-        schemes: Those that are valid.
-        names: What is valid instead of an address.
-
-    Raises:
-        UsageError: It is neither.
-    """
-    if text in names:
-        return Address(text)
-    found = FORM.fullmatch(text)
-    if (
-        found is None
-        or not 0 < int(found["port"]) <= HIGHEST_PORT
-        or found["scheme"] not in (None, *schemes)
-    ):
-        forms = ["HOST:PORT", *(f"{scheme}://HOST:PORT" for scheme in schemes), *names]
-        raise UsageError(f"address '{text}' is not valid; give one of: {', '.join(forms)}")
-    return Address(text, found["host"].strip("[]"), int(found["port"]))
-
-
-def workers_at(address: Address, code: str, what: str, mend: str) -> float:
-    """Returns how many workers a cluster has.
-
-    Args:
-        address: Of the cluster.
-        code: Python that connects to sys.argv[1] and prints the number.
-        what: The kind of cluster, as messages name it.
-        mend: What to do if it is not there.
-
-    Raises:
-        UsageError: It does not answer, or has no worker; within seconds.
-    """
+def _answer(code: str, address: str) -> float:
+    words = [sys.executable, "-c", code, address]
     try:
-        if address.host:
-            socket.create_connection((address.host, address.port), timeout=TCP_PATIENCE).close()
-        answer = _answer(address, code)
-    except OSError as error:
-        message = f"no {what} answers at {address.text} ({error.strerror or error}); {mend}"
-        raise UsageError(message) from error
-    if not answer:
-        raise UsageError(f"the {what} at {address.text} has no worker; start some")
-    return answer
-
-
-def _answer(address: Address, code: str) -> float:
-    try:
-        tried = subprocess.run(
-            [sys.executable, "-c", code, address.text],
-            capture_output=True,
-            text=True,
-            timeout=PATIENCE,
-            check=False,
-        )
+        tried = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE, check=False)
         return float(tried.stdout.split()[-1])
     except subprocess.TimeoutExpired as error:
         last = _last_line((error.stderr or b"").decode(errors="replace"))

@@ -1,57 +1,31 @@
 """Workers of a cluster that the user already has: what Ray and Dask have in common."""
 
 import pickle
+import platform
 import threading
-from abc import ABC, abstractmethod
+import zlib
+from abc import abstractmethod
 from collections.abc import Callable, Generator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Generic
-
-from joblib import Parallel, delayed
-from joblib.parallel import ParallelBackendBase
+from concurrent.futures import Future, as_completed
+from functools import cache
+from importlib.metadata import version
+from typing import Any
 
 from harness import __version__
 from harness.errors import UsageError
-from harness.tuning.backend.base import Backend, Item, Outcome, closed_quietly
-from harness.tuning.backend.versions import difference, versions
+from harness.tuning.backend.base import Backend, Item, Outcome
 
-if TYPE_CHECKING:
-    from concurrent.futures import Future
+PACKAGES = ("mujoco", "numba", "numpy", "scipy")
 
 _busy = threading.Lock()
 
 
-class Cluster(ABC):
-    """A connection to a cluster."""
-
-    @abstractmethod
-    def submit(self, call: Callable[[], Any]) -> "Future[Any]":
-        """Has a worker call something, again if the worker dies."""
-
-    @abstractmethod
-    def explained(self, error: Exception) -> Exception:
-        """What the exception of a future means.
-
-        WorkerLost if it is no fault of the call, else what the call raised.
-        """
-
-    @abstractmethod
-    def cancel(self) -> None:
-        """Gives up everything that was submitted."""
-
-    @abstractmethod
-    def close(self) -> None:
-        """Disconnects."""
-
-
 class ClusterBackend(Backend):
-    """The workers of a cluster, all of them.
+    """The workers of a cluster, all of them; it gives a dead worker's calls to others by itself.
 
-    Args:
-        cluster: A connection, which the backend will close.
+    Not joblib's backends for Ray and Dask: Ray's gives nothing before all is done, and neither tells of
+    a lost worker.
     """
-
-    def __init__(self, cluster: Cluster) -> None:
-        self._cluster = cluster
 
     def map(
         self, work: Callable[[Item], Outcome], items: Sequence[Item]
@@ -61,83 +35,31 @@ class ClusterBackend(Backend):
         Raises:
             UsageError: A worker has not what it needs to give the bytes that this process would.
         """
-        if not items:
-            return
-        # All at once: the cluster knows best how many workers it has, or can get, for them.
-        parallel = Parallel(
-            backend=_Futures(self._cluster),
-            return_as="generator_unordered",
-            batch_size=1,
-            pre_dispatch="all",
-        )
-        elsewhere = Elsewhere(work, versions())
-        yield from closed_quietly(parallel(delayed(elsewhere)(item) for item in items))
-
-    def close(self) -> None:
-        """Disconnects."""
-        self._cluster.close()
-
-
-class Elsewhere(Generic[Item, Outcome]):
-    """Work in a process of a cluster.
-
-    One item at a time, also where a process has several threads for work: Python would run only one
-    of them anyway.
-
-    Args:
-        work: What to do.
-        expected: The versions that it has to be done with.
-    """
-
-    def __init__(self, work: Callable[[Item], Outcome], expected: Mapping[str, str]) -> None:
-        self._work = work
-        self._expected = expected
-
-    def __call__(self, item: Item) -> Outcome:
-        """Does the work.
-
-        Raises:
-            UsageError: Versions differ.
-        """
-        differs = difference(versions(), self._expected)
-        if differs is not None:
-            message = (
-                f"a worker of the cluster has {differs}; results could differ, install the same there"
-            )
-            raise UsageError(message)
-        with _busy:
-            return self._work(item)
-
-
-class _Futures(ParallelBackendBase):  # type: ignore[misc] # joblib has no type information
-    """A cluster as joblib sees it.
-
-    Not the backends that Ray and joblib bring for it: Ray's gives nothing before all is done, and
-    neither tells of a lost worker.
-    """
-
-    supports_retrieve_callback = True
-    default_n_jobs = -1
-
-    def __init__(self, cluster: Cluster) -> None:
-        super().__init__()
-        self._cluster = cluster
-
-    def effective_n_jobs(self, n_jobs: int) -> int:  # noqa: ARG002 - joblib's signature
-        return 2  # if it were told of one, joblib would work in this process
-
-    def submit(
-        self, func: Callable[[], Any], callback: Callable[["Future[Any]"], None]
-    ) -> "Future[Any]":
-        future = self._cluster.submit(_by_value(func))
-        future.add_done_callback(callback)
-        return future
-
-    def retrieve_result_callback(self, out: "Future[Any]") -> Any:  # noqa: ANN401 - whatever was called
+        expected = versions()
         try:
-            return out.result()
+            # All at once: the cluster knows best how many workers it has, or can get, for them.
+            for future in as_completed([self.call(_by_value(work, item, expected)) for item in items]):
+                yield self._outcome(future)
+        finally:
+            self.cancel()
+
+    @abstractmethod
+    def call(self, function: Callable[[], Any]) -> Future[Any]:
+        """Has a worker call something, again if the worker dies."""
+
+    @abstractmethod
+    def explained(self, error: Exception) -> Exception:
+        """Returns what the exception of a future means: WorkerLost if it is no fault of the call."""
+
+    @abstractmethod
+    def cancel(self) -> None:
+        """Gives up everything that was submitted."""
+
+    def _outcome(self, future: Future[Any]) -> Any:  # noqa: ANN401 - whatever was called
+        try:
+            return future.result()
         except Exception as error:
-            explained = self._cluster.explained(error)
+            explained = self.explained(error)
             if isinstance(explained, ImportError):
                 message = (
                     f"a worker of the cluster cannot load its work ({explained}); "
@@ -146,22 +68,49 @@ class _Futures(ParallelBackendBase):  # type: ignore[misc] # joblib has no type 
                 raise UsageError(message) from error
             raise explained from error
 
-    def abort_everything(self, ensure_ready: bool = True) -> None:  # noqa: ARG002 - as above
-        self._cluster.cancel()
+
+def _work_elsewhere(work: Callable[[Item], Outcome], item: Item, expected: Mapping[str, str]) -> Outcome:
+    """In a process of a cluster: works on an item, if the versions are those that give the same bytes.
+
+    One item at a time, also where a process has several threads for work: Python would run only one
+    of them anyway.
+    """
+    here = versions()
+    differ = [f"{name} {here[name]} instead of {e}" for name, e in expected.items() if here[name] != e]
+    if differ:
+        message = (
+            f"a worker of the cluster has {', '.join(differ)}; results could differ, "
+            "install the same there"
+        )
+        raise UsageError(message)
+    with _busy:
+        return work(item)
 
 
-def _by_value(call: Callable[[], Any]) -> Callable[[], Any]:
-    """A call that arrives also where this package is missing, and tells so there.
+@cache
+def versions() -> Mapping[str, str]:
+    """Returns the versions of this process that its bytes depend on, by name."""
+    return {
+        "rover-harness": __version__,
+        "Python": ".".join(platform.python_version_tuple()[:2]),
+        "CPU": platform.machine(),
+        "zlib": zlib.ZLIB_RUNTIME_VERSION,
+        **{package: version(package) for package in PACKAGES},
+    }
+
+
+def _by_value(*arguments: object) -> Callable[[], Any]:
+    """A call of `_work_elsewhere` that arrives also where this package is missing, and tells so there.
 
     Ray and Dask send a nested function by value; Dask's scheduler, too, would have to load any other.
     """
-    content = pickle.dumps(call)
+    content = pickle.dumps((_work_elsewhere, arguments))
 
     def load_and_call() -> Any:  # noqa: ANN401 - whatever is called
         try:
-            loaded = pickle.loads(content)  # noqa: S301 - our own, see above
+            function, loaded = pickle.loads(content)  # noqa: S301 - our own, see above
         except (ImportError, AttributeError) as error:
             raise ImportError(str(error)) from error
-        return loaded()
+        return function(*loaded)
 
     return load_and_call

@@ -8,58 +8,51 @@ from typing import Any
 
 from distributed import Client, KilledWorker
 
-from harness.tuning.backend.address import parse_address, workers_at
+from harness.tuning.backend.address import ClusterKind
 from harness.tuning.backend.base import WorkerLost
-from harness.tuning.backend.cluster import Cluster
+from harness.tuning.backend.cluster import ClusterBackend
 
-SCHEMES = ("tcp", "tls")
-TRIAL = """
+DASK = ClusterKind(
+    name="Dask cluster",
+    schemes=("tcp", "tls"),
+    trial="""
 import sys
 from distributed import Client
 with Client(sys.argv[1], set_as_default=False) as client:
     print(len(client.nthreads()))
-"""
-MEND = "start one with `dask scheduler` and `dask worker`, or correct --address"
+""",
+    mend="start one with `dask scheduler` and `dask worker`, or correct --address",
+)
 RUNNING = "running"  # a client's status
 
 
-def connect(text: str) -> Cluster:
-    """Connects to a scheduler.
+class DaskBackend(ClusterBackend):
+    """A Dask scheduler with its workers.
 
     Raises:
         UsageError: It does not answer, or has no worker.
     """
-    address = parse_address(text, SCHEMES)
-    workers_at(address, TRIAL, "Dask cluster", MEND)
-    # It logs what it retries; what matters comes as an exception.
-    for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
-        logging.getLogger(name).setLevel(logging.CRITICAL)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # about versions: each worker compares those that matter
-        return DaskCluster(Client(text, set_as_default=False), text)
 
+    def __init__(self, address: str) -> None:
+        DASK.check(address)
+        # It logs what it retries; what matters comes as an exception.
+        for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
+            logging.getLogger(name).setLevel(logging.CRITICAL)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # about versions: each worker compares those that matter
+            self._client = Client(address, set_as_default=False)
+        self._address = address
+        self._executor = self._client.get_executor(pure=False)
 
-class DaskCluster(Cluster):
-    """A Dask scheduler, which gives a dead worker's calls to others by itself.
-
-    Args:
-        client: Connected to it.
-        address: Of it, as messages name it.
-    """
-
-    def __init__(self, client: Client, address: str) -> None:
-        self._client, self._address = client, address
-        self._executor = client.get_executor(pure=False)
-
-    def submit(self, call: Callable[[], Any]) -> "Future[Any]":
-        """See Cluster."""
+    def call(self, function: Callable[[], Any]) -> Future[Any]:
+        """See ClusterBackend."""
         if self._client.status != RUNNING:
             raise self._lost()
-        future: Future[Any] = self._executor.submit(call)
+        future: Future[Any] = self._executor.submit(function)
         return future
 
     def explained(self, error: Exception) -> Exception:
-        """See Cluster."""
+        """See ClusterBackend."""
         match error:
             case KilledWorker():
                 return WorkerLost("the workers of the Dask cluster were killed (out of memory?)")
@@ -68,13 +61,12 @@ class DaskCluster(Cluster):
         return error
 
     def cancel(self) -> None:
-        """See Cluster."""
+        """See ClusterBackend."""
         if self._client.status == RUNNING:
             self._executor.shutdown(wait=False)
             self._executor = self._client.get_executor(pure=False)
 
-    def close(self) -> None:
-        """See Cluster."""
+    def __exit__(self, *_: object) -> None:
         self._client.close()
 
     def _lost(self) -> WorkerLost:

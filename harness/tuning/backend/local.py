@@ -4,36 +4,27 @@ import os
 import signal
 import threading
 import time
+import warnings
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
 
-from joblib import Parallel, delayed, parallel_config
+from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky import get_reusable_executor
 
-from harness.tuning.backend.base import Backend, Item, Outcome, WorkerLost, closed_quietly
+from harness.tuning.backend.base import Backend, Item, Outcome, WorkerLost
 
 TERMINAL_SIGNALS = {signal.SIGINT, signal.SIGHUP}
 WARNINGS = "PYTHONWARNINGS"
 WATCH = 1.0  # [s] between two looks at whether the process that gives work is still there
 
 
-def usable_cpus() -> int:
-    """How many CPUs this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 class LocalBackend(Backend):
-    """Local processes; with one job, this process itself.
+    """Local processes, one per usable CPU if `jobs` is None; with one job, this process itself."""
 
-    Args:
-        jobs: How many.
-    """
-
-    def __init__(self, jobs: int) -> None:
-        self.jobs = jobs
-        self._started = False
+    def __init__(self, jobs: int | None) -> None:
+        self.jobs = jobs or cpu_count()
 
     def map(
         self, work: Callable[[Item], Outcome], items: Sequence[Item]
@@ -46,51 +37,42 @@ class LocalBackend(Backend):
             "loky", inner_max_num_threads=1, initializer=_leave_with, initargs=(os.getpid(),)
         ):
             parallel = Parallel(n_jobs=self.jobs, return_as="generator_unordered", batch_size=1)
-        self._started = True
-        with _deaf_children(), _silent_tracker():
+        with _quiet_children():
             outcomes = parallel(delayed(work)(item) for item in items)
         try:
-            yield from closed_quietly(outcomes)
+            # No `yield from`: it would close joblib's generator before its warning is off.
+            for outcome in outcomes:  # noqa: UP028 - see above
+                yield outcome
         except BrokenExecutor as error:
             raise WorkerLost("a worker process was killed (out of memory?)") from error
-
-    def close(self) -> None:
-        """Ends the processes, which joblib would keep for the next work."""
-        if self._started and self.jobs > 1:
-            get_reusable_executor(reuse=True).shutdown(kill_workers=True)
+        finally:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)  # that work is thrown away
+                outcomes.close()
+            if self.jobs > 1:  # joblib would keep the processes for the next work
+                get_reusable_executor(reuse=True).shutdown(kill_workers=True)
 
 
 @contextmanager
-def _deaf_children() -> Iterator[None]:
-    """Ctrl-C reaches every process of a terminal; processes that start within leave it to this one.
+def _quiet_children() -> Iterator[None]:
+    """Processes that start within leave Ctrl-C to this one, and loky's keeper of semaphores is silent.
 
-    They inherit blocked signals, as does the thread that starts them anew; what arrives here meanwhile
-    is delivered afterwards.
+    Ctrl-C reaches every process of a terminal. They inherit blocked signals, as does the thread that
+    starts them anew; what arrives here meanwhile is delivered afterwards. Then the keeper cleans up
+    what an executor had no time to, which is its purpose and no news.
     """
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
+    signals = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
+    filters = os.environ.get(WARNINGS)
+    os.environ[WARNINGS] = ",".join(filter(None, (filters, "ignore:resource_tracker:UserWarning")))
     try:
         resource_tracker.ensure_running()  # which unblocks SIGINT when it starts, so not later
         signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-@contextmanager
-def _silent_tracker() -> Iterator[None]:
-    """The process in which loky keeps track of semaphores, started within, does its work without a word.
-
-    After Ctrl-C it cleans up what an executor had no time to, which is its purpose and no news.
-    """
-    before = os.environ.get(WARNINGS)
-    os.environ[WARNINGS] = ",".join(filter(None, (before, "ignore:resource_tracker:UserWarning")))
-    try:
-        yield
-    finally:
-        if before is None:
-            del os.environ[WARNINGS]
-        else:
-            os.environ[WARNINGS] = before
+        os.environ.pop(WARNINGS)
+        if filters is not None:
+            os.environ[WARNINGS] = filters
+        signal.pthread_sigmask(signal.SIG_SETMASK, signals)
 
 
 def _leave_with(parent: int) -> None:

@@ -3,80 +3,70 @@
 import logging
 import signal
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import ray
 from ray.exceptions import RayError, RayTaskError
 
 from harness.interrupt import HANDLED
-from harness.tuning.backend.address import parse_address, workers_at
+from harness.tuning.backend.address import ClusterKind
 from harness.tuning.backend.base import WorkerLost
-from harness.tuning.backend.cluster import Cluster
+from harness.tuning.backend.cluster import ClusterBackend
 
-if TYPE_CHECKING:
-    from concurrent.futures import Future
-
-SCHEMES, NAMES = ("ray",), ("auto",)
-TRIAL = """
+RAY = ClusterKind(
+    name="Ray cluster",
+    schemes=("ray",),
+    names=("auto",),
+    trial="""
 import sys
 import ray
 ray.init(address=sys.argv[1], logging_level="error", log_to_driver=False)
 print(ray.cluster_resources().get("CPU", 0))
-"""
-MEND = "start one with `ray start --head`, or correct --address"
+""",
+    mend="start one with `ray start --head`, or correct --address",
+)
 
 
-def connect(text: str) -> Cluster:
-    """Connects to a cluster.
+class RayBackend(ClusterBackend):
+    """A Ray cluster, to which this process is connected.
 
     Raises:
         UsageError: It does not answer, or has no worker.
     """
-    workers_at(parse_address(text, SCHEMES, NAMES), TRIAL, "Ray cluster", MEND)
-    with _handlers_kept():
-        ray.init(address=text, logging_level=logging.ERROR, log_to_driver=False)
-    return RayCluster(text)
-
-
-class RayCluster(Cluster):
-    """A Ray cluster, which gives a dead worker's calls to others by itself.
-
-    Args:
-        address: Of it, as messages name it; this process is connected to it.
-    """
 
     def __init__(self, address: str) -> None:
+        RAY.check(address)
+        with _handlers_kept():
+            ray.init(address=address, logging_level=logging.ERROR, log_to_driver=False)
         self._address = address
         self._call = ray.remote(lambda call: call())
         self._submitted: list[Any] = []
 
-    def submit(self, call: Callable[[], Any]) -> "Future[Any]":
-        """See Cluster."""
+    def call(self, function: Callable[[], Any]) -> Future[Any]:
+        """See ClusterBackend."""
         if not ray.is_initialized():  # the call would start a cluster on this machine, unasked
             raise self._lost()
-        reference = self._call.remote(call)
+        reference = self._call.remote(function)
         self._submitted.append(reference)
         future: Future[Any] = reference.future()
         return future
 
     def explained(self, error: Exception) -> Exception:
-        """See Cluster."""
+        """See ClusterBackend."""
         if isinstance(error, RayTaskError):
             return self.explained(error.cause)
-        if isinstance(error, RayError):
-            return self._lost()
-        return error
+        return self._lost() if isinstance(error, RayError) else error
 
     def cancel(self) -> None:
-        """See Cluster."""
+        """See ClusterBackend."""
         if ray.is_initialized():  # as above
             for reference in self._submitted:
                 ray.cancel(reference, force=True)
         self._submitted.clear()
 
-    def close(self) -> None:
-        """See Cluster."""
+    def __exit__(self, *_: object) -> None:
         ray.shutdown()
 
     def _lost(self) -> WorkerLost:

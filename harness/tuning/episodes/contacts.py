@@ -45,44 +45,36 @@ def event_rows(
         ).tolist()
         before = max(int(np.searchsorted(stamps, event.start_ns)) - 1, 0)
         row["start_s"], row["end_s"] = event.start_ns / NANOSECONDS, event.end_ns / NANOSECONDS
-        row["zone"] = zone(event.point, rover)
-        row["sight"] = sight(scans[first:last], _touched(event, world), rover)
+        row["zone"] = _zone(event.point, rover)
+        touched = world.obstacles[int(event.other.rsplit("_", 1)[1])]
+        row["sight"] = _sight(scans[first:last], touched, rover)
         row["part"], row["force"] = event.part, event.force
         row["speed"] = speeds[before] if speeds.size else 0.0
     return rows
 
 
-def zone(point: Vector3, rover: RoverSpec) -> Zone:
-    """Returns the side of the rover nearest to a point of the model frame."""
+def _zone(point: Vector3, rover: RoverSpec) -> Zone:
+    """The side of the rover nearest to a point of the model frame."""
     x, y, _ = point
     x_min, x_max, y_min, y_max = rover.footprint
-    from_edge = {
-        Zone.FRONT: x_max - x,
-        Zone.REAR: x - x_min,
-        Zone.SIDE: min(y_max - y, y - y_min),
-    }
-    return min(from_edge, key=from_edge.__getitem__)
+    sides = {Zone.FRONT: x_max - x, Zone.REAR: x - x_min, Zone.SIDE: min(y_max - y, y - y_min)}
+    return min(sides, key=sides.__getitem__)
 
 
-def sight(scans: Sequence[PlacedScan], hazard: Obstacle, rover: RoverSpec) -> Sight:
-    """Returns what these scans show of a hazard.
-
-    Args:
-        scans: Around the start of the contact.
-        hazard: What was touched.
-        rover: Whose lidar.
-    """
-    if any(is_on(hazard, scan_points(placed, rover)).any() for placed in scans):
+def _sight(scans: Sequence[PlacedScan], hazard: Obstacle, rover: RoverSpec) -> Sight:
+    """What the scans around the start of a contact show of what was touched."""
+    if any(_is_on(hazard, scan_points(placed, rover)).any() for placed in scans):
         return Sight.SEEN
-    if scans and top(hazard) < scans[-1].pose.position[2] + rover.lidar_height - BELOW:
+    top = hazard.position[2] + hazard.half_size[-1]
+    if scans and top < scans[-1].pose.position[2] + rover.lidar_height - BELOW:
         return Sight.TOO_LOW
     if any(np.isneginf(placed.scan.ranges).any() for placed in scans):
         return Sight.TOO_NEAR
     return Sight.MISSED
 
 
-def is_on(hazard: Obstacle, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Returns which points [m], shape (n, 2), lie within or next to a hazard's outline: shape (n,)."""
+def _is_on(hazard: Obstacle, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which points [m], shape (n, 2), lie within or next to a hazard's outline: shape (n,)."""
     w, _, _, z = hazard.quaternion
     yaw = 2.0 * math.atan2(z, w)
     offset = points - hazard.position[:2]
@@ -90,12 +82,3 @@ def is_on(hazard: Obstacle, points: NDArray[np.float64]) -> NDArray[np.bool_]:
     across = np.abs(offset @ (-math.sin(yaw), math.cos(yaw)))
     half = hazard.half_size if hazard.shape != "cylinder" else hazard.half_size[:1] * 2
     return np.asarray((along < half[0] + NEAR) & (across < half[1] + NEAR))
-
-
-def top(obstacle: Obstacle) -> float:
-    """Returns the height of an upright obstacle's highest point in the world [m]."""
-    return obstacle.position[2] + obstacle.half_size[-1]
-
-
-def _touched(event: ContactEvent, world: World) -> Obstacle:
-    return world.obstacles[int(event.other.rsplit("_", 1)[1])]

@@ -45,13 +45,7 @@ class Part(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """One episode of a sweep.
-
-    Attributes:
-        index: Its place in the plan.
-        part: What it is for.
-        config: What is driven.
-    """
+    """One episode of a sweep; `index` is its place in the plan."""
 
     index: int
     part: Part
@@ -81,8 +75,14 @@ def plan(robots: Sequence[str], episodes: int, seed: int, duration: float) -> tu
         raise UsageError(message)
     if len(set(robots)) < len(robots):
         raise UsageError("a robot is named twice; name each once")
+    if seed < 0:
+        raise UsageError(f"seed {seed} is not valid; give a whole number from 0 up")
     planned = [
-        Planned(world * len(robots) + place, _part(world), _config(robot, world, seed, duration))
+        Planned(
+            world * len(robots) + place,
+            (Part.TRAIN, Part.TEST)[world % 2],
+            _config(robot, world, seed, duration),
+        )
         for world in range(episodes)
         for place, robot in enumerate(robots)
     ]
@@ -91,15 +91,9 @@ def plan(robots: Sequence[str], episodes: int, seed: int, duration: float) -> tu
     return tuple(planned)
 
 
-def _part(world: int) -> Part:
-    return (Part.TRAIN, Part.TEST)[world % 2]
-
-
 def _config(robot: str, world: int, seed: int, duration: float) -> EpisodeConfig:
     round_, stratum = divmod(world // 2, len(STRATA))
     terrain, driver = STRATA[stratum]
-    if seed < 0:
-        raise UsageError(f"seed {seed} is not valid; give a whole number from 0 up")
     return EpisodeConfig(
         terrain=terrain,
         robot=robot,

@@ -1,7 +1,9 @@
 """The samples of an episode that tuning looks at -> rows: a scan's extrema, a second's extrema."""
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +11,7 @@ from numpy.typing import NDArray
 from harness.episode.batch import Batch
 from harness.episode.metrics_feed import extended_settings
 from harness.robots import RoverSpec
-from harness.samples import Imu, LaserScan, PlacedScan, Pose, TruthState
+from harness.samples import Imu, LaserScan, PlacedScan, Pose, Sample, TruthState
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import ContactEvent
@@ -18,6 +20,7 @@ from rover_metrics.extended.footprint import Footprint, FootprintClearance
 
 STRIDE = 5  # poses from one to the next if four between them are lost
 
+S = TypeVar("S", bound=Sample)
 Series = NDArray[np.float64]  # shape (n, 1 + k): time [s] and k values
 
 
@@ -33,17 +36,16 @@ class Collected:
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""
-        for tick in batch.ticks:
-            for sample in tick.samples:
-                match sample:
-                    case LaserScan():
-                        self.scans.append(sample)
-                    case TruthState():
-                        self.states.append(sample)
-                    case Imu():
-                        self.imu.append(sample)
-                    case Pose():
-                        self.poses.append(sample)
+        for sample in (sample for tick in batch.ticks for sample in tick.samples):
+            match sample:
+                case LaserScan():
+                    self.scans.append(sample)
+                case TruthState():
+                    self.states.append(sample)
+                case Imu():
+                    self.imu.append(sample)
+                case Pose():
+                    self.poses.append(sample)
         self.events += batch.events
 
     @property
@@ -56,10 +58,7 @@ class Collected:
         stamps = np.array([pose.stamp_ns for pose in self.poses])
         halfway = (stamps[1:] + stamps[:-1]) / 2
         nearest = np.searchsorted(halfway, [scan.stamp_ns for scan in self.scans])
-        return [
-            PlacedScan(scan, self.poses[index])
-            for scan, index in zip(self.scans, nearest.tolist(), strict=True)
-        ]
+        return [PlacedScan(scan, self.poses[at]) for scan, at in zip(self.scans, nearest, strict=True)]
 
 
 def scan_rows(collected: Collected, rover: RoverSpec) -> Table:
@@ -80,8 +79,12 @@ def scan_rows(collected: Collected, rover: RoverSpec) -> Table:
 
 
 def window_rows(collected: Collected) -> Table:
-    """One row of dtype WINDOW per full second."""
-    imu, states, poses = _imu(collected), _states(collected), _poses(collected)
+    """Returns one row of dtype WINDOW per full second."""
+    imu = _series(collected.imu, _felt, 2)
+    states = _series(
+        collected.states, lambda s: (s.speed, s.roughness, s.rock_contact, s.hazard_contact), 4
+    )
+    poses = _series(collected.poses, lambda pose: pose.position, 3)
     steps, strides = _distances(poses, 1), _distances(poses, STRIDE)
     seconds = int(states[-1, 0]) if len(states) else 0
     rows = np.zeros(seconds, WINDOW)
@@ -105,27 +108,14 @@ def _within(series: Series, second: int) -> NDArray[np.float64]:
     return series[first:last, 1:]
 
 
-def _imu(collected: Collected) -> Series:
-    return np.array([_imu_values(sample) for sample in collected.imu]).reshape(-1, 3)
-
-
-def _imu_values(sample: Imu) -> tuple[float, float, float]:
+def _felt(sample: Imu) -> tuple[float, float]:
     acceleration = math.hypot(*sample.linear_acceleration)
-    smoothness = acceleration + math.hypot(*sample.angular_velocity)
-    return sample.stamp_ns / NANOSECONDS, acceleration, smoothness
+    return acceleration, acceleration + math.hypot(*sample.angular_velocity)
 
 
-def _states(collected: Collected) -> Series:
-    values = [
-        (s.stamp_ns / NANOSECONDS, s.speed, s.roughness, s.rock_contact, s.hazard_contact)
-        for s in collected.states
-    ]
-    return np.array(values, dtype=np.float64).reshape(-1, 5)
-
-
-def _poses(collected: Collected) -> Series:
-    values = [(pose.stamp_ns / NANOSECONDS, *pose.position) for pose in collected.poses]
-    return np.array(values).reshape(-1, 4)
+def _series(samples: Sequence[S], values: Callable[[S], Sequence[float]], width: int) -> Series:
+    rows = [(sample.stamp_ns / NANOSECONDS, *values(sample)) for sample in samples]
+    return np.array(rows, dtype=np.float64).reshape(-1, 1 + width)
 
 
 def _distances(poses: Series, stride: int) -> Series:

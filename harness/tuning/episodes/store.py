@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import __version__
-from harness.config import EpisodeConfig
 from harness.errors import UsageError
 from harness.files import whole_file
 from harness.tuning.episodes.plan import Planned
 from harness.tuning.episodes.record import EVENT, SCAN, SCHEMA, WINDOW, Ending, EpisodeRecord, Table
+from rover_metrics.log.files import json_safe
 
 EPISODES, SWEEP = "episodes", "sweep.json"
 TABLES = {"scans": SCAN, "windows": WINDOW, "events": EVENT}
@@ -57,19 +57,12 @@ def decode(content: bytes) -> EpisodeRecord:
 
 
 def _table(npz: Mapping[str, NDArray[Any]], name: str, dtype: np.dtype[np.void]) -> Table:
-    columns = {column: npz[f"{name}.{column}"] for column in dtype.names or ()}
-    table = np.zeros(len(next(iter(columns.values()))), dtype)
-    for column, values in columns.items():
-        table[column] = values
-    return table
+    columns = [npz[f"{name}.{column}"] for column in dtype.names or ()]
+    return np.rec.fromarrays(columns, dtype=dtype).view(dtype, np.ndarray)
 
 
 class Store:
-    """The folder of one sweep.
-
-    Args:
-        folder: Made if it is not there.
-        planned: All episodes of the sweep.
+    """The folder of one sweep, made if it is not there.
 
     Raises:
         UsageError: The folder cannot be used, or holds another sweep's files.
@@ -80,7 +73,7 @@ class Store:
         self._episodes = folder / EPISODES
         try:
             self._episodes.mkdir(parents=True, exist_ok=True)
-            self._claim(_identity(planned))
+            self._claim(planned)
         except OSError as error:
             message = f"cannot write to {folder}: {error.strerror}; choose another --out"
             raise UsageError(message) from error
@@ -100,52 +93,41 @@ class Store:
     def _path(self, planned: Planned) -> Path:
         return self._episodes / f"{planned.name}.npz"
 
-    def _claim(self, identity: dict[str, Any]) -> None:
-        path = self.folder / SWEEP
-        if path.exists():
-            theirs = _read_json(path)
-            if theirs != identity:
-                message = (
-                    f"{self.folder} holds another sweep's files ({_difference(theirs, identity)}); "
-                    "choose another --out or remove the folder"
-                )
+    def _claim(self, planned: tuple[Planned, ...]) -> None:
+        path, identity = self.folder / SWEEP, _identity(planned)
+        if not path.exists():
+            if any(self._episodes.iterdir()):
+                message = f"{self._episodes} holds files of no known sweep; choose another --out"
                 raise UsageError(message)
-            return
-        if any(self._episodes.iterdir()):
-            message = f"{self._episodes} holds files of no known sweep; choose another --out"
+            with whole_file(path) as part:
+                part.write_text(json.dumps(identity, indent=2) + "\n", encoding="utf-8")
+        elif difference := _difference(path, identity):
+            message = (
+                f"{self.folder} holds another sweep's files ({difference}); "
+                "choose another --out or remove the folder"
+            )
             raise UsageError(message)
-        with whole_file(path) as part:
-            part.write_text(json.dumps(identity, indent=2) + "\n", encoding="utf-8")
 
 
 def _identity(planned: tuple[Planned, ...]) -> dict[str, Any]:
-    identity = {
-        "version": __version__,
-        "schema": SCHEMA,
-        "episodes": {episode.name: _arguments(episode.config) for episode in planned},
-    }
-    return dict(json.loads(json.dumps(identity)))  # as it will be read: lists for tuples
+    """What determines a sweep; exact sensors are false, as in the sweeps that users keep."""
+    configs = {one.name: asdict(one.config) | {"noise": one.config.noise or False} for one in planned}
+    identity = {"version": __version__, "schema": SCHEMA, "episodes": configs}
+    return dict(json_safe(identity))  # as it will be read: lists for tuples
 
 
-def _arguments(config: EpisodeConfig) -> dict[str, Any]:
-    """Returns what determines an episode; exact sensors are false, as in the sweeps that users keep."""
-    return asdict(config) | {"noise": config.noise or False}
-
-
-def _read_json(path: Path) -> Any:  # noqa: ANN401 - whatever somebody has put there
+def _difference(path: Path, ours: dict[str, Any]) -> str:
+    """What tells the sweep of a folder from ours, in a few words; empty if nothing does."""
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except ValueError:
-        return None
-
-
-def _difference(theirs: Any, ours: dict[str, Any]) -> str:  # noqa: ANN401 - as above
-    """What tells two sweeps apart, in a few words."""
-    if not isinstance(theirs, dict) or not isinstance(theirs.get("episodes"), dict):
+        theirs = json.loads(path.read_text(encoding="utf-8"))
+        if theirs == ours:
+            return ""
+        for name in ("version", "schema"):
+            if theirs[name] != ours[name]:
+                return f"{name} {theirs[name]} instead of {ours[name]}"
+        episodes = len(theirs["episodes"])
+    except (ValueError, TypeError, LookupError):
         return f"{SWEEP} is not readable"
-    for name in ("version", "schema"):
-        if theirs.get(name) != ours[name]:
-            return f"{name} {theirs.get(name)} instead of {ours[name]}"
-    if len(theirs["episodes"]) != len(ours["episodes"]):
-        return f"{len(theirs['episodes'])} episodes instead of {len(ours['episodes'])}"
+    if episodes != len(ours["episodes"]):
+        return f"{episodes} episodes instead of {len(ours['episodes'])}"
     return "other robots, seed or duration"

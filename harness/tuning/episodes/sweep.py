@@ -1,18 +1,55 @@
 """Drives what is left of a plan on a backend's workers; whatever happens, no episode counts twice."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import closing
 
-from harness.errors import RunFailed
+from harness.config import EpisodeConfig
+from harness.episode.episode import Episode
+from harness.errors import Diverged, RunFailed
+from harness.robots import find_rover
 from harness.tuning.backend import Backend, WorkerLost
-from harness.tuning.episodes.drive import drive
+from harness.tuning.episodes.contacts import event_rows
 from harness.tuning.episodes.plan import Planned
-from harness.tuning.episodes.record import EpisodeRecord
+from harness.tuning.episodes.recompute import Collected, scan_rows, window_rows
+from harness.tuning.episodes.record import Ending, EpisodeRecord
 from harness.tuning.episodes.store import Store, encode
 
 TRIES = 3  # in a row in which workers die before a single episode is done
 NAMED = 3  # episodes that a message names
 KEPT = "the episodes so far are kept, and the same command goes on with them"
+
+
+def drive(config: EpisodeConfig) -> EpisodeRecord:
+    """Drives an episode to its end, or until the rover lies on its side.
+
+    The same configuration gives the same record, to the bit, on one machine.
+    """
+    episode, collected = Episode(config), Collected()
+    ending = _drive(episode, collected)
+    rover = find_rover(config.robot)
+    scans, placed = scan_rows(collected, rover), collected.placed_scans()
+    return EpisodeRecord(
+        scans=scans,
+        windows=window_rows(collected),
+        events=event_rows(collected.events, placed, scans["speed"], config.world(), rover),
+        ending=ending,
+        path_length=collected.path_length,
+        driver=config.driver,
+        terrain=config.terrain,
+    )
+
+
+def _drive(episode: Episode, collected: Collected) -> Ending:
+    try:
+        for batch in episode.batches():
+            collected.take(batch)
+            if batch.truth.tipped_over:
+                return Ending.TIPPED_OVER
+    except Diverged:
+        return Ending.DIVERGED
+    except RunFailed:
+        return Ending.LEFT_THE_MAP
+    return Ending.COMPLETE
 
 
 def drive_to_bytes(planned: Planned) -> tuple[Planned, bytes]:
@@ -48,7 +85,10 @@ def sweep(
         except WorkerLost as error:
             fruitless = fruitless + 1 if len(left) == before else 0
             if fruitless == TRIES:
-                raise RunFailed(f"{error}; not done: {_names(left)}; {KEPT}") from error
+                names = [episode.name for episode in left]
+                more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+                undone = ", ".join(names[:NAMED]) + more
+                raise RunFailed(f"{error}; not done: {undone}; {KEPT}") from error
     return {episode: record for episode in planned if (record := store.read(episode)) is not None}
 
 
@@ -58,9 +98,3 @@ def _write(store: Store, episode: Planned, content: bytes) -> None:
     except OSError as error:
         message = f"cannot write episode {episode.name} to {store.folder}: {error.strerror}; {KEPT}"
         raise RunFailed(message) from error
-
-
-def _names(left: Iterable[Planned]) -> str:
-    names = [episode.name for episode in left]
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return ", ".join(names[:NAMED]) + more

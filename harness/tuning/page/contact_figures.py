@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 from harness.page.figure import INK, METRIC, SCAN, Plot, Trace, band, titled
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
-from harness.tuning.page.subject import SHARE, Subject, curve, figure, levels, mark
-from harness.tuning.scoring.alarms import DETECTORS, EVENT_MEASURES, Detector, event_counts
-from harness.tuning.scoring.choose import by_driver
-from harness.tuning.scoring.collision import GRID, REFERENCE_DETECTOR, CollisionStudy, DetectorStudy
+from harness.tuning.page.subject import SHARE, Subject, curve, levels, mark
+from harness.tuning.scoring.alarms import DETECTORS, EVENT_MEASURES, NEAREST_RANGE, event_counts
+from harness.tuning.scoring.collision import GRID, CollisionStudy, DetectorStudy
 from harness.tuning.scoring.estimate import estimate
 
 COARSE = GRID[::2]  # where there are intervals
+THRESHOLD = titled("threshold [m]", range=[0.0, float(GRID[-1])])
 FALSE_ALARMS = "false alarms per km"
 NO_CONTACTS = "No contact with a hazard in the test episodes, so there is no curve."
 # Hue says what is measured, the dash whether near returns count.
@@ -32,13 +32,19 @@ NAMES = {Part.TRAIN: "training episodes", Part.TEST: "test episodes"}
 Values = NDArray[np.float64]
 
 
-def f1_over_threshold(subject: Subject) -> Plot | str:
-    """Returns F1 of RoboTerrain's detector on both parts, or why there is none."""
-    study = subject.study.collision
-    if not study.contacts:
-        return NO_CONTACTS
-    scores = _scores_by_part(subject)
-    f1 = {part: scores[part]["F1"] for part in Part}
+def contact_figures(subject: Subject) -> dict[str, Plot | str]:
+    """Returns figures of alarms by name, or why there are none."""
+    if not subject.study.collision.contacts:
+        return dict.fromkeys(("f1", "parts", "trade-off"), NO_CONTACTS)
+    scores = {part: _event_scores(NEAREST_RANGE, records) for part, records in subject.records.items()}
+    return {
+        "f1": _f1_over_threshold(subject, {part: scores[part]["F1"] for part in Part}),
+        "parts": _parts_over_threshold(subject, scores),
+        "trade-off": _trade_off(subject),
+    }
+
+
+def _f1_over_threshold(subject: Subject, f1: Mapping[Part, Values]) -> Plot:
     data = [
         *_interval_band(subject),
         curve(NAMES[Part.TRAIN], GRID, f1[Part.TRAIN], INK, dash="dashdot", width=1),
@@ -46,31 +52,23 @@ def f1_over_threshold(subject: Subject) -> Plot | str:
     ]
     best = GRID[int(np.nanargmax(f1[Part.TEST]))]
     what = f"F1 over the threshold; {np.nanmax(f1[Part.TEST]):.2f} at most, at {best:g} m"
-    drawn = figure(data, _threshold(), titled("F1", **SHARE), levels(study.verdict))
-    return subject.plot("f1", what, drawn)
+    lines = levels(subject.study.collision.verdict)
+    return subject.plot("f1", what, data, THRESHOLD, titled("F1", **SHARE), lines)
 
 
-def parts_over_threshold(subject: Subject) -> Plot | str:
-    """Returns precision and recall of RoboTerrain's detector on both parts, or why there are none."""
-    study = subject.study.collision
-    if not study.contacts:
-        return NO_CONTACTS
-    scores = _scores_by_part(subject)
+def _parts_over_threshold(subject: Subject, scores: Mapping[Part, Mapping[str, Values]]) -> Plot:
     data = [
         curve(f"{measure}, {NAMES[part]}", GRID, scores[part][measure], color, dash=dash, width=width)
         for measure, part, color, dash, width in PARTS
     ]
-    drawn = figure(data, _threshold(), titled("share", **SHARE), levels(study.verdict))
-    return subject.plot("parts", "precision and recall over the threshold", drawn)
+    what, lines = "precision and recall over the threshold", levels(subject.study.collision.verdict)
+    return subject.plot("parts", what, data, THRESHOLD, titled("share", **SHARE), lines)
 
 
-def trade_off(subject: Subject) -> Plot | str:
-    """Returns recall against false alarms per kilometre for each detector, or why there is none."""
-    study = subject.study.collision
-    if not study.contacts:
-        return NO_CONTACTS
-    points = operating_points(study, _place)
-    frontiers = {name: frontier(_event_scores(told, subject.test)) for name, told in DETECTORS.items()}
+def _trade_off(subject: Subject) -> Plot:
+    """Recall against false alarms per kilometre for each detector."""
+    points = operating_points(subject.study.collision, _place)
+    frontiers = {name: frontier(_event_scores(name, subject.test)) for name in DETECTORS}
     ends = [*(price[-1] for price, _ in frontiers.values()), *(point["x"][0] or 0.0 for point in points)]
     data = [
         curve(name, [*price, 1.1 * max(ends)], [*recall, recall[-1]], color, dash=dash, shape="hv")
@@ -79,7 +77,7 @@ def trade_off(subject: Subject) -> Plot | str:
     ]
     axes = titled(FALSE_ALARMS, rangemode="tozero"), titled("recall", **SHARE)
     what = "recall against false alarms per kilometre of four detectors"
-    return subject.plot("trade-off", what, figure(data + points, *axes))
+    return subject.plot("trade-off", what, data + points, *axes)
 
 
 def frontier(scores: Mapping[str, Values]) -> tuple[Values, Values]:
@@ -94,12 +92,7 @@ def frontier(scores: Mapping[str, Values]) -> tuple[Values, Values]:
 def operating_points(
     study: CollisionStudy, place: Callable[[DetectorStudy], tuple[float, float]]
 ) -> list[Trace]:
-    """Returns a mark for each detector at its tuned value, and for the default.
-
-    Args:
-        study: Of a robot.
-        place: Where a detector lies on the figure.
-    """
+    """Returns a mark for each detector at its tuned value, and for the default, each at its place."""
     points = [
         mark(
             "at its best value",
@@ -118,25 +111,16 @@ def _place(told: DetectorStudy) -> tuple[float, float]:
     return scores[FALSE_ALARMS].value, scores["recall"].value
 
 
-def _threshold() -> dict[str, object]:
-    return titled("threshold [m]", range=[0.0, float(GRID[-1])])
-
-
-def _scores_by_part(subject: Subject) -> dict[Part, dict[str, Values]]:
-    detector = DETECTORS[REFERENCE_DETECTOR]
-    return {part: _event_scores(detector, subject.records[part]) for part in Part}
-
-
-def _event_scores(detector: Detector, records: Sequence[EpisodeRecord]) -> dict[str, Values]:
+def _event_scores(detector: str, records: Sequence[EpisodeRecord]) -> dict[str, Values]:
     """Every measure of alarms at every threshold."""
-    sums = event_counts(detector, records, GRID).sum(axis=1)
-    return {name: np.asarray(measure(sums)) for name, measure in EVENT_MEASURES.items()}
+    sums = event_counts(DETECTORS[detector])(records, GRID).sum(axis=1)
+    return {name: measure(sums) for name, measure in EVENT_MEASURES.items()}
 
 
 def _interval_band(subject: Subject) -> list[Trace]:
     """F1 on the test episodes with its interval, where there is one."""
-    strata = [by_driver(record) for record in subject.test]
-    counts = event_counts(DETECTORS[REFERENCE_DETECTOR], subject.test, COARSE)
+    strata = [record.driver for record in subject.test]
+    counts = event_counts(DETECTORS[NEAREST_RANGE])(subject.test, COARSE)
     f1 = [estimate(row, EVENT_MEASURES["F1"], strata) for row in counts]
     edges = [(at, one.low, one.high) for at, one in zip(COARSE, f1, strict=True) if one.low is not None]
     return band("95 % interval, test episodes", *zip(*edges, strict=True)) if edges else []

@@ -119,18 +119,16 @@ def _drawing(rover: RoverSpec, around: Distances, above: Extent, side: Extent, f
     with mpl.rc_context({**STYLE, "svg.hashsalt": rover.name}):
         figure = Figure((WIDTH / 72, sum(heights) / 72), dpi=72)
         share = heights[0] / sum(heights)
-        _draw_side(_axes(figure, (0, 0, 1, share), side), rover, front)
-        _draw_top(_axes(figure, (0, share, 1, 1 - share), above), rover, around)
+        below = figure.add_axes((0, 0, 1, share), xlim=side[:2], ylim=side[2:])
+        _draw_side(below, rover, front)
+        top = figure.add_axes((0, share, 1, 1 - share), xlim=above[:2], ylim=above[2:])
+        _draw_top(top, rover, around)
+        for axes in (below, top):
+            axes.axis("off")
         figure.patch.set_visible(False)
         text = io.StringIO()
         figure.savefig(text, format="svg", metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
-    return _for_page(text.getvalue(), _summary(rover), sum(heights))
-
-
-def _axes(figure: Figure, place: tuple[float, float, float, float], extent: Extent) -> Axes:
-    axes = figure.add_axes(place, xlim=extent[:2], ylim=extent[2:])
-    axes.axis("off")
-    return axes
+    return _for_page(text.getvalue(), rover, sum(heights))
 
 
 def _draw_top(axes: Axes, rover: RoverSpec, around: Distances) -> None:
@@ -165,7 +163,7 @@ def _hatch_untold(axes: Axes, rover: RoverSpec, around: Distances) -> None:
         (around.tuned, STRIP, "xxxx", METRIC),
     ):
         if threshold is not None:
-            for strip in untold_strips(rover, around.range_min, threshold, start, STRIP):
+            for strip in untold_strips(rover, (around.range_min, threshold), start, STRIP):
                 axes.add_patch(Polygon(strip, fill=False, hatch=hatch, ec=color, lw=0))
 
 
@@ -188,17 +186,14 @@ def _draw_side(axes: Axes, rover: RoverSpec, front: float) -> None:
     axes.text(left + 0.02, plane + 0.03, f"lidar {plane:.2f} m")
 
 
-def _summary(rover: RoverSpec) -> str:
+def _for_page(svg: str, rover: RoverSpec, height: float) -> Markup:
+    """Within HTML, where a style element would hold for the whole page and no name may occur twice."""
     plane = rover.lidar_height
     hazards = (f"{hazard.name} of {hazard.height}: {hazard.seen(plane)}" for hazard in HAZARDS)
-    return (
+    summary = (
         f"{rover.name} to scale, from above with its footprint, its lidar and its thresholds, and from "
         f"the side; its lidar is {plane:.2f} m up. {', '.join(hazards)}"
     )
-
-
-def _for_page(svg: str, summary: str, height: float) -> Markup:
-    """Within HTML, where a style element would hold for the whole page and no name may occur twice."""
     body = svg[svg.index(">", svg.index("<svg")) + 1 :]
     body = re.sub(NOT_IN_HTML, "", body, flags=re.DOTALL)
     for name, color in COLORS.items():

@@ -1,24 +1,24 @@
 """Figures of the thresholds of roughness and of steps: what the samples say by class of the truth."""
 
 import numpy as np
+from numpy.typing import NDArray
 
-from harness.page.figure import METRIC, MUTED, SCAN, TRUTH, Plot, Trace, level, titled
+from harness.page.figure import METRIC, MUTED, SCAN, TRUTH, Plot, Trace, titled
 from harness.tuning.episodes.plan import Part
-from harness.tuning.page.scan_figures import Labelled, roc
+from harness.tuning.page.scan_figures import has_both_classes, roc
 from harness.tuning.page.subject import (
     SHARE,
     Subject,
     chance,
     chosen,
-    column,
     curve,
-    figure,
     levels,
     mark,
     spelled,
+    upright,
 )
 from harness.tuning.scoring.ground import GroundStudy
-from harness.tuning.scoring.imu_events import ImuEvents, Signal
+from harness.tuning.scoring.imu_events import SIGNALS, ImuEvents
 from harness.tuning.scoring.result import Candidate
 
 BINS, TAIL = 60, 0.99  # the last bin has all that is beyond this quantile
@@ -33,51 +33,44 @@ STEPS = (
 )
 
 
-def distributions(subject: Subject, study: GroundStudy, signal: Signal) -> Plot | str:
-    """Returns how often the signal has which value on smooth and on rough ground, or why not.
+def ground_figures(subject: Subject) -> dict[str, Plot | str]:
+    """Returns figures of each signal on smooth and rough ground by name, or why there are none."""
+    figures: dict[str, Plot | str] = {}
+    for study, signal in zip(subject.study.grounds, SIGNALS, strict=True):
+        events = ImuEvents.joined([signal.imu_events(record) for record in subject.test])
+        both = has_both_classes(events.rough)
+        figures[f"{signal.parameter}-classes"] = (
+            _distributions(subject, study, events) if both else ONE_CLASS
+        )
+        figures[f"{signal.parameter}-roc"] = _roc(subject, study, events) if both else ONE_CLASS
+    return figures
 
-    Args:
-        subject: The robot.
-        study: Of the signal's threshold.
-        signal: What is compared with it.
-    """
-    events, verdict = _events(subject, signal), study.verdict
-    if not _labelled(events).has_both_classes:
-        return ONE_CLASS
+
+def _distributions(subject: Subject, study: GroundStudy, events: ImuEvents) -> Plot:
+    """How often the signal has which value on smooth and on rough ground."""
+    verdict = study.verdict
     values = [candidate.value for candidate in (verdict.default, verdict.tuned) if candidate]
     low, high = min(events.signal.min(), *values), max(np.quantile(events.signal, TAIL), *values)
     edges = np.linspace(low, high * 1.01, BINS + 1)
-    smooth, rough = (
-        _steps(f"{name} ground", events.signal[of], edges, color)
-        for name, of, color in (("smooth", ~events.rough, METRIC), ("rough", events.rough, TRUTH))
-    )
+    smooth = _histogram("smooth ground", events.signal[~events.rough], edges, METRIC)
+    rough = _histogram("rough ground", events.signal[events.rough], edges, TRUTH)
     area = {"fill": "tozeroy", "fillcolor": "--metric-band"}
     x = titled(f"{study.what} [{spelled(verdict.unit)}]")
     y = titled("share of the class [%]", rangemode="tozero")
-    what = f"{study.what} on smooth and rough ground"
-    drawn = figure([smooth | area, rough], x, y, levels(verdict))
-    return subject.plot(f"{verdict.name}-classes", what, drawn)
+    name, what = f"{verdict.name}-classes", f"{study.what} on smooth and rough ground"
+    return subject.plot(name, what, [smooth | area, rough], x, y, levels(verdict))
 
 
-def ground_roc(subject: Subject, study: GroundStudy, signal: Signal) -> Plot | str:
-    """Returns the ROC of the signal with its thresholds on it, or why there is none.
-
-    Args:
-        subject: The robot.
-        study: Of the signal's threshold.
-        signal: What is compared with it.
-    """
-    labelled = _labelled(_events(subject, signal))
-    if not labelled.has_both_classes:
-        return ONE_CLASS
-    drawn, auc, verdict = roc(labelled), study.auc[Part.TEST].text(), study.verdict
+def _roc(subject: Subject, study: GroundStudy, events: ImuEvents) -> Plot:
+    """The ROC of the signal with its thresholds on it."""
+    drawn, auc, verdict = roc(events.signal, events.rough), study.auc[Part.TEST].text(), study.verdict
     data = [chance("chance"), curve(f"AUC {auc}", drawn.x, drawn.y)]
     if verdict.tuned is not None:
         name = f"{chosen(verdict)} {verdict.tuned.value:g}"
         data.append(mark(name, *_place(verdict.tuned), tuned=METRIC))
     data.append(mark(f"default {verdict.default.value:g}", *_place(verdict.default)))
     axes = titled("1 \N{MINUS SIGN} specificity", **SHARE), titled("recall of rough ground", **SHARE)
-    return subject.plot(f"{verdict.name}-roc", f"ROC, AUC {auc}", figure(data, *axes))
+    return subject.plot(f"{verdict.name}-roc", f"ROC, AUC {auc}", data, *axes)
 
 
 def steps_and_jumps(subject: Subject) -> Plot | str:
@@ -91,15 +84,15 @@ def steps_and_jumps(subject: Subject) -> Plot | str:
         for of, name, color, dash in STEPS
     ]
     name = f"{study.possible_step:.3f} m: four poses lost at top speed"
-    possible = level(name, column(study.possible_step), "solid", MUTED)
+    lines = [upright(name, study.possible_step, "solid", MUTED), *levels(study.verdict)]
     x = titled("distance [m]", type="log", range=np.log10([SHORTEST, LONGEST]).tolist())
     y = titled("share of seconds below", **SHARE)
     what = f"steps up to {study.largest_step:.3f} m, {study.largest_stride:.3f} m with four poses lost"
-    return subject.plot("steps", what, figure(data, x, y, [possible, *levels(study.verdict)]))
+    return subject.plot("steps", what, data, x, y, lines)
 
 
-def _steps(name: str, values: np.ndarray, edges: np.ndarray, color: str) -> Trace:
-    """A histogram in percent."""
+def _histogram(name: str, values: NDArray[np.float64], edges: NDArray[np.float64], color: str) -> Trace:
+    """In percent."""
     heights = 100 * np.histogram(values.clip(max=edges[-1]), edges)[0] / len(values)
     return curve(f"{name}, {len(values)} values", edges, [*heights, 0.0], color, shape="hv")
 
@@ -107,11 +100,3 @@ def _steps(name: str, values: np.ndarray, edges: np.ndarray, color: str) -> Trac
 def _place(candidate: Candidate) -> tuple[float, float]:
     scores = candidate.scores[Part.TEST]
     return 1.0 - scores["specificity"].value, scores["recall"].value
-
-
-def _events(subject: Subject, signal: Signal) -> ImuEvents:
-    return ImuEvents.joined([signal.imu_events(record) for record in subject.test])
-
-
-def _labelled(events: ImuEvents) -> Labelled:
-    return Labelled(events.signal, events.rough)

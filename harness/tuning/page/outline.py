@@ -18,15 +18,11 @@ BALL = np.stack([np.sin(TILT) * np.cos(TURN), np.sin(TILT) * np.sin(TURN), np.co
 ROD = np.stack([np.cos(TURN), np.sin(TURN), np.sign(np.cos(TILT))], -1)
 
 Points = NDArray[np.float64]  # shape (n, 2) [m]
+Told = tuple[float, float]  # range_min and a collision threshold [m]: touches between them are told
 
 
 def silhouette(rover: RoverSpec, axes: tuple[int, int]) -> list[Points]:
-    """Returns convex outlines that together are the rover, in the frame of its footprint [m].
-
-    Args:
-        rover: Which; it stands on flat ground.
-        axes: ABOVE or SIDE.
-    """
+    """Returns convex outlines of a rover on flat ground in its frame [m]; `axes` are ABOVE or SIDE."""
     model = mujoco.MjModel.from_xml_path(str(rover.model_path))
     data = mujoco.MjData(model)
     data.qpos[:3] = 0.0, 0.0, rover.rest_height
@@ -41,60 +37,47 @@ def silhouette(rover: RoverSpec, axes: tuple[int, int]) -> list[Points]:
 
 def _surface(kind: int, size: NDArray[np.float64]) -> NDArray[np.float64]:
     """Points whose hull is a geom, shape (..., 3) [m]."""
-    match kind:
-        case mujoco.mjtGeom.mjGEOM_BOX:
-            return np.asarray(np.sign(BALL) * size)
-        case mujoco.mjtGeom.mjGEOM_ELLIPSOID:
-            return np.asarray(BALL * size)
-        case mujoco.mjtGeom.mjGEOM_CAPSULE:
-            return np.asarray(BALL * size[0] + np.sign(BALL) * (0.0, 0.0, size[1]))
+    if kind == mujoco.mjtGeom.mjGEOM_BOX:
+        return np.asarray(np.sign(BALL) * size)
+    if kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
+        return np.asarray(BALL * size)
+    if kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
+        return np.asarray(BALL * size[0] + np.sign(BALL) * (0.0, 0.0, size[1]))
     return np.asarray(ROD * (size[0], size[0], size[1]))
 
 
-def shares(rover: RoverSpec, range_min: float, threshold: float) -> tuple[float, float, float]:
-    """Returns how much of the outline is too near to the lidar for a range, told, and too far.
-
-    Args:
-        rover: Whose outline.
-        range_min: Of the lidar [m].
-        threshold: For collisions [m]: a touched point that is no nearer raises no alarm.
-    """
-    distance = np.concatenate([_distance(rover, points) for points, _ in _sides(rover)])
-    far = float(np.mean(distance >= threshold))
-    told = float(np.mean((distance >= range_min) & (distance < threshold)))
-    return 1.0 - told - far, told, far
+def shares(rover: RoverSpec, told: Told) -> tuple[float, float, float]:
+    """Returns how much of the outline is too near to the lidar for a range, told, and too far."""
+    distance = np.concatenate([distance for _, distance, _ in _sides(rover)])
+    far = float(np.mean(distance >= told[1]))
+    between = float(np.mean((distance >= told[0]) & (distance < told[1])))
+    return 1.0 - between - far, between, far
 
 
-def untold_strips(
-    rover: RoverSpec, range_min: float, threshold: float, start: float, width: float
-) -> Iterator[Points]:
+def untold_strips(rover: RoverSpec, told: Told, start: float, width: float) -> Iterator[Points]:
     """Yields corners, shape (4, 2) [m], of strips beside the outline where a touch is not told.
 
     Args:
         rover: Whose outline.
-        range_min: Of the lidar [m].
-        threshold: For collisions [m].
+        told: Distances of what is told.
         start: From the outline to the strip [m].
         width: Of the strip [m].
     """
-    for points, outward in _sides(rover):
-        distance = _distance(rover, points)
-        untold = (distance < range_min) | (distance >= threshold)
+    for points, distance, outward in _sides(rover):
+        untold = (distance < told[0]) | (distance >= told[1])
         edges = np.flatnonzero(np.diff(untold, prepend=False, append=False)).reshape(-1, 2)
-        for first, after in edges:
-            ends = points[[first, after - 1]] + outward * start
-            yield np.concatenate([ends, ends[::-1] + outward * width])
+        for ends in points[edges - (0, 1)]:
+            inner = ends + outward * start
+            yield np.concatenate([inner, inner[::-1] + outward * width])
 
 
-def _sides(rover: RoverSpec) -> Iterator[tuple[Points, Points]]:
-    """The four sides: points at even distances from corner to corner, and the way out."""
+def _sides(rover: RoverSpec) -> Iterator[tuple[Points, NDArray[np.float64], Points]]:
+    """The four sides: points at even distances, how far each is from the lidar, and the way out."""
     x_min, x_max, y_min, y_max = rover.footprint
     corners = np.array([(x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)])
     for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         along = end - start
         length = float(np.hypot(*along))
-        yield np.linspace(start, end, round(length / STEP)), np.array([along[1], -along[0]]) / length
-
-
-def _distance(rover: RoverSpec, points: Points) -> NDArray[np.float64]:
-    return np.asarray(np.hypot(points[:, 0] - rover.lidar_x, points[:, 1]))
+        points = np.linspace(start, end, round(length / STEP))
+        outward = np.array([along[1], -along[0]]) / length
+        yield points, np.hypot(points[:, 0] - rover.lidar_x, points[:, 1]), outward

@@ -10,19 +10,20 @@ from harness.robots import RoverSpec, find_rover
 from harness.sensors.lidar_spec import LidarSpec
 from harness.tuning.episodes.plan import Planned
 from harness.tuning.episodes.record import EpisodeRecord
-from harness.tuning.page import contact_figures, ground_figures, scan_figures, tables
+from harness.tuning.page import tables
+from harness.tuning.page.contact_figures import contact_figures
 from harness.tuning.page.drawing import Distances, drawings
-from harness.tuning.page.outline import shares
-from harness.tuning.page.subject import Subject, chosen, subject
+from harness.tuning.page.ground_figures import ground_figures, steps_and_jumps
+from harness.tuning.page.outline import Told, shares
+from harness.tuning.page.scan_figures import scan_figures
+from harness.tuning.page.subject import Subject, chosen
 from harness.tuning.page.tables import Table
 from harness.tuning.parameter_file import parameter_file
 from harness.tuning.scoring import alarms, clearance, estimate, imu_events
 from harness.tuning.scoring.collision import CollisionStudy
 from harness.tuning.scoring.imu_events import SIGNALS
-from harness.tuning.scoring.notes import conclusions, unreachable
-from harness.tuning.scoring.study import RobotStudy
+from harness.tuning.scoring.study import RobotStudy, conclusions, scored_records, unreachable
 
-CLEARANCE = next(name for name, told in alarms.DETECTORS.items() if told is alarms.footprint_clearance)
 NUMBERS = {  # of the method
     "gap": alarms.GAP,
     "rough": imu_events.ROUGH * 1e3,
@@ -42,9 +43,16 @@ def render(studies: Sequence[RobotStudy], records: Mapping[Planned, EpisodeRecor
         command: What makes this page.
     """
     around = [(find_rover(study.robot), _distances(study.collision)) for study in studies]
-    robots = [
-        _robot(study, subject(study, records), command)
-        | {"drawing": drawn, "legend": [*_legend(study, *one)]}
+    robots: list[dict[str, Any]] = [
+        {
+            "name": study.robot,
+            "conclusions": [*conclusions(study)],
+            "unreachable": unreachable(study.collision),
+            "file": parameter_file(study, command),
+            "items": _items(Subject(study, scored_records(study.robot, records))),
+            "drawing": drawn,
+            "legend": [*_legend(study, *one)],
+        }
         for study, one, drawn in zip(studies, around, drawings(around), strict=True)
     ]
     plots = [item for robot in robots for item in robot["items"].values() if isinstance(item, Plot)]
@@ -59,59 +67,44 @@ def render(studies: Sequence[RobotStudy], records: Mapping[Planned, EpisodeRecor
     return fill("tuning", content, package="harness.tuning.page")
 
 
-def _robot(study: RobotStudy, robot: Subject, command: str) -> dict[str, Any]:
+def _items(robot: Subject) -> dict[str, Plot | Table | str]:
+    """Every table and figure of a robot, or why there is none, by its name in the template."""
+    study = robot.study
     return {
-        "name": study.robot,
-        "conclusions": [*conclusions(study)],
-        "unreachable": unreachable(study.collision),
-        "file": parameter_file(study, command),
-        "items": dict(_items(study, robot)),
+        **contact_figures(robot),
+        **scan_figures(robot),
+        **ground_figures(robot),
+        "steps": steps_and_jumps(robot),
+        "thresholds": tables.thresholds(study),
+        "detectors": tables.detectors(study.collision),
+        "zones": tables.zones(study.collision),
+        "sum": tables.clearance(study),
+        "driven": tables.driven(study),
+        **{verdict.name: tables.measures(verdict) for verdict in study.verdicts},
+        **{f"{ground.verdict.name}-speeds": tables.speeds(ground) for ground in study.grounds},
     }
 
 
-def _items(study: RobotStudy, robot: Subject) -> Iterator[tuple[str, Plot | Table | str]]:
-    """Every table and figure of a robot, or why there is none, by its name in the template."""
-    yield "thresholds", tables.thresholds(study)
-    yield "f1", contact_figures.f1_over_threshold(robot)
-    yield "parts", contact_figures.parts_over_threshold(robot)
-    yield "trade-off", contact_figures.trade_off(robot)
-    yield "detectors", tables.detectors(study.collision)
-    yield "zones", tables.zones(study.collision)
-    yield "roc", scan_figures.scan_roc(robot)
-    yield "pr", scan_figures.scan_precision_recall(robot)
-    yield "sum", tables.clearance(study)
-    for ground, signal in zip(study.grounds, SIGNALS, strict=True):
-        name = signal.parameter
-        yield f"{name}-classes", ground_figures.distributions(robot, ground, signal)
-        yield f"{name}-roc", ground_figures.ground_roc(robot, ground, signal)
-        yield f"{name}-speeds", tables.speeds(ground)
-    yield "steps", ground_figures.steps_and_jumps(robot)
-    for verdict in study.verdicts:
-        yield verdict.name, tables.measures(verdict)
-    yield "driven", tables.driven(study)
-
-
 def _distances(study: CollisionStudy) -> Distances:
-    tuned = study.verdict.tuned
-    clearance = [told.events.value for told in study.detectors if told.name == CLEARANCE]
+    tuned, best = study.verdict.tuned, {told.name: told.events.value for told in study.detectors}
     return Distances(
         range_min=LidarSpec().range_min,
         default=study.verdict.default.value,
         tuned=None if tuned is None else tuned.value,
-        clearance=clearance[0] if clearance else None,
+        clearance=best.get(alarms.FOOTPRINT_CLEARANCE),
     )
 
 
 def _legend(study: RobotStudy, rover: RoverSpec, around: Distances) -> Iterator[Key]:
     ahead = f"{rover.lidar_x:.3f} m ahead of the middle, {rover.lidar_height:.3f} m up"
-    untold = _untold(rover, around.range_min, around.default)
+    untold = _untold(rover, (around.range_min, around.default))
     yield Key(f"footprint, {rover.length:.2f} {TIMES} {rover.width:.2f} m", "line", INK)
     yield Key(f"lidar, {ahead}", "circle", METRIC)
     yield Key(f"range_min {around.range_min:g} m", "line", MUTED, DASHES["dot"])
     yield Key(f"default collision_threshold {around.default:g} m", "line", INK, DASHES["dash"])
     yield Key(f"not told with the default: {untold}", "hatch", TRUTH)
     if around.tuned is not None:
-        name, untold = chosen(study.collision.verdict), _untold(rover, around.range_min, around.tuned)
+        name, untold = chosen(study.collision.verdict), _untold(rover, (around.range_min, around.tuned))
         yield Key(f"{name} collision_threshold {around.tuned:g} m", "line", METRIC)
         yield Key(f"not told with that value: {untold}", "cross", METRIC)
     if around.clearance is not None:
@@ -119,6 +112,6 @@ def _legend(study: RobotStudy, rover: RoverSpec, around: Distances) -> Iterator[
     yield Key("below the plane of the lidar: never seen", "hatch", MUTED)
 
 
-def _untold(rover: RoverSpec, range_min: float, threshold: float) -> str:
-    near, _, far = (f"{int(100 * share + 0.5)} %" for share in shares(rover, range_min, threshold))
+def _untold(rover: RoverSpec, told: Told) -> str:
+    near, _, far = (f"{int(100 * share + 0.5)} %" for share in shares(rover, told))
     return f"{far} of the outline lies beyond it, {near} nearer than range_min"

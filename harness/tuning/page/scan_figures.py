@@ -1,20 +1,22 @@
 """Figures of single scans: ROC and precision over recall of every detector, as scikit-learn has them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.metrics import average_precision_score, precision_recall_curve, roc_auc_score, roc_curve
 
-from harness.page.figure import Plot, Trace, titled
+from harness.page.figure import Layout, Plot, Trace, titled
 from harness.tuning.page.contact_figures import STYLES, Values, operating_points
-from harness.tuning.page.subject import SHARE, Subject, chance, curve, figure
+from harness.tuning.page.subject import SHARE, Subject, chance, curve
 from harness.tuning.scoring.alarms import DETECTORS
-from harness.tuning.scoring.collision import REFERENCE_DETECTOR
 
 MOST_POINTS = 150  # of a curve on the page
 FAR = 1e3  # [m]: stands for a scan without any return; nearer than everything is its negative
 ONE_CLASS = "The scans of the test episodes are all of one class, so there is no curve."
+
+Truth = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -26,56 +28,48 @@ class Curve:
     area: float
 
 
-@dataclass(frozen=True)
-class Labelled:
-    """A score that rises with how sure a detector is, and the truth, both of shape (n,)."""
-
-    score: Values
-    truth: NDArray[np.bool_]
-
-    @property
-    def has_both_classes(self) -> bool:
-        """Without them there is no curve."""
-        return bool(self.truth.any() and not self.truth.all())
-
-
-def scan_roc(subject: Subject) -> Plot | str:
-    """Returns true over false positive rate of every detector, or why there is none."""
-    scans = _scans(subject)
-    if not scans[REFERENCE_DETECTOR].has_both_classes:
-        return ONE_CLASS
-    curves = {name: roc(labelled) for name, labelled in scans.items()}
-    axes = titled("false positive rate", **SHARE), titled("true positive rate", **SHARE)
-    places = _places(subject, "false positive rate", "recall")
-    drawn = figure([chance("chance"), *_lines(curves, "AUC"), *places], *axes)
-    return subject.plot("roc", f"ROC of single scans; {_areas(curves)}", drawn)
-
-
-def scan_precision_recall(subject: Subject) -> Plot | str:
-    """Returns precision over recall of every detector, or why there is none."""
-    scans = _scans(subject)
-    if not scans[REFERENCE_DETECTOR].has_both_classes:
-        return ONE_CLASS
-    curves = {name: precision_recall(labelled) for name, labelled in scans.items()}
-    share = float(scans[REFERENCE_DETECTOR].truth.mean())
+def scan_figures(subject: Subject) -> dict[str, Plot | str]:
+    """Returns figures of every detector on single scans by name, or why there are none."""
+    contact = np.concatenate([np.empty(0, bool), *(record.scans["contact"] for record in subject.test)])
+    if not has_both_classes(contact):
+        return dict.fromkeys(("roc", "pr"), ONE_CLASS)
+    near = {  # how near each detector sees something
+        name: -np.clip(np.concatenate([*map(detector, subject.test)]), -FAR, FAR)
+        for name, detector in DETECTORS.items()
+    }
+    share = float(contact.mean())
     guess = chance(f"chance: {100 * share:.1f} % of all scans", (share, share))
-    axes = titled("recall", **SHARE), titled("precision", **SHARE)
-    drawn = figure([guess, *_lines(curves, "AP"), *_places(subject, "recall", "precision")], *axes)
-    return subject.plot("pr", f"precision over recall; {_areas(curves)}", drawn)
+    rocs = {name: roc(score, contact) for name, score in near.items()}
+    curves = {name: precision_recall(score, contact) for name, score in near.items()}
+    roc_data = [
+        chance("chance"),
+        *_lines(rocs, "AUC"),
+        *_places(subject, "false positive rate", "recall"),
+    ]
+    pr_data = [guess, *_lines(curves, "AP"), *_places(subject, "recall", "precision")]
+    roc_axes, pr_axes = _axes("false positive rate", "true positive rate"), _axes("recall", "precision")
+    return {
+        "roc": subject.plot("roc", f"ROC of single scans; {_areas(rocs)}", roc_data, *roc_axes),
+        "pr": subject.plot("pr", f"precision over recall; {_areas(curves)}", pr_data, *pr_axes),
+    }
 
 
-def roc(labelled: Labelled) -> Curve:
-    """Returns false and true positive rate."""
-    false, true, _ = roc_curve(labelled.truth, labelled.score)
-    return _thinned(false, true, float(roc_auc_score(labelled.truth, labelled.score)))
+def has_both_classes(truth: Truth) -> bool:
+    """Returns whether there is a curve."""
+    return bool(truth.any() and not truth.all())
 
 
-def precision_recall(labelled: Labelled) -> Curve:
-    """Returns recall and precision; the area is the average precision."""
-    precision, recall, _ = precision_recall_curve(labelled.truth, labelled.score)
-    area = float(average_precision_score(labelled.truth, labelled.score))
+def roc(score: Values, truth: Truth) -> Curve:
+    """Returns false and true positive rate of a score that rises with how sure a detector is."""
+    false, true, _ = roc_curve(truth, score)
+    return _thinned(false, true, float(roc_auc_score(truth, score)))
+
+
+def precision_recall(score: Values, truth: Truth) -> Curve:
+    """Returns recall and precision, likewise; the area is the average precision."""
+    precision, recall, _ = precision_recall_curve(truth, score)
     # The last point, no recall at full precision, is of no threshold.
-    return _thinned(recall[-2::-1], precision[-2::-1], area)
+    return _thinned(recall[-2::-1], precision[-2::-1], float(average_precision_score(truth, score)))
 
 
 def _thinned(x: Values, y: Values, area: float) -> Curve:
@@ -86,18 +80,7 @@ def _thinned(x: Values, y: Values, area: float) -> Curve:
     return Curve(x[kept], y[kept], area)
 
 
-def _scans(subject: Subject) -> dict[str, Labelled]:
-    """Every test scan by detector: how near that sees something, and whether there is contact."""
-    if not subject.test:
-        return dict.fromkeys(DETECTORS, Labelled(np.empty(0), np.empty(0, dtype=bool)))
-    contact = np.concatenate([record.scans["contact"] for record in subject.test])
-    return {
-        name: Labelled(-np.clip(np.concatenate([*map(detector, subject.test)]), -FAR, FAR), contact)
-        for name, detector in DETECTORS.items()
-    }
-
-
-def _lines(curves: dict[str, Curve], area: str) -> list[Trace]:
+def _lines(curves: Mapping[str, Curve], area: str) -> list[Trace]:
     return [
         curve(f"{name}: {area} {one.area:.3f}", one.x, one.y, STYLES[name][0], dash=STYLES[name][1])
         for name, one in curves.items()
@@ -111,5 +94,9 @@ def _places(subject: Subject, x: str, y: str) -> list[Trace]:
     )
 
 
-def _areas(curves: dict[str, Curve]) -> str:
+def _axes(x: str, y: str) -> tuple[Layout, Layout]:
+    return titled(x, **SHARE), titled(y, **SHARE)
+
+
+def _areas(curves: Mapping[str, Curve]) -> str:
     return ", ".join(f"{curve.area:.3f} by {name}" for name, curve in curves.items())

@@ -1,6 +1,6 @@
 """One robot of the page, its study beside its episodes; and what the figures of all robots share."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from harness.page.figure import (
@@ -9,7 +9,6 @@ from harness.page.figure import (
     METRIC,
     MUTED,
     PANEL,
-    Figure,
     Layout,
     Plot,
     Trace,
@@ -18,22 +17,18 @@ from harness.page.figure import (
     line,
     numbers,
 )
-from harness.tuning.episodes.plan import Part, Planned
+from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.scoring.choose import Records
 from harness.tuning.scoring.result import Verdict
-from harness.tuning.scoring.study import RobotStudy, scored_records
+from harness.tuning.scoring.study import RobotStudy
 
 SHARE = {"range": [-0.02, 1.02]}  # of an axis from 0 to 1
 
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """A robot with everything known of it.
-
-    Attributes:
-        records: Its episodes by part, in the order of the plan, without those that diverged.
-    """
+    """A robot's study and its scored records."""
 
     study: RobotStudy
     records: Records
@@ -43,20 +38,28 @@ class Subject:
         """Episodes on which no threshold was chosen."""
         return self.records[Part.TEST]
 
-    def plot(self, name: str, what: str, figure: Figure) -> Plot:
+    def plot(
+        self,
+        name: str,
+        what: str,
+        data: Sequence[Trace],
+        x: Layout,
+        y: Layout,
+        shapes: Sequence[Layout] = (),
+    ) -> Plot:
         """Returns a figure of this robot.
 
         Args:
             name: Tells it from the robot's others.
             what: It shows, as text.
-            figure: For Plotly.
+            data: Its traces.
+            x: Its horizontal axis.
+            y: Its vertical axis.
+            shapes: Levels on it.
         """
+        layout = common_layout(xaxis=x, yaxis=y, shapes=list(shapes), hovermode="closest")
+        figure = {"data": list(data), "layout": layout}
         return Plot(f"{self.study.robot}-{name}", f"{self.study.robot}: {what}", figure)
-
-
-def subject(study: RobotStudy, records: Mapping[Planned, EpisodeRecord]) -> Subject:
-    """Returns a study beside its episodes among those of a sweep."""
-    return Subject(study, scored_records(study.robot, records))
 
 
 def curve(
@@ -89,7 +92,6 @@ def mark(name: str, x: float, y: float, *, tuned: str = "", hover: str = "") -> 
         tuned: Colour of a tuned value; empty for a default.
         hover: Text under the pointer; the name and the place if empty.
     """
-    color = tuned or INK
     return {
         "type": "scatter",
         "mode": "markers",
@@ -101,7 +103,7 @@ def mark(name: str, x: float, y: float, *, tuned: str = "", hover: str = "") -> 
             "symbol": "diamond-open" if tuned else "circle",
             "size": 11,
             "color": tuned or PANEL,
-            "line": {"color": color, "width": 2.5},
+            "line": {"color": tuned or INK, "width": 2.5},
         },
         "hovertemplate": f"{hover or f'{name}<br>%{{x:.3g}}: %{{y:.3f}}'}<extra></extra>",
     }
@@ -110,29 +112,23 @@ def mark(name: str, x: float, y: float, *, tuned: str = "", hover: str = "") -> 
 def levels(verdict: Verdict) -> list[Layout]:
     """Returns lines where the default and the tuned value of a threshold lie."""
     default, unit = verdict.default.value, spelled(verdict.unit)
-    lines = [level(f"default {default:g} {unit}", column(default), "dot")]
+    lines = [upright(f"default {default:g} {unit}", default, "dot")]
     if verdict.tuned is not None:
         value = verdict.tuned.value
-        lines.append(level(f"{chosen(verdict)} {value:g} {unit}", column(value), "dash"))
+        lines.append(upright(f"{chosen(verdict)} {value:g} {unit}", value, "dash"))
     return lines
 
 
-def column(x: float) -> Layout:
-    """Returns a place on the x axis, from bottom to top of the plot."""
-    return {"x0": x, "x1": x, **COLUMN}
-
-
-def figure(data: Sequence[Trace], x: Layout, y: Layout, shapes: Sequence[Layout] = ()) -> Figure:
-    """Returns a figure.
+def upright(name: str, x: float, dash: str, color: str = INK) -> Layout:
+    """Returns a line from bottom to top of the plot.
 
     Args:
-        data: Its traces.
-        x: Its axes, as `y`.
-        y: Likewise.
-        shapes: Levels on it.
+        name: In the legend.
+        x: Where.
+        dash: As of `level`.
+        color: Likewise.
     """
-    layout = common_layout(xaxis=x, yaxis=y, shapes=list(shapes), hovermode="closest")
-    return {"data": list(data), "layout": layout}
+    return level(name, {"x0": x, "x1": x, **COLUMN}, dash, color)
 
 
 def chosen(verdict: Verdict) -> str:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from harness.page.figure import DASH, MINUS
 from harness.tuning.episodes.plan import Part
 from harness.tuning.page.subject import chosen, spelled
-from harness.tuning.scoring.collision import CollisionStudy, DetectorStudy
+from harness.tuning.scoring.collision import CollisionStudy
 from harness.tuning.scoring.estimate import Estimate
 from harness.tuning.scoring.ground import GroundStudy
 from harness.tuning.scoring.result import Candidate, Verdict
@@ -25,25 +25,24 @@ def thresholds(study: RobotStudy) -> Table:
     """Returns every threshold with the measure that judges it."""
     heads = (f"{name}{part}" for name in ("default", "tuned") for part in ("", ", train", ", test"))
     head = ("Threshold", "Score", *heads, "gain", "verdict")
-    return Table(head, tuple(_threshold(verdict) for verdict in study.verdicts))
-
-
-def _threshold(verdict: Verdict) -> tuple[str, ...]:
-    gain = verdict.gain.get(verdict.measure)
-    return (
-        verdict.name,
-        verdict.measure,
-        *_candidate(verdict, verdict.default),
-        *_candidate(verdict, verdict.tuned),
-        DASH if gain is None else text(gain, sign="+"),
-        _standing(verdict),
+    rows = (
+        (
+            verdict.name,
+            verdict.measure,
+            *_candidate(verdict, verdict.default),
+            *_candidate(verdict, verdict.tuned),
+            _text(verdict.gain[verdict.measure], sign="+") if verdict.tuned else DASH,
+            _standing(verdict),
+        )
+        for verdict in study.verdicts
     )
+    return Table(head, tuple(rows))
 
 
 def _candidate(verdict: Verdict, candidate: Candidate | None) -> tuple[str, str, str]:
     if candidate is None:
         return DASH, DASH, DASH
-    train, test = (text(candidate.scores[part][verdict.measure]) for part in Part)
+    train, test = (_text(candidate.scores[part][verdict.measure]) for part in Part)
     return f"{candidate.value:g} {spelled(verdict.unit)}", train, test
 
 
@@ -58,37 +57,37 @@ def _standing(verdict: Verdict) -> str:
 
 def measures(verdict: Verdict) -> Table:
     """Returns every measure of one threshold."""
-    head, columns = ["Measure"], []
-    for name, candidate in (("default", verdict.default), (chosen(verdict), verdict.tuned)):
-        if candidate is not None:
-            head += [f"{name} {candidate.value:g}, {part}" for part in candidate.scores]
-            columns += [(scores, "") for scores in candidate.scores.values()]
+    columns = {  # by what stands above it: scores and the sign of positive ones
+        f"{name} {candidate.value:g}, {part}": (scores, "")
+        for name, candidate in (("default", verdict.default), (chosen(verdict), verdict.tuned))
+        if candidate is not None
+        for part, scores in candidate.scores.items()
+    }
     if verdict.tuned is not None:
-        head.append("gain, test")
-        columns.append((verdict.gain, "+"))
-    names = verdict.default.scores[Part.TEST]
-    rows = ((name, *(text(scores[name], sign=sign) for scores, sign in columns)) for name in names)
-    return Table(tuple(head), tuple(rows))
+        columns["gain, test"] = verdict.gain, "+"
+    rows = (
+        (name, *(_text(scores[name], sign=sign) for scores, sign in columns.values()))
+        for name in verdict.default.scores[Part.TEST]
+    )
+    return Table(("Measure", *columns), tuple(rows))
 
 
 def detectors(study: CollisionStudy) -> Table:
     """Returns the scores of each detector on the test episodes."""
-    measures = ("F1", "precision", "recall", "false alarms per km")
-    head = ("Detector", "below", *measures, "median lead", "F1 of single scans")
-    told = (("default: ", study.default), *(("", detector) for detector in study.detectors))
-    return Table(head, tuple(_detector(prefix, detector) for prefix, detector in told))
-
-
-def _detector(prefix: str, told: DetectorStudy) -> tuple[str, ...]:
-    scores = told.events.scores[Part.TEST]
-    return (
-        prefix + told.name,
-        _unbroken(f"{told.events.value:g} m"),
-        *(text(scores[name]) for name in ("F1", "precision", "recall")),
-        text(scores["false alarms per km"], 1),
-        DASH if told.lead_s is None else f"{told.lead_s:.2f} s",
-        text(told.scans["F1"]),
+    measures = ("F1", "precision", "recall")
+    head = ("Detector", "below", *measures, "false alarms per km", "median lead", "F1 of single scans")
+    rows = (
+        (
+            prefix + told.name,
+            _unbroken(f"{told.events.value:g} m"),
+            *(_text(told.events.scores[Part.TEST][name]) for name in measures),
+            _text(told.events.scores[Part.TEST]["false alarms per km"], 1),
+            DASH if told.lead_s is None else f"{told.lead_s:.2f} s",
+            _text(told.scans["F1"]),
+        )
+        for prefix, told in (("default: ", study.default), *(("", one) for one in study.detectors))
     )
+    return Table(head, tuple(rows))
 
 
 def zones(study: CollisionStudy) -> Table:
@@ -96,16 +95,16 @@ def zones(study: CollisionStudy) -> Table:
     values = {"default": study.default.events.value}
     values |= {told.name: told.events.value for told in study.detectors}
     names = [f"{name}, {value:g} m" for name, value in values.items()] if study.zones else []
-    rows = [
+    seen = (
         (
             f"{row.zone}, seen",
             str(row.contacts),
-            *(_share(detected, row.contacts) for detected in row.detected.values()),
+            *(_share(n, row.contacts) for n in row.detected.values()),
         )
         for row in study.zones
-    ]
-    unseen = [(f"not seen: {one.sight}", str(one.contacts)) for one in study.unseen_contacts]
-    return Table(("Contact", "number", *names), (*rows, *unseen))
+    )
+    unseen = ((f"not seen: {one.sight}", str(one.contacts)) for one in study.unseen_contacts)
+    return Table(("Contact", "number", *names), (*seen, *unseen))
 
 
 def speeds(study: GroundStudy) -> Table:
@@ -153,14 +152,8 @@ def driven(study: RobotStudy) -> Table:
     return Table(("What", "how much"), tuple(rows))
 
 
-def text(score: Estimate, digits: int = 2, sign: str = "") -> str:
-    """Returns a score with its interval, short enough for a cell.
-
-    Args:
-        score: To show.
-        digits: Behind the point.
-        sign: "+" where positive numbers have one.
-    """
+def _text(score: Estimate, digits: int = 2, sign: str = "") -> str:
+    """A score with its interval, short enough for a cell; `sign` is "+" where positive ones have one."""
     if math.isnan(score.value):
         return DASH
     value, low, high = (

@@ -1,29 +1,21 @@
 """Choosing a threshold on one half of the episodes and scoring it, beside the default, on both."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
-from harness.tuning.scoring.estimate import Counts, Estimate, Measure, Sums, estimate
+from harness.tuning.scoring.estimate import Counts, Measure, estimate
 from harness.tuning.scoring.result import Candidate, Scores, Verdict
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 
 Records = Mapping[Part, Sequence[EpisodeRecord]]
+# Of episodes for thresholds, shape (thresholds, episodes, kinds).
 Count = Callable[[Sequence[EpisodeRecord], NDArray[np.float64]], Counts]
-
-
-def by_driver(record: EpisodeRecord) -> str:
-    """Returns the stratum that decides how hazards are touched."""
-    return record.driver
-
-
-def by_terrain(record: EpisodeRecord) -> str:
-    """The stratum that decides how the ground feels."""
-    return record.terrain
 
 
 @dataclass(frozen=True)
@@ -31,18 +23,18 @@ class Scoring:
     """How a threshold is judged.
 
     Attributes:
-        count: Counts of episodes for thresholds, shape (thresholds, episodes, kinds).
+        count: What is counted of episodes.
         measures: What is told of a value, by name.
         objective: Name of the measure that is maximised.
         grid: The values to choose from.
-        stratum: What kind an episode is of, for the intervals.
+        stratum: By what episodes are of a kind, for the intervals.
     """
 
     count: Count
     measures: Mapping[str, Measure]
     objective: str
     grid: NDArray[np.float64]
-    stratum: Callable[[EpisodeRecord], str] = by_driver
+    stratum: Literal["driver", "terrain"] = "driver"
 
     def best(self, records: Sequence[EpisodeRecord]) -> float:
         """Returns the value with the highest objective; the middle one where several have it."""
@@ -52,25 +44,30 @@ class Scoring:
 
     def candidate(self, records: Records, value: float) -> Candidate:
         """Returns a value with its scores on all parts."""
-        return Candidate(
-            value=value, scores={part: self.scores(some, value) for part, some in records.items()}
-        )
+        scores = {part: self.scores(some, value) for part, some in records.items()}
+        return Candidate(value=value, scores=scores)
 
-    def scores(self, records: Sequence[EpisodeRecord], value: float) -> dict[str, Estimate]:
+    def scores(self, records: Sequence[EpisodeRecord], value: float) -> Scores:
         """Returns all measures of a value."""
         counts = self.count(records, np.array([value]))[0]
-        strata = [self.stratum(record) for record in records]
-        return {name: estimate(counts, measure, strata) for name, measure in self.measures.items()}
+        return self._estimates(records, counts, self.measures)
 
-    def gain(self, records: Sequence[EpisodeRecord], tuned: float, default: float) -> Scores:
-        """Returns tuned minus default by measure: the same resampled episodes for both."""
-        both = self.count(records, np.array([tuned, default]))
-        counts = np.concatenate((both[0], both[1]), axis=-1)
-        strata = [self.stratum(record) for record in records]
-        return {
-            name: estimate(counts, _difference(measure, both.shape[-1]), strata)
-            for name, measure in self.measures.items()
-        }
+    def gain(self, records: Sequence[EpisodeRecord], values: tuple[float, float]) -> Scores:
+        """Returns the first value minus the second by measure, on the same resampled episodes."""
+        both = self.count(records, np.array(values))
+        gains = {name: _difference(measure) for name, measure in self.measures.items()}
+        return self._estimates(records, np.concatenate(both, axis=-1), gains)
+
+    def _estimates(
+        self, records: Sequence[EpisodeRecord], counts: Counts, measures: Mapping[str, Measure]
+    ) -> Scores:
+        strata = [getattr(record, self.stratum) for record in records]
+        return {name: estimate(counts, measure, strata) for name, measure in measures.items()}
+
+
+def _difference(measure: Measure) -> Measure:
+    """Of sums of one value and, behind them, of another."""
+    return lambda sums: np.subtract(*map(measure, np.split(sums, 2, axis=-1)))
 
 
 def judged(
@@ -94,25 +91,29 @@ def judged(
     """
     info = THRESHOLD_INFO[parameter]
     default = scoring.candidate(records, info.default)
-    if lack is not None:
-        return Verdict(
-            name=parameter, unit=info.unit, measure=scoring.objective, default=default, lack=lack
-        )
-    best = scoring.best(records[Part.TRAIN]) if value is None else value
-    tuned = scoring.candidate(records, best)
-    return Verdict(
-        name=parameter,
-        unit=info.unit,
-        measure=scoring.objective,
-        default=default,
-        tuned=tuned,
-        gain=scoring.gain(records[Part.TEST], tuned.value, info.default),
-        note=note,
+    verdict = Verdict(
+        name=parameter, unit=info.unit, measure=scoring.objective, default=default, lack=lack
     )
+    if lack is not None:
+        return verdict
+    best = scoring.best(records[Part.TRAIN]) if value is None else value
+    gain = scoring.gain(records[Part.TEST], (best, info.default))
+    return replace(verdict, tuned=scoring.candidate(records, best), gain=gain, note=note)
 
 
-def _difference(measure: Measure, kinds: int) -> Measure:
-    def difference(sums: Sums) -> NDArray[np.float64]:
-        return measure(sums[..., :kinds]) - measure(sums[..., kinds:])
+def lack_of(
+    records: Records, what: str, count: Callable[[EpisodeRecord], int], fewest: int
+) -> str | None:
+    """Returns in a clause why the data support no value, None if they do.
 
-    return difference
+    Args:
+        records: The episodes; every part has to have enough.
+        what: Is counted.
+        count: How many an episode has.
+        fewest: How many a part needs.
+    """
+    for part, some in records.items():
+        counted = sum(map(count, some))
+        if counted < fewest:
+            return f"{counted} {what} in the {part} episodes; {fewest} are needed"
+    return None

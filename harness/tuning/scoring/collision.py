@@ -1,28 +1,33 @@
 """collision_threshold: which distance tells a contact best, beside the default and other detectors."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
 from harness.tuning.episodes.plan import Part
-from harness.tuning.episodes.record import EpisodeRecord
+from harness.tuning.episodes.record import EVENT, EpisodeRecord, Sight, Table, Zone
 from harness.tuning.scoring.alarms import (
     DETECTORS,
     EVENT_MEASURES,
+    NEAREST_RANGE,
     SCAN_MEASURES,
     Detector,
+    alarms,
     event_counts,
     lead_times,
+    matches,
     scan_counts,
 )
-from harness.tuning.scoring.baselines import UnseenContacts, ZoneRow, unseen_contacts, zone_rows
-from harness.tuning.scoring.choose import Records, Scoring, judged
+from harness.tuning.scoring.choose import Records, Scoring, judged, lack_of
 from harness.tuning.scoring.result import Candidate, Scores, Verdict
 
-PARAMETER, REFERENCE_DETECTOR = "collision_threshold", "nearest range"
+PARAMETER = "collision_threshold"
 GRID = np.round(np.arange(0.02, 1.001, 0.01), 2)  # [m]
+SCORINGS = {
+    name: Scoring(event_counts(detector), EVENT_MEASURES, "F1", GRID)
+    for name, detector in DETECTORS.items()
+}
 FEWEST_CONTACTS = 10  # of each part: fewer do not support a threshold
 
 
@@ -41,6 +46,27 @@ class DetectorStudy:
     events: Candidate
     scans: Scores
     lead_s: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class UnseenContacts:
+    """Contacts that the lidar could not know of, for one reason."""
+
+    sight: Sight
+    contacts: int
+
+
+@dataclass(frozen=True, slots=True)
+class ZoneRow:
+    """Contacts on one side with hazards that the lidar saw.
+
+    Attributes:
+        detected: How many of them each detector tells, by its name.
+    """
+
+    zone: Zone
+    contacts: int
+    detected: Mapping[str, int]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,55 +94,59 @@ class CollisionStudy:
 def study_collisions(records: Records) -> CollisionStudy:
     """Judges the default and chooses a better value, if the data support one."""
     test = records[Part.TEST]
-    lack = _lack(records)
-    verdict = judged(PARAMETER, _scoring(DETECTORS[REFERENCE_DETECTOR]), records, lack=lack)
-    default = _detector_study(REFERENCE_DETECTOR, records, verdict.default)
-    detectors = () if lack is not None else tuple(_at_best(name, records) for name in DETECTORS)
+    lack = lack_of(records, "contacts with hazards", lambda record: len(record.events), FEWEST_CONTACTS)
+    verdict = judged(PARAMETER, SCORINGS[NEAREST_RANGE], records, lack=lack)
+    default = _detector_study(NEAREST_RANGE, records, verdict.default)
+    best = {} if lack else {name: one.best(records[Part.TRAIN]) for name, one in SCORINGS.items()}
+    detectors = [
+        _detector_study(name, records, SCORINGS[name].candidate(records, value))
+        for name, value in best.items()
+    ]
     told = {"default": default} | {study.name: study for study in detectors}
     thresholds = {name: (DETECTORS[study.name], study.events.value) for name, study in told.items()}
     return CollisionStudy(
         verdict=verdict,
         default=default,
-        detectors=detectors,
+        detectors=tuple(detectors),
         zones=zone_rows(test, thresholds),
         unseen_contacts=unseen_contacts(test),
-        contacts=_contacts(test),
+        contacts=len(_events(test)),
     )
 
 
-def _scoring(detector: Detector) -> Scoring:
-    return Scoring(partial(event_counts, detector), EVENT_MEASURES, "F1", GRID)
+def zone_rows(
+    records: Sequence[EpisodeRecord], detectors: Mapping[str, tuple[Detector, float]]
+) -> tuple[ZoneRow, ...]:
+    """Returns how many contacts of each side each detector tells with its threshold [m]."""
+    events, told = _events(records), {}
+    for name, (detector, threshold) in detectors.items():
+        each = [matches(one, alarms(one, detector(one) < threshold)).any(axis=0) for one in records]
+        told[name] = np.concatenate([np.empty(0, dtype=bool), *each])
+    sides = {zone: (events["sight"] == Sight.SEEN) & (events["zone"] == zone) for zone in Zone}
+    return tuple(
+        ZoneRow(zone, int(here.sum()), {name: int((here & those).sum()) for name, those in told.items()})
+        for zone, here in sides.items()
+    )
 
 
-def _at_best(name: str, records: Records) -> DetectorStudy:
-    scoring = _scoring(DETECTORS[name])
-    best = scoring.candidate(records, scoring.best(records[Part.TRAIN]))
-    return _detector_study(name, records, best)
+def unseen_contacts(records: Sequence[EpisodeRecord]) -> tuple[UnseenContacts, ...]:
+    """Returns contacts without a finite return of what was touched, by reason."""
+    sights = _events(records)["sight"].tolist()
+    return tuple(UnseenContacts(why, sights.count(why)) for why in Sight if why is not Sight.SEEN)
+
+
+def _events(records: Sequence[EpisodeRecord]) -> Table:
+    return np.concatenate([np.empty(0, EVENT), *(record.events for record in records)])
 
 
 def _detector_study(name: str, records: Records, candidate: Candidate) -> DetectorStudy:
     detector, test = DETECTORS[name], records[Part.TEST]
-    per_scan = Scoring(partial(scan_counts, detector), SCAN_MEASURES, "F1", GRID)
-    leads = [lead_times(record, detector(record), candidate.value) for record in test]
-    lead = np.concatenate(leads) if leads else np.empty(0)
+    per_scan = Scoring(scan_counts(detector), SCAN_MEASURES, "F1", GRID)
+    leads = (lead_times(record, detector(record) < candidate.value) for record in test)
+    lead = np.concatenate([np.empty(0), *leads])
     return DetectorStudy(
         name=name,
         events=candidate,
         scans=per_scan.scores(test, candidate.value),
         lead_s=float(np.median(lead)) if lead.size else None,
     )
-
-
-def _lack(records: Records) -> str | None:
-    """Why the data support no value, or None."""
-    for part, some in records.items():
-        contacts = _contacts(some)
-        if contacts < FEWEST_CONTACTS:
-            return (
-                f"{contacts} contacts with hazards in the {part} episodes; {FEWEST_CONTACTS} are needed"
-            )
-    return None
-
-
-def _contacts(records: Sequence[EpisodeRecord]) -> int:
-    return sum(len(record.events) for record in records)

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from harness.robots import RoverSpec
 from harness.tuning.episodes.recompute import STRIDE
-from harness.tuning.episodes.record import EpisodeRecord
-from harness.tuning.scoring.choose import Records, Scoring, judged
-from harness.tuning.scoring.estimate import Counts, Measure, Sums, ratio
+from harness.tuning.episodes.record import WINDOW, EpisodeRecord
+from harness.tuning.scoring.choose import Records, Scoring, judged, lack_of
+from harness.tuning.scoring.estimate import Counts, Measure, share
 from harness.tuning.scoring.result import Verdict
 
 PARAMETER = "distance_threshold"
@@ -19,7 +19,7 @@ POSE_PERIOD = 0.02  # [s]
 COARSEST, STEP = 1.0, 0.01  # [m]
 FEWEST_SECONDS = 100  # of each part
 NOTE = "for poses at 50 Hz, four in a row of which may be lost"
-STEPS, REFUSED, JUMPS, TAKEN = range(4)
+SECONDS, REFUSED, TAKEN = range(3)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,60 +40,35 @@ class DistanceStudy:
 
 def study_distance(records: Records, rover: RoverSpec) -> DistanceStudy:
     """Returns the verdict on the default and on a value above every plausible step."""
-    everything = [record.windows for some in records.values() for record in some]
+    everything = (record.windows for some in records.values() for record in some)
+    windows = np.concatenate([np.empty(0, WINDOW), *everything])
     possible = rover.top_speed * STRIDE * POSE_PERIOD
-    lowest = math.ceil(possible / STEP) * STEP
-    grid = np.round(np.arange(lowest, COARSEST, STEP), 2)
+    grid = np.round(np.arange(math.ceil(possible / STEP) * STEP, COARSEST, STEP), 2)
+    scoring = Scoring(_counts, MEASURES, "balanced accuracy", grid)
+    lack = lack_of(records, "s of poses", lambda record: len(record.windows), FEWEST_SECONDS)
     return DistanceStudy(
-        verdict=judged(
-            PARAMETER,
-            Scoring(_counts, MEASURES, "balanced accuracy", grid),
-            records,
-            lack=_lack(records),
-            note=NOTE,
-        ),
+        verdict=judged(PARAMETER, scoring, records, lack=lack, note=NOTE),
         possible_step=possible,
-        largest_step=_largest(everything, "largest_step"),
-        largest_stride=_largest(everything, "largest_stride"),
+        largest_step=float(windows["largest_step"].max(initial=0.0)),
+        largest_stride=float(windows["largest_stride"].max(initial=0.0)),
     )
 
 
 def _counts(records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -> Counts:
-    """Seconds of driving, those with a step refused, jumps of resets, those taken for driving."""
-    counts = np.zeros((len(thresholds), len(records), 4))
+    """Seconds, each with a reset at its end; those with a step refused; resets taken for driving."""
+    counts = np.zeros((len(thresholds), len(records), 3))
     for place, record in enumerate(records):
-        windows = record.windows
-        counts[:, place, STEPS] = counts[:, place, JUMPS] = len(windows)
-        refused = windows["largest_stride"][None, :] >= thresholds[:, None]
-        taken = windows["from_start"][None, :] < thresholds[:, None]
+        refused = record.windows["largest_stride"] >= thresholds[:, None]
+        taken = record.windows["from_start"] < thresholds[:, None]
+        counts[:, place, SECONDS] = len(record.windows)
         counts[:, place, REFUSED], counts[:, place, TAKEN] = refused.sum(axis=1), taken.sum(axis=1)
     return counts
 
 
-def false_accept_rate(sums: Sums) -> NDArray[np.float64]:
-    """Returns the share of resets, one each second, whose jump would count as travel."""
-    return ratio(sums[..., TAKEN], sums[..., JUMPS])
-
-
-def false_reject_rate(sums: Sums) -> NDArray[np.float64]:
-    """Returns the share of seconds in which a step of true travel would be refused."""
-    return ratio(sums[..., REFUSED], sums[..., STEPS])
-
-
+# Of resets, one each second, whose jump would count as travel; of seconds with a step that is refused.
+_false_accept_rate, _false_reject_rate = share(TAKEN, SECONDS), share(REFUSED, SECONDS)
 MEASURES: dict[str, Measure] = {
-    "balanced accuracy": lambda sums: 1 - (false_accept_rate(sums) + false_reject_rate(sums)) / 2,
-    "false accept rate": false_accept_rate,
-    "false reject rate": false_reject_rate,
+    "balanced accuracy": lambda sums: 1 - (_false_accept_rate(sums) + _false_reject_rate(sums)) / 2,
+    "false accept rate": _false_accept_rate,
+    "false reject rate": _false_reject_rate,
 }
-
-
-def _lack(records: Records) -> str | None:
-    for part, some in records.items():
-        seconds = sum(len(record.windows) for record in some)
-        if seconds < FEWEST_SECONDS:
-            return f"{seconds} s of poses in the {part} episodes; {FEWEST_SECONDS} are needed"
-    return None
-
-
-def _largest(windows: Sequence[NDArray[np.void]], column: str) -> float:
-    return max((float(some[column].max(initial=0.0)) for some in windows), default=0.0)

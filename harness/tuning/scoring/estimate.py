@@ -33,10 +33,6 @@ class Estimate:
     low: float | None = None
     high: float | None = None
 
-    def is_above(self, other: "Estimate") -> bool:
-        """Returns whether the two intervals do not overlap and this one is the higher."""
-        return self.low is not None and other.high is not None and self.low > other.high
-
     def text(self, digits: int = 2) -> str:
         """Returns it as '0.93 (0.88 to 0.97)'."""
         if math.isnan(self.value):
@@ -77,25 +73,23 @@ def confusion(
 ) -> Counts:
     """Returns true and false positives, false and true negatives, shape (thresholds, episodes, 4).
 
-    Args:
-        episodes: Values of each, positive below a threshold, and the truth, both of shape (n,).
-        thresholds: Shape (thresholds,).
+    Of each episode there are values, positive below a threshold, and the truth, both of shape (n,).
     """
     counts = np.zeros((len(thresholds), len(episodes), 4))
     for place, (values, truth) in enumerate(episodes):
-        says = values[None, :] < thresholds[:, None]
-        counts[:, place, TP], counts[:, place, FP] = (
-            (says & truth).sum(axis=1),
-            (says & ~truth).sum(axis=1),
-        )
-        counts[:, place, FN] = (~says & truth).sum(axis=1)
-        counts[:, place, TN] = (~says & ~truth).sum(axis=1)
+        says = values < thresholds[:, None]
+        each = (says & truth, says & ~truth, ~says & truth, ~says & ~truth)
+        counts[:, place] = np.stack(each).sum(axis=-1).T
     return counts
 
 
-def recall(sums: Sums) -> NDArray[np.float64]:
-    """Returns the share of what is there that is said, of sums of `confusion`."""
-    return ratio(sums[..., TP], sums[..., TP] + sums[..., FN])
+def share(part: int, *whole: int) -> Measure:
+    """Returns the measure that divides the sum of a kind by the sum of others."""
+    return lambda sums: ratio(sums[..., part], sums[..., whole].sum(axis=-1))
+
+
+# Of sums of `confusion`: how much of what is there is said, and of what is not there is not.
+recall, specificity = share(TP, TP, FN), share(TN, TN, FP)
 
 
 def _weights(strata: tuple[str, ...]) -> NDArray[np.float64]:
@@ -120,9 +114,9 @@ def _collapsed(strata: tuple[str, ...]) -> list[NDArray[np.intp]]:
     names, sizes = np.unique(labels, return_counts=True)
     labels = np.where(np.isin(labels, names[sizes == 1]), COLLAPSED, labels)
     groups = [np.flatnonzero(labels == name) for name in np.unique(labels)]
-    alone = [group for group in groups if len(group) == 1]
-    for group in alone:  # one episode without its like joins the largest
-        groups = [other for other in groups if other is not group]
-        largest = max(range(len(groups)), key=lambda place: len(groups[place]))
-        groups[largest] = np.concatenate((groups[largest], group))
+    sizes = np.array([len(group) for group in groups])
+    if 1 in sizes:  # one episode without its like joins the largest
+        alone, largest = int(np.argmin(sizes)), int(np.argmax(sizes))
+        groups[largest] = np.concatenate((groups[largest], groups[alone]))
+        del groups[alone]
     return groups

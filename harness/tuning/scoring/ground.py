@@ -12,18 +12,16 @@ from sklearn.metrics import roc_auc_score
 
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
-from harness.tuning.scoring.choose import Records, Scoring, by_terrain, judged
+from harness.tuning.scoring.choose import Records, Scoring, judged
 from harness.tuning.scoring.estimate import (
-    FP,
-    TN,
     Counts,
     Estimate,
     Measure,
     Sums,
     confusion,
     estimate,
-    ratio,
     recall,
+    specificity,
 )
 from harness.tuning.scoring.imu_events import ROUGH, ImuEvents, Signal
 from harness.tuning.scoring.result import Verdict
@@ -75,7 +73,7 @@ def study_ground(records: Records, signal: Signal) -> GroundStudy:
     def count(some: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -> Counts:
         return counts_of([signal.imu_events(record) for record in some], thresholds)
 
-    scoring = Scoring(count, MEASURES, "balanced accuracy", GRID, by_terrain)
+    scoring = Scoring(count, MEASURES, "balanced accuracy", GRID, "terrain")
     verdict = judged(signal.parameter, scoring, records, lack=_lack(records, signal))
     everything = ImuEvents.joined([signal.imu_events(one) for some in records.values() for one in some])
     return GroundStudy(
@@ -89,11 +87,6 @@ def study_ground(records: Records, signal: Signal) -> GroundStudy:
 def counts_of(episodes: Sequence[ImuEvents], thresholds: NDArray[np.float64]) -> Counts:
     """Returns counts of `confusion` at every threshold, above which ground is called rough."""
     return confusion([(-one.signal, one.rough) for one in episodes], -thresholds)
-
-
-def specificity(sums: Sums) -> NDArray[np.float64]:
-    """Returns the share of smooth ground that is not called rough."""
-    return ratio(sums[..., TN], sums[..., TN] + sums[..., FP])
 
 
 def balanced_accuracy(sums: Sums) -> NDArray[np.float64]:
@@ -115,38 +108,34 @@ def _auc(counts: Counts, records: Sequence[EpisodeRecord]) -> Estimate:
 
     def area(sums: Sums) -> NDArray[np.float64]:
         at = sums.reshape(*sums.shape[:-1], thresholds, kinds)
-        hits, misses = recall(at), 1.0 - specificity(at)
-        ends = [(0, 0)] * (hits.ndim - 1)
-        hits = np.pad(hits, [*ends, (1, 1)], constant_values=((1.0, 0.0),))
-        misses = np.pad(misses, [*ends, (1, 1)], constant_values=((1.0, 0.0),))
+        ends = [(0, 0)] * (at.ndim - 2) + [(1, 1)]
+        hits, misses = (
+            np.pad(rate, ends, constant_values=((1.0, 0.0),))
+            for rate in (recall(at), 1.0 - specificity(at))
+        )
         return np.asarray(-np.trapezoid(hits, misses, axis=-1))
 
-    return estimate(flat, area, [by_terrain(record) for record in records])
+    return estimate(flat, area, [record.terrain for record in records])
 
 
 def _lack(records: Records, signal: Signal) -> str | None:
     """Why the data support no value, or None."""
     for part, some in records.items():
-        rough = np.concatenate([signal.imu_events(record).rough for record in some])
-        fewest = min(np.count_nonzero(rough), np.count_nonzero(~rough))
-        if fewest < FEWEST_WINDOWS:
+        each = np.concatenate([signal.imu_events(record).rough for record in some])
+        rough, smooth = np.count_nonzero(each), np.count_nonzero(~each)
+        if min(rough, smooth) < FEWEST_WINDOWS:
             return (
-                f"{np.count_nonzero(rough)} s on rough ground (over {ROUGH * 1e3:g} mm RMS) and "
-                f"{np.count_nonzero(~rough)} s on smooth in the {part} episodes; "
-                f"{FEWEST_WINDOWS} s of each are needed"
+                f"{rough} s on rough ground (over {ROUGH * 1e3:g} mm RMS) and {smooth} s on smooth in "
+                f"the {part} episodes; {FEWEST_WINDOWS} s of each are needed"
             )
     return None
 
 
 def _speed_bin(speeds: tuple[float, float], events: ImuEvents) -> SpeedBin:
-    rough = int(np.count_nonzero(events.rough))
-    if min(rough, len(events.rough) - rough) < FEWEST_IN_BIN:
-        return SpeedBin(speeds=speeds, windows=len(events.rough), rough=rough, auc=None, best=None)
-    scores = balanced_accuracy(counts_of([events], GRID)[:, 0])
-    return SpeedBin(
-        speeds=speeds,
-        windows=len(events.rough),
-        rough=rough,
-        auc=float(roc_auc_score(events.rough, events.signal)),
-        best=float(GRID[int(np.argmax(scores))]),
-    )
+    windows, rough = len(events.rough), int(np.count_nonzero(events.rough))
+    auc = best = None
+    if min(rough, windows - rough) >= FEWEST_IN_BIN:
+        scores = balanced_accuracy(counts_of([events], GRID)[:, 0])
+        auc = float(roc_auc_score(events.rough, events.signal))
+        best = float(GRID[int(np.argmax(scores))])
+    return SpeedBin(speeds=speeds, windows=windows, rough=rough, auc=auc, best=best)

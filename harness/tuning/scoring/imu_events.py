@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +14,13 @@ STANDING = 0.05  # [m/s]: slower, no IMU can feel the ground
 COLUMN_WINDOWS = 5  # seconds that Current Smoothness covers: 100 IMU samples at 20 Hz
 
 
-@dataclass(frozen=True, slots=True)
-class ImuEvents:
-    """What a metric says of stretches of an episode, and whether they are rough.
+class ImuEvents(NamedTuple):
+    """What a metric says of stretches of an episode, and whether they are rough; each of shape (n,).
 
     Attributes:
-        signal: What is compared with the threshold, shape (n,).
-        rough: The truth, shape (n,).
-        speed: Mean true speed [m/s], shape (n,).
+        signal: What is compared with the threshold.
+        rough: The truth.
+        speed: Mean true speed [m/s].
     """
 
     signal: NDArray[np.float64]
@@ -30,10 +30,8 @@ class ImuEvents:
     @classmethod
     def joined(cls, each: Sequence["ImuEvents"]) -> "ImuEvents":
         """Returns those of several episodes, in their order."""
-        if not each:
-            return cls(np.empty(0), np.empty(0, dtype=bool), np.empty(0))
-        columns = ((one.signal, one.rough, one.speed) for one in each)
-        return cls(*map(np.concatenate, zip(*columns, strict=True)))
+        none = cls(np.empty(0), np.empty(0, dtype=bool), np.empty(0))
+        return cls(*map(np.concatenate, zip(*each, strict=True))) if each else none
 
     def within(self, low: float, high: float) -> "ImuEvents":
         """Returns those at a speed of at least `low` and less than `high` [m/s]."""

@@ -61,7 +61,5 @@ class Verdict:
         """Whether the intervals of tuned and default on the test episodes do not overlap."""
         if self.tuned is None:
             return False
-        tuned, default = (
-            candidate.scores[Part.TEST][self.measure] for candidate in (self.tuned, self.default)
-        )
-        return tuned.is_above(default)
+        tuned, default = (one.scores[Part.TEST][self.measure] for one in (self.tuned, self.default))
+        return tuned.low is not None and default.high is not None and tuned.low > default.high

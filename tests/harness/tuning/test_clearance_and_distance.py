@@ -9,8 +9,7 @@ from harness.robots import RoverSpec
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord, Sight, Zone
 from harness.tuning.scoring import clearance
-from harness.tuning.scoring.braking import Braking, measure_braking
-from harness.tuning.scoring.clearance import study_clearance
+from harness.tuning.scoring.clearance import Braking, measure_braking, study_clearance
 from harness.tuning.scoring.distance import study_distance
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 

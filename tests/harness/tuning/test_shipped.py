@@ -15,10 +15,10 @@ import pytest
 from harness import tune
 from harness.config import EpisodeConfig
 from harness.tuning.episodes import sweep
-from harness.tuning.episodes.drive import drive
 from harness.tuning.episodes.plan import Planned, plan
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.episodes.store import decode
+from harness.tuning.episodes.sweep import drive
 
 ROOT = Path(__file__).parents[3]
 SWEEP, CONFIG = ROOT / "tests" / "data" / "sweep", ROOT / "rover_metrics" / "config"

@@ -3,6 +3,7 @@
 import socket
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 
@@ -11,7 +12,7 @@ pytest.importorskip("joblib", reason="needs the extra [tune]")
 from harness.errors import UsageError
 from harness.tuning.backend import address as addresses
 from harness.tuning.backend import backend_of
-from harness.tuning.backend.address import Address, parse_address, workers_at
+from harness.tuning.backend.address import ClusterKind
 
 
 @pytest.mark.parametrize(
@@ -39,49 +40,47 @@ def test_a_missing_extra_is_named(name: str, package: str, monkeypatch: pytest.M
         backend_of(name, "127.0.0.1:1", None)
 
 
-@pytest.mark.parametrize(
-    ("text", "host", "port"),
-    [("head:6379", "head", 6379), ("tcp://10.0.0.1:1", "10.0.0.1", 1), ("[::1]:65535", "::1", 65535)],
-)
-def test_addresses(text: str, host: str, port: int) -> None:
-    assert parse_address(text, ["tcp"]) == Address(text, host, port)
-
-
-def test_a_name_may_stand_for_an_address() -> None:
-    assert parse_address("auto", ["ray"], ["auto"]) == Address("auto")
+KIND = ClusterKind(name="Ray cluster", schemes=("tcp",), names=("auto",), trial="", mend="start one")
 
 
 @pytest.mark.parametrize(
-    "text",
-    ["", "head", "head:", ":1", "head:0", "head:65536", "http://head:1", "a b:1", "head:1/x", "auto"],
+    ("address", "place"),
+    [
+        ("head:6379", ("head", 6379)),
+        ("tcp://10.0.0.1:1", ("10.0.0.1", 1)),
+        ("[::1]:65535", ("::1", 65535)),
+        ("auto", None),  # a name may stand for an address
+    ],
 )
-def test_what_is_no_address_is_refused(text: str) -> None:
-    with pytest.raises(UsageError, match=r"is not valid; give one of: HOST:PORT, tcp://HOST:PORT$"):
-        parse_address(text, ["tcp"])
+def test_addresses(address: str, place: tuple[str, int] | None) -> None:
+    assert KIND.place(address) == place
+
+
+@pytest.mark.parametrize(
+    "address",
+    ["", "head", "head:", ":1", "head:0", "head:65536", "http://head:1", "a b:1", "head:1/x", "car"],
+)
+def test_what_is_no_address_is_refused(address: str) -> None:
+    told = r"is not valid; give one of: HOST:PORT, tcp://HOST:PORT, auto$"
+    with pytest.raises(UsageError, match=told):
+        KIND.check(address)
 
 
 @pytest.fixture
-def listener() -> Iterator[Address]:
-    """Something that listens, and says nothing."""
+def listener() -> Iterator[str]:
+    """The address of something that listens, and says nothing."""
     with socket.create_server(("127.0.0.1", 0)) as server:
-        port = server.getsockname()[1]
-        yield Address(f"127.0.0.1:{port}", "127.0.0.1", port)
-
-
-def told_of(address: Address, code: str) -> str:
-    with pytest.raises(UsageError) as caught:
-        workers_at(address, code, "Ray cluster", "start one")
-    return str(caught.value)
+        yield f"127.0.0.1:{server.getsockname()[1]}"
 
 
 def test_a_closed_port_is_told_at_once() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
-        port = server.getsockname()[1]
-    address = Address(f"127.0.0.1:{port}", "127.0.0.1", port)
+        address = f"127.0.0.1:{server.getsockname()[1]}"
 
-    told = told_of(address, "raise SystemExit('not asked')")
+    with pytest.raises(UsageError) as caught:
+        replace(KIND, trial="raise SystemExit('not asked')").check(address)
 
-    assert told == f"no Ray cluster answers at {address.text} (Connection refused); start one"
+    assert str(caught.value) == f"no Ray cluster answers at {address} (Connection refused); start one"
 
 
 @pytest.mark.parametrize(
@@ -101,13 +100,13 @@ def test_a_closed_port_is_told_at_once() -> None:
     ],
 )
 def test_what_does_not_answer_as_a_cluster_is_told(
-    listener: Address, code: str, told: str, monkeypatch: pytest.MonkeyPatch
+    listener: str, code: str, told: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(addresses, "PATIENCE", 0.5)
 
     with pytest.raises(UsageError, match=told):
-        workers_at(listener, code, "Ray cluster", "start one")
+        replace(KIND, trial=code).check(listener)
 
 
-def test_a_cluster_tells_its_workers(listener: Address) -> None:
-    assert workers_at(listener, "import sys; print('hello'); print(3.0)", "Ray cluster", "") == 3
+def test_a_cluster_that_tells_of_workers_is_there(listener: str) -> None:
+    replace(KIND, trial="print('hello'); print(3.0)").check(listener)

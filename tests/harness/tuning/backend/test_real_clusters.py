@@ -22,7 +22,7 @@ pytest.importorskip("joblib", reason="needs the extra [tune]")
 
 from harness.errors import UsageError
 from harness.tuning.backend import Backend, WorkerLost, backend_of, cluster
-from harness.tuning.backend.versions import versions
+from harness.tuning.backend.cluster import versions
 from harness.tuning.episodes.plan import Planned, plan
 from harness.tuning.episodes.sweep import drive_to_bytes
 
@@ -125,13 +125,12 @@ def test_a_lost_connection_starts_no_other_ray(address: str, kind: str) -> None:
 
     with backend_of("ray", address, None) as backend:
         assert isinstance(backend, cluster.ClusterBackend)
-        connection = backend._cluster
-        connection.submit(dict)
+        backend.call(dict)
         ray.shutdown()
 
-        connection.cancel()
+        backend.cancel()
         with pytest.raises(WorkerLost, match="were lost"):
-            connection.submit(dict)
+            backend.call(dict)
         assert not ray.is_initialized()
 
 

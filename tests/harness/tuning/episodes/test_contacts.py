@@ -9,9 +9,9 @@ from harness.config import EpisodeConfig
 from harness.samples import LaserScan, PlacedScan, Pose
 from harness.sensors.lidar_spec import LidarSpec
 from harness.truth.traversal import ContactEvent
-from harness.tuning.episodes.contacts import event_rows, is_on, sight, zone
-from harness.tuning.episodes.drive import drive
+from harness.tuning.episodes.contacts import _is_on, _sight, _zone, event_rows
 from harness.tuning.episodes.record import Sight, Zone
+from harness.tuning.episodes.sweep import drive
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
 from harness.world.world import World
@@ -34,7 +34,7 @@ ANGLES = LidarSpec().angles
     ],
 )
 def test_a_point_belongs_to_the_nearest_edge(point: tuple[float, float, float], side: Zone) -> None:
-    assert zone(point, ROVER_ZERO4WD) is side
+    assert _zone(point, ROVER_ZERO4WD) is side
 
 
 def post(*, height: float, yaw: float = 0.0) -> Obstacle:
@@ -72,26 +72,26 @@ LIDAR = LEO.lidar_height - 0.02  # [m]: what is lower may pass below the lidar's
     ],
 )
 def test_what_the_lidar_had_of_a_hazard(height: float, value: float, expected: Sight) -> None:
-    assert sight([scanned(math.inf), scanned(value)], post(height=height), LEO) is expected
-    assert sight([scanned(value), scanned(math.inf)], post(height=height), LEO) is expected
+    assert _sight([scanned(math.inf), scanned(value)], post(height=height), LEO) is expected
+    assert _sight([scanned(value), scanned(math.inf)], post(height=height), LEO) is expected
 
 
 def test_without_a_scan_a_hazard_was_missed() -> None:
-    assert sight([], post(height=0.1), LEO) is Sight.MISSED
+    assert _sight([], post(height=0.1), LEO) is Sight.MISSED
 
 
 def test_points_next_to_a_turned_hazard_are_its_own() -> None:
     points = np.array([[1.25, 0.0], [1.0, 0.25], [1.0, 0.15], [1.19, 0.29], [1.21, 0.0], [1.0, 0.31]])
 
-    assert is_on(post(height=1.0), points).tolist() == [False, True, True, True, False, False]
-    turned = is_on(post(height=1.0, yaw=math.pi / 2), points)
+    assert _is_on(post(height=1.0), points).tolist() == [False, True, True, True, False, False]
+    turned = _is_on(post(height=1.0, yaw=math.pi / 2), points)
     assert turned.tolist() == [True, False, True, False, True, False]
     slanted = points @ np.array([[math.cos(0.5), math.sin(0.5)], [-math.sin(0.5), math.cos(0.5)]])
     about = np.array([1.0, 0.0]) @ np.array(
         [[math.cos(0.5), math.sin(0.5)], [-math.sin(0.5), math.cos(0.5)]]
     )
     moved = slanted - about + (1.0, 0.0)
-    assert is_on(post(height=1.0, yaw=0.5), moved).tolist() == [False, True, True, True, False, False]
+    assert _is_on(post(height=1.0, yaw=0.5), moved).tolist() == [False, True, True, True, False, False]
 
 
 def test_the_outline_of_a_cylinder_is_as_wide_as_its_radius() -> None:
@@ -99,7 +99,7 @@ def test_the_outline_of_a_cylinder_is_as_wide_as_its_radius() -> None:
         kind=ObstacleKind.HAZARD, shape="cylinder", half_size=(0.1, 2.0), position=(1.0, 0.5, 2.0)
     )
 
-    assert is_on(pole, np.array([[1.19, 0.5], [1.0, 0.69], [1.21, 0.5], [1.0, 0.71]])).tolist() == [
+    assert _is_on(pole, np.array([[1.19, 0.5], [1.0, 0.69], [1.21, 0.5], [1.0, 0.71]])).tolist() == [
         True,
         True,
         False,

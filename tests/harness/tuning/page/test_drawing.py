@@ -11,7 +11,7 @@ import pytest
 from harness.robots import ROVERS, RoverSpec
 from harness.tuning.page.drawing import HAZARDS, Distances, drawings
 from harness.tuning.page.outline import ABOVE, SIDE, shares, silhouette, untold_strips
-from harness.tuning.page.scan_figures import MOST_POINTS, Labelled, precision_recall, roc
+from harness.tuning.page.scan_figures import MOST_POINTS, has_both_classes, precision_recall, roc
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 SQUARE = replace(LEO, footprint=(-1.0, 1.0, -1.0, 1.0), lidar_x=0.0)
@@ -29,21 +29,21 @@ AROUND = Distances(range_min=0.15, default=0.2, tuned=0.44, clearance=0.05)
 def test_a_threshold_covers_the_part_of_the_outline_within_its_circle(
     threshold: float, told: float
 ) -> None:
-    near, covered, far = shares(SQUARE, 0.15, threshold)
+    near, covered, far = shares(SQUARE, (0.15, threshold))
     assert covered == pytest.approx(told, abs=2e-3)
     assert far == pytest.approx(1.0 - told, abs=2e-3)
     assert near == 0.0
 
 
 def test_what_is_nearer_than_range_min_is_not_told() -> None:
-    near, covered, _ = shares(SQUARE, math.sqrt(1.25), 1.5)
+    near, covered, _ = shares(SQUARE, (math.sqrt(1.25), 1.5))
     assert near == pytest.approx(0.5, abs=2e-3)
     assert covered == pytest.approx(0.5, abs=2e-3)
-    assert shares(SQUARE, math.sqrt(1.25), 1.0)[1] == pytest.approx(0.0)
+    assert shares(SQUARE, (math.sqrt(1.25), 1.0))[1] == pytest.approx(0.0)
 
 
 def test_strips_run_beside_the_corners_that_are_too_far_and_the_middles_that_are_too_near() -> None:
-    far = list(untold_strips(SQUARE, 0.0, math.sqrt(1.25), 0.1, 0.2))
+    far = list(untold_strips(SQUARE, (0.0, math.sqrt(1.25)), 0.1, 0.2))
     assert len(far) == 8  # both ends of each side
     for strip in far:
         inner, outer = np.abs(strip).max(axis=1)[:2], np.abs(strip).max(axis=1)[2:]
@@ -51,10 +51,10 @@ def test_strips_run_beside_the_corners_that_are_too_far_and_the_middles_that_are
         assert outer == pytest.approx([1.3, 1.3])
         along = np.sort(np.abs(strip).min(axis=1))
         assert along == pytest.approx([0.5, 0.5, 1.0, 1.0], abs=2e-3)
-    near = list(untold_strips(SQUARE, math.sqrt(1.25), 1.5, 0.0, 0.2))
+    near = list(untold_strips(SQUARE, (math.sqrt(1.25), 1.5), 0.0, 0.2))
     assert len(near) == 4
     assert all(np.ptp(strip, axis=0).max() == pytest.approx(1.0, abs=4e-3) for strip in near)
-    assert list(untold_strips(SQUARE, 0.0, 1.5, 0.0, 0.2)) == []
+    assert list(untold_strips(SQUARE, (0.0, 1.5), 0.0, 0.2)) == []
 
 
 @pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
@@ -112,17 +112,17 @@ def _width(path: ET.Element) -> float:
 def test_curves_of_many_values_are_thinned_and_keep_their_ends_and_their_area() -> None:
     rng = np.random.default_rng(0)
     truth = rng.random(20_000) < 0.1
-    labelled = Labelled(rng.normal(truth * 2.0), truth)
-    curve = roc(labelled)
+    score = rng.normal(truth * 2.0)
+    curve = roc(score, truth)
     assert len(curve.x) <= MOST_POINTS + 1
     assert (curve.x[0], curve.y[0], curve.x[-1], curve.y[-1]) == (0.0, 0.0, 1.0, 1.0)
     assert np.trapezoid(curve.y, curve.x) == pytest.approx(curve.area, abs=0.002)
     assert curve.area == pytest.approx(0.921, abs=0.01)  # Phi(2 / sqrt 2)
-    along = precision_recall(labelled)
+    along = precision_recall(score, truth)
     assert (along.x[0] > 0.0, along.x[-1], along.y[-1]) == (True, 1.0, pytest.approx(truth.mean()))
 
 
 def test_a_curve_needs_both_classes() -> None:
-    assert not Labelled(np.zeros(3), np.ones(3, dtype=bool)).has_both_classes
-    assert not Labelled(np.zeros(0), np.zeros(0, dtype=bool)).has_both_classes
-    assert Labelled(np.zeros(2), np.array([True, False])).has_both_classes
+    assert not has_both_classes(np.ones(3, dtype=bool))
+    assert not has_both_classes(np.zeros(0, dtype=bool))
+    assert has_both_classes(np.array([True, False]))

@@ -14,13 +14,14 @@ import pytest
 
 from harness.tuning.episodes.plan import Part
 from harness.tuning.page.contact_figures import FALSE_ALARMS, frontier
-from harness.tuning.page.ground_figures import distributions
+from harness.tuning.page.ground_figures import ground_figures
 from harness.tuning.page.page import render
-from harness.tuning.page.subject import levels, mark, subject
-from harness.tuning.page.tables import text
+from harness.tuning.page.subject import Subject, levels, mark
+from harness.tuning.page.tables import _text
 from harness.tuning.parameter_file import parameter_file
 from harness.tuning.scoring.estimate import Estimate
 from harness.tuning.scoring.imu_events import SIGNALS
+from harness.tuning.scoring.study import scored_records
 
 if TYPE_CHECKING:
     from tests.harness.tuning.conftest import Sweep
@@ -138,7 +139,7 @@ def test_the_method_takes_five_sentences(page: str) -> None:
     ],
 )
 def test_a_gain_has_a_sign_and_its_interval(score: Estimate, expected: str) -> None:
-    assert text(score, sign="+").replace("\N{NO-BREAK SPACE}", " ") == expected
+    assert _text(score, sign="+").replace("\N{NO-BREAK SPACE}", " ") == expected
 
 
 def test_a_frontier_has_the_highest_recall_for_each_price() -> None:
@@ -165,6 +166,7 @@ def test_only_a_value_that_is_proven_is_called_tuned(small_sweep: "Sweep") -> No
 @pytest.mark.parametrize("number", range(len(SIGNALS)))
 def test_each_class_of_ground_adds_up_to_all_of_it(number: int, small_sweep: "Sweep") -> None:
     studies, records = small_sweep
-    plot = distributions(subject(studies[0], records), studies[0].grounds[number], SIGNALS[number])
+    leo, signal = Subject(studies[0], scored_records("leo", records)), SIGNALS[number]
+    plot = ground_figures(leo)[f"{signal.parameter}-classes"]
     assert not isinstance(plot, str)
     assert [sum(trace["y"]) for trace in plot.figure["data"]] == pytest.approx([100.0, 100.0], abs=0.01)

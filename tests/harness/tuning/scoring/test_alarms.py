@@ -11,17 +11,18 @@ from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.scoring.alarms import (
     DETECTORS,
     EVENT_MEASURES,
+    NEAREST_RANGE,
     SCAN_MEASURES,
     alarms,
     event_counts,
     lead_times,
     matches,
-    nearest_range,
     scan_counts,
 )
 
 MakeRecord = Callable[..., EpisodeRecord]
 
+nearest_range = DETECTORS[NEAREST_RANGE]
 FAR, NEAR = 3.0, 0.18
 THRESHOLD = np.array([0.2])
 
@@ -34,7 +35,7 @@ def near_at(make_record: MakeRecord, *times: float, **more: object) -> EpisodeRe
 
 
 def found_in(record: EpisodeRecord) -> NDArray[np.float64]:
-    return alarms(record, nearest_range(record), 0.2)
+    return alarms(record, nearest_range(record) < 0.2)
 
 
 @pytest.mark.parametrize(("gap_ms", "expected"), [(500, 1), (501, 2)])
@@ -53,7 +54,7 @@ def test_alarms_up_to_half_a_second_apart_are_one(
 def test_the_threshold_is_strict_as_in_the_metrics(make_record: MakeRecord) -> None:
     record = make_record([0.25] * 3)
 
-    assert alarms(record, nearest_range(record), 0.25).shape == (0, 2)
+    assert alarms(record, nearest_range(record) < 0.25).shape == (0, 2)
 
 
 @pytest.mark.parametrize(
@@ -82,7 +83,7 @@ def test_contacts_found_and_alarms_that_are_right_are_counted_apart(make_record:
     record = near_at(make_record, 0.1, *long, 2.6, 3.9, contacts=[(1.0, 1.1), (1.4, 1.5), (2.1, 2.15)])
     other = near_at(make_record, 2.0)
 
-    counts = event_counts(nearest_range, [record, other], np.array([0.1, 0.2]))
+    counts = event_counts(nearest_range)([record, other], np.array([0.1, 0.2]))
 
     assert counts.shape == (2, 2, 5)
     assert counts[0].tolist() == [[3, 0, 0, 0, 0.004], [0, 0, 0, 0, 0.004]]
@@ -105,7 +106,7 @@ def test_f1_is_zero_if_nothing_is_found_and_undefined_without_contacts(
     missed = make_record([FAR] * 20, contacts=[(0.5, 0.6)])
     none = make_record([FAR] * 20)
 
-    f1 = EVENT_MEASURES["F1"](event_counts(nearest_range, [missed, none], THRESHOLD)[0])
+    f1 = EVENT_MEASURES["F1"](event_counts(nearest_range)([missed, none], THRESHOLD)[0])
 
     assert f1.tolist() == pytest.approx([0.0, np.nan], nan_ok=True)
 
@@ -116,7 +117,7 @@ def test_scans_are_scored_one_by_one_as_scikit_learn_does(make_record: MakeRecor
     record.scans["contact"] = rng.random(200) < 0.3
     nearest, truth = nearest_range(record), record.scans["contact"]
 
-    counts = scan_counts(nearest_range, [record, record], np.array([nearest[0], 0.45]))[:, 0]
+    counts = scan_counts(nearest_range)([record, record], np.array([nearest[0], 0.45]))[:, 0]
 
     for row, threshold in zip(counts, (nearest[0], 0.45), strict=True):
         says = nearest < threshold  # strict, also where a scan is as near as the threshold
@@ -153,5 +154,5 @@ def test_lead_time_runs_from_the_first_alarm_to_each_contact_that_was_found(
     # Told by two alarms; told only once it has begun; not told.
     record = near_at(make_record, 0.5, 0.55, 1.1, 2.2, contacts=[(1.0, 1.1), (2.0, 2.3), (3.5, 3.6)])
 
-    assert lead_times(record, nearest_range(record), 0.2) == pytest.approx([0.5, 0.0])
-    assert lead_times(record, nearest_range(record), 0.1).size == 0
+    assert lead_times(record, nearest_range(record) < 0.2) == pytest.approx([0.5, 0.0])
+    assert lead_times(record, nearest_range(record) < 0.1).size == 0

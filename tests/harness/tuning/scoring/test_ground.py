@@ -10,7 +10,7 @@ from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.scoring.ground import MEASURES, counts_of, study_ground
 from harness.tuning.scoring.imu_events import SIGNALS, ImuEvents, current_smoothness, peak_acceleration
-from harness.tuning.scoring.notes import judgement
+from harness.tuning.scoring.study import judgement
 
 MakeRecord = Callable[..., EpisodeRecord]
 Seconds = list[dict[str, float]]

@@ -7,12 +7,17 @@ import pytest
 
 from harness.tuning.episodes.plan import Part, plan
 from harness.tuning.episodes.record import Ending, EpisodeRecord, Sight
-from harness.tuning.scoring.baselines import UnseenContacts
-from harness.tuning.scoring.collision import CollisionStudy, DetectorStudy
+from harness.tuning.scoring.collision import CollisionStudy, DetectorStudy, UnseenContacts
 from harness.tuning.scoring.estimate import Estimate
-from harness.tuning.scoring.notes import alternatives, judgement, unreachable
 from harness.tuning.scoring.result import Candidate, Verdict
-from harness.tuning.scoring.study import Driven, _driven, scored_records
+from harness.tuning.scoring.study import (
+    Driven,
+    _driven,
+    alternatives,
+    judgement,
+    scored_records,
+    unreachable,
+)
 
 MakeRecord = Callable[..., EpisodeRecord]
 

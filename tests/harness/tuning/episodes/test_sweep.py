@@ -9,9 +9,9 @@ from harness.episode.batch import Batch
 from harness.errors import Diverged, RunFailed
 from harness.samples import LaserScan, Tick
 from harness.truth.traversal import Truth
-from harness.tuning.episodes.drive import _drive
 from harness.tuning.episodes.recompute import Collected
 from harness.tuning.episodes.record import Ending
+from harness.tuning.episodes.sweep import _drive
 
 
 class Scripted:
