@@ -4,8 +4,7 @@ import math
 from collections.abc import Iterator
 
 from harness.robots import RoverSpec
-from harness.validation.check import Check, Span, at_least
-from harness.validation.expected import expected_of
+from harness.validation.check import Check, Span, at_least, expected_of
 from harness.validation.grounds import Block, floor, ramp
 from harness.validation.rig import Rig, largest_passing
 from harness.validation.stability import steepest_stand

@@ -8,8 +8,7 @@ import numpy as np
 from harness.robots import RoverSpec
 from harness.sensors.base import HIGHEST_RATE, period_ticks
 from harness.sensors.imu import ImuSensor
-from harness.validation.check import Check, Span, at_most
-from harness.validation.expected import expected_of
+from harness.validation.check import Check, Span, at_most, expected_of
 from harness.validation.grounds import floor
 from harness.validation.rig import TICK, Rig
 

@@ -27,18 +27,11 @@ class Course:
     world: World
     heading: float
 
-    def ahead(self, x: float, y: float) -> tuple[float, float]:
-        """World coordinates of a point `x` ahead and `y` to the left of the origin [m]."""
-        c, s = math.cos(self.heading), math.sin(self.heading)
-        return c * x - s * y, s * x + c * y
 
-
-def floor(seed: int, *obstacles: "Block") -> Course:
+def floor(seed: int, *blocks: "Block") -> Course:
     """A level floor, as even as a good concrete one, with blocks on it."""
     heading, heights = _heading_and_floor(seed)
-    course = Course(_world(heights, seed), heading)
-    solid = tuple(block.stand(course) for block in obstacles)
-    return Course(_world(heights, seed, solid), heading)
+    return Course(_world(heights, seed, tuple(block.facing(heading) for block in blocks)), heading)
 
 
 def ramp(seed: int, incline: float) -> Course:
@@ -79,23 +72,22 @@ class Block:
     x: float
     y: float = 0.0
 
-    def stand(self, course: Course) -> Obstacle:
-        """The block as an obstacle of the course, at the height of the level floor."""
-        x, y = course.ahead(self.x, self.y)
+    def facing(self, heading: float) -> Obstacle:
+        """The block as an obstacle on the level floor, ahead of a rover with that heading [rad]."""
+        c, s = math.cos(heading), math.sin(heading)
         return Obstacle(
             kind=ObstacleKind.ROCK,
             shape=self.shape,
             half_size=self.half_size,
-            position=(x, y, self.half_size[-1]),
-            quaternion=orientation(course.heading),
+            position=(c * self.x - s * self.y, s * self.x + c * self.y, self.half_size[-1]),
+            quaternion=orientation(heading),
         )
 
 
 def _heading_and_floor(seed: int) -> tuple[float, Field]:
-    rng = _rng(seed)
+    rng, (x, _) = _rng(seed), _grid()
     heading = rng.uniform(-math.pi, math.pi)
-    shape = _grid()[0].shape
-    return heading, UNEVENNESS * fractal(rng, shape, cell=CELL, longest=2.0, shortest=0.3)
+    return heading, UNEVENNESS * fractal(rng, x.shape, cell=CELL, longest=2.0, shortest=0.3)
 
 
 def _rng(seed: int) -> np.random.Generator:

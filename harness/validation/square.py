@@ -11,8 +11,7 @@ from collections.abc import Iterator
 from harness.robots import RoverSpec
 from harness.sensors.base import period_ticks
 from harness.sensors.odometry import WheelOdometry
-from harness.validation.check import Check, Span, around
-from harness.validation.expected import expected_of
+from harness.validation.check import Check, Span, around, expected_of
 from harness.validation.grounds import floor
 from harness.validation.rig import TICK, Rig
 

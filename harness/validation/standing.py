@@ -8,8 +8,7 @@ import numpy as np
 from harness.robots import RoverSpec
 from harness.sensors.base import period_ticks
 from harness.sensors.imu import ImuSensor
-from harness.validation.check import Check, Span, around, at_most
-from harness.validation.expected import Passage, expected_of
+from harness.validation.check import Check, Passage, Span, around, at_most, expected_of
 from harness.validation.grounds import Block, floor, saddle
 from harness.validation.rig import Rig, largest_passing
 

@@ -13,16 +13,22 @@ from pathlib import Path
 
 import mujoco
 from PIL import Image
+from scipy.signal import lfilter
 
 from harness.errors import HarnessError
 from harness.files import whole_file
-from harness.view.camera import best_view
+from harness.view.camera import View, best_view, chase_view
 from harness.view.stage import Quality
+from harness.view.states import States
 from harness.view.studio import Studio
 
 SCALE = 2  # a picture of 1280 x 640 is drawn twice as large: edges and shadows get smooth
 QUALITY = Quality(width=SCALE * 1280, height=SCALE * 640, samples=4, shadow_map=8192, slices=28)
 KEPT_BITS = 0xFC  # of each colour: the last two are noise that doubles the file
+VIDEO_QUALITY = Quality(width=960, height=480, samples=2, shadow_map=2048, slices=16)
+FRAME_RATE = 25  # [Hz], the recording's
+MOST_FRAMES = 250  # 10 s: a longer run is played faster, so that no video takes minutes to draw
+TURN_TIME = 2.0  # [s] that the camera takes to follow a turn
 
 
 def draw_picture(recording: Path, target: Path, *, lidar: bool) -> None:
@@ -34,6 +40,31 @@ def draw_picture(recording: Path, target: Path, *, lidar: bool) -> None:
         image = Image.fromarray(studio.image(-1, view)).reduce(SCALE)
     with whole_file(target) as part:
         image.point(lambda value: value & KEPT_BITS).save(part, format="PNG", optimize=True)
+
+
+def draw_video(recording: Path, target: Path, *, lidar: bool) -> None:
+    """Draws a recording as H.264 in MP4: the camera follows the rover, the path grows behind it."""
+    import av  # noqa: PLC0415 - its extra may be missing
+
+    with Studio(recording, VIDEO_QUALITY, lidar=lidar) as studio, whole_file(target) as part:
+        count = len(studio.recording.times)
+        frames = range(0, count, -(-count // MOST_FRAMES))
+        views = _chase(studio.recording)
+        with av.open(str(part), "w", format="mp4") as container:
+            stream = container.add_stream("libx264", rate=FRAME_RATE, options={"crf": "23"})
+            stream.width, stream.height = VIDEO_QUALITY.width, VIDEO_QUALITY.height
+            stream.pix_fmt = "yuv420p"
+            for index in frames:
+                image = av.VideoFrame.from_ndarray(studio.image(index, views[index]), format="rgb24")
+                container.mux(stream.encode(image))
+            container.mux(stream.encode())
+
+
+def _chase(recording: States) -> list[View]:
+    """A view from behind at each state; by a low-pass it turns more calmly than the rover."""
+    share = 1.0 / (TURN_TIME * FRAME_RATE)
+    calm, _ = lfilter([share], [1.0, share - 1.0], recording.yaw, zi=(1.0 - share) * recording.yaw[:1])
+    return [chase_view(place, yaw) for place, yaw in zip(recording.path, calm.tolist(), strict=True)]
 
 
 def probe() -> None:
@@ -52,8 +83,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.picture is not None:
             draw_picture(options.recording, options.picture, lidar=options.lidar)
         if options.video is not None:
-            from harness.view.video import draw_video  # noqa: PLC0415 - its extra may be missing
-
             draw_video(options.recording, options.video, lidar=options.lidar)
     except (HarnessError, OSError) as error:
         print(f"harness.view.picture: {error}", file=sys.stderr)

@@ -29,9 +29,14 @@ SCENE = (  # of the configuration
 
 
 class StateWriter:
-    """Appends the states of an episode to a new file; a context manager that closes it."""
+    """Appends the states of an episode to a new file; a context manager that closes it.
+
+    Attributes:
+        path: The file.
+    """
 
     def __init__(self, path: Path, config: EpisodeConfig) -> None:
+        self.path = path
         self._file = path.open("wb")
         self._file.write(json.dumps({name: getattr(config, name) for name in SCENE}).encode() + b"\n")
 

@@ -18,7 +18,7 @@ from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.view.camera import View
 from harness.view.marks import Mark, add_marks, beam_marks, path_marks, track_marks
-from harness.view.stage import Quality, aim_sun, dress, visible_groups
+from harness.view.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
 from harness.view.states import read_states
 
 MOST_GEOMS = 20_000  # of scene and marks together
@@ -46,7 +46,8 @@ class Studio:
             *path_marks(self.recording, world.ground),
             *track_marks(self.recording, world.ground, rover),
         ]
-        self.half_width = _half_width(self.model)
+        half_height = math.tan(math.radians(0.5 * FIELD_OF_VIEW))
+        self.half_width = quality.width / quality.height * half_height
         self._renderer = mujoco.Renderer(self.model, quality.height, quality.width, max_geom=MOST_GEOMS)
 
     def __enter__(self) -> Self:
@@ -81,8 +82,3 @@ class Studio:
         level = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
         directions = level @ site.xmat.reshape(3, 3).T
         return beam_marks(site.xpos, directions, self._lidar.scan(self.data))
-
-
-def _half_width(model: mujoco.MjModel) -> float:
-    view = model.vis.global_
-    return float(view.offwidth / view.offheight * math.tan(math.radians(0.5 * view.fovy)))
