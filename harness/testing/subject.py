@@ -1,9 +1,9 @@
-"""The node under test: hosted in this process or started as one of its own, kept in lock-step."""
+"""The node under test, hosted in this process or started as one of its own, and what is heard of it."""
 
 import signal
 import subprocess
-from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar
 
 from rclpy.executors import Executor
 
@@ -13,6 +13,8 @@ from harness.ros.executor import SPIN_TIMEOUT, spin_until
 from harness.ros.remote import DISCOVERY_PATIENCE, RemoteNode
 
 EXIT_PATIENCE = 5.0  # [s] for a node to leave after SIGINT before it is killed
+
+Message = TypeVar("Message")
 
 
 class Subject:
@@ -58,15 +60,16 @@ class Subject:
         return any(timer.clock is clock and timer.is_ready() for timer in self._node.timers)
 
 
-def started(command: Sequence[str], environment: dict[str, str]) -> "subprocess.Popen[bytes]":
-    """Starts a node's process; its output goes where this process's goes."""
-    return subprocess.Popen(list(command), env=environment)
-
-
 def await_node(
     process: "subprocess.Popen[bytes]", name: str, bridge: Bridge, executor: Executor
 ) -> None:
     """Waits until a started node is there.
+
+    Args:
+        process: What runs it.
+        name: Its fully qualified name.
+        bridge: Sees the graph.
+        executor: Spins the bridge.
 
     Raises:
         RunFailed: Its process has ended instead.
@@ -90,3 +93,33 @@ def stop(process: "subprocess.Popen[bytes]") -> None:
     except subprocess.TimeoutExpired:
         process.kill()
         process.wait()
+
+
+@dataclass(eq=False)
+class Heard(Generic[Message]):
+    """The messages of one topic, in the order in which they arrived.
+
+    Attributes:
+        topic: Its resolved name.
+        messages: All of them.
+        times: Simulated seconds at which each arrived.
+    """
+
+    topic: str
+    messages: list[Message] = field(default_factory=list)
+    times: list[float] = field(default_factory=list)
+
+    def __len__(self) -> int:
+        return len(self.messages)
+
+    @property
+    def latest(self) -> Message:
+        """The last message.
+
+        Raises:
+            AssertionError: Nothing has been heard.
+        """
+        if not self.messages:
+            message = f"nothing has been heard on {self.topic}"
+            raise AssertionError(message)
+        return self.messages[-1]
