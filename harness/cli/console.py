@@ -15,11 +15,11 @@ from harness.world.terrain import Terrain
 from harness.world.terrains import TERRAINS
 
 
-class RunProgress:
+class RunProgress(Progress):
     """A progress bar over simulated time; silent where the output is no terminal."""
 
     def __init__(self, console: Console, title: str, total_s: float) -> None:
-        self._bar = Progress(
+        super().__init__(
             TextColumn("[bold]{task.description}"),
             BarColumn(bar_width=None),
             TextColumn("{task.completed:.1f} / {task.total:.1f} s"),
@@ -29,19 +29,18 @@ class RunProgress:
             console=console,
             disable=not console.is_terminal,
         )
-        self._task = self._bar.add_task(title, total=total_s, factor=0.0, distance=0.0, messages=0)
+        self._run = self.add_task(title, total=total_s, factor=0.0, distance=0.0, messages=0)
 
     def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.stop()
+        return (
+            self  # unlike its base it appears with the first `show`, below what nodes say as they start
+        )
 
     def show(self, progress: result.Progress) -> None:
-        """Moves the bar; it appears with the first call, below what nodes say as they start."""
-        self._bar.start()
-        self._bar.update(
-            self._task,
+        """Moves the bar."""
+        self.start()
+        self.update(
+            self._run,
             completed=progress.simulated_s,
             factor=progress.real_time_factor,
             distance=progress.path_length,

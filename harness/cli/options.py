@@ -90,18 +90,25 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         UsageError: Two options exclude each other; the message names the mend.
     """
     words, ros_args = split_ros_args(arguments)
-    given = run_parser().parse_args(words)
+    parser = run_parser()
+    given = parser.parse_args(words)
+    if given.terrain_size is not None:
+        if len(given.terrain_size) > 2:
+            parser.error("argument --terrain-size: give one or two numbers")
+        given.terrain_size = given.terrain_size[0], given.terrain_size[-1]
     if given.list:
         return None
     _check_combination(given, ros_args)
     config = _filled(EpisodeConfig, given, faults=tuple(given.fault))
+    namespace = given.namespace.strip("/")
+    namespace_args = ("--ros-args", "-r", f"__ns:=/{namespace}", "--") if namespace else ()
     extended_args = extended_ros_args(find_rover(config.robot)) if given.extended else ()
     ros = _filled(
         RosOptions,
         given,
         host_metrics=not given.no_metrics,
         wait_for=tuple(given.wait_for),
-        ros_args=(*_namespace_args(given.namespace), *extended_args, *ros_args),
+        ros_args=(*namespace_args, *extended_args, *ros_args),
     )
     return _filled(RunOptions, given, config=config, ros=ros)
 
@@ -110,12 +117,6 @@ def _filled(cls: type[T], given: argparse.Namespace, **others: object) -> T:
     """A dataclass of the options of its fields' names, and of others."""
     names = [item.name for item in fields(cls)]  # type: ignore[arg-type]  # a dataclass
     return cls(**{name: getattr(given, name) for name in names if name in given} | others)
-
-
-def _namespace_args(namespace: str) -> list[str]:
-    """The ROS arguments that put every topic but /clock into a namespace."""
-    name = namespace.strip("/")
-    return ["--ros-args", "-r", f"__ns:=/{name}", "--"] if name else []
 
 
 def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> None:
@@ -169,14 +170,8 @@ def _add(group: Group, options: Sequence[Option], defaults: object = None) -> No
 def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
     about = "see --list, or a heightmap: GeoTIFF, TIFF, PNG, .npy"
     world.add_argument("--terrain", default=defaults.terrain, metavar="NAME|FILE", help=about)
-    world.add_argument(
-        "--terrain-size",
-        type=float,
-        nargs="+",
-        action=_WidthAndDepth,
-        metavar="M",
-        help="side length, or width and depth, of a heightmap that does not say",
-    )
+    about = "side length, or width and depth, of a heightmap that does not say"
+    world.add_argument("--terrain-size", type=float, nargs="+", metavar="M", help=about)
     about = "relief, lowest to highest point, of a heightmap that does not say"
     world.add_argument("--terrain-height", type=float, metavar="M", help=about)
     _add(world, EPISODE, defaults)
@@ -214,18 +209,3 @@ def _rate(text: str) -> float | None:
         message = f"'{text}' is not valid; give 'max' or a number from {SLOWEST_RATE} up"
         raise argparse.ArgumentTypeError(message)
     return rate
-
-
-class _WidthAndDepth(argparse.Action):
-    """Takes two numbers, or one for both."""
-
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: Any,  # noqa: ANN401 - as argparse has it
-        option_string: str | None = None,
-    ) -> None:
-        if len(values) > 2:
-            parser.error(f"argument {option_string}: give one or two numbers")
-        setattr(namespace, self.dest, (values[0], values[-1]))

@@ -110,11 +110,6 @@ class StagedEncounter(ABC):
         """Where the rover is [m]."""
         return self._now.x, self._now.y
 
-    @property
-    def touches(self) -> bool:
-        """Whether the rover touches a hazard."""
-        return self._now.touches_hazard
-
     def turn_to(self, heading: float) -> float:
         """Angle from the rover's heading to another [rad], -pi..pi."""
         return math.remainder(heading - self._now.yaw, math.tau)
@@ -127,12 +122,12 @@ class StagedEncounter(ABC):
             # In reverse the tail leads, and the same turn brings it onto the line.
             turn = self.turn_to(meeting.heading + correction)
             yield Twist(meeting.speed, self._yaw_rate(turn))
-            patience -= self.touches * CONTROL_PERIOD
+            patience -= self._now.touches_hazard * CONTROL_PERIOD
 
     def spin(self, seconds: float, rate: float) -> Iterator[Twist]:
         """Turns in place, until it touches something."""
         for _ in range(round(seconds / CONTROL_PERIOD)):
-            if self.touches:
+            if self._now.touches_hazard:
                 return
             yield Twist(0.0, rate)
 
@@ -165,7 +160,7 @@ class StagedEncounter(ABC):
     def _go(self, goal: Point) -> Iterator[Twist]:
         for _ in range(round(GO_PATIENCE / CONTROL_PERIOD)):
             x, y = self.here
-            if math.dist(goal, (x, y)) < ARRIVED or self.touches:
+            if math.dist(goal, (x, y)) < ARRIVED or self._now.touches_hazard:
                 return
             error = self.turn_to(math.atan2(goal[1] - y, goal[0] - x))
             yield Twist(self.rover.cruise_speed * max(0.0, math.cos(error)), self._yaw_rate(error))

@@ -16,7 +16,7 @@ from harness.episode.batch import Batch
 from harness.episode.result import RunResult
 from harness.errors import HarnessError
 from harness.files import check_target, whole_file
-from harness.samples import Imu, LaserScan, PlacedScan, Pose, Tick, Vector3
+from harness.samples import Imu, LaserScan, PlacedScan, Pose, Vector3
 from harness.sim_time import NANOSECONDS
 
 BATCHES_PER_STRETCH = 2  # at first: 0.1 s
@@ -98,7 +98,8 @@ class RunRecorder:
                         accelerations.append(math.hypot(*sample.linear_acceleration))
                     case LaserScan():
                         nearest = min(nearest, _nearest(sample))
-                        self._keep(sample, tick)
+                        poses = [other for other in tick.samples if isinstance(other, Pose)]
+                        self.last_scan = PlacedScan(sample, poses[0]) if poses else self.last_scan
         truth, touched_s = batch.truth, self._contact_s
         self._contact_s = truth.hazard_contact_s
         return Stretch(
@@ -110,11 +111,6 @@ class RunRecorder:
             nearest_range=nearest,
             contact_s=truth.hazard_contact_s - touched_s,
         )
-
-    def _keep(self, scan: LaserScan, tick: Tick) -> None:
-        poses = [sample for sample in tick.samples if isinstance(sample, Pose)]
-        if poses:
-            self.last_scan = PlacedScan(scan, poses[0])
 
 
 def _nearest(scan: LaserScan) -> float:

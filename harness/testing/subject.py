@@ -17,47 +17,38 @@ EXIT_PATIENCE = 5.0  # [s] for a node to leave after SIGINT before it is killed
 Message = TypeVar("Message")
 
 
-class Subject:
+class Subject(RemoteNode):
     """A node that must have handled everything before time goes on; a Listener.
+
+    It knows every subscription that was made here before: DDS announces a participant's endpoints in
+    order, and a node that answers a new client has heard of what is older than that client.
 
     Args:
         name: Its fully qualified name.
         bridge: What publishes to it.
         executor: Spins the bridge, and the node if it is hosted.
         node: The rclpy node if it is hosted.
+
+    Raises:
+        UsageError: There is no such node, or it runs on wall time.
     """
 
     def __init__(self, name: str, bridge: Bridge, executor: Executor, node: Any = None) -> None:  # noqa: ANN401
-        self._name, self._bridge, self._executor, self._node = name, bridge, executor, node
-        self.connect()
-
-    def connect(self) -> None:
-        """Waits until the node knows every subscription that was made here before.
-
-        DDS announces a participant's endpoints in order: a node that answers a new client has heard of
-        what is older than that client.
-
-        Raises:
-            UsageError: There is no such node, or it runs on wall time.
-        """
-        self._remote = RemoteNode(self._name, self._bridge, self._executor)
-
-    def wait_for_samples(self) -> None:
-        """Returns when the node has handled its queue, and everybody here what it then published."""
-        self._remote.wait_for_samples()
+        super().__init__(name, bridge, executor)
+        self.node = node
 
     def wait_for_clock(self, stamp_ns: int) -> None:
         """Returns when its timers have run too."""
-        self._remote.wait_for_clock(stamp_ns)
+        super().wait_for_clock(stamp_ns)
         while self._timer_is_due():
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
-        self._remote.wait_for_clock(stamp_ns)
+        super().wait_for_clock(stamp_ns)
 
     def _timer_is_due(self) -> bool:
-        if self._node is None:
+        if self.node is None:
             return False
-        clock = self._node.get_clock()
-        return any(timer.clock is clock and timer.is_ready() for timer in self._node.timers)
+        clock = self.node.get_clock()
+        return any(timer.clock is clock and timer.is_ready() for timer in self.node.timers)
 
 
 def await_node(
@@ -86,8 +77,7 @@ def await_node(
 
 def stop(process: "subprocess.Popen[bytes]") -> None:
     """Ends a node's process as Ctrl-C does, or else by force."""
-    if process.poll() is None:
-        process.send_signal(signal.SIGINT)
+    process.send_signal(signal.SIGINT)  # which does nothing to one that has ended
     try:
         process.wait(EXIT_PATIENCE)
     except subprocess.TimeoutExpired:

@@ -152,8 +152,9 @@ class Trial:
             heard.times.append(self.time)
 
         self._bridge.create_subscription(message_type, topic, take, qos)
-        for subject in self._subjects:
-            subject.connect()
+        self._subjects = [
+            Subject(known.name, self._bridge, self._executor, known.node) for known in self._subjects
+        ]
         self._connect()
         return heard
 

@@ -60,11 +60,6 @@ def at_most(value: float, source: str) -> Span:
     return Span(-math.inf, value, source)
 
 
-def at_least(value: float, source: str) -> Span:
-    """Everything from a value on."""
-    return Span(value, math.inf, source)
-
-
 NOTHING_TOLD = Span(-math.inf, math.inf, "nothing is told of it")
 
 

@@ -5,7 +5,7 @@ result hangs on one lucky triangle. Obstacles stand ahead of a rover that faces 
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,10 +28,10 @@ class Course:
     heading: float
 
 
-def floor(seed: int, *blocks: "Block") -> Course:
-    """A level floor, as even as a good concrete one, with blocks on it."""
+def floor(seed: int, *blocks: Obstacle) -> Course:
+    """A level floor, as even as a good concrete one, with blocks where the rover sees them."""
     heading, heights = _heading_and_floor(seed)
-    return Course(_world(heights, seed, tuple(block.facing(heading) for block in blocks)), heading)
+    return Course(_world(heights, seed, tuple(_turned(one, heading) for one in blocks)), heading)
 
 
 def ramp(seed: int, incline: float) -> Course:
@@ -58,30 +58,23 @@ def saddle(seed: int, twist: float) -> Course:
     return Course(_world(sign * twist * x * y * reach, seed), heading)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Block:
-    """A solid thing on the floor, upright, aligned with the rover's heading.
+def block(shape: Shape, half_size: tuple[float, ...], x: float, y: float = 0.0) -> Obstacle:
+    """Returns a solid thing that stands on the floor, as seen from the rover.
 
-    Attributes:
-        half_size: As in `Obstacle` [m].
-        x: Of its centre ahead of the origin [m]; `y` to the left.
+    Args:
+        shape: As in `Obstacle`.
+        half_size: Likewise [m].
+        x: Of its centre ahead of the origin [m].
+        y: To the left [m].
     """
+    position = (x, y, half_size[-1])
+    return Obstacle(kind=ObstacleKind.ROCK, shape=shape, half_size=half_size, position=position)
 
-    shape: Shape
-    half_size: tuple[float, ...]
-    x: float
-    y: float = 0.0
 
-    def facing(self, heading: float) -> Obstacle:
-        """The block as an obstacle on the level floor, ahead of a rover with that heading [rad]."""
-        c, s = math.cos(heading), math.sin(heading)
-        return Obstacle(
-            kind=ObstacleKind.ROCK,
-            shape=self.shape,
-            half_size=self.half_size,
-            position=(c * self.x - s * self.y, s * self.x + c * self.y, self.half_size[-1]),
-            quaternion=orientation(heading),
-        )
+def _turned(obstacle: Obstacle, heading: float) -> Obstacle:
+    (x, y, z), c, s = obstacle.position, math.cos(heading), math.sin(heading)
+    position = c * x - s * y, s * x + c * y, z
+    return replace(obstacle, position=position, quaternion=orientation(heading))
 
 
 def _heading_and_floor(seed: int) -> tuple[float, Field]:

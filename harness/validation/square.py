@@ -46,13 +46,10 @@ class Journey:
         self._last = now
         self._ticks += 1
         if self._ticks % self._period_ticks == 0:
-            self._read()
-
-    def _read(self) -> None:
-        reading, period = self._odometry.read(), self._period_ticks * TICK
-        self.told_path += reading.twist.linear * period
-        self.told_yaw += reading.twist.angular * period
-        self.told_place = complex(reading.x, reading.y)
+            reading, period = self._odometry.read(), self._period_ticks * TICK
+            self.told_path += reading.twist.linear * period
+            self.told_yaw += reading.twist.angular * period
+            self.told_place = complex(reading.x, reading.y)
 
     @property
     def true_yaw(self) -> float:

@@ -5,10 +5,9 @@ import os
 import subprocess
 import sys
 import tempfile
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from functools import cache
 from pathlib import Path
-from typing import Self
 
 from harness.config import EpisodeConfig
 from harness.episode.batch import Batch
@@ -37,7 +36,7 @@ class DrawingFailed(HarnessError):
     """The run is done, its picture or video is not."""
 
 
-class Drawing:
+class Drawing(AbstractContextManager["Drawing"]):
     """The picture and the video of one run; a context manager that leaves no states behind.
 
     Args:
@@ -61,9 +60,6 @@ class Drawing:
     def wanted(self) -> bool:
         """Whether anything is to be drawn."""
         return bool(self._targets)
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self._at_end.close()
