@@ -63,15 +63,13 @@ class Wander:
     def _bearing_to_goal(self, observation: Observation) -> float:
         if max(abs(observation.x), abs(observation.y)) > self._turn_back:
             self._goal = (0.0, 0.0)
-        if self._goal is None or self._goal_is_over(observation, self._goal):
+        here, waited_ns = (observation.x, observation.y), observation.time_ns - self._goal_since_ns
+        is_late = waited_ns > GOAL_PATIENCE_NS
+        if self._goal is None or is_late or math.dist(self._goal, here) < GOAL_REACHED:
             self._goal = self._next_goal(observation)
             self._goal_since_ns = observation.time_ns
         bearing = math.atan2(self._goal[1] - observation.y, self._goal[0] - observation.x)
         return math.remainder(bearing - observation.yaw, math.tau)
-
-    def _goal_is_over(self, observation: Observation, goal: tuple[float, float]) -> bool:
-        distance = math.dist(goal, (observation.x, observation.y))
-        return distance < GOAL_REACHED or (observation.time_ns - self._goal_since_ns > GOAL_PATIENCE_NS)
 
     def _next_goal(self, observation: Observation) -> tuple[float, float]:
         distance = self._rng.uniform(*GOAL_DISTANCE)

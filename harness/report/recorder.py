@@ -97,7 +97,8 @@ class RunRecorder:
                     case Imu():
                         accelerations.append(math.hypot(*sample.linear_acceleration))
                     case LaserScan():
-                        nearest = min(nearest, _nearest(sample))
+                        finite = sample.ranges[np.isfinite(sample.ranges)]
+                        nearest = min(nearest, float(finite.min(initial=np.inf)))
                         poses = [other for other in tick.samples if isinstance(other, Pose)]
                         self.last_scan = PlacedScan(sample, poses[0]) if poses else self.last_scan
         truth, touched_s = batch.truth, self._contact_s
@@ -111,11 +112,6 @@ class RunRecorder:
             nearest_range=nearest,
             contact_s=truth.hazard_contact_s - touched_s,
         )
-
-
-def _nearest(scan: LaserScan) -> float:
-    """What the metrics call clearance: the smallest finite range [m], or inf."""
-    return float(np.min(scan.ranges, initial=np.inf, where=np.isfinite(scan.ranges)))
 
 
 class RunReport:

@@ -23,7 +23,6 @@ SUITE: tuple[Manoeuvres, ...] = (
     climbing.checks,
     stability.checks,
 )
-Results = Mapping[str, Sequence[Check]]  # by the rover's name
 
 
 def validate(rover: RoverSpec, seed: int) -> list[Check]:
@@ -40,7 +39,7 @@ def print_table(console: Console, robot: str, checks: Sequence[Check]) -> None:
     console.print(table)
 
 
-def as_markdown(results: Results) -> str:
+def as_markdown(results: Mapping[str, Sequence[Check]]) -> str:
     """The tables of all rovers, each under its name."""
     return "\n\n".join(f"### {robot}\n\n{_rows(checks)}" for robot, checks in results.items())
 

@@ -63,7 +63,7 @@ class View:
         return (depth > 0.5) & (np.abs(offsets @ right) < half_width * depth)
 
 
-def view_from(rover: Vector, azimuth: float, aside: float) -> View:
+def _view_from(rover: Vector, azimuth: float, aside: float) -> View:
     """A view past the rover, which stands `aside` [m] left of the middle of the picture."""
     heading = math.radians(azimuth)
     ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
@@ -74,7 +74,7 @@ def view_from(rover: Vector, azimuth: float, aside: float) -> View:
 
 def chase_view(rover: Vector, yaw: float) -> View:
     """A view from behind, a little to the side, of a rover at that place [m] and heading [rad]."""
-    return replace(view_from(rover, math.degrees(yaw) + CHASE_SIDE, 0.0), elevation=CHASE_ELEVATION)
+    return replace(_view_from(rover, math.degrees(yaw) + CHASE_SIDE, 0.0), elevation=CHASE_ELEVATION)
 
 
 def best_view(
@@ -96,7 +96,7 @@ def best_view(
         off_front = abs(abs(math.remainder(to_camera - yaw, math.tau)) - BEST_FRONT)
         return shown - 0.25 * off_front - 10.0 * _is_hidden(view, model, data, path[-1])
 
-    views = (view_from(path[-1], azimuth, s * ASIDE) for azimuth in AZIMUTHS.tolist() for s in (-1, 1))
+    views = (_view_from(path[-1], azimuth, s * ASIDE) for azimuth in AZIMUTHS.tolist() for s in (-1, 1))
     return max(views, key=merit)
 
 

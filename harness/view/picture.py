@@ -98,7 +98,7 @@ class Studio(AbstractContextManager["Studio"]):
         return beam_marks(site.xpos, directions, self._lidar.scan(self.data))
 
 
-def draw_picture(recording: Path, target: Path, *, lidar: bool) -> None:
+def _draw_picture(recording: Path, target: Path, *, lidar: bool) -> None:
     """Draws the end of a recording with the path that led there, as PNG."""
     with Studio(recording, QUALITY, lidar=lidar) as studio:
         states = studio.recording
@@ -109,7 +109,7 @@ def draw_picture(recording: Path, target: Path, *, lidar: bool) -> None:
         image.point(lambda value: value & KEPT_BITS).save(part, format="PNG", optimize=True)
 
 
-def draw_video(recording: Path, target: Path, *, lidar: bool) -> None:
+def _draw_video(recording: Path, target: Path, *, lidar: bool) -> None:
     """Draws a recording as H.264 in MP4: the camera follows the rover, the path grows behind it."""
     import av  # noqa: PLC0415 - its extra may be missing
 
@@ -133,23 +133,18 @@ def _chase(recording: States) -> list[View]:
     return [chase_view(place, yaw) for place, yaw in zip(recording.path, headings, strict=True)]
 
 
-def probe() -> None:
-    """Makes and drops an OpenGL context; raises whatever MuJoCo does if there is none."""
-    model = mujoco.MjModel.from_xml_string("<mujoco/>")
-    mujoco.Renderer(model, 16, 16).close()
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = _parser().parse_args(arguments)
     try:
         if options.recording is None:
-            probe()
+            # Whatever MuJoCo raises if there is no OpenGL is what whoever started this looks for.
+            mujoco.Renderer(mujoco.MjModel.from_xml_string("<mujoco/>"), 16, 16).close()
             return 0
         if options.picture is not None:
-            draw_picture(options.recording, options.picture, lidar=options.lidar)
+            _draw_picture(options.recording, options.picture, lidar=options.lidar)
         if options.video is not None:
-            draw_video(options.recording, options.video, lidar=options.lidar)
+            _draw_video(options.recording, options.video, lidar=options.lidar)
     except (HarnessError, OSError) as error:
         print(f"harness.view.picture: {error}", file=sys.stderr)
         return error.exit_code if isinstance(error, HarnessError) else 1
