@@ -42,7 +42,7 @@ class RoverSpec:
         cruise_speed: What the scripted drivers command; `cruise_yaw_rate` likewise.
         encoder_ticks: Encoder resolution per wheel revolution.
         lidar_height: Above flat ground, as is `clearance`, that of the underside.
-        expected: What harness.validation.expected reads.
+        expected: What harness.validation.check reads.
     """
 
     name: str

@@ -25,7 +25,7 @@ from harness.episode.result import RunResult
 from harness.errors import HarnessError, UsageError
 from harness.files import check_target
 from harness.interrupt import StopRequest
-from harness.report import RunReport
+from harness.report.recorder import RunReport
 from harness.view.drawing import Drawing, keep_opengl_out
 from harness.world.heightmap.dem import is_terrain_file
 

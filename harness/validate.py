@@ -16,8 +16,7 @@ from rich.console import Console
 from harness.errors import HarnessError, UsageError
 from harness.robots import MODELS_DIR, ROVERS, find_rover
 from harness.validation.realism import compare, print_comparison
-from harness.validation.suite import validate
-from harness.validation.table import as_markdown, print_table, write_between_markers
+from harness.validation.suite import as_markdown, print_table, validate, write_between_markers
 from rover_metrics.errors import OneLineParser
 
 README = MODELS_DIR / "README.md"

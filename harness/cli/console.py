@@ -1,11 +1,11 @@
-"""What a run shows on the terminal: a live progress line, then one summary table."""
+"""What a run shows on the terminal: a live progress line, then its summary; and what can be chosen."""
 
 import math
 from typing import Self
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskID, TextColumn
-from rich.table import Table
+from rich.progress import BarColumn, Progress, TextColumn
+from rich.table import Column, Table
 
 from harness.drivers import DRIVERS
 from harness.episode import result
@@ -15,11 +15,11 @@ from harness.world.terrain import Terrain
 from harness.world.terrains import TERRAINS
 
 
-class RunProgress:
+class RunProgress(Progress):
     """A progress bar over simulated time; silent where the output is no terminal."""
 
     def __init__(self, console: Console, title: str, total_s: float) -> None:
-        self._bar = Progress(
+        super().__init__(
             TextColumn("[bold]{task.description}"),
             BarColumn(bar_width=None),
             TextColumn("{task.completed:.1f} / {task.total:.1f} s"),
@@ -29,21 +29,18 @@ class RunProgress:
             console=console,
             disable=not console.is_terminal,
         )
-        self._task: TaskID = self._bar.add_task(
-            title, total=total_s, factor=0.0, distance=0.0, messages=0
-        )
+        self._run = self.add_task(title, total=total_s, factor=0.0, distance=0.0, messages=0)
 
     def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.stop()
+        return (
+            self  # unlike its base it appears with the first `show`, below what nodes say as they start
+        )
 
     def show(self, progress: result.Progress) -> None:
-        """Moves the bar; it appears with the first call, below what nodes say as they start."""
-        self._bar.start()
-        self._bar.update(
-            self._task,
+        """Moves the bar."""
+        self.start()
+        self.update(
+            self._run,
             completed=progress.simulated_s,
             factor=progress.real_time_factor,
             distance=progress.path_length,
@@ -65,36 +62,32 @@ def print_summary(console: Console, run: result.RunResult) -> None:
 
 
 def _counts_table(run: result.RunResult) -> Table:
-    table = Table(title="Messages", title_justify="left")
-    table.add_column("topic")
-    for column in ("published", "received", "lost"):
-        table.add_column(column, justify="right")
+    counts = (Column(name, justify="right") for name in ("published", "received", "lost"))
+    table = Table("topic", *counts, title="Messages", title_justify="left")
     for topic, count in run.topics.items():
-        received = "-" if count.received is None else f"{count.received:,}"
-        lost = "-" if count.received is None else f"{count.lost:,}"
+        heard = count.received is not None
+        received, lost = (f"{count.received:,}", f"{count.lost:,}") if heard else ("-", "-")
         table.add_row(topic, f"{count.published:,}", received, lost)
     return table
 
 
 def _metrics_table(run: result.RunResult) -> Table:
     row, truth = run.last_row or {}, run.truth
-    table = Table(title="Metrics and truth", title_justify="left")
-    table.add_column("quantity")
-    table.add_column("metrics_node", justify="right")
-    table.add_column("truth", justify="right")
-    table.add_row("distance", _metric(row, "Distance Traveled", " m"), f"{truth.path_length:.2f} m")
-    table.add_row(
-        "collisions",
-        _metric(row, "Total Collisions", " scans"),
-        f"{truth.hazard_contacts} contacts, {truth.hazard_contact_s:.2f} s",
-    )
-    table.add_row("clearance", _metric(row, "Obstacle Clearance", " m"), "")
-    table.add_row("velocity", _metric(row, "Current Velocity", " m/s"), "")
-    table.add_row("wheel slip", "", f"{truth.mean_slip:.2f}")
-    table.add_row("on rocks", "", f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s")
-    table.add_row("scraping the ground", "", f"{truth.scrapes} times, {truth.scrape_s:.2f} s")
+    sides = (Column(name, justify="right") for name in ("metrics_node", "truth"))
+    table = Table("quantity", *sides, title="Metrics and truth", title_justify="left")
+    hits = f"{truth.hazard_contacts} contacts, {truth.hazard_contact_s:.2f} s"
     tipped = ", tipped over" if truth.tipped_over else ""
-    table.add_row("largest tilt", "", f"{math.degrees(truth.largest_tilt):.0f} deg{tipped}")
+    for cells in (
+        ("distance", _metric(row, "Distance Traveled", " m"), f"{truth.path_length:.2f} m"),
+        ("collisions", _metric(row, "Total Collisions", " scans"), hits),
+        ("clearance", _metric(row, "Obstacle Clearance", " m"), ""),
+        ("velocity", _metric(row, "Current Velocity", " m/s"), ""),
+        ("wheel slip", "", f"{truth.mean_slip:.2f}"),
+        ("on rocks", "", f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s"),
+        ("scraping the ground", "", f"{truth.scrapes} times, {truth.scrape_s:.2f} s"),
+        ("largest tilt", "", f"{math.degrees(truth.largest_tilt):.0f} deg{tipped}"),
+    ):
+        table.add_row(*cells)
     return table
 
 
@@ -110,9 +103,8 @@ def print_choices(console: Console) -> None:
         ("drivers", [(name, driver.summary) for name, driver in DRIVERS.items()]),
         ("noise", [(name, preset.summary) for name, preset in PRESETS.items()]),
     ):
-        table = Table(title=title, title_justify="left", show_header=False, box=None)
-        table.add_column(style="bold", no_wrap=True)
-        table.add_column()
+        columns = Column(style="bold", no_wrap=True), Column()
+        table = Table(*columns, title=title, title_justify="left", show_header=False, box=None)
         for name, summary in lines:
             table.add_row(name, summary)
         console.print(table)

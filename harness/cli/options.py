@@ -1,10 +1,10 @@
 """The command line of harness.run: its options, and what they say about the episode."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from harness import __version__
 from harness.config import EpisodeConfig, RosOptions
@@ -20,6 +20,32 @@ from rover_metrics.extended.settings import Settings
 DEFAULT_LOG_DIR = Path(Settings().log_dir)
 SLOWEST_RATE = 0.01
 
+T = TypeVar("T")
+
+Option = tuple[str, Callable[[str], Any], str, str | None]  # flag, type, metavar, help
+
+EPISODE: tuple[Option, ...] = (
+    ("--robot", str, "NAME", ", ".join(ROVERS)),
+    ("--driver", str, "NAME", ", ".join(DRIVERS)),
+    ("--seed", int, "N", None),
+    ("--duration", float, "S", "simulated seconds"),
+    ("--difficulty", float, "D", "0 to 1"),
+    ("--timestep", float, "S", "physics step"),
+)
+SENSORS: tuple[Option, ...] = (("--lidar-beams", int, "N", None), ("--imu-rate", int, "HZ", None))
+RECORD_HELP = (
+    "record every published topic; a killed run's file is read by rover_metrics.replay as it is, and "
+    "mended by: mcap recover FILE.mcap -o MENDED.mcap"
+)
+FILES: tuple[Option, ...] = (
+    ("--record", Path, "FILE.mcap", RECORD_HELP),
+    ("--report", Path, "FILE.html", "write a page about the run: map, plots, truth"),
+    ("--summary", Path, "FILE.json", "write the manifest there"),
+)
+PICTURES: tuple[Option, ...] = (
+    ("--picture", Path, "FILE.png", "draw the rover at the end of its path"),
+    ("--video", Path, "FILE.mp4", "draw the run in at most 10 s (extra [video])"),
+)
 Group = argparse._ArgumentGroup  # noqa: SLF001 - what add_argument_group gives has no public name
 
 
@@ -64,43 +90,33 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         UsageError: Two options exclude each other; the message names the mend.
     """
     words, ros_args = split_ros_args(arguments)
-    given = run_parser().parse_args(words)
+    parser = run_parser()
+    given = parser.parse_args(words)
+    if given.terrain_size is not None:
+        if len(given.terrain_size) > 2:
+            parser.error("argument --terrain-size: give one or two numbers")
+        given.terrain_size = given.terrain_size[0], given.terrain_size[-1]
     if given.list:
         return None
     _check_combination(given, ros_args)
-    config = EpisodeConfig(
-        **{
-            item.name: getattr(given, item.name)
-            for item in fields(EpisodeConfig)
-            if item.name != "faults"
-        },
-        faults=tuple(given.fault),
-    )
+    config = _filled(EpisodeConfig, given, faults=tuple(given.fault))
+    namespace = given.namespace.strip("/")
+    namespace_args = ("--ros-args", "-r", f"__ns:=/{namespace}", "--") if namespace else ()
     extended_args = extended_ros_args(find_rover(config.robot)) if given.extended else ()
-    return RunOptions(
-        config=config,
-        ros=RosOptions(
-            log_dir=given.log_dir,
-            host_metrics=not given.no_metrics,
-            wait_for=tuple(given.wait_for),
-            rate=given.rate,
-            ros_args=(*_namespace_args(given.namespace), *extended_args, *ros_args),
-            record=given.record,
-        ),
-        direct=given.direct,
-        extended=given.extended,
-        report=given.report,
-        summary=given.summary,
-        picture=given.picture,
-        video=given.video,
-        picture_lidar=given.picture_lidar,
+    ros = _filled(
+        RosOptions,
+        given,
+        host_metrics=not given.no_metrics,
+        wait_for=tuple(given.wait_for),
+        ros_args=(*namespace_args, *extended_args, *ros_args),
     )
+    return _filled(RunOptions, given, config=config, ros=ros)
 
 
-def _namespace_args(namespace: str) -> list[str]:
-    """The ROS arguments that put every topic but /clock into a namespace."""
-    name = namespace.strip("/")
-    return ["--ros-args", "-r", f"__ns:=/{name}", "--"] if name else []
+def _filled(cls: type[T], given: argparse.Namespace, **others: object) -> T:
+    """A dataclass of the options of its fields' names, and of others."""
+    names = [item.name for item in fields(cls)]  # type: ignore[arg-type]  # a dataclass
+    return cls(**{name: getattr(given, name) for name in names if name in given} | others)
 
 
 def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> None:
@@ -133,115 +149,53 @@ def run_parser() -> argparse.ArgumentParser:
     )
     _add_episode(parser.add_argument_group("episode"), EpisodeConfig())
     _add_sensors(parser.add_argument_group("sensors"), EpisodeConfig())
-    _add_faults(parser.add_argument_group("faults", describe_faults()))
+    about = f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable"
+    faults = parser.add_argument_group("faults", describe_faults())
+    faults.add_argument("--fault", action="append", default=[], metavar="SPEC", help=about)
     _add_run(parser.add_argument_group("run"))
-    _add_pictures(parser.add_argument_group("pictures"))
+    pictures = parser.add_argument_group("pictures")
+    _add(pictures, PICTURES)
+    pictures.add_argument("--picture-lidar", action="store_true", help="show the lidar's beams in them")
     parser.add_argument("--list", action="store_true", help="print terrains, robots and drivers")
     parser.add_argument("--version", action="version", version=f"rover-harness {__version__}")
     return parser
 
 
+def _add(group: Group, options: Sequence[Option], defaults: object = None) -> None:
+    for flag, kind, metavar, text in options:
+        default = getattr(defaults, flag.removeprefix("--").replace("-", "_"), None)
+        group.add_argument(flag, type=kind, default=default, metavar=metavar, help=text)
+
+
 def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
-    world.add_argument(
-        "--terrain",
-        default=defaults.terrain,
-        metavar="NAME|FILE",
-        help="see --list, or a heightmap: GeoTIFF, TIFF, PNG, .npy",
-    )
-    world.add_argument(
-        "--terrain-size",
-        type=float,
-        nargs="+",
-        action=_WidthAndDepth,
-        metavar="M",
-        help="side length, or width and depth, of a heightmap that does not say",
-    )
-    world.add_argument(
-        "--terrain-height",
-        type=float,
-        metavar="M",
-        help="relief, lowest to highest point, of a heightmap that does not say",
-    )
-    world.add_argument("--robot", default=defaults.robot, metavar="NAME", help=", ".join(ROVERS))
-    world.add_argument("--driver", default=defaults.driver, metavar="NAME", help=", ".join(DRIVERS))
-    world.add_argument("--seed", type=int, default=defaults.seed, metavar="N")
-    world.add_argument(
-        "--duration", type=float, default=defaults.duration, metavar="S", help="simulated seconds"
-    )
-    world.add_argument(
-        "--difficulty", type=float, default=defaults.difficulty, metavar="D", help="0 to 1"
-    )
-    world.add_argument(
-        "--timestep", type=float, default=defaults.timestep, metavar="S", help="physics step"
-    )
+    about = "see --list, or a heightmap: GeoTIFF, TIFF, PNG, .npy"
+    world.add_argument("--terrain", default=defaults.terrain, metavar="NAME|FILE", help=about)
+    about = "side length, or width and depth, of a heightmap that does not say"
+    world.add_argument("--terrain-size", type=float, nargs="+", metavar="M", help=about)
+    about = "relief, lowest to highest point, of a heightmap that does not say"
+    world.add_argument("--terrain-height", type=float, metavar="M", help=about)
+    _add(world, EPISODE, defaults)
 
 
 def _add_sensors(sensors: Group, defaults: EpisodeConfig) -> None:
-    sensors.add_argument(
-        "--noise",
-        nargs="?",
-        const=DEFAULT_PRESET,
-        default=defaults.noise,
-        metavar="NAME",
-        help=f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_PRESET} if not named",
-    )
-    sensors.add_argument("--lidar-beams", type=int, default=defaults.lidar_beams, metavar="N")
-    sensors.add_argument("--imu-rate", type=int, default=defaults.imu_rate, metavar="HZ")
-
-
-def _add_faults(faults: Group) -> None:
-    faults.add_argument(
-        "--fault",
-        action="append",
-        default=[],
-        metavar="SPEC",
-        help=f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable",
-    )
+    about = f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_PRESET} if not named"
+    sensors.add_argument("--noise", nargs="?", const=DEFAULT_PRESET, metavar="NAME", help=about)
+    _add(sensors, SENSORS, defaults)
 
 
 def _add_run(run: Group) -> None:
-    run.add_argument(
-        "--rate", type=_rate, default=None, metavar="R|max", help="times real time; max by default"
-    )
+    run.add_argument("--rate", type=_rate, metavar="R|max", help="times real time; max by default")
     run.add_argument("--log-dir", type=Path, default=DEFAULT_LOG_DIR, metavar="DIR")
     run.add_argument(
         "--namespace", default="", metavar="NAME", help="of all topics but /clock, e.g. rover1"
     )
     run.add_argument("--no-metrics", action="store_true", help="publish only; host no metrics_node")
     run.add_argument("--direct", action="store_true", help="no ROS: samples go straight to the CSV")
-    run.add_argument(
-        "--extended",
-        action="store_true",
-        help="log the extended columns too (docs/metrics.md), with the rover's footprint",
-    )
-    run.add_argument(
-        "--wait-for",
-        action="append",
-        default=[],
-        metavar="NODE",
-        help="keep lock-step with a node in another process; repeatable",
-    )
-    run.add_argument(
-        "--record",
-        type=Path,
-        metavar="FILE.mcap",
-        help="record every published topic; a killed run's file is read by rover_metrics.replay as it "
-        "is, and mended by: mcap recover FILE.mcap -o MENDED.mcap",
-    )
-    run.add_argument(
-        "--report", type=Path, metavar="FILE.html", help="write a page about the run: map, plots, truth"
-    )
-    run.add_argument("--summary", type=Path, metavar="FILE.json", help="write the manifest there")
-
-
-def _add_pictures(pictures: Group) -> None:
-    pictures.add_argument(
-        "--picture", type=Path, metavar="FILE.png", help="draw the rover at the end of its path"
-    )
-    pictures.add_argument(
-        "--video", type=Path, metavar="FILE.mp4", help="draw the run in at most 10 s (extra [video])"
-    )
-    pictures.add_argument("--picture-lidar", action="store_true", help="show the lidar's beams in them")
+    about = "log the extended columns too (docs/metrics.md), with the rover's footprint"
+    run.add_argument("--extended", action="store_true", help=about)
+    about = "keep lock-step with a node in another process; repeatable"
+    run.add_argument("--wait-for", action="append", default=[], metavar="NODE", help=about)
+    _add(run, FILES)
 
 
 def _rate(text: str) -> float | None:
@@ -255,18 +209,3 @@ def _rate(text: str) -> float | None:
         message = f"'{text}' is not valid; give 'max' or a number from {SLOWEST_RATE} up"
         raise argparse.ArgumentTypeError(message)
     return rate
-
-
-class _WidthAndDepth(argparse.Action):
-    """Takes two numbers, or one for both."""
-
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: Any,  # noqa: ANN401 - as argparse has it
-        option_string: str | None = None,
-    ) -> None:
-        if len(values) > 2:
-            parser.error(f"argument {option_string}: give one or two numbers")
-        setattr(namespace, self.dest, (values[0], values[-1]))

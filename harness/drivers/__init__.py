@@ -1,11 +1,9 @@
 """Drivers by name: what chooses the commands of an episode."""
 
 from harness.drivers.base import Driver, DriverContext, Observation
-from harness.drivers.cmd_vel import CmdVel
 from harness.drivers.encounters import Graze, PassBy, Ram, ReverseInto, Swing
-from harness.drivers.roam import Roam
-from harness.drivers.scripted import Figure8, Spin, Straight
-from harness.drivers.wander import Wander
+from harness.drivers.scripted import CmdVel, Figure8, Spin, Straight
+from harness.drivers.wander import Roam, Wander
 from harness.errors import find_named
 
 __all__ = ["DRIVERS", "CmdVel", "Driver", "DriverContext", "Observation", "find_driver"]

@@ -4,12 +4,9 @@ import math
 from collections.abc import Iterator
 from typing import ClassVar
 
-from harness.drivers.approach import line_past
 from harness.drivers.staged import Meeting, StagedEncounter
 from harness.samples import Twist
-from harness.world.obstacles import Obstacle, half_extent
 
-SPREAD = 0.5  # [rad]: how much the direction of approach varies
 HEAD_ON = 0.6  # of the width within which rover and hazard meet
 GRAZE_OVERLAP = (0.0, 0.08)  # [m] by which the rover's side would enter the hazard
 PASSING_GAP = (0.04, 0.5)  # [m] between the rover's side and the hazard
@@ -22,12 +19,9 @@ class Ram(StagedEncounter):
 
     summary: ClassVar[str] = "drives into hazards head on (knowing where they are)"
 
-    def plan(self, hazard: Obstacle, bearing: float) -> Meeting:
-        """Through the middle or a little beside it, forwards."""
-        heading = bearing + self.rng.normal(0.0, SPREAD)
-        width = half_extent(hazard, heading + math.pi / 2) + self.rover.width / 2
-        line = line_past(hazard, heading, self.rng.uniform(-HEAD_ON, HEAD_ON) * width)
-        return Meeting(line, self.random_speed(), half_extent(hazard, heading))
+    def offset(self, width: float) -> float:
+        """Through the middle or a little beside it [m]."""
+        return self.rng.uniform(-HEAD_ON, HEAD_ON) * width
 
 
 class ReverseInto(Ram):
@@ -46,13 +40,10 @@ class PassBy(StagedEncounter):
     summary: ClassVar[str] = "passes hazards closely without touching (knowing where they are)"
     gap: ClassVar[tuple[float, float]] = PASSING_GAP
 
-    def plan(self, hazard: Obstacle, bearing: float) -> Meeting:
-        """On its left or right, mostly forwards."""
-        heading = bearing + self.rng.normal(0.0, SPREAD)
-        width = half_extent(hazard, heading + math.pi / 2) + self.rover.width / 2
+    def offset(self, width: float) -> float:
+        """On its left or right [m]."""
         side = math.copysign(1.0, self.rng.uniform(-1.0, 1.0))
-        line = line_past(hazard, heading, side * (width + self.rng.uniform(*self.gap)))
-        return Meeting(line, self.random_speed(), half_extent(hazard, heading))
+        return side * (width + self.rng.uniform(*self.gap))
 
 
 class Graze(PassBy):

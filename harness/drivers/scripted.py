@@ -1,4 +1,4 @@
-"""Drivers that follow a fixed manoeuvre: straight, spin, figure8."""
+"""Drivers that see nothing: the one that is driven over /cmd_vel, and fixed manoeuvres."""
 
 import math
 from typing import ClassVar
@@ -10,18 +10,30 @@ STRAIGHT_SPEED = 0.3  # [m/s]: a default run of 60 s ends before the edge of a 4
 TURN_RADIUS = 1.5  # [m] of each circle of the eight
 
 
-class Constant:
-    """One twist for ever, open loop."""
+class OpenLoop:
+    """One twist, `latest`, whatever is observed."""
 
     def __init__(self, twist: Twist) -> None:
-        self._twist = twist
+        self.latest = twist
 
     def command(self, observation: Observation) -> Twist:  # noqa: ARG002 - open loop
-        """Returns the same twist at any time."""
-        return self._twist
+        """The twist in force."""
+        return self.latest
 
 
-class Straight(Constant):
+class CmdVel(OpenLoop):
+    """Driven over /cmd_vel by a human, Nav2 or an RL agent; stands still before the first command.
+
+    As in Gazebo's DiffDrive a command holds until the next one.
+    """
+
+    summary: ClassVar[str] = "listens to /cmd_vel (geometry_msgs/Twist)"
+
+    def __init__(self, context: DriverContext) -> None:  # noqa: ARG002 - any rover, any map
+        super().__init__(Twist())
+
+
+class Straight(OpenLoop):
     """Straight ahead."""
 
     summary: ClassVar[str] = "straight ahead at 0.3 m/s"
@@ -30,7 +42,7 @@ class Straight(Constant):
         super().__init__(Twist(linear=min(STRAIGHT_SPEED, context.rover.cruise_speed)))
 
 
-class Spin(Constant):
+class Spin(OpenLoop):
     """Turning in place."""
 
     summary: ClassVar[str] = "turns left in place"

@@ -10,13 +10,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from harness.drivers.approach import Line, Point
 from harness.drivers.base import CONTROL_PERIOD, DriverContext, Observation
 from harness.samples import Twist
-from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.obstacles import Obstacle, ObstacleKind, half_extent
+
+Point = tuple[float, float]
 
 BORDER = 2.0  # [m] along the map's edge where no hazard is visited
 NEAREST = 4  # hazards to choose from
+SPREAD = 0.5  # [rad]: how much the direction of approach varies
 RUN_UP = 1.2  # [m] of straight line before the hazard
 ARRIVED, LINED_UP = 0.25, 0.06  # [m], [rad]
 GO_PATIENCE, FACE_PATIENCE = 20.0, 6.0  # [s]
@@ -28,22 +30,39 @@ SLOWEST, FASTEST = 0.25, 0.9  # of the rover's top speed
 
 @dataclass(frozen=True, slots=True)
 class Meeting:
-    """One planned encounter.
+    """One planned encounter, along a directed line past a hazard.
 
     Attributes:
-        line: Along which the rover drives; its `through` is beside the hazard's middle.
+        beside: Where the line passes the hazard's middle [m].
+        course: Direction of the line [rad].
         speed: Along it [m/s]; negative backwards.
         reach: Half the hazard's length along the line [m].
     """
 
-    line: Line
+    beside: Point
+    course: float
     speed: float
     reach: float
 
     @property
     def heading(self) -> float:
         """Of the rover while it acts [rad]."""
-        return self.line.heading + (math.pi if self.speed < 0.0 else 0.0)
+        return self.course + (math.pi if self.speed < 0.0 else 0.0)
+
+    def along(self, point: Point) -> float:
+        """How far past the hazard's middle a point lies [m]."""
+        dx, dy = point[0] - self.beside[0], point[1] - self.beside[1]
+        return dx * math.cos(self.course) + dy * math.sin(self.course)
+
+    def aside(self, point: Point) -> float:
+        """How far to the left of the line a point lies [m]."""
+        dx, dy = point[0] - self.beside[0], point[1] - self.beside[1]
+        return dy * math.cos(self.course) - dx * math.sin(self.course)
+
+    def at(self, distance: float) -> Point:
+        """The point of the line so far past the hazard's middle [m]."""
+        x, y = self.beside
+        return x + distance * math.cos(self.course), y + distance * math.sin(self.course)
 
 
 class StagedEncounter(ABC):
@@ -66,8 +85,16 @@ class StagedEncounter(ABC):
         self._script = self._visits()
 
     @abstractmethod
+    def offset(self, width: float) -> float:
+        """How far to the left of a hazard's middle to pass [m]; nearer than `width` they meet."""
+
     def plan(self, hazard: Obstacle, bearing: float) -> Meeting:
-        """How to meet a hazard that lies in that direction [rad] of the world."""
+        """How to meet a hazard that lies in about that direction [rad] of the world."""
+        course = bearing + self.rng.normal(0.0, SPREAD)
+        offset = self.offset(half_extent(hazard, course + math.pi / 2) + self.rover.width / 2)
+        x, y, _ = hazard.position
+        beside = x - offset * math.sin(course), y + offset * math.cos(course)
+        return Meeting(beside, course, self.random_speed(), half_extent(hazard, course))
 
     def act(self, meeting: Meeting) -> Iterator[Twist]:
         """What happens once the rover is lined up: along the line, past the hazard or into it."""
@@ -83,11 +110,6 @@ class StagedEncounter(ABC):
         """Where the rover is [m]."""
         return self._now.x, self._now.y
 
-    @property
-    def touches(self) -> bool:
-        """Whether the rover touches a hazard."""
-        return self._now.touches_hazard
-
     def turn_to(self, heading: float) -> float:
         """Angle from the rover's heading to another [rad], -pi..pi."""
         return math.remainder(heading - self._now.yaw, math.tau)
@@ -95,17 +117,17 @@ class StagedEncounter(ABC):
     def follow(self, meeting: Meeting, until: float) -> Iterator[Twist]:
         """Drives along a meeting's line to `until` metres past the hazard's middle, or for a push."""
         patience = self.rng.uniform(*PUSHING)
-        while meeting.line.along(self.here) < until and patience > 0.0:
-            correction = math.atan2(-meeting.line.aside(self.here), LOOKAHEAD)
+        while meeting.along(self.here) < until and patience > 0.0:
+            correction = math.atan2(-meeting.aside(self.here), LOOKAHEAD)
             # In reverse the tail leads, and the same turn brings it onto the line.
             turn = self.turn_to(meeting.heading + correction)
             yield Twist(meeting.speed, self._yaw_rate(turn))
-            patience -= self.touches * CONTROL_PERIOD
+            patience -= self._now.touches_hazard * CONTROL_PERIOD
 
     def spin(self, seconds: float, rate: float) -> Iterator[Twist]:
         """Turns in place, until it touches something."""
         for _ in range(round(seconds / CONTROL_PERIOD)):
-            if self.touches:
+            if self._now.touches_hazard:
                 return
             yield Twist(0.0, rate)
 
@@ -121,7 +143,7 @@ class StagedEncounter(ABC):
             x, y, _ = hazard.position
             here = self.here
             meeting = self.plan(hazard, math.atan2(y - here[1], x - here[0]))
-            start = meeting.line.at(-(meeting.reach + self.rover.length / 2 + RUN_UP))
+            start = meeting.at(-(meeting.reach + self.rover.length / 2 + RUN_UP))
             yield from self._go(start)
             if math.dist(self.here, start) < 2 * ARRIVED:
                 yield from self._face(meeting.heading)
@@ -138,7 +160,7 @@ class StagedEncounter(ABC):
     def _go(self, goal: Point) -> Iterator[Twist]:
         for _ in range(round(GO_PATIENCE / CONTROL_PERIOD)):
             x, y = self.here
-            if math.dist(goal, (x, y)) < ARRIVED or self.touches:
+            if math.dist(goal, (x, y)) < ARRIVED or self._now.touches_hazard:
                 return
             error = self.turn_to(math.atan2(goal[1] - y, goal[0] - x))
             yield Twist(self.rover.cruise_speed * max(0.0, math.cos(error)), self._yaw_rate(error))

@@ -1,6 +1,10 @@
-"""The default driver: seeks seeded goals, avoids what its lidar sees, backs out when stuck."""
+"""The default driver: seeks seeded goals, avoids what its lidar sees, backs out when stuck.
+
+And the same at changing speeds, which tells how metrics depend on speed.
+"""
 
 import math
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -23,6 +27,8 @@ HEADINGS = np.linspace(-math.pi, math.pi, 49)[:-1]  # candidate directions, 7.5 
 STUCK_AFTER_NS = 3 * NANOSECONDS
 STUCK_DISTANCE = 0.25  # [m] of progress that shows it is not stuck
 BACK_OUT_NS = 2 * NANOSECONDS
+SLOWEST, FASTEST = 0.2, 0.9  # of the rover's top speed
+SPELL = 8.0  # [s] at one speed
 
 
 class Wander:
@@ -57,15 +63,13 @@ class Wander:
     def _bearing_to_goal(self, observation: Observation) -> float:
         if max(abs(observation.x), abs(observation.y)) > self._turn_back:
             self._goal = (0.0, 0.0)
-        if self._goal is None or self._goal_is_over(observation, self._goal):
+        here, waited_ns = (observation.x, observation.y), observation.time_ns - self._goal_since_ns
+        is_late = waited_ns > GOAL_PATIENCE_NS
+        if self._goal is None or is_late or math.dist(self._goal, here) < GOAL_REACHED:
             self._goal = self._next_goal(observation)
             self._goal_since_ns = observation.time_ns
         bearing = math.atan2(self._goal[1] - observation.y, self._goal[0] - observation.x)
         return math.remainder(bearing - observation.yaw, math.tau)
-
-    def _goal_is_over(self, observation: Observation, goal: tuple[float, float]) -> bool:
-        distance = math.dist(goal, (observation.x, observation.y))
-        return distance < GOAL_REACHED or (observation.time_ns - self._goal_since_ns > GOAL_PATIENCE_NS)
 
     def _next_goal(self, observation: Observation) -> tuple[float, float]:
         distance = self._rng.uniform(*GOAL_DISTANCE)
@@ -111,6 +115,30 @@ class Wander:
         self._anchor_ns = self._back_out_until_ns
         self._goal = None
         return self.command(observation)
+
+
+class Roam:
+    """Goes where `Wander` goes, at a new random speed every few seconds."""
+
+    summary: ClassVar[str] = "wanders at speeds that change every 8 s, up to 0.9 of the top speed"
+
+    def __init__(self, context: DriverContext) -> None:
+        self.rover, self.rng = context.rover, context.rng
+        self._wander = Wander(context)
+        self._scale, self._until_ns = 1.0, 0
+
+    def spell(self) -> tuple[float, float]:
+        """How long the next speed holds [s], and how much of the cruising speed it is."""
+        share = self.rng.uniform(SLOWEST, FASTEST)
+        return SPELL, share * self.rover.top_speed / self.rover.cruise_speed
+
+    def command(self, observation: Observation) -> Twist:
+        """Wander's twist, its speed scaled."""
+        if observation.time_ns >= self._until_ns:
+            held, self._scale = self.spell()
+            self._until_ns = observation.time_ns + math.floor(held * NANOSECONDS)
+        twist = self._wander.command(observation)
+        return replace(twist, linear=self._scale * twist.linear)
 
 
 def _corridors(bearings: NDArray[np.float64], half_width: float) -> NDArray[np.float64]:

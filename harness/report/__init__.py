@@ -1,5 +1,1 @@
 """The page about a run: what it recorded, drawn and tabulated in one HTML file that needs no network."""
-
-from harness.report.run_report import RunReport
-
-__all__ = ["RunReport"]

@@ -10,9 +10,8 @@ from harness.episode.manifest import manifest
 from harness.episode.result import RunResult
 from harness.page.figure import MINUS, TIMES, Plot, named
 from harness.page.shell import fill
-from harness.report.columns import describe
 from harness.report.hillshade import shade
-from harness.report.log import Log, collisions, contacts, read_log
+from harness.report.log import Log, collisions, contacts, describe, read_log
 from harness.report.recorder import RunRecorder
 from harness.report.series import MOST_ROWS, series_figure
 from harness.report.tables import comparisons, contact_rows, facts, key_figures

@@ -1,19 +1,23 @@
-"""What a report needs along a run: fed batch by batch, in memory that does not grow with the run.
+"""The report of a run as its command sees it: watching batch by batch, written at the end.
 
 The run is cut into stretches of equal length, each with its extremes, so that no peak and no contact
-is lost however long it takes: when there are too many stretches, every two become one.
+is lost however long it takes: when there are too many stretches, every two become one, so that memory
+does not grow with the run.
 """
 
 import math
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch
-from harness.samples import Imu, LaserScan, PlacedScan, Pose, Tick, Vector3
+from harness.episode.result import RunResult
+from harness.errors import HarnessError
+from harness.files import check_target, whole_file
+from harness.samples import Imu, LaserScan, PlacedScan, Pose, Vector3
 from harness.sim_time import NANOSECONDS
-from harness.truth.traversal import Truth
 
 BATCHES_PER_STRETCH = 2  # at first: 0.1 s
 FEWEST_STRETCHES = 1500  # of a long run, and twice as many at most
@@ -54,22 +58,17 @@ class RunRecorder:
     """Watches the batches of one run.
 
     Attributes:
+        track: The run so far; the last stretch may be shorter than the others.
         last_scan: The latest scan that fell on the tick of a pose, every 0.1 s; None before.
     """
 
     def __init__(self, fewest_stretches: int = FEWEST_STRETCHES) -> None:
+        self.track: list[Stretch] = []
         self.last_scan: PlacedScan | None = None
         self._fewest = fewest_stretches
         self._batches_per_stretch = BATCHES_PER_STRETCH
-        self._done: list[Stretch] = []
-        self._current: Stretch | None = None
         self._batches = 0
-        self._previous = Truth()
-
-    @property
-    def track(self) -> tuple[Stretch, ...]:
-        """The run so far; the last stretch may be shorter than the others."""
-        return (*self._done, *([self._current] if self._current else []))
+        self._contact_s = 0.0
 
     @property
     def stretch_s(self) -> float:
@@ -79,13 +78,15 @@ class RunRecorder:
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""
         stretch = self._stretch(batch)
-        self._current = self._current.followed_by(stretch) if self._current else stretch
+        if self._batches % self._batches_per_stretch:
+            self.track[-1] = self.track[-1].followed_by(stretch)
+        else:
+            self.track.append(stretch)
         self._batches += 1
-        if self._batches == self._batches_per_stretch:
-            self._done.append(self._current)
-            self._current, self._batches = None, 0
-        if len(self._done) == 2 * self._fewest:
-            self._thin_out()
+        if self._batches == 2 * self._fewest * self._batches_per_stretch:
+            pairs = zip(self.track[::2], self.track[1::2], strict=True)
+            self.track = [first.followed_by(second) for first, second in pairs]
+            self._batches_per_stretch *= 2
 
     def _stretch(self, batch: Batch) -> Stretch:
         accelerations: list[float] = []
@@ -96,10 +97,12 @@ class RunRecorder:
                     case Imu():
                         accelerations.append(math.hypot(*sample.linear_acceleration))
                     case LaserScan():
-                        nearest = min(nearest, _nearest(sample))
-                        self._keep(sample, tick)
-        truth, previous = batch.truth, self._previous
-        self._previous = truth
+                        finite = sample.ranges[np.isfinite(sample.ranges)]
+                        nearest = min(nearest, float(finite.min(initial=np.inf)))
+                        poses = [other for other in tick.samples if isinstance(other, Pose)]
+                        self.last_scan = PlacedScan(sample, poses[0]) if poses else self.last_scan
+        truth, touched_s = batch.truth, self._contact_s
+        self._contact_s = truth.hazard_contact_s
         return Stretch(
             time_s=truth.time_ns / NANOSECONDS,
             position=truth.position,
@@ -107,20 +110,51 @@ class RunRecorder:
             lowest_acceleration=min(accelerations, default=math.inf),
             highest_acceleration=max(accelerations, default=-math.inf),
             nearest_range=nearest,
-            contact_s=truth.hazard_contact_s - previous.hazard_contact_s,
+            contact_s=truth.hazard_contact_s - touched_s,
         )
 
-    def _keep(self, scan: LaserScan, tick: Tick) -> None:
-        poses = [sample for sample in tick.samples if isinstance(sample, Pose)]
-        if poses:
-            self.last_scan = PlacedScan(scan, poses[0])
 
-    def _thin_out(self) -> None:
-        pairs = zip(self._done[::2], self._done[1::2], strict=True)
-        self._done = [first.followed_by(second) for first, second in pairs]
-        self._batches_per_stretch *= 2
+class RunReport:
+    """Does nothing at all without a path.
 
+    Args:
+        path: Where the page goes; None if nobody asked for one.
+    """
 
-def _nearest(scan: LaserScan) -> float:
-    """What the metrics call clearance: the smallest finite range [m], or inf."""
-    return float(np.min(scan.ranges, initial=np.inf, where=np.isfinite(scan.ranges)))
+    def __init__(self, path: Path | None) -> None:
+        self._path = path
+        self._recorder = RunRecorder()
+
+    def prepare(self) -> None:
+        """Finds out before the run whether the page can be written.
+
+        Raises:
+            UsageError: It cannot; the message names the mend.
+        """
+        if self._path is not None:
+            check_target("--report", self._path)
+
+    def take(self, batch: Batch) -> None:
+        """Takes the next batch of the run."""
+        if self._path is not None:
+            self._recorder.take(batch)
+
+    def write(self, result: RunResult) -> Path | None:
+        """Writes the page, however the run ended; it is there whole or not at all.
+
+        Raises:
+            HarnessError: It cannot be written.
+        """
+        if self._path is None:
+            return None
+        # Loads MuJoCo and plotly: not before the run, whose publishing process needs neither.
+        from harness.report.content import render  # noqa: PLC0415
+
+        page = render(result, self._recorder)
+        try:
+            with whole_file(self._path) as part:
+                part.write_text(page, encoding="utf-8", newline="\n")
+        except OSError as error:
+            message = f"cannot write the report to {self._path}: {error.strerror}"
+            raise HarnessError(message) from error
+        return self._path

@@ -17,8 +17,7 @@ from harness.page.figure import (
     line,
     titled,
 )
-from harness.report.columns import Column, describe
-from harness.report.log import Event, Log
+from harness.report.log import Column, Event, Log, describe
 from harness.report.recorder import Stretch
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 

@@ -11,7 +11,6 @@ from harness.page.figure import DASH, MINUS, TIMES
 from harness.report.log import Log
 from harness.sim_time import NANOSECONDS
 
-NOTHING = DASH
 MOST_CONTACTS = 50
 DOING = {"hazard": "hits", "rock": "on", "scrape": "scrapes"}
 UNITS = {"duration": "s", "timestep": "s", "imu_rate": "Hz", "map_size": "m"}  # of the manifest
@@ -22,9 +21,9 @@ class Comparison:
     """What the metrics say about a quantity and what the simulator knows, as text with units."""
 
     quantity: str
-    metric: str = NOTHING
-    truth: str = NOTHING
-    difference: str = NOTHING
+    metric: str = DASH
+    truth: str = DASH
+    difference: str = DASH
 
 
 def comparisons(result: RunResult, log: Log) -> list[Comparison]:
@@ -39,11 +38,11 @@ def comparisons(result: RunResult, log: Log) -> list[Comparison]:
         _compared("Mean speed", "m/s", _mean(log, "Current Velocity"), result.mean_speed),
         Comparison(
             "Collisions",
-            f"{row['Total Collisions']} scans below {threshold:g} m" if row else NOTHING,
+            f"{row['Total Collisions']} scans below {threshold:g} m" if row else DASH,
             f"{truth.hazard_contacts} contacts with hazards, {truth.hazard_contact_s:.2f} s",
         ),
-        Comparison("Smallest clearance logged", f"{min(clearances):.2f} m" if clearances else NOTHING),
-        Comparison("Rough terrain", f"{sum(rough):.0f} of {len(rough)} rows" if rough else NOTHING),
+        Comparison("Smallest clearance logged", f"{min(clearances):.2f} m" if clearances else DASH),
+        Comparison("Rough terrain", f"{sum(rough):.0f} of {len(rough)} rows" if rough else DASH),
         Comparison("Wheel slip, mean", truth=f"{truth.mean_slip:.2f}"),
         Comparison("On rocks", truth=f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s"),
         Comparison("Body scraping the ground", truth=f"{truth.scrapes} times, {truth.scrape_s:.2f} s"),
@@ -93,14 +92,11 @@ def facts(values: Mapping[str, object], *, prefix: str = "") -> list[tuple[str, 
 def _compared(quantity: str, unit: str, metric: float, truth: float) -> Comparison:
     if not math.isfinite(metric):
         return Comparison(quantity, truth=f"{truth:.2f} {unit}")
-    difference = _percent((metric - truth) / truth) if truth > 0.0 else NOTHING
+    difference = DASH
+    if truth > 0.0:
+        percent = round(100.0 * ((metric - truth) / truth), 1)
+        difference = f"{percent:+} %".replace("-", MINUS) if percent else "0.0 %"
     return Comparison(quantity, f"{metric:.2f} {unit}", f"{truth:.2f} {unit}", difference)
-
-
-def _percent(ratio: float) -> str:
-    rounded = round(100.0 * ratio, 1)
-    sign = "+" if rounded > 0.0 else MINUS if rounded < 0.0 else ""
-    return f"{sign}{abs(rounded)} %"
 
 
 def _mean(log: Log, column: str) -> float:
@@ -114,9 +110,9 @@ def _number(cell: int | float | str | None) -> float:
 
 def _text(value: object) -> str:
     if value is None:
-        return NOTHING
+        return DASH
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, list | tuple):
-        return ", ".join(map(_text, value)) or NOTHING
+        return ", ".join(map(_text, value)) or DASH
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -5,18 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.page.figure import (
-    INK,
-    METRIC,
-    MINUS,
-    SCAN,
-    TRUTH,
-    Figure,
-    Layout,
-    Trace,
-    line,
-    numbers,
-)
+from harness.page.figure import INK, METRIC, MINUS, SCAN, TRUTH, Figure, Layout, Trace, line, numbers
 from harness.report.hillshade import Hillshade, map_layout
 from harness.report.log import Event
 from harness.report.recorder import Stretch
@@ -25,7 +14,20 @@ from harness.world.world import World
 
 SCALE_TOPS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # [m/s^2] few, so that runs can be compared
 SATURATED = 99.0  # [%] of the path below the top of the scale
-
+COLORBAR = {
+    "orientation": "h",
+    "thickness": 10,
+    "len": 0.9,
+    "y": 1.01,
+    "yanchor": "bottom",
+    "ypad": 0,
+    "outlinewidth": 0,
+    "title": {"text": f"roughness ||a| {MINUS} g| [m/s²]", "side": "top"},
+}
+HOVER = (
+    "t = %{customdata[0]:.2f} s<br>roughness %{customdata[1]:.2f} m/s²<br>"
+    "x %{x:.2f}, y %{y:.2f}, z %{customdata[2]:.2f} m"
+)
 NAMES = {ObstacleKind.ROCK: ("rock", "--rock"), ObstacleKind.HAZARD: ("hazard", "--hazard")}
 
 
@@ -81,17 +83,19 @@ def _obstacles(obstacles: Sequence[Obstacle], kind: ObstacleKind) -> Trace:
     shapes = [outline(obstacle).tolist() for obstacle in obstacles if obstacle.kind is kind]
     # Closed, with a gap between two.
     points = [point for shape in shapes for point in (*shape, shape[0], [math.nan, math.nan])]
-    x, y = zip(*points, strict=True) if points else ((), ())
-    return line(name, x, y, "--obstacle-line", width=1) | {"fill": "toself", "fillcolor": color}
+    return line(name, *_columns(points), "--obstacle-line", width=1) | {
+        "fill": "toself",
+        "fillcolor": color,
+    }
 
 
 def _path(track: Sequence[Stretch], gravity: float) -> list[Trace]:
     """A line for contrast with the ground, and on it a point for each stretch, the roughest on top."""
     rough = roughness(track, gravity)
     top = _scale_top(rough)
-    places = [stretch.position for stretch in track]
-    order = sorted(range(len(track)), key=lambda index: rough[index])
-    casing = line("path", [x for x, _, _ in places], [y for _, y, _ in places], "--casing", width=9)
+    casing = line("path", *_columns([stretch.position[:2] for stretch in track]), "--casing", width=9)
+    order = np.argsort(rough, kind="stable").tolist()
+    ordered = [track[index] for index in order]
     marker = {
         "size": 6,
         "color": numbers([rough[index] for index in order]),
@@ -99,31 +103,17 @@ def _path(track: Sequence[Stretch], gravity: float) -> list[Trace]:
         "cmin": 0.0,
         "cmax": top,
         "colorbar": {
-            "orientation": "h",
-            "thickness": 10,
-            "len": 0.9,
-            "y": 1.01,
-            "yanchor": "bottom",
-            "ypad": 0,
-            "outlinewidth": 0,
+            **COLORBAR,
             "tickvals": [0.0, top / 2, top],
             "ticktext": ["0", f"{top / 2:g}", f"{top:g} or more"],
-            "title": {"text": f"roughness ||a| {MINUS} g| [m/s²]", "side": "top"},
         },
     }
     details = [
-        [round(track[index].time_s, 2), round(rough[index], 3), round(track[index].position[2], 3)]
-        for index in order
+        [round(stretch.time_s, 2), round(rough[index], 3), round(stretch.position[2], 3)]
+        for index, stretch in zip(order, ordered, strict=True)
     ]
-    hover = (
-        "t = %{customdata[0]:.2f} s<br>roughness %{customdata[1]:.2f} m/s²<br>"
-        "x %{x:.2f}, y %{y:.2f}, z %{customdata[2]:.2f} m<extra></extra>"
-    )
-    return [
-        casing | {"showlegend": False},
-        _points([places[index] for index in order], "path", marker)
-        | {"showlegend": False, "customdata": details, "hovertemplate": hover},
-    ]
+    points = _points([stretch.position for stretch in ordered], "path", marker, HOVER)
+    return [casing | {"showlegend": False}, points | {"showlegend": False, "customdata": details}]
 
 
 def _scale_top(rough: Sequence[float]) -> float:
@@ -133,32 +123,30 @@ def _scale_top(rough: Sequence[float]) -> float:
 
 def _events(events: Sequence[Event], name: str, symbol: str, color: str) -> Trace:
     marker = {"symbol": symbol, "size": 13, "color": color, "line": {"color": color, "width": 3}}
-    return {
-        **_points([event.position for event in events], name, marker),
-        "text": [event.label for event in events],
-        "hovertemplate": f"{name}<br>%{{text}}<extra></extra>",
-    }
+    positions, labels = [event.position for event in events], [event.label for event in events]
+    return _points(positions, name, marker, f"{name}<br>%{{text}}") | {"text": labels}
 
 
 def _ends(track: Sequence[Stretch]) -> list[Trace]:
     if not track:
         return []
-    return [_end("start", "circle", track[0]), _end("end", "square", track[-1])]
+    style = {"size": 12, "color": "--panel", "line": {"color": INK, "width": 2}}
+    ends = (("start", "circle", track[0]), ("end", "square", track[-1]))
+    return [
+        _points([end.position], name, {"symbol": symbol, **style}, f"{name}, t = {end.time_s:.2f} s")
+        for name, symbol, end in ends
+    ]
 
 
-def _end(name: str, symbol: str, stretch: Stretch) -> Trace:
-    line = {"color": INK, "width": 2}
-    marker = {"symbol": symbol, "size": 12, "color": "--panel", "line": line}
-    hover = f"{name}, t = {stretch.time_s:.2f} s<extra></extra>"
-    return {**_points([stretch.position], name, marker), "hovertemplate": hover}
+def _columns(points: Points | Sequence[Sequence[float]]) -> tuple[Sequence[float], Sequence[float]]:
+    """Their x and their y."""
+    x, y, *_ = zip(*points, strict=True) if len(points) else ((), ())
+    return x, y
 
 
-def _points(points: Points | Sequence[Sequence[float]], name: str, marker: Layout) -> Trace:
-    return {
-        "type": "scatter",
-        "mode": "markers",
-        "name": name,
-        "x": numbers([point[0] for point in points]),
-        "y": numbers([point[1] for point in points]),
-        "marker": marker,
-    }
+def _points(
+    points: Points | Sequence[Sequence[float]], name: str, marker: Layout, hover: str | None = None
+) -> Trace:
+    x, y = map(numbers, _columns(points))
+    trace = {"type": "scatter", "mode": "markers", "name": name, "x": x, "y": y, "marker": marker}
+    return trace if hover is None else trace | {"hovertemplate": f"{hover}<extra></extra>"}

@@ -12,7 +12,7 @@
 With pytest, `pytest_plugins = ["harness.testing.plugin"]` gives the fixture `start_trial`.
 """
 
-from harness.testing.heard import Heard
+from harness.testing.subject import Heard
 from harness.testing.trial import Trial
 
 __all__ = ["Heard", "Trial"]

@@ -1,9 +1,9 @@
-"""The node under test: hosted in this process or started as one of its own, kept in lock-step."""
+"""The node under test, hosted in this process or started as one of its own, and what is heard of it."""
 
 import signal
 import subprocess
-from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar
 
 from rclpy.executors import Executor
 
@@ -14,59 +14,53 @@ from harness.ros.remote import DISCOVERY_PATIENCE, RemoteNode
 
 EXIT_PATIENCE = 5.0  # [s] for a node to leave after SIGINT before it is killed
 
+Message = TypeVar("Message")
 
-class Subject:
+
+class Subject(RemoteNode):
     """A node that must have handled everything before time goes on; a Listener.
+
+    It knows every subscription that was made here before: DDS announces a participant's endpoints in
+    order, and a node that answers a new client has heard of what is older than that client.
 
     Args:
         name: Its fully qualified name.
         bridge: What publishes to it.
         executor: Spins the bridge, and the node if it is hosted.
         node: The rclpy node if it is hosted.
+
+    Raises:
+        UsageError: There is no such node, or it runs on wall time.
     """
 
     def __init__(self, name: str, bridge: Bridge, executor: Executor, node: Any = None) -> None:  # noqa: ANN401
-        self._name, self._bridge, self._executor, self._node = name, bridge, executor, node
-        self.connect()
-
-    def connect(self) -> None:
-        """Waits until the node knows every subscription that was made here before.
-
-        DDS announces a participant's endpoints in order: a node that answers a new client has heard of
-        what is older than that client.
-
-        Raises:
-            UsageError: There is no such node, or it runs on wall time.
-        """
-        self._remote = RemoteNode(self._name, self._bridge, self._executor)
-
-    def wait_for_samples(self) -> None:
-        """Returns when the node has handled its queue, and everybody here what it then published."""
-        self._remote.wait_for_samples()
+        super().__init__(name, bridge, executor)
+        self.node = node
 
     def wait_for_clock(self, stamp_ns: int) -> None:
         """Returns when its timers have run too."""
-        self._remote.wait_for_clock(stamp_ns)
+        super().wait_for_clock(stamp_ns)
         while self._timer_is_due():
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
-        self._remote.wait_for_clock(stamp_ns)
+        super().wait_for_clock(stamp_ns)
 
     def _timer_is_due(self) -> bool:
-        if self._node is None:
+        if self.node is None:
             return False
-        clock = self._node.get_clock()
-        return any(timer.clock is clock and timer.is_ready() for timer in self._node.timers)
-
-
-def started(command: Sequence[str], environment: dict[str, str]) -> "subprocess.Popen[bytes]":
-    """Starts a node's process; its output goes where this process's goes."""
-    return subprocess.Popen(list(command), env=environment)
+        clock = self.node.get_clock()
+        return any(timer.clock is clock and timer.is_ready() for timer in self.node.timers)
 
 
 def await_node(
     process: "subprocess.Popen[bytes]", name: str, bridge: Bridge, executor: Executor
 ) -> None:
     """Waits until a started node is there.
+
+    Args:
+        process: What runs it.
+        name: Its fully qualified name.
+        bridge: Sees the graph.
+        executor: Spins the bridge.
 
     Raises:
         RunFailed: Its process has ended instead.
@@ -83,10 +77,39 @@ def await_node(
 
 def stop(process: "subprocess.Popen[bytes]") -> None:
     """Ends a node's process as Ctrl-C does, or else by force."""
-    if process.poll() is None:
-        process.send_signal(signal.SIGINT)
+    process.send_signal(signal.SIGINT)  # which does nothing to one that has ended
     try:
         process.wait(EXIT_PATIENCE)
     except subprocess.TimeoutExpired:
         process.kill()
         process.wait()
+
+
+@dataclass(eq=False)
+class Heard(Generic[Message]):
+    """The messages of one topic, in the order in which they arrived.
+
+    Attributes:
+        topic: Its resolved name.
+        messages: All of them.
+        times: Simulated seconds at which each arrived.
+    """
+
+    topic: str
+    messages: list[Message] = field(default_factory=list)
+    times: list[float] = field(default_factory=list)
+
+    def __len__(self) -> int:
+        return len(self.messages)
+
+    @property
+    def latest(self) -> Message:
+        """The last message.
+
+        Raises:
+            AssertionError: Nothing has been heard.
+        """
+        if not self.messages:
+            message = f"nothing has been heard on {self.topic}"
+            raise AssertionError(message)
+        return self.messages[-1]

@@ -1,9 +1,9 @@
 """A trial: one seeded drive whose topics a node under test hears, stepped by the test."""
 
 import os
+import subprocess
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
-from types import TracebackType
 from typing import Any, Self, TypeVar
 
 import rclpy
@@ -27,8 +27,7 @@ from harness.ros.lockstep import LockStep
 from harness.samples import GroundTruth, Tick, Twist
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS, TICK_NS
-from harness.testing.heard import Heard
-from harness.testing.subject import Subject, await_node, started, stop
+from harness.testing.subject import Heard, Message, Subject, await_node, stop
 from harness.truth.traversal import Truth
 
 ON_SIMULATED_TIME = ("--ros-args", "-p", "use_sim_time:=true")
@@ -42,7 +41,6 @@ ANYTHING = QoSProfile(
 )
 
 Node = TypeVar("Node")
-Message = TypeVar("Message")
 
 
 class Trial:
@@ -54,6 +52,7 @@ class Trial:
 
     Attributes:
         domain: The ROS domain while it is entered.
+        speed: True forward speed of the rover [m/s].
         truth: What only the simulator knows, at the end of the present control period of 50 ms.
 
     Raises:
@@ -68,7 +67,7 @@ class Trial:
         self._at_end = ExitStack()
         self._subjects: list[Subject] = []
         self._now_ns = 0
-        self._speed = 0.0
+        self.speed = 0.0
 
     def __enter__(self) -> Self:
         with ExitStack() as at_end:
@@ -76,12 +75,7 @@ class Trial:
             self._at_end = at_end.pop_all()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._at_end.close()
 
     def _start(self, at_end: ExitStack) -> None:
@@ -112,11 +106,6 @@ class Trial:
         """Simulated seconds since the start, whatever faults do to /clock."""
         return self._now_ns / NANOSECONDS
 
-    @property
-    def speed(self) -> float:
-        """True forward speed of the rover [m/s]."""
-        return self._speed
-
     def host(self, make_node: Callable[[], Node]) -> Node:
         """Makes a node and spins it in this process, on simulated time.
 
@@ -126,9 +115,7 @@ class Trial:
         node: Any = make_node()
         self._at_end.callback(node.destroy_node)
         self._executor.add_node(node)
-        name = node.get_fully_qualified_name()
-        self._subjects.append(Subject(name, self._bridge, self._executor, node))
-        self._connect()
+        self._keep_in_step(node.get_fully_qualified_name(), node)
         return node  # type: ignore[no-any-return]  # rclpy has no types for mypy
 
     def launch(self, command: Sequence[str], node: str) -> None:
@@ -143,22 +130,31 @@ class Trial:
             UsageError: The node is not found, or runs on wall time.
         """
         environment = {**os.environ, "ROS_DOMAIN_ID": str(self.domain)}
-        process = started(command, environment)
+        process = subprocess.Popen(list(command), env=environment)
         self._at_end.callback(stop, process)
         await_node(process, node, self._bridge, self._executor)
-        self._subjects.append(Subject(node, self._bridge, self._executor))
-        self._connect()
+        self._keep_in_step(node)
 
     def collect(
         self, message_type: type[Message], topic: str, qos: QoSProfile = ANYTHING
     ) -> Heard[Message]:
-        """Listens to a topic from now on."""
+        """Listens to a topic from now on.
+
+        Args:
+            message_type: Of the topic.
+            topic: Its name.
+            qos: Of the subscription.
+        """
         heard: Heard[Message] = Heard(self._bridge.resolve_topic_name(topic))
-        self._bridge.create_subscription(
-            message_type, topic, lambda message: heard.take(message, self.time), qos
-        )
-        for subject in self._subjects:
-            subject.connect()
+
+        def take(message: Message) -> None:
+            heard.messages.append(message)
+            heard.times.append(self.time)
+
+        self._bridge.create_subscription(message_type, topic, take, qos)
+        self._subjects = [
+            Subject(known.name, self._bridge, self._executor, known.node) for known in self._subjects
+        ]
         self._connect()
         return heard
 
@@ -214,21 +210,23 @@ class Trial:
         self._now_ns = tick.stamp_ns
         for sample in tick.samples:
             if isinstance(sample, GroundTruth):
-                self._speed = sample.linear_velocity[0]
+                self.speed = sample.linear_velocity[0]
 
     def _batches(self) -> Iterator[Batch]:
         for batch in self._episode.batches():
             self.truth = batch.truth
             yield batch
 
+    def _keep_in_step(self, name: str, node: object = None) -> None:
+        self._subjects.append(Subject(name, self._bridge, self._executor, node))
+        self._connect()
+
     def _connect(self) -> None:
         """Waits until the subscriptions here have matched the publishers that the graph shows."""
         bridge = self._bridge
-        spin_until(
-            self._executor,
-            lambda: all(
-                subscription.get_publisher_count() >= bridge.count_publishers(subscription.topic_name)
-                for subscription in bridge.subscriptions
-            ),
-            MATCH_PATIENCE,
-        )
+
+        def match() -> bool:
+            heard = bridge.subscriptions
+            return all(s.get_publisher_count() >= bridge.count_publishers(s.topic_name) for s in heard)
+
+        spin_until(self._executor, match, MATCH_PATIENCE)

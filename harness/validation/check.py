@@ -1,7 +1,14 @@
-"""One line of the validation table: a quantity, what is expected of it and why, what was measured."""
+"""One line of the validation table: a quantity, what is expected of it and why, what was measured.
+
+What a rover's manoeuvres are to show stands in the section `expected` of its rover.yaml; what follows
+from geometry is derived where it is measured.
+"""
 
 import math
 from dataclasses import dataclass
+
+from harness.robots import RoverSpec
+from harness.yaml_file import fill
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +51,7 @@ class Check:
 
 
 def around(value: float, tolerance: float, source: str) -> Span:
-    """The span of a value with an absolute tolerance to either side."""
+    """A value with an absolute tolerance to either side."""
     return Span(value - tolerance, value + tolerance, source)
 
 
@@ -53,6 +60,55 @@ def at_most(value: float, source: str) -> Span:
     return Span(-math.inf, value, source)
 
 
-def at_least(value: float, source: str) -> Span:
-    """Everything from a value on."""
-    return Span(value, math.inf, source)
+NOTHING_TOLD = Span(-math.inf, math.inf, "nothing is told of it")
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """A place below the rover where rocks may pass, and the height that just does [m].
+
+    Attributes:
+        name: What is above it.
+        aside: Of the middle of the place, to the left [m].
+        radius: Of the largest upright cylinder that no wheel touches [m].
+        height: Above flat ground [m].
+    """
+
+    name: str
+    aside: float
+    radius: float
+    height: float
+    source: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Expected:
+    """Spans of one rover.
+
+    Attributes:
+        speed_ratio: Ground speed over commanded speed, within the wheels' limit.
+        at_half: Ground speed at a command of 0.5 m/s.
+        at_top: Ground speed at a command of 1.0 m/s, the highest of RoboTerrain's RL agents.
+        yaw_ratio: Achieved over commanded yaw rate, in place.
+        kerb_one_side: Height climbed with the wheels of one side [m].
+        rocker_stop: Largest angle of a rocker [rad], of a rover that has some.
+        ramp_source: What states the slope climbed, before what it is derived from.
+    """
+
+    speed_ratio: Span
+    at_half: Span
+    at_top: Span
+    yaw_ratio: Span
+    kerb_one_side: Span
+    rocker_stop: Span = NOTHING_TOLD
+    ramp_source: str = ""
+    passages: tuple[Passage, ...] = ()
+
+
+def expected_of(rover: RoverSpec) -> Expected:
+    """Returns the spans of a rover.
+
+    Raises:
+        UsageError: Its rover.yaml tells none, or not what is needed.
+    """
+    return fill(Expected, rover.expected, f"{rover.folder / 'rover.yaml'}: expected")

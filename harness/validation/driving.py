@@ -6,10 +6,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from harness.robots import RoverSpec
-from harness.sensors.base import HIGHEST_RATE, period_ticks
-from harness.sensors.state import ImuSensor
-from harness.validation.check import Check, Span, at_most
-from harness.validation.expected import expected_of
+from harness.sensors.base import HIGHEST_RATE
+from harness.validation.check import Check, Span, at_most, expected_of
 from harness.validation.grounds import floor
 from harness.validation.rig import TICK, Rig
 
@@ -68,12 +66,7 @@ def _turning(rover: RoverSpec, seed: int) -> Iterator[Check]:
     rig = Rig(rover, floor(seed))
     in_place = _yaw_ratio(rig, 0.0)
     yield Check("yaw ratio in place, 1 rad/s commanded", "", expected_of(rover).yaw_ratio, in_place)
-    imu = ImuSensor(rig.simulation, period_ticks(HIGHEST_RATE))
-    rig.observers.append(imu.observe)
-    vertical: list[float] = []
-    rig.observers.append(lambda: vertical.append(imu.read().linear_acceleration[2]))
-    rig.run(TURNING)
-    rig.observers.clear()
+    vertical = [imu.linear_acceleration[2] for imu in rig.imu_readings(HIGHEST_RATE, TURNING)]
     calm = at_most(0.3, "facts: no contact chatter, which no real rover has")
     yield Check("sd of az turning in place, IMU at 100 Hz", "m/s2", calm, float(np.std(vertical)))
     constant = Span(

@@ -5,7 +5,7 @@ result hangs on one lucky triangle. Obstacles stand ahead of a rover that faces 
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,18 +26,11 @@ class Course:
     world: World
     heading: float
 
-    def ahead(self, x: float, y: float) -> tuple[float, float]:
-        """World coordinates of a point `x` ahead and `y` to the left of the origin [m]."""
-        c, s = math.cos(self.heading), math.sin(self.heading)
-        return c * x - s * y, s * x + c * y
 
-
-def floor(seed: int, *obstacles: "Block") -> Course:
-    """A level floor, as even as a good concrete one, with blocks on it."""
+def floor(seed: int, *blocks: Obstacle) -> Course:
+    """A level floor, as even as a good concrete one, with blocks where the rover sees them."""
     heading, heights = _heading_and_floor(seed)
-    course = Course(_world(heights, seed), heading)
-    solid = tuple(block.stand(course) for block in obstacles)
-    return Course(_world(heights, seed, solid), heading)
+    return Course(_world(heights, seed, tuple(_turned(one, heading) for one in blocks)), heading)
 
 
 def ramp(seed: int, incline: float) -> Course:
@@ -64,37 +57,29 @@ def saddle(seed: int, twist: float) -> Course:
     return Course(_world(sign * twist * x * y * reach, seed), heading)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Block:
-    """A solid thing on the floor, upright, aligned with the rover's heading.
+def block(shape: Shape, half_size: tuple[float, ...], x: float, y: float = 0.0) -> Obstacle:
+    """Returns a solid thing that stands on the floor, as seen from the rover.
 
-    Attributes:
-        half_size: As in `Obstacle` [m].
-        x: Of its centre ahead of the origin [m]; `y` to the left.
+    Args:
+        shape: As in `Obstacle`.
+        half_size: Likewise [m].
+        x: Of its centre ahead of the origin [m].
+        y: To the left [m].
     """
+    position = (x, y, half_size[-1])
+    return Obstacle(kind=ObstacleKind.ROCK, shape=shape, half_size=half_size, position=position)
 
-    shape: Shape
-    half_size: tuple[float, ...]
-    x: float
-    y: float = 0.0
 
-    def stand(self, course: Course) -> Obstacle:
-        """The block as an obstacle of the course, at the height of the level floor."""
-        x, y = course.ahead(self.x, self.y)
-        return Obstacle(
-            kind=ObstacleKind.ROCK,
-            shape=self.shape,
-            half_size=self.half_size,
-            position=(x, y, self.half_size[-1]),
-            quaternion=orientation(course.heading),
-        )
+def _turned(obstacle: Obstacle, heading: float) -> Obstacle:
+    (x, y, z), c, s = obstacle.position, math.cos(heading), math.sin(heading)
+    position = c * x - s * y, s * x + c * y, z
+    return replace(obstacle, position=position, quaternion=orientation(heading))
 
 
 def _heading_and_floor(seed: int) -> tuple[float, Field]:
-    rng = _rng(seed)
+    rng, (x, _) = _rng(seed), _grid()
     heading = rng.uniform(-math.pi, math.pi)
-    shape = _grid()[0].shape
-    return heading, UNEVENNESS * fractal(rng, shape, cell=CELL, longest=2.0, shortest=0.3)
+    return heading, UNEVENNESS * fractal(rng, x.shape, cell=CELL, longest=2.0, shortest=0.3)
 
 
 def _rng(seed: int) -> np.random.Generator:

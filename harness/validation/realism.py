@@ -10,12 +10,11 @@ from pathlib import Path
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
+from rich.table import Column, Table
 from scipy.stats import wasserstein_distance
 
 from harness.config import EpisodeConfig
-from harness.validation.recorded import COLUMNS, Log, Values, read_log
-from harness.validation.run_log import CONFIG, drive
+from harness.validation.run_log import COLUMNS, CONFIG, Log, drive, read_log
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 
 ROUGH = DEFAULT_THRESHOLDS.rough_terrain_threshold  # [m/s2]
@@ -83,16 +82,17 @@ def compare(paths: Sequence[Path], robot: str, seed: int) -> Comparison:
 
 
 def distances(ours: Log, recorded: Sequence[Log], column: str) -> Distances:
-    """How far a column of ours lies from two recorded ones, and those from each other."""
-    first, second = (log[column] for log in recorded)
-    return Distances(
-        ours=(_distance(ours[column], first), _distance(ours[column], second)),
-        recorded=_distance(first, second),
-    )
+    """Returns how far a column of ours lies from two recorded ones, and those from each other.
 
-
-def _distance(one: Values, other: Values) -> float:
-    return float(wasserstein_distance(one, other))
+    Args:
+        ours: The log of our run.
+        recorded: The two logs.
+        column: Name of the column.
+    """
+    values, (first, second) = ours[column], (log[column] for log in recorded)
+    pairs = ((values, first), (values, second), (first, second))
+    near, far, between = (float(wasserstein_distance(*pair)) for pair in pairs)
+    return Distances((near, far), between)
 
 
 def print_comparison(console: Console, comparison: Comparison) -> None:
@@ -107,11 +107,8 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
 
 
 def _spread_table(comparison: Comparison) -> Table:
-    table = Table(title="How the rows are spread", title_justify="left")
-    table.add_column("column")
-    table.add_column("log")
-    for heading in ("p5", "p50", "p95", f"above {ROUGH:g}"):
-        table.add_column(heading, justify="right")
+    figures = (Column(name, justify="right") for name in ("p5", "p50", "p95", f"above {ROUGH:g}"))
+    table = Table("column", "log", *figures, title="How the rows are spread", title_justify="left")
     for column, unit in COLUMNS.items():
         for title, log in comparison.logs.items():
             values = log[column]
@@ -122,12 +119,17 @@ def _spread_table(comparison: Comparison) -> Table:
 
 
 def _distance_table(comparison: Comparison) -> Table:
-    table = Table(title="Wasserstein distances", title_justify="left")
-    table.add_column("column")
     first, second = list(comparison.logs)[1:]
-    for heading in ("recorded", "ours, 1st", "ours, 2nd", "ratio"):
-        table.add_column(heading, justify="right")
-    table.add_column("verdict")
+    headings = ("recorded", "ours, 1st", "ours, 2nd", "ratio")
+    table = Table(
+        "column",
+        *(Column(heading, justify="right") for heading in headings),
+        "verdict",
+        title="Wasserstein distances",
+        title_justify="left",
+        caption=f"recorded: from {first} (1st) to {second} (2nd); ratio: of the farther one of ours to "
+        f"that, at most {WITHIN:g}",
+    )
     for column, distances in comparison.distances.items():
         table.add_row(
             column,
@@ -135,8 +137,4 @@ def _distance_table(comparison: Comparison) -> Table:
             f"{distances.ratio:.2f}",
             "ok" if distances.passed else "MISS",
         )
-    table.caption = (
-        f"recorded: from {first} (1st) to {second} (2nd); ratio: of the farther one of ours to that, "
-        f"at most {WITHIN:g}"
-    )
     return table

@@ -1,6 +1,7 @@
 """A rover on a course, driven through the real controller and read through the real sensors."""
 
 import math
+from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -12,9 +13,12 @@ from harness.physics.diff_drive import DiffDrive
 from harness.physics.scene import ROCK_CONTACT, build_scene
 from harness.physics.simulation import Simulation
 from harness.robots import RoverSpec
-from harness.samples import Twist
+from harness.samples import Imu, Twist
+from harness.sensors.base import period_ticks
+from harness.sensors.state import ImuSensor
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS
 from harness.validation.grounds import Course
+from harness.world.obstacles import orientation
 
 TICK = TICK_NS / NANOSECONDS  # [s]
 SETTLING = 0.5  # [s] after the rover has been turned to its heading
@@ -75,6 +79,17 @@ class Rig:
                 return True
         return False
 
+    def imu_readings(self, rate: int, seconds: float) -> list[Imu]:
+        """Drives on for a time; returns what an IMU of that rate [Hz] reads."""
+        ticks = period_ticks(rate)
+        imu, readings = ImuSensor(self.simulation, ticks), []
+        self.observers.append(imu.observe)
+        for _ in range(round(seconds * rate)):
+            self.run(ticks * TICK)
+            readings.append(imu.read())
+        self.observers.remove(imu.observe)
+        return readings
+
     @property
     def stance(self) -> Stance:
         """Where the rover is; its yaw counts full turns."""
@@ -116,9 +131,8 @@ class Rig:
         return next(int(geom) for geom in geoms if model.geom_contype[geom])
 
     def _face(self, heading: float) -> float:
-        turned, about_z = np.empty(4), np.array([math.cos(heading / 2), 0, 0, math.sin(heading / 2)])
-        mujoco.mju_mulQuat(turned, about_z, self.simulation.data.qpos[3:7])
-        self.simulation.data.qpos[3:7] = turned
+        attitude = self.simulation.data.qpos[3:7]
+        mujoco.mju_mulQuat(attitude, np.array(orientation(heading)), attitude.copy())
         return self.simulation.yaw
 
 
@@ -131,12 +145,6 @@ def largest_passing(passes: Callable[[float], bool], low: float, high: float, st
         high: Largest value that is tried.
         step: Only its multiples are tried.
     """
-    first, last = round(low / step) - 1, round(high / step)
-    best = first
-    while best < last:
-        middle = (best + last + 1) // 2
-        if passes(middle * step):
-            best = middle
-        else:
-            last = middle - 1
-    return math.nan if best == first else best * step
+    first, last = round(low / step), round(high / step)
+    passing = bisect_left(range(first, last + 1), True, key=lambda n: not passes(n * step))
+    return (first + passing - 1) * step if passing else math.nan

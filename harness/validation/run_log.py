@@ -1,26 +1,35 @@
-"""Our side of the comparison: the log of a run as RoboTerrain's were recorded.
+"""Both sides of the comparison: logs that were recorded, and a run of ours as RoboTerrain's were.
 
 The terrain has posts and cubes on nearly level ground, as the inspection world of the logs; the driver
 chooses its speeds as they are spread there; the noise is that of Gazebo's IMU.
 """
 
-import math
-from dataclasses import replace
+import csv
+from collections.abc import Mapping
+from dataclasses import astuple, replace
+from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.config import EpisodeConfig
 from harness.drivers import DriverContext, Observation
-from harness.drivers.wander import Wander
+from harness.drivers.wander import Roam
 from harness.episode.episode import Episode
 from harness.episode.metrics_feed import SampleFeed
+from harness.errors import UsageError
 from harness.robots import find_rover
-from harness.samples import LaserScan, Tick, Twist
+from harness.samples import LaserScan
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
-from harness.validation.recorded import Log, as_log
 from rover_metrics.session import MetricsSession
 
+COLUMNS = {  # that tell how a run went, with their units
+    "IMU Acceleration Magnitude": "m/s2",
+    "Vertical Roughness": "m/s2",
+    "Current Velocity": "m/s",
+    "Obstacle Clearance": "m",
+}
 CONFIG = EpisodeConfig(terrain="posts", difficulty=0.5, driver="cmd_vel", noise="gazebo", duration=600.0)
 
 # Quantiles of Current Velocity in the logs of 2025-01-16 [m/s], evenly spaced from 0 to 1; the slow
@@ -30,8 +39,37 @@ SPEED_HELD = (6.0, 14.0)  # [s]: recorded velocities are alike for some ten seco
 TURN_RATE = 2.0  # [rad/s]
 AGENT_STREAM = 30  # keeps the agent's random numbers apart
 
+Values = NDArray[np.float64]
+Log = Mapping[str, Values]  # by column
 
-class RecordedAgent:
+
+def read_log(path: Path) -> Log:
+    """Returns those columns of a log; rows whose clearance is still infinite are left out.
+
+    Raises:
+        UsageError: It cannot be read, or lacks a column or a row.
+    """
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            rows = [[float(row[column]) for column in COLUMNS] for row in csv.DictReader(file)]
+    except OSError as error:
+        raise UsageError(f"cannot read {path}: {error.strerror}; --realism takes two logs") from error
+    except (KeyError, TypeError, ValueError) as error:
+        message = f"{path} is no metrics log; it needs numbers in {', '.join(COLUMNS)}"
+        raise UsageError(message) from error
+    return _complete(rows, str(path))
+
+
+def _complete(rows: list[list[float]], name: str) -> Log:
+    """Rows in the order of COLUMNS as a log, those that are not finite left out."""
+    values = np.array(rows).reshape(-1, len(COLUMNS))
+    finite = values[np.isfinite(values).all(axis=1)]
+    if not len(finite):
+        raise UsageError(f"{name} holds no complete row")
+    return dict(zip(COLUMNS, finite.T, strict=True))
+
+
+class RecordedAgent(Roam):
     """A stand-in for the RL agents that drove when RoboTerrain's logs were recorded; seeded.
 
     It finds its way like the default driver, at a speed that it chooses anew every few seconds. It
@@ -39,69 +77,34 @@ class RecordedAgent:
     """
 
     def __init__(self, context: DriverContext) -> None:
-        self._rng = context.rng
         unit = replace(context.rover, cruise_speed=1.0, cruise_yaw_rate=TURN_RATE)
-        self._wander = Wander(replace(context, rover=unit))
-        self._speed, self._until_ns = 0.0, 0
+        super().__init__(replace(context, rover=unit))
 
-    def command(self, observation: Observation) -> Twist:
-        """The default driver's command at the speed of the moment."""
-        if observation.time_ns >= self._until_ns:
-            held = self._rng.uniform(*SPEED_HELD)
-            self._until_ns = observation.time_ns + math.floor(held * 1e9)
-            place = self._rng.uniform(0, len(SPEEDS) - 1)
-            self._speed = float(np.interp(place, range(len(SPEEDS)), SPEEDS))
-        twist = self._wander.command(observation)
-        return Twist(twist.linear * self._speed, twist.angular)
+    def spell(self) -> tuple[float, float]:
+        """How long the next speed holds [s], and the speed [m/s]."""
+        held = self.rng.uniform(*SPEED_HELD)
+        place = self.rng.uniform(0, len(SPEEDS) - 1)
+        return held, float(np.interp(place, range(len(SPEEDS)), SPEEDS))
 
 
 def drive(config: EpisodeConfig) -> Log:
-    """Drives the run and returns its rows."""
-    episode = Episode(config)
-    agent = RecordedAgent(
-        DriverContext(
-            find_rover(config.robot),
-            episode.info.map_size / 2,
-            LidarSpec().bearings,
-            np.random.default_rng([config.seed, AGENT_STREAM]),
-        )
-    )
-    logger = _Logger()
+    """Drives a run and returns its rows, one a second."""
+    episode, session, lidar = Episode(config), MetricsSession(), LidarSpec()
+    feed, ranges = SampleFeed(session, lidar), None
+    rng = np.random.default_rng([config.seed, AGENT_STREAM])
+    half_size = episode.info.map_size / 2
+    agent = RecordedAgent(DriverContext(find_rover(config.robot), half_size, lidar.bearings, rng))
+    rows = []
     for batch in episode.batches():
         for tick in batch.ticks:
-            logger.take(tick)
-        episode.command(agent.command(logger.observe(episode)))
-    return as_log(np.array(logger.rows), "the run")
-
-
-class _Logger:
-    """Feeds a session of metrics, and keeps one row a second and the latest scan."""
-
-    def __init__(self) -> None:
-        self._session, self._scan = MetricsSession(), LaserScan(0, np.empty(0, dtype=np.float32))
-        self._feed = SampleFeed(self._session, LidarSpec())
-        self.rows: list[tuple[float, ...]] = []
-
-    def take(self, tick: Tick) -> None:
-        """Takes the samples of a tick, then the row if a second is full."""
-        for sample in tick.samples:
-            self._feed.take(sample)
-            if isinstance(sample, LaserScan):
-                self._scan = sample
-        if tick.stamp_ns % NANOSECONDS == 0:
-            row = self._session.metrics.row(tick.stamp_ns // NANOSECONDS)
-            self.rows.append(
-                (
-                    row.imu_acceleration_magnitude,
-                    row.vertical_roughness,
-                    row.current_velocity,
-                    row.obstacle_clearance,
-                )
-            )
-
-    def observe(self, episode: Episode) -> Observation:
-        """What the agent may know."""
-        simulation = episode.simulation
-        x, y, _ = simulation.position
-        ranges = self._scan.ranges if self._scan.ranges.size else None
-        return Observation(simulation.time_ns, x, y, simulation.yaw, ranges)
+            for sample in tick.samples:
+                feed.take(sample)
+                ranges = sample.ranges if isinstance(sample, LaserScan) else ranges
+            if tick.stamp_ns % NANOSECONDS == 0:
+                row = session.metrics.row(tick.stamp_ns // NANOSECONDS)
+                cells = dict(zip(row.columns, astuple(row), strict=True))
+                rows.append([cells[column] for column in COLUMNS])
+        x, y, _ = episode.simulation.position
+        seen = Observation(episode.simulation.time_ns, x, y, episode.simulation.yaw, ranges)
+        episode.command(agent.command(seen))
+    return _complete(rows, "the run")

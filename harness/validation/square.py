@@ -11,8 +11,7 @@ from collections.abc import Iterator
 from harness.robots import RoverSpec
 from harness.sensors.base import period_ticks
 from harness.sensors.odometry import WheelOdometry
-from harness.validation.check import Check, Span, around
-from harness.validation.expected import expected_of
+from harness.validation.check import Check, Span, around, expected_of
 from harness.validation.grounds import floor
 from harness.validation.rig import TICK, Rig
 
@@ -47,13 +46,10 @@ class Journey:
         self._last = now
         self._ticks += 1
         if self._ticks % self._period_ticks == 0:
-            self._read()
-
-    def _read(self) -> None:
-        reading, period = self._odometry.read(), self._period_ticks * TICK
-        self.told_path += reading.twist.linear * period
-        self.told_yaw += reading.twist.angular * period
-        self.told_place = complex(reading.x, reading.y)
+            reading, period = self._odometry.read(), self._period_ticks * TICK
+            self.told_path += reading.twist.linear * period
+            self.told_yaw += reading.twist.angular * period
+            self.told_place = complex(reading.x, reading.y)
 
     @property
     def true_yaw(self) -> float:

@@ -1,4 +1,4 @@
-"""The tilt table: static tip angles, the incline that is held, and the creep on it.
+"""Statics and the tilt table: tip angles, the incline that is held, and the creep on it.
 
 The table tilts gravity instead of the ground, which on a plane is the same. For the tip angles the
 wheels' friction is raised, in place of the rail that keeps a vehicle from sliding off the table of
@@ -7,15 +7,17 @@ ISO 16333.
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 
 from harness.robots import RoverSpec
 from harness.validation.check import Check, Span, around, at_most
 from harness.validation.grounds import floor
 from harness.validation.rig import TICK, Rig
-from harness.validation.statics import WHEEL_FRICTION, Balance, balance, tip_angle
 
+WHEEL_FRICTION = 1.0  # models/README.md
 RAIL_FRICTION = 5.0
 FAST, SLOW = math.radians(30.0), math.radians(2.5)  # [rad/s]: far from and near the angle looked for
 NEAR = math.radians(5.0)
@@ -28,6 +30,53 @@ SOFT_SOURCE = "E: soft friction up to 10 (real: 0)"
 
 FRONT, REAR, LEFT, RIGHT = (0, 2), (1, 3), (0, 1), (2, 3)  # wheels in the spec's order
 Wheels = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Balance:
+    """Where the weight of a standing rover acts.
+
+    Attributes:
+        weight: [N].
+        height: Of the centre of mass over the ground [m].
+        front: Horizontal distance from the centre of mass to the front axle [m]; likewise `rear`,
+            and `left`, `right` to the middle of the wheels.
+    """
+
+    weight: float
+    height: float
+    front: float
+    rear: float
+    left: float
+    right: float
+
+
+def balance(rig: Rig) -> Balance:
+    """The balance of a rover that stands on level ground."""
+    model, data = rig.simulation.model, rig.simulation.data
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    x, y, z = rig.in_model_frame(data.subtree_com[model.body("rover").id]).tolist()
+    wheels = rig.in_model_frame(data.geom_xpos[rig.wheel_geoms])
+    front_left, rear_left, front_right, rear_right = wheels
+    return Balance(
+        weight=float(model.body_mass.sum()) * rig.rover.gravity,
+        height=z - float(wheels[:, 2].mean()) + rig.rover.wheel_radius,
+        front=float(front_left[0] + front_right[0]) / 2 - x,
+        rear=x - float(rear_left[0] + rear_right[0]) / 2,
+        left=float(front_left[1] + rear_left[1]) / 2 - y,
+        right=y - float(front_right[1] + rear_right[1]) / 2,
+    )
+
+
+def tip_angle(arm: float, height: float) -> float:
+    """Incline [rad] at which the centre of mass stands above the lower wheels."""
+    return math.atan2(arm, height)
+
+
+def steepest_stand(stand: Balance) -> float:
+    """Incline [rad] nose up at which a rover slides or tips backwards, whichever is first."""
+    return min(math.atan(WHEEL_FRICTION), tip_angle(stand.rear, stand.height))
 
 
 class TiltTable:
@@ -81,11 +130,6 @@ def _tips(rover: RoverSpec, seed: int, uphill: float, wheels: Wheels, limit: flo
     table = TiltTable(rig, rig.heading + uphill)
     watched = [geoms[wheel] for wheel in wheels]
     return table.raise_until(lambda: not rig.stands_on(watched), limit - NEAR)
-
-
-def steepest_stand(stand: Balance) -> float:
-    """Incline [rad] nose up at which a rover slides or tips backwards, whichever is first."""
-    return min(math.atan(WHEEL_FRICTION), tip_angle(stand.rear, stand.height))
 
 
 def _held(rover: RoverSpec, seed: int, stand: Balance) -> Iterator[Check]:

@@ -6,15 +6,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from harness.robots import RoverSpec
-from harness.sensors.base import period_ticks
-from harness.sensors.state import ImuSensor
-from harness.validation.check import Check, Span, around, at_most
-from harness.validation.expected import Passage, expected_of
-from harness.validation.grounds import Block, floor, saddle
+from harness.validation.check import Check, Passage, Span, around, at_most, expected_of
+from harness.validation.grounds import block, floor, saddle
 from harness.validation.rig import Rig, largest_passing
 
-IMU_RATE, REST = 20, 40  # [Hz], readings
-REST_BEFORE = 1.0  # [s]
+IMU_RATE = 20  # [Hz]
+REST_BEFORE, REST = 1.0, 2.0  # [s]
 TWIST, OVERTWIST = 0.15, 0.40  # [rad] between rocker and body that a saddle asks for
 ROCKING = 1.5  # [s]
 POST_AT, POST_SPEED, POST_LIMIT = 0.6, 0.3, 4.5  # [m], [m/s], [s]
@@ -31,15 +28,9 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
 
 
 def _rest(rover: RoverSpec, seed: int) -> Iterator[Check]:
-    rig, ticks = Rig(rover, floor(seed)), period_ticks(IMU_RATE)
+    rig = Rig(rover, floor(seed))
     rig.run(REST_BEFORE)
-    imu = ImuSensor(rig.simulation, ticks)
-    rig.observers.append(imu.observe)
-    readings = []
-    for _ in range(REST):
-        for _ in range(ticks):
-            rig.tick()
-        readings.append(imu.read())
+    readings = rig.imu_readings(IMU_RATE, REST)
     force = np.linalg.norm([reading.linear_acceleration for reading in readings], axis=1)
     rate = np.linalg.norm([reading.angular_velocity for reading in readings], axis=1)
     gravity = around(rover.gravity, 0.005, "S: gravity of RoboTerrain's worlds, noise off")
@@ -52,7 +43,7 @@ def _rest(rover: RoverSpec, seed: int) -> Iterator[Check]:
 def _clearance(rover: RoverSpec, seed: int, passage: Passage) -> Check:
     def passes(height: float) -> bool:
         half = (passage.radius, height / 2)
-        post = Block(shape="cylinder", half_size=half, x=POST_AT, y=passage.aside)
+        post = block("cylinder", half, x=POST_AT, y=passage.aside)
         rig = Rig(rover, floor(seed, post))
         rig.command(POST_SPEED)
         return not rig.run_until(lambda: rig.touches_block, POST_LIMIT)
@@ -73,7 +64,7 @@ def _rockers(rover: RoverSpec, seed: int) -> Iterator[Check]:
     limited = _twisted(rover, seed, OVERTWIST)
     stop = expected_of(rover).rocker_stop
     yield Check("rocker angle at its stops", "rad", stop, float(np.abs(limited).max()))
-    rig = Rig(rover, floor(seed, Block(shape="box", half_size=(0.05, 0.5, 0.025), x=0.5, y=0.52)))
+    rig = Rig(rover, floor(seed, block("box", (0.05, 0.5, 0.025), x=0.5, y=0.52)))
     uneven: list[float] = []
     rig.observers.append(lambda: uneven.append(abs(rig.joint_angles(rover.passive_joints).sum())))
     rig.command(0.4)

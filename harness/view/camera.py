@@ -16,6 +16,7 @@ AHEAD = 0.7  # [m] behind the rover that the picture's middle is aimed at
 ASIDE = 0.4  # [m] by which the rover stands beside the middle
 AZIMUTHS = np.arange(0.0, 360.0, 7.5)  # [deg] candidates
 GROUND_MARGIN = 0.4  # [m] of air below the camera
+SOLID_GROUPS = np.array([1, 1, 0, 0, 0, 0], np.uint8)  # terrain and obstacles
 CHASE_SIDE, CHASE_ELEVATION = 30.0, -24.0  # [deg]
 BEST_FRONT = math.radians(35.0)  # angle between the rover's heading and the camera
 
@@ -62,7 +63,7 @@ class View:
         return (depth > 0.5) & (np.abs(offsets @ right) < half_width * depth)
 
 
-def view_from(rover: Vector, azimuth: float, aside: float) -> View:
+def _view_from(rover: Vector, azimuth: float, aside: float) -> View:
     """A view past the rover, which stands `aside` [m] left of the middle of the picture."""
     heading = math.radians(azimuth)
     ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
@@ -73,7 +74,7 @@ def view_from(rover: Vector, azimuth: float, aside: float) -> View:
 
 def chase_view(rover: Vector, yaw: float) -> View:
     """A view from behind, a little to the side, of a rover at that place [m] and heading [rad]."""
-    return replace(view_from(rover, math.degrees(yaw) + CHASE_SIDE, 0.0), elevation=CHASE_ELEVATION)
+    return replace(_view_from(rover, math.degrees(yaw) + CHASE_SIDE, 0.0), elevation=CHASE_ELEVATION)
 
 
 def best_view(
@@ -88,32 +89,29 @@ def best_view(
         yaw: Its heading [rad].
         half_width: Half the width of the picture at unit distance.
     """
-    views = [view_from(path[-1], azimuth, s * ASIDE) for azimuth in AZIMUTHS.tolist() for s in (-1, 1)]
-    return max(views, key=lambda view: _merit(view, model, data, path, yaw, half_width))
 
+    def merit(view: View) -> float:
+        shown = float(np.mean(view.sees(path, half_width))) if len(path) > 1 else 0.0
+        to_camera = math.radians(view.azimuth + 180.0)
+        off_front = abs(abs(math.remainder(to_camera - yaw, math.tau)) - BEST_FRONT)
+        return shown - 0.25 * off_front - 10.0 * _is_hidden(view, model, data, path[-1])
 
-def _merit(
-    view: View, model: mujoco.MjModel, data: mujoco.MjData, path: Vector, yaw: float, half_width: float
-) -> float:
-    shown = float(np.mean(view.sees(path, half_width))) if len(path) > 1 else 0.0
-    to_camera = math.radians(view.azimuth + 180.0)
-    off_front = abs(abs(math.remainder(to_camera - yaw, math.tau)) - BEST_FRONT)
-    return shown - 0.25 * off_front - 10.0 * _is_hidden(view, model, data, path[-1])
+    views = (_view_from(path[-1], azimuth, s * ASIDE) for azimuth in AZIMUTHS.tolist() for s in (-1, 1))
+    return max(views, key=merit)
 
 
 def _is_hidden(view: View, model: mujoco.MjModel, data: mujoco.MjData, rover: Vector) -> bool:
     """Whether ground or an obstacle stands between camera and rover, or the camera is in the ground."""
-    seen_groups = np.array([1, 1, 0, 0, 0, 0], np.uint8)
     hit = np.zeros(1, np.int32)
-    below = mujoco.mj_ray(
-        model, data, view.eye, np.array([0.0, 0.0, -1.0]), seen_groups, 1, -1, hit, None
-    )
-    if not below > GROUND_MARGIN:
+
+    def free(direction: Vector) -> float:
+        return float(mujoco.mj_ray(model, data, view.eye, direction, SOLID_GROUPS, 1, -1, hit, None))
+
+    if not free(np.array([0.0, 0.0, -1.0])) > GROUND_MARGIN:
         return True
     for height in (0.15, 0.6):
         line = rover + np.array([0.0, 0.0, height]) - view.eye
         distance = float(np.linalg.norm(line))
-        free = mujoco.mj_ray(model, data, view.eye, line / distance, seen_groups, 1, -1, hit, None)
-        if 0.0 <= free < distance - 0.1:
+        if 0.0 <= free(line / distance) < distance - 0.1:
             return True
     return False

@@ -5,10 +5,9 @@ import os
 import subprocess
 import sys
 import tempfile
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from functools import cache
 from pathlib import Path
-from typing import Self
 
 from harness.config import EpisodeConfig
 from harness.episode.batch import Batch
@@ -17,6 +16,7 @@ from harness.files import check_target
 from harness.view.states import StateWriter
 
 BACKENDS = ("egl", "osmesa")  # of MuJoCo, in the order in which they are tried
+SUFFIXES = {"--picture": ".png", "--video": ".mp4"}
 PACKAGES = "libegl1 libgl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"
 
 
@@ -36,7 +36,7 @@ class DrawingFailed(HarnessError):
     """The run is done, its picture or video is not."""
 
 
-class Drawing:
+class Drawing(AbstractContextManager["Drawing"]):
     """The picture and the video of one run; a context manager that leaves no states behind.
 
     Args:
@@ -49,20 +49,17 @@ class Drawing:
     def __init__(
         self, picture: Path | None, video: Path | None, *, lidar: bool, backend: str = ""
     ) -> None:
-        self._picture, self._video, self._lidar = picture, video, lidar
-        self._backend = backend
+        named = {"--picture": picture, "--video": video}
+        self._targets = {flag: path for flag, path in named.items() if path is not None}
+        self._lidar, self._backend = lidar, backend
         self._at_end = ExitStack()
         self._environment: dict[str, str] = {}
-        self._states: Path | None = None
         self._writer: StateWriter | None = None
 
     @property
     def wanted(self) -> bool:
         """Whether anything is to be drawn."""
-        return self._picture is not None or self._video is not None
-
-    def __enter__(self) -> Self:
-        return self
+        return bool(self._targets)
 
     def __exit__(self, *_: object) -> None:
         self._at_end.close()
@@ -77,16 +74,13 @@ class Drawing:
             if self._lidar:
                 raise UsageError("--picture-lidar needs --picture or --video")
             return
-        if self._picture is not None:
-            check_target("--picture", self._picture, ".png")
-        if self._video is not None:
-            check_target("--video", self._video, ".mp4")
-            if importlib.util.find_spec("av") is None:
-                raise UsageError("--video needs PyAV; install it with pip install -e '.[video]'")
+        for flag, path in self._targets.items():
+            check_target(flag, path, SUFFIXES[flag])
+        if "--video" in self._targets and importlib.util.find_spec("av") is None:
+            raise UsageError("--video needs PyAV; install it with pip install -e '.[video]'")
         self._environment = _working_environment(self._backend)
         folder = self._at_end.enter_context(tempfile.TemporaryDirectory(prefix="rover-harness-"))
-        self._states = Path(folder) / "states"
-        self._writer = self._at_end.enter_context(StateWriter(self._states, config))
+        self._writer = self._at_end.enter_context(StateWriter(Path(folder) / "states", config))
 
     def take(self, batch: Batch) -> None:
         """Keeps the states of a batch."""
@@ -99,14 +93,13 @@ class Drawing:
         Raises:
             DrawingFailed: They could not be drawn.
         """
-        if self._states is None or self._writer is None:
+        if self._writer is None:
             return []
         self._writer.close()
-        targets = {"--picture": self._picture, "--video": self._video}
-        named = {flag: path for flag, path in targets.items() if path is not None}
-        words = [word for flag, path in named.items() for word in (flag, str(path))]
-        _call([str(self._states), *words, *(["--lidar"] if self._lidar else [])], self._environment)
-        return list(named.values())
+        words = [word for flag, path in self._targets.items() for word in (flag, str(path))]
+        lidar = ["--lidar"] if self._lidar else []
+        _call([str(self._writer.path), *words, *lidar], self._environment)
+        return list(self._targets.values())
 
 
 def _call(words: list[str], environment: dict[str, str]) -> None:

@@ -67,26 +67,32 @@ def add_marks(scene: mujoco.MjvScene, marks: Iterable[Mark], time: float) -> Non
 
 def path_marks(recording: States, ground: Heightfield) -> list[Mark]:
     """The driven path as a line on the ground."""
-    along = _Course(recording)
-    spacing = max(PATH_SPACING, along.length / MOST_PATH_MARKS)
-    stations = np.arange(0.0, along.length, spacing)
-    points = [_on_ground(ground, *along.point(s), -PATH_SUNK) for s in stations]
+    length = _driven(recording)[-1]
+    stations = np.arange(0.0, length, max(PATH_SPACING, length / MOST_PATH_MARKS))
+    x, y, _, since = _interpolated(recording, stations)
+    points = [_on_ground(ground, *place, above=-PATH_SUNK) for place in zip(x, y, strict=True)]
     shape, size = mujoco.mjtGeom.mjGEOM_CAPSULE, (PATH_RADIUS,) * 3
     return [
-        Mark(shape, size, a, PATH_COLOR, end=b, since=along.time(s), glow=0.45)
-        for a, b, s in zip(points[:-1], points[1:], stations[1:], strict=True)
+        Mark(shape, size, start, PATH_COLOR, end=end, since=time, glow=0.45)
+        for start, end, time in zip(points, points[1:], since[1:].tolist(), strict=False)
     ]
 
 
 def track_marks(recording: States, ground: Heightfield, rover: RoverSpec) -> list[Mark]:
-    """Imprints of the lugs along both sides of the path's end."""
-    along = _Course(recording)
+    """Imprints of the lugs along both sides of the path's end.
+
+    Args:
+        recording: The states of the run.
+        ground: What the rover drove on.
+        rover: Whose wheels left them.
+    """
+    length = _driven(recording)[-1]
+    stations = np.arange(max(0.0, length - TRACK_LENGTH), length, TRACK_SPACING)
     size = (TRACK_HALF_LENGTH, 0.5 * rover.wheel_width, TRACK_HALF_HEIGHT)
     marks = []
-    for s in np.arange(max(0.0, along.length - TRACK_LENGTH), along.length, TRACK_SPACING):
-        (x, y), yaw, since = along.point(s), along.yaw(s), along.time(s)
+    for x, y, yaw, since in zip(*_interpolated(recording, stations), strict=True):
         for side in (0.5 * rover.track, -0.5 * rover.track):
-            place = _on_ground(ground, x - side * math.sin(yaw), y + side * math.cos(yaw), 0.0)
+            place = _on_ground(ground, x - side * math.sin(yaw), y + side * math.cos(yaw))
             frame = _lying_frame(ground, place, yaw)
             marks.append(Mark(mujoco.mjtGeom.mjGEOM_BOX, size, place, TRACK_COLOR, frame, since=since))
     return marks
@@ -111,28 +117,19 @@ def beam_marks(origin: Vector, directions: Vector, ranges: NDArray[np.float32]) 
     return marks
 
 
-class _Course:
-    """The path by its length."""
-
-    def __init__(self, recording: States) -> None:
-        self._xy, self._yaw, self._times = recording.path[:, :2], recording.yaw, recording.times
-        steps = np.hypot(*np.diff(self._xy, axis=0).T)
-        self._stations = np.concatenate(([0.0], np.cumsum(steps)))
-        self.length = float(self._stations[-1])
-
-    def point(self, station: float) -> tuple[float, float]:
-        """Where the rover was after so many metres."""
-        x, y = (float(np.interp(station, self._stations, column)) for column in self._xy.T)
-        return x, y
-
-    def yaw(self, station: float) -> float:
-        return float(np.interp(station, self._stations, self._yaw))
-
-    def time(self, station: float) -> float:
-        return float(np.interp(station, self._stations, self._times))
+def _driven(recording: States) -> Vector:
+    """Length of the path up to each state [m], shape (n,)."""
+    steps = np.hypot(*np.diff(recording.path[:, :2], axis=0).T)
+    return np.concatenate(([0.0], np.cumsum(steps)))
 
 
-def _on_ground(ground: Heightfield, x: float, y: float, above: float) -> Vector:
+def _interpolated(recording: States, stations: Vector) -> list[Vector]:
+    """x, y [m], yaw [rad] and time [s] after so many metres."""
+    columns = (*recording.path[:, :2].T, recording.yaw, recording.times)
+    return [np.interp(stations, _driven(recording), column) for column in columns]
+
+
+def _on_ground(ground: Heightfield, x: float, y: float, above: float = 0.0) -> Vector:
     return np.array([x, y, ground.height_at(x, y) + above])
 
 
@@ -142,7 +139,6 @@ def _lying_frame(ground: Heightfield, place: Vector, yaw: float) -> Vector:
     slope_x = (ground.height_at(x + reach, y) - ground.height_at(x - reach, y)) / (2.0 * reach)
     slope_y = (ground.height_at(x, y + reach) - ground.height_at(x, y - reach)) / (2.0 * reach)
     up = np.array([-slope_x, -slope_y, 1.0]) / math.hypot(slope_x, slope_y, 1.0)
-    forward = np.array([math.cos(yaw), math.sin(yaw), 0.0])
-    forward -= up * (forward @ up)
-    forward /= np.linalg.norm(forward)
-    return np.column_stack([forward, np.cross(up, forward), up])
+    left = np.cross(up, (math.cos(yaw), math.sin(yaw), 0.0))
+    left /= np.linalg.norm(left)
+    return np.column_stack([np.cross(left, up), left, up])

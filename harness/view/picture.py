@@ -7,25 +7,98 @@ be chosen before MuJoCo is imported, and no run is to wait for its pictures.
 """
 
 import argparse
+import math
 import sys
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from functools import partial
+from itertools import accumulate
 from pathlib import Path
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from harness.errors import HarnessError
 from harness.files import whole_file
-from harness.view.camera import best_view
-from harness.view.stage import Quality
-from harness.view.studio import Studio
+from harness.physics.scene import build_scene
+from harness.robots import find_rover
+from harness.sensors.lidar import Lidar
+from harness.sensors.lidar_spec import LidarSpec
+from harness.view.camera import View, best_view, chase_view
+from harness.view.marks import Mark, add_marks, beam_marks, path_marks, track_marks
+from harness.view.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
+from harness.view.states import States, read_states
 
 SCALE = 2  # a picture of 1280 x 640 is drawn twice as large: edges and shadows get smooth
 QUALITY = Quality(width=SCALE * 1280, height=SCALE * 640, samples=4, shadow_map=8192, slices=28)
 KEPT_BITS = 0xFC  # of each colour: the last two are noise that doubles the file
+VIDEO_QUALITY = Quality(width=960, height=480, samples=2, shadow_map=2048, slices=16)
+FRAME_RATE = 25  # [Hz], the recording's
+MOST_FRAMES = 250  # 10 s: a longer run is played faster, so that no video takes minutes to draw
+MOST_GEOMS = 20_000  # of scene and marks together
+CALMED = 2.0 * FRAME_RATE  # states that the camera takes to follow a turn
 
 
-def draw_picture(recording: Path, target: Path, *, lidar: bool) -> None:
+class Studio(AbstractContextManager["Studio"]):
+    """Draws the states of one recording with its marks; a context manager that gives OpenGL back.
+
+    Attributes:
+        recording: The states.
+        model: The scene that they are states of.
+        data: The state that was posed last.
+        half_width: Half the width of an image at unit distance.
+    """
+
+    def __init__(self, path: Path, quality: Quality, *, lidar: bool) -> None:
+        self.recording = read_states(path)
+        config = self.recording.config
+        rover, world = find_rover(config.robot), config.world()
+        self.model = build_scene(world, rover, config.timestep, partial(dress, quality=quality)).model
+        self.data = mujoco.MjData(self.model)
+        self._joints = [int(self.model.joint(name).qposadr[0]) for name in rover.joints]
+        self._lidar = Lidar(self.model, LidarSpec(beams=config.lidar_beams)) if lidar else None
+        self._marks = [
+            *path_marks(self.recording, world.ground),
+            *track_marks(self.recording, world.ground, rover),
+        ]
+        half_height = math.tan(math.radians(0.5 * FIELD_OF_VIEW))
+        self.half_width = quality.width / quality.height * half_height
+        self._renderer = mujoco.Renderer(self.model, quality.height, quality.width, max_geom=MOST_GEOMS)
+
+    def __exit__(self, *_: object) -> None:
+        self._renderer.close()
+
+    def pose(self, index: int) -> None:
+        """Takes the state of that index."""
+        states = self.recording
+        self.data.qpos[:7] = (*states.path[index], *states.orientations[index])
+        self.data.qpos[self._joints] = states.joints[index]
+        mujoco.mj_forward(self.model, self.data)
+
+    def image(self, index: int, view: View) -> NDArray[np.uint8]:
+        """The state of that index, shape (height, width, 3)."""
+        self.pose(index)
+        aim_sun(self.model, self.recording.path[index], view.azimuth)
+        mujoco.mj_camlight(self.model, self.data)
+        self._renderer.update_scene(self.data, view.camera(), visible_groups())
+        scene = self._renderer.scene
+        add_marks(scene, [*self._marks, *self._beams()], self.recording.times[index])
+        scene.flags[mujoco.mjtRndFlag.mjRND_HAZE] = True
+        return np.asarray(self._renderer.render())
+
+    def _beams(self) -> list[Mark]:
+        if self._lidar is None:
+            return []
+        site = self.data.site("lidar")
+        angles = self._lidar.spec.angles
+        level = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
+        directions = level @ site.xmat.reshape(3, 3).T
+        return beam_marks(site.xpos, directions, self._lidar.scan(self.data))
+
+
+def _draw_picture(recording: Path, target: Path, *, lidar: bool) -> None:
     """Draws the end of a recording with the path that led there, as PNG."""
     with Studio(recording, QUALITY, lidar=lidar) as studio:
         states = studio.recording
@@ -36,10 +109,28 @@ def draw_picture(recording: Path, target: Path, *, lidar: bool) -> None:
         image.point(lambda value: value & KEPT_BITS).save(part, format="PNG", optimize=True)
 
 
-def probe() -> None:
-    """Makes and drops an OpenGL context; raises whatever MuJoCo does if there is none."""
-    model = mujoco.MjModel.from_xml_string("<mujoco/>")
-    mujoco.Renderer(model, 16, 16).close()
+def _draw_video(recording: Path, target: Path, *, lidar: bool) -> None:
+    """Draws a recording as H.264 in MP4: the camera follows the rover, the path grows behind it."""
+    import av  # noqa: PLC0415 - its extra may be missing
+
+    with Studio(recording, VIDEO_QUALITY, lidar=lidar) as studio, whole_file(target) as part:
+        count = len(studio.recording.times)
+        frames = range(0, count, -(-count // MOST_FRAMES))
+        views = _chase(studio.recording)
+        with av.open(str(part), "w", format="mp4") as container:
+            stream = container.add_stream("libx264", rate=FRAME_RATE, options={"crf": "23"})
+            stream.width, stream.height = VIDEO_QUALITY.width, VIDEO_QUALITY.height
+            stream.pix_fmt = "yuv420p"
+            for index in frames:
+                image = av.VideoFrame.from_ndarray(studio.image(index, views[index]), format="rgb24")
+                container.mux(stream.encode(image))
+            container.mux(stream.encode())
+
+
+def _chase(recording: States) -> list[View]:
+    """A view from behind at each state; a low-pass makes it turn more calmly than the rover."""
+    headings = accumulate(recording.yaw.tolist(), lambda calm, yaw: calm + (yaw - calm) / CALMED)
+    return [chase_view(place, yaw) for place, yaw in zip(recording.path, headings, strict=True)]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -47,14 +138,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         if options.recording is None:
-            probe()
+            # Whatever MuJoCo raises if there is no OpenGL is what whoever started this looks for.
+            mujoco.Renderer(mujoco.MjModel.from_xml_string("<mujoco/>"), 16, 16).close()
             return 0
         if options.picture is not None:
-            draw_picture(options.recording, options.picture, lidar=options.lidar)
+            _draw_picture(options.recording, options.picture, lidar=options.lidar)
         if options.video is not None:
-            from harness.view.video import draw_video  # noqa: PLC0415 - its extra may be missing
-
-            draw_video(options.recording, options.video, lidar=options.lidar)
+            _draw_video(options.recording, options.video, lidar=options.lidar)
     except (HarnessError, OSError) as error:
         print(f"harness.view.picture: {error}", file=sys.stderr)
         return error.exit_code if isinstance(error, HarnessError) else 1

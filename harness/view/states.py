@@ -6,9 +6,9 @@ that are published, so that nothing in the episode knows of it.
 """
 
 import json
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from harness.config import EpisodeConfig
 from harness.episode.batch import Batch
 from harness.errors import UsageError
 from harness.robots import find_rover
-from harness.samples import JointStates, Pose, Tick
+from harness.samples import JointStates, Pose
 from harness.sim_time import NANOSECONDS
 
 PERIOD_NS = 40_000_000  # 25 states a second, as a video shows them
@@ -28,15 +28,17 @@ SCENE = (  # of the configuration
 )
 
 
-class StateWriter:
-    """Appends the states of an episode to a new file; a context manager that closes it."""
+class StateWriter(AbstractContextManager["StateWriter"]):
+    """Appends the states of an episode to a new file; a context manager that closes it.
+
+    Attributes:
+        path: The file.
+    """
 
     def __init__(self, path: Path, config: EpisodeConfig) -> None:
+        self.path = path
         self._file = path.open("wb")
         self._file.write(json.dumps({name: getattr(config, name) for name in SCENE}).encode() + b"\n")
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
@@ -46,18 +48,14 @@ class StateWriter:
         self._file.close()
 
     def take(self, batch: Batch) -> None:
-        """Writes the states of a batch."""
-        for tick in batch.ticks:
-            if tick.stamp_ns % PERIOD_NS == 0:
-                self._write(tick)
-
-    def _write(self, tick: Tick) -> None:
-        pose = next((s for s in tick.samples if isinstance(s, Pose)), None)
-        joints = next((s for s in tick.samples if isinstance(s, JointStates)), None)
-        if pose is not None and joints is not None:  # a fault may have taken one
-            x, y, z, w = pose.orientation
-            row = (tick.stamp_ns / NANOSECONDS, *pose.position, w, x, y, z, *joints.position)
-            self._file.write(np.array(row).tobytes())
+        """Writes the states of a batch; a fault may have taken one."""
+        for tick in (tick for tick in batch.ticks if tick.stamp_ns % PERIOD_NS == 0):
+            pose = next((s for s in tick.samples if isinstance(s, Pose)), None)
+            joints = next((s for s in tick.samples if isinstance(s, JointStates)), None)
+            if pose is not None and joints is not None:
+                x, y, z, w = pose.orientation
+                row = (tick.stamp_ns / NANOSECONDS, *pose.position, w, x, y, z, *joints.position)
+                self._file.write(np.array(row).tobytes())
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,6 @@
 """Drivers that meet hazards on purpose: their plans in closed form, their scripts on an ideal rover."""
 
+import cmath
 import math
 from collections.abc import Callable
 from itertools import groupby
@@ -7,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from harness.config import EpisodeConfig
 from harness.drivers import find_driver
@@ -128,15 +131,29 @@ def test_a_plan_says_from_where_how_far_beside_and_how_fast(
     bearing = 0.7
     y_min, y_max = rover.footprint[2:]
     meeting = made(driver, dice(*shares), rover=rover).plan(block((0.8, 0.1), bearing + veer), bearing)
-    assert meeting.line.heading == pytest.approx(bearing + veer)
+    assert meeting.course == pytest.approx(bearing + veer)
     aside = widths * (0.1 + (y_max - y_min) / 2) + gap
-    assert (meeting.line.along((1.0, 2.0)), meeting.line.aside((1.0, 2.0))) == pytest.approx(
-        (0.0, -aside)
-    )
+    assert (meeting.along((1.0, 2.0)), meeting.aside((1.0, 2.0))) == pytest.approx((0.0, -aside))
     assert meeting.reach == pytest.approx(0.8)
     assert meeting.speed == pytest.approx(speed * TOP_SPEED[rover.name])
     turned = math.pi if speed < 0 else 0.0
     assert math.remainder(meeting.heading - bearing - veer - turned, math.tau) == pytest.approx(0.0)
+
+
+METRES, ANGLES = st.floats(-50.0, 50.0), st.floats(-10.0, 10.0)
+
+
+@given(x=METRES, y=METRES, course=ANGLES, ahead=METRES, left=METRES)
+def test_a_meeting_tells_how_far_ahead_and_how_far_to_its_left_a_point_lies(
+    x: float, y: float, course: float, ahead: float, left: float
+) -> None:
+    """By complex numbers."""
+    meeting, direction = Meeting((x, y), course, 0.3, 1.0), cmath.rect(1.0, course)
+    point = complex(x, y) + complex(ahead, left) * direction
+    there = point.real, point.imag
+    assert (meeting.along(there), meeting.aside(there)) == pytest.approx((ahead, left), abs=1e-9)
+    reached = complex(x, y) + ahead * direction
+    assert meeting.at(ahead) == pytest.approx((reached.real, reached.imag), abs=1e-9)
 
 
 def phases(twists: list[Twist]) -> list[tuple[str, int]]:
@@ -275,9 +292,7 @@ def test_it_lines_up_within_60_mrad_or_gives_up_after_6_s(dice: MakeDice) -> Non
 def test_beside_its_line_it_steers_back_to_where_the_line_is_half_a_metre_on(
     speed: float, aside: float, dice: MakeDice
 ) -> None:
-    encounter = made("ram", dice(1.0))
-    meeting = encounter.plan(post(0.0, 0.0), 0.0)
-    meeting = Meeting(type(meeting.line)((0.0, 0.0), 0.0), speed, 1.0)
+    encounter, meeting = made("ram", dice(1.0)), Meeting((0.0, 0.0), 0.0, speed, 1.0)
     encounter._now = Observation(0, -1.0, aside, meeting.heading, None)
     twist = next(encounter.follow(meeting, 1.0))
     assert twist.linear == speed

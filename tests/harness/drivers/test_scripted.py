@@ -1,7 +1,6 @@
 """Fixed manoeuvres: straight, spin, figure8, and the driver that is driven."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -77,19 +76,3 @@ def test_cmd_vel_stands_still_and_then_repeats_the_last_command() -> None:
     assert driver.command(at(0.0)) == Twist()
     driver.latest = Twist(0.2, 0.1)
     assert [driver.command(at(0.0)) for _ in range(2)] == [Twist(0.2, 0.1)] * 2
-
-
-@pytest.mark.parametrize("rover", [LEO, ROVER_ZERO4WD])
-def test_roam_takes_wanders_way_at_a_new_speed_every_eight_seconds(
-    rover: RoverSpec, dice: Callable[..., np.random.Generator]
-) -> None:
-    """The first draw and those after the goal's two are shares of 0.2 to 0.9 of the top speed."""
-    top = rover.wheel_speed_limit * rover.wheel_radius
-    free = np.full(8, np.inf, dtype=np.float32)
-    shares = (0.0, 1.0, 0.5, 1.0, 0.5)
-    roam = DRIVERS["roam"](DriverContext(rover, 20.0, np.linspace(-3.0, 3.0, 8), dice(*shares)))
-    for second, share in ((0.0, 0.2), (7.95, 0.2), (8.0, 0.9), (15.95, 0.9), (16.0, 0.55)):
-        here = 0.3 * second  # it gets on, towards a goal 10 m straight ahead of where it began
-        twist = roam.command(Observation(round(second * 1e9), min(here, 9.0), 0.0, 0.3, free))
-        assert twist.linear == pytest.approx(share * top * math.cos(math.radians(15.0)))
-        assert twist.angular == pytest.approx(-1.5 * math.radians(15.0) * rover.cruise_yaw_rate)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness.drivers.base import DriverContext, Observation
-from harness.drivers.wander import Wander
+from harness.drivers.wander import Roam, Wander
 from harness.robots import ROVERS, RoverSpec
 from harness.samples import Twist
 from tests.support.rovers import LEO, ROVER_ZERO4WD
@@ -197,3 +197,19 @@ def test_who_gets_on_by_26_cm_in_3_s_is_not_stuck(x: float, y: float, dice: Make
     driver = wander(dice(1.0, AHEAD))
     creeping = [driver.command(seen(0.05 * n, x * (n // 59), y * (n // 59))) for n in range(300)]
     assert all(command.linear >= 0 for command in creeping)
+
+
+@pytest.mark.parametrize("rover", [LEO, ROVER_ZERO4WD])
+def test_roam_takes_wanders_way_at_a_new_speed_every_eight_seconds(
+    rover: RoverSpec, dice: MakeDice
+) -> None:
+    """The first draw and those after the goal's two are shares of 0.2 to 0.9 of the top speed."""
+    top = rover.wheel_speed_limit * rover.wheel_radius
+    free = np.full(8, np.inf, dtype=np.float32)
+    shares = (0.0, 1.0, 0.5, 1.0, 0.5)
+    roam = Roam(DriverContext(rover, 20.0, np.linspace(-3.0, 3.0, 8), dice(*shares)))
+    for second, share in ((0.0, 0.2), (7.95, 0.2), (8.0, 0.9), (15.95, 0.9), (16.0, 0.55)):
+        here = 0.3 * second  # it gets on, towards a goal 10 m straight ahead of where it began
+        twist = roam.command(Observation(round(second * 1e9), min(here, 9.0), 0.0, 0.3, free))
+        assert twist.linear == pytest.approx(share * top * math.cos(math.radians(15.0)))
+        assert twist.angular == pytest.approx(-1.5 * math.radians(15.0) * rover.cruise_yaw_rate)

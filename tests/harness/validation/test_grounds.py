@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.validation.grounds import Block, Course, floor, ramp, saddle
+from harness.validation.grounds import Course, block, floor, ramp, saddle
 from harness.world.obstacles import ObstacleKind
 
 SEEDS = pytest.mark.parametrize("seed", [0, 1, 2])
@@ -73,12 +73,12 @@ def test_saddles_turn_both_ways() -> None:
 
 @SEEDS
 def test_a_block_stands_ahead_and_aside_in_line_with_the_rover(seed: int) -> None:
-    course = floor(seed, Block(shape="box", half_size=(0.2, 0.3, 0.05), x=2.0, y=0.5))
-    (block,) = course.world.obstacles
+    course = floor(seed, block("box", (0.2, 0.3, 0.05), x=2.0, y=0.5))
+    (stone,) = course.world.obstacles
 
     place = complex(2.0, 0.5) * cmath.exp(1j * course.heading)
-    assert block.position == pytest.approx((place.real, place.imag, 0.05))
-    assert block.half_size == (0.2, 0.3, 0.05)
-    assert block.kind is ObstacleKind.ROCK
-    turn = Rotation.from_quat(block.quaternion, scalar_first=True).as_rotvec()
+    assert stone.position == pytest.approx((place.real, place.imag, 0.05))
+    assert stone.half_size == (0.2, 0.3, 0.05)
+    assert stone.kind is ObstacleKind.ROCK
+    turn = Rotation.from_quat(stone.quaternion, scalar_first=True).as_rotvec()
     assert turn == pytest.approx((0.0, 0.0, course.heading))

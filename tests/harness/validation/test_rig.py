@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from harness.validation.grounds import Block, floor
+from harness.validation.grounds import block, floor
 from harness.validation.rig import Rig, largest_passing
 from tests.support.rovers import LEO
 
@@ -34,7 +34,7 @@ def test_a_rover_drives_ahead_on_whatever_heading_it_was_set_down(seed: int) -> 
 
 
 def test_blocks_stand_ahead_of_the_rover_and_are_felt() -> None:
-    rig = Rig(LEO, floor(3, Block(shape="cylinder", half_size=(0.1, 0.2), x=0.6)))
+    rig = Rig(LEO, floor(3, block("cylinder", (0.1, 0.2), x=0.6)))
     assert not rig.touches_block
     rig.command(0.4)
     assert rig.run_until(lambda: rig.touches_block, 2.0)

@@ -1,16 +1,28 @@
-"""The rovers pass, and rovers that were tampered with do not."""
+"""The rovers pass, rovers that were tampered with do not, and tables show it."""
 
+import io
+import re
 from collections.abc import Callable
+from pathlib import Path
 
 import mujoco
 import pytest
+from rich.console import Console
 
+from harness.errors import UsageError
 from harness.physics.scene import Scene
 from harness.physics.simulation import Simulation
-from harness.robots import ROVERS, RoverSpec
+from harness.robots import MODELS_DIR, ROVERS, RoverSpec
 from harness.validation import driving, rig, stability, standing
-from harness.validation.check import Check
-from harness.validation.suite import Manoeuvres
+from harness.validation.check import Check, Span
+from harness.validation.suite import (
+    BEGIN,
+    END,
+    Manoeuvres,
+    as_markdown,
+    print_table,
+    write_between_markers,
+)
 from tests.support.rovers import LEO
 
 Tampering = Callable[[mujoco.MjModel], None]
@@ -87,3 +99,79 @@ def test_a_rover_that_was_tampered_with_is_found_out(
     rover: RoverSpec = LEO
     check = next(check for check in manoeuvres(rover, 0) if check.quantity == missed)
     assert not check.passed
+
+
+GOOD = Check("|a| at rest", "m/s2", Span(9.795, 9.805, "S: gravity"), 9.8)
+BAD = Check("speed", "m/s", Span(0.49, 0.50, "S: recorded"), 0.42, digits=2)
+
+
+NUMBER = re.compile(r"\d+(?:\.(\d+))?")
+
+
+def cells_in(path: Path) -> dict[str, list[list[str]]]:
+    """The rows of the tables between the markers, by rover."""
+    rows: dict[str, list[list[str]]] = {}
+    for line in path.read_text(encoding="utf-8").split(BEGIN)[1].split(END)[0].splitlines():
+        if line.startswith("### "):
+            rows[line.removeprefix("### ")] = []
+        elif line.startswith("| "):
+            rows[next(reversed(rows))].append(line.strip("| ").split(" | "))
+    return rows
+
+
+def test_the_readme_tells_what_the_suite_expects_and_measures(
+    driven: dict[str, list[Check]], tmp_path: Path
+) -> None:
+    """Words are the same; numbers differ by what processors may differ in."""
+    fresh = tmp_path / "README.md"
+    fresh.write_text(f"{BEGIN}\n{as_markdown(driven)}\n{END}", encoding="utf-8")
+    shown, measured = cells_in(MODELS_DIR / "README.md"), cells_in(fresh)
+
+    assert list(shown) == list(measured) == list(driven)
+    for robot, rows in measured.items():
+        assert len(shown[robot]) == len(rows), "run python -m harness.validate --write"
+        for old, new in zip(shown[robot], rows, strict=True):
+            assert [NUMBER.sub("#", cell) for cell in old] == [NUMBER.sub("#", cell) for cell in new]
+            for column, (one, other) in enumerate(zip(old, new, strict=True)):
+                for theirs, ours in zip(NUMBER.finditer(one), NUMBER.finditer(other), strict=True):
+                    last_digit = 10.0 ** -len(ours[1] or "")
+                    rel = 0.03 if column == 2 else 0.0
+                    assert float(ours[0]) == pytest.approx(
+                        float(theirs[0]), rel=rel, abs=1.01 * last_digit
+                    ), f"{robot}: {new[0]}"
+
+
+def test_writing_replaces_what_stands_between_the_markers_and_nothing_else(tmp_path: Path) -> None:
+    path = tmp_path / "README.md"
+    path.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n", encoding="utf-8")
+    write_between_markers(path, as_markdown({"leo": [GOOD, BAD]}))
+    text = path.read_text(encoding="utf-8")
+    assert text.startswith("before\n")
+    assert text.endswith("\nafter\n")
+    assert "old" not in text
+    assert "| speed | 0.49 to 0.50 m/s | 0.42 m/s | MISS | S: recorded |" in text
+    assert "\n| \\|a\\| at rest | " in text
+    write_between_markers(path, as_markdown({"leo": [GOOD, BAD]}))
+    assert path.read_text(encoding="utf-8") == text
+
+
+def test_a_file_without_markers_is_left_alone_with_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "README.md"
+    path.write_text("nothing", encoding="utf-8")
+    with pytest.raises(UsageError, match="must hold"):
+        write_between_markers(path, "table")
+    assert path.read_text(encoding="utf-8") == "nothing"
+
+
+def test_a_missing_file_is_one_line(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="cannot rewrite"):
+        write_between_markers(tmp_path / "none.md", "table")
+
+
+def test_the_terminal_shows_expected_measured_verdict_and_source() -> None:
+    console = Console(file=io.StringIO(), width=160)
+    print_table(console, "leo", [GOOD, BAD])
+    assert isinstance(console.file, io.StringIO)
+    line = next(line for line in console.file.getvalue().splitlines() if "speed" in line)
+    for cell in ("0.49 to 0.50 m/s", "0.42 m/s", "MISS", "S: recorded"):
+        assert cell in line

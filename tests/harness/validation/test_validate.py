@@ -7,7 +7,7 @@ import pytest
 from harness import validate
 from harness.robots import RoverSpec
 from harness.validation.check import Check, Span
-from harness.validation.table import BEGIN, END
+from harness.validation.suite import BEGIN, END
 
 GOOD = Check("speed", "m/s", Span(0.49, 0.50, "S: recorded"), 0.495)
 BAD = Check("stopping distance", "m", Span(0.04, 0.05, "D: v^2 / 2a"), 0.4)

@@ -6,10 +6,19 @@ import numpy as np
 import pytest
 
 from harness.robots import ROVERS, RoverSpec
+from harness.validation.climbing import kerb_limit
 from harness.validation.grounds import floor
 from harness.validation.rig import Rig
-from harness.validation.stability import FAST, SLOW, TiltTable, servo_creep, steepest_stand
-from harness.validation.statics import Balance, balance, kerb_limit, tip_angle
+from harness.validation.stability import (
+    FAST,
+    SLOW,
+    Balance,
+    TiltTable,
+    balance,
+    servo_creep,
+    steepest_stand,
+    tip_angle,
+)
 
 
 @pytest.fixture(scope="module", params=list(ROVERS))
