@@ -15,7 +15,7 @@ from benchmarks.registry import BENCHMARKS, Benchmark
 from benchmarks.show import printable
 from harness.errors import HarnessError
 from harness.interrupt import StopRequest
-from harness.ros.domain import own_domain
+from harness.ros.network import own_domain
 from rover_metrics.errors import OneLineParser
 
 

@@ -88,9 +88,7 @@ def _run(
         if options.direct:
             from harness.episode.direct import run_direct  # noqa: PLC0415 - see _load
 
-            return run_direct(
-                *(config, ros.log_dir, ros.rate, stop, bar.show, observers), extended=options.extended
-            )
+            return run_direct(config, ros, stop, bar.show, observers, extended=options.extended)
         return _through_ros()(config, ros, stop, bar.show, observers)
 
 

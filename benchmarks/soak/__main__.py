@@ -19,7 +19,7 @@ from benchmarks.soak.plan import FULL, QUICK, Plan
 from benchmarks.soak.scenarios import SCENARIOS, Reference
 from harness.errors import HarnessError, RunFailed
 from harness.interrupt import StopRequest
-from harness.ros.domain import own_domain
+from harness.ros.network import own_domain
 from rover_metrics.errors import OneLineParser
 
 

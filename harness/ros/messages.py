@@ -16,7 +16,6 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, PoseArray, Quaternion, Vector3
 from nav_msgs.msg import Odometry
-from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
@@ -55,14 +54,20 @@ def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> 
     return by_names(message, row.sample) if special is None else special(message, rover, lidar)
 
 
-def by_names(message: Message, sample_type: type) -> Fill:
-    """Returns a filler of the stamp and of every field whose name the sample has too."""
-    stamp = message.header.stamp if hasattr(message, "header") else Time()
-    names = [item.name for item in fields(sample_type) if hasattr(message, item.name)]
-    setters = [(attrgetter(name), _setter(message, name)) for name in names]
+def by_names(message: Message, sample_type: type, **others: str) -> Fill:
+    """Returns a filler of the stamp and of every field whose name the sample has too.
+
+    Args:
+        message: To be refilled.
+        sample_type: What it is filled from.
+        others: The names in the sample of fields that are called otherwise there.
+    """
+    stamp = message.header.stamp if hasattr(message, "header") else getattr(message, "clock", Time())
+    names = {item.name: item.name for item in fields(sample_type) if hasattr(message, item.name)}
+    setters = [(attrgetter(source), _setter(message, name)) for name, source in (names | others).items()]
 
     def fill(sample: samples.Sample) -> Message:
-        set_stamp(stamp, sample.stamp_ns)
+        _set_stamp(stamp, sample.stamp_ns)
         for value_of, put in setters:
             put(value_of(sample))
         return message
@@ -92,20 +97,8 @@ def _set_quaternion(target: Quaternion, value: samples.Quaternion) -> None:
     target.x, target.y, target.z, target.w = value
 
 
-def set_stamp(stamp: Time, stamp_ns: int) -> None:
-    """Writes simulation time into a stamp."""
+def _set_stamp(stamp: Time, stamp_ns: int) -> None:
     stamp.sec, stamp.nanosec = divmod(stamp_ns, NANOSECONDS)
-
-
-def clock() -> Callable[[int], Clock]:
-    """Returns a filler of Clock messages."""
-    message = Clock()
-
-    def fill(stamp_ns: int) -> Clock:
-        set_stamp(message.clock, stamp_ns)
-        return message
-
-    return fill
 
 
 def _laser_scan(message: LaserScan, _: RoverSpec, lidar: LidarSpec) -> Fill:
@@ -118,7 +111,7 @@ def _laser_scan(message: LaserScan, _: RoverSpec, lidar: LidarSpec) -> Fill:
     ranges = np.frombuffer(whole, dtype=np.float32)
 
     def fill(scan: samples.LaserScan) -> LaserScan:
-        set_stamp(message.header.stamp, scan.stamp_ns)
+        _set_stamp(message.header.stamp, scan.stamp_ns)
         if scan.ranges.size == ranges.size:
             ranges[:] = scan.ranges
             message.ranges = whole
@@ -133,7 +126,7 @@ def _pose_array(message: PoseArray, _: RoverSpec, __: LidarSpec) -> Fill:
     pose = by_names(Pose(), samples.Pose)
 
     def fill(sample: samples.Pose) -> PoseArray:
-        set_stamp(message.header.stamp, sample.stamp_ns)
+        _set_stamp(message.header.stamp, sample.stamp_ns)
         message.poses = [] if sample.empty else [pose(sample)]
         return message
 
@@ -173,29 +166,18 @@ def _joint_states(message: JointState, rover: RoverSpec, _: LidarSpec) -> Fill:
 
 
 def _contact(message: Bool, _: RoverSpec, __: LidarSpec) -> Fill:
-    """Whether the rover has touched a hazard."""
-
-    def fill(truth: samples.TruthState) -> Bool:
-        message.data = truth.hazard_contact
-        return message
-
-    return fill
+    return by_names(message, samples.TruthState, data="hazard_contact")
 
 
 def _traversal(message: Float64MultiArray, _: RoverSpec, __: LidarSpec) -> Fill:
     """The values of the truth; the label of the one dimension names them."""
     size = len(TRAVERSAL)
     message.layout.dim = [MultiArrayDimension(label=",".join(TRAVERSAL), size=size, stride=size)]
-
-    def fill(truth: samples.TruthState) -> Float64MultiArray:
-        message.data = array("d", truth.traversal)
-        return message
-
-    return fill
+    return by_names(message, samples.TruthState, data="traversal")
 
 
 def _set_planar_pose(message: Odometry, sample: samples.Odometry | samples.GroundTruth) -> None:
-    set_stamp(message.header.stamp, sample.stamp_ns)
+    _set_stamp(message.header.stamp, sample.stamp_ns)
     position, orientation = message.pose.pose.position, message.pose.pose.orientation
     position.x, position.y = sample.x, sample.y
     orientation.z, orientation.w = float(np.sin(sample.yaw / 2)), float(np.cos(sample.yaw / 2))

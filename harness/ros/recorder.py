@@ -9,7 +9,6 @@ a file lacks its end, which `mcap recover FILE -o MENDED` writes. rover_metrics.
 
 from functools import cache, partial
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from mcap.writer import CompressionType, Writer
@@ -63,17 +62,12 @@ class Recorder:
     Args:
         path: The file to create, never one that exists.
 
-    Attributes:
-        time_ns: Simulation time [ns], to be kept up to date: the log time of what is published next.
-            A message's own stamp may differ from it where a fault delays it or disturbs the clock.
-
     Raises:
         UsageError: It cannot be created.
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self.time_ns = 0
         try:
             self._file = path.open("xb")
         except OSError as error:
@@ -89,12 +83,7 @@ class Recorder:
         self._writer.add_metadata("rosbag2", {"serialized_metadata": BAG_METADATA})
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         try:
             with self._file:
                 self._writer.finish()  # type: ignore[no-untyped-call]  # mcap half types itself
@@ -105,7 +94,11 @@ class Recorder:
             self._path.unlink(missing_ok=True)
 
     def tap(self, bridge: Bridge) -> None:
-        """Records everything that the bridge publishes from now on."""
+        """Records everything that the bridge publishes from now on, under the time of its tick.
+
+        A message's own stamp may differ from that where a fault delays it or disturbs the clock.
+        """
+        self._bridge = bridge
         for channel in bridge.channels:
             publisher = channel.publisher
             name = _type_name(publisher.msg_type)
@@ -145,7 +138,7 @@ class Recorder:
         return self._writer.register_channel(topic, "cdr", self._schemas[name], metadata)
 
     def _record(self, identifier: int, data: bytes) -> None:
-        now_ns = self.time_ns
+        now_ns = self._bridge.time_ns
         try:
             if now_ns >= self._next_flush_ns:
                 self._writer.flush()  # type: ignore[no-untyped-call]

@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 
 from harness.errors import RunFailed, UsageError
 from harness.ros.bridge import Bridge
-from harness.ros.executor import spin_until
+from harness.ros.context import spin_until
 
 DISCOVERY_PATIENCE = 15.0  # [s] for the node to be found
 ANSWER_PATIENCE = 30.0  # [s] for one answer; a debugger or a loaded machine may be slow

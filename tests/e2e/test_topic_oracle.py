@@ -27,15 +27,14 @@ from std_srvs.srv import SetBool, Trigger
 
 from harness.config import RosOptions
 from harness.episode.batch import Batch
-from harness.episode.pacing import Pacer
+from harness.episode.loop import Pacer
 from harness.episode.result import Progress, RunResult
 from harness.episode.stream import EpisodeProcess
 from harness.interrupt import StopRequest
 from harness.robots import ROVERS
-from harness.ros import session, startup
 from harness.ros.bridge import Bridge
-from harness.ros.domain import reserved_domain
-from harness.ros.executor import spin_until
+from harness.ros.context import spin_until
+from harness.ros.network import reserved_domain
 from harness.ros.session import run_through_ros
 from harness.ros.topic_monitor import message_class
 from harness.samples import Twist
@@ -155,10 +154,10 @@ def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         model=write_model(spec, folder),
     )
     options = RosOptions(log_dir=folder, host_metrics=spec.name == "leo", record=folder / "drive.mcap")
-    take = EpisodeProcess.command
+    take, refuse = EpisodeProcess.command, Bridge.refuse_other_publishers
 
     def join(bridge: Bridge, names: tuple[str, ...]) -> None:
-        startup.refuse_other_publishers(bridge, names)
+        refuse(bridge, names)
         listener.join(bridge)
 
     def note(source: EpisodeProcess, twist: Twist) -> None:
@@ -169,7 +168,7 @@ def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     paced: list[float] = []
     with pytest.MonkeyPatch.context() as patch, reserved_domain() as domain:
         patch.setenv("ROS_DOMAIN_ID", str(domain))
-        patch.setattr(session, "refuse_other_publishers", join)
+        patch.setattr(Bridge, "refuse_other_publishers", join)
         patch.setattr(EpisodeProcess, "command", note)
         patch.setattr(Pacer, "postpone", lambda _, seconds: paced.append(seconds))
         patch.setattr(Pacer, "wait_until", lambda _, time_ns: paced.append(time_ns))

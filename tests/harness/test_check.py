@@ -9,11 +9,11 @@ import pytest
 from harness import check
 from harness.check import judged, main
 from harness.config import EpisodeConfig
+from harness.episode.direct import run_direct
 from harness.episode.episode import Episode
 from harness.episode.fingerprint import (
     Fingerprint,
     StreamHash,
-    direct,
     direct_in_fresh_process,
     fingerprint,
 )
@@ -35,7 +35,7 @@ def stream_hash(config: EpisodeConfig) -> str:
 
 
 def in_this_process(config: EpisodeConfig) -> Fingerprint:
-    return fingerprint(direct, config, StopRequest())
+    return fingerprint(run_direct, config, StopRequest())
 
 
 @pytest.mark.usefixtures("ros_domain")
@@ -114,7 +114,7 @@ def test_every_sensor_reading_counts_in_the_hash_of_a_stream() -> None:
 
 
 def test_run_that_does_not_reach_its_end_has_no_fingerprint() -> None:
-    def failing(config: EpisodeConfig, *_: object) -> RunResult:
+    def failing(config: EpisodeConfig, *_: object, **__: object) -> RunResult:
         return RunResult(config=config, mode="", failure="the rover fell off", log_path=Path("x"))
 
     with StopRequest() as stop, pytest.raises(RunFailed, match="the rover fell off"):

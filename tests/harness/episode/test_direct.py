@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.config import EpisodeConfig
-from harness.episode import direct, loop
+from harness.config import EpisodeConfig, RosOptions
+from harness.episode import direct
+from harness.episode import result as results
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.result import Progress, RunResult
 from harness.errors import RunFailed, UsageError
@@ -64,7 +65,7 @@ def scripted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Episodes are scripted, and each reading of the wall clock is a quarter of a second later."""
     wall = iter(range(10_000))
     monkeypatch.setattr(direct, "Episode", Scripted)
-    for module in (direct, loop):
+    for module in (direct, results):
         monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: next(wall) / 4))
 
 
@@ -82,7 +83,7 @@ class Watching:
 def run(tmp_path: Path) -> Run:
     def one(
         *,
-        show: Callable[[Progress], None] = lambda _: None,
+        show: Callable[[Progress], None] | None = None,
         watch: Callable[[Batch], None] | None = None,
         stop: Any = None,  # noqa: ANN401 - a stop request or a stand-in
         extended: bool = False,
@@ -91,7 +92,9 @@ def run(tmp_path: Path) -> Run:
         config = EpisodeConfig(**{"duration": 2.0, "lidar_beams": 8, **changes})
         request = StopRequest() if stop is None else stop
         observers = [] if watch is None else [Watching(watch)]
-        return direct.run_direct(config, tmp_path, None, request, show, observers, extended=extended)
+        return direct.run_direct(
+            config, RosOptions(log_dir=tmp_path), request, show, observers, extended=extended
+        )
 
     return one
 
@@ -209,4 +212,4 @@ def test_how_it_ended_stands_in_the_result_and_beside_the_log(
 def test_a_log_that_cannot_be_made_is_a_usage_error(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(UsageError, match="file stands where a folder"), StopRequest() as stop:
-        direct.run_direct(EpisodeConfig(), tmp_path / "file", None, stop, lambda _: None)
+        direct.run_direct(EpisodeConfig(), RosOptions(log_dir=tmp_path / "file"), stop)
