@@ -41,11 +41,10 @@ def parse_timestep(seconds: float) -> int:
     in_limits = SMALLEST_TIMESTEP_NS <= nanoseconds <= LARGEST_TIMESTEP_NS
     if in_limits and TICK_NS % nanoseconds == 0:
         return nanoseconds
-    message = (
+    raise UsageError(
         f"timestep {seconds:g} s is refused: {_why_not(nanoseconds)}; "
         f"nearest valid: {_nearest_timesteps(nanoseconds)}"
     )
-    raise UsageError(message)
 
 
 def _why_not(timestep_ns: int) -> str:

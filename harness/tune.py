@@ -38,14 +38,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with StopRequest():
             return _tune(options, console)
-    except Interrupted as error:
-        print(
-            f"harness.tune: {error}; the same command goes on with the episodes in {options.out}",
-            file=sys.stderr,
-        )
-        return error.exit_code
     except HarnessError as error:
-        print(f"harness.tune: {error}", file=sys.stderr)
+        goes_on = f"; the same command goes on with the episodes in {options.out}"
+        told = f"{error}{goes_on if isinstance(error, Interrupted) else ''}"
+        print(f"harness.tune: {told}", file=sys.stderr)
         return error.exit_code
 
 

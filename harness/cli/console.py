@@ -39,15 +39,15 @@ class RunProgress:
     def __exit__(self, *_: object) -> None:
         self._bar.stop()
 
-    def show(self, progress: result.Progress) -> None:
+    def show(self, run: result.RunResult) -> None:
         """Moves the bar; it appears with the first call, below what nodes say as they start."""
         self._bar.start()
         self._bar.update(
             self._task,
-            completed=progress.simulated_s,
-            factor=progress.real_time_factor,
-            distance=progress.path_length,
-            messages=progress.messages,
+            completed=run.simulated_s,
+            factor=run.real_time_factor,
+            distance=run.truth.path_length,
+            messages=run.messages,
         )
 
 

@@ -14,7 +14,7 @@ from harness.config import EpisodeConfig, RosOptions
 from harness.episode.episode import Episode
 from harness.episode.loop import Observer, Pacer, drive
 from harness.episode.metrics_feed import DirectMetrics, extended_settings
-from harness.episode.result import Progress, RunAccount, RunResult, TopicCount, cells_of
+from harness.episode.result import RunAccount, RunResult, TopicCount, cells_of
 from harness.errors import RunFailed, UsageError
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
@@ -31,7 +31,7 @@ def run_direct(
     config: EpisodeConfig,
     options: RosOptions,
     stop: StopRequest,
-    show: Callable[[Progress], None] | None = None,
+    show: Callable[[RunResult], None] | None = None,
     observers: Sequence[Observer] = (),
     *,
     extended: bool = False,
@@ -42,7 +42,7 @@ def run_direct(
         config: What to run.
         options: Its `log_dir` and its `rate` count.
         stop: Ends the run early.
-        show: Is told the progress after every batch.
+        show: Is told the result up to now after every batch.
         observers: See every batch once it has been taken.
         extended: Whether to write the extended columns too.
 
@@ -60,9 +60,13 @@ def run_direct(
     with log:
         _mark(log, None)
         metrics = DirectMetrics(session, LidarSpec(beams=config.lidar_beams), log)
+
+        def counts() -> dict[str, TopicCount]:
+            return {topic: TopicCount(published=n, received=n) for topic, n in metrics.fed.items()}
+
         account = RunAccount(
             RunResult(config=config, mode="direct, no ROS", info=episode.info, log_path=log.path),
-            *(started, show, lambda: sum(metrics.fed.values()), lambda: log.rows),
+            *(started, show, counts, lambda: log.rows),
         )
         faults = FaultInjector(parse_faults(config.faults), config.seed)
         failure, interrupted = None, None
@@ -75,12 +79,8 @@ def run_direct(
         except (RunFailed, LogError) as error:
             failure = str(error)
         _mark(log, COMPLETE if failure is None else failed(failure))
-        return replace(
-            account.ended(failure=failure, interrupted=interrupted),
-            topics={name: TopicCount(published=n, received=n) for name, n in metrics.fed.items()},
-            rows=log.rows,
-            last_row=cells_of(metrics.last_row),
-        )
+        result = account.ended(failure=failure, interrupted=interrupted)
+        return replace(result, last_row=cells_of(metrics.last_row))
 
 
 def _mark(log: CsvLog, outcome: Outcome | None) -> None:

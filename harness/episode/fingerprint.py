@@ -19,7 +19,7 @@ from harness.episode.direct import run_direct
 from harness.episode.result import RunResult
 from harness.errors import RunFailed
 from harness.interrupt import Interrupted, StopRequest
-from harness.samples import LaserScan, Sample
+from harness.samples import LaserScan
 
 Run = Callable[..., RunResult]  # run_direct, or run_through_ros
 
@@ -57,21 +57,17 @@ class StreamHash:
         """Takes the next batch: everything in its ticks, its truth and its contact events."""
         for tick in batch.ticks:
             self._digest.update(repr(replace(tick, samples=())).encode())
-            for sample in tick.samples:
-                self._digest.update(_canonical(sample))
+            for sample in tick.samples:  # repr writes a float out exactly, but not a long array
+                canonical: object = sample
+                if isinstance(sample, LaserScan):
+                    canonical = (sample.stamp_ns, sample.ranges.tobytes())
+                self._digest.update(repr(canonical).encode())
             self.samples += len(tick.samples)
         self._digest.update(repr((batch.truth, batch.events)).encode())
 
     def hexdigest(self) -> str:
         """The hash of everything taken so far."""
         return self._digest.hexdigest()
-
-
-def _canonical(sample: Sample) -> bytes:
-    """Bytes that are equal if and only if the samples are: repr writes a float out exactly."""
-    if isinstance(sample, LaserScan):
-        return repr(sample.stamp_ns).encode() + sample.ranges.tobytes()
-    return repr(sample).encode()
 
 
 def fingerprint(

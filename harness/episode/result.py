@@ -30,22 +30,6 @@ class TopicCount:
     lost: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Progress:
-    """How far a run is."""
-
-    simulated_s: float
-    total_s: float
-    wall_s: float
-    path_length: float
-    messages: int
-
-    @property
-    def real_time_factor(self) -> float:
-        """Simulated seconds per wall second."""
-        return self.simulated_s / self.wall_s if self.wall_s > 0 else 0.0
-
-
 @dataclass(frozen=True, kw_only=True)
 class RunResult:
     """Everything the summary and the manifest tell of a run.
@@ -119,12 +103,12 @@ def cells_of(row: Row | None) -> dict[str, int | float | str] | None:
 
 @dataclass
 class RunAccount:
-    """An observer that keeps a run's result up to date and tells how far it is.
+    """An observer that keeps a run's result up to date and tells it.
 
     Args:
         started: Wall time at which the command began [s], of time.monotonic.
-        show: Is told the progress after every batch.
-        messages: Counts the messages published so far; `rows` counts those of the CSV.
+        show: Is told the result up to now after every batch.
+        topics: Counts the messages so far; `rows` counts those of the CSV.
         paused_s: Wall time for which the run was paused so far [s].
 
     Attributes:
@@ -133,8 +117,8 @@ class RunAccount:
 
     result: RunResult
     started: float
-    show: Callable[[Progress], None] | None
-    messages: Callable[[], int]
+    show: Callable[[RunResult], None] | None
+    topics: Callable[[], dict[str, TopicCount]]
     rows: Callable[[], int]
     paused_s: Callable[[], float] = float
 
@@ -144,20 +128,29 @@ class RunAccount:
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""
         self._truth.take(batch)
-        now, paused_s, first_row_s = time.monotonic(), self.paused_s(), self.result.first_row_s
-        if first_row_s is None and self.rows():
+        now, paused_s, rows = time.monotonic(), self.paused_s(), self.rows()
+        first_row_s = self.result.first_row_s
+        if first_row_s is None and rows:
             first_row_s = now - self.started
-        self.result = result = replace(
+        self.result = replace(
             self.result,
             truth=batch.truth,
             wall_s=now - self._began - paused_s,
             paused_s=paused_s,
             first_row_s=first_row_s,
+            topics=self.topics(),
+            rows=rows,
         )
         if self.show is not None:
-            distance, total_s = batch.truth.path_length, result.config.duration
-            self.show(Progress(result.simulated_s, total_s, result.wall_s, distance, self.messages()))
+            self.show(self.result)
 
     def ended(self, *, failure: str | None = None, interrupted: str | None = None) -> RunResult:
         """Returns the result of the whole run, with what it met and why it ended early, if it did."""
-        return replace(self.result, along=self._truth.along(), failure=failure, interrupted=interrupted)
+        return replace(
+            self.result,
+            along=self._truth.along(),
+            topics=self.topics(),
+            rows=self.rows(),
+            failure=failure,
+            interrupted=interrupted,
+        )

@@ -29,6 +29,7 @@ from harness.ros import messages
 from harness.sensors import table
 from harness.sensors.lidar_spec import LidarSpec
 
+CLOCK = table.Topic("/clock", "rosgraph_msgs/msg/Clock")
 SECOND_PUBLISHER = (
     "has a second publisher: what it sends would be logged as this run's; "
     "give each run a ROS_DOMAIN_ID of its own (0 to 101), or names and a clock of its own: "
@@ -100,25 +101,18 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         self.time_ns = 0
         self.channels_of = {
             row.sample: [
-                self._channel(
-                    messages.message_class(topic),
-                    topic.name,
-                    messages.filler(row, topic, rover, lidar),
-                    best_effort=topic.best_effort,
-                )
-                for topic in row.topics
+                self._channel(topic, messages.filler(row, topic, rover, lidar)) for topic in row.topics
             ]
             for row in table.SENSORS
         }
         # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.
-        self.clock_channel = self._channel(Clock, "/clock", messages.by_names(Clock(), samples.Tick))
+        self.clock_channel = self._channel(CLOCK, messages.by_names(Clock(), samples.Tick))
         self._on_command = on_command
         self._commands = self.create_subscription(Twist, "cmd_vel", self._receive, _qos())
 
-    def _channel(
-        self, kind: type, name: str, fill: messages.Fill, *, best_effort: bool = False
-    ) -> Channel:
-        publisher = self.create_publisher(kind, name, _qos(best_effort=best_effort))
+    def _channel(self, topic: table.Topic, fill: messages.Fill) -> Channel:
+        kind, qos = messages.message_class(topic), _qos(best_effort=topic.best_effort)
+        publisher = self.create_publisher(kind, topic.name, qos)
         return Channel(publisher, fill, publisher.topic_name)
 
     @property

@@ -39,8 +39,7 @@ def ros_context(ros_args: Sequence[str]) -> Iterator[Context]:
     try:
         rclpy.init(args=list(ros_args), context=context, signal_handler_options=no_handlers)
     except RuntimeError as error:
-        message = f"ROS 2 refuses to start: {' '.join(str(error).split())}"
-        raise UsageError(message) from error
+        raise UsageError(f"ROS 2 refuses to start: {' '.join(str(error).split())}") from error
     try:
         yield context
     finally:

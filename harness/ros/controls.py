@@ -62,14 +62,9 @@ class Controls:
 
     def _answer_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         was, self._paused = self._paused, request.data
-        said = {
-            (False, True): "paused",
-            (True, True): "paused already",
-            (True, False): "goes on",
-            (False, False): "was not paused",
-        }
-        response.success = True
-        response.message = f"{said[was, self._paused]} at t = {self._now()}"
+        on, off = ("paused", "paused already"), ("was not paused", "goes on")
+        said = (on if self._paused else off)[was]
+        response.success, response.message = True, f"{said} at t = {self._now()}"
         return response
 
     def _now(self) -> str:

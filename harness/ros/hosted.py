@@ -23,10 +23,8 @@ def metrics_node(context: Context, log_dir: Path) -> MetricsNode:
     Raises:
         UsageError: The log cannot be created, or a parameter on the command line is not valid.
     """
-    overrides = [
-        Parameter("use_sim_time", value=True),
-        Parameter("log_dir", value=str(log_dir)),
-    ]
+    values = {"use_sim_time": True, "log_dir": str(log_dir)}
+    overrides = [Parameter(name, value=value) for name, value in values.items()]
     try:
         return MetricsNode(context=context, parameter_overrides=overrides)
     except RoverMetricsError as error:
@@ -68,11 +66,10 @@ class HostedMetrics:
             return [c.topic for c in channels if not c.publisher.get_subscription_count()]
 
         if not spin_until(self._executor, lambda: not alone(), MATCH_PATIENCE):
-            message = (
+            raise UsageError(
                 f"DDS did not connect {', '.join(alone())} within {MATCH_PATIENCE:.0f} s; "
                 "is ROS_AUTOMATIC_DISCOVERY_RANGE=OFF set, or a firewall on the loopback device?"
             )
-            raise UsageError(message)
 
     def received(self) -> dict[str, int]:
         """Returns the messages handled, by topic."""

@@ -24,7 +24,6 @@ OWN_PROFILE = "DEFAULT_FASTDDS_PROFILES.xml"  # in the current folder; Fast DDS 
 # Whoever sets one of these has arranged the network, or the middleware, as it shall be.
 USERS_OWN = (PROFILE_VARIABLE, FORMER_VARIABLE, "ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER")
 
-DOMAIN = "ROS_DOMAIN_ID"
 LAST_DOMAIN = 101  # above it, DDS ports fall into the range that the system hands out
 # Each reservation tries another one first: what was killed in a domain is seen there for some seconds.
 # Processes that start together have neighbouring ids: the factor sets them far apart.
@@ -71,19 +70,4 @@ def reserved_domain() -> Iterator[int]:
                 continue
             yield domain
             return
-    message = f"all ROS domains from 1 to {LAST_DOMAIN} are reserved by other processes"
-    raise UsageError(message)
-
-
-@contextmanager
-def own_domain() -> Iterator[None]:
-    """Puts this process and its children into a reserved domain, unless the user has chosen one."""
-    if DOMAIN in os.environ:
-        yield
-        return
-    with reserved_domain() as domain:
-        os.environ[DOMAIN] = str(domain)
-        try:
-            yield
-        finally:
-            del os.environ[DOMAIN]
+    raise UsageError(f"all ROS domains from 1 to {LAST_DOMAIN} are reserved by other processes")

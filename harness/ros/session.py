@@ -11,14 +11,14 @@ from rclpy.executors import ExternalShutdownException
 
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.loop import Observer, Pacer, drive
-from harness.episode.result import Progress, RunAccount, RunResult, TopicCount, cells_of
+from harness.episode.result import RunAccount, RunResult, TopicCount, cells_of
 from harness.episode.stream import EpisodeProcess
 from harness.errors import RunFailed
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.interrupt import GRACE, Overdue, StopRequest
 from harness.robots import find_rover
-from harness.ros.bridge import SECOND_PUBLISHER, Bridge, Listener
+from harness.ros.bridge import SECOND_PUBLISHER, Bridge
 from harness.ros.context import make_executor, ros_context
 from harness.ros.controls import Controls
 from harness.ros.hosted import HostedMetrics, metrics_node
@@ -31,7 +31,7 @@ def run_through_ros(
     config: EpisodeConfig,
     options: RosOptions,
     stop: StopRequest,
-    show: Callable[[Progress], None] | None = None,
+    show: Callable[[RunResult], None] | None = None,
     observers: Sequence[Observer] = (),
 ) -> RunResult:
     """Runs an episode and returns what it came to, also when it failed underway.
@@ -40,7 +40,7 @@ def run_through_ros(
         config: What to run.
         options: How it goes through ROS.
         stop: Ends the run early.
-        show: Is told the progress after every batch.
+        show: Is told the result up to now after every batch.
         observers: See every batch once it has been published.
 
     Raises:
@@ -89,25 +89,25 @@ class _Run:
     def drive(
         self,
         stop: StopRequest,
-        show: Callable[[Progress], None] | None,
+        show: Callable[[RunResult], None] | None,
         observers: Sequence[Observer],
         started: float,
     ) -> RunResult:
         """Publishes the episode tick by tick until its end, a failure or a stop request."""
-        listeners: list[Listener] = [*([self._hosted] if self._hosted else []), *self._remotes]
         info = self._source.info  # waits for the world: other runs are discovered by then
         self._executor.spin_once(timeout_sec=0.0)
         self.bridge.refuse_other_publishers(self._hosted.topics if self._hosted else ())
         account = RunAccount(
             RunResult(config=self._config, mode=self._mode(), info=info),
-            *(started, show, self._messages, self._rows, lambda: self._controls.held_s),
+            *(started, show, self._topics, self._rows, lambda: self._controls.held_s),
         )
         failure, interrupted = None, None
         try:
             with stop.deferred():
                 self._controls.hold(stop)
                 pacer = Pacer(self._options.rate, sleep=stop.sleep)
-                sink = partial(self.bridge.advance, listeners=listeners)
+                hosted = (self._hosted,) if self._hosted else ()
+                sink = partial(self.bridge.advance, listeners=(*hosted, *self._remotes))
                 batches, watching = self._source.batches(), (*observers, account)
                 for tick in drive(batches, self._faults, sink, watching, stop):
                     pacer.postpone(self._controls.hold(stop))
@@ -130,14 +130,14 @@ class _Run:
         waited = f", lock-step with {', '.join(self._options.wait_for)}" if self._remotes else ""
         return f"ROS 2, {hosted}{waited}"
 
-    def _messages(self) -> int:
-        return sum(self.bridge.published().values())
+    def _topics(self) -> dict[str, TopicCount]:
+        return {topic: TopicCount(published=n) for topic, n in self.bridge.published().items()}
 
     def _rows(self) -> int:
         return 0 if self._hosted is None else self._hosted.node.rows
 
     def _counted(self, result: RunResult) -> RunResult:
-        topics = {t: TopicCount(published=n) for t, n in self.bridge.published().items()}
+        topics = result.topics
         if self._hosted:
             for topic, received in self._hosted.received().items():
                 topics[topic] = replace(topics[topic], received=received, lost=self._hosted.lost[topic])

@@ -28,7 +28,7 @@ from std_srvs.srv import SetBool, Trigger
 from harness.config import RosOptions
 from harness.episode.batch import Batch
 from harness.episode.loop import Pacer
-from harness.episode.result import Progress, RunResult
+from harness.episode.result import RunResult
 from harness.episode.stream import EpisodeProcess
 from harness.interrupt import StopRequest
 from harness.robots import ROVERS
@@ -135,7 +135,7 @@ class Drive:
 
     listener: Listener
     result: RunResult
-    progress: list[Progress]
+    progress: list[RunResult]
     paced: list[float]
     recording: Path
     twin: Twin
@@ -164,7 +164,7 @@ def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         listener.taken.append(twist)
         take(source, twist)
 
-    progress: list[Progress] = []
+    progress: list[RunResult] = []
     paced: list[float] = []
     with pytest.MonkeyPatch.context() as patch, reserved_domain() as domain:
         patch.setenv("ROS_DOMAIN_ID", str(domain))
@@ -248,12 +248,12 @@ def test_the_run_tells_how_far_it_is_and_what_it_came_to(drive: Drive) -> None:
     result, hosts = drive.result, drive.twin.rover.name == "leo"
     seconds = [0.05 * (batch + 1) for batch in range(BATCHES)]
     assert [p.simulated_s for p in drive.progress] == pytest.approx(seconds)
-    assert {p.total_s for p in drive.progress} == {result.config.duration}
+    assert {p.config.duration for p in drive.progress} == {result.config.duration}
     last = drive.progress[-1]
-    assert last.path_length == pytest.approx(drive.twin.path_length)
+    assert last.truth.path_length == pytest.approx(drive.twin.path_length)
     assert (last.messages, last.wall_s) == (len(drive.due), result.wall_s)
     assert drive.progress[0].messages == sum(time_ns <= 50_000_000 for time_ns, *_ in drive.due)
-    assert result.truth.path_length == last.path_length
+    assert result.truth == last.truth
     assert (result.failure, result.interrupted, result.paused_s) == (None, None, 0.0)
     assert 0.0 < result.wall_s < drive.listener.drove_s, "what came before the drive does not count"
     assert (result.first_row_s is not None) == hosts

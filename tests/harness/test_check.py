@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from harness import check
-from harness.check import judged, main
+from harness.check import _judged, main
 from harness.config import EpisodeConfig
 from harness.episode.direct import run_direct
 from harness.episode.episode import Episode
@@ -101,7 +101,7 @@ def test_equal_runs_must_agree_in_everything_and_different_ones_in_nothing(
     change: dict[str, object], must_be_equal: bool, passed: bool
 ) -> None:
     found = replace(REFERENCE, **change)  # type: ignore[arg-type]  # values of several types
-    assert judged("run", found, REFERENCE, equal=must_be_equal).passed == passed
+    assert _judged("run", found, REFERENCE, equal=must_be_equal).passed == passed
 
 
 def test_every_sensor_reading_counts_in_the_hash_of_a_stream() -> None:

@@ -4,7 +4,7 @@ import csv
 import json
 import signal
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -16,7 +16,7 @@ from harness.config import EpisodeConfig, RosOptions
 from harness.episode import direct
 from harness.episode import result as results
 from harness.episode.batch import Batch, EpisodeInfo
-from harness.episode.result import Progress, RunResult
+from harness.episode.result import RunResult
 from harness.errors import RunFailed, UsageError
 from harness.interrupt import StopRequest
 from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState, Twist
@@ -83,7 +83,7 @@ class Watching:
 def run(tmp_path: Path) -> Run:
     def one(
         *,
-        show: Callable[[Progress], None] | None = None,
+        show: Callable[[RunResult], None] | None = None,
         watch: Callable[[Batch], None] | None = None,
         stop: Any = None,  # noqa: ANN401 - a stop request or a stand-in
         extended: bool = False,
@@ -140,12 +140,12 @@ def test_the_result_says_what_was_run_and_how_it_went(run: Run) -> None:
 
 
 def test_progress_and_batches_are_told_as_they_come(run: Run) -> None:
-    told: list[Progress] = []
+    told: list[RunResult] = []
     seen: list[Batch] = []
     run(show=told.append, watch=seen.append)
     assert len(told) == len(seen) == 40
-    assert replace(told[9], path_length=0.2) == Progress(0.5, 2.0, 2.5, 0.2, 40)
-    assert told[9].path_length == pytest.approx(0.2)
+    assert (told[9].simulated_s, told[9].wall_s, told[9].messages) == (0.5, 2.5, 40)
+    assert told[9].truth.path_length == pytest.approx(0.2)
     assert told[9].real_time_factor == pytest.approx(0.2)
 
 
@@ -176,7 +176,7 @@ def test_the_seed_of_the_run_is_that_of_its_faults(run: Run) -> None:
 def test_a_stop_ends_the_run_after_the_batch_in_hand(run: Run) -> None:
     stop = StopRequest()
 
-    def show(progress: Progress) -> None:
+    def show(progress: RunResult) -> None:
         if progress.simulated_s >= 1.2:
             stop.signal = signal.SIGTERM
 
