@@ -147,13 +147,8 @@ def _config(options: argparse.Namespace) -> EpisodeConfig:
     Raises:
         UsageError: An option is not valid.
     """
-    config = EpisodeConfig(
-        terrain=options.terrain,
-        robot=options.robot,
-        seed=options.seed,
-        duration=options.duration,
-        noise=DEFAULT_PRESET,
-    )
+    given = {name: getattr(options, name) for name in ("terrain", "robot", "seed", "duration")}
+    config = EpisodeConfig(noise=DEFAULT_PRESET, **given)
     config.validate()
     if config.duration < SHORTEST_DURATION:
         message = f"duration {config.duration:g} s is too short; give {SHORTEST_DURATION:g} s or more"

@@ -9,7 +9,7 @@ Parses, calls, prints; the work is in harness.ros.session (through ROS) and harn
 import importlib
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -22,15 +22,13 @@ from rich.console import Console
 from harness.cli.console import RunProgress, print_choices, print_summary
 from harness.cli.options import RunOptions, parse_run
 from harness.episode.manifest import write_manifest
-from harness.episode.result import RunResult
+from harness.episode.result import Run, RunResult
 from harness.errors import HarnessError, UsageError
 from harness.files import check_target
 from harness.interrupt import StopRequest
 from harness.report import RunReport
 from harness.view.drawing import Drawing, keep_opengl_out
 from harness.world.heightmap.dem import is_terrain_file
-
-Run = Callable[..., RunResult]  # run_direct, or run_through_ros
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -59,7 +59,7 @@ def _why_not(timestep_ns: int) -> str:
 
 
 def _nearest_timesteps(timestep_ns: int) -> str:
-    valid = [TICK_NS // n for n in range(1, 101) if TICK_NS % n == 0]
-    usable = [v for v in valid if SMALLEST_TIMESTEP_NS <= v <= LARGEST_TIMESTEP_NS]
-    nearest = sorted(usable, key=lambda v: abs(v - timestep_ns))[:2]
+    parts = range(TICK_NS // LARGEST_TIMESTEP_NS, TICK_NS // SMALLEST_TIMESTEP_NS + 1)
+    valid = [TICK_NS // n for n in parts if TICK_NS % n == 0]
+    nearest = sorted(valid, key=lambda v: abs(v - timestep_ns))[:2]
     return " or ".join(f"{v / NANOSECONDS:g}" for v in nearest)

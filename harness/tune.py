@@ -25,7 +25,7 @@ from harness.tuning.episodes.store import Store
 from harness.tuning.episodes.sweep import sweep
 from harness.tuning.output import write_results
 from harness.tuning.progress import SweepProgress, print_studies
-from harness.tuning.scoring.study import RobotStudy, study
+from harness.tuning.scoring.study import study
 from rover_metrics.errors import OneLineParser
 
 EPISODES, DURATION, OUT = 64, 90.0, Path("tuning")
@@ -55,22 +55,13 @@ def _tune(options: argparse.Namespace, console: Console) -> int:
         with SweepProgress(console, len(planned), options.duration) as progress:
             records = sweep(planned, store, backend, progress.show)
     studies = [study(robot, records, options.seed) for robot in robots]
-    command = _command(robots, options)
     print_studies(console, studies)
-    for path in write_results(options.out, studies, records, command):
+    for path in write_results(options.out, studies, records, _command(robots, options)):
         console.print(f"written: {path}", soft_wrap=True, highlight=False)
-    return _report_lacks(studies)
-
-
-def _report_lacks(studies: Sequence[RobotStudy]) -> int:
-    lacks = [
-        f"{study.robot}: no value for {verdict.name}, {verdict.lack}"
-        for study in studies
-        for verdict in study.verdicts
-        if verdict.lack is not None
-    ]
-    for lack in lacks:
-        print(f"harness.tune: {lack}", file=sys.stderr)
+    verdicts = [(each.robot, verdict) for each in studies for verdict in each.verdicts]
+    lacks = [(robot, verdict) for robot, verdict in verdicts if verdict.lack is not None]
+    for robot, verdict in lacks:
+        print(f"harness.tune: {robot}: no value for {verdict.name}, {verdict.lack}", file=sys.stderr)
     return 1 if lacks else 0
 
 

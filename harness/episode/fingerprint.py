@@ -6,7 +6,7 @@ Two runs are the same run if and only if their fingerprints are equal, wherever 
 import hashlib
 import multiprocessing
 import signal
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
@@ -16,12 +16,10 @@ from tempfile import TemporaryDirectory
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
 from harness.episode.direct import run_direct
-from harness.episode.result import RunResult
+from harness.episode.result import Run
 from harness.errors import RunFailed
 from harness.interrupt import Interrupted, StopRequest
 from harness.samples import LaserScan
-
-Run = Callable[..., RunResult]  # run_direct, or run_through_ros
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,13 +32,9 @@ def extended_settings(rover: RoverSpec) -> ExtendedSettings:
 
 def outline_parameters(rover: RoverSpec) -> dict[str, list[float]]:
     """Returns the extended settings as parameters of a metrics_node."""
-    settings = extended_settings(rover)
-    corners = () if settings.footprint is None else settings.footprint.corners
-    pose = settings.lidar_pose
-    return {
-        "footprint": [value for corner in corners for value in corner],
-        "lidar_pose": [pose.x, pose.y, pose.yaw],
-    }
+    pose, corners = extended_settings(rover).lidar_pose, Footprint.rectangle(*rover.footprint).corners
+    footprint = [value for corner in corners for value in corner]
+    return {"footprint": footprint, "lidar_pose": [pose.x, pose.y, pose.yaw]}
 
 
 def extended_ros_args(rover: RoverSpec) -> list[str]:
@@ -61,11 +57,9 @@ class SampleFeed:
 
     def __init__(self, session: MetricsSession, lidar: LidarSpec) -> None:
         self._session = session
+        increment = 2 * lidar.angle_max / (lidar.beams - 1)
         # sensor_msgs/LaserScan carries both as float32.
-        self._angles = (
-            float(np.float32(-lidar.angle_max)),
-            float(np.float32(2 * lidar.angle_max / (lidar.beams - 1))),
-        )
+        self._angles = float(np.float32(-lidar.angle_max)), float(np.float32(increment))
         sources = SENSORS if session.extended is None else (*SENSORS, *TRUTH)
         heard = {source.name for source in sources}
         topics = {row.sample: tuple(f"/{topic.name}" for topic in row.topics) for row in table.SENSORS}
@@ -80,13 +74,8 @@ class SampleFeed:
         match sample:
             case LaserScan():
                 session.take_scan(sample.stamp_ns, sample.ranges, angles=self._angles)
-            case Imu():
-                session.take_imu(
-                    sample.stamp_ns,
-                    sample.linear_acceleration,
-                    sample.angular_velocity,
-                    sample.orientation,
-                )
+            case Imu(stamp_ns, orientation, angular_velocity, linear_acceleration):
+                session.take_imu(stamp_ns, linear_acceleration, angular_velocity, orientation)
             case Pose():
                 session.take_pose(sample.stamp_ns, None if sample.empty else sample.position)
             case Odometry():

@@ -96,6 +96,9 @@ class RunResult:
         return sum(count.published for count in self.topics.values())
 
 
+Run = Callable[..., RunResult]  # run_direct, or run_through_ros
+
+
 def cells_of(row: Row | None) -> dict[str, int | float | str] | None:
     """Returns the cells of a row by column name."""
     return None if row is None else dict(zip(row.columns, row.as_fields(), strict=True))

@@ -30,12 +30,7 @@ EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
 
 
 class _Order(NamedTuple):
-    """What a batch shall begin with, unless it is just the next one.
-
-    Attributes:
-        command: For the cmd_vel driver.
-        reset: Whether the rover is put back first.
-    """
+    """What a batch that is not just the next one begins with: a reset, a command (cmd_vel), or both."""
 
     command: Twist | None
     reset: bool

@@ -146,19 +146,21 @@ class _Run:
             for topic, received in remote.received(patience).items():
                 lost = max(topics[topic].lost, topics[topic].published - received)
                 topics[topic] = replace(topics[topic], received=received, lost=lost)
+        failure = result.failure
+        foreign = [topic for topic, count in topics.items() if count.published < (count.received or 0)]
+        if failure is None and foreign:
+            failure = f"{foreign[0]} {SECOND_PUBLISHER}"
         recording = self._options.record if any(c.published for c in topics.values()) else None
-        result = replace(result, topics=topics, recording=recording)
-        foreign = [t for t, c in topics.items() if c.received is not None and c.received > c.published]
-        if foreign and result.failure is None:
-            result = replace(result, failure=f"{foreign[0]} {SECOND_PUBLISHER}")
+        result = replace(result, topics=topics, recording=recording, failure=failure)
         if self._hosted is None:
             return result
         node = self._hosted.node
         node.log.close()  # what waits for the disk is tried a last time, then it is lost
-        if node.lost_rows and result.failure is None:
-            result = replace(result, failure=f"{node.lost_rows} rows could not be written")
+        if failure is None and node.lost_rows:
+            failure = f"{node.lost_rows} rows could not be written"
         return replace(
             result,
+            failure=failure,
             rows=node.rows,
             log_path=node.log.path,
             last_row=cells_of(node.last_row),

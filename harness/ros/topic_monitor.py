@@ -31,15 +31,13 @@ class Pace:
     """How fast something grows, and when it last did: messages of a topic, or a simulation's time."""
 
     def __init__(self) -> None:
-        self._points: deque[tuple[float, float]] = deque()
-        self._last: float | None = None
+        self._points: deque[tuple[float, float]] = deque()  # the last WINDOW, and always the last one
 
     def note(self, now: float, value: float) -> None:
         """Takes down a value [any unit] at a time [s]; a value that falls starts anew."""
         if self._points and value < self._points[-1][1]:
             self._points.clear()
         self._points.append((now, value))
-        self._last = now
         self._forget(now)
 
     def rate(self, now: float) -> float | None:
@@ -52,10 +50,10 @@ class Pace:
 
     def age(self, now: float) -> float | None:
         """Seconds since the last value; None before the first."""
-        return None if self._last is None else now - self._last
+        return now - self._points[-1][0] if self._points else None
 
     def _forget(self, now: float) -> None:
-        while self._points and self._points[0][0] < now - WINDOW:
+        while len(self._points) > 1 and self._points[0][0] < now - WINDOW:
             self._points.popleft()
 
 

@@ -17,8 +17,7 @@ from harness.episode.fingerprint import (
     direct_in_fresh_process,
     fingerprint,
 )
-from harness.episode.result import RunResult
-from harness.errors import RunFailed, UsageError
+from harness.errors import UsageError
 from harness.interrupt import StopRequest
 from harness.sensors.noise import DEFAULT_PRESET
 
@@ -111,14 +110,6 @@ def test_every_sensor_reading_counts_in_the_hash_of_a_stream() -> None:
     assert plain != stream_hash(replace(config, noise=DEFAULT_PRESET))
     assert plain != stream_hash(replace(config, lidar_beams=641))
     assert plain != stream_hash(replace(config, duration=1.01))
-
-
-def test_run_that_does_not_reach_its_end_has_no_fingerprint() -> None:
-    def failing(config: EpisodeConfig, *_: object, **__: object) -> RunResult:
-        return RunResult(config=config, mode="", failure="the rover fell off", log_path=Path("x"))
-
-    with StopRequest() as stop, pytest.raises(RunFailed, match="the rover fell off"):
-        fingerprint(failing, EpisodeConfig(), stop)
 
 
 def test_error_of_the_fresh_process_arrives_here() -> None:
