@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from rich.console import Console
 
 from benchmarks.measuring import FULL, QUICK, Effort, Table
+from benchmarks.own_domain import own_domain
 from benchmarks.readme import README, conditions, write_readme
 from benchmarks.registry import BENCHMARKS, Benchmark
 from benchmarks.show import printable
 from harness.errors import HarnessError
 from harness.interrupt import StopRequest
-from harness.ros.domain import own_domain
 from rover_metrics.errors import OneLineParser
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from harness.config import EpisodeConfig, RosOptions
-from harness.episode.result import Progress, RunResult
+from harness.episode.result import RunResult
 from harness.interrupt import Interrupted, StopRequest
 from harness.ros.session import run_through_ros
 
@@ -22,7 +22,7 @@ def run(config: EpisodeConfig, wait_for: tuple[str, ...] = ()) -> RunResult:
         options = RosOptions(
             log_dir=Path(folder), host_metrics=not wait_for, wait_for=wait_for, ros_args=QUIET
         )
-        result = run_through_ros(config, options, stop, _show_nothing)
+        result = run_through_ros(config, options, stop)
         if stop.signal is not None:
             raise Interrupted(stop.signal)
     assert result.failure is None, result.failure
@@ -40,7 +40,3 @@ def metrics_node() -> Iterator[tuple[int, Path]]:
                 yield process.pid, Path(folder)
             finally:
                 process.terminate()
-
-
-def _show_nothing(_: Progress) -> None:
-    """Shows no progress."""

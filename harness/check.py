@@ -12,16 +12,14 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from rich.console import Console
-from rich.table import Table
+from rich.table import Column, Table
 from rich.text import Text
 
-from harness.config import EpisodeConfig, RosOptions
-from harness.episode.fingerprint import Fingerprint, direct, direct_in_fresh_process, fingerprint
-from harness.episode.loop import Observer
-from harness.episode.result import Progress, RunResult
+from harness.config import EpisodeConfig
+from harness.episode.direct import run_direct
+from harness.episode.fingerprint import Fingerprint, direct_in_fresh_process, fingerprint
 from harness.errors import HarnessError, UsageError
 from harness.interrupt import StopRequest
 from harness.robots import ROVERS
@@ -71,19 +69,19 @@ def _check(
         return f"{config.robot} on {config.terrain}: {on}"
 
     with console.status(working("this process")) as status:
-        reference = fingerprint(direct, config, stop)
+        reference = fingerprint(run_direct, config, stop)
         yield Finding("this process", reference, "reference", passed=True)
-        yield judged("again", fingerprint(direct, config, stop), reference)
+        yield _judged("again", fingerprint(run_direct, config, stop), reference)
         status.update(working("fresh process"))
-        yield judged("fresh process", direct_in_fresh_process(config), reference)
+        yield _judged("fresh process", direct_in_fresh_process(config), reference)
         status.update(working("ROS 2"))
         yield _ros_finding(config, stop, reference) if with_ros else _skipped("--no-ros")
         status.update(working("another seed"))
         other = replace(config, seed=config.seed + 1)
-        yield judged(f"seed {other.seed}", fingerprint(direct, other, stop), reference, equal=False)
+        yield _judged(f"seed {other.seed}", fingerprint(run_direct, other, stop), reference, equal=False)
 
 
-def judged(run: str, found: Fingerprint, reference: Fingerprint, *, equal: bool = True) -> Finding:
+def _judged(run: str, found: Fingerprint, reference: Fingerprint, *, equal: bool = True) -> Finding:
     """Compares a run with the reference, to which it must be equal, or else different."""
     if found.lost:
         return Finding(run, found, f"LOST {found.lost} messages", passed=False)
@@ -99,21 +97,11 @@ def _ros_finding(config: EpisodeConfig, stop: StopRequest, reference: Fingerprin
         from harness.ros.session import run_through_ros  # noqa: PLC0415
     except ImportError as error:
         return _skipped(f"ROS 2 is not importable ({error})")
-
-    def through_ros(
-        config: EpisodeConfig, folder: Path, stop: StopRequest, observer: Observer
-    ) -> RunResult:
-        options = RosOptions(log_dir=folder, ros_args=_private_topics())
-        return run_through_ros(config, options, stop, _show_nothing, [observer])
-
-    return judged("through ROS 2", fingerprint(through_ros, config, stop), reference)
-
-
-def _private_topics() -> tuple[str, ...]:
-    """ROS arguments that keep the check apart from any rover or simulation in the same domain."""
+    # Apart from any rover or simulation in the same domain.
     namespace = f"/harness_check_{os.getpid()}"
     remapping = ("-r", f"__ns:={namespace}", "-r", f"/clock:={namespace}/clock")
-    return ("--ros-args", *remapping, "--log-level", "warn")
+    ros_args = ("--ros-args", *remapping, "--log-level", "warn")
+    return _judged("through ROS 2", fingerprint(run_through_ros, config, stop, ros_args), reference)
 
 
 def _skipped(reason: str) -> Finding:
@@ -125,23 +113,16 @@ def _table(config: EpisodeConfig, findings: Sequence[Finding]) -> Table:
         f"{config.robot} on {config.terrain}, seed {config.seed}, noise {config.noise}, "
         f"{config.duration:g} simulated seconds each"
     )
-    table = Table(title=title, title_justify="left")
-    table.add_column("run")
-    for column in ("samples", "rows", "lost"):
-        table.add_column(column, justify="right")
-    for column in ("stream", "CSV", "verdict"):
-        table.add_column(column)
+    counts = (Column(name, justify="right") for name in ("samples", "rows", "lost"))
+    table = Table("run", *counts, "stream", "CSV", "verdict", title=title, title_justify="left")
     for finding in findings:
         style = "bold red" if not finding.passed else "green" if finding.found else "yellow"
-        table.add_row(finding.run, *_cells(finding.found), Text(finding.verdict, style))
+        cells = ["-"] * 5
+        if (found := finding.found) is not None:
+            cells = [f"{count:,}" for count in (found.samples, found.rows, found.lost)]
+            cells += [found.stream[:HASH_DIGITS], found.csv[:HASH_DIGITS]]
+        table.add_row(finding.run, *cells, Text(finding.verdict, style))
     return table
-
-
-def _cells(found: Fingerprint | None) -> tuple[str, ...]:
-    if found is None:
-        return ("-",) * 5
-    hashes = (found.stream[:HASH_DIGITS], found.csv[:HASH_DIGITS])
-    return (f"{found.samples:,}", f"{found.rows:,}", f"{found.lost:,}", *hashes)
 
 
 def _exit_code(findings: Sequence[Finding], *, ros_was_asked_for: bool) -> int:
@@ -166,22 +147,13 @@ def _config(options: argparse.Namespace) -> EpisodeConfig:
     Raises:
         UsageError: An option is not valid.
     """
-    config = EpisodeConfig(
-        terrain=options.terrain,
-        robot=options.robot,
-        seed=options.seed,
-        duration=options.duration,
-        noise=DEFAULT_PRESET,
-    )
+    given = {name: getattr(options, name) for name in ("terrain", "robot", "seed", "duration")}
+    config = EpisodeConfig(noise=DEFAULT_PRESET, **given)
     config.validate()
     if config.duration < SHORTEST_DURATION:
         message = f"duration {config.duration:g} s is too short; give {SHORTEST_DURATION:g} s or more"
         raise UsageError(message)
     return config
-
-
-def _show_nothing(_: Progress) -> None:
-    """Shows no progress: a check is short."""
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -9,8 +9,9 @@ Parses, calls, prints; the work is in harness.ros.session (through ROS) and harn
 import importlib
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 if __name__ == "__main__":  # what follows takes a second to load; Ctrl-C must not show where it was
@@ -21,7 +22,7 @@ from rich.console import Console
 from harness.cli.console import RunProgress, print_choices, print_summary
 from harness.cli.options import RunOptions, parse_run
 from harness.episode.manifest import write_manifest
-from harness.episode.result import RunResult
+from harness.episode.result import Run, RunResult
 from harness.errors import HarnessError, UsageError
 from harness.files import check_target
 from harness.interrupt import StopRequest
@@ -45,13 +46,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _command(options: RunOptions, console: Console) -> int:
+    options.config.validate()
     backend = keep_opengl_out()  # before MuJoCo is loaded
     drawing = Drawing(options.picture, options.video, lidar=options.picture_lidar, backend=backend)
     report = RunReport(options.report)
-    _load(options)
+    run = _loaded(options)
     with StopRequest() as stop, drawing:
-        result = _run(options, stop, console, drawing, report)
-        result = replace(result, report=options.report)
+        result = replace(_run(run, options, stop, console, (drawing, report)), report=options.report)
         exit_code = _report(result, options.summary, stop, console)
         if (page := report.write(result)) is not None:
             console.print(f"report: {page}", soft_wrap=True, highlight=False)
@@ -59,52 +60,48 @@ def _command(options: RunOptions, console: Console) -> int:
     return exit_code
 
 
-def _load(options: RunOptions) -> None:
-    """Loads what only these options need: MuJoCo and compiled kernels.
+def _loaded(options: RunOptions) -> Run:
+    """Returns what runs the episode, with what only these options need: ROS, MuJoCo, compiled kernels.
 
-    Not with this module: through ROS, only the process that simulates needs them. Not later: a signal
-    would then be raised in the midst of modules that are not prepared for it.
+    Not with this module: through ROS, only the process that simulates needs the latter, and --direct
+    must work where there is no rclpy. Not later: a signal would then be raised in the midst of modules
+    that are not prepared for it.
+
+    Raises:
+        UsageError: ROS 2 is missing.
     """
-    if options.direct:
-        importlib.import_module("harness.episode.direct")
     if options.report is not None:
         importlib.import_module("harness.report.content")
+    if options.direct:
+        from harness.episode.direct import run_direct  # noqa: PLC0415
+
+        return partial(run_direct, extended=options.extended)
+    try:
+        from harness.ros.session import run_through_ros  # noqa: PLC0415
+    except ImportError as error:
+        raise UsageError(
+            f"ROS 2 is not importable ({error}); install the extra with pip install -e '.[ros]', "
+            "source a ROS 2 installation, or run with --direct, which needs none"
+        ) from error
+    return run_through_ros
 
 
 def _run(
-    options: RunOptions, stop: StopRequest, console: Console, drawing: Drawing, report: RunReport
+    run: Run,
+    options: RunOptions,
+    stop: StopRequest,
+    console: Console,
+    observers: tuple[Drawing, RunReport],
 ) -> RunResult:
-    config, ros = options.config, options.ros
-    config.validate()
+    config, (drawing, report) = options.config, observers
     if options.summary is not None:
         check_target("--summary", options.summary)
     report.prepare()
     for note in config.world().notes if is_terrain_file(config.terrain) else ():
         console.print(f"{config.terrain}: {note}", soft_wrap=True, highlight=False)
     drawing.prepare(config)
-    observers = (drawing, report)
-    title = f"{config.robot} on {config.terrain}"
-    with RunProgress(console, title, config.duration) as bar:
-        if options.direct:
-            from harness.episode.direct import run_direct  # noqa: PLC0415 - see _load
-
-            return run_direct(
-                *(config, ros.log_dir, ros.rate, stop, bar.show, observers), extended=options.extended
-            )
-        return _through_ros()(config, ros, stop, bar.show, observers)
-
-
-def _through_ros() -> Callable[..., RunResult]:
-    """Returns run_through_ros: --direct must work where there is no rclpy."""
-    try:
-        from harness.ros.session import run_through_ros  # noqa: PLC0415
-    except ImportError as error:
-        message = (
-            f"ROS 2 is not importable ({error}); install the extra with pip install -e '.[ros]', "
-            "source a ROS 2 installation, or run with --direct, which needs none"
-        )
-        raise UsageError(message) from error
-    return run_through_ros
+    with RunProgress(console, f"{config.robot} on {config.terrain}", config.duration) as bar:
+        return run(config, options.ros, stop, bar.show, observers)
 
 
 def _report(result: RunResult, summary: Path | None, stop: StopRequest, console: Console) -> int:
@@ -115,11 +112,11 @@ def _report(result: RunResult, summary: Path | None, stop: StopRequest, console:
         lost = ", ".join(f"{c.lost} of {t}" for t, c in result.topics.items() if c.lost)
         complaints.append(f"messages were lost: {lost}")
     log_manifest = None if result.log_path is None else result.log_path.with_suffix(".json")
-    complaints += [
-        complaint
-        for path in (log_manifest, summary)
-        if path is not None and (complaint := _write(result, path)) is not None
-    ]
+    for path in filter(None, (log_manifest, summary)):
+        try:
+            write_manifest(result, path)
+        except HarnessError as error:  # noqa: PERF203 - two files at most
+            complaints.append(str(error))
     for complaint in complaints:
         print(f"harness.run: {complaint}", file=sys.stderr)
     return 1 if complaints else stop.exit_code
@@ -134,15 +131,6 @@ def _draw(drawing: Drawing, stop: StopRequest, console: Console) -> None:
         console.print("drawing what there is; Ctrl-C again leaves it out", highlight=False)
     for path in drawing.finish():
         console.print(f"drawn: {path}", soft_wrap=True, highlight=False)
-
-
-def _write(result: RunResult, path: Path) -> str | None:
-    """Writes the manifest; gives the reason if that fails."""
-    try:
-        write_manifest(result, path)
-    except HarnessError as error:
-        return str(error)
-    return None
 
 
 if __name__ == "__main__":

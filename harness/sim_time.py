@@ -41,11 +41,10 @@ def parse_timestep(seconds: float) -> int:
     in_limits = SMALLEST_TIMESTEP_NS <= nanoseconds <= LARGEST_TIMESTEP_NS
     if in_limits and TICK_NS % nanoseconds == 0:
         return nanoseconds
-    message = (
+    raise UsageError(
         f"timestep {seconds:g} s is refused: {_why_not(nanoseconds)}; "
         f"nearest valid: {_nearest_timesteps(nanoseconds)}"
     )
-    raise UsageError(message)
 
 
 def _why_not(timestep_ns: int) -> str:
@@ -60,7 +59,7 @@ def _why_not(timestep_ns: int) -> str:
 
 
 def _nearest_timesteps(timestep_ns: int) -> str:
-    valid = [TICK_NS // n for n in range(1, 101) if TICK_NS % n == 0]
-    usable = [v for v in valid if SMALLEST_TIMESTEP_NS <= v <= LARGEST_TIMESTEP_NS]
-    nearest = sorted(usable, key=lambda v: abs(v - timestep_ns))[:2]
+    parts = range(TICK_NS // LARGEST_TIMESTEP_NS, TICK_NS // SMALLEST_TIMESTEP_NS + 1)
+    valid = [TICK_NS // n for n in parts if TICK_NS % n == 0]
+    nearest = sorted(valid, key=lambda v: abs(v - timestep_ns))[:2]
     return " or ".join(f"{v / NANOSECONDS:g}" for v in nearest)

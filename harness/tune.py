@@ -24,7 +24,7 @@ from harness.tuning.episodes.plan import plan
 from harness.tuning.episodes.store import Store
 from harness.tuning.episodes.sweep import sweep
 from harness.tuning.output import print_studies, sweep_progress, write_results
-from harness.tuning.scoring.study import RobotStudy, study
+from harness.tuning.scoring.study import study
 from rover_metrics.errors import OneLineParser
 
 EPISODES, DURATION, OUT = 64, 90.0, Path("tuning")
@@ -37,14 +37,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with StopRequest():
             return _tune(options, console)
-    except Interrupted as error:
-        print(
-            f"harness.tune: {error}; the same command goes on with the episodes in {options.out}",
-            file=sys.stderr,
-        )
-        return error.exit_code
     except HarnessError as error:
-        print(f"harness.tune: {error}", file=sys.stderr)
+        goes_on = f"; the same command goes on with the episodes in {options.out}"
+        told = f"{error}{goes_on if isinstance(error, Interrupted) else ''}"
+        print(f"harness.tune: {told}", file=sys.stderr)
         return error.exit_code
 
 
@@ -58,22 +54,13 @@ def _tune(options: argparse.Namespace, console: Console) -> int:
         with sweep_progress(console, planned) as show:
             records = sweep(planned, store, backend, show)
     studies = [study(robot, records, options.seed) for robot in robots]
-    command = _command(robots, options)
     print_studies(console, studies)
-    for path in write_results(options.out, studies, records, command):
+    for path in write_results(options.out, studies, records, _command(robots, options)):
         console.print(f"written: {path}", soft_wrap=True, highlight=False)
-    return _report_lacks(studies)
-
-
-def _report_lacks(studies: Sequence[RobotStudy]) -> int:
-    lacks = [
-        f"{study.robot}: no value for {verdict.name}, {verdict.lack}"
-        for study in studies
-        for verdict in study.verdicts
-        if verdict.lack is not None
-    ]
-    for lack in lacks:
-        print(f"harness.tune: {lack}", file=sys.stderr)
+    verdicts = [(each.robot, verdict) for each in studies for verdict in each.verdicts]
+    lacks = [(robot, verdict) for robot, verdict in verdicts if verdict.lack is not None]
+    for robot, verdict in lacks:
+        print(f"harness.tune: {robot}: no value for {verdict.name}, {verdict.lack}", file=sys.stderr)
     return 1 if lacks else 0
 
 

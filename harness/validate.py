@@ -28,13 +28,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     console = Console()
     try:
         _check(options)
-        return _realism(options, console) if options.realism else _suite(options, console)
+        misses = _realism(options, console) if options.realism else _suite(options, console)
     except HarnessError as error:
         print(f"harness.validate: {error}", file=sys.stderr)
         return error.exit_code
+    if misses:
+        print(f"harness.validate: missed {'; '.join(misses)}", file=sys.stderr)
+    return 1 if misses else 0
 
 
-def _suite(options: argparse.Namespace, console: Console) -> int:
+def _suite(options: argparse.Namespace, console: Console) -> Sequence[str]:
     rovers = ROVERS.values() if options.robot is None else [find_rover(options.robot)]
     results = {}
     for rover in rovers:
@@ -42,25 +45,14 @@ def _suite(options: argparse.Namespace, console: Console) -> int:
         print_table(console, rover.name, results[rover.name])
     if options.write:
         write_between_markers(README, as_markdown(results))
-    misses = [
-        f"{robot}: {check.quantity}"
-        for robot, checks in results.items()
-        for check in checks
-        if not check.passed
-    ]
-    return _report_misses(misses)
+    checked = [(robot, check) for robot, checks in results.items() for check in checks]
+    return [f"{robot}: {check.quantity}" for robot, check in checked if not check.passed]
 
 
-def _realism(options: argparse.Namespace, console: Console) -> int:
+def _realism(options: argparse.Namespace, console: Console) -> Sequence[str]:
     comparison = compare(options.realism, options.robot, options.seed)
     print_comparison(console, comparison)
-    return _report_misses(comparison.missed)
-
-
-def _report_misses(misses: Sequence[str]) -> int:
-    if misses:
-        print(f"harness.validate: missed {'; '.join(misses)}", file=sys.stderr)
-    return 1 if misses else 0
+    return comparison.missed
 
 
 def _check(options: argparse.Namespace) -> None:

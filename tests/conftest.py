@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import HealthCheck, settings
 
-from harness.ros.domain import reserved_domain
+from harness.ros.network import reserved_domain
 from tests.support.surroundings import receive_signals, settle_environment
 
 ROS_LOG = settle_environment()  # before any test imports rclpy

@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 from rich.console import Console
 
 from benchmarks.measuring import Table
+from benchmarks.own_domain import own_domain
 from benchmarks.readme import README, conditions, write_soak
 from benchmarks.show import printable
 from benchmarks.soak.outcome import COLUMNS, Outcome
@@ -19,7 +20,6 @@ from benchmarks.soak.plan import FULL, QUICK, Plan
 from benchmarks.soak.scenarios import SCENARIOS, Reference
 from harness.errors import HarnessError, RunFailed
 from harness.interrupt import StopRequest
-from harness.ros.domain import own_domain
 from rover_metrics.errors import OneLineParser
 
 

@@ -32,19 +32,17 @@ class RunProgress(Progress):
         self._run = self.add_task(title, total=total_s, factor=0.0, distance=0.0, messages=0)
 
     def __enter__(self) -> Self:
-        return (
-            self  # unlike its base it appears with the first `show`, below what nodes say as they start
-        )
+        return self
 
-    def show(self, progress: result.Progress) -> None:
-        """Moves the bar."""
+    def show(self, run: result.RunResult) -> None:
+        """Moves the bar; it appears with the first call, below what nodes say as they start."""
         self.start()
         self.update(
             self._run,
-            completed=progress.simulated_s,
-            factor=progress.real_time_factor,
-            distance=progress.path_length,
-            messages=progress.messages,
+            completed=run.simulated_s,
+            factor=run.real_time_factor,
+            distance=run.truth.path_length,
+            messages=run.messages,
         )
 
 

@@ -62,11 +62,9 @@ class Episode:
         self._observing = [s for s in self._sensors if type(s).observe is not Sensor.observe]
         _, scan_rng, imu_rng = _generators(config.seed, 3)
         limits = (lidar_spec.range_min, lidar_spec.range_max)
-        self._noise = (
-            None
-            if config.noise is None
-            else SensorNoise(PRESETS[config.noise], limits, scan_rng, imu_rng)
-        )
+        self._noise: SensorNoise | None = None
+        if config.noise is not None:
+            self._noise = SensorNoise(PRESETS[config.noise], limits, scan_rng, imu_rng)
         self._bearings = lidar_spec.bearings
         self._begin()
 
@@ -74,20 +72,11 @@ class Episode:
         """A driver that has done nothing yet, at a rover that stands."""
         self._began_ns = self.simulation.time_ns
         self._drive = DiffDrive(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
-        self._driver = self._new_driver()
-        self._last_scan: LaserScan | None = None
-
-    def _new_driver(self) -> Driver:
         scene, (rng, *_) = self.simulation.scene, _generators(self.config.seed, 3)
-        return find_driver(self.config.driver)(
-            DriverContext(
-                scene.rover,
-                scene.world.ground.half_size,
-                self._bearings,
-                rng,
-                scene.world.obstacles,
-            )
-        )
+        reach, obstacles = scene.world.ground.half_size, scene.world.obstacles
+        context = DriverContext(scene.rover, reach, self._bearings, rng, obstacles)
+        self._driver: Driver = find_driver(self.config.driver)(context)
+        self._last_scan: LaserScan | None = None
 
     def command(self, twist: Twist) -> None:
         """Hands a command to the cmd_vel driver; other drivers make their own."""
@@ -125,27 +114,18 @@ class Episode:
                 ticks.extend(self._tick(index) for index in range(start + 1, stop + 1))
             except RunFailed as error:
                 failure = error
+            events = self._recorder.events
             if failure is not None or stop == self.config.total_ticks:
-                self._recorder.events.close()
-            yield self._batch(tuple(ticks))
+                events.close()
+            yield Batch(tuple(ticks), self._recorder.truth(), events.take_closed(), events.open)
             if failure is not None:
                 raise failure
 
-    def _batch(self, ticks: tuple[Tick, ...]) -> Batch:
-        events = self._recorder.events
-        return Batch(ticks, self._recorder.truth(), events.take_closed(), events.open)
-
     def _observe(self) -> Observation:
-        x, y, _ = self.simulation.position
+        simulation, (x, y, _) = self.simulation, self.simulation.position
         ranges = None if self._last_scan is None else self._last_scan.ranges
-        return Observation(
-            time_ns=self.simulation.time_ns - self._began_ns,
-            x=x,
-            y=y,
-            yaw=self.simulation.yaw,
-            ranges=ranges,
-            touches_hazard=bool(self._hazard_contact[0]),
-        )
+        touches, time_ns = bool(self._hazard_contact[0]), simulation.time_ns - self._began_ns
+        return Observation(time_ns, x, y, simulation.yaw, ranges, touches_hazard=touches)
 
     def _tick(self, index: int) -> Tick:
         self.simulation.command_wheels(self._drive.wheel_speeds())

@@ -6,23 +6,20 @@ Two runs are the same run if and only if their fingerprints are equal, wherever 
 import hashlib
 import multiprocessing
 import signal
-from collections.abc import Callable
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from harness.config import EpisodeConfig
+from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
 from harness.episode.direct import run_direct
-from harness.episode.loop import Observer
-from harness.episode.result import Progress, RunResult
+from harness.episode.result import Run
 from harness.errors import RunFailed
 from harness.interrupt import Interrupted, StopRequest
-from harness.samples import LaserScan, Sample
-
-Run = Callable[[EpisodeConfig, Path, StopRequest, Observer], RunResult]
+from harness.samples import LaserScan
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +55,11 @@ class StreamHash:
         """Takes the next batch: everything in its ticks, its truth and its contact events."""
         for tick in batch.ticks:
             self._digest.update(repr(replace(tick, samples=())).encode())
-            for sample in tick.samples:
-                self._digest.update(_canonical(sample))
+            for sample in tick.samples:  # repr writes a float out exactly, but not a long array
+                canonical: object = sample
+                if isinstance(sample, LaserScan):
+                    canonical = (sample.stamp_ns, sample.ranges.tobytes())
+                self._digest.update(repr(canonical).encode())
             self.samples += len(tick.samples)
         self._digest.update(repr((batch.truth, batch.events)).encode())
 
@@ -68,15 +68,16 @@ class StreamHash:
         return self._digest.hexdigest()
 
 
-def _canonical(sample: Sample) -> bytes:
-    """Bytes that are equal if and only if the samples are: repr writes a float out exactly."""
-    if isinstance(sample, LaserScan):
-        return repr(sample.stamp_ns).encode() + sample.ranges.tobytes()
-    return repr(sample).encode()
+def fingerprint(
+    run: Run, config: EpisodeConfig, stop: StopRequest, ros_args: Sequence[str] = ()
+) -> Fingerprint:
+    """Returns the fingerprint of a run in a folder that is gone afterwards.
 
-
-def fingerprint(run: Run, config: EpisodeConfig, stop: StopRequest) -> Fingerprint:
-    """Does a run in a folder that is gone afterwards.
+    Args:
+        run: What does it.
+        config: What to run.
+        stop: Ends it early.
+        ros_args: Arguments from `--ros-args` on.
 
     Raises:
         RunFailed: It did not come to its planned end.
@@ -84,7 +85,8 @@ def fingerprint(run: Run, config: EpisodeConfig, stop: StopRequest) -> Fingerpri
     """
     stream = StreamHash()
     with TemporaryDirectory(prefix="harness_check_") as folder:
-        result = run(config, Path(folder), stop, stream)
+        options = RosOptions(log_dir=Path(folder), ros_args=tuple(ros_args))
+        result = run(config, options, stop, observers=[stream])
         if stop.signal is not None:
             raise Interrupted(stop.signal)
         if result.failure is not None or result.log_path is None:
@@ -93,13 +95,8 @@ def fingerprint(run: Run, config: EpisodeConfig, stop: StopRequest) -> Fingerpri
     return Fingerprint(stream.samples, result.rows, result.lost, stream.hexdigest(), csv)
 
 
-def direct(config: EpisodeConfig, folder: Path, stop: StopRequest, observer: Observer) -> RunResult:
-    """A run without ROS, as fast as possible."""
-    return run_direct(config, folder, None, stop, _show_nothing, [observer])
-
-
 def direct_in_fresh_process(config: EpisodeConfig) -> Fingerprint:
-    """The fingerprint of a run without ROS in an interpreter that has done nothing before.
+    """Returns the fingerprint of a run without ROS in an interpreter that has done nothing before.
 
     Raises:
         RunFailed: The run did not come to its planned end, or the process died.
@@ -113,11 +110,6 @@ def direct_in_fresh_process(config: EpisodeConfig) -> Fingerprint:
     )
     with pool:
         try:
-            return pool.submit(fingerprint, direct, config, StopRequest()).result()
+            return pool.submit(fingerprint, run_direct, config, StopRequest()).result()
         except BrokenProcessPool as error:
-            message = "the fresh process died"
-            raise RunFailed(message) from error
-
-
-def _show_nothing(_: Progress) -> None:
-    """Shows no progress: a check is short."""
+            raise RunFailed("the fresh process died") from error

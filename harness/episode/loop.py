@@ -1,4 +1,4 @@
-"""The loop that drives an episode, and the account of a run that it keeps.
+"""The loop that drives an episode, and what keeps it from going faster than asked.
 
 A run through ROS, one without, a trial and an episode of a sweep are this loop with another sink and
 other observers.
@@ -6,15 +6,13 @@ other observers.
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from harness.episode.batch import Batch
-from harness.episode.result import Progress, RunResult
-from harness.episode.truth_account import TruthAccount
 from harness.faults.injector import FaultInjector
 from harness.interrupt import StopRequest
 from harness.samples import Tick
+from harness.sim_time import NANOSECONDS
 
 Sink = Callable[[Tick, Tick], None]  # takes a tick of the episode, and what listeners get of it
 
@@ -56,59 +54,33 @@ def drive(
             return
 
 
-@dataclass
-class RunAccount:
-    """An observer that keeps a run's result up to date and tells how far it is.
+class Pacer:
+    """Holds simulation time back to `rate` times wall time: 1.0 is real time.
 
     Args:
-        started: Wall time at which the command began [s], of time.monotonic; `began` is that of the
-            first batch.
-        show: Is told the progress after every batch.
-        messages: Counts the messages published so far; `rows` counts those of the CSV.
-        paused_s: Wall time for which the run was paused so far [s].
-
-    Attributes:
-        result: What the run has come to up to now.
+        rate: Simulated seconds per wall second; None does not wait.
+        clock: Monotonic wall clock in nanoseconds.
+        sleep: Waits for seconds.
     """
 
-    result: RunResult
-    started: float
-    show: Callable[[Progress], None]
-    messages: Callable[[], int]
-    rows: Callable[[], int]
-    paused_s: Callable[[], float] = float
-    began: float = field(init=False)
-    _truth: TruthAccount = field(default_factory=TruthAccount)
+    def __init__(
+        self,
+        rate: float | None,
+        clock: Callable[[], int] = time.monotonic_ns,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self._rate, self._clock, self._sleep = rate, clock, sleep
+        self._start_ns = clock()
 
-    def __post_init__(self) -> None:
-        self.began = time.monotonic()
+    def postpone(self, seconds: float) -> None:
+        """Lets simulation time be later by some wall time, in which it was to stand still."""
+        self._start_ns += round(seconds * NANOSECONDS)
 
-    def take(self, batch: Batch) -> None:
-        """Takes the next batch."""
-        self._truth.take(batch)
-        now, paused_s, result = time.monotonic(), self.paused_s(), self.result
-        first_row_s = result.first_row_s
-        if first_row_s is None and self.rows():
-            first_row_s = now - self.started
-        self.result = replace(
-            result,
-            truth=batch.truth,
-            wall_s=now - self.began - paused_s,
-            paused_s=paused_s,
-            first_row_s=first_row_s,
-        )
-        self.show(self._progress())
-
-    def ended(self, *, failure: str | None = None, interrupted: str | None = None) -> RunResult:
-        """The result of the whole run, with what it met on its way and why it ended early, if it did."""
-        return replace(self.result, along=self._truth.along(), failure=failure, interrupted=interrupted)
-
-    def _progress(self) -> Progress:
-        result = self.result
-        return Progress(
-            simulated_s=result.simulated_s,
-            total_s=result.config.duration,
-            wall_s=result.wall_s,
-            path_length=result.truth.path_length,
-            messages=self.messages(),
-        )
+    def wait_until(self, simulation_ns: int) -> None:
+        """Waits until wall time has caught up with a simulation time."""
+        if self._rate is None:
+            return
+        due_ns = self._start_ns + round(simulation_ns / self._rate)
+        remaining_ns = due_ns - self._clock()
+        if remaining_ns > 0:
+            self._sleep(remaining_ns / NANOSECONDS)

@@ -3,6 +3,7 @@
 import json
 import platform
 import re
+from contextlib import suppress
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -40,7 +41,10 @@ def manifest(result: RunResult) -> dict[str, Any]:
             "log": None if result.log_path is None else str(result.log_path),
             "last_row": result.last_row,
             "thresholds": asdict(result.thresholds),
-            "node": _node(result),
+            # What the metrics node says of its session, as it would in a record of its own.
+            "node": None
+            if result.reception is None
+            else {"segments": result.segments, "topics": result.reception},
             "recording": None if result.recording is None else str(result.recording),
             "report": None if result.report is None else str(result.report),
             "truth": _truth(result),
@@ -61,8 +65,7 @@ def write_manifest(result: RunResult, path: Path) -> None:
         with whole_file(path) as part:
             part.write_text(text, encoding="utf-8")
     except OSError as error:
-        message = f"cannot write the summary to {path}: {error.strerror}"
-        raise UsageError(message) from error
+        raise UsageError(f"cannot write the summary to {path}: {error.strerror}") from error
 
 
 def _outcome(result: RunResult) -> dict[str, str | None]:
@@ -73,13 +76,6 @@ def _outcome(result: RunResult) -> dict[str, str | None]:
     if result.lost:
         return {"status": "failed", "reason": f"{result.lost} messages lost"}
     return {"status": "complete", "reason": None}
-
-
-def _node(result: RunResult) -> dict[str, Any] | None:
-    """What the metrics node says of its session, as it would in a record of its own."""
-    if result.reception is None:
-        return None
-    return {"segments": result.segments, "topics": result.reception}
 
 
 def _truth(result: RunResult) -> dict[str, Any]:
@@ -109,11 +105,8 @@ def _event(event: ContactEvent) -> dict[str, Any]:
 
 def _versions() -> dict[str, str | None]:
     own = {"rover-harness": __version__, "python": platform.python_version()}
-    return own | {package: _version(package) for package in PACKAGES}
-
-
-def _version(package: str) -> str | None:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return None
+    installed: dict[str, str | None] = dict.fromkeys(PACKAGES)
+    for package in PACKAGES:
+        with suppress(PackageNotFoundError):
+            installed[package] = version(package)
+    return own | installed

@@ -1,17 +1,24 @@
-"""What a run knows of its rover for the extended columns, and how its samples get there without ROS."""
+"""How samples become rows without ROS, and what a run knows of its rover for the extended columns."""
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from harness.robots import RoverSpec
-from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, TruthState
+from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState
 from harness.sensors import table
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sim_time import NANOSECONDS
 from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.settings import ExtendedSettings
+from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.session import MetricsSession
+from rover_metrics.timing.row_times import RowSchedule
 from rover_metrics.topics import SENSORS, TRUTH
+
+if TYPE_CHECKING:
+    from rover_metrics.core.row import Row
 
 
 def extended_settings(rover: RoverSpec) -> ExtendedSettings:
@@ -25,13 +32,9 @@ def extended_settings(rover: RoverSpec) -> ExtendedSettings:
 
 def outline_parameters(rover: RoverSpec) -> dict[str, list[float]]:
     """Returns the extended settings as parameters of a metrics_node."""
-    settings = extended_settings(rover)
-    corners = () if settings.footprint is None else settings.footprint.corners
-    pose = settings.lidar_pose
-    return {
-        "footprint": [value for corner in corners for value in corner],
-        "lidar_pose": [pose.x, pose.y, pose.yaw],
-    }
+    pose, corners = extended_settings(rover).lidar_pose, Footprint.rectangle(*rover.footprint).corners
+    footprint = [value for corner in corners for value in corner]
+    return {"footprint": footprint, "lidar_pose": [pose.x, pose.y, pose.yaw]}
 
 
 def extended_ros_args(rover: RoverSpec) -> list[str]:
@@ -54,11 +57,9 @@ class SampleFeed:
 
     def __init__(self, session: MetricsSession, lidar: LidarSpec) -> None:
         self._session = session
+        increment = 2 * lidar.angle_max / (lidar.beams - 1)
         # sensor_msgs/LaserScan carries both as float32.
-        self._angles = (
-            float(np.float32(-lidar.angle_max)),
-            float(np.float32(2 * lidar.angle_max / (lidar.beams - 1))),
-        )
+        self._angles = float(np.float32(-lidar.angle_max)), float(np.float32(increment))
         sources = SENSORS if session.extended is None else (*SENSORS, *TRUTH)
         heard = {source.name for source in sources}
         topics = {row.sample: tuple(f"/{topic.name}" for topic in row.topics) for row in table.SENSORS}
@@ -73,13 +74,8 @@ class SampleFeed:
         match sample:
             case LaserScan():
                 session.take_scan(sample.stamp_ns, sample.ranges, angles=self._angles)
-            case Imu():
-                session.take_imu(
-                    sample.stamp_ns,
-                    sample.linear_acceleration,
-                    sample.angular_velocity,
-                    sample.orientation,
-                )
+            case Imu(stamp_ns, orientation, angular_velocity, linear_acceleration):
+                session.take_imu(stamp_ns, linear_acceleration, angular_velocity, orientation)
             case Pose():
                 session.take_pose(sample.stamp_ns, None if sample.empty else sample.position)
             case Odometry():
@@ -89,3 +85,29 @@ class SampleFeed:
             case TruthState():
                 session.take_contact(touches=sample.hazard_contact)
                 session.take_traversal(sample.traversal)
+
+
+class DirectMetrics(SampleFeed):
+    """Feeds ticks to a session of metrics and writes a row each simulated second.
+
+    Args:
+        session: The metrics.
+        lidar: Whose scans they are made of.
+        log: Where the rows go.
+
+    Attributes:
+        last_row: The latest row, or None.
+    """
+
+    def __init__(self, session: MetricsSession, lidar: LidarSpec, log: CsvLog) -> None:
+        super().__init__(session, lidar)
+        self._log, self._schedule = log, RowSchedule(NANOSECONDS)
+        self.last_row: Row | None = None
+
+    def advance(self, _: Tick, sent: Tick) -> None:
+        """Takes what listeners get of a tick; the row of a full second comes after its samples."""
+        for sample in sent.samples:
+            self.take(sample)
+        if sent.tells_time and self._schedule.is_due(sent.stamp_ns):
+            self.last_row = self._session.row(sent.stamp_ns)
+            self._log.write(self.last_row)

@@ -1,14 +1,17 @@
-"""What a run came to: counts, rows, truth and outcome, as plain values for table and manifest."""
+"""What a run comes to: counts, rows, truth and outcome, as plain values for table and manifest."""
 
-from dataclasses import dataclass, field
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from harness.config import EpisodeConfig
-from harness.episode.batch import EpisodeInfo
-from harness.episode.truth_account import TruthAlong
+from harness.episode.batch import Batch, EpisodeInfo
+from harness.episode.truth_account import TruthAccount, TruthAlong
 from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import Truth
+from rover_metrics.core.row import Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 
 
@@ -25,22 +28,6 @@ class TopicCount:
     published: int
     received: int | None = None
     lost: int = 0
-
-
-@dataclass(frozen=True, slots=True)
-class Progress:
-    """How far a run is."""
-
-    simulated_s: float
-    total_s: float
-    wall_s: float
-    path_length: float
-    messages: int
-
-    @property
-    def real_time_factor(self) -> float:
-        """Simulated seconds per wall second."""
-        return self.simulated_s / self.wall_s if self.wall_s > 0 else 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,3 +94,66 @@ class RunResult:
     def messages(self) -> int:
         """Messages published over all topics."""
         return sum(count.published for count in self.topics.values())
+
+
+Run = Callable[..., RunResult]  # run_direct, or run_through_ros
+
+
+def cells_of(row: Row | None) -> dict[str, int | float | str] | None:
+    """Returns the cells of a row by column name."""
+    return None if row is None else dict(zip(row.columns, row.as_fields(), strict=True))
+
+
+@dataclass
+class RunAccount:
+    """An observer that keeps a run's result up to date and tells it.
+
+    Args:
+        started: Wall time at which the command began [s], of time.monotonic.
+        show: Is told the result up to now after every batch.
+        topics: Counts the messages so far; `rows` counts those of the CSV.
+        paused_s: Wall time for which the run was paused so far [s].
+
+    Attributes:
+        result: What the run has come to up to now.
+    """
+
+    result: RunResult
+    started: float
+    show: Callable[[RunResult], None] | None
+    topics: Callable[[], dict[str, TopicCount]]
+    rows: Callable[[], int]
+    paused_s: Callable[[], float] = float
+
+    def __post_init__(self) -> None:
+        self._began, self._truth = time.monotonic(), TruthAccount()
+
+    def take(self, batch: Batch) -> None:
+        """Takes the next batch."""
+        self._truth.take(batch)
+        now, paused_s, rows = time.monotonic(), self.paused_s(), self.rows()
+        first_row_s = self.result.first_row_s
+        if first_row_s is None and rows:
+            first_row_s = now - self.started
+        self.result = replace(
+            self.result,
+            truth=batch.truth,
+            wall_s=now - self._began - paused_s,
+            paused_s=paused_s,
+            first_row_s=first_row_s,
+            topics=self.topics(),
+            rows=rows,
+        )
+        if self.show is not None:
+            self.show(self.result)
+
+    def ended(self, *, failure: str | None = None, interrupted: str | None = None) -> RunResult:
+        """Returns the result of the whole run, with what it met and why it ended early, if it did."""
+        return replace(
+            self.result,
+            along=self._truth.along(),
+            topics=self.topics(),
+            rows=self.rows(),
+            failure=failure,
+            interrupted=interrupted,
+        )

@@ -4,6 +4,9 @@ The child simulates AHEAD batches ahead, so the consumer hardly waits for physic
 consumer; the stream itself is the episode's, bit for bit. Each batch has an order: the consumer sends
 one for each that it has taken, so what it orders comes into effect after the batches that are ordered
 already, at a time that it knows. With the cmd_vel driver the child waits for each command instead.
+
+The child sends the episode's info, its batches and None, or instead of any of these the error that it
+failed of.
 """
 
 import contextlib
@@ -11,11 +14,9 @@ import multiprocessing
 import signal
 import traceback
 from collections.abc import Iterator
-from dataclasses import dataclass
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
-from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import Any, NamedTuple, Self
 
 from harness.config import EpisodeConfig
 from harness.drivers.base import CONTROL_PERIOD_NS
@@ -24,34 +25,12 @@ from harness.errors import HarnessError, RunFailed
 from harness.interrupt import HANDLED
 from harness.samples import Twist
 
-if TYPE_CHECKING:
-    from harness.episode.episode import Episode
-
 AHEAD = 10  # batches: 0.5 s of simulated time
 EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
 
 
-@dataclass(frozen=True, slots=True)
-class _Failure:
-    """A known error of the child, or the trace of an unknown one."""
-
-    error: HarnessError | None
-    trace: str
-
-
-@dataclass(frozen=True, slots=True)
-class _End:
-    """The episode came to its planned end."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Order:
-    """What a batch shall begin with, unless it is just the next one.
-
-    Attributes:
-        command: For the cmd_vel driver.
-        reset: Whether the rover is put back first.
-    """
+class _Order(NamedTuple):
+    """What a batch that is not just the next one begins with: a reset, a command (cmd_vel), or both."""
 
     command: Twist | None
     reset: bool
@@ -83,12 +62,7 @@ class EpisodeProcess:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._connection.close()
         self._process.join(EXIT_PATIENCE)
         if self._process.is_alive():
@@ -98,11 +72,8 @@ class EpisodeProcess:
     @property
     def info(self) -> EpisodeInfo:
         """What the episode was made of; waits until the world is built. Ask once, first."""
-        received = self._receive()
-        if not isinstance(received, EpisodeInfo):
-            message = f"the simulation process sent {type(received).__name__} before its info"
-            raise RunFailed(message)
-        return received
+        info: EpisodeInfo = self._receive()
+        return info
 
     def command(self, twist: Twist) -> None:
         """Sets the command of the next control periods (cmd_vel driver)."""
@@ -120,18 +91,15 @@ class EpisodeProcess:
         return self._ordered * CONTROL_PERIOD_NS
 
     def batches(self) -> Iterator[Batch]:
-        """The episode's batches, in order.
+        """Yields the episode's batches, in order.
 
         Raises:
             RunFailed: As `Episode.batches`, or the child died.
         """
-        while True:
+        self._order()
+        while (batch := self._receive()) is not None:
+            yield batch
             self._order()
-            received = self._receive()
-            if isinstance(received, _End):
-                return
-            assert isinstance(received, Batch)  # noqa: S101 - the protocol of _simulate below
-            yield received
 
     def _order(self) -> None:
         if self._ordered == self._config.total_periods:
@@ -142,14 +110,14 @@ class EpisodeProcess:
             self._connection.send(order)
         self._ordered, self._reset = self._ordered + 1, False
 
-    def _receive(self) -> object:
+    def _receive(self) -> Any:  # noqa: ANN401 - see the module
         try:
             received = self._connection.recv()
         except (EOFError, ConnectionResetError) as error:
             message = f"the simulation process died (exit code {self._process.exitcode})"
             raise RunFailed(message) from error
-        if isinstance(received, _Failure):
-            raise received.error or RuntimeError(f"the simulation process failed:\n{received.trace}")
+        if isinstance(received, Exception):
+            raise received
         return received
 
 
@@ -170,9 +138,10 @@ def _simulate(config: EpisodeConfig, connection: Connection) -> None:
         try:
             _stream(config, connection)
         except HarnessError as error:
-            connection.send(_Failure(error, ""))
+            connection.send(error)
         except Exception:  # noqa: BLE001 - a bug: its trace must reach the parent
-            connection.send(_Failure(None, traceback.format_exc()))
+            trace = traceback.format_exc()
+            connection.send(RuntimeError(f"the simulation process failed:\n{trace}"))
 
 
 def _stream(config: EpisodeConfig, connection: Connection) -> None:
@@ -183,16 +152,11 @@ def _stream(config: EpisodeConfig, connection: Connection) -> None:
     connection.send(episode.info)
     batches = episode.batches()
     for _ in range(config.total_periods):
-        _obey(connection.recv(), episode)
+        order: _Order | None = connection.recv()
+        if order is not None and order.reset:
+            episode.reset()
+        if order is not None and order.command is not None:
+            episode.command(order.command)
         connection.send(next(batches))
     next(batches, None)  # raises what the last of them failed of
-    connection.send(_End())
-
-
-def _obey(order: _Order | None, episode: "Episode") -> None:
-    if order is None:
-        return
-    if order.reset:
-        episode.reset()
-    if order.command is not None:
-        episode.command(order.command)
+    connection.send(None)

@@ -8,7 +8,7 @@ import numpy as np
 from harness.episode.batch import Batch
 from harness.samples import TruthState, Vector3
 from harness.sim_time import NANOSECONDS
-from harness.truth.traversal import ContactEvent, Truth
+from harness.truth.traversal import ContactEvent
 
 MOST_EVENTS = 1000
 MOST_POINTS = 1000  # of the path
@@ -54,7 +54,10 @@ class TruthAccount:
         if batch.events:
             self._event_count += len(batch.events)
             self._events += batch.events[: MOST_EVENTS - len(self._events)]
-        self._add_point(batch.truth)
+        if batch.truth.time_ns % self._period_ns == 0:
+            self._path.append(batch.truth.position)
+            if len(self._path) == MOST_POINTS:
+                self._path, self._period_ns = self._path[1::2], 2 * self._period_ns
         for tick in batch.ticks:
             if tick.samples and isinstance(state := tick.samples[-1], TruthState):
                 step = round(min(state.roughness, ROUGHNESS_LIMIT) / ROUGHNESS_STEP)
@@ -71,14 +74,6 @@ class TruthAccount:
             roughness_p50=self._roughness_percentile(0.50),
             roughness_p95=self._roughness_percentile(0.95),
         )
-
-    def _add_point(self, truth: Truth) -> None:
-        if truth.time_ns % self._period_ns:
-            return
-        self._path.append(truth.position)
-        if len(self._path) == MOST_POINTS:
-            self._path = self._path[1::2]
-            self._period_ns *= 2
 
     def _roughness_percentile(self, share: float) -> float:
         counted = np.cumsum(self._roughness)

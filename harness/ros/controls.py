@@ -12,7 +12,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from harness.interrupt import StopRequest
 from harness.ros.bridge import Bridge
-from harness.ros.executor import SPIN_TIMEOUT
+from harness.ros.context import SPIN_TIMEOUT
 from harness.sim_time import NANOSECONDS
 
 
@@ -26,14 +26,13 @@ class Controls:
             the episode ends before.
 
     Attributes:
-        time_ns: Simulation time, to be kept up to date: the services tell it.
         held_s: Wall time for which the run was paused [s].
     """
 
     def __init__(self, bridge: Bridge, executor: Executor, reset: Callable[[], int | None]) -> None:
-        self._executor, self._reset = executor, reset
+        self._bridge, self._executor, self._reset = bridge, executor, reset
         self._paused = False
-        self.time_ns, self.held_s = 0, 0.0
+        self.held_s = 0.0
         bridge.create_service(Trigger, "~/reset", self._answer_reset)
         bridge.create_service(SetBool, "~/pause", self._answer_pause)
 
@@ -63,15 +62,10 @@ class Controls:
 
     def _answer_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         was, self._paused = self._paused, request.data
-        said = {
-            (False, True): "paused",
-            (True, True): "paused already",
-            (True, False): "goes on",
-            (False, False): "was not paused",
-        }
-        response.success = True
-        response.message = f"{said[was, self._paused]} at t = {self._now()}"
+        on, off = ("paused", "paused already"), ("was not paused", "goes on")
+        said = (on if self._paused else off)[was]
+        response.success, response.message = True, f"{said} at t = {self._now()}"
         return response
 
     def _now(self) -> str:
-        return f"{self.time_ns / NANOSECONDS:.2f} s"
+        return f"{self._bridge.time_ns / NANOSECONDS:.2f} s"

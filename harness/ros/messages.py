@@ -5,7 +5,7 @@ type: float(...) for float64, an array('f') for ranges, int for sec and nanosec.
 """
 
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from functools import partial
 from operator import attrgetter
@@ -16,7 +16,6 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, PoseArray, Quaternion, Vector3
 from nav_msgs.msg import Odometry
-from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
@@ -57,12 +56,17 @@ def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> 
 
 def by_names(message: Message, sample_type: type) -> Fill:
     """Returns a filler of the stamp and of every field whose name the sample has too."""
-    stamp = message.header.stamp if hasattr(message, "header") else Time()
     names = [item.name for item in fields(sample_type) if hasattr(message, item.name)]
-    setters = [(attrgetter(name), _setter(message, name)) for name in names]
+    return _refilled(message, {name: attrgetter(name) for name in names})
+
+
+def _refilled(message: Message, sources: Mapping[str, Callable[[Any], object]]) -> Fill:
+    """A filler of the stamp, and of fields by their paths from what gives their values of a sample."""
+    stamp = message.header.stamp if hasattr(message, "header") else getattr(message, "clock", Time())
+    setters = [(value_of, _setter(message, path)) for path, value_of in sources.items()]
 
     def fill(sample: samples.Sample) -> Message:
-        set_stamp(stamp, sample.stamp_ns)
+        _set_stamp(stamp, sample.stamp_ns)
         for value_of, put in setters:
             put(value_of(sample))
         return message
@@ -70,18 +74,20 @@ def by_names(message: Message, sample_type: type) -> Fill:
     return fill
 
 
-def _setter(message: Message, name: str) -> Callable[[Any], None]:
-    """Returns what sets a field that is a vector, a quaternion, an array or a plain value."""
-    present = getattr(message, name)
+def _setter(message: Message, path: str) -> Callable[[Any], None]:
+    """What sets a field that is a vector, a quaternion, an array or a plain value."""
+    *parents, name = path.split(".")
+    owner = attrgetter(".".join(parents))(message) if parents else message
+    present = getattr(owner, name)
     if isinstance(present, Vector3 | Point):
         return partial(_set_vector, present)
     if isinstance(present, Quaternion):
         return partial(_set_quaternion, present)
     if isinstance(present, array):
-        return lambda value: setattr(message, name, array(present.typecode, value))
+        return lambda value: setattr(owner, name, array(present.typecode, value))
     if isinstance(present, np.ndarray):
-        return lambda value: setattr(message, name, np.asarray(value, present.dtype))
-    return lambda value: setattr(message, name, type(present)(value))
+        return lambda value: setattr(owner, name, np.asarray(value, present.dtype))
+    return lambda value: setattr(owner, name, type(present)(value))
 
 
 def _set_vector(target: Vector3 | Point, value: samples.Vector3) -> None:
@@ -92,20 +98,8 @@ def _set_quaternion(target: Quaternion, value: samples.Quaternion) -> None:
     target.x, target.y, target.z, target.w = value
 
 
-def set_stamp(stamp: Time, stamp_ns: int) -> None:
-    """Writes simulation time into a stamp."""
+def _set_stamp(stamp: Time, stamp_ns: int) -> None:
     stamp.sec, stamp.nanosec = divmod(stamp_ns, NANOSECONDS)
-
-
-def clock() -> Callable[[int], Clock]:
-    """Returns a filler of Clock messages."""
-    message = Clock()
-
-    def fill(stamp_ns: int) -> Clock:
-        set_stamp(message.clock, stamp_ns)
-        return message
-
-    return fill
 
 
 def _laser_scan(message: LaserScan, _: RoverSpec, lidar: LidarSpec) -> Fill:
@@ -118,7 +112,7 @@ def _laser_scan(message: LaserScan, _: RoverSpec, lidar: LidarSpec) -> Fill:
     ranges = np.frombuffer(whole, dtype=np.float32)
 
     def fill(scan: samples.LaserScan) -> LaserScan:
-        set_stamp(message.header.stamp, scan.stamp_ns)
+        _set_stamp(message.header.stamp, scan.stamp_ns)
         if scan.ranges.size == ranges.size:
             ranges[:] = scan.ranges
             message.ranges = whole
@@ -133,38 +127,40 @@ def _pose_array(message: PoseArray, _: RoverSpec, __: LidarSpec) -> Fill:
     pose = by_names(Pose(), samples.Pose)
 
     def fill(sample: samples.Pose) -> PoseArray:
-        set_stamp(message.header.stamp, sample.stamp_ns)
+        _set_stamp(message.header.stamp, sample.stamp_ns)
         message.poses = [] if sample.empty else [pose(sample)]
         return message
 
     return fill
 
 
+def _planar(sample: samples.Odometry | samples.GroundTruth) -> samples.Quaternion:
+    """The attitude of a sample that has a yaw only."""
+    return 0.0, 0.0, float(np.sin(sample.yaw / 2)), float(np.cos(sample.yaw / 2))
+
+
+PLANAR_POSE: Mapping[str, Callable[[Any], object]] = {
+    "pose.pose.position.x": attrgetter("x"),
+    "pose.pose.position.y": attrgetter("y"),
+    "pose.pose.orientation": _planar,
+}
+
+
 def _wheel_odometry(message: Odometry, rover: RoverSpec, _: LidarSpec) -> Fill:
     """Wheel odometry; covariances stay 0, as in Gazebo."""
     message.child_frame_id = rover.odometry_child_frame
-
-    def fill(sample: samples.Odometry) -> Odometry:
-        _set_planar_pose(message, sample)
-        message.twist.twist.linear.x = sample.twist.linear
-        message.twist.twist.angular.z = sample.twist.angular
-        return message
-
-    return fill
+    linear, angular = attrgetter("twist.linear"), attrgetter("twist.angular")
+    twist = {"twist.twist.linear.x": linear, "twist.twist.angular.z": angular}
+    return _refilled(message, {**PLANAR_POSE, **twist})
 
 
 def _ground_truth(message: Odometry, _: RoverSpec, __: LidarSpec) -> Fill:
     """True odometry, planar as RoboTerrain's; the twist is the true one."""
     message.child_frame_id = "base_footprint"
     message.pose.covariance = (np.eye(6) * GROUND_TRUTH_POSE_VARIANCE).ravel()
-
-    def fill(sample: samples.GroundTruth) -> Odometry:
-        _set_planar_pose(message, sample)
-        _set_vector(message.twist.twist.linear, sample.linear_velocity)
-        _set_vector(message.twist.twist.angular, sample.angular_velocity)
-        return message
-
-    return fill
+    linear, angular = attrgetter("linear_velocity"), attrgetter("angular_velocity")
+    twist = {"twist.twist.linear": linear, "twist.twist.angular": angular}
+    return _refilled(message, {**PLANAR_POSE, **twist})
 
 
 def _joint_states(message: JointState, rover: RoverSpec, _: LidarSpec) -> Fill:
@@ -173,32 +169,14 @@ def _joint_states(message: JointState, rover: RoverSpec, _: LidarSpec) -> Fill:
 
 
 def _contact(message: Bool, _: RoverSpec, __: LidarSpec) -> Fill:
-    """Whether the rover has touched a hazard."""
-
-    def fill(truth: samples.TruthState) -> Bool:
-        message.data = truth.hazard_contact
-        return message
-
-    return fill
+    return _refilled(message, {"data": attrgetter("hazard_contact")})
 
 
 def _traversal(message: Float64MultiArray, _: RoverSpec, __: LidarSpec) -> Fill:
     """The values of the truth; the label of the one dimension names them."""
     size = len(TRAVERSAL)
     message.layout.dim = [MultiArrayDimension(label=",".join(TRAVERSAL), size=size, stride=size)]
-
-    def fill(truth: samples.TruthState) -> Float64MultiArray:
-        message.data = array("d", truth.traversal)
-        return message
-
-    return fill
-
-
-def _set_planar_pose(message: Odometry, sample: samples.Odometry | samples.GroundTruth) -> None:
-    set_stamp(message.header.stamp, sample.stamp_ns)
-    position, orientation = message.pose.pose.position, message.pose.pose.orientation
-    position.x, position.y = sample.x, sample.y
-    orientation.z, orientation.w = float(np.sin(sample.yaw / 2)), float(np.cos(sample.yaw / 2))
+    return _refilled(message, {"data": attrgetter("traversal")})
 
 
 FILLERS: dict[tuple[type, type], Callable[[Message, RoverSpec, LidarSpec], Fill]] = {

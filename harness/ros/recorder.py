@@ -9,7 +9,6 @@ a file lacks its end, which `mcap recover FILE -o MENDED` writes. rover_metrics.
 
 from functools import cache, partial
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from mcap.writer import CompressionType, Writer
@@ -63,17 +62,12 @@ class Recorder:
     Args:
         path: The file to create, never one that exists.
 
-    Attributes:
-        time_ns: Simulation time [ns], to be kept up to date: the log time of what is published next.
-            A message's own stamp may differ from it where a fault delays it or disturbs the clock.
-
     Raises:
         UsageError: It cannot be created.
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self.time_ns = 0
         try:
             self._file = path.open("xb")
         except OSError as error:
@@ -89,12 +83,7 @@ class Recorder:
         self._writer.add_metadata("rosbag2", {"serialized_metadata": BAG_METADATA})
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         try:
             with self._file:
                 self._writer.finish()  # type: ignore[no-untyped-call]  # mcap half types itself
@@ -105,29 +94,17 @@ class Recorder:
             self._path.unlink(missing_ok=True)
 
     def tap(self, bridge: Bridge) -> None:
-        """Records everything that the bridge publishes from now on."""
+        """Records everything that the bridge publishes from now on, under the time of its tick.
+
+        A message's own stamp may differ from that where a fault delays it or disturbs the clock.
+        """
+        self._bridge = bridge
         for channel in bridge.channels:
-            publisher = channel.publisher
-            name = _type_name(publisher.msg_type)
+            publisher, kind = channel.publisher, channel.publisher.msg_type
+            name = f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
             identifier = self._register(channel.topic, name, publisher.qos_profile)
             # A channel's messages of one length differ in nothing else: their padding is the same.
-            channel.record = partial(self._serialized, identifier, name, {})
-
-    def _serialized(
-        self, identifier: int, name: str, padding: dict[int, list[int]], message: Message
-    ) -> bytes:
-        """Records a message and returns its bytes."""
-        data: bytes = serialize_message(message)
-        positions = padding.get(len(data))
-        if positions is None:
-            positions = padding[len(data)] = padding_of(data, name)
-        if positions:
-            cleaned = bytearray(data)
-            for position in positions:
-                cleaned[position] = 0
-            data = bytes(cleaned)
-        self._record(identifier, data)
-        return data
+            channel.record = partial(self._record, identifier, name, {})
 
     def _register(self, topic: str, name: str, qos: QoSProfile) -> int:
         if name not in _store().types:
@@ -135,17 +112,21 @@ class Recorder:
         if name not in self._schemas:
             definition = full_definition(name).encode()
             self._schemas[name] = self._writer.register_schema(name, "ros2msg", definition)
-        offered = QOS_PROFILE.format(
-            history=int(qos.history),
-            depth=qos.depth,
-            reliability=int(qos.reliability),
-            durability=int(qos.durability),
-        )
+        policies = ("history", "depth", "reliability", "durability")
+        offered = QOS_PROFILE.format(**{policy: int(getattr(qos, policy)) for policy in policies})
         metadata = {"offered_qos_profiles": offered, "topic_type_hash": _store().hash_rihs01(name)}
         return self._writer.register_channel(topic, "cdr", self._schemas[name], metadata)
 
-    def _record(self, identifier: int, data: bytes) -> None:
-        now_ns = self.time_ns
+    def _record(
+        self, identifier: int, name: str, padding: dict[int, list[int]], message: Message
+    ) -> bytes:
+        """Records a message and returns its bytes."""
+        buffer, now_ns = bytearray(serialize_message(message)), self._bridge.time_ns
+        if len(buffer) not in padding:
+            padding[len(buffer)] = padding_of(bytes(buffer), name)
+        for position in padding[len(buffer)]:
+            buffer[position] = 0
+        data = bytes(buffer)
         try:
             if now_ns >= self._next_flush_ns:
                 self._writer.flush()  # type: ignore[no-untyped-call]
@@ -154,6 +135,7 @@ class Recorder:
         except OSError as error:
             raise self._failure(error) from error
         self._messages += 1
+        return data
 
     def _failure(self, error: OSError) -> RunFailed:
         self._failed = True
@@ -190,10 +172,6 @@ def full_definition(type_name: str) -> str:
 @cache  # it takes a while to build
 def _store() -> Typestore:
     return get_typestore(Stores.LATEST)
-
-
-def _type_name(kind: type) -> str:
-    return f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
 
 
 def _refusal(path: Path, error: OSError) -> str:

@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 
 from harness.errors import RunFailed, UsageError
 from harness.ros.bridge import Bridge
-from harness.ros.executor import spin_until
+from harness.ros.context import spin_until
 
 DISCOVERY_PATIENCE = 15.0  # [s] for the node to be found
 ANSWER_PATIENCE = 30.0  # [s] for one answer; a debugger or a loaded machine may be slow
@@ -33,9 +33,8 @@ class RemoteNode:
         self._counts = bridge.create_client(Trigger, f"{self.name}/received")
         if not spin_until(executor, self._parameters.services_are_ready, DISCOVERY_PATIENCE):
             raise UsageError(self._not_found())
-        if not self._uses_sim_time():
-            message = f"{self.name} runs on wall time; start it with -p use_sim_time:=true"
-            raise UsageError(message)
+        if not self._ask_sim_time():
+            raise UsageError(f"{self.name} runs on wall time; start it with -p use_sim_time:=true")
         spin_until(executor, self._topics_match, DISCOVERY_PATIENCE)
         self._received_before = self._ask_received()
 
@@ -45,11 +44,11 @@ class RemoteNode:
         Raises:
             RunFailed: It does not answer.
         """
-        self._ask("use_sim_time")
+        self._ask_sim_time()
 
     def wait_for_clock(self, stamp_ns: int) -> None:  # noqa: ARG002 - the barrier knows no times
         """Returns when the node has handled its queue, /clock and timers included."""
-        self._ask("use_sim_time")
+        self._ask_sim_time()
 
     def received(self, patience: float = ANSWER_PATIENCE) -> dict[str, int]:
         """Messages that a MetricsNode has received since the start, by topic; else empty.
@@ -60,17 +59,13 @@ class RemoteNode:
         now = self._ask_received(patience)
         return {topic: count - self._received_before.get(topic, 0) for topic, count in now.items()}
 
-    def _ask(self, parameter: str) -> list[object]:
-        future = self._parameters.get_parameters([parameter])
+    def _ask_sim_time(self) -> bool:
+        """Whether the node runs on simulation time; it answers from its own executor."""
+        future = self._parameters.get_parameters(["use_sim_time"])
         if not spin_until(self._executor, future.done, ANSWER_PATIENCE):
-            message = f"{self.name} stopped answering"
-            raise RunFailed(message)
-        values: list[object] = future.result().values
-        return values
-
-    def _uses_sim_time(self) -> bool:
-        values = self._ask("use_sim_time")
-        return bool(values) and bool(values[0].bool_value)  # type: ignore[attr-defined]
+            raise RunFailed(f"{self.name} stopped answering")
+        values = future.result().values
+        return bool(values and values[0].bool_value)
 
     def _topics_match(self) -> bool:
         """Whether each publisher knows the readers that the graph shows for its topic."""

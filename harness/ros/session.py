@@ -4,29 +4,26 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import partial
 
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 
 from harness.config import EpisodeConfig, RosOptions
-from harness.episode.loop import Observer, RunAccount, drive
-from harness.episode.pacing import Pacer
-from harness.episode.result import Progress, RunResult, TopicCount
+from harness.episode.loop import Observer, Pacer, drive
+from harness.episode.result import RunAccount, RunResult, TopicCount, cells_of
 from harness.episode.stream import EpisodeProcess
 from harness.errors import RunFailed
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.interrupt import GRACE, Overdue, StopRequest
 from harness.robots import find_rover
-from harness.ros.bridge import Bridge
-from harness.ros.context import ros_context
+from harness.ros.bridge import SECOND_PUBLISHER, Bridge
+from harness.ros.context import make_executor, ros_context
 from harness.ros.controls import Controls
-from harness.ros.executor import make_executor
-from harness.ros.lockstep import SECOND_PUBLISHER, HostedMetrics, Listener, LockStep
+from harness.ros.hosted import HostedMetrics, metrics_node
 from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, RemoteNode
-from harness.ros.startup import await_match, metrics_node, refuse_other_publishers
-from harness.samples import Tick
 from harness.sensors.lidar_spec import LidarSpec
 
 
@@ -34,7 +31,7 @@ def run_through_ros(
     config: EpisodeConfig,
     options: RosOptions,
     stop: StopRequest,
-    show: Callable[[Progress], None],
+    show: Callable[[RunResult], None] | None = None,
     observers: Sequence[Observer] = (),
 ) -> RunResult:
     """Runs an episode and returns what it came to, also when it failed underway.
@@ -43,7 +40,7 @@ def run_through_ros(
         config: What to run.
         options: How it goes through ROS.
         stop: Ends the run early.
-        show: Is told the progress after every batch.
+        show: Is told the result up to now after every batch.
         observers: See every batch once it has been published.
 
     Raises:
@@ -56,7 +53,7 @@ def run_through_ros(
         context = at_end.enter_context(ros_context(options.ros_args))
         run = _Run(config, options, context, source, at_end)
         if recorder is not None:
-            run.record(recorder)
+            recorder.tap(run.bridge)
         return run.drive(stop, show, observers, started)
 
 
@@ -71,68 +68,50 @@ class _Run:
         source: EpisodeProcess,
         at_end: ExitStack,
     ) -> None:
-        self._config, self._options, self._source = config, options, source
-        self._recorder: Recorder | None = None
-        self._context = context
-        self._bridge = Bridge(
-            find_rover(config.robot),
-            LidarSpec(beams=config.lidar_beams),
-            context=context,
-            on_command=source.command,
-        )
-        at_end.callback(self._bridge.destroy_node)
+        self._config, self._options, self._source, self._context = config, options, source, context
+        rover, lidar = find_rover(config.robot), LidarSpec(beams=config.lidar_beams)
+        self.bridge = Bridge(rover, lidar, context=context, on_command=source.command)
+        at_end.callback(self.bridge.destroy_node)
         self._faults = FaultInjector(parse_faults(config.faults), config.seed)
         self._executor = make_executor(context, time_jumps=self._faults.disturbs_time)
         at_end.callback(self._executor.shutdown)
-        self._executor.add_node(self._bridge)
-        self._controls = Controls(self._bridge, self._executor, source.reset)
-        self._node = metrics_node(context, options.log_dir) if options.host_metrics else None
+        self._executor.add_node(self.bridge)
+        self._controls = Controls(self.bridge, self._executor, source.reset)
         self._hosted: HostedMetrics | None = None
-        if self._node is not None:
-            at_end.callback(self._node.destroy_node)
-            self._executor.add_node(self._node)
-            self._hosted = HostedMetrics(self._bridge, self._executor, self._node)
-            await_match(self._bridge, self._executor, self._hosted.topics)
-        self._remotes = [RemoteNode(name, self._bridge, self._executor) for name in options.wait_for]
-
-    def record(self, recorder: Recorder) -> None:
-        """Has everything recorded that is published from now on."""
-        recorder.tap(self._bridge)
-        self._recorder = recorder
+        if options.host_metrics:
+            node = metrics_node(context, options.log_dir)
+            at_end.callback(node.destroy_node)
+            self._executor.add_node(node)
+            self._hosted = HostedMetrics(self.bridge, self._executor, node)
+            self._hosted.await_match()
+        self._remotes = [RemoteNode(name, self.bridge, self._executor) for name in options.wait_for]
 
     def drive(
         self,
         stop: StopRequest,
-        show: Callable[[Progress], None],
+        show: Callable[[RunResult], None] | None,
         observers: Sequence[Observer],
         started: float,
     ) -> RunResult:
         """Publishes the episode tick by tick until its end, a failure or a stop request."""
-        listeners: list[Listener] = [*([self._hosted] if self._hosted else []), *self._remotes]
-        lockstep = LockStep(self._bridge, self._executor, tuple(listeners))
         info = self._source.info  # waits for the world: other runs are discovered by then
         self._executor.spin_once(timeout_sec=0.0)
-        refuse_other_publishers(self._bridge, self._hosted.topics if self._hosted else ())
+        self.bridge.refuse_other_publishers(self._hosted.topics if self._hosted else ())
         account = RunAccount(
             RunResult(config=self._config, mode=self._mode(), info=info),
-            *(started, show, self._messages, self._rows, lambda: self._controls.held_s),
+            *(started, show, self._topics, self._rows, lambda: self._controls.held_s),
         )
-        pacer = Pacer(self._options.rate, sleep=stop.sleep)
-
-        def sink(tick: Tick, sent: Tick) -> None:
-            pacer.postpone(self._controls.hold(stop))
-            pacer.wait_until(tick.stamp_ns)
-            self._controls.time_ns = tick.stamp_ns
-            if self._recorder is not None:
-                self._recorder.time_ns = tick.stamp_ns
-            lockstep.advance(sent)
-
         failure, interrupted = None, None
         try:
             with stop.deferred():
-                batches = self._source.batches()
-                for _ in drive(batches, self._faults, sink, (*observers, account), stop):
-                    pass
+                self._controls.hold(stop)
+                pacer = Pacer(self._options.rate, sleep=stop.sleep)
+                hosted = (self._hosted,) if self._hosted else ()
+                sink = partial(self.bridge.advance, listeners=(*hosted, *self._remotes))
+                batches, watching = self._source.batches(), (*observers, account)
+                for tick in drive(batches, self._faults, sink, watching, stop):
+                    pacer.postpone(self._controls.hold(stop))
+                    pacer.wait_until(tick.stamp_ns)
             interrupted = stop.name
         except RunFailed as error:
             failure = str(error)
@@ -151,14 +130,14 @@ class _Run:
         waited = f", lock-step with {', '.join(self._options.wait_for)}" if self._remotes else ""
         return f"ROS 2, {hosted}{waited}"
 
-    def _messages(self) -> int:
-        return sum(self._bridge.published().values())
+    def _topics(self) -> dict[str, TopicCount]:
+        return {topic: TopicCount(published=n) for topic, n in self.bridge.published().items()}
 
     def _rows(self) -> int:
-        return 0 if self._node is None else self._node.rows
+        return 0 if self._hosted is None else self._hosted.node.rows
 
     def _counted(self, result: RunResult) -> RunResult:
-        topics = {t: TopicCount(published=n) for t, n in self._bridge.published().items()}
+        topics = result.topics
         if self._hosted:
             for topic, received in self._hosted.received().items():
                 topics[topic] = replace(topics[topic], received=received, lost=self._hosted.lost[topic])
@@ -167,23 +146,25 @@ class _Run:
             for topic, received in remote.received(patience).items():
                 lost = max(topics[topic].lost, topics[topic].published - received)
                 topics[topic] = replace(topics[topic], received=received, lost=lost)
+        failure = result.failure
+        foreign = [topic for topic, count in topics.items() if count.published < (count.received or 0)]
+        if failure is None and foreign:
+            failure = f"{foreign[0]} {SECOND_PUBLISHER}"
         recording = self._options.record if any(c.published for c in topics.values()) else None
-        result = replace(result, topics=topics, recording=recording)
-        foreign = [t for t, c in topics.items() if c.received is not None and c.received > c.published]
-        if foreign and result.failure is None:
-            result = replace(result, failure=f"{foreign[0]} {SECOND_PUBLISHER}")
-        if self._node is None:
+        result = replace(result, topics=topics, recording=recording, failure=failure)
+        if self._hosted is None:
             return result
-        self._node.log.close()  # what waits for the disk is tried a last time, then it is lost
-        row, lost_rows = self._node.last_row, self._node.lost_rows
-        if lost_rows and result.failure is None:
-            result = replace(result, failure=f"{lost_rows} rows could not be written")
+        node = self._hosted.node
+        node.log.close()  # what waits for the disk is tried a last time, then it is lost
+        if failure is None and node.lost_rows:
+            failure = f"{node.lost_rows} rows could not be written"
         return replace(
             result,
-            rows=self._node.rows,
-            log_path=self._node.log.path,
-            last_row=None if row is None else dict(zip(row.columns, row.as_fields(), strict=True)),
-            thresholds=self._node.settings.thresholds,
-            reception=self._node.reception.account(),
-            segments=self._node.timer.times.segments,
+            failure=failure,
+            rows=node.rows,
+            log_path=node.log.path,
+            last_row=cells_of(node.last_row),
+            thresholds=node.settings.thresholds,
+            reception=node.reception.account(),
+            segments=node.timer.times.segments,
         )

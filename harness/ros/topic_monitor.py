@@ -3,6 +3,7 @@
 import os
 import re
 import time
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
@@ -16,15 +17,44 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rich.table import Table
 
-from harness.ros.context import ros_context
-from harness.ros.executor import make_executor
-from harness.ros.pace import Pace
+from harness.ros.context import make_executor, ros_context
 
+WINDOW = 5.0  # [s] of the past that a rate is taken over
 QUEUE = 100  # messages of a topic that may wait for this process
 CLOCK = "/clock"
 PLUMBING = ("/rosout", "/parameter_events")  # every node has them
 COLUMNS = ("topic", "type", "Hz", "sim Hz", "age [s]", "QoS", "publishers", "subscribers")
 TYPE = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)")
+
+
+class Pace:
+    """How fast something grows, and when it last did: messages of a topic, or a simulation's time."""
+
+    def __init__(self) -> None:
+        self._points: deque[tuple[float, float]] = deque()  # the last WINDOW, and always the last one
+
+    def note(self, now: float, value: float) -> None:
+        """Takes down a value [any unit] at a time [s]; a value that falls starts anew."""
+        if self._points and value < self._points[-1][1]:
+            self._points.clear()
+        self._points.append((now, value))
+        self._forget(now)
+
+    def rate(self, now: float) -> float | None:
+        """Growth per second over the last WINDOW; None if fewer than two values fell into it."""
+        self._forget(now)
+        if len(self._points) < 2 or self._points[0][0] == self._points[-1][0]:
+            return None
+        (begin, first), (end, last) = self._points[0], self._points[-1]
+        return (last - first) / (end - begin)
+
+    def age(self, now: float) -> float | None:
+        """Seconds since the last value; None before the first."""
+        return now - self._points[-1][0] if self._points else None
+
+    def _forget(self, now: float) -> None:
+        while len(self._points) > 1 and self._points[0][0] < now - WINDOW:
+            self._points.popleft()
 
 
 class TopicMonitor:

@@ -9,7 +9,7 @@ from rclpy.executors import Executor
 
 from harness.errors import RunFailed
 from harness.ros.bridge import Bridge
-from harness.ros.executor import SPIN_TIMEOUT, spin_until
+from harness.ros.context import SPIN_TIMEOUT, spin_until
 from harness.ros.remote import DISCOVERY_PATIENCE, RemoteNode
 
 EXIT_PATIENCE = 5.0  # [s] for a node to leave after SIGINT before it is killed

@@ -20,10 +20,8 @@ from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
-from harness.ros.domain import reserved_domain
-from harness.ros.executor import make_executor, spin_until
-from harness.ros.locality import stay_local
-from harness.ros.lockstep import LockStep
+from harness.ros.context import make_executor, spin_until
+from harness.ros.network import reserved_domain, stay_local
 from harness.samples import GroundTruth, Tick, Twist
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS, TICK_NS
@@ -203,10 +201,10 @@ class Trial:
         if next(self._ticks, None) is None:
             raise UsageError(f"the episode is over after {self.time:g} s; give a longer duration")
         # Not in the loop, which what a node raises here would end for good.
-        LockStep(self._bridge, self._executor, tuple(self._subjects)).advance(self._sent)
+        self._bridge.advance(*self._pending, listeners=self._subjects)
 
     def _take(self, tick: Tick, sent: Tick) -> None:
-        self._sent = sent
+        self._pending = tick, sent
         self._now_ns = tick.stamp_ns
         for sample in tick.samples:
             if isinstance(sample, GroundTruth):

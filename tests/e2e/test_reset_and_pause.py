@@ -22,11 +22,11 @@ from std_srvs.srv import SetBool, Trigger
 
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
-from harness.episode.result import Progress, RunResult
+from harness.episode.result import RunResult
 from harness.episode.stream import AHEAD
 from harness.interrupt import StopRequest
 from harness.ros import session
-from harness.ros.executor import make_executor, spin_until
+from harness.ros.context import make_executor, spin_until
 from harness.ros.session import run_through_ros
 from harness.samples import Odometry, Pose
 
@@ -77,12 +77,8 @@ def caller(ros_domain: int) -> Iterator[Caller]:  # noqa: ARG001 - the domain th
     caller.close()
 
 
-def show_nothing(_: Progress) -> None:
-    """No progress bar."""
-
-
 def run(folder: Path, config: EpisodeConfig, stop: StopRequest, **options: Any) -> RunResult:  # noqa: ANN401
-    return run_through_ros(config, RosOptions(log_dir=folder), stop, show_nothing, **options)
+    return run_through_ros(config, RosOptions(log_dir=folder), stop, **options)
 
 
 def test_a_reset_is_a_jump_of_the_pose_and_of_nothing_else(

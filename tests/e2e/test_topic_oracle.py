@@ -27,15 +27,14 @@ from std_srvs.srv import SetBool, Trigger
 
 from harness.config import RosOptions
 from harness.episode.batch import Batch
-from harness.episode.pacing import Pacer
-from harness.episode.result import Progress, RunResult
+from harness.episode.loop import Pacer
+from harness.episode.result import RunResult
 from harness.episode.stream import EpisodeProcess
 from harness.interrupt import StopRequest
 from harness.robots import ROVERS
-from harness.ros import session, startup
 from harness.ros.bridge import Bridge
-from harness.ros.domain import reserved_domain
-from harness.ros.executor import spin_until
+from harness.ros.context import spin_until
+from harness.ros.network import reserved_domain
 from harness.ros.session import run_through_ros
 from harness.ros.topic_monitor import message_class
 from harness.samples import Twist
@@ -136,7 +135,7 @@ class Drive:
 
     listener: Listener
     result: RunResult
-    progress: list[Progress]
+    progress: list[RunResult]
     paced: list[float]
     recording: Path
     twin: Twin
@@ -155,21 +154,21 @@ def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         model=write_model(spec, folder),
     )
     options = RosOptions(log_dir=folder, host_metrics=spec.name == "leo", record=folder / "drive.mcap")
-    take = EpisodeProcess.command
+    take, refuse = EpisodeProcess.command, Bridge.refuse_other_publishers
 
     def join(bridge: Bridge, names: tuple[str, ...]) -> None:
-        startup.refuse_other_publishers(bridge, names)
+        refuse(bridge, names)
         listener.join(bridge)
 
     def note(source: EpisodeProcess, twist: Twist) -> None:
         listener.taken.append(twist)
         take(source, twist)
 
-    progress: list[Progress] = []
+    progress: list[RunResult] = []
     paced: list[float] = []
     with pytest.MonkeyPatch.context() as patch, reserved_domain() as domain:
         patch.setenv("ROS_DOMAIN_ID", str(domain))
-        patch.setattr(session, "refuse_other_publishers", join)
+        patch.setattr(Bridge, "refuse_other_publishers", join)
         patch.setattr(EpisodeProcess, "command", note)
         patch.setattr(Pacer, "postpone", lambda _, seconds: paced.append(seconds))
         patch.setattr(Pacer, "wait_until", lambda _, time_ns: paced.append(time_ns))
@@ -249,12 +248,12 @@ def test_the_run_tells_how_far_it_is_and_what_it_came_to(drive: Drive) -> None:
     result, hosts = drive.result, drive.twin.rover.name == "leo"
     seconds = [0.05 * (batch + 1) for batch in range(BATCHES)]
     assert [p.simulated_s for p in drive.progress] == pytest.approx(seconds)
-    assert {p.total_s for p in drive.progress} == {result.config.duration}
+    assert {p.config.duration for p in drive.progress} == {result.config.duration}
     last = drive.progress[-1]
-    assert last.path_length == pytest.approx(drive.twin.path_length)
+    assert last.truth.path_length == pytest.approx(drive.twin.path_length)
     assert (last.messages, last.wall_s) == (len(drive.due), result.wall_s)
     assert drive.progress[0].messages == sum(time_ns <= 50_000_000 for time_ns, *_ in drive.due)
-    assert result.truth.path_length == last.path_length
+    assert result.truth == last.truth
     assert (result.failure, result.interrupted, result.paused_s) == (None, None, 0.0)
     assert 0.0 < result.wall_s < drive.listener.drove_s, "what came before the drive does not count"
     assert (result.first_row_s is not None) == hosts

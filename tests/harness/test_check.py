@@ -7,18 +7,17 @@ from pathlib import Path
 import pytest
 
 from harness import check
-from harness.check import judged, main
+from harness.check import _judged, main
 from harness.config import EpisodeConfig
+from harness.episode.direct import run_direct
 from harness.episode.episode import Episode
 from harness.episode.fingerprint import (
     Fingerprint,
     StreamHash,
-    direct,
     direct_in_fresh_process,
     fingerprint,
 )
-from harness.episode.result import RunResult
-from harness.errors import RunFailed, UsageError
+from harness.errors import UsageError
 from harness.interrupt import StopRequest
 from harness.sensors.noise import DEFAULT_PRESET
 
@@ -35,7 +34,7 @@ def stream_hash(config: EpisodeConfig) -> str:
 
 
 def in_this_process(config: EpisodeConfig) -> Fingerprint:
-    return fingerprint(direct, config, StopRequest())
+    return fingerprint(run_direct, config, StopRequest())
 
 
 @pytest.mark.usefixtures("ros_domain")
@@ -101,7 +100,7 @@ def test_equal_runs_must_agree_in_everything_and_different_ones_in_nothing(
     change: dict[str, object], must_be_equal: bool, passed: bool
 ) -> None:
     found = replace(REFERENCE, **change)  # type: ignore[arg-type]  # values of several types
-    assert judged("run", found, REFERENCE, equal=must_be_equal).passed == passed
+    assert _judged("run", found, REFERENCE, equal=must_be_equal).passed == passed
 
 
 def test_every_sensor_reading_counts_in_the_hash_of_a_stream() -> None:
@@ -111,14 +110,6 @@ def test_every_sensor_reading_counts_in_the_hash_of_a_stream() -> None:
     assert plain != stream_hash(replace(config, noise=DEFAULT_PRESET))
     assert plain != stream_hash(replace(config, lidar_beams=641))
     assert plain != stream_hash(replace(config, duration=1.01))
-
-
-def test_run_that_does_not_reach_its_end_has_no_fingerprint() -> None:
-    def failing(config: EpisodeConfig, *_: object) -> RunResult:
-        return RunResult(config=config, mode="", failure="the rover fell off", log_path=Path("x"))
-
-    with StopRequest() as stop, pytest.raises(RunFailed, match="the rover fell off"):
-        fingerprint(failing, EpisodeConfig(), stop)
 
 
 def test_error_of_the_fresh_process_arrives_here() -> None:

@@ -1,4 +1,4 @@
-"""harness.topics: its arithmetic with a clock of the test's own, its table over real DDS, its ends."""
+"""harness.topics: its rates with a clock of the test's own, its table over real DDS, its ends."""
 
 import os
 import re
@@ -17,59 +17,11 @@ import pytest
 from rich.console import Console
 
 from harness.interrupt import StopRequest
-from harness.ros.pace import WINDOW, Pace
 from harness.topics import _watch, main
 
 TIMEOUT = 30.0  # [s]; reached only when a test fails
 Untyped = Any  # rclpy has no types
 COMMAND = [sys.executable, "-m", "harness.topics"]
-
-
-def steady(rate: float, seconds: float) -> Pace:
-    pace = Pace()
-    for count in range(round(rate * seconds) + 1):
-        pace.note(count / rate, count)
-    return pace
-
-
-def test_the_rate_of_a_steady_topic_is_exact() -> None:
-    assert steady(20.0, seconds=3.0).rate(3.0) == pytest.approx(20.0)
-
-
-def test_the_rate_follows_a_change_within_the_window() -> None:
-    pace = steady(10.0, seconds=10.0)
-    for tick in range(1, round(50.0 * 2.0 * WINDOW) + 1):
-        pace.note(10.0 + tick / 50.0, 100 + tick)
-    assert pace.rate(10.0 + 2.0 * WINDOW) == pytest.approx(50.0)
-
-
-def test_a_topic_that_stopped_has_an_age_and_no_rate() -> None:
-    pace = steady(20.0, seconds=1.0)
-    assert pace.rate(1.0 + 2.0 * WINDOW) is None
-    assert pace.age(1.0 + 2.0 * WINDOW) == pytest.approx(2.0 * WINDOW)
-
-
-def test_one_message_makes_no_rate_and_none_makes_no_age() -> None:
-    assert Pace().age(1.0) is None
-    assert steady(1.0, seconds=0.0).rate(0.0) is None
-
-
-def test_two_messages_at_one_instant_make_no_rate() -> None:
-    pace = Pace()
-    pace.note(1.0, 1)
-    pace.note(1.0, 2)
-    assert pace.rate(1.0) is None
-
-
-def test_a_simulation_that_starts_again_is_measured_anew() -> None:
-    pace = steady(10.0, seconds=2.0)
-    pace.note(2.0, 0.0)
-    pace.note(3.0, 4.0)
-    assert pace.rate(3.0) == pytest.approx(4.0)
-
-
-def test_memory_is_bounded_by_the_window() -> None:
-    assert len(steady(100.0, seconds=10.0 * WINDOW)._points) <= 100.0 * WINDOW + 1
 
 
 @pytest.mark.parametrize(

@@ -52,7 +52,7 @@ PACKAGES = (
         _modules(
             _HARNESS,
             "config sim_time physics/diff_drive physics/simulation episode/episode episode/loop"
-            " episode/metrics_feed episode/pacing",
+            " episode/metrics_feed episode/result",
         ),
     ),
     Package("world", _modules(f"{_HARNESS}/world", "* terrains/* heightmap/*")),

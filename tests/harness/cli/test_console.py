@@ -10,7 +10,7 @@ from rich.console import Console
 
 from harness.cli.console import RunProgress, print_summary
 from harness.config import EpisodeConfig
-from harness.episode.result import Progress, RunResult, TopicCount
+from harness.episode.result import RunResult, TopicCount
 from harness.truth.traversal import Truth
 
 TRUTH = Truth(
@@ -90,7 +90,9 @@ def test_progress_is_shown_on_a_terminal_only(terminal: bool) -> None:
     out = io.StringIO()
     console = Console(file=out, width=120, force_terminal=terminal)
     with RunProgress(console, "leo on flat", 20.0) as bar:
-        bar.show(Progress(5.0, 20.0, 2.0, 1.23, 4567))
+        truth, topics = Truth(time_ns=5_000_000_000, path_length=1.23), {"/scan": TopicCount(4567)}
+        config = EpisodeConfig(duration=20.0)
+        bar.show(RunResult(config=config, mode="", truth=truth, wall_s=2.0, topics=topics))
     text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", out.getvalue())
     if terminal:
         assert "leo on flat" in text

@@ -4,7 +4,7 @@ import csv
 import json
 import signal
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.config import EpisodeConfig
-from harness.episode import direct, loop
+from harness.config import EpisodeConfig, RosOptions
+from harness.episode import direct
+from harness.episode import result as results
 from harness.episode.batch import Batch, EpisodeInfo
-from harness.episode.result import Progress, RunResult
+from harness.episode.result import RunResult
 from harness.errors import RunFailed, UsageError
 from harness.interrupt import StopRequest
 from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState, Twist
@@ -63,7 +64,7 @@ def scripted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Episodes are scripted, and each reading of the wall clock is a quarter of a second later."""
     wall = iter(range(10_000))
     monkeypatch.setattr(direct, "Episode", Scripted)
-    for module in (direct, loop):
+    for module in (direct, results):
         monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: next(wall) / 4))
 
 
@@ -81,7 +82,7 @@ class Watching:
 def run(tmp_path: Path) -> Run:
     def one(
         *,
-        show: Callable[[Progress], None] = lambda _: None,
+        show: Callable[[RunResult], None] | None = None,
         watch: Callable[[Batch], None] | None = None,
         stop: Any = None,  # noqa: ANN401 - a stop request or a stand-in
         extended: bool = False,
@@ -90,7 +91,9 @@ def run(tmp_path: Path) -> Run:
         config = EpisodeConfig(**{"duration": 2.0, "lidar_beams": 8, **changes})
         request = StopRequest() if stop is None else stop
         observers = [] if watch is None else [Watching(watch)]
-        return direct.run_direct(config, tmp_path, None, request, show, observers, extended=extended)
+        return direct.run_direct(
+            config, RosOptions(log_dir=tmp_path), request, show, observers, extended=extended
+        )
 
     return one
 
@@ -136,12 +139,12 @@ def test_the_result_says_what_was_run_and_how_it_went(run: Run) -> None:
 
 
 def test_progress_and_batches_are_told_as_they_come(run: Run) -> None:
-    told: list[Progress] = []
+    told: list[RunResult] = []
     seen: list[Batch] = []
     run(show=told.append, watch=seen.append)
     assert len(told) == len(seen) == 40
-    assert replace(told[9], path_length=0.2) == Progress(0.5, 2.0, 2.5, 0.2, 40)
-    assert told[9].path_length == pytest.approx(0.2)
+    assert (told[9].simulated_s, told[9].wall_s, told[9].messages) == (0.5, 2.5, 40)
+    assert told[9].truth.path_length == pytest.approx(0.2)
     assert told[9].real_time_factor == pytest.approx(0.2)
 
 
@@ -172,7 +175,7 @@ def test_the_seed_of_the_run_is_that_of_its_faults(run: Run) -> None:
 def test_a_stop_ends_the_run_after_the_batch_in_hand(run: Run) -> None:
     stop = StopRequest()
 
-    def show(progress: Progress) -> None:
+    def show(progress: RunResult) -> None:
         if progress.simulated_s >= 1.2:
             stop.signal = signal.SIGTERM
 
@@ -208,4 +211,4 @@ def test_how_it_ended_stands_in_the_result_and_beside_the_log(
 def test_a_log_that_cannot_be_made_is_a_usage_error(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(UsageError, match="file stands where a folder"), StopRequest() as stop:
-        direct.run_direct(EpisodeConfig(), tmp_path / "file", None, stop, lambda _: None)
+        direct.run_direct(EpisodeConfig(), RosOptions(log_dir=tmp_path / "file"), stop)

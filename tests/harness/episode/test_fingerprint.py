@@ -2,13 +2,14 @@
 
 import hashlib
 import signal
+from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
+from functools import partial
 
 import numpy as np
 import pytest
 
-from harness.config import EpisodeConfig
+from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
 from harness.episode.fingerprint import Fingerprint, StreamHash, fingerprint
 from harness.episode.loop import Observer
@@ -69,11 +70,16 @@ def test_equal_streams_have_equal_hashes_and_counts() -> None:
 
 
 def run(
-    config: EpisodeConfig, folder: Path, _: StopRequest, observer: Observer, **changes: object
+    config: EpisodeConfig,
+    options: RosOptions,
+    _: StopRequest,
+    observers: Sequence[Observer],
+    **changes: object,
 ) -> RunResult:
     """A run of one batch that wrote a log of two rows."""
-    observer.take(BATCH)
-    log = folder / "log.csv"
+    for observer in observers:
+        observer.take(BATCH)
+    log = options.log_dir / "log.csv"
     log.write_bytes(b"a,b\r\n1,2\r\n")
     topics = {"/scan": TopicCount(4, 1, 3)}
     values = {"log_path": log, "rows": 2, "topics": topics} | changes
@@ -87,12 +93,7 @@ def test_a_fingerprint_is_that_of_the_stream_and_of_the_logs_bytes() -> None:
 
 
 def test_a_run_that_failed_wrote_nothing_or_was_stopped_has_none() -> None:
-    def failing(*given: object) -> RunResult:
-        return run(*given, failure="it fell off")  # type: ignore[arg-type]
-
-    def silent(*given: object) -> RunResult:
-        return run(*given, log_path=None)  # type: ignore[arg-type]
-
+    failing, silent = partial(run, failure="it fell off"), partial(run, log_path=None)
     with pytest.raises(RunFailed, match="it fell off"):
         fingerprint(failing, EpisodeConfig(), StopRequest())
     with pytest.raises(RunFailed, match="the run wrote no log"):

@@ -1,23 +1,18 @@
-"""The loop over a scripted episode: who is told what, and when."""
+"""The loop over a scripted episode: who is told what, and when; and how fast it may go."""
 
 import signal
-from dataclasses import replace
-from types import SimpleNamespace
 
 import pytest
 
-from harness.config import EpisodeConfig
-from harness.episode import loop
 from harness.episode.batch import Batch
-from harness.episode.loop import RunAccount, drive
-from harness.episode.result import Progress, RunResult
+from harness.episode.loop import Pacer, drive
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.interrupt import StopRequest
 from harness.samples import Pose, Tick
 from harness.truth.traversal import ContactEvent, Truth
 
-TICK_NS = 10_000_000
+TICK_NS, SECOND = 10_000_000, 1_000_000_000
 EVENT = ContactEvent("rock", 0, TICK_NS, "wheel_FL", "rock_1", 5.0, (0.1, 0.2, 0.0))
 
 
@@ -79,24 +74,37 @@ def test_a_stop_ends_the_drive_once_the_batch_in_hand_has_been_taken() -> None:
     assert diary.told == ["1: 1", "2: 1", "a 2", "b 2"]
 
 
-def test_an_account_leaves_pauses_out_of_the_wall_time_and_has_the_first_row_since_the_start(
-    monkeypatch: pytest.MonkeyPatch,
+class FakeTime:
+    def __init__(self) -> None:
+        self.now_ns = 5 * SECOND
+        self.slept: list[float] = []
+
+    def clock(self) -> int:
+        return self.now_ns
+
+    def sleep(self, seconds: float) -> None:
+        self.slept.append(seconds)
+        self.now_ns += round(seconds * SECOND)
+
+
+@pytest.mark.parametrize(
+    ("rate", "gone_s", "waits_s"),
+    [(1.0, 0.25, [0.75]), (2.0, 0.0, [0.5]), (0.5, 0.5, [1.5]), (2.0, 1.0, []), (None, 0.0, [])],
+)
+def test_it_waits_until_wall_time_has_caught_up_with_a_second_of_simulation(
+    rate: float | None, gone_s: float, waits_s: list[float]
 ) -> None:
-    wall = iter((10.0, 13.0, 17.0, 21.0))  # made, and at each batch
-    monkeypatch.setattr(loop, "time", SimpleNamespace(monotonic=lambda: next(wall)))
-    rows, told = iter((0, 1)), list[Progress]()
-    result = RunResult(config=EpisodeConfig(duration=2.0), mode="")
-    account = RunAccount(result, 4.0, told.append, lambda: 7, lambda: next(rows), lambda: 2.0)
-    for taken in (*BATCHES, batch(5, 6)):
-        account.take(taken)
-    ended = account.ended(failure="it fell off", interrupted="SIGINT")
-    assert (ended.wall_s, ended.paused_s, ended.first_row_s) == (9.0, 2.0, 13.0)
-    assert (ended.truth, ended.failure, ended.interrupted) == (
-        batch(5, 6).truth,
-        "it fell off",
-        "SIGINT",
-    )
-    assert ended.along.event_count == 3
-    assert [progress.wall_s for progress in told] == [1.0, 5.0, 9.0]
-    assert replace(told[0], path_length=0.0) == Progress(0.02, 2.0, 1.0, 0.0, 7)
-    assert told[0].path_length == pytest.approx(0.2)
+    time = FakeTime()
+    pacer = Pacer(rate, time.clock, time.sleep)
+    time.now_ns += round(gone_s * SECOND)
+    pacer.wait_until(SECOND)
+    assert time.slept == pytest.approx(waits_s)
+
+
+def test_a_pause_is_not_caught_up_with() -> None:
+    time = FakeTime()
+    pacer = Pacer(1.0, time.clock, time.sleep)
+    time.now_ns += 7 * SECOND
+    pacer.postpone(7.0)
+    pacer.wait_until(SECOND)
+    assert time.slept == pytest.approx([1.0])

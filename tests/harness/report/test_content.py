@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import pytest
 
-from harness.config import EpisodeConfig
+from harness.config import EpisodeConfig, RosOptions
 from harness.episode.direct import run_direct
 from harness.episode.result import RunResult, TopicCount
 from harness.interrupt import StopRequest
@@ -49,14 +49,8 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunResult, RunRecorde
     """Five seconds on rocky, with their recording."""
     recorder = RunRecorder()
     with StopRequest() as stop:
-        result = run_direct(
-            EpisodeConfig(duration=5.0),
-            tmp_path_factory.mktemp("logs"),
-            None,
-            stop,
-            lambda _: None,
-            [recorder],
-        )
+        options = RosOptions(log_dir=tmp_path_factory.mktemp("logs"))
+        result = run_direct(EpisodeConfig(duration=5.0), options, stop, observers=[recorder])
     return result, recorder
 
 

@@ -23,9 +23,9 @@ class Rig:
         self.timeouts: list[float] = []
         self.clock = 100.0
         monkeypatch.setattr(controls, "time", SimpleNamespace(monotonic=lambda: self.clock))
-        node: Any = SimpleNamespace(create_service=self._create)
+        node: Any = SimpleNamespace(create_service=self._create, time_ns=0)
         executor: Any = SimpleNamespace(spin_once=self._spin)
-        self.controls = Controls(node, executor, lambda: reset)
+        self.node, self.controls = node, Controls(node, executor, lambda: reset)
 
     def _create(self, kind: type, name: str, callback: Any) -> None:  # noqa: ANN401
         self.services[name] = (kind, callback)
@@ -47,7 +47,7 @@ def test_each_order_to_pause_is_answered_with_what_it_changed_and_when(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     rig = Rig(monkeypatch)
-    rig.controls.time_ns = 1_230_000_000
+    rig.node.time_ns = 1_230_000_000
     told = [rig.ask("~/pause", data=data) for data in (False, True, True, False)]
     what = ("was not paused", "paused", "paused already", "goes on")
     assert told == [(True, f"{words} at t = 1.23 s") for words in what]
@@ -65,7 +65,7 @@ def test_a_reset_says_when_it_happens_or_why_it_does_not(
     at_ns: int | None, answer: tuple[bool, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig = Rig(monkeypatch, at_ns)
-    rig.controls.time_ns = 1_500_000_000
+    rig.node.time_ns = 1_500_000_000
     assert rig.ask("~/reset") == answer
     assert {name: kind for name, (kind, _) in rig.services.items()} == {
         "~/reset": Trigger,

@@ -4,6 +4,7 @@ import errno
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -52,11 +53,11 @@ def bridge(ros_domain: int) -> Iterator[Bridge]:
     context.shutdown()
 
 
-def publish(bridge: Bridge, recorder: Recorder, ticks: int) -> None:
+def publish(bridge: Bridge, ticks: int) -> None:
     """Ticks of 50 ms with one sample of every kind."""
     joints = (0.0,) * len(find_rover("leo").joints)
     for number in range(1, 1 + ticks):
-        t = recorder.time_ns = number * STEP_NS
+        t = number * STEP_NS
         level = (0.0, 0.0, 0.0, 1.0)
         tick = samples.Tick(
             t,
@@ -70,14 +71,13 @@ def publish(bridge: Bridge, recorder: Recorder, ticks: int) -> None:
                 samples.TruthState(t, True, False, True, 12.5, 0.5, 0.1, (0.1, 0.2, -0.1, 0.0), 0.003),
             ),
         )
-        bridge.publish_samples(tick)
-        bridge.publish_clock(tick)
+        bridge.advance(tick, tick, listeners=(Mock(),))
 
 
 def record(path: Path, bridge: Bridge, ticks: int) -> None:
     with Recorder(path) as recorder:
         recorder.tap(bridge)
-        publish(bridge, recorder, ticks)
+        publish(bridge, ticks)
 
 
 def test_the_file_is_one_that_rosbag2_and_rosbags_read_without_another(
@@ -131,7 +131,7 @@ def test_all_but_the_last_second_is_on_disk_while_recording(bridge: Bridge, tmp_
     path = tmp_path / "bag.mcap"
     with Recorder(path) as recorder:
         recorder.tap(bridge)
-        publish(bridge, recorder, 60)
+        publish(bridge, 60)
         copy = tmp_path / "killed.mcap"
         copy.write_bytes(path.read_bytes())
     stamps: list[int] = []
@@ -164,7 +164,7 @@ def test_full_disk_ends_the_run_with_the_reason_once(
         recorder = Recorder(tmp_path / "bag.mcap")
     recorder.tap(bridge)
     with recorder, pytest.raises(RunFailed, match=r"bag\.mcap ended early: No space left on device"):
-        publish(bridge, recorder, 60)
+        publish(bridge, 60)
 
 
 def test_a_disk_that_is_full_only_at_the_end_fails_the_run_too(

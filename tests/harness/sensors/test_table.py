@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
@@ -93,8 +94,7 @@ def recording(ticks: tuple[Tick, ...], ros_domain: int, tmp_path: Path) -> Path:
     with Recorder(tmp_path / "bag.mcap") as recorder:
         recorder.tap(bridge)
         for tick in ticks:
-            recorder.time_ns = tick.stamp_ns
-            bridge.publish_samples(tick)
+            bridge.advance(tick, tick, listeners=(Mock(),))
     assert bridge.published()["/pressure"] == 10
     bridge.destroy_node()
     context.shutdown()

@@ -19,7 +19,7 @@ from std_msgs.msg import Float64
 
 from harness.config import EpisodeConfig
 from harness.errors import RunFailed, UsageError
-from harness.ros.domain import reserved_domain
+from harness.ros.network import reserved_domain
 from harness.testing import Trial
 
 EXAMPLES = Path(__file__).parents[3] / "examples"

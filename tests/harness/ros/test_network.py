@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.ros.locality import (
+from harness.ros.network import (
     FORMER_VARIABLE,
     OWN_PROFILE,
     PROFILE,

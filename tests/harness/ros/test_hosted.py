@@ -1,5 +1,10 @@
+"""The hosted node: what must stand before a run, and that time waits until it has handled everything."""
+
+import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -10,11 +15,11 @@ from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu as ImuMessage
 
-from harness.errors import RunFailed
-from harness.ros import lockstep
+from harness.errors import RunFailed, UsageError
+from harness.ros import hosted
 from harness.ros.bridge import Bridge
-from harness.ros.executor import make_executor, spin_until
-from harness.ros.lockstep import HostedMetrics, LockStep
+from harness.ros.context import make_executor, spin_until
+from harness.ros.hosted import HostedMetrics, metrics_node
 from harness.samples import Imu, Pose, Tick, TruthState
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.metrics_node import MetricsNode
@@ -37,12 +42,10 @@ class Nodes:
         self.executor.add_node(self.bridge)
         self.executor.add_node(self.metrics)
         self.hosted = HostedMetrics(self.bridge, self.executor, self.metrics)
-        channels = [c for c in self.bridge.channels if c.topic in self.hosted.topics]
-        self.until(
-            lambda: all(
-                c.publisher.get_subscription_count() for c in (*channels, self.bridge.clock_channel)
-            )
-        )
+        self.hosted.await_match()
+
+    def advance(self, tick: Tick) -> None:
+        self.bridge.advance(tick, tick, listeners=(self.hosted,))
 
     def until(self, condition: object) -> None:
         assert spin_until(self.executor, condition, 10.0)  # type: ignore[arg-type]
@@ -69,9 +72,8 @@ def tick(number: int) -> Tick:
 
 
 def test_every_message_is_handled_before_time_goes_on(nodes: Nodes) -> None:
-    step = LockStep(nodes.bridge, nodes.executor, (nodes.hosted,))
     for number in range(1, 251):
-        step.advance(tick(number))
+        nodes.advance(tick(number))
         assert nodes.metrics.received["/rover/pose_array"] == number
         assert nodes.metrics.received["/imu/data"] == number
         assert nodes.metrics.get_clock().now().nanoseconds == number * TICK_NS
@@ -83,14 +85,14 @@ def test_every_message_is_handled_before_time_goes_on(nodes: Nodes) -> None:
 def test_message_that_never_arrives_is_given_up_and_counted(
     nodes: Nodes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(lockstep, "PATIENCE", 0.2)
-    step = LockStep(nodes.bridge, nodes.executor, (nodes.hosted,))
-    step.advance(tick(1))
+    monkeypatch.setattr(hosted, "PATIENCE", 0.2)
+    nodes.advance(tick(1))
     nodes.bridge.channels_of[Imu][0].published += 3  # three that DDS swallowed
-    step.advance(tick(2))
+    nodes.advance(tick(2))
     monkeypatch.undo()
-    monkeypatch.delattr(HostedMetrics, "_give_up")  # nothing is waited for twice
-    step.advance(tick(3))
+    began = time.monotonic()
+    nodes.advance(tick(3))
+    assert time.monotonic() - began < hosted.PATIENCE, "nothing is waited for twice"
     assert nodes.hosted.lost["/imu/data"] == 3
     assert nodes.hosted.lost["/rover/pose_array"] == 0
     assert nodes.hosted.received()["/imu/data"] == 3
@@ -101,85 +103,43 @@ def test_truth_for_the_extended_columns_is_waited_for_and_missed_as_every_topic(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(lockstep, "PATIENCE", 0.2)
+    monkeypatch.setattr(hosted, "PATIENCE", 0.2)
     nodes = Nodes(tmp_path, extended_columns=True)
-    step = LockStep(nodes.bridge, nodes.executor, (nodes.hosted,))
     state = TruthState(TICK_NS, True, False, False, 5.0, 0.3, 1.0, (0.1, 0.1, 0.1, 0.1), 0.01)
-    step.advance(Tick(TICK_NS, (state,)))
+    nodes.advance(Tick(TICK_NS, (state,)))
     contact, traversal = nodes.bridge.channels_of[TruthState]
     assert (nodes.hosted.received()[contact.topic], nodes.hosted.received()[traversal.topic]) == (1, 1)
     contact.published += 1  # one that DDS swallowed
-    step.advance(tick(2))
+    nodes.advance(tick(2))
     assert nodes.hosted.lost[contact.topic] == 1
     nodes.close()
-
-
-class Noted:
-    """A bridge, an executor and a listener that only say what is asked of them."""
-
-    def __init__(self) -> None:
-        self.said: list[object] = []
-
-    def publish_samples(self, tick: Tick) -> None:
-        self.said.append(tick.samples)
-
-    def publish_clock(self, tick: Tick) -> None:
-        self.said.append(tick.stamp_ns)
-
-    def wait_for_samples(self) -> None:
-        self.said.append("samples")
-
-    def wait_for_clock(self, stamp_ns: int) -> None:
-        self.said.append(("clock", stamp_ns))
-
-    def spin_once(self, timeout_sec: float) -> None:
-        self.said.append(("spin", timeout_sec))
-
-
-@pytest.mark.parametrize("tells_time", [True, False])
-def test_samples_of_one_kind_go_out_one_by_one_then_the_clock_if_it_tells_time(tells_time: bool) -> None:
-    pose, imu = tick(1).samples
-    noted = Noted()
-    sent = Tick(5, (pose, pose, imu, pose), tells_time)
-    LockStep(noted, noted, (noted, noted)).advance(sent)  # type: ignore[arg-type]
-    waits = ["samples", "samples"]
-    bursts = [(pose, imu), *waits, (pose,), *waits, (pose,), *waits]
-    assert noted.said == bursts + [5, ("clock", 5), ("clock", 5)] * tells_time
-
-
-def test_without_listeners_commands_are_served_once_a_tick_without_waiting() -> None:
-    noted = Noted()
-    LockStep(noted, noted, ()).advance(tick(1))  # type: ignore[arg-type]
-    assert noted.said == [tick(1).samples, TICK_NS, ("spin", 0.0)]
 
 
 def test_a_clock_that_never_arrives_is_given_up_and_counted(
     nodes: Nodes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(lockstep, "PATIENCE", 0.1)
+    monkeypatch.setattr(hosted, "PATIENCE", 0.1)
     nodes.hosted.wait_for_clock(7 * TICK_NS)
     assert nodes.hosted.lost["/clock"] == 1
     assert nodes.hosted.received()["/clock"] == 0
 
 
 def test_second_publisher_of_a_topic_fails_the_run(nodes: Nodes) -> None:
-    step = LockStep(nodes.bridge, nodes.executor, (nodes.hosted,))
-    step.advance(tick(1))
+    nodes.advance(tick(1))
     intruder = nodes.metrics.create_publisher(ImuMessage, "imu/data", 10)
     nodes.until(lambda: intruder.get_subscription_count() > 0)
     intruder.publish(ImuMessage())
     nodes.until(lambda: nodes.metrics.received["/imu/data"] > 1)
     with pytest.raises(RunFailed, match=r"/imu/data has a second publisher.*ROS_DOMAIN_ID"):
-        step.advance(tick(2))
+        nodes.advance(tick(2))
 
 
 @pytest.mark.parametrize("strange_ns", [99 * 10**9, TICK_NS])
 def test_second_clock_fails_the_run_also_where_it_tells_a_time_of_ours(
     nodes: Nodes, strange_ns: int
 ) -> None:
-    step = LockStep(nodes.bridge, nodes.executor, (nodes.hosted,))
     for number in (1, 2):
-        step.advance(tick(number))
+        nodes.advance(tick(number))
     intruder = nodes.metrics.create_publisher(Clock, "/clock", 10)
     nodes.until(lambda: intruder.get_subscription_count() > 0)
     sec, nanosec = divmod(strange_ns, 10**9)
@@ -187,3 +147,58 @@ def test_second_clock_fails_the_run_also_where_it_tells_a_time_of_ours(
     nodes.until(lambda: nodes.metrics.get_clock().now().nanoseconds == strange_ns)
     with pytest.raises(RunFailed, match=r"/clock has a second publisher"):
         nodes.hosted.wait_for_clock(3 * TICK_NS)
+
+
+TOPICS = ("/scan", "/imu/data", "/joint_states")
+
+
+def hosting(**listeners: int) -> HostedMetrics:
+    """A node of scan and IMU, with publishers that only say how many listen."""
+
+    def channel(topic: str) -> SimpleNamespace:
+        count = listeners.get(topic.strip("/").split("/")[0], 0)
+        return SimpleNamespace(
+            topic=topic, publisher=SimpleNamespace(get_subscription_count=lambda: count)
+        )
+
+    channels = [channel(topic) for topic in (*TOPICS, "/clock")]
+    bridge: Any = SimpleNamespace(channels=channels, clock_channel=channels[-1])
+    clock = SimpleNamespace(now=lambda: SimpleNamespace(nanoseconds=0))
+    node: Any = SimpleNamespace(received=dict.fromkeys(TOPICS[:2], 0), get_clock=lambda: clock)
+    return HostedMetrics(bridge, None, node)
+
+
+@pytest.mark.parametrize(
+    ("listeners", "alone"),
+    [
+        ({"scan": 1, "imu": 2, "clock": 1}, None),
+        ({"scan": 1, "imu": 1}, "/clock"),
+        ({"clock": 1, "joint_states": 1}, "/scan, /imu/data"),
+    ],
+)
+def test_a_run_waits_for_the_hosted_nodes_topics_and_the_clock(
+    listeners: dict[str, int], alone: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        hosted, "spin_until", lambda _, condition, patience: patience > 5 and condition()
+    )
+    if alone is None:
+        hosting(**listeners).await_match()
+        return
+    with pytest.raises(UsageError, match=f"DDS did not connect {alone} within 15 s; is ROS_AUTO"):
+        hosting(**listeners).await_match()
+
+
+def test_the_hosted_node_runs_on_simulation_time_and_logs_where_it_is_told(
+    ros_domain: int, tmp_path: Path
+) -> None:
+    context = rclpy.Context()
+    rclpy.init(args=[], context=context, domain_id=ros_domain)
+    node = metrics_node(context, tmp_path / "logs")
+    assert node.get_parameter("use_sim_time").value is True
+    assert node.log.path.parent == tmp_path / "logs"
+    node.destroy_node()
+    (tmp_path / "file").touch()
+    with pytest.raises(UsageError, match="file"):
+        metrics_node(context, tmp_path / "file" / "logs")
+    context.shutdown()

@@ -1,13 +1,18 @@
-"""Keeps ROS 2 on this machine unless the user has asked for more.
+"""Where ROS 2 may talk: on this machine unless the user has asked for more, in a domain of one's own.
 
 ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST alone is not enough: with it Fast DDS announces itself to this
 machine only, but its sockets still receive on every network device, and whoever knows their ports can
 talk to them. The profile beside this file ties them to the loopback device. Other middlewares ignore it.
 """
 
+import itertools
 import os
-from collections.abc import Mapping
+import socket
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+
+from harness.errors import UsageError
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 LOCAL = "LOCALHOST"
@@ -19,6 +24,11 @@ OWN_PROFILE = "DEFAULT_FASTDDS_PROFILES.xml"  # in the current folder; Fast DDS 
 # Whoever sets one of these has arranged the network, or the middleware, as it shall be.
 USERS_OWN = (PROFILE_VARIABLE, FORMER_VARIABLE, "ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER")
 
+LAST_DOMAIN = 101  # above it, DDS ports fall into the range that the system hands out
+# Each reservation tries another one first: what was killed in a domain is seen there for some seconds.
+# Processes that start together have neighbouring ids: the factor sets them far apart.
+_first_choice = itertools.count(37 * os.getpid())
+
 
 def stay_local() -> None:
     """Sets up the environment of this process and its children; call it before rclpy.init."""
@@ -26,7 +36,7 @@ def stay_local() -> None:
 
 
 def local_settings(environment: Mapping[str, str], folder: Path) -> dict[str, str]:
-    """What to add to an environment so that nothing listens beyond the machine.
+    """Returns what to add to an environment so that nothing listens beyond the machine.
 
     Args:
         environment: As the user has it; what it says about the network stays so.
@@ -39,3 +49,25 @@ def local_settings(environment: Mapping[str, str], folder: Path) -> dict[str, st
         return settings
     former = environment.get("ROS_DISTRO") in FORMER_DISTRIBUTIONS
     return settings | {FORMER_VARIABLE if former else PROFILE_VARIABLE: str(PROFILE)}
+
+
+@contextmanager
+def reserved_domain() -> Iterator[int]:
+    """Yields a ROS domain that nobody else who asks here gets at the same time.
+
+    It is reserved by a name that the kernel frees, whatever becomes of this process.
+
+    Raises:
+        UsageError: All are taken.
+    """
+    first = next(_first_choice)
+    for attempt in range(LAST_DOMAIN):
+        domain = (first + attempt) % LAST_DOMAIN + 1
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as reservation:
+            try:
+                reservation.bind(f"\0rover_harness_domain_{domain}")
+            except OSError:
+                continue
+            yield domain
+            return
+    raise UsageError(f"all ROS domains from 1 to {LAST_DOMAIN} are reserved by other processes")

@@ -1,6 +1,8 @@
 import pytest
 
-from harness.ros.pace import WINDOW, Pace
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+
+from harness.ros.topic_monitor import WINDOW, Pace
 
 
 def noted(*points: tuple[float, float]) -> Pace:
@@ -33,3 +35,8 @@ def test_a_rate_is_growth_over_the_window(
 def test_an_age_is_that_of_the_last_value_even_outside_the_window() -> None:
     assert Pace().age(1.0) is None
     assert noted((1.0, 1.0), (2.0, 2.0)).age(20.0) == pytest.approx(18.0)
+
+
+def test_memory_is_bounded_by_the_window() -> None:
+    pace = noted(*((count / 100.0, count) for count in range(round(1000.0 * WINDOW) + 1)))
+    assert len(pace._points) <= 100.0 * WINDOW + 1

@@ -1,0 +1,126 @@
+"""The MetricsNode in this process: its callbacks are counted against what was published."""
+
+import time
+from pathlib import Path
+
+from rclpy.context import Context
+from rclpy.executors import Executor
+from rclpy.parameter import Parameter
+
+from harness.errors import RunFailed, UsageError
+from harness.ros.bridge import SECOND_PUBLISHER, Bridge
+from harness.ros.context import SPIN_TIMEOUT, spin_until
+from rover_metrics.errors import RoverMetricsError
+from rover_metrics.metrics_node import MetricsNode
+
+MATCH_PATIENCE = 15.0  # [s] for DDS to match the topics of this process
+PATIENCE = 10.0  # [s] of wall time without any progress before messages are given up
+
+
+def metrics_node(context: Context, log_dir: Path) -> MetricsNode:
+    """Returns a MetricsNode on simulation time that logs into a folder.
+
+    Raises:
+        UsageError: The log cannot be created, or a parameter on the command line is not valid.
+    """
+    values = {"use_sim_time": True, "log_dir": str(log_dir)}
+    overrides = [Parameter(name, value=value) for name, value in values.items()]
+    try:
+        return MetricsNode(context=context, parameter_overrides=overrides)
+    except RoverMetricsError as error:
+        raise UsageError(str(error)) from error
+
+
+class HostedMetrics:
+    """A MetricsNode that must have handled everything before time goes on; a Listener.
+
+    Args:
+        bridge: Publishes to it.
+        executor: Spins both.
+        node: The node.
+
+    Attributes:
+        topics: Those that the node listens to and the bridge publishes; /clock is not among them.
+        lost: Messages given up, by topic: not handled although nothing else happened for PATIENCE.
+    """
+
+    def __init__(self, bridge: Bridge, executor: Executor, node: MetricsNode) -> None:
+        self._executor, self.node = executor, node
+        self._clock = node.get_clock()
+        self._channels = [channel for channel in bridge.channels if channel.topic in node.received]
+        self._clock_channel = bridge.clock_channel
+        self._possible_ns = {self._clock.now().nanoseconds}  # what its clock may show
+        self.topics = tuple(channel.topic for channel in self._channels)
+        self.lost = dict.fromkeys((*self.topics, self._clock_channel.topic), 0)
+        self._clock_received = 0
+
+    def await_match(self) -> None:
+        """Waits until each of its topics, and /clock, has its listener.
+
+        Raises:
+            UsageError: DDS does not connect them.
+        """
+
+        def alone() -> list[str]:
+            channels = (*self._channels, self._clock_channel)
+            return [c.topic for c in channels if not c.publisher.get_subscription_count()]
+
+        if not spin_until(self._executor, lambda: not alone(), MATCH_PATIENCE):
+            raise UsageError(
+                f"DDS did not connect {', '.join(alone())} within {MATCH_PATIENCE:.0f} s; "
+                "is ROS_AUTOMATIC_DISCOVERY_RANGE=OFF set, or a firewall on the loopback device?"
+            )
+
+    def received(self) -> dict[str, int]:
+        """Returns the messages handled, by topic."""
+        handled = {topic: self.node.received[topic] for topic in self.topics}
+        return handled | {self._clock_channel.topic: self._clock_received}
+
+    def wait_for_samples(self) -> None:
+        """Spins until the counts agree; gives up what does not come.
+
+        Raises:
+            RunFailed: Messages arrived that this run did not send.
+        """
+        deadline = time.monotonic() + PATIENCE
+        while missing := self._missing():
+            if time.monotonic() > deadline:
+                for topic, count in missing.items():
+                    self.lost[topic] += count
+                return
+            self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+
+    def wait_for_clock(self, stamp_ns: int) -> None:
+        """Spins until the node's clock shows the time and no timer of the node is due.
+
+        Raises:
+            RunFailed: Somebody else sets the clock too.
+        """
+        self._possible_ns.add(stamp_ns)
+        deadline = time.monotonic() + PATIENCE
+        while (now_ns := self._clock.now().nanoseconds) != stamp_ns or self._timer_is_due():
+            if now_ns not in self._possible_ns:
+                raise RunFailed(f"{self._clock_channel.topic} {SECOND_PUBLISHER}")
+            if time.monotonic() > deadline:
+                self.lost[self._clock_channel.topic] += 1
+                return
+            self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+        self._possible_ns = {stamp_ns}
+        self._clock_received += 1
+        self._missing()  # a stranger's message stood for one of ours until all had arrived
+
+    def _timer_is_due(self) -> bool:
+        return any(timer.clock is self._clock and timer.is_ready() for timer in self.node.timers)
+
+    def _missing(self) -> dict[str, int]:
+        """How many messages are not handled yet, of each topic that has any."""
+        received, lost = self.node.received, self.lost
+        missing: dict[str, int] = {}
+        for channel in self._channels:
+            topic = channel.topic
+            count = channel.published - received[topic] - lost[topic]
+            if count < 0:
+                raise RunFailed(f"{topic} {SECOND_PUBLISHER}")
+            if count:
+                missing[topic] = count
+        return missing
