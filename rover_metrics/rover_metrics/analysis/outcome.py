@@ -1,7 +1,9 @@
 """From a study to its result: every number there is to report. No file, no plot, no print."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
+from typing import TypeVar
 
 import numpy as np
 
@@ -10,10 +12,11 @@ from rover_metrics.analysis.metric import Metric
 from rover_metrics.analysis.result import LogResult, Result
 from rover_metrics.analysis.statistics.comparison import Comparison, compare, holm
 from rover_metrics.analysis.statistics.correlation import Correlation, combine, correlate
-from rover_metrics.analysis.statistics.outliers import outliers
 from rover_metrics.analysis.statistics.series import metric_series, rate_per_metre
 from rover_metrics.analysis.statistics.summary import Summary, summarise, summarise_independent
 from rover_metrics.analysis.study import Member, Study
+
+Tested = TypeVar("Tested", Comparison, Correlation)
 
 _MOST_CORRELATED = 200_000  # rows; of longer logs every k-th is taken, as neighbours say little new
 
@@ -43,7 +46,7 @@ def _log_result(study: Study, member: Member) -> LogResult:
     per_metre: dict[str, float] = {}
     for metric in metrics:
         raw = metric_series(log, metric)
-        counts[metric.code] = int(outliers(raw, metric.kind, options.iqr_multiplier).sum())
+        counts[metric.code] = int(raw.outliers(metric.kind, options.iqr_multiplier).sum())
         values, weights = study.series(log, metric).finite()
         summaries[metric.code] = summarise(values, weights, metric.kind, options.confidence)
         ratio = rate_per_metre(log, metric)
@@ -84,9 +87,9 @@ def _combined(per_log: Sequence[Sequence[Correlation]]) -> tuple[Correlation, ..
     return _with_holm([combine(parts) for parts in pairs.values()])
 
 
-def _with_holm(found: Sequence[Correlation]) -> tuple[Correlation, ...]:
-    adjusted = holm([correlation.p for correlation in found])
-    return tuple(correlation.adjusted(p) for correlation, p in zip(found, adjusted, strict=True))
+def _with_holm(found: Sequence[Tested]) -> tuple[Tested, ...]:
+    adjusted = holm([each.p for each in found])
+    return tuple(replace(each, p_holm=p) for each, p in zip(found, adjusted, strict=True))
 
 
 def _across(study: Study, logs: Sequence[LogResult], group: str) -> Mapping[str, Summary]:
@@ -106,14 +109,15 @@ def _across(study: Study, logs: Sequence[LogResult], group: str) -> Mapping[str,
 def _comparisons(study: Study) -> tuple[Comparison, ...]:
     if len(study.groups) != 2:
         return ()
-    found = [
-        compare(
-            metric.code,
-            study.observations(metric, study.groups[0]),
-            study.observations(metric, study.groups[1]),
-            study.options.confidence,
-        )
-        for metric in study.options.metrics
-    ]
-    adjusted = holm([comparison.p for comparison in found])
-    return tuple(comparison.adjusted(p) for comparison, p in zip(found, adjusted, strict=True))
+    first, second = study.groups
+    return _with_holm(
+        [
+            compare(
+                metric.code,
+                study.observations(metric, first),
+                study.observations(metric, second),
+                study.options.confidence,
+            )
+            for metric in study.options.metrics
+        ]
+    )

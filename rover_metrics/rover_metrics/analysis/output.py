@@ -1,5 +1,6 @@
 """What is written to the output folder. File names come from metrics, never from the names of logs."""
 
+import contextlib
 import csv
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -15,7 +16,6 @@ from rover_metrics.analysis.plots.correlation import draw_correlation
 from rover_metrics.analysis.plots.style import save, styled
 from rover_metrics.analysis.plots.time_series import draw_time_series
 from rover_metrics.analysis.result import Result
-from rover_metrics.analysis.statistics.outliers import outliers
 from rover_metrics.analysis.statistics.series import metric_series
 from rover_metrics.analysis.study import Study
 from rover_metrics.core.row import Field
@@ -30,26 +30,34 @@ class OutputError(RoverMetricsError):
     """The output folder cannot be created or written."""
 
 
-def prepare_folder(folder: Path) -> None:
-    """Create the output folder.
-
-    Raises:
-        OutputError: It cannot be created.
-    """
+@contextlib.contextmanager
+def _writing(folder: Path) -> Iterator[None]:
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        yield
     except (OSError, ValueError) as error:
-        raise _output_error(folder, error) from error
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise OutputError(
+            f"cannot write to {folder}: {reason}; choose another folder with -o"
+        ) from error
+
+
+def prepare_folder(folder: Path) -> None:
+    """Creates the output folder, or raises OutputError."""
+    with _writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
 
 
 def save_plots(
-    study: Study,
-    result: Result,
-    plots: Sequence[PlotName],
-    folder: Path,
-    axis: TimeAxis,
+    study: Study, result: Result, plots: Sequence[PlotName], folder: Path, axis: TimeAxis
 ) -> list[Path]:
-    """Draw and write the plots asked for.
+    """Draws and writes the plots asked for.
+
+    Args:
+        study: The logs.
+        result: What was found out about them.
+        plots: Which.
+        folder: Must exist.
+        axis: Time axis of those that have one.
 
     Returns:
         The files, two a figure.
@@ -61,17 +69,15 @@ def save_plots(
     with styled():
         for name, figure in _figures(study, result, plots, axis):
             if figure is not None:
-                try:
+                with _writing(folder):
                     files += save(figure, folder, name)
-                except OSError as error:
-                    raise _output_error(folder, error) from error
     return files
 
 
 def _figures(
     study: Study, result: Result, plots: Sequence[PlotName], axis: TimeAxis
 ) -> Iterator[tuple[str, Figure | None]]:
-    """Draw one figure at a time, so that no more than one is in memory."""
+    """Draws one figure at a time, so that no more than one is in memory."""
     options = study.options
     if "time_series" in plots:
         for metric in options.metrics:
@@ -86,19 +92,16 @@ def _figures(
 
 
 def save_outliers(study: Study, folder: Path) -> Path:
-    """Write every outlier of every log to outliers.csv: log, path, time, metric, value, unit.
+    """Writes every outlier of every log to outliers.csv: log, path, time, metric, value, unit.
 
     Raises:
         OutputError: The file cannot be written.
     """
     path = folder / "outliers.csv"
-    try:
-        with path.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(("Log", "Path", "Timestamp", "Metric", "Value", "Unit"))
-            writer.writerows(map(harmless, row) for row in _outlier_rows(study))
-    except OSError as error:
-        raise _output_error(folder, error) from error
+    with _writing(folder), path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(("Log", "Path", "Timestamp", "Metric", "Value", "Unit"))
+        writer.writerows(map(harmless, row) for row in _outlier_rows(study))
     return path
 
 
@@ -107,12 +110,7 @@ def _outlier_rows(study: Study) -> Iterator[tuple[Field, ...]]:
         for metric in study.options.metrics:
             if member.log.has(metric):
                 series = metric_series(member.log, metric)
-                marked = outliers(series, metric.kind, study.options.iqr_multiplier)
+                marked = series.outliers(metric.kind, study.options.iqr_multiplier)
                 for row in np.flatnonzero(marked):
                     stamp, value = float(member.log.stamps[row]), round(float(series.values[row]), 6)
                     yield member.label, str(member.log.path), stamp, metric.code, value, metric.unit
-
-
-def _output_error(folder: Path, error: Exception) -> OutputError:
-    reason = error.strerror if isinstance(error, OSError) else str(error)
-    return OutputError(f"cannot write to {folder}: {reason}; choose another folder with -o")

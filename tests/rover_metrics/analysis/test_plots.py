@@ -175,6 +175,14 @@ def test_a_metric_without_values_gives_no_figure(study: Study) -> None:
     assert draw_time_series(study, METRICS["VR"], TimeAxis("none")) is None
 
 
+def test_an_episode_without_a_value_draws_nothing(make_log: MakeLog) -> None:
+    """A counter in one row has no rate, so that no interval of it has a mean."""
+    log = make_log({"Distance Traveled": [0, 1, 2, 0]})
+    study = Study((Member(log, "x", "all"),), ("all",), Options((METRICS["DT"],)))
+    axes = only_axes(draw_time_series(study, METRICS["DT"], TimeAxis("fixed_interval")))
+    assert [ys(line).tolist() for line in axes.lines] == [[60.0, 60.0], []]
+
+
 def test_a_single_jolt_does_not_set_the_axis_and_is_told(make_log: MakeLog) -> None:
     column = np.full(1000, 10.0)
     column[500] = 427.0

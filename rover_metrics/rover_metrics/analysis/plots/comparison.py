@@ -20,19 +20,13 @@ _LINE = 115  # characters that fit below the panels
 
 
 def draw_comparison(study: Study, result: Result) -> Figure | None:
-    """Draw the two groups of a study; without groups, the distribution of rows in each log.
+    """Draws the two groups of a study; without groups, the distribution of rows in each log.
 
-    Args:
-        study: The logs.
-        result: What was found out about them.
-
-    Returns:
-        The figure; None if no log has a value.
+    Returns None if no log has a value.
     """
-    metrics = [metric for metric in study.options.metrics if study.with_metric(metric)]
-    if not metrics:
+    figure, panels = metric_grid(study)
+    if not panels:
         return None
-    figure, panels = metric_grid(metrics)
     level = f"{100 * result.confidence:g} %"
     if result.comparisons:
         by_code = {comparison.code: comparison for comparison in result.comparisons}

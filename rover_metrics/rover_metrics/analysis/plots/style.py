@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rover_metrics.analysis.metric import Metric
+from rover_metrics.analysis.study import Study
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 
 _PANEL_HEIGHT = 1.75  # inches
@@ -44,7 +45,7 @@ _STYLE: Any = {  # not Mapping[str, Any]: matplotlib lists every key in its type
 
 
 def look(number: int) -> dict[str, Any]:
-    """Give colour and line style of the n-th curve; thirty differ."""
+    """Returns colour and line style of the n-th curve; thirty differ."""
     return {
         "color": COLOURS[number % len(COLOURS)],
         "linestyle": LINES[(number + number // len(COLOURS)) % len(LINES)],
@@ -52,17 +53,17 @@ def look(number: int) -> dict[str, Any]:
 
 
 def styled() -> Any:  # noqa: ANN401  # matplotlib's own context manager type is private
-    """Give the context in which figures are to be drawn."""
+    """Returns the context in which figures are to be drawn."""
     return mpl.rc_context(_STYLE)
 
 
 def axis_label(metric: Metric) -> str:
-    """Name what an axis shows, with its unit."""
+    """Returns what an axis shows, with its unit."""
     return f"{metric.title} [{metric.unit}]"
 
 
 def draw_thresholds(axes: Axes, bounds: Mapping[str, Sequence[float]]) -> None:
-    """Draw the thresholds that bound a metric and say which they are, one at each end.
+    """Draws the thresholds that bound a metric and say which they are, one at each end.
 
     Args:
         axes: Where to.
@@ -88,20 +89,17 @@ def draw_thresholds(axes: Axes, bounds: Mapping[str, Sequence[float]]) -> None:
 
 
 def highest_bound(bounds: Mapping[str, Sequence[float]]) -> float:
-    """Give the largest threshold, which a figure has to show; 0 without any."""
+    """Returns the largest threshold, which a figure has to show; 0 without any."""
     return max((value for values in bounds.values() for value in values), default=0.0)
 
 
 def save(figure: Figure, folder: Path, name: str) -> list[Path]:
-    """Write a figure as PNG and PDF.
+    """Writes a figure as PNG and PDF, and returns both files.
 
     Args:
         figure: What to write.
         folder: Must exist.
         name: File name without an extension; never made from the name of a log.
-
-    Returns:
-        The files.
     """
     paths = [folder / f"{name}.png", folder / f"{name}.pdf"]
     figure.savefig(paths[0], dpi=DPI)
@@ -109,16 +107,24 @@ def save(figure: Figure, folder: Path, name: str) -> list[Path]:
     return paths
 
 
+def draw_legend(figure: Figure, axes: Axes) -> None:
+    """Names the curves below the figure, in as many columns as fit its width."""
+    handles, labels = axes.get_legend_handles_labels()
+    columns = legend_columns(labels)
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns, handlelength=3)
+
+
 def legend_columns(labels: Sequence[str]) -> int:
-    """Give how many legend columns fit the width of a figure."""
+    """Returns how many legend columns fit the width of a figure."""
     longest = max((len(label) for label in labels), default=1)
     return max(1, min(len(labels), int(95 / (longest + 8))))
 
 
-def metric_grid(metrics: Sequence[Metric]) -> tuple[Figure, list[tuple[Metric, Axes]]]:
-    """Lay out one panel per metric, its title saying what it shows and in which unit."""
+def metric_grid(study: Study) -> tuple[Figure, list[tuple[Metric, Axes]]]:
+    """Lays out one panel per metric that a log has, its title saying what it shows and in which unit."""
+    metrics = [metric for metric in study.options.metrics if study.with_metric(metric)]
     columns = min(2, len(metrics))
-    lines = -(-len(metrics) // columns)
+    lines = -(-len(metrics) // 2)
     figure = Figure(figsize=(WIDTH, 1.1 + _PANEL_HEIGHT * lines), layout="constrained")
     panels = []
     for number, metric in enumerate(metrics):

@@ -7,7 +7,7 @@ that a difference between two logs is not taken for a correlation.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
@@ -41,22 +41,17 @@ class Correlation:
     p: float
     p_holm: float | None = None
 
-    def adjusted(self, p_holm: float | None) -> "Correlation":
-        """Give this correlation with its p-value adjusted for several tests."""
-        return replace(self, p_holm=p_holm)
-
 
 def correlate(first: str, second: str, x: Floats, y: Floats) -> Correlation | None:
-    """Correlate two metrics of one log.
+    """Returns the correlation of two metrics of one log.
+
+    None if fewer than ten rows have both or one of them is constant there.
 
     Args:
         first: Code of x.
         second: Code of y.
         x: One value a row, NaN for none.
         y: As many.
-
-    Returns:
-        None if fewer than ten rows have both or one of them is constant there.
     """
     both = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
     if both.size < _FEWEST_PAIRS or np.ptp(x[both]) == 0 or np.ptp(y[both]) == 0:
@@ -68,11 +63,7 @@ def correlate(first: str, second: str, x: Floats, y: Floats) -> Correlation | No
 
 
 def combine(parts: Sequence[Correlation]) -> Correlation:
-    """Combine the correlations of the same two metrics in several logs.
-
-    Args:
-        parts: One a log, at least one.
-    """
+    """Returns the correlation of two metrics over several logs, from that of each, at least one."""
     telling = [part for part in parts if part.n_effective > 3] or list(parts[:1])
     if len(telling) == 1:
         return telling[0]
