@@ -52,8 +52,10 @@ def _run(options: argparse.Namespace) -> int:
     if options.plots or options.save_outliers:
         prepare_folder(options.output)  # before the work, which may take a while
     result = replace(analyse(study), skipped=tuple(skipped))
-    result = replace(result, files=tuple(map(str, _write(study, result, options))))
-    _show(result, as_json=options.json)
+    files = save_plots(study, result, options.output)
+    if options.save_outliers:
+        files.append(save_outliers(study, options.output))
+    _show(replace(result, files=tuple(map(str, files))), as_json=options.json)
     return UnreadableLog.exit_code if skipped else 0
 
 
@@ -74,7 +76,8 @@ def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped]]:
         iqr_multiplier=options.iqr_multiplier,
         remove_outliers=options.remove_outliers,
         unit=options.unit,
-        correlate="correlation" in options.plots,
+        plots=tuple(options.plots),
+        axis=TimeAxis(options.normalize, options.fixed_interval),
     )
     return Study(tuple(named), groups, chosen), skipped
 
@@ -96,15 +99,6 @@ def _unique(paths: Sequence[Path]) -> list[Path]:
             _tell(f"{path} is named more than once and counts once")
         different.setdefault(path.resolve(), path)
     return list(different.values())
-
-
-def _write(study: Study, result: Result, options: argparse.Namespace) -> list[Path]:
-    files = save_plots(
-        study, result, options.plots, options.output, TimeAxis(options.normalize, options.fixed_interval)
-    )
-    if options.save_outliers:
-        files.append(save_outliers(study, options.output))
-    return files
 
 
 def _show(result: Result, *, as_json: bool) -> None:

@@ -79,7 +79,7 @@ def test_messages_over_ros_give_the_row_of_the_same_samples_given_directly(rig: 
         rig.spin_until(lambda count=count: set(node.received.values()) == {count})  # type: ignore[misc]
     assert node.metrics.row(1) == direct.row(1)
     assert direct.total_distance > 0
-    assert node.rejected == dict.fromkeys(node.received, 0)
+    assert node.reception.rejected == dict.fromkeys(node.received, 0)
 
 
 def test_topics_have_roboterrains_names_in_the_root_namespace(rig: "Rig") -> None:
@@ -127,7 +127,7 @@ def test_a_broken_sensor_does_not_flood_the_terminal(
     node = rig.start()
     for _ in range(1000):
         node.take(ODOMETRY, rig.odometry(math.nan, 0.0, 0.0))
-    assert node.rejected["/odometry/wheels"] == 1000
+    assert node.reception.rejected["/odometry/wheels"] == 1000
     told = capfd.readouterr().err
     assert told.count("/odometry/wheels: not finite, left out") == 10  # at 1, 2, 4, ... 512
     assert told.count("\n") < 30

@@ -11,8 +11,8 @@ from typing import NoReturn
 from rover_metrics.analysis.logs.reading import DEFAULT_GAP
 from rover_metrics.analysis.logs.time_axis import AXES
 from rover_metrics.analysis.metric import METRICS
-from rover_metrics.analysis.output import PLOTS
 from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER
+from rover_metrics.analysis.study import PLOTS
 from rover_metrics.errors import RoverMetricsError
 
 DEFAULT_INTERVAL = 1.0  # s

@@ -3,10 +3,12 @@
 import itertools
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rover_metrics.analysis.logs.log import Floats, Log
 from rover_metrics.analysis.logs.time_axis import TimeAxis
@@ -15,6 +17,8 @@ from rover_metrics.analysis.result import Unit
 from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER, Series, metric_series
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 
+PlotName = Literal["time_series", "correlation", "aggregate", "comparison"]
+PLOTS: tuple[PlotName, ...] = get_args(PlotName)
 _LONGEST_LABEL = 40  # characters
 
 
@@ -59,7 +63,8 @@ class Options:
         iqr_multiplier: Interquartile ranges beyond the quartiles where an outlier begins.
         remove_outliers: Whether outliers are left out of everything; they are counted anyway.
         unit: One observation of a comparison: the mean of a log or of an episode.
-        correlate: Whether to correlate every pair of metrics.
+        plots: What is drawn; pairs of metrics are correlated only if that is.
+        axis: Time axis of the plots that have one.
     """
 
     metrics: tuple[Metric, ...] = tuple(METRICS.values())
@@ -67,7 +72,8 @@ class Options:
     iqr_multiplier: float = DEFAULT_MULTIPLIER
     remove_outliers: bool = False
     unit: Unit = "log"
-    correlate: bool = False
+    plots: tuple[PlotName, ...] = ()
+    axis: TimeAxis = field(default_factory=TimeAxis)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,26 +102,20 @@ class Study:
         had = [member.log.thresholds or DEFAULT_THRESHOLDS for member in self.with_metric(metric)]
         return {name: sorted({getattr(each, name) for each in had}) for name in metric.thresholds}
 
+    def outliers(self, log: Log, metric: Metric) -> NDArray[np.bool_]:
+        """Marks the rows of a log whose value is an outlier, whether they are removed or not."""
+        return metric_series(log, metric).outliers(metric.kind, self.options.iqr_multiplier)
+
     def series(self, log: Log, metric: Metric) -> Series:
         """Returns a metric of a log, without outliers if they are to be removed."""
         series = metric_series(log, metric)
-        if not self.options.remove_outliers:
-            return series
-        return series.without(series.outliers(metric.kind, self.options.iqr_multiplier))
+        return series.without(self.outliers(log, metric)) if self.options.remove_outliers else series
 
-    def episodes(
-        self, member: Member, metric: Metric, axis: TimeAxis
-    ) -> Iterator[tuple[Floats, Floats]]:
-        """Yields positions on a time axis and values of each episode of a log.
-
-        Args:
-            member: The log.
-            metric: What the values are of.
-            axis: The time axis.
-        """
+    def episodes(self, member: Member, metric: Metric) -> Iterator[tuple[Floats, Floats]]:
+        """Yields positions on the time axis and values of each episode of a log."""
         values = self.series(member.log, metric).values
         for rows in member.log.episodes:
-            yield axis.place(member.log.stamps[rows], values[rows])
+            yield self.options.axis.place(member.log.stamps[rows], values[rows])
 
     def observations(self, metric: Metric, group: str) -> Floats:
         """Returns one mean per log (or episode) of a group, where there is one."""
@@ -123,8 +123,7 @@ class Study:
         for member in self.with_metric(metric):
             if member.group == group:
                 series = self.series(member.log, metric)
-                by_episode = self.options.unit == "episode"
-                units = member.log.episodes if by_episode else [slice(None)]
+                units = member.log.episodes if self.options.unit == "episode" else [slice(None)]
                 means += [series.mean(rows) for rows in units]
         values = np.array(means, dtype=np.float64)
         return values[np.isfinite(values)]

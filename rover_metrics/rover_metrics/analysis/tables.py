@@ -186,8 +186,7 @@ def _metric_table(rows: Mapping[str, Mapping[str, str]], width: int, spare: Abst
     shown = [title for title in titles if width >= _WIDE or title not in spare]
     table = _table("Metric", shown)
     for code, cells in rows.items():
-        metric = METRICS[code]
-        name = Text.assemble((f"{code:<4}", "bold"), f" {metric.title} [{metric.unit}]")
+        name = Text.assemble((f"{code:<4}", "bold"), f" {METRICS[code].label}")
         table.add_row(name, *(cells[title] for title in shown))
     return table
 

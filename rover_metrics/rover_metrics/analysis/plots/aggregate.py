@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from scipy import stats
 
 from rover_metrics.analysis.logs.log import Floats
-from rover_metrics.analysis.logs.time_axis import TimeAxis, on_grid
+from rover_metrics.analysis.logs.time_axis import on_grid
 from rover_metrics.analysis.metric import Kind, Metric
 from rover_metrics.analysis.plots.style import (
     draw_legend,
@@ -24,27 +24,28 @@ _MOST_STEPS = 2000
 _FEWEST_FOR_INTERVAL = 3  # episodes; of fewer the band is what they range over
 
 
-def draw_aggregate(study: Study, axis: TimeAxis) -> Figure | None:
+def draw_aggregate(study: Study) -> Figure | None:
     """Draws the mean over the episodes of each group, one panel a metric; None if no log has a value."""
     figure, panels = metric_grid(study)
     if not panels:
         return None
-    grid = _grid(study, axis)
+    grid = _grid(study)
     for metric, axes in panels:
-        _draw_panel(axes, study, metric, axis, grid)
+        _draw_panel(axes, study, metric, grid)
     level = f"{100 * study.options.confidence:g} %"
     figure.suptitle(
         f"Mean of the episodes; band: {level} t interval (range if under {_FEWEST_FOR_INTERVAL})",
         fontsize=9.5,
     )
     for _, axes in panels[-2:]:
-        axes.set_xlabel(axis.label)
+        axes.set_xlabel(study.options.axis.label)
     draw_legend(figure, panels[0][1])
     return figure
 
 
-def _grid(study: Study, axis: TimeAxis) -> Floats:
+def _grid(study: Study) -> Floats:
     """Returns the positions at which episodes are averaged."""
+    axis = study.options.axis
     if axis.name == "percentage":
         return np.arange(0.0, 100.0 + _PERCENT_STEP / 2, _PERCENT_STEP)
     longest = max(float(np.ptp(m.log.stamps[rows])) for m in study.members for rows in m.log.episodes)
@@ -53,10 +54,10 @@ def _grid(study: Study, axis: TimeAxis) -> Floats:
     return np.arange(0.0, max(longest, step) + step / 2, step)
 
 
-def _draw_panel(axes: Axes, study: Study, metric: Metric, axis: TimeAxis, grid: Floats) -> None:
+def _draw_panel(axes: Axes, study: Study, metric: Metric, grid: Floats) -> None:
     top = 0.0
     for number, group in enumerate(study.groups):
-        curves = _curves(study, metric, group, axis, grid)
+        curves = _curves(study, metric, group, grid)
         if curves.size and np.isfinite(curves).any():
             mean, low, high = mean_and_band(curves, study.options.confidence)
             style = look(number)
@@ -71,13 +72,13 @@ def _draw_panel(axes: Axes, study: Study, metric: Metric, axis: TimeAxis, grid: 
     draw_thresholds(axes, bounds)
 
 
-def _curves(study: Study, metric: Metric, group: str, axis: TimeAxis, grid: Floats) -> Floats:
+def _curves(study: Study, metric: Metric, group: str, grid: Floats) -> Floats:
     """Returns the episodes of a group on the grid, one a row."""
     curves = [
         on_grid(x, y, grid)
         for member in study.with_metric(metric)
         if member.group == group
-        for x, y in study.episodes(member, metric, axis)
+        for x, y in study.episodes(member, metric)
     ]
     return np.array(curves).reshape(-1, grid.size)
 

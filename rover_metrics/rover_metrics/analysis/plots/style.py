@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -14,7 +13,6 @@ from rover_metrics.core.thresholds import THRESHOLD_INFO
 
 _PANEL_HEIGHT = 1.75  # inches
 
-
 # Okabe & Ito (2008), without the yellow, which paper swallows; black is for thresholds and text.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 LINES = ("-", "--", "-.", (0, (1, 1.2)), (0, (5, 1, 1, 1, 1, 1)))
@@ -23,7 +21,7 @@ THRESHOLD_LINE = "#333333"
 WIDTH = 7.2  # inches, a text column of A4
 DPI = 200
 
-_STYLE: Any = {  # not Mapping[str, Any]: matplotlib lists every key in its type
+STYLE: Any = {  # not Mapping[str, Any]: matplotlib lists every key in its type
     "font.size": 9,
     "axes.titlesize": 9.5,
     "axes.labelsize": 9,
@@ -52,34 +50,22 @@ def look(number: int) -> dict[str, Any]:
     }
 
 
-def styled() -> Any:  # noqa: ANN401  # matplotlib's own context manager type is private
-    """Returns the context in which figures are to be drawn."""
-    return mpl.rc_context(_STYLE)
-
-
-def axis_label(metric: Metric) -> str:
-    """Returns what an axis shows, with its unit."""
-    return f"{metric.title} [{metric.unit}]"
-
-
 def draw_thresholds(axes: Axes, bounds: Mapping[str, Sequence[float]]) -> None:
-    """Draws the thresholds that bound a metric and say which they are, one at each end.
+    """Draws the thresholds that bound a metric, by name, and says which they are, one at each end.
 
-    Args:
-        axes: Where to.
-        bounds: Their values by name; logs of several sessions may have had several.
+    Logs of several sessions may have had several values of one.
     """
-    for (name, values), dash, end in zip(bounds.items(), ("--", ":"), ("right", "left"), strict=False):
+    for (name, values), dash, right in zip(bounds.items(), ("--", ":"), (1.0, 0.0), strict=False):
         unit = THRESHOLD_INFO[name].unit.replace("^2", "²")
         for value in values:
             axes.axhline(value, color=THRESHOLD_LINE, linewidth=1.0, linestyle=dash, zorder=1.5)
             axes.annotate(
                 f" {name.replace('_', ' ')} {value:g} {unit} ",
-                (1.0 if end == "right" else 0.0, value),
+                (right, value),
                 xycoords=("axes fraction", "data"),
                 xytext=(0, 1.5),
                 textcoords="offset points",
-                ha=end,
+                ha="right" if right else "left",
                 va="bottom",
                 fontsize=7.5,
                 color=THRESHOLD_LINE,
@@ -129,6 +115,6 @@ def metric_grid(study: Study) -> tuple[Figure, list[tuple[Metric, Axes]]]:
     panels = []
     for number, metric in enumerate(metrics):
         axes = figure.add_subplot(lines, columns, number + 1)
-        axes.set_title(axis_label(metric), loc="left")
+        axes.set_title(metric.label, loc="left")
         panels.append((metric, axes))
     return figure, panels

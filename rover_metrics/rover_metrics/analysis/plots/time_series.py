@@ -12,7 +12,6 @@ from rover_metrics.analysis.metric import Kind, Metric
 from rover_metrics.analysis.plots.curves import Smoothing, smoothed, thinned, upper_limit
 from rover_metrics.analysis.plots.style import (
     WIDTH,
-    axis_label,
     draw_legend,
     draw_thresholds,
     highest_bound,
@@ -24,17 +23,8 @@ _MOST_NAMED = 12  # logs; more make a legend that nobody reads
 _MOST_WITH_ROWS = 3  # logs; the rows of more hide each other
 
 
-def draw_time_series(study: Study, metric: Metric, axis: TimeAxis) -> Figure | None:
-    """Draws a metric of all logs over time.
-
-    Args:
-        study: The logs.
-        metric: What to draw.
-        axis: The time axis.
-
-    Returns:
-        The figure; None if no log has a value.
-    """
+def draw_time_series(study: Study, metric: Metric) -> Figure | None:
+    """Draws a metric of all logs over time; None if no log has a value."""
     figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
     axes = figure.add_subplot()
     members = study.with_metric(metric)
@@ -42,7 +32,7 @@ def draw_time_series(study: Study, metric: Metric, axis: TimeAxis) -> Figure | N
     drawn: list[Floats] = []
     for member in members:
         style = _style(study, member, axes)
-        for x, y in study.episodes(member, metric, axis):
+        for x, y in study.episodes(member, metric):
             at, mean = smoothed(x, y, *_smoothing(metric))
             if show_rows:
                 axes.plot(*thinned(x, y), color=style["color"], alpha=0.3, linewidth=0.6, zorder=2)
@@ -55,9 +45,9 @@ def draw_time_series(study: Study, metric: Metric, axis: TimeAxis) -> Figure | N
     _limit(axes, metric, drawn, highest_bound(bounds))
     axes.margins(x=0)
     draw_thresholds(axes, bounds)
-    axes.set_xlabel(axis.label)
-    axes.set_ylabel(axis_label(metric))
-    axes.set_title(_title(metric, axis, show_rows=show_rows), loc="left")
+    axes.set_xlabel(study.options.axis.label)
+    axes.set_ylabel(metric.label)
+    axes.set_title(_title(metric, study.options.axis, show_rows=show_rows), loc="left")
     draw_legend(figure, axes)
     return figure
 

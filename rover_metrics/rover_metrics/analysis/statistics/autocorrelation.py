@@ -51,12 +51,10 @@ def effective_pairs(x: Floats, y: Floats) -> float:
     """
     n = len(x)
     max_lag = min(n // 5, _LONGEST_LAG)
-    if max_lag < 1:
-        return float(n)
     lags = np.arange(1, max_lag + 1)
     products = autocorrelation(x, max_lag)[1:] * autocorrelation(y, max_lag)[1:]
     inflation = 1 + 2 * float(((n - lags) / n * products).sum())
-    return float(np.clip(n / max(inflation, 1.0), min(n, 3), n))
+    return float(np.clip(n / max(inflation, 1.0), 3, n))
 
 
 def block_length(values: Floats) -> int:

@@ -19,8 +19,6 @@ from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.statistics.summary import Interval
 
 MOST_SPLITS = 20_000  # 8 against 8 is 12870
-PERMUTATION = "exact permutation"
-MANN_WHITNEY = "Mann-Whitney U"
 
 
 @dataclass(frozen=True)
@@ -55,16 +53,13 @@ class Comparison:
 
 
 def compare(code: str, first: Floats, second: Floats, confidence: float) -> Comparison:
-    """Compare two groups of independent observations.
+    """Compares two groups of independent observations; to test them takes two or more in each.
 
     Args:
         code: The metric they are of.
         first: Observations of the first group, finite.
         second: Those of the second.
         confidence: Level of the interval, between 0 and 1.
-
-    Returns:
-        Without test and interval if a group has fewer than two observations.
     """
     sizes = (first.size, second.size)
     comparison = Comparison(code, sizes, (_mean(first), _mean(second)))
@@ -90,14 +85,14 @@ def _test(first: Floats, second: Floats) -> tuple[str, float, float]:
     """Returns the name of the test that suits the sizes, its p-value, and the smallest it could be."""
     splits = comb(first.size + second.size, first.size)
     if splits > MOST_SPLITS:
-        return MANN_WHITNEY, float(stats.mannwhitneyu(first, second).pvalue), 2 / splits
+        return "Mann-Whitney U", float(stats.mannwhitneyu(first, second).pvalue), 2 / splits
     result = stats.permutation_test(
         (first, second),
         lambda a, b, axis: np.mean(b, axis=axis) - np.mean(a, axis=axis),
         n_resamples=MOST_SPLITS,  # so all of them
         vectorized=True,
     )
-    return PERMUTATION, float(result.pvalue), min(1.0, 2 / splits)
+    return "exact permutation", float(result.pvalue), min(1.0, 2 / splits)
 
 
 def _welch_interval(first: Floats, second: Floats, confidence: float) -> Interval | None:
@@ -124,8 +119,7 @@ def _hedges_g(first: Floats, second: Floats) -> float | None:
 def holm(probabilities: Sequence[float | None]) -> list[float | None]:
     """Adjusts p-values so that the chance of any false alarm among them stays as stated (Holm 1979).
 
-    Args:
-        probabilities: One a test; None where there was no test, which does not count.
+    None stands where there was no test, which does not count.
     """
     tests = sorted((p, i) for i, p in enumerate(probabilities) if p is not None)
     adjusted: list[float | None] = [None] * len(probabilities)

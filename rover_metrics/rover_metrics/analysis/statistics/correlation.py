@@ -58,8 +58,9 @@ def correlate(first: str, second: str, x: Floats, y: Floats) -> Correlation | No
         return None
     x_ranks, y_ranks = stats.rankdata(x[both]), stats.rankdata(y[both])
     rho = float(np.clip(np.corrcoef(x_ranks, y_ranks)[0, 1], -1, 1))
-    n_effective = effective_pairs(x_ranks, y_ranks)
-    return Correlation(first, second, rho, both.size, n_effective, _p_value(rho, n_effective))
+    n = effective_pairs(x_ranks, y_ranks)
+    t = abs(rho) * np.sqrt((n - 2) / (1 - rho**2)) if abs(rho) < 1 else np.inf
+    return Correlation(first, second, rho, both.size, n, p=2 * float(stats.t.sf(t, n - 2)))
 
 
 def combine(parts: Sequence[Correlation]) -> Correlation:
@@ -79,12 +80,3 @@ def combine(parts: Sequence[Correlation]) -> Correlation:
         n_effective=sum(part.n_effective for part in telling),
         p=p,
     )
-
-
-def _p_value(rho: float, n: float) -> float:
-    """Two-sided, from t = rho sqrt((n - 2) / (1 - rho^2)) with n - 2 degrees of freedom."""
-    if n <= 2:
-        return 1.0
-    if abs(rho) == 1:
-        return 0.0
-    return 2 * float(stats.t.sf(abs(rho) * np.sqrt((n - 2) / (1 - rho**2)), n - 2))
