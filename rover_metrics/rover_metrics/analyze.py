@@ -12,9 +12,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from rich.console import Console
+from rich.console import Console, Group
 
-from rover_metrics.analysis.labels import labels
 from rover_metrics.analysis.logs.header import UnreadableLog
 from rover_metrics.analysis.logs.log import Log
 from rover_metrics.analysis.logs.reading import read_log
@@ -24,20 +23,17 @@ from rover_metrics.analysis.options import parse
 from rover_metrics.analysis.outcome import analyse
 from rover_metrics.analysis.output import prepare_folder, save_outliers, save_plots
 from rover_metrics.analysis.result import Result, Skipped
-from rover_metrics.analysis.study import Member, Options, Study
+from rover_metrics.analysis.study import Member, Options, Study, labels, printable
+from rover_metrics.analysis.tables import report
 from rover_metrics.errors import RoverMetricsError
 
 _PRINTED_WIDTH = 160  # columns, where the output is not a terminal
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command.
+    """Runs the command.
 
-    Args:
-        arguments: Words of the command line; sys.argv if None.
-
-    Returns:
-        Exit code: 0 if every log was analysed, 1 if any was skipped, 2 after a known mistake.
+    Returns the exit code: 0 if every log was analysed, 1 if any was skipped, 2 after a known mistake.
     """
     try:
         return _run(parse(arguments))
@@ -56,64 +52,53 @@ def _run(options: argparse.Namespace) -> int:
     if options.plots or options.save_outliers:
         prepare_folder(options.output)  # before the work, which may take a while
     result = replace(analyse(study), skipped=tuple(skipped))
-    result = replace(result, files=tuple(map(str, _write(study, result, options))))
-    _show(result, as_json=options.json)
+    files = save_plots(study, result, options.output)
+    if options.save_outliers:
+        files.append(save_outliers(study, options.output))
+    _show(replace(result, files=tuple(map(str, files))), as_json=options.json)
     return UnreadableLog.exit_code if skipped else 0
 
 
 def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped]]:
-    """Read every log that can be read, and tell which cannot."""
+    """Reads every log that can be read, and tells which cannot."""
     metrics = tuple(METRICS[code] for code in options.metrics)
     groups = tuple(options.group_names) if options.versus else ("all logs",)
-    members: list[tuple[Log, str]] = []
+    members: list[Member] = []
     skipped: list[Skipped] = []
     for group, paths in zip(groups, (options.logs, options.versus), strict=False):
-        for path in _unique(paths):
-            log = _read_one(path, metrics, options.gap)
-            if isinstance(log, Skipped):
-                skipped.append(log)
-            else:
-                members.append((log, group))
-    names = labels([log.path for log, _ in members])
+        found = (_read_one(path, metrics, options.gap, skipped) for path in _unique(paths))
+        members += [Member(log, "", group) for log in found if log is not None]
+    names = labels([member.log.path for member in members])
+    named = (replace(member, label=name) for member, name in zip(members, names, strict=True))
     chosen = Options(
         metrics=metrics,
         confidence=options.confidence_level,
         iqr_multiplier=options.iqr_multiplier,
         remove_outliers=options.remove_outliers,
         unit=options.unit,
-        correlate="correlation" in options.plots,
+        plots=tuple(options.plots),
+        axis=TimeAxis(options.normalize, options.fixed_interval),
     )
-    named = zip(members, names, strict=True)
-    return Study(
-        tuple(Member(log, name, group) for (log, group), name in named), groups, chosen
-    ), skipped
+    return Study(tuple(named), groups, chosen), skipped
 
 
-def _read_one(path: Path, metrics: Sequence[Metric], gap: float) -> Log | Skipped:
+def _read_one(path: Path, metrics: Sequence[Metric], gap: float, skipped: list[Skipped]) -> Log | None:
     try:
         return read_log(path, metrics, gap)
     except UnreadableLog as error:
         _tell(f"skipped {path}: {error}")
-        return Skipped(str(path), str(error))
+        skipped.append(Skipped(str(path), str(error)))
+        return None
 
 
 def _unique(paths: Sequence[Path]) -> list[Path]:
-    """Leave out a file that is named again, which would count twice."""
+    """Leaves out a file that is named again, which would count twice."""
     different: dict[Path, Path] = {}
     for path in paths:
         if path.resolve() in different:
             _tell(f"{path} is named more than once and counts once")
         different.setdefault(path.resolve(), path)
     return list(different.values())
-
-
-def _write(study: Study, result: Result, options: argparse.Namespace) -> list[Path]:
-    files = save_plots(
-        study, result, options.plots, options.output, TimeAxis(options.normalize, options.fixed_interval)
-    )
-    if options.save_outliers:
-        files.append(save_outliers(study, options.output))
-    return files
 
 
 def _show(result: Result, *, as_json: bool) -> None:
@@ -123,16 +108,15 @@ def _show(result: Result, *, as_json: bool) -> None:
     console = Console(highlight=False)
     if not console.is_terminal:
         console.width = _PRINTED_WIDTH
-    console.print(result)
+    console.print(Group(*report(result, console.width)))
     if result.files:
         folder = Path(result.files[0]).parent
         console.print(f"{len(result.files)} files in {folder}", markup=False, soft_wrap=True)
 
 
 def _tell(message: str) -> None:
-    """Print one line to stderr; a file name cannot make it two."""
-    line = "".join(letter if letter.isprintable() else "?" for letter in message)
-    print(f"analyze: {line}", file=sys.stderr)
+    """Prints one line to stderr; a file name cannot make it two."""
+    print(f"analyze: {printable(message)}", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ python -m rover_metrics.dictionary [--write docs/metrics.md]
 
 import argparse
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from rover_metrics.core.column import Column
@@ -59,45 +59,38 @@ def dictionary() -> str:
     parts = (
         HEAD,
         "## The twelve\n",
-        _table(COLUMN_TITLES, map(_cells, ROBOTERRAIN_COLUMNS)),
+        _columns(ROBOTERRAIN_COLUMNS),
         "## Extended columns\n",
         EXTENDED_HEAD,
-        _table(COLUMN_TITLES, map(_cells, EXTENDED_COLUMNS)),
+        _columns(EXTENDED_COLUMNS),
         "## Thresholds\n",
         THRESHOLDS_HEAD,
-        _table(("parameter", "default", "unit", "valid", "meaning"), _thresholds()),
+        _thresholds(),
     )
     return "\n".join(parts)
 
 
-COLUMN_TITLES = ("column", "unit", "meaning", "formula", "source", "same at any rate")
-
-
-def _cells(column: Column) -> tuple[str, ...]:
-    return (
-        f"`{column.header}`",
-        column.unit,
-        column.meaning,
-        column.formula,
-        column.source,
-        column.rate_invariant,
+def _columns(columns: Iterable[Column]) -> str:
+    rows = (
+        (f"`{each.header}`", each.unit, each.meaning, each.formula, each.source, each.rate_invariant)
+        for each in columns
     )
+    return _table(("column", "unit", "meaning", "formula", "source", "same at any rate"), rows)
 
 
-def _thresholds() -> Iterator[tuple[str, ...]]:
+def _thresholds() -> str:
     extended = {name: EXTENDED_INFO[name] for name in ("footprint_threshold", "gravity")}
-    for name, info in {**THRESHOLD_INFO, **extended}.items():
-        valid = f"{info.minimum:g} to {info.maximum:g}"
-        yield f"`{name}`", f"{info.default:g}", info.unit, valid, info.description
+    rows = (
+        (f"`{name}`", f"{p.default:g}", p.unit, f"{p.minimum:g} to {p.maximum:g}", p.description)
+        for name, p in {**THRESHOLD_INFO, **extended}.items()
+    )
+    return _table(("parameter", "default", "unit", "valid", "meaning"), rows)
 
 
 def _table(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     lines = [titles, ["---"] * len(titles), *rows]
-    return "".join(f"| {' | '.join(map(_escaped, line))} |\n" for line in lines)
-
-
-def _escaped(cell: str) -> str:
-    return cell.replace("|", r"\|")
+    escaped = ([cell.replace("|", r"\|") for cell in line] for line in lines)
+    return "".join(f"| {' | '.join(line)} |\n" for line in escaped)
 
 
 if __name__ == "__main__":

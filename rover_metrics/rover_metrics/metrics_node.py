@@ -80,7 +80,9 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
             self.session = MetricsSession(self.settings.thresholds, extended)
             self.metrics = self.session.metrics
             self.setup_subscribers()
-            self.log = BufferedLog(self._csv_log(now()), self._tell)
+            folder = Path(self.settings.log_dir).expanduser()
+            log = CsvLog(folder, now(), fsync=self.settings.fsync, columns=self.session.columns)
+            self.log = BufferedLog(log, self._tell)
         except RoverMetricsError:
             super().destroy_node()
             raise
@@ -98,11 +100,6 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def received(self) -> dict[str, int]:
         """Messages received, by resolved topic name."""
         return self.reception.received
-
-    @property
-    def rejected(self) -> dict[str, int]:
-        """Those of them that were left out; `reception.remarks` tells why."""
-        return self.reception.rejected
 
     @property
     def rows(self) -> int:
@@ -163,10 +160,6 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         self.timer.close()
         super().destroy_node()
 
-    def _csv_log(self, started: datetime) -> CsvLog:
-        folder = Path(self.settings.log_dir).expanduser()
-        return CsvLog(folder, started, fsync=self.settings.fsync, columns=self.session.columns)
-
     def _reported_lost(self) -> dict[Topic, int]:
         remarks = self.reception.remarks
         return {
@@ -221,27 +214,14 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def _report_received(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Answers ~/received: what arrived and what was written, as JSON."""
         remarks = {topic: dict(counts) for topic, counts in self.reception.remarks.items() if counts}
-        told = {
-            **self.received,
-            "remarks": remarks,
-            "rows": self.rows,
-            "lost_rows": self.lost_rows,
-            "log": str(self.log.path),
-        }
+        counts = {"remarks": remarks, "rows": self.rows, "lost_rows": self.lost_rows}
         response.success = True
-        response.message = json.dumps(told)
+        response.message = json.dumps({**self.received, **counts, "log": str(self.log.path)})
         return response
 
 
 def main(args: list[str] | None = None) -> int:
-    """Runs the node until SIGINT or SIGTERM.
-
-    Args:
-        args: Command line as for rclpy.init; sys.argv if None.
-
-    Returns:
-        Exit code: 0 after a clean end, 2 after a known mistake, told in one line on stderr.
-    """
+    """Runs the node, with arguments as for rclpy.init, until a signal; returns the exit code."""
     return run_node("metrics_node", MetricsNode, args)
 
 

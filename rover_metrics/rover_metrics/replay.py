@@ -84,15 +84,11 @@ def _log(output: Path | None, bag: Path, columns: Sequence[str], *, overwrite: b
         try:
             yield log
         finally:
-            _rename(log, output)
-
-
-def _rename(log: CsvLog, output: Path) -> None:
-    try:
-        log.path = log.path.replace(output)
-    except OSError as error:
-        message = f"cannot write {output}: {error.strerror}; the rows are in {log.path}"
-        raise LogError(message) from error
+            try:
+                log.path = log.path.replace(output)
+            except OSError as error:
+                message = f"cannot write {output}: {error.strerror}; the rows are in {log.path}"
+                raise LogError(message) from error
 
 
 def _print_summary(playback: Playback, log: CsvLog) -> None:

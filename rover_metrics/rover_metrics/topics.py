@@ -4,8 +4,8 @@ Node and replay read this table; it needs nothing of ROS but the shape of its me
 same in rclpy and in rosbags.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from rover_metrics.core.metrics import Vector3
@@ -21,7 +21,7 @@ UNKNOWN = -1.0  # first covariance of what a sensor does not give (sensor_msgs/I
 Message = Any  # neither rclpy's nor rosbags' classes have types
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Source:
     """One topic.
 
@@ -39,6 +39,7 @@ class Source:
     message_type: str
     take: Callable[[MetricsSession, Message], Remark | None]
     topic: Topic | None = None
+    _: KW_ONLY
     best_effort: bool = False
     has_stamp: bool = True
     is_truth: bool = False
@@ -73,20 +74,13 @@ def _pose(session: MetricsSession, poses: Message) -> Remark | None:
     return session.take_pose(stamp_ns(poses), position)
 
 
-def _odometry(session: MetricsSession, odometry: Message) -> Remark | None:
-    return session.take_odometry(stamp_ns(odometry), _vector(odometry.twist.twist.linear))
-
-
-def _ground_truth(session: MetricsSession, odometry: Message) -> Remark | None:
-    return session.take_true_velocity(_vector(odometry.twist.twist.linear))
-
-
-def _contact(session: MetricsSession, contact: Message) -> Remark | None:
-    return session.take_contact(touches=contact.data)
-
-
 def _traversal(session: MetricsSession, values: Message) -> Remark | None:
-    return session.take_traversal(list(values.data), _names(values))
+    label = values.layout.dim[0].label if values.layout.dim else ""
+    return session.take_traversal(list(values.data), label.split(",") if label else TRAVERSAL)
+
+
+def _velocity(odometry: Message) -> Vector3:
+    return _vector(odometry.twist.twist.linear)
 
 
 def _vector(value: Message) -> Vector3:
@@ -100,41 +94,35 @@ def _orientation(imu: Message) -> Quaternion | None:
     return q.x, q.y, q.z, q.w
 
 
-def _names(values: Message) -> Sequence[str]:
-    label = values.layout.dim[0].label if values.layout.dim else ""
-    return label.split(",") if label else TRAVERSAL
-
-
 SENSORS = (
-    Source(name=SCAN.name, message_type="sensor_msgs/msg/LaserScan", take=_scan, topic=SCAN),
-    Source(name=IMU.name, message_type="sensor_msgs/msg/Imu", take=_imu, topic=IMU),
+    Source(SCAN.name, "sensor_msgs/msg/LaserScan", _scan, SCAN),
+    Source(IMU.name, "sensor_msgs/msg/Imu", _imu, IMU),
+    Source(POSE.name, "geometry_msgs/msg/PoseArray", _pose, POSE, best_effort=True),
     Source(
-        name=POSE.name,
-        message_type="geometry_msgs/msg/PoseArray",
-        take=_pose,
-        topic=POSE,
-        best_effort=True,
+        ODOMETRY.name,
+        "nav_msgs/msg/Odometry",
+        lambda session, odometry: session.take_odometry(stamp_ns(odometry), _velocity(odometry)),
+        ODOMETRY,
     ),
-    Source(name=ODOMETRY.name, message_type="nav_msgs/msg/Odometry", take=_odometry, topic=ODOMETRY),
 )
 TRUTH = (
     Source(
-        name="/odom_ground_truth",
-        message_type="nav_msgs/msg/Odometry",
-        take=_ground_truth,
+        "/odom_ground_truth",
+        "nav_msgs/msg/Odometry",
+        lambda session, odometry: session.take_true_velocity(_velocity(odometry)),
         is_truth=True,
     ),
     Source(
-        name="/rover/truth/contact",
-        message_type="std_msgs/msg/Bool",
-        take=_contact,
+        "/rover/truth/contact",
+        "std_msgs/msg/Bool",
+        lambda session, contact: session.take_contact(touches=contact.data),
         has_stamp=False,
         is_truth=True,
     ),
     Source(
-        name="/rover/truth/traversal",
-        message_type="std_msgs/msg/Float64MultiArray",
-        take=_traversal,
+        "/rover/truth/traversal",
+        "std_msgs/msg/Float64MultiArray",
+        _traversal,
         has_stamp=False,
         is_truth=True,
     ),

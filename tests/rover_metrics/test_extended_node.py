@@ -71,7 +71,7 @@ def test_messages_of_every_topic_reach_their_columns(rig: "Rig") -> None:
         header, *rows = csv.reader(file)
     assert tuple(header) == EXTENDED_HEADER
     assert rows == [[str(cell) for cell in cells.values()]]
-    assert node.rejected == dict.fromkeys(node.received, 0)
+    assert node.reception.rejected == dict.fromkeys(node.received, 0)
 
 
 def test_the_truth_follows_the_namespace_and_what_is_lost_of_each_sensor_is_in_its_column(
@@ -120,7 +120,7 @@ def test_truth_that_nobody_publishes_is_not_missed_and_one_that_stops_is(
 def test_another_truth_is_counted_and_left_out(rig: "Rig", capfd: pytest.CaptureFixture[str]) -> None:
     node = start(rig)
     node.take(TRUTH_VALUES, Float64MultiArray(data=[1.0]))
-    assert node.rejected["/rover/truth/traversal"] == 1
+    assert node.reception.rejected["/rover/truth/traversal"] == 1
     assert row(node)["True Roughness [m]"] == ""
     assert "not the truth that harness.run publishes, left out" in capfd.readouterr().err
 
@@ -161,4 +161,4 @@ def test_callbacks_serve_all_four_sensors_and_refuse_what_the_twelve_refuse(rig:
     cells = row(node)
     rejected = {name: cells[f"{name} Rejected"] for name in ("Scan", "IMU", "Pose", "Odometry")}
     assert rejected == {"Scan": 0, "IMU": 1, "Pose": 1, "Odometry": 1}
-    assert node.rejected["/odom_ground_truth"] == 1
+    assert node.reception.rejected["/odom_ground_truth"] == 1

@@ -105,7 +105,7 @@ def test_a_poisonous_imu_sample_is_left_out_and_named_and_the_sum_goes_on(
     node.take(IMU, rig.imu(acceleration, rate))
     node.take(IMU, good)
     assert node.metrics.smoothness_metric == 19.6
-    assert node.rejected["/imu/data"] == 1
+    assert node.reception.rejected["/imu/data"] == 1
     assert remarks(node, "/imu/data") == {reason: 1}
     assert f"/imu/data: {reason}, left out (1 so far)" in capfd.readouterr().err
 
@@ -123,7 +123,7 @@ def test_an_empty_a_nan_and_a_teleported_pose_are_no_travel(rig: "Rig") -> None:
     ):
         node.take(POSE, message)
     assert node.metrics.total_distance == 0.5
-    assert node.rejected["/rover/pose_array"] == 3
+    assert node.reception.rejected["/rover/pose_array"] == 3
     assert remarks(node, "/rover/pose_array") == {
         faults.NO_POSE: 1,
         faults.NOT_FINITE: 2,
@@ -152,7 +152,7 @@ def test_stamps_that_stand_still_go_back_jump_or_leave_gaps_are_counted(rig: "Ri
         give(rig.imu((0.0, 0.0, 9.8), stamp=stamp))
     assert remarks(node, "/imu/data") == {STANDS_STILL: 1, WENT_BACK: 1, JUMPED_AHEAD: 1, MISSING: 3}
     assert node.metrics.smoothness_metric == pytest.approx(27 * 9.8)
-    assert node.rejected["/imu/data"] == 0
+    assert node.reception.rejected["/imu/data"] == 0
 
 
 # Fuzz
@@ -237,8 +237,9 @@ def test_a_hundred_thousand_random_messages_do_no_harm_and_leave_nothing_behind(
     row = node.last_row
     assert row is not None
     assert all(math.isfinite(float(cell)) for cell in row.as_fields()[:-1])
-    assert all(0 < count < node.received[topic] for topic, count in node.rejected.items() if count)
-    assert node.rejected["/scan"] == 0
+    rejected = node.reception.rejected
+    assert all(0 < count < node.received[topic] for topic, count in rejected.items() if count)
+    assert rejected["/scan"] == 0
     assert len(node.metrics._imu) == WINDOW
     assert node.lost_rows == 0
 

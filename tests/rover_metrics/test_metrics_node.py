@@ -79,7 +79,7 @@ def test_messages_over_ros_give_the_row_of_the_same_samples_given_directly(rig: 
         rig.spin_until(lambda count=count: set(node.received.values()) == {count})  # type: ignore[misc]
     assert node.metrics.row(1) == direct.row(1)
     assert direct.total_distance > 0
-    assert node.rejected == dict.fromkeys(node.received, 0)
+    assert node.reception.rejected == dict.fromkeys(node.received, 0)
 
 
 def test_topics_have_roboterrains_names_in_the_root_namespace(rig: "Rig") -> None:
@@ -127,7 +127,7 @@ def test_a_broken_sensor_does_not_flood_the_terminal(
     node = rig.start()
     for _ in range(1000):
         node.take(ODOMETRY, rig.odometry(math.nan, 0.0, 0.0))
-    assert node.rejected["/odometry/wheels"] == 1000
+    assert node.reception.rejected["/odometry/wheels"] == 1000
     told = capfd.readouterr().err
     assert told.count("/odometry/wheels: not finite, left out") == 10  # at 1, 2, 4, ... 512
     assert told.count("\n") < 30
@@ -442,7 +442,7 @@ def test_each_message_is_counted_once_and_named_if_something_is_odd(
     bench, topic = Bench(extended=extended), f"/rover{source.name}"
     bench.take(source, message)
     assert bench.counts(bench.received) == {topic: 1}
-    assert bench.counts(bench.rejected) == ({topic: 1} if rejected else {})
+    assert bench.counts(bench.reception.rejected) == ({topic: 1} if rejected else {})
     assert bench.remarks() == ({topic: {remark: 1}} if remark else {})
     states = {state.topic: state for state in bench.reception.states()}
     assert states[topic].stamp_ns == 3_000_000_005
@@ -462,11 +462,11 @@ def test_truth_is_counted_and_left_out_if_it_is_no_truth(
     bench, topic = Bench(), f"/rover{source.name}"
     bench.take(source, good)
     assert bench.counts(bench.received) == {topic: 1}
-    assert (bench.remarks(), bench.counts(bench.rejected)) == ({}, {})
+    assert (bench.remarks(), bench.counts(bench.reception.rejected)) == ({}, {})
     if bad is not None:
         bench.take(source, bad)
         assert bench.counts(bench.received) == {topic: 2}
-        assert bench.counts(bench.rejected) == {topic: 1}
+        assert bench.counts(bench.reception.rejected) == {topic: 1}
         stands_still = {STANDS_STILL: 1} if source.has_stamp else {}
         assert bench.remarks() == {topic: {rejections.NOT_FINITE_OR_OTHER: 1, **stands_still}}
 

@@ -50,13 +50,13 @@ class Metric:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The columns that a log must have for this metric."""
+        """Returns the columns that a log must have for this metric."""
         return (self.column, ROUGH) if self.rough_only else (self.column,)
 
     @property
-    def per_metre(self) -> bool:
-        """Whether a rate per metre driven makes sense beside the rate per minute."""
-        return self.kind is Kind.COUNTER and self.column != DISTANCE
+    def label(self) -> str:
+        """What is reported, with its unit."""
+        return f"{self.title} [{self.unit}]"
 
 
 _ALL = (

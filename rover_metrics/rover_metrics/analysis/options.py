@@ -1,16 +1,18 @@
 """The command line of rover_metrics.analyze; every mistake is told in one line."""
 
 import argparse
+import contextlib
 import math
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
-from rover_metrics.analysis.logs.episodes import DEFAULT_GAP
+from rover_metrics.analysis.logs.reading import DEFAULT_GAP
 from rover_metrics.analysis.logs.time_axis import AXES
 from rover_metrics.analysis.metric import METRICS
-from rover_metrics.analysis.output import PLOTS
-from rover_metrics.analysis.statistics.outliers import DEFAULT_MULTIPLIER
+from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER
+from rover_metrics.analysis.study import PLOTS
 from rover_metrics.errors import RoverMetricsError
 
 DEFAULT_INTERVAL = 1.0  # s
@@ -25,127 +27,33 @@ class _Parser(argparse.ArgumentParser):
         raise UsageError(" ".join(message.split()))
 
 
-def positive(text: str) -> float:
-    """Parse a finite number above 0."""
-    value = _number(text)
-    if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number above 0")
-    return value
+def _number(text: str, below: float, wanted: str) -> float:
+    with contextlib.suppress(ValueError):
+        if 0 < float(text) < below:
+            return float(text)
+    raise argparse.ArgumentTypeError(f"{text!r} is not a number {wanted}")
 
 
-def level(text: str) -> float:
-    """Parse a level of confidence."""
-    value = _number(text)
-    if not 0 < value < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number between 0 and 1, such as 0.95")
-    return value
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan
-
-
-_OPTIONS: dict[tuple[str, ...], dict[str, Any]] = {
-    ("-m", "--metrics"): {
-        "nargs": "+",
-        "type": str.upper,
-        "choices": tuple(METRICS),
-        "default": list(METRICS),
-        "metavar": "CODE",
-        "help": f"what to report, of {' '.join(METRICS)}; default: all",
-    },
-    ("-p", "--plots"): {
-        "nargs": "*",
-        "choices": PLOTS,
-        "default": ["time_series"],
-        "metavar": "PLOT",
-        "help": f"what to draw, of {' '.join(PLOTS)}; none if none is named; default: time_series",
-    },
-    ("-n", "--normalize"): {
-        "choices": AXES,
-        "metavar": "AXIS",
-        "help": f"time axis of the plots, of {' '.join(AXES)}; default: percentage",
-    },
-    ("--fixed-interval",): {
-        "type": positive,
-        "metavar": "S",
-        "help": "seconds per mean with -n fixed_interval; default: 1.0",
-    },
-    ("--iqr-multiplier",): {
-        "type": positive,
-        "default": DEFAULT_MULTIPLIER,
-        "metavar": "K",
-        "help": "an outlier lies over K interquartile ranges beyond the quartiles; default: 1.5",
-    },
-    ("--remove-outliers",): {
-        "action": "store_true",
-        "help": "leave outliers out of statistics and plots; without it they are only counted",
-    },
-    ("--save-outliers",): {
-        "action": "store_true",
-        "help": "write them to outliers.csv in the output folder",
-    },
-    ("--confidence-level",): {
-        "type": level,
-        "default": 0.95,
-        "metavar": "P",
-        "help": "of every interval, and 1 - P of every verdict; default: 0.95",
-    },
-    ("--versus",): {
-        "nargs": "+",
-        "type": Path,
-        "default": [],
-        "metavar": "LOG",
-        "help": "a second group of logs to compare with the first",
-    },
-    ("--group-names",): {
-        "nargs": 2,
-        "metavar": ("FIRST", "SECOND"),
-        "help": "names of the two groups; default: first versus",
-    },
-    ("--unit",): {
-        "choices": ("log", "episode"),
-        "help": "one observation of the comparison; default: log, for the episodes of one log share "
-        "world, node and driver",
-    },
-    ("--gap",): {
-        "type": positive,
-        "default": DEFAULT_GAP,
-        "metavar": "S",
-        "help": "an episode ends where no row follows for longer than this; default: 10.0",
-    },
-    ("-o", "--output"): {
-        "type": Path,
-        "default": Path("output"),
-        "metavar": "DIR",
-        "help": "folder for plots and outliers; default: output",
-    },
-    ("--json",): {"action": "store_true", "help": "print JSON instead of tables"},
-}
+_positive = partial(_number, below=math.inf, wanted="above 0")
+_level = partial(_number, below=1.0, wanted="between 0 and 1, such as 0.95")
 
 
 def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
-    """Parse the command line.
-
-    Args:
-        arguments: Words; sys.argv if None.
+    """Returns the options of a command line, of sys.argv if None.
 
     Raises:
         UsageError: The words make no sense; the message names the valid choices.
     """
     options = _parser().parse_args(arguments)
     options.metrics = list(dict.fromkeys(options.metrics))
-    if options.normalize is None:
-        options.normalize = "percentage" if options.fixed_interval is None else "fixed_interval"
-    elif options.fixed_interval is not None and options.normalize != "fixed_interval":
+    if options.fixed_interval is None:
+        options.normalize = options.normalize or "percentage"
+        options.fixed_interval = DEFAULT_INTERVAL
+    elif options.normalize not in (None, "fixed_interval"):
         raise UsageError(
             f"--fixed-interval has no effect with -n {options.normalize}; give -n fixed_interval"
         )
-    if options.fixed_interval is None:
-        options.fixed_interval = DEFAULT_INTERVAL
+    options.normalize = options.normalize or "fixed_interval"
     _check_groups(options)
     return options
 
@@ -173,7 +81,50 @@ def _parser() -> argparse.ArgumentParser:
         epilog="Exit code: 0 if every log was analysed, 1 if any was skipped, 2 for wrong arguments.",
         allow_abbrev=False,
     )
-    parser.add_argument("logs", nargs="+", type=Path, metavar="LOG", help="CSV written by metrics_node")
-    for flags, settings in _OPTIONS.items():
-        parser.add_argument(*flags, **settings)
+    add = parser.add_argument
+    add("logs", nargs="+", type=Path, metavar="LOG", help="CSV written by metrics_node")
+    add(
+        "-m",
+        "--metrics",
+        nargs="+",
+        type=str.upper,
+        choices=tuple(METRICS),
+        default=list(METRICS),
+        metavar="CODE",
+        help=f"what to report, of {' '.join(METRICS)}; default: all",
+    )
+    add(
+        "-p",
+        "--plots",
+        nargs="*",
+        choices=PLOTS,
+        default=["time_series"],
+        metavar="PLOT",
+        help=f"what to draw, of {' '.join(PLOTS)}; none if none is named; default: time_series",
+    )
+    axes = f"time axis of the plots, of {' '.join(AXES)}; default: percentage"
+    add("-n", "--normalize", choices=AXES, metavar="AXIS", help=axes)
+    interval = f"seconds per mean with -n fixed_interval; default: {DEFAULT_INTERVAL}"
+    add("--fixed-interval", type=_positive, metavar="S", help=interval)
+    fences = "an outlier lies over K interquartile ranges beyond the quartiles; default: 1.5"
+    add("--iqr-multiplier", type=_positive, default=DEFAULT_MULTIPLIER, metavar="K", help=fences)
+    removed = "leave outliers out of statistics and plots; without it they are only counted"
+    add("--remove-outliers", action="store_true", help=removed)
+    add("--save-outliers", action="store_true", help="write them to outliers.csv in the output folder")
+    confidence = "of every interval, and 1 - P of every verdict; default: 0.95"
+    add("--confidence-level", type=_level, default=0.95, metavar="P", help=confidence)
+    versus = "a second group of logs to compare with the first"
+    add("--versus", nargs="+", type=Path, default=[], metavar="LOG", help=versus)
+    names = "names of the two groups; default: first versus"
+    add("--group-names", nargs=2, metavar=("FIRST", "SECOND"), help=names)
+    unit = (
+        "one observation of the comparison; default: log, for the episodes of one log share world, node "
+        "and driver"
+    )
+    add("--unit", choices=("log", "episode"), help=unit)
+    gap = f"an episode ends where no row follows for longer than this; default: {DEFAULT_GAP}"
+    add("--gap", type=_positive, default=DEFAULT_GAP, metavar="S", help=gap)
+    folder = "folder for plots and outliers; default: output"
+    add("-o", "--output", type=Path, default=Path("output"), metavar="DIR", help=folder)
+    add("--json", action="store_true", help="print JSON instead of tables")
     return parser

@@ -1,7 +1,9 @@
 """From a study to its result: every number there is to report. No file, no plot, no print."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
+from typing import TypeVar
 
 import numpy as np
 
@@ -10,16 +12,17 @@ from rover_metrics.analysis.metric import Metric
 from rover_metrics.analysis.result import LogResult, Result
 from rover_metrics.analysis.statistics.comparison import Comparison, compare, holm
 from rover_metrics.analysis.statistics.correlation import Correlation, combine, correlate
-from rover_metrics.analysis.statistics.outliers import outliers
-from rover_metrics.analysis.statistics.series import metric_series, rate_per_metre
+from rover_metrics.analysis.statistics.series import rate_per_metre
 from rover_metrics.analysis.statistics.summary import Summary, summarise, summarise_independent
 from rover_metrics.analysis.study import Member, Study
+
+Tested = TypeVar("Tested", Comparison, Correlation)
 
 _MOST_CORRELATED = 200_000  # rows; of longer logs every k-th is taken, as neighbours say little new
 
 
 def analyse(study: Study) -> Result:
-    """Work out everything there is to say in numbers."""
+    """Works out everything there is to say in numbers."""
     options = study.options
     logs = tuple(_log_result(study, member) for member in study.members)
     return Result(
@@ -38,17 +41,7 @@ def analyse(study: Study) -> Result:
 def _log_result(study: Study, member: Member) -> LogResult:
     log, options = member.log, study.options
     metrics = [metric for metric in options.metrics if log.has(metric)]
-    summaries: dict[str, Summary] = {}
-    counts: dict[str, int] = {}
-    per_metre: dict[str, float] = {}
-    for metric in metrics:
-        raw = metric_series(log, metric)
-        counts[metric.code] = int(outliers(raw, metric.kind, options.iqr_multiplier).sum())
-        values, weights = study.series(log, metric).finite()
-        summaries[metric.code] = summarise(values, weights, metric.kind, options.confidence)
-        ratio = rate_per_metre(log, metric)
-        if ratio is not None:
-            per_metre[metric.code] = ratio
+    ratios = {metric.code: rate_per_metre(log, metric) for metric in metrics}
     return LogResult(
         label=member.label,
         path=str(log.path),
@@ -57,15 +50,18 @@ def _log_result(study: Study, member: Member) -> LogResult:
         duration=log.duration,
         episodes=len(log.starts),
         findings=log.findings,
-        metrics=summaries,
-        per_metre=per_metre,
-        outliers=counts,
-        correlations=_correlations(study, log, metrics) if options.correlate else (),
+        metrics={
+            metric.code: summarise(*study.series(log, metric).finite(), metric.kind, options.confidence)
+            for metric in metrics
+        },
+        per_metre={code: ratio for code, ratio in ratios.items() if ratio is not None},
+        outliers={metric.code: int(study.outliers(log, metric).sum()) for metric in metrics},
+        correlations=_correlations(study, log, metrics) if "correlation" in options.plots else (),
     )
 
 
 def _correlations(study: Study, log: Log, metrics: Sequence[Metric]) -> tuple[Correlation, ...]:
-    """Correlate each pair of metrics, but not two views of one column."""
+    """Correlates each pair of metrics, but not two views of one column."""
     step = max(1, len(log) // _MOST_CORRELATED)
     values = {metric.code: study.series(log, metric).values[::step].copy() for metric in metrics}
     found = [
@@ -84,36 +80,34 @@ def _combined(per_log: Sequence[Sequence[Correlation]]) -> tuple[Correlation, ..
     return _with_holm([combine(parts) for parts in pairs.values()])
 
 
-def _with_holm(found: Sequence[Correlation]) -> tuple[Correlation, ...]:
-    adjusted = holm([correlation.p for correlation in found])
-    return tuple(correlation.adjusted(p) for correlation, p in zip(found, adjusted, strict=True))
+def _with_holm(found: Sequence[Tested]) -> tuple[Tested, ...]:
+    adjusted = holm([each.p for each in found])
+    return tuple(replace(each, p_holm=p) for each, p in zip(found, adjusted, strict=True))
 
 
 def _across(study: Study, logs: Sequence[LogResult], group: str) -> Mapping[str, Summary]:
-    """Sum up the means of a group's logs, each log one observation."""
+    """Sums up the means of a group's logs, each log one observation."""
+    of_group = [log.metrics for log in logs if log.group == group]
     across = {}
     for metric in study.options.metrics:
-        summaries = [
-            log.metrics[metric.code] for log in logs if log.group == group and metric.code in log.metrics
-        ]
-        means = [summary.mean for summary in summaries if summary.mean is not None]
-        across[metric.code] = summarise_independent(
-            np.array(means, np.float64), metric.kind, study.options.confidence
-        )
+        found = (summaries[metric.code].mean for summaries in of_group if metric.code in summaries)
+        means = np.array([mean for mean in found if mean is not None], np.float64)
+        across[metric.code] = summarise_independent(means, metric.kind, study.options.confidence)
     return across
 
 
 def _comparisons(study: Study) -> tuple[Comparison, ...]:
     if len(study.groups) != 2:
         return ()
-    found = [
-        compare(
-            metric.code,
-            study.observations(metric, study.groups[0]),
-            study.observations(metric, study.groups[1]),
-            study.options.confidence,
-        )
-        for metric in study.options.metrics
-    ]
-    adjusted = holm([comparison.p for comparison in found])
-    return tuple(comparison.adjusted(p) for comparison, p in zip(found, adjusted, strict=True))
+    first, second = study.groups
+    return _with_holm(
+        [
+            compare(
+                metric.code,
+                study.observations(metric, first),
+                study.observations(metric, second),
+                study.options.confidence,
+            )
+            for metric in study.options.metrics
+        ]
+    )

@@ -1,13 +1,10 @@
-"""The outcome of an analysis as values, which print themselves and turn into JSON."""
+"""The outcome of an analysis as values, which turn into JSON."""
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Literal
 
-from rich.console import Console, ConsoleOptions, RenderResult
-
-from rover_metrics.analysis import tables
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.correlation import Correlation
 from rover_metrics.analysis.statistics.summary import Summary
@@ -83,18 +80,8 @@ class Result:
     correlations: tuple[Correlation, ...]
     comparisons: tuple[Comparison, ...] = ()
     skipped: tuple[Skipped, ...] = ()
-    files: tuple[str, ...] = field(default=())
+    files: tuple[str, ...] = ()
 
     def to_json(self) -> str:
-        """Give everything as strict JSON; a number that does not exist is null."""
+        """Returns everything as strict JSON; a number that does not exist is null."""
         return json.dumps(json_safe(asdict(self)), indent=2, ensure_ascii=False, allow_nan=False)
-
-    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        for log in self.logs:
-            yield from tables.log_tables(self, log, options.max_width)
-        if len(self.logs) > 1:
-            yield from tables.across_tables(self, options.max_width)
-        if self.correlations:
-            yield from tables.correlation_table(self)
-        if self.comparisons:
-            yield from tables.comparison_tables(self, options.max_width)

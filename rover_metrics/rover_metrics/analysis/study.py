@@ -1,15 +1,56 @@
-"""The logs of an analysis, how they are grouped, and what is to be found out about them."""
+"""The logs of an analysis, how they are named and grouped, and what is to be found out about them."""
 
-from dataclasses import dataclass
+import itertools
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rover_metrics.analysis.logs.log import Floats, Log
+from rover_metrics.analysis.logs.time_axis import TimeAxis
 from rover_metrics.analysis.metric import METRICS, Metric
 from rover_metrics.analysis.result import Unit
-from rover_metrics.analysis.statistics.outliers import DEFAULT_MULTIPLIER, outliers
-from rover_metrics.analysis.statistics.series import Series, metric_series
+from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER, Series, metric_series
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
+
+PlotName = Literal["time_series", "correlation", "aggregate", "comparison"]
+PLOTS: tuple[PlotName, ...] = get_args(PlotName)
+_LONGEST_LABEL = 40  # characters
+
+
+def labels(paths: Sequence[Path]) -> list[str]:
+    """Names different logs by the ends of their paths, as many folders as it takes to tell them apart.
+
+    Returns one name a path, without control characters, at most 40 characters and a number.
+    """
+    parts = [(*path.absolute().parts[1:-1], path.stem) for path in paths]
+    depths = [1] * len(paths)
+    while True:
+        names = ["/".join(part[-depth:]) for part, depth in zip(parts, depths, strict=True)]
+        counts = Counter(names)
+        longer = [i for i, name in enumerate(names) if counts[name] > 1 and depths[i] < len(parts[i])]
+        if not longer:
+            break
+        for i in longer:
+            depths[i] += 1
+    names = [_shortened(printable(name)) for name in names]
+    counts = Counter(names)
+    numbers = {name: itertools.count(1) for name in counts}
+    return [f"{name} ({next(numbers[name])})" if counts[name] > 1 else name for name in names]
+
+
+def _shortened(name: str) -> str:
+    half = _LONGEST_LABEL // 2
+    return name if len(name) <= _LONGEST_LABEL else f"{name[: half - 2]}...{name[-half + 1 :]}"
+
+
+def printable(text: str) -> str:
+    """Returns a text with a ? for each control character."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
 @dataclass(frozen=True)
@@ -22,7 +63,8 @@ class Options:
         iqr_multiplier: Interquartile ranges beyond the quartiles where an outlier begins.
         remove_outliers: Whether outliers are left out of everything; they are counted anyway.
         unit: One observation of a comparison: the mean of a log or of an episode.
-        correlate: Whether to correlate every pair of metrics.
+        plots: What is drawn; pairs of metrics are correlated only if that is.
+        axis: Time axis of the plots that have one.
     """
 
     metrics: tuple[Metric, ...] = tuple(METRICS.values())
@@ -30,7 +72,8 @@ class Options:
     iqr_multiplier: float = DEFAULT_MULTIPLIER
     remove_outliers: bool = False
     unit: Unit = "log"
-    correlate: bool = False
+    plots: tuple[PlotName, ...] = ()
+    axis: TimeAxis = field(default_factory=TimeAxis)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,29 +94,36 @@ class Study:
     options: Options
 
     def with_metric(self, metric: Metric) -> list[Member]:
-        """The logs that have the columns of a metric."""
+        """Returns the logs that have the columns of a metric."""
         return [member for member in self.members if member.log.has(metric)]
 
     def bounds(self, metric: Metric) -> dict[str, list[float]]:
-        """Give the values of the thresholds that bound a metric, by name: those that its logs had."""
+        """Returns the values of the thresholds that bound a metric, by name: those that its logs had."""
         had = [member.log.thresholds or DEFAULT_THRESHOLDS for member in self.with_metric(metric)]
         return {name: sorted({getattr(each, name) for each in had}) for name in metric.thresholds}
 
+    def outliers(self, log: Log, metric: Metric) -> NDArray[np.bool_]:
+        """Marks the rows of a log whose value is an outlier, whether they are removed or not."""
+        return metric_series(log, metric).outliers(metric.kind, self.options.iqr_multiplier)
+
     def series(self, log: Log, metric: Metric) -> Series:
-        """Derive a metric of a log, without outliers if they are to be removed."""
+        """Returns a metric of a log, without outliers if they are to be removed."""
         series = metric_series(log, metric)
-        if not self.options.remove_outliers:
-            return series
-        return series.without(outliers(series, metric.kind, self.options.iqr_multiplier))
+        return series.without(self.outliers(log, metric)) if self.options.remove_outliers else series
+
+    def episodes(self, member: Member, metric: Metric) -> Iterator[tuple[Floats, Floats]]:
+        """Yields positions on the time axis and values of each episode of a log."""
+        values = self.series(member.log, metric).values
+        for rows in member.log.episodes:
+            yield self.options.axis.place(member.log.stamps[rows], values[rows])
 
     def observations(self, metric: Metric, group: str) -> Floats:
-        """Give one mean per log (or episode) of a group, where there is one."""
+        """Returns one mean per log (or episode) of a group, where there is one."""
         means = []
         for member in self.with_metric(metric):
             if member.group == group:
                 series = self.series(member.log, metric)
-                by_episode = self.options.unit == "episode"
-                units = member.log.episodes if by_episode else [slice(None)]
+                units = member.log.episodes if self.options.unit == "episode" else [slice(None)]
                 means += [series.mean(rows) for rows in units]
         values = np.array(means, dtype=np.float64)
         return values[np.isfinite(values)]

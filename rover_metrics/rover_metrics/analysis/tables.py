@@ -1,30 +1,35 @@
 """The tables that people read, from a result."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 
 from rich import box
+from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
 from rover_metrics.analysis.metric import METRICS
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-    from collections.abc import Set as AbstractSet
-
-    from rich.console import RenderableType
-
-    from rover_metrics.analysis.result import LogResult, Result
-    from rover_metrics.analysis.statistics.summary import Interval, Summary
+from rover_metrics.analysis.result import LogResult, Result
+from rover_metrics.analysis.statistics.summary import Interval, Summary
 
 _WIDE = 120  # columns of a terminal; a narrower one shows less, JSON everything
 
 NONE = "–"  # noqa: RUF001  # an en dash, which no minus sign looks like in a column of numbers
 
 
-def log_tables(result: Result, log: LogResult, width: int) -> Iterator[RenderableType]:
+def report(result: Result, width: int) -> Iterator[RenderableType]:
+    """Yields everything there is to read of a result, on a terminal of so many columns."""
+    for log in result.logs:
+        yield from _log_tables(result, log, width)
+    if len(result.logs) > 1:
+        yield from _across_tables(result, width)
+    if result.correlations:
+        yield from _correlation_table(result)
+    if result.comparisons:
+        yield from _comparison_tables(result, width)
+
+
+def _log_tables(result: Result, log: LogResult, width: int) -> Iterator[RenderableType]:
     """One log: what was odd, then its statistics."""
     episodes = f", {log.episodes} episodes" if log.episodes > 1 else ""
     group = f" ({log.group})" if len(result.groups) > 1 else ""
@@ -45,7 +50,7 @@ def _statistics(result: Result, log: LogResult, width: int) -> Table:
             f"{level} blocks": _interval(summary.bootstrap_interval),
             **_spread(summary),
             "n": str(summary.n),
-            "n eff.": _whole(summary.n_effective),
+            "n eff.": _formatted(summary.n_effective, ".0f"),
             f"Outliers {removed}": str(log.outliers[code]),
             "Per metre": number(log.per_metre.get(code)),
         }
@@ -63,7 +68,7 @@ def _statistics(result: Result, log: LogResult, width: int) -> Table:
     return table
 
 
-def across_tables(result: Result, width: int) -> Iterator[RenderableType]:
+def _across_tables(result: Result, width: int) -> Iterator[RenderableType]:
     """All logs: the spread of their means."""
     for group, summaries in result.across.items():
         of_group = f" of {group}" if len(result.groups) > 1 else ""
@@ -80,12 +85,17 @@ def across_tables(result: Result, width: int) -> Iterator[RenderableType]:
         yield _metric_table(rows, width, {"Median"})
 
 
-def correlation_table(result: Result) -> Iterator[RenderableType]:
+def _correlation_table(result: Result) -> Iterator[RenderableType]:
     """The correlations of all pairs, strongest first."""
     yield Text("\nCorrelation within logs, strongest first", style="bold")
     table = _table("Pair", ["rho", "p", "p (Holm)", "n", "n eff."])
     for item in sorted(result.correlations, key=lambda item: -abs(item.rho)):
-        cells = (probability(item.p), probability(item.p_holm), str(item.n), _whole(item.n_effective))
+        cells = (
+            probability(item.p),
+            probability(item.p_holm),
+            str(item.n),
+            _formatted(item.n_effective, ".0f"),
+        )
         table.add_row(f"{item.first} - {item.second}", f"{item.rho:+.2f}", *cells)
     yield table
     yield Text(
@@ -95,7 +105,7 @@ def correlation_table(result: Result) -> Iterator[RenderableType]:
     )
 
 
-def comparison_tables(result: Result, width: int) -> Iterator[RenderableType]:
+def _comparison_tables(result: Result, width: int) -> Iterator[RenderableType]:
     """The second group against the first."""
     first, second = result.groups
     yield Text(f"\n{second} against {first}, each {result.unit} one observation", style="bold")
@@ -107,8 +117,8 @@ def comparison_tables(result: Result, width: int) -> Iterator[RenderableType]:
             _level(result): _interval(item.interval),
             "p": probability(item.p),
             "p (Holm)": probability(item.p_holm),
-            "g": _effect(item.hedges_g),
-            "delta": _effect(item.cliffs_delta),
+            "g": _formatted(item.hedges_g, "+.2f"),
+            "delta": _formatted(item.cliffs_delta, "+.2f"),
             "n": f"{item.n[0]} + {item.n[1]}",
         }
         for item in result.comparisons
@@ -133,7 +143,7 @@ def _how_compared(result: Result) -> str:
 
 
 def number(value: float | None) -> str:
-    """Give four significant digits, never in powers of ten."""
+    """Returns four significant digits, never in powers of ten."""
     if value is None:
         return NONE
     if value == 0:
@@ -143,22 +153,18 @@ def number(value: float | None) -> str:
 
 
 def probability(p: float | None) -> str:
-    """Give a p-value as papers print it."""
+    """Returns a p-value as papers print it."""
     if p is None:
         return NONE
     return "<0.001" if p < 0.001 else f"{p:.3f}"
-
-
-def _whole(value: float | None) -> str:
-    return NONE if value is None else f"{value:.0f}"
 
 
 def _interval(interval: Interval | None) -> str:
     return NONE if interval is None else f"{number(interval[0])} to {number(interval[1])}"
 
 
-def _effect(size: float | None) -> str:
-    return NONE if size is None else f"{size:+.2f}"
+def _formatted(value: float | None, form: str) -> str:
+    return NONE if value is None else format(value, form)
 
 
 def _spread(summary: Summary) -> dict[str, str]:
@@ -170,22 +176,18 @@ def _spread(summary: Summary) -> dict[str, str]:
     }
 
 
-def _name(code: str) -> Text:
-    metric = METRICS[code]
-    return Text.assemble((f"{code:<4}", "bold"), f" {metric.title} [{metric.unit}]")
-
-
 def _level(result: Result) -> str:
     return f"{100 * result.confidence:g} %"
 
 
 def _metric_table(rows: Mapping[str, Mapping[str, str]], width: int, spare: AbstractSet[str]) -> Table:
-    """Lay out one row a metric; a narrow terminal gets it without the spare columns."""
+    """Lays out one row a metric; a narrow terminal gets it without the spare columns."""
     titles = next(iter(rows.values()), {})
     shown = [title for title in titles if width >= _WIDE or title not in spare]
     table = _table("Metric", shown)
     for code, cells in rows.items():
-        table.add_row(_name(code), *(cells[title] for title in shown))
+        name = Text.assemble((f"{code:<4}", "bold"), f" {METRICS[code].label}")
+        table.add_row(name, *(cells[title] for title in shown))
     return table
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rover_metrics.analysis.logs.episodes import episode_starts
 from rover_metrics.analysis.logs.log import Log
+from rover_metrics.analysis.logs.reading import episode_starts
 from rover_metrics.analysis.metric import COUNTERS
 from rover_metrics.core.row import COLUMNS
 

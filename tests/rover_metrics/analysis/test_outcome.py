@@ -38,7 +38,7 @@ def study(make_log: MakeLog) -> Study:
         log = replace(make_log(columns, stamps), findings=(f"odd {number}",))
         members.append(Member(log, f"log {number}", "ab"[number // 3]))
     metrics = tuple(METRICS[code] for code in CODES)
-    return Study(tuple(members), ("a", "b"), Options(metrics, 0.9, correlate=True))
+    return Study(tuple(members), ("a", "b"), Options(metrics, 0.9, plots=("correlation",)))
 
 
 def test_each_log_is_summed_up_by_metric(study: Study) -> None:

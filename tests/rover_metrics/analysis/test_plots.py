@@ -24,7 +24,7 @@ from rover_metrics.analysis.plots.aggregate import draw_aggregate, mean_and_band
 from rover_metrics.analysis.plots.comparison import draw_comparison
 from rover_metrics.analysis.plots.correlation import draw_correlation
 from rover_metrics.analysis.plots.curves import MOST_POINTS, smoothed, thinned, upper_limit
-from rover_metrics.analysis.plots.style import legend_columns, look, save, styled
+from rover_metrics.analysis.plots.style import STYLE, legend_columns, look, save
 from rover_metrics.analysis.plots.time_series import draw_time_series
 from rover_metrics.analysis.statistics.correlation import Correlation
 from rover_metrics.analysis.study import Member, Options, Study
@@ -49,12 +49,16 @@ def study(make_log: MakeLog) -> Study:
     logs = [log(100, 0.3), log(200, 1.0), log(150, 2.0), log(120, 2.5)]
     members = [Member(log, f"log {i}", "ab"[i // 2]) for i, log in enumerate(logs)]
     metrics = tuple(METRICS[code] for code in ("TC", "OC", "RT"))
-    return Study(tuple(members), ("a", "b"), Options(metrics, correlate=True))
+    return Study(tuple(members), ("a", "b"), Options(metrics, plots=("correlation",)))
 
 
 def ungrouped(study: Study) -> Study:
     members = tuple(Member(member.log, member.label, "all") for member in study.members)
     return Study(members, ("all",), study.options)
+
+
+def over(study: Study, axis: TimeAxis) -> Study:
+    return replace(study, options=replace(study.options, axis=axis))
 
 
 def only_axes(figure: Figure | None) -> Axes:
@@ -78,7 +82,7 @@ def texts(figure: Figure) -> str:
 def test_each_log_is_a_running_curve_of_its_own_colour_and_line(study: Study, code: str) -> None:
     """Levels as the median over a twentieth, all else as the mean over a tenth; nine rows at least."""
     metric = METRICS[code]
-    axes = only_axes(draw_time_series(ungrouped(study), metric, TimeAxis("none")))
+    axes = only_axes(draw_time_series(over(ungrouped(study), TimeAxis("none")), metric))
     curves = [line for line in axes.lines if str(line.get_label()).startswith("log")]
     assert [line.get_label() for line in curves] == ["log 0", "log 1", "log 2", "log 3"]
     assert [to_hex(line.get_color()) for line in curves] == OKABE_ITO[:4]
@@ -107,8 +111,8 @@ def test_a_share_is_never_drawn_beyond_all_of_it(make_log: MakeLog) -> None:
     log = make_log({"Is Rough Terrain": np.ones(50)})
     study = Study((Member(log, "x", "all"),), ("all",), Options((METRICS["RT"],)))
     for figure in (
-        draw_time_series(study, METRICS["RT"], TimeAxis()),
-        draw_aggregate(study, TimeAxis()),
+        draw_time_series(study, METRICS["RT"]),
+        draw_aggregate(study),
     ):
         assert only_axes(figure).get_ylim() == (0, 105.0)
 
@@ -117,13 +121,13 @@ def test_a_share_is_never_drawn_beyond_all_of_it(make_log: MakeLog) -> None:
 def test_of_two_groups_or_many_logs_each_group_has_one_look_and_one_name(
     study: Study, logs: int, named: int
 ) -> None:
-    axes = only_axes(draw_time_series(study, METRICS["OC"], TimeAxis("none")))
+    axes = only_axes(draw_time_series(over(study, TimeAxis("none")), METRICS["OC"]))
     looks = [(to_hex(line.get_color()), str(line.get_linestyle())) for line in axes.lines[:4]]
     assert looks[0] == looks[1] != looks[2] == looks[3]
     assert axes.get_legend_handles_labels()[1] == ["a", "b"]
     log = study.members[0].log
     many = Study(tuple(Member(log, f"log {i}", "all") for i in range(logs)), ("all",), study.options)
-    axes = only_axes(draw_time_series(many, METRICS["OC"], TimeAxis("none")))
+    axes = only_axes(draw_time_series(over(many, TimeAxis("none")), METRICS["OC"]))
     assert len(axes.get_legend_handles_labels()[1]) == named
 
 
@@ -142,13 +146,13 @@ def test_thirty_curves_look_different() -> None:
 def test_the_time_axis_is_what_was_asked_for(
     study: Study, axis: AxisName, interval: float, end: float, label: str
 ) -> None:
-    axes = only_axes(draw_time_series(study, METRICS["OC"], TimeAxis(axis, interval)))
+    axes = only_axes(draw_time_series(over(study, TimeAxis(axis, interval)), METRICS["OC"]))
     assert axes.get_xlabel() == label
     assert max(xs(line).max() for line in axes.lines[:4]) == end
 
 
 def test_axes_carry_units_and_thresholds_their_values(study: Study) -> None:
-    figure = draw_time_series(study, METRICS["OC"], TimeAxis("none"))
+    figure = draw_time_series(over(study, TimeAxis("none")), METRICS["OC"])
     axes = only_axes(figure)
     assert axes.get_ylabel() == "Obstacle clearance [m]"
     levels = {float(ys(line)[0]): str(line.get_linestyle()) for line in axes.lines if ys(line).size == 2}
@@ -162,7 +166,7 @@ def test_rows_stand_behind_the_curve_only_where_they_do_not_hide_each_other(
 ) -> None:
     def lines(members: int, code: str = "OC") -> list[Line2D]:
         few = Study(study.members[:members], study.groups, study.options)
-        return list(only_axes(draw_time_series(few, METRICS[code], TimeAxis("none"))).lines)
+        return list(only_axes(draw_time_series(over(few, TimeAxis("none")), METRICS[code])).lines)
 
     assert [len(lines(members)) for members in (2, 3, 4)] == [2 * 2 + 2, 3 * 2 + 2, 4 + 2]
     assert len(lines(2, "TC")) == 2
@@ -172,7 +176,15 @@ def test_rows_stand_behind_the_curve_only_where_they_do_not_hide_each_other(
 
 
 def test_a_metric_without_values_gives_no_figure(study: Study) -> None:
-    assert draw_time_series(study, METRICS["VR"], TimeAxis("none")) is None
+    assert draw_time_series(over(study, TimeAxis("none")), METRICS["VR"]) is None
+
+
+def test_an_episode_without_a_value_draws_nothing(make_log: MakeLog) -> None:
+    """A counter in one row has no rate, so that no interval of it has a mean."""
+    log = make_log({"Distance Traveled": [0, 1, 2, 0]})
+    study = Study((Member(log, "x", "all"),), ("all",), Options((METRICS["DT"],)))
+    axes = only_axes(draw_time_series(over(study, TimeAxis("fixed_interval")), METRICS["DT"]))
+    assert [ys(line).tolist() for line in axes.lines] == [[60.0, 60.0], []]
 
 
 def test_a_single_jolt_does_not_set_the_axis_and_is_told(make_log: MakeLog) -> None:
@@ -180,7 +192,7 @@ def test_a_single_jolt_does_not_set_the_axis_and_is_told(make_log: MakeLog) -> N
     column[500] = 427.0
     log = make_log({"IMU Acceleration Magnitude": column})
     study = Study((Member(log, "x", "all"),), ("all",), Options((METRICS["IM"],)))
-    figure = draw_time_series(study, METRICS["IM"], TimeAxis("none"))
+    figure = draw_time_series(over(study, TimeAxis("none")), METRICS["IM"])
     assert only_axes(figure).get_ylim()[1] < 30
     assert figure is not None
     assert "1 value above the axis, the highest 427" in texts(figure)
@@ -259,7 +271,7 @@ def test_an_aggregate_is_mean_and_t_interval_of_the_episodes() -> None:
 
 
 def test_an_aggregate_has_a_panel_a_metric_and_a_curve_a_group(study: Study) -> None:
-    figure = draw_aggregate(study, TimeAxis())
+    figure = draw_aggregate(study)
     assert figure is not None
     assert [axes.get_title(loc="left") for axes in figure.axes] == [
         "Collisions [scans/min]",
@@ -287,7 +299,7 @@ def test_an_aggregate_has_a_panel_a_metric_and_a_curve_a_group(study: Study) -> 
         high = np.max(curves, axis=0)
         highest.append(max(1.4 * np.mean(curves, axis=0).max(), 1.1 * np.quantile(high, 0.97)))
     assert clearance.get_ylim() == pytest.approx((0, max(highest)))
-    assert draw_aggregate(replace(study, options=Options((METRICS["VR"],))), TimeAxis()) is None
+    assert draw_aggregate(replace(study, options=Options((METRICS["VR"],)))) is None
 
 
 @pytest.mark.parametrize(
@@ -301,7 +313,7 @@ def test_an_aggregate_has_a_panel_a_metric_and_a_curve_a_group(study: Study) -> 
 def test_episodes_are_averaged_on_steps_that_suit_the_longest(
     study: Study, axis: TimeAxis, step: float, last: float
 ) -> None:
-    x = xs(only_axes(draw_aggregate(study, axis)).lines[0])
+    x = xs(only_axes(draw_aggregate(over(study, axis))).lines[0])
     assert (x[0], x[1], x[-1]) == (0, pytest.approx(step), pytest.approx(last))
 
 
@@ -416,8 +428,8 @@ def test_files_are_png_and_pdf_and_the_same_bytes_again(study: Study, tmp_path: 
     written = []
     for folder in (tmp_path / "a", tmp_path / "b"):
         folder.mkdir()
-        with styled():
-            figure = draw_time_series(study, METRICS["OC"], TimeAxis("none"))
+        with mpl.rc_context(STYLE):
+            figure = draw_time_series(over(study, TimeAxis("none")), METRICS["OC"])
             assert figure is not None
             written.append(save(figure, folder, "plot"))
     for first, second in zip(*written, strict=True):
@@ -444,8 +456,8 @@ def test_the_thresholds_drawn_are_those_that_the_logs_had(study: Study) -> None:
         "min_safe_clearance": [0.5, 0.9],
     }
     for figure in (
-        draw_time_series(alone, clearance, axis),
-        draw_aggregate(replace(alone, options=Options((clearance,))), axis),
+        draw_time_series(over(alone, axis), clearance),
+        draw_aggregate(replace(alone, options=Options((clearance,), axis=axis))),
         draw_comparison(replace(alone, options=Options((clearance,))), analyse(alone)),
     ):
         axes = only_axes(figure)

@@ -4,13 +4,13 @@ import io
 from dataclasses import replace
 
 import pytest
-from rich.console import Console
+from rich.console import Console, Group
 
 from rover_metrics.analysis.result import LogResult, Result
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.correlation import Correlation
 from rover_metrics.analysis.statistics.summary import Summary
-from rover_metrics.analysis.tables import number, probability
+from rover_metrics.analysis.tables import number, probability, report
 
 SPEED = Summary(60, 0.52, 21.4, 0.51, 0.08, 0.12, 0.93, (0.5, 0.54), (0.47, 0.57), 4)
 SHARE = Summary(60, 12.5, 9.0, interval=(6.0, 22.0))
@@ -29,7 +29,7 @@ RESULT = Result(
 
 def printed(result: Result, width: int = 220) -> list[str]:
     file = io.StringIO()
-    Console(file=file, width=width, highlight=False).print(result)
+    Console(file=file, width=width, highlight=False).print(Group(*report(result, width)))
     return file.getvalue().splitlines()
 
 

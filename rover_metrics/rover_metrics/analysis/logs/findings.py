@@ -3,17 +3,23 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+import pandas as pd
 
-from rover_metrics.analysis.logs.table import Table, Tally
-from rover_metrics.analysis.metric import METRIC_COLUMNS, Metric
+from rover_metrics.analysis.logs.parsing import Table, Tally
+from rover_metrics.analysis.metric import METRIC_COLUMNS, STAMP, Metric
 
 _UNIX_TIME = 1e9  # s; a simulation does not run for 30 years
 _LATE = 1.5  # periods between two rows beyond which one is missing
 
 
 def describe_table(table: Table, header: Sequence[str], metrics: Sequence[Metric]) -> list[str]:
-    """Say what was not usable of a file."""
+    """Returns what was not usable of a file.
+
+    Args:
+        table: What was read of it.
+        header: Its column names.
+        metrics: Those to be reported.
+    """
     absent = [name for name in METRIC_COLUMNS if name not in header]
     codes = [metric.code for metric in metrics if not set(metric.columns).isdisjoint(absent)]
     findings = []
@@ -21,53 +27,47 @@ def describe_table(table: Table, header: Sequence[str], metrics: Sequence[Metric
         findings.append(f"{len(header)} columns, without {', '.join(absent)}: no {', '.join(codes)}")
     if table.spaces:
         findings.append("spaces before numbers")
-    too_long = "with more fields than the header, so which is which is unclear"
-    findings += _left_out(table.long, ("row", "rows"), too_long)
-    findings += _left_out(table.short, ("row", "rows"), "with fewer fields than the header")
-    findings += _left_out(table.untimed, ("row", "rows"), "without a number for a Timestamp")
+    too_long = " with more fields than the header, so which is which is unclear"
+    findings += _told(table.long, "row", too_long)
+    findings += _told(table.short, "row", " with fewer fields than the header")
+    findings += _told(table.untimed, "row", " without a number for a Timestamp")
     for name, tally in table.cells.items():
-        findings += _left_out(tally, ("cell", "cells"), f"without a number in {name}")
+        findings += _told(tally, "cell", f" without a number in {name}")
     for name, tally in table.infinite.items():
-        why = f"in {name}, as before the first scan" if name == "Obstacle Clearance" else f"in {name}"
-        findings += _left_out(tally, ("infinite value", "infinite values"), why)
+        when = ", as before the first scan" if name == "Obstacle Clearance" else ""
+        findings += _told(tally, "infinite value", f" in {name}{when}")
     return findings
 
 
-def describe_time(table: Table, gap: float) -> list[str]:
-    """Say what was odd about the times of the rows; episodes begin where `gap` is exceeded."""
-    steps = np.diff(table.stamps)
+def describe_time(rows: pd.DataFrame, gap: float) -> list[str]:
+    """Returns what was odd about the times of a table's rows; a longer gap [s] begins an episode."""
+    steps = np.diff(rows[STAMP])
     if not steps.size:
         return ["a single row: no rate, no interval"]
     period = float(np.median(steps[steps > 0])) if (steps > 0).any() else 1.0
     late = (steps > _LATE * period) & (steps <= gap)
     longest = f"up to {steps[late].max(initial=0):g} s, rates are over the time that passed"
-    findings = [
-        *_seen(steps == 0, table, "duplicate timestamp", "the later row counts"),
-        *_seen(steps < 0, table, "backward timestamp", "an episode begins there"),
-        *_seen(steps > gap, table, "long gap", f"over {gap:g} s, an episode begins there"),
-        *_seen(late, table, "short gap", longest),
-    ]
+    findings = []
+    for odd, noun, outcome in (
+        (steps == 0, "duplicate timestamp", "the later row counts"),
+        (steps < 0, "backward timestamp", "an episode begins there"),
+        (steps > gap, "long gap", f"over {gap:g} s, an episode begins there"),
+        (late, "short gap", longest),
+    ):
+        tally = Tally()
+        tally.add(rows.index[1:][odd])
+        findings += _told(tally, noun, outcome=outcome)
     if abs(period - 1.0) > 0.01:
         findings.append(f"a row every {period:g} s, not every second")
-    if table.stamps[0] > _UNIX_TIME:
+    if rows[STAMP].iloc[0] > _UNIX_TIME:
         findings.append("wall-clock timestamps: the node ran without use_sim_time")
     return findings
 
 
-def _left_out(tally: Tally, noun: tuple[str, str], what: str) -> list[str]:
+def _told(tally: Tally, noun: str, what: str = "", outcome: str = "left out") -> list[str]:
     if not tally.count:
         return []
+    where = f"line {tally.first}" if tally.count == 1 else f"first on line {tally.first}"
     example = f", {tally.example}" if tally.example else ""
-    return [f"{tally.count} {noun[tally.count > 1]} {what} ({_where(tally)}{example}): left out"]
-
-
-def _seen(steps: NDArray[np.bool_], table: Table, noun: str, what: str) -> list[str]:
-    tally = Tally()
-    tally.add(table.lines[1:][steps])
-    if not tally.count:
-        return []
-    return [f"{tally.count} {noun}{'s' if tally.count > 1 else ''} ({_where(tally)}): {what}"]
-
-
-def _where(tally: Tally) -> str:
-    return f"line {tally.first}" if tally.count == 1 else f"first on line {tally.first}"
+    plural = "s" if tally.count > 1 else ""
+    return [f"{tally.count} {noun}{plural}{what} ({where}{example}): {outcome}"]

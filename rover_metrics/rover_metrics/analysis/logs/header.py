@@ -18,13 +18,7 @@ class UnreadableLog(RoverMetricsError):
 
 
 def read_header(path: Path) -> list[str]:
-    """Read the column names of a log.
-
-    Args:
-        path: A regular file.
-
-    Returns:
-        The names without surrounding spaces, in the order of the file.
+    """Returns the column names of a log without surrounding spaces, in the order of the file.
 
     Raises:
         UnreadableLog: There is no such file, or it does not begin like a metrics log.
@@ -37,9 +31,8 @@ def read_header(path: Path) -> list[str]:
     except OSError as error:
         raise UnreadableLog(f"cannot be read: {error.strerror}") from error
     if not first.strip():
-        raise UnreadableLog(
-            "the file is empty" if not has_rows else "the first line is not a header but blank"
-        )
+        what = "first line is not a header but blank" if has_rows else "file is empty"
+        raise UnreadableLog(f"the {what}")
     text = first.decode("utf-8-sig", errors="replace").rstrip("\r\n")
     names = [name.strip() for name in next(csv.reader([text], strict=False))]
     _check_names(names, text)
@@ -76,6 +69,6 @@ def _check_names(names: list[str], text: str) -> None:
 
 
 def shown(text: str) -> str:
-    """Quote a piece of a file on one line, shortened and with control characters escaped."""
+    """Quotes a piece of a file on one line, shortened and with control characters escaped."""
     cut = text if len(text) <= _MOST_SHOWN else text[:_MOST_SHOWN] + "..."
     return repr(cut)

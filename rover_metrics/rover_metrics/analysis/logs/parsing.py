@@ -9,15 +9,13 @@ import csv
 import os
 import warnings
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from rover_metrics.analysis.logs.header import UnreadableLog, shown
-from rover_metrics.analysis.logs.log import Floats, Integers
-from rover_metrics.analysis.logs.table import Table, Tally
 from rover_metrics.analysis.metric import COUNTERS, EXTENDED_COLUMNS, METRIC_COLUMNS, NOTES, STAMP
 
 _CHUNK = 200_000  # rows
@@ -26,8 +24,49 @@ _FIRST_ROW_LINE = 2  # of the file, as editors count
 _EXTRA = "\0extra"  # no header can name a column so
 
 
+@dataclass
+class Tally:
+    """How often something was met, and where first."""
+
+    count: int = 0
+    first: int = 0
+    example: str = ""
+
+    def add(self, lines: "pd.Index[int]", example: str = "") -> None:
+        """Counts some lines, ascending."""
+        if lines.size and not self.count:
+            self.first, self.example = int(lines[0]), example
+        self.count += lines.size
+
+
+@dataclass
+class Table:
+    """The usable rows of a file, and a tally of what was not usable.
+
+    Attributes:
+        cells: Cells without a number, by column asked for.
+        infinite: Cells that are infinite, by column asked for.
+        rows: Timestamp [s], finite, and the columns asked for, NaN where the file has no finite number.
+            The index is the line of the file that a row stands on, from 1.
+        total: Rows of the file.
+        long: Rows with more fields than the header.
+        short: Rows cut short, or with fewer fields than the header for another reason.
+        untimed: Other rows without a finite time.
+        spaces: Whether cells of the first row begin with a space.
+    """
+
+    cells: dict[str, Tally]
+    infinite: dict[str, Tally]
+    rows: pd.DataFrame = field(default_factory=pd.DataFrame)
+    total: int = 0
+    long: Tally = field(default_factory=Tally)
+    short: Tally = field(default_factory=Tally)
+    untimed: Tally = field(default_factory=Tally)
+    spaces: bool = False
+
+
 def read_table(path: Path, header: Sequence[str], wanted: Sequence[str]) -> Table:
-    """Read the rows of a log.
+    """Reads the rows of a log.
 
     Args:
         path: The file.
@@ -43,17 +82,16 @@ def read_table(path: Path, header: Sequence[str], wanted: Sequence[str]) -> Tabl
         with warnings.catch_warnings():
             # Fields beyond the extra column are lost; for the extra one the row is left out anyway.
             warnings.simplefilter("ignore", pd.errors.ParserWarning)
-            parts = [_usable(chunk, table) for chunk in _chunks(path, header)]
+            table.rows = pd.concat([_usable(chunk, table) for chunk in _chunks(path, header)])
         table.spaces = _has_spaces(path)
         is_cut = _last_line_is_cut(path, len(header))
     except (OSError, ValueError, MemoryError) as error:  # pandas' ParserError is a ValueError
         reason = " ".join(str(error).split()) or "out of memory"
         raise UnreadableLog(f"cannot be read: {reason}") from error
-    _join(table, parts)
     if is_cut:
-        last = table.lines == table.total + 1
-        table.short.add(table.lines[last])
-        table.keep(~last)
+        last = table.rows.index == table.total + 1
+        table.short.add(table.rows.index[last])
+        table.rows = table.rows[~last]
     return table
 
 
@@ -64,7 +102,7 @@ def _has_spaces(path: Path) -> bool:
 
 
 def _last_line_is_cut(path: Path, fields: int) -> bool:
-    """Tell whether the file ends in the middle of a line; its last number may be half a number."""
+    """Whether the file ends in the middle of a line; its last number may be half a number."""
     with path.open("rb") as file:
         file.seek(-min(_LONGEST_LINE, file.seek(0, os.SEEK_END)), os.SEEK_END)
         last = file.read().rpartition(b"\n")[2]
@@ -89,67 +127,46 @@ def _chunks(path: Path, header: Sequence[str]) -> Iterator[pd.DataFrame]:
     )
 
 
-Part = tuple[Integers, Floats, dict[str, NDArray[np.floating]]]
-
-
-def _usable(chunk: pd.DataFrame, table: Table) -> Part:
-    """Give lines, times and columns of the usable rows of a chunk; tallies the others."""
-    lines = np.arange(len(chunk), dtype=np.int64) + table.total + _FIRST_ROW_LINE
+def _usable(chunk: pd.DataFrame, table: Table) -> pd.DataFrame:
+    """Returns times and columns of the usable rows of a chunk, by line; tallies the others."""
+    chunk.index += _FIRST_ROW_LINE
     table.total += len(chunk)
-    known = [name for name in (STAMP, *METRIC_COLUMNS) if name in chunk.columns]
-    numbers = {name: _numbers(chunk[name]) for name in known}
-    lacks_number = np.any([np.isnan(column) for column in numbers.values()], axis=0)
-    numbers |= {name: _numbers(chunk[name]) for name in EXTENDED_COLUMNS if name in table.cells}
+    twelve = [name for name in (STAMP, *METRIC_COLUMNS) if name in chunk.columns]
+    numbers = chunk[list(dict.fromkeys((*twelve, *table.cells)))].apply(_numbers)
     # Columns after the notes are extended ones, which may well be empty.
     last = chunk[NOTES] if NOTES in chunk.columns else chunk.iloc[:, -2]
     long = _has_extra_field(chunk)
-    short = ~long & last.isna().to_numpy(dtype=bool) & lacks_number
+    short = ~long & last.isna() & numbers[twelve].isna().any(axis=1)
     untimed = ~long & ~short & ~np.isfinite(numbers[STAMP])
     for tally, rows in ((table.long, long), (table.short, short), (table.untimed, untimed)):
-        tally.add(lines[rows])
+        tally.add(chunk.index[rows])
     keep = ~(long | short | untimed)
-    columns = {}
+    numbers = numbers.loc[keep, [STAMP, *table.cells]]
     for name in table.cells:
-        column = numbers[name][keep]
-        _tally_cells(chunk[name][keep], column, lines[keep], table)
-        columns[name] = np.where(np.isinf(column), np.nan, column).astype(_dtype(name))
-    return lines[keep], numbers[STAMP][keep], columns
+        _tally_cells(chunk[name][keep], numbers[name], table)
+    single = {name: np.float32 for name in table.cells if name not in COUNTERS}
+    finite: pd.DataFrame = numbers.where(np.isfinite(numbers)).astype(single)
+    return finite
 
 
-def _has_extra_field(chunk: pd.DataFrame) -> NDArray[np.bool_]:
-    """Mark rows with more fields than the header; commas inside a quoted note do not count."""
-    extra = chunk[_EXTRA].notna().to_numpy(dtype=bool)
+def _has_extra_field(chunk: pd.DataFrame) -> "pd.Series[bool]":
+    """Marks rows with more fields than the header; commas inside a quoted note do not count."""
+    extra = chunk[_EXTRA].notna()
     if extra.any():
-        quoted = chunk.iloc[:, -2].astype(str).str.startswith('"').to_numpy(dtype=bool)
-        extra = extra & ~quoted
-    return np.asarray(extra)
+        extra &= ~chunk.iloc[:, -2].astype(str).str.startswith('"')
+    return extra
 
 
-def _numbers(column: "pd.Series[float]") -> Floats:
-    """Give a column as numbers, NaN where it holds text; pandas has parsed the clean ones already."""
-    if not pd.api.types.is_numeric_dtype(column):
-        column = pd.to_numeric(column, errors="coerce")
-    return np.asarray(column, dtype=np.float64)
+def _numbers(column: "pd.Series[float]") -> "pd.Series[float]":
+    """Returns a column as numbers, NaN where it holds text."""
+    return pd.to_numeric(column, errors="coerce").astype(np.float64)
 
 
-def _tally_cells(column: "pd.Series[float]", numbers: Floats, lines: Integers, table: Table) -> None:
-    name, missing = str(column.name), np.isnan(numbers)
+def _tally_cells(column: "pd.Series[float]", numbers: "pd.Series[float]", table: Table) -> None:
+    name, missing = str(column.name), numbers.isna()
     if name in EXTENDED_COLUMNS:
-        missing &= column.notna().to_numpy(dtype=bool)  # an empty cell of those is nothing odd
+        missing &= column.notna()  # an empty cell of those is nothing odd
     if missing.any():
         texts = column[missing].dropna()
-        table.cells[name].add(lines[missing], shown(str(texts.iloc[0])) if len(texts) else "")
-    table.infinite[name].add(lines[np.isinf(numbers)])
-
-
-def _dtype(column: str) -> type[np.floating]:
-    return np.float64 if column in COUNTERS else np.float32
-
-
-def _join(table: Table, parts: Sequence[Part]) -> None:
-    """Put the parts into the table, a column at a time so that no more than one is held twice."""
-    if parts:
-        table.lines = np.concatenate([part[0] for part in parts])
-        table.stamps = np.concatenate([part[1] for part in parts])
-        for name in table.cells:
-            table.columns[name] = np.concatenate([part[2].pop(name) for part in parts])
+        table.cells[name].add(column.index[missing], shown(str(texts.iloc[0])) if len(texts) else "")
+    table.infinite[name].add(column.index[np.isinf(numbers)])

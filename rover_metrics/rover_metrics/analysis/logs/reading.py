@@ -1,32 +1,31 @@
 """A file to a Log: what is usable of it, where its episodes begin, and what was odd."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
 
-from rover_metrics.analysis.logs.episodes import DEFAULT_GAP, episode_starts
 from rover_metrics.analysis.logs.findings import describe_table, describe_time
 from rover_metrics.analysis.logs.header import UnreadableLog, read_header
-from rover_metrics.analysis.logs.log import Log
-from rover_metrics.analysis.logs.parsing import read_table
-from rover_metrics.analysis.logs.table import Table
-from rover_metrics.analysis.metric import COUNTERS, FLAGS, METRICS, Metric
+from rover_metrics.analysis.logs.log import Floats, Integers, Log
+from rover_metrics.analysis.logs.parsing import Table, read_table
+from rover_metrics.analysis.metric import COUNTERS, FLAGS, METRICS, STAMP, Metric
 from rover_metrics.log.session_record import SessionEnd, session_end, session_thresholds
+
+DEFAULT_GAP = 10.0  # s: ten times the logging period; hand-edited logs lack a row or two at most
 
 
 def read_log(
     path: Path, metrics: Sequence[Metric] = tuple(METRICS.values()), gap: float = DEFAULT_GAP
 ) -> Log:
-    """Read a metrics log.
+    """Returns a metrics log; it has at least one row.
 
     Args:
         path: The file.
         metrics: Only their columns are kept, and the counters, which tell the episodes.
         gap: Longest time between two rows of one episode [s].
-
-    Returns:
-        The log; it has at least one row.
 
     Raises:
         UnreadableLog: The file is missing, is no metrics log, or has no usable row.
@@ -34,20 +33,21 @@ def read_log(
     header = read_header(path)
     columns = (column for m in metrics for column in (*m.columns, m.extended_column))
     needed = dict.fromkeys([*COUNTERS, *columns])
-    table = read_table(path, header, [name for name in needed if name in header])
+    table = read_table(path, header, [name for name in needed if header.count(name) == 1])
     if not any(metric.column in header for metric in metrics):
         raise UnreadableLog(f"it has no column for {', '.join(metric.code for metric in metrics)}")
     _check_usable(table, header)
     findings = describe_table(table, header, metrics)
-    findings += _drop_wrong_flags(table)
-    findings += describe_time(table, gap)
+    rows = _without_wrong_flags(table.rows, findings)
+    findings += describe_time(rows, gap)
     if session_end(path) is SessionEnd.UNMARKED:
         findings.append(f"the session has no end mark: {SessionEnd.UNMARKED.value}")
-    _drop_duplicates(table)
-    counters = [table.columns[name] for name in COUNTERS if name in table.columns]
-    starts = episode_starts(table.stamps, counters, gap)
-    thresholds = session_thresholds(path)
-    return Log(path, table.stamps, table.columns, starts, tuple(findings), thresholds)
+    # Of consecutive rows with one time the last counts: its counters are up to date.
+    rows = rows[np.append(np.diff(rows[STAMP]) != 0, True)]
+    stamps = rows[STAMP].to_numpy()
+    values = {name: rows[name].to_numpy() for name in table.cells}
+    starts = episode_starts(stamps, [values[name] for name in COUNTERS if name in values], gap)
+    return Log(path, stamps, values, starts, tuple(findings), session_thresholds(path))
 
 
 def _check_usable(table: Table, header: Sequence[str]) -> None:
@@ -57,26 +57,40 @@ def _check_usable(table: Table, header: Sequence[str]) -> None:
                 f"mixed schemas: the header names {len(header)} columns, but {tally.count} of "
                 f"{table.total} rows have {what} fields (first on line {tally.first})"
             )
-    if not table.stamps.size:
+    if table.rows.empty:
         raise UnreadableLog(f"none of its {table.total} rows is usable (line 2 is the first)")
 
 
-def _drop_wrong_flags(table: Table) -> list[str]:
-    """Silence flags that are neither 0 nor 1; gives what there is to say of it."""
-    findings = []
+def _without_wrong_flags(rows: pd.DataFrame, findings: list[str]) -> pd.DataFrame:
+    """Silences flags that are neither 0 nor 1, and adds what there is to say of it."""
     for name in FLAGS:
-        if name in table.columns:
-            column = table.columns[name]
-            wrong = np.flatnonzero(np.isfinite(column) & (column != 0) & (column != 1))
-            if wrong.size:
+        if name in rows:
+            wrong = rows[name].notna() & ~rows[name].isin([0, 1])
+            if wrong.any():
                 findings.append(
-                    f"{wrong.size} values of {name} are neither 0 nor 1 (first on line "
-                    f"{table.lines[wrong[0]]}): left out"
+                    f"{wrong.sum()} values of {name} are neither 0 nor 1 (first on line "
+                    f"{wrong.idxmax()}): left out"
                 )
-                column[wrong] = np.nan
-    return findings
+                rows = rows.assign(**{name: rows[name].mask(wrong)})
+    return rows
 
 
-def _drop_duplicates(table: Table) -> None:
-    """Of consecutive rows with one time keep the last: its counters are up to date."""
-    table.keep(np.append(np.diff(table.stamps) != 0, True))
+def episode_starts(
+    stamps: Floats, counters: Iterable[NDArray[np.floating]], gap: float = DEFAULT_GAP
+) -> Integers:
+    """Returns the first row of each episode, ascending; the first is 0.
+
+    An episode begins where the time goes back (the simulation was reset), where it leaps by more
+    than a gap, or where a counter falls (the node was restarted).
+
+    Args:
+        stamps: Time of each row [s], at least one row.
+        counters: Columns that only grow within an episode; NaN is skipped.
+        gap: Longest time between two rows of one episode [s].
+    """
+    steps = np.diff(stamps)
+    begins = np.concatenate(([True], (steps < 0) | (steps > gap)))
+    for counter in counters:
+        known = np.flatnonzero(np.isfinite(counter))
+        begins[known[1:][np.diff(counter[known]) < 0]] = True
+    return np.flatnonzero(begins)

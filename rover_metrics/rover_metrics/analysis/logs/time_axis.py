@@ -33,27 +33,22 @@ class TimeAxis:
         return f"Time since the episode began [s]{means}"
 
     def place(self, stamps: Floats, values: Floats) -> tuple[Floats, Floats]:
-        """Place the rows of one episode.
+        """Returns position and value of the rows of one episode, from their times [s] and values.
 
-        Args:
-            stamps: Time of each row [s], ascending.
-            values: One a row, NaN for none.
-
-        Returns:
-            Position and value. In percent, from 0 to 100; else in seconds since the episode began.
-            Intervals without a value are left out, not filled.
+        In percent, from 0 to 100; else in seconds since the episode began. Intervals without a value
+        are left out, not filled.
         """
         elapsed = stamps - stamps[0]
         if self.name == "fixed_interval":
-            return bin_means(elapsed, values, self.interval)
+            return _bin_means(elapsed, values, self.interval)
         length = float(elapsed[-1])
         if self.name == "percentage" and length:
             return elapsed * (100.0 / length), values
         return elapsed, values
 
 
-def bin_means(positions: Floats, values: Floats, width: float) -> tuple[Floats, Floats]:
-    """Average values in bins [k width, (k + 1) width); gives the bins' beginnings and means."""
+def _bin_means(positions: Floats, values: Floats, width: float) -> tuple[Floats, Floats]:
+    """Returns beginnings and means of the bins [k width, (k + 1) width) that have a value."""
     known = np.isfinite(values)
     # A thousandth of a bin: 0.3 s in bins of 0.1 s is bin 3, whatever the floats say.
     bins = np.floor(positions[known] / width + 1e-3)
@@ -63,18 +58,17 @@ def bin_means(positions: Floats, values: Floats, width: float) -> tuple[Floats, 
 
 
 def on_grid(positions: Floats, values: Floats, grid: Floats) -> Floats:
-    """Put one episode on a common grid: means where rows are dense, lines between where sparse.
+    """Returns an episode on a common grid: means where rows are dense, lines between where sparse.
+
+    NaN beyond the episode's ends.
 
     Args:
         positions: Ascending.
         values: One a position, NaN for none.
         grid: Evenly spaced.
-
-    Returns:
-        One value a grid point; NaN beyond the episode's ends.
     """
     width = float(grid[1] - grid[0])
-    at, means = bin_means(positions - grid[0] + width / 2, values, width)
+    at, means = _bin_means(positions - grid[0] + width / 2, values, width)
     if not at.size:
         return np.full(grid.size, np.nan)
     return np.asarray(np.interp(grid - grid[0], at, means, left=np.nan, right=np.nan))

@@ -20,19 +20,13 @@ _LINE = 115  # characters that fit below the panels
 
 
 def draw_comparison(study: Study, result: Result) -> Figure | None:
-    """Draw the two groups of a study; without groups, the distribution of rows in each log.
+    """Draws the two groups of a study; without groups, the distribution of rows in each log.
 
-    Args:
-        study: The logs.
-        result: What was found out about them.
-
-    Returns:
-        The figure; None if no log has a value.
+    Returns None if no log has a value.
     """
-    metrics = [metric for metric in study.options.metrics if study.with_metric(metric)]
-    if not metrics:
+    figure, panels = metric_grid(study)
+    if not panels:
         return None
-    figure, panels = metric_grid(metrics)
     level = f"{100 * result.confidence:g} %"
     if result.comparisons:
         by_code = {comparison.code: comparison for comparison in result.comparisons}
@@ -49,8 +43,8 @@ def draw_comparison(study: Study, result: Result) -> Figure | None:
 
 
 def _draw_groups(axes: Axes, study: Study, metric: Metric, comparison: Comparison) -> None:
-    for place, group in enumerate(study.groups):
-        values = study.observations(metric, group)
+    groups = [study.observations(metric, group) for group in study.groups]
+    for place, values in enumerate(groups):
         colour = look(place)["color"]
         spread = np.linspace(-0.15, 0.15, values.size) if values.size > 1 else np.zeros(values.size)
         axes.plot(
@@ -70,9 +64,9 @@ def _draw_groups(axes: Axes, study: Study, metric: Metric, comparison: Compariso
             interval = t_interval(values, mean, study.options.confidence)
             if interval is not None:
                 axes.vlines(place + 0.28, *interval, color=colour, linewidth=2)
-    axes.set_xticks(range(len(study.groups)), [str(group) for group in study.groups])
+    axes.set_xticks(range(len(groups)), study.groups)
     axes.set_xlim(-0.6, 1.6)
-    axes.set_ylim(0, _top(axes, [study.observations(metric, group) for group in study.groups]))
+    axes.set_ylim(0, _top(axes, groups))
     axes.grid(visible=False, axis="x")
     effect = "" if comparison.hedges_g is None else f", g = {comparison.hedges_g:+.2f}"
     p = comparison.p_holm
@@ -82,7 +76,7 @@ def _draw_groups(axes: Axes, study: Study, metric: Metric, comparison: Compariso
 
 
 def _top(axes: Axes, groups: Sequence[Floats]) -> float:
-    """End the axis at the intervals, or soon above the points: intervals of two points are endless."""
+    """Ends the axis at the intervals, or soon above the points: intervals of two points are endless."""
     highest = max((float(values.max()) for values in groups if values.size), default=0.0)
     return min(axes.get_ylim()[1], 2 * highest) if highest > 0 else 1.0
 
@@ -93,11 +87,9 @@ def _draw_logs(axes: Axes, study: Study, metric: Metric) -> None:
             continue
         values, weights = study.series(member.log, metric).finite()
         colour = look(place)["color"]
-        if not values.size:
-            continue
-        if metric.kind is Kind.LEVEL:
+        if values.size and metric.kind is Kind.LEVEL:
             _draw_box(axes, place, values, colour)
-        else:
+        elif values.size:
             axes.bar(place, np.average(values, weights=weights), 0.6, color=colour, alpha=0.8)
     ticks = range(0, len(study.members), -(-len(study.members) // _MOST_TICKS))
     axes.set_xticks(ticks, [str(place + 1) for place in ticks])

@@ -15,16 +15,15 @@ Smoothing = Literal["mean", "median"]
 
 
 def smoothed(positions: Floats, values: Floats, share: float, how: Smoothing) -> tuple[Floats, Floats]:
-    """Take mean or median over the nearest rows; NaN where none of them has a value.
+    """Returns the mean or median over the nearest rows; NaN where none of them has a value.
+
+    Of a long episode, positions and values are those of the means of short runs of rows.
 
     Args:
         positions: Those of the rows of an episode.
         values: As many.
         share: How much of the episode to take; at least nine rows.
         how: The mean suits rates and shares; the median is not lifted by a single jolt.
-
-    Returns:
-        Positions and smoothed values; of a long episode, of the means of short runs of rows.
     """
     positions, values = _condensed(positions), _condensed(values)
     window = max(_FEWEST_SMOOTHED, round(values.size * share))
@@ -34,19 +33,15 @@ def smoothed(positions: Floats, values: Floats, share: float, how: Smoothing) ->
 
 
 def _condensed(values: Floats) -> Floats:
-    """Average runs of equal length so that few enough values remain; a run without any gives NaN."""
-    run = -(-values.size // _MOST_SMOOTHED)
-    if run == 1:
+    """Averages runs of equal length so that few enough values remain; a run without any gives NaN."""
+    if values.size <= _MOST_SMOOTHED:
         return values
-    begins = np.arange(0, values.size, run)
-    known = np.isfinite(values)
-    counts = np.add.reduceat(known.astype(np.float64), begins)
-    sums = np.add.reduceat(np.where(known, values, 0.0), begins)
-    return np.asarray(np.divide(sums, counts, out=np.full(begins.size, np.nan), where=counts > 0))
+    run = -(-values.size // _MOST_SMOOTHED)
+    return np.asarray(pd.Series(values).groupby(np.arange(values.size) // run).mean(), dtype=np.float64)
 
 
 def thinned(positions: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Keep lowest and highest value of equal runs, so that no peak is lost and files stay small."""
+    """Keeps lowest and highest value of equal runs, so that no peak is lost and files stay small."""
     known = np.isfinite(values)
     positions, values = positions[known], values[known]
     if values.size <= MOST_POINTS:
@@ -63,14 +58,9 @@ def thinned(positions: Floats, values: Floats) -> tuple[Floats, Floats]:
 
 
 def upper_limit(samples: list[Floats], at_least: float) -> tuple[float, int, float]:
-    """Choose where a y axis ends, so that a few peaks do not flatten all else.
+    """Chooses where a y axis ends, so that a few peaks do not flatten all else.
 
-    Args:
-        samples: Values drawn.
-        at_least: What must be in view.
-
-    Returns:
-        End of the axis, how many values lie beyond, and the highest.
+    Returns the end of the axis, at_least or more, how many values lie beyond, and the highest.
     """
     values = np.concatenate([sample[np.isfinite(sample)] for sample in samples] or [np.zeros(1)])
     if not values.size:

@@ -4,15 +4,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rover_metrics.analysis.metric import Metric
+from rover_metrics.analysis.study import Study
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 
 _PANEL_HEIGHT = 1.75  # inches
-
 
 # Okabe & Ito (2008), without the yellow, which paper swallows; black is for thresholds and text.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
@@ -22,7 +21,7 @@ THRESHOLD_LINE = "#333333"
 WIDTH = 7.2  # inches, a text column of A4
 DPI = 200
 
-_STYLE: Any = {  # not Mapping[str, Any]: matplotlib lists every key in its type
+STYLE: Any = {  # not Mapping[str, Any]: matplotlib lists every key in its type
     "font.size": 9,
     "axes.titlesize": 9.5,
     "axes.labelsize": 9,
@@ -44,41 +43,29 @@ _STYLE: Any = {  # not Mapping[str, Any]: matplotlib lists every key in its type
 
 
 def look(number: int) -> dict[str, Any]:
-    """Give colour and line style of the n-th curve; thirty differ."""
+    """Returns colour and line style of the n-th curve; thirty differ."""
     return {
         "color": COLOURS[number % len(COLOURS)],
         "linestyle": LINES[(number + number // len(COLOURS)) % len(LINES)],
     }
 
 
-def styled() -> Any:  # noqa: ANN401  # matplotlib's own context manager type is private
-    """Give the context in which figures are to be drawn."""
-    return mpl.rc_context(_STYLE)
-
-
-def axis_label(metric: Metric) -> str:
-    """Name what an axis shows, with its unit."""
-    return f"{metric.title} [{metric.unit}]"
-
-
 def draw_thresholds(axes: Axes, bounds: Mapping[str, Sequence[float]]) -> None:
-    """Draw the thresholds that bound a metric and say which they are, one at each end.
+    """Draws the thresholds that bound a metric, by name, and says which they are, one at each end.
 
-    Args:
-        axes: Where to.
-        bounds: Their values by name; logs of several sessions may have had several.
+    Logs of several sessions may have had several values of one.
     """
-    for (name, values), dash, end in zip(bounds.items(), ("--", ":"), ("right", "left"), strict=False):
+    for (name, values), dash, right in zip(bounds.items(), ("--", ":"), (1.0, 0.0), strict=False):
         unit = THRESHOLD_INFO[name].unit.replace("^2", "²")
         for value in values:
             axes.axhline(value, color=THRESHOLD_LINE, linewidth=1.0, linestyle=dash, zorder=1.5)
             axes.annotate(
                 f" {name.replace('_', ' ')} {value:g} {unit} ",
-                (1.0 if end == "right" else 0.0, value),
+                (right, value),
                 xycoords=("axes fraction", "data"),
                 xytext=(0, 1.5),
                 textcoords="offset points",
-                ha=end,
+                ha="right" if right else "left",
                 va="bottom",
                 fontsize=7.5,
                 color=THRESHOLD_LINE,
@@ -88,20 +75,17 @@ def draw_thresholds(axes: Axes, bounds: Mapping[str, Sequence[float]]) -> None:
 
 
 def highest_bound(bounds: Mapping[str, Sequence[float]]) -> float:
-    """Give the largest threshold, which a figure has to show; 0 without any."""
+    """Returns the largest threshold, which a figure has to show; 0 without any."""
     return max((value for values in bounds.values() for value in values), default=0.0)
 
 
 def save(figure: Figure, folder: Path, name: str) -> list[Path]:
-    """Write a figure as PNG and PDF.
+    """Writes a figure as PNG and PDF, and returns both files.
 
     Args:
         figure: What to write.
         folder: Must exist.
         name: File name without an extension; never made from the name of a log.
-
-    Returns:
-        The files.
     """
     paths = [folder / f"{name}.png", folder / f"{name}.pdf"]
     figure.savefig(paths[0], dpi=DPI)
@@ -109,20 +93,28 @@ def save(figure: Figure, folder: Path, name: str) -> list[Path]:
     return paths
 
 
+def draw_legend(figure: Figure, axes: Axes) -> None:
+    """Names the curves below the figure, in as many columns as fit its width."""
+    handles, labels = axes.get_legend_handles_labels()
+    columns = legend_columns(labels)
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns, handlelength=3)
+
+
 def legend_columns(labels: Sequence[str]) -> int:
-    """Give how many legend columns fit the width of a figure."""
+    """Returns how many legend columns fit the width of a figure."""
     longest = max((len(label) for label in labels), default=1)
     return max(1, min(len(labels), int(95 / (longest + 8))))
 
 
-def metric_grid(metrics: Sequence[Metric]) -> tuple[Figure, list[tuple[Metric, Axes]]]:
-    """Lay out one panel per metric, its title saying what it shows and in which unit."""
+def metric_grid(study: Study) -> tuple[Figure, list[tuple[Metric, Axes]]]:
+    """Lays out one panel per metric that a log has, its title saying what it shows and in which unit."""
+    metrics = [metric for metric in study.options.metrics if study.with_metric(metric)]
     columns = min(2, len(metrics))
-    lines = -(-len(metrics) // columns)
+    lines = -(-len(metrics) // 2)
     figure = Figure(figsize=(WIDTH, 1.1 + _PANEL_HEIGHT * lines), layout="constrained")
     panels = []
     for number, metric in enumerate(metrics):
         axes = figure.add_subplot(lines, columns, number + 1)
-        axes.set_title(axis_label(metric), loc="left")
+        axes.set_title(metric.label, loc="left")
         panels.append((metric, axes))
     return figure, panels

@@ -12,10 +12,9 @@ from rover_metrics.analysis.metric import Kind, Metric
 from rover_metrics.analysis.plots.curves import Smoothing, smoothed, thinned, upper_limit
 from rover_metrics.analysis.plots.style import (
     WIDTH,
-    axis_label,
+    draw_legend,
     draw_thresholds,
     highest_bound,
-    legend_columns,
     look,
 )
 from rover_metrics.analysis.study import Member, Study
@@ -24,79 +23,37 @@ _MOST_NAMED = 12  # logs; more make a legend that nobody reads
 _MOST_WITH_ROWS = 3  # logs; the rows of more hide each other
 
 
-def draw_time_series(study: Study, metric: Metric, axis: TimeAxis) -> Figure | None:
-    """Draw a metric of all logs over time.
-
-    Args:
-        study: The logs.
-        metric: What to draw.
-        axis: The time axis.
-
-    Returns:
-        The figure; None if no log has a value.
-    """
+def draw_time_series(study: Study, metric: Metric) -> Figure | None:
+    """Draws a metric of all logs over time; None if no log has a value."""
     figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
     axes = figure.add_subplot()
     members = study.with_metric(metric)
-    rows: list[Floats] = []
-    means: list[Floats] = []
     show_rows = metric.kind is Kind.LEVEL and len(members) <= _MOST_WITH_ROWS
-    for number, member in enumerate(study.members):
-        if member in members:
-            style, label = _style(study, number, axes)
-            drawn = _draw_log(
-                axes,
-                study,
-                member,
-                metric,
-                axis,
-                style=style,
-                label=label,
-                show_rows=show_rows,
-            )
-            rows += drawn[0]
-            means += drawn[1]
-    if not any(np.isfinite(mean).any() for mean in means):
+    drawn: list[Floats] = []
+    for member in members:
+        style = _style(study, member, axes)
+        for x, y in study.episodes(member, metric):
+            at, mean = smoothed(x, y, *_smoothing(metric))
+            if show_rows:
+                axes.plot(*thinned(x, y), color=style["color"], alpha=0.3, linewidth=0.6, zorder=2)
+            axes.plot(*thinned(at, mean), **style, zorder=3)
+            style["label"] = None  # a log is named once
+            drawn.append(y if show_rows else mean)
+    if not any(np.isfinite(values).any() for values in drawn):
         return None
     bounds = study.bounds(metric)
-    _limit(axes, metric, rows if show_rows else means, highest_bound(bounds))
+    _limit(axes, metric, drawn, highest_bound(bounds))
     axes.margins(x=0)
     draw_thresholds(axes, bounds)
-    axes.set_xlabel(axis.label)
-    axes.set_ylabel(axis_label(metric))
-    axes.set_title(_title(metric, axis, show_rows=show_rows), loc="left")
-    _legend(figure, axes)
+    axes.set_xlabel(study.options.axis.label)
+    axes.set_ylabel(metric.label)
+    axes.set_title(_title(metric, study.options.axis, show_rows=show_rows), loc="left")
+    draw_legend(figure, axes)
     return figure
 
 
-def _draw_log(
-    axes: Axes,
-    study: Study,
-    member: Member,
-    metric: Metric,
-    axis: TimeAxis,
-    *,
-    style: dict[str, Any],
-    label: str | None,
-    show_rows: bool,
-) -> tuple[list[Floats], list[Floats]]:
-    """Draw the episodes of a log, over each other; gives the values and the means drawn."""
-    series = study.series(member.log, metric)
-    rows: list[Floats] = []
-    means: list[Floats] = []
-    for episode in member.log.episodes:
-        x, y = axis.place(member.log.stamps[episode], series.values[episode])
-        at, mean = smoothed(x, y, *_smoothing(metric))
-        if show_rows:
-            axes.plot(*thinned(x, y), color=style["color"], alpha=0.3, linewidth=0.6, zorder=2)
-        axes.plot(*thinned(at, mean), label=None if means else label, **style, zorder=3)
-        rows.append(y)
-        means.append(mean)
-    return rows, means
-
-
 def _limit(axes: Axes, metric: Metric, values: list[Floats], threshold: float) -> None:
-    """End the y axis where it shows the bulk and the thresholds, and say what lies beyond."""
+    """Ends the y axis where it shows the bulk and the thresholds, and says what lies beyond."""
     end, beyond, highest = upper_limit(values, 1.15 * threshold)
     if metric.kind is Kind.FLAG:
         end = min(end, 105.0)
@@ -106,14 +63,13 @@ def _limit(axes: Axes, metric: Metric, values: list[Floats], threshold: float) -
         axes.annotate(text, (1, 1), xycoords="axes fraction", ha="right", va="top", fontsize=7.5)
 
 
-def _style(study: Study, number: int, axes: Axes) -> tuple[dict[str, Any], str | None]:
-    """Give the look of a log's curve and its name in the legend; of many logs that of their group."""
-    member = study.members[number]
+def _style(study: Study, member: Member, axes: Axes) -> dict[str, Any]:
+    """Returns look and name of a log's curve; of many logs, those of their group, named once."""
     if len(study.groups) == 1 and len(study.members) <= _MOST_NAMED:
-        return look(number), member.label
+        return look(study.members.index(member)) | {"label": member.label}
     named = axes.get_legend_handles_labels()[1]
-    style = look(study.groups.index(member.group)) | {"linewidth": 0.9}
-    return style, None if member.group in named else member.group
+    label = None if member.group in named else member.group
+    return look(study.groups.index(member.group)) | {"linewidth": 0.9, "label": label}
 
 
 def _smoothing(metric: Metric) -> tuple[float, Smoothing]:
@@ -126,10 +82,3 @@ def _title(metric: Metric, axis: TimeAxis, *, show_rows: bool) -> str:
     thin = "each interval" if axis.name == "fixed_interval" else "each row"
     thick = f"running {how} over {100 * share:.0f} % of the episode"
     return f"{metric.title}: {thick}" + (f", thin: {thin}" if show_rows else "")
-
-
-def _legend(figure: Figure, axes: Axes) -> None:
-    handles, labels = axes.get_legend_handles_labels()
-    figure.legend(
-        handles, labels, loc="outside lower center", ncols=legend_columns(labels), handlelength=3
-    )

@@ -11,14 +11,9 @@ _LONGEST_LAG = 4096  # rows
 
 
 def autocorrelation(values: Floats, max_lag: int) -> Floats:
-    """Estimate the autocorrelation at lags 0 to max_lag.
+    """Returns the biased estimate at lags 0 to max_lag, which damps far ones.
 
-    Args:
-        values: Evenly spaced, finite.
-        max_lag: Highest lag, below the number of values.
-
-    Returns:
-        The biased estimate, which damps far lags; all 0 after lag 0 for constant values.
+    All 0 after lag 0 for constant values; these are evenly spaced, finite, and more than max_lag.
     """
     centred = values - values.mean()
     sums = np.zeros(max_lag + 1)
@@ -33,7 +28,7 @@ def autocorrelation(values: Floats, max_lag: int) -> Floats:
 
 
 def effective_size(values: Floats) -> float:
-    """Give how many independent values would fix the mean as well as these n do.
+    """Returns how many independent values would fix the mean as well as these n do.
 
     n / (1 + 2 sum of autocorrelations), the sum cut where a pair of neighbouring lags is no longer
     positive (Geyer 1992, initial positive sequence); at least 1 and at most n.
@@ -49,32 +44,24 @@ def effective_size(values: Floats) -> float:
 
 
 def effective_pairs(x: Floats, y: Floats) -> float:
-    """Give how many independent pairs would fix the correlation of x and y as well.
+    """Returns how many independent pairs would fix the correlation of x and y as well.
 
     Pyper & Peterman (1998), eq. 1 with lags up to n / 5: autocorrelation takes away from a
     correlation's certainty only where both series have it. At least 3 and at most n.
     """
     n = len(x)
     max_lag = min(n // 5, _LONGEST_LAG)
-    if max_lag < 1:
-        return float(n)
     lags = np.arange(1, max_lag + 1)
     products = autocorrelation(x, max_lag)[1:] * autocorrelation(y, max_lag)[1:]
     inflation = 1 + 2 * float(((n - lags) / n * products).sum())
-    return float(np.clip(n / max(inflation, 1.0), min(n, 3), n))
+    return float(np.clip(n / max(inflation, 1.0), 3, n))
 
 
 def block_length(values: Floats) -> int:
-    """Choose the block length of a circular block bootstrap of the mean.
+    """Returns the rows per block of a circular block bootstrap of the mean, from 1 to a third of all.
 
     Politis & White (2004) with the correction of Patton, Politis & White (2009): the length that
     minimises the error of the bootstrap variance, estimated with a flat-top lag window.
-
-    Args:
-        values: Evenly spaced, finite.
-
-    Returns:
-        Rows per block, from 1 to a third of the values.
     """
     n = len(values)
     quiet = max(5, int(np.sqrt(np.log10(n))))  # lags that must all be insignificant
@@ -92,7 +79,7 @@ def block_length(values: Floats) -> int:
 
 
 def _first_quiet_run(significant: NDArray[np.bool_], length: int) -> int:
-    """Give the last lag before a run of insignificant ones; the last significant lag if none."""
+    """Returns the last lag before a run of insignificant ones; the last significant lag if none."""
     loud = np.concatenate(([0], np.flatnonzero(significant) + 1, [len(significant) + 1]))
     quiet_after = np.flatnonzero(np.diff(loud) > length)
     return int(loud[quiet_after[0]] if quiet_after.size else loud[-2])

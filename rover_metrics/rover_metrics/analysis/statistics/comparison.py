@@ -19,8 +19,6 @@ from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.statistics.summary import Interval
 
 MOST_SPLITS = 20_000  # 8 against 8 is 12870
-PERMUTATION = "exact permutation"
-MANN_WHITNEY = "Mann-Whitney U"
 
 
 @dataclass(frozen=True)
@@ -53,44 +51,30 @@ class Comparison:
     hedges_g: float | None = None
     cliffs_delta: float | None = None
 
-    def adjusted(self, p_holm: float | None) -> "Comparison":
-        """Give this comparison with its p-value adjusted for several tests."""
-        return replace(self, p_holm=p_holm)
-
 
 def compare(code: str, first: Floats, second: Floats, confidence: float) -> Comparison:
-    """Compare two groups of independent observations.
+    """Compares two groups of independent observations; to test them takes two or more in each.
 
     Args:
         code: The metric they are of.
         first: Observations of the first group, finite.
         second: Those of the second.
         confidence: Level of the interval, between 0 and 1.
-
-    Returns:
-        Without test and interval if a group has fewer than two observations.
     """
     sizes = (first.size, second.size)
-    means = (_mean(first), _mean(second))
+    comparison = Comparison(code, sizes, (_mean(first), _mean(second)))
     if 0 in sizes:
-        return Comparison(code, sizes, means)
-    difference = float(second.mean() - first.mean())
-    delta = cliffs_delta(first, second)
-    if min(sizes) < 2:
-        return Comparison(code, sizes, means, difference, cliffs_delta=delta)
-    test, p, smallest = _test(first, second)
-    return Comparison(
-        code=code,
-        n=sizes,
-        means=means,
-        difference=difference,
-        interval=welch_interval(first, second, confidence),
-        test=test,
-        p=p,
-        smallest_p=smallest,
-        hedges_g=hedges_g(first, second),
-        cliffs_delta=delta,
+        return comparison
+    comparison = replace(
+        comparison,
+        difference=float(second.mean() - first.mean()),
+        cliffs_delta=float(np.sign(np.subtract.outer(second, first)).mean()),
     )
+    if min(sizes) < 2:
+        return comparison
+    test, p, smallest = _test(first, second)
+    interval, effect = _welch_interval(first, second, confidence), _hedges_g(first, second)
+    return replace(comparison, interval=interval, test=test, p=p, smallest_p=smallest, hedges_g=effect)
 
 
 def _mean(values: Floats) -> float | None:
@@ -98,21 +82,21 @@ def _mean(values: Floats) -> float | None:
 
 
 def _test(first: Floats, second: Floats) -> tuple[str, float, float]:
-    """Give the name of the test that suits the sizes, its p-value, and the smallest it could be."""
+    """Returns the name of the test that suits the sizes, its p-value, and the smallest it could be."""
     splits = comb(first.size + second.size, first.size)
     if splits > MOST_SPLITS:
-        return MANN_WHITNEY, float(stats.mannwhitneyu(first, second).pvalue), 2 / splits
+        return "Mann-Whitney U", float(stats.mannwhitneyu(first, second).pvalue), 2 / splits
     result = stats.permutation_test(
         (first, second),
         lambda a, b, axis: np.mean(b, axis=axis) - np.mean(a, axis=axis),
         n_resamples=MOST_SPLITS,  # so all of them
         vectorized=True,
     )
-    return PERMUTATION, float(result.pvalue), min(1.0, 2 / splits)
+    return "exact permutation", float(result.pvalue), min(1.0, 2 / splits)
 
 
-def welch_interval(first: Floats, second: Floats, confidence: float) -> Interval | None:
-    """Give Welch's interval for second mean minus first; None if neither group varies."""
+def _welch_interval(first: Floats, second: Floats, confidence: float) -> Interval | None:
+    """Returns Welch's interval for second mean minus first; None if neither group varies."""
     a, b = first.var(ddof=1) / first.size, second.var(ddof=1) / second.size
     if a + b == 0:
         return None
@@ -122,8 +106,8 @@ def welch_interval(first: Floats, second: Floats, confidence: float) -> Interval
     return difference - half, difference + half
 
 
-def hedges_g(first: Floats, second: Floats) -> float | None:
-    """Give the difference in pooled standard deviations, corrected for small samples."""
+def _hedges_g(first: Floats, second: Floats) -> float | None:
+    """Returns the difference in pooled standard deviations, corrected for small samples."""
     freedom = first.size + second.size - 2
     squares = (first.size - 1) * first.var(ddof=1) + (second.size - 1) * second.var(ddof=1)
     if squares == 0:
@@ -132,19 +116,10 @@ def hedges_g(first: Floats, second: Floats) -> float | None:
     return correction * float(second.mean() - first.mean()) / sqrt(float(squares) / freedom)
 
 
-def cliffs_delta(first: Floats, second: Floats) -> float:
-    """Give P(second > first) - P(second < first) over all pairs."""
-    ordered = np.sort(first)
-    below = np.searchsorted(ordered, second, side="left").sum()
-    above = (first.size - np.searchsorted(ordered, second, side="right")).sum()
-    return float(below - above) / (first.size * second.size)
-
-
 def holm(probabilities: Sequence[float | None]) -> list[float | None]:
-    """Adjust p-values so that the chance of any false alarm among them stays as stated (Holm 1979).
+    """Adjusts p-values so that the chance of any false alarm among them stays as stated (Holm 1979).
 
-    Args:
-        probabilities: One a test; None where there was no test, which does not count.
+    None stands where there was no test, which does not count.
     """
     tests = sorted((p, i) for i, p in enumerate(probabilities) if p is not None)
     adjusted: list[float | None] = [None] * len(probabilities)

@@ -7,7 +7,7 @@ that a difference between two logs is not taken for a correlation.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
@@ -41,38 +41,30 @@ class Correlation:
     p: float
     p_holm: float | None = None
 
-    def adjusted(self, p_holm: float | None) -> "Correlation":
-        """Give this correlation with its p-value adjusted for several tests."""
-        return replace(self, p_holm=p_holm)
-
 
 def correlate(first: str, second: str, x: Floats, y: Floats) -> Correlation | None:
-    """Correlate two metrics of one log.
+    """Returns the correlation of two metrics of one log.
+
+    None if fewer than ten rows have both or one of them is constant there.
 
     Args:
         first: Code of x.
         second: Code of y.
         x: One value a row, NaN for none.
         y: As many.
-
-    Returns:
-        None if fewer than ten rows have both or one of them is constant there.
     """
     both = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
     if both.size < _FEWEST_PAIRS or np.ptp(x[both]) == 0 or np.ptp(y[both]) == 0:
         return None
     x_ranks, y_ranks = stats.rankdata(x[both]), stats.rankdata(y[both])
     rho = float(np.clip(np.corrcoef(x_ranks, y_ranks)[0, 1], -1, 1))
-    n_effective = effective_pairs(x_ranks, y_ranks)
-    return Correlation(first, second, rho, both.size, n_effective, _p_value(rho, n_effective))
+    n = effective_pairs(x_ranks, y_ranks)
+    t = abs(rho) * np.sqrt((n - 2) / (1 - rho**2)) if abs(rho) < 1 else np.inf
+    return Correlation(first, second, rho, both.size, n, p=2 * float(stats.t.sf(t, n - 2)))
 
 
 def combine(parts: Sequence[Correlation]) -> Correlation:
-    """Combine the correlations of the same two metrics in several logs.
-
-    Args:
-        parts: One a log, at least one.
-    """
+    """Returns the correlation of two metrics over several logs, from that of each, at least one."""
     telling = [part for part in parts if part.n_effective > 3] or list(parts[:1])
     if len(telling) == 1:
         return telling[0]
@@ -88,12 +80,3 @@ def combine(parts: Sequence[Correlation]) -> Correlation:
         n_effective=sum(part.n_effective for part in telling),
         p=p,
     )
-
-
-def _p_value(rho: float, n: float) -> float:
-    """Two-sided, from t = rho sqrt((n - 2) / (1 - rho^2)) with n - 2 degrees of freedom."""
-    if n <= 2:
-        return 1.0
-    if abs(rho) == 1:
-        return 0.0
-    return 2 * float(stats.t.sf(abs(rho) * np.sqrt((n - 2) / (1 - rho**2)), n - 2))

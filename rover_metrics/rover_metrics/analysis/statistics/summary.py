@@ -48,7 +48,7 @@ class Summary:
 
 
 def summarise(values: Floats, weights: Floats, kind: Kind, confidence: float) -> Summary:
-    """Sum up the rows of one log.
+    """Sums up the rows of one log.
 
     Args:
         values: Finite, in the order of time; for a flag 0 or 100.
@@ -58,84 +58,79 @@ def summarise(values: Floats, weights: Floats, kind: Kind, confidence: float) ->
     """
     if not values.size:
         return Summary(0)
-    length, bootstrap = _bootstrap(values, weights, confidence)
-    n_effective = effective_size(values)
-    if kind is Kind.FLAG:
-        share = float(values.mean())
-        interval = wilson_interval(round(share / 100 * values.size), values.size, confidence)
-        return Summary(
-            values.size, share, n_effective, None, None, None, None, interval, bootstrap, length
-        )
     mean = float(np.average(values, weights=weights))
-    return _spread(values, mean, n_effective, confidence, bootstrap, length)
+    summary = Summary(values.size, mean, effective_size(values))
+    if values.size >= _FEWEST_FOR_BOOTSTRAP and np.ptp(values):
+        length = max(block_length(values), -(-values.size // _MOST_BLOCKS))
+        bootstrap = block_bootstrap_interval(values, weights, length, confidence)
+        summary = replace(summary, bootstrap_interval=bootstrap, block_length=length)
+    if kind is not Kind.FLAG:
+        return _with_spread(summary, values, t_interval(values, mean, confidence))
+    ones = stats.binomtest(round(mean / 100 * values.size), values.size)
+    wilson = ones.proportion_ci(confidence, method="wilson")  # never a point, never beyond 0 to 1
+    return replace(summary, interval=(100 * float(wilson.low), 100 * float(wilson.high)))
 
 
 def summarise_independent(values: Floats, kind: Kind, confidence: float) -> Summary:
-    """Sum up independent values, such as the means of several logs."""
+    """Sums up independent values, such as the means of several logs.
+
+    Args:
+        values: Finite.
+        kind: No share of a flag lies beyond 0 to 100.
+        confidence: Level of the interval, between 0 and 1.
+    """
     if not values.size:
         return Summary(0)
-    summary = _spread(values, float(values.mean()), float(values.size), confidence, None, None)
-    if kind is not Kind.FLAG or summary.interval is None:
-        return summary
-    low, high = summary.interval
-    return replace(summary, interval=(max(low, 0.0), min(high, 100.0)))  # no share is beyond
+    mean = float(values.mean())
+    interval = t_interval(values, mean, confidence)
+    if kind is Kind.FLAG and interval is not None:
+        interval = max(interval[0], 0.0), min(interval[1], 100.0)
+    return _with_spread(Summary(values.size, mean, float(values.size)), values, interval)
 
 
-def _spread(
-    values: Floats,
-    mean: float,
-    n_effective: float,
-    confidence: float,
-    bootstrap: Interval | None,
-    length: int | None,
-) -> Summary:
-    return Summary(
-        n=values.size,
-        mean=mean,
-        n_effective=n_effective,
+def _with_spread(summary: Summary, values: Floats, interval: Interval | None) -> Summary:
+    return replace(
+        summary,
         median=float(np.median(values)),
         sd=float(values.std(ddof=1)) if values.size > 1 else None,
         minimum=float(values.min()),
         maximum=float(values.max()),
-        interval=t_interval(values, mean, confidence),
-        bootstrap_interval=bootstrap,
-        block_length=length,
+        interval=interval,
     )
 
 
 def t_interval(values: Floats, mean: float, confidence: float) -> Interval | None:
-    """Give Student's interval for a mean; None for fewer than two values or constant ones."""
+    """Returns Student's interval for a mean; None for fewer than two values or constant ones.
+
+    Args:
+        values: Finite.
+        mean: Where the interval lies; with weights not the mean of the values.
+        confidence: Level, between 0 and 1.
+    """
     if values.size < 2 or np.ptp(values) == 0:
         return None
     half = float(stats.t.ppf((1 + confidence) / 2, values.size - 1) * stats.sem(values))
     return mean - half, mean + half
 
 
-def wilson_interval(ones: int, n: int, confidence: float) -> Interval:
-    """Give Wilson's interval for a share [%], which stays within 0 to 100 and never is a point."""
-    bounds = stats.binomtest(ones, n).proportion_ci(confidence, method="wilson")
-    return 100 * float(bounds.low), 100 * float(bounds.high)
-
-
-def _bootstrap(values: Floats, weights: Floats, confidence: float) -> tuple[int | None, Interval | None]:
-    if values.size < _FEWEST_FOR_BOOTSTRAP or np.ptp(values) == 0:
-        return None, None
-    length = max(block_length(values), -(-values.size // _MOST_BLOCKS))
-    return length, block_bootstrap_interval(values, weights, length, confidence)
-
-
 def block_bootstrap_interval(
-    values: Floats, weights: Floats, length: int, confidence: float, resamples: int = RESAMPLES
+    values: Floats, weights: Floats, length: int, confidence: float
 ) -> Interval:
-    """Give the percentile interval of the weighted mean over circular blocks (Politis & Romano 1992).
+    """Returns the percentile interval of the weighted mean over circular blocks (Politis & Romano 1992).
 
     Sums of blocks come from one cumulative sum, so the cost is that of drawing the blocks.
+
+    Args:
+        values: In the order of time.
+        weights: As many.
+        length: Rows per block.
+        confidence: Level of the interval, between 0 and 1.
     """
     rng = np.random.default_rng(SEED)
     n = values.size
     weighted, weight = _block_sums(values * weights, length), _block_sums(weights, length)
-    means = np.empty(resamples)
-    for i in range(resamples):
+    means = np.empty(RESAMPLES)
+    for i in range(RESAMPLES):
         blocks = rng.integers(n, size=-(-n // length))
         means[i] = weighted[blocks].sum() / weight[blocks].sum()
     low, high = np.quantile(means, [(1 - confidence) / 2, (1 + confidence) / 2])
@@ -143,6 +138,6 @@ def block_bootstrap_interval(
 
 
 def _block_sums(values: Floats, length: int) -> Floats:
-    """Sum each run of `length` values, round the end to the beginning."""
+    """Returns the sum of each run of `length` values, round the end to the beginning."""
     sums = np.concatenate(([0.0], np.cumsum(np.concatenate((values, values[: length - 1])))))
     return sums[length:] - sums[: len(values)]

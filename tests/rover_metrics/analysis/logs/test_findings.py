@@ -1,19 +1,19 @@
 """What is told of the times of a file, at the edges of what is odd."""
 
-import numpy as np
+import pandas as pd
 import pytest
 
 from rover_metrics.analysis.logs.findings import describe_time
 from rover_metrics.analysis.logs.header import shown
-from rover_metrics.analysis.logs.table import Table, Tally
+from rover_metrics.analysis.logs.parsing import Tally
+from rover_metrics.analysis.metric import STAMP
 
 EVERY = "not every second"
 SHORT, LONG = "short gap", "long gap"
 
 
 def told(stamps: list[float], gap: float = 10.0) -> list[str]:
-    times = np.array(stamps)
-    return describe_time(Table(lines=np.arange(2, 2 + times.size), stamps=times), gap)
+    return describe_time(pd.DataFrame({STAMP: stamps}, index=range(2, 2 + len(stamps))), gap)
 
 
 @pytest.mark.parametrize(
@@ -56,7 +56,7 @@ def test_gaps_duplicates_rates_and_clocks_are_told(stamps: list[float], expected
 def test_a_tally_keeps_the_first_line_and_its_example() -> None:
     tally = Tally()
     for lines, example in (([], "a"), ([4, 7], "b"), ([9], "c")):
-        tally.add(np.array(lines, np.int64), example)
+        tally.add(pd.Index(lines, dtype="int64"), example)
     assert (tally.count, tally.first, tally.example) == (3, 4, "b")
 
 

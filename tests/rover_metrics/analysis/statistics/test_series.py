@@ -2,11 +2,19 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import stats
 
-from rover_metrics.analysis.logs.episodes import episode_starts
 from rover_metrics.analysis.logs.log import Log
-from rover_metrics.analysis.metric import METRICS
-from rover_metrics.analysis.statistics.series import Series, metric_series, rate_per_metre
+from rover_metrics.analysis.logs.reading import episode_starts
+from rover_metrics.analysis.metric import METRICS, Kind
+from rover_metrics.analysis.statistics.series import (
+    DEFAULT_MULTIPLIER,
+    Series,
+    metric_series,
+    rate_per_metre,
+)
 
 MakeLog = Callable[..., Log]
 NAN = np.nan
@@ -71,7 +79,6 @@ def test_a_rate_per_metre_is_the_ratio_of_the_gains_and_needs_a_metre(make_log: 
         assert rate_per_metre(log, METRICS["TC"]) == expected
         assert rate_per_metre(log, METRICS["DT"]) is None
     assert rate_per_metre(make_log({"Total Collisions": [1, 2]}), METRICS["TC"]) is None
-    assert [code for code, metric in METRICS.items() if metric.per_metre] == ["TC", "SM"]
 
 
 @pytest.mark.parametrize(
@@ -100,3 +107,30 @@ def test_an_extended_log_says_itself_what_the_velocity_over_rough_terrain_was(ma
     series = metric_series(make_log(columns), METRICS["VORT"])
     assert series.finite()[0].tolist() == [0.5, 0.3]
     assert make_log({"VORT [m/s]": [0.5]}).has(METRICS["VORT"])
+
+
+def marked(values: list[float], multiplier: float = 1.5, kind: Kind = Kind.LEVEL) -> list[int]:
+    series = Series(np.array(values, float), np.ones(len(values)))
+    return np.flatnonzero(series.outliers(kind, multiplier)).tolist()
+
+
+@given(st.lists(st.integers(-20, 20) | st.just(np.nan), max_size=12), st.sampled_from([0.5, 1.5]))
+def test_an_outlier_lies_beyond_tukeys_fences(values: list[float], multiplier: float) -> None:
+    known = [value for value in values if not np.isnan(value)]
+    if not known:
+        assert marked(values) == []
+        return
+    reach, (low, high) = multiplier * stats.iqr(known), np.percentile(known, [25, 75])
+    beyond = [i for i, v in enumerate(values) if v > high + reach or v < low - reach]
+    assert marked(values, multiplier) == (beyond if reach else [])
+
+
+@pytest.mark.parametrize(("multiplier", "expected"), [(0.5, []), (0.499, [0, 4])])
+def test_a_value_on_the_fence_is_inside(multiplier: float, expected: list[int]) -> None:
+    assert marked([0, 1, 2, 3, 4], multiplier) == expected
+    assert DEFAULT_MULTIPLIER == 1.5  # Tukey's
+
+
+def test_neither_flags_nor_rare_events_are_outliers() -> None:
+    assert marked([0, 100, 100, 100], 0.001, kind=Kind.FLAG) == []
+    assert marked([0, 0, 0, 0, 0, 0, 0, 600], kind=Kind.COUNTER) == []

@@ -10,6 +10,7 @@ from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind
 from rover_metrics.analysis.statistics.autocorrelation import block_length, effective_size
 from rover_metrics.analysis.statistics.summary import (
+    RESAMPLES,
     Interval,
     block_bootstrap_interval,
     summarise,
@@ -89,7 +90,9 @@ def test_independent_values_have_students_interval_and_a_share_none_beyond_0_and
 
 
 @pytest.mark.parametrize("length", [1, 2, 7, 50])
-def test_the_bootstrap_resamples_blocks_that_go_round(length: int) -> None:
+def test_the_bootstrap_resamples_blocks_that_go_round(
+    length: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     rng = np.random.default_rng(length)
     values, weights = rng.normal(size=50).cumsum(), rng.uniform(0.5, 2.0, 50)
     draws, means = np.random.default_rng(0), []
@@ -97,7 +100,8 @@ def test_the_bootstrap_resamples_blocks_that_go_round(length: int) -> None:
         starts = draws.integers(50, size=math.ceil(50 / length))
         rows = [(start + i) % 50 for start in starts for i in range(length)]
         means.append(np.average(values[rows], weights=weights[rows]))
-    found = block_bootstrap_interval(values, weights, length, 0.8, 300)
+    monkeypatch.setattr("rover_metrics.analysis.statistics.summary.RESAMPLES", 300)
+    found = block_bootstrap_interval(values, weights, length, 0.8)
     assert found == pytest.approx(np.percentile(means, [10, 90]))
 
 
@@ -106,8 +110,9 @@ def test_a_log_of_twenty_rows_or_more_is_resampled_in_its_best_blocks() -> None:
     assert summarise(values[1:], np.ones(19), Kind.LEVEL, 0.95).bootstrap_interval is None
     summary = summarise(values, np.ones(20), Kind.LEVEL, 0.9)
     assert summary.block_length == block_length(values)
+    assert RESAMPLES == 2000
     assert summary.bootstrap_interval == block_bootstrap_interval(
-        values, np.ones(20), block_length(values), 0.9, 2000
+        values, np.ones(20), block_length(values), 0.9
     )
 
 

@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from rover_metrics.analysis.labels import labels
+from rover_metrics.analysis.study import labels
 
 
 def named(*paths: str) -> list[str]:
