@@ -8,10 +8,9 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from rover_metrics.core.column import Column
-from rover_metrics.core.roboterrain_columns import ROBOTERRAIN_COLUMNS
+from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.core.thresholds import THRESHOLD_INFO
-from rover_metrics.extended.row import EXTENDED_COLUMNS
+from rover_metrics.extended.metrics import EXTENDED_COLUMNS
 from rover_metrics.extended.settings import EXTENDED_INFO
 
 COMMAND = "python -m rover_metrics.dictionary --write docs/metrics.md"
@@ -59,10 +58,10 @@ def dictionary() -> str:
     parts = (
         HEAD,
         "## The twelve\n",
-        _table(COLUMN_TITLES, map(_cells, ROBOTERRAIN_COLUMNS)),
+        _table(COLUMN_TITLES, (_cells(column.name, column) for column in ROBOTERRAIN_COLUMNS)),
         "## Extended columns\n",
         EXTENDED_HEAD,
-        _table(COLUMN_TITLES, map(_cells, EXTENDED_COLUMNS)),
+        _table(COLUMN_TITLES, (_cells(column.header, column) for column in EXTENDED_COLUMNS)),
         "## Thresholds\n",
         THRESHOLDS_HEAD,
         _table(("parameter", "default", "unit", "valid", "meaning"), _thresholds()),
@@ -73,9 +72,9 @@ def dictionary() -> str:
 COLUMN_TITLES = ("column", "unit", "meaning", "formula", "source", "same at any rate")
 
 
-def _cells(column: Column) -> tuple[str, ...]:
+def _cells(header: str, column: Column) -> tuple[str, ...]:
     return (
-        f"`{column.header}`",
+        f"`{header}`",
         column.unit,
         column.meaning,
         column.formula,

@@ -15,7 +15,7 @@ from rover_metrics.core.row import COLUMNS
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose
-from rover_metrics.extended.row import EXTENDED_HEADER
+from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.extended.settings import DEFAULT_EXTENDED, ExtendedSettings
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN
 from rover_metrics.session import MetricsSession
@@ -417,10 +417,9 @@ def test_a_path_on_a_line_is_never_more_than_efficient() -> None:
     feed = Feed()
     for t in range(50):
         feed.pose(float(t), (0.1 * t, 0.3 * t, 0.07 * t))
-    assert feed.session.row(ns(50.0)).as_fields()[14] <= 1.0  # type: ignore[operator]
-    cells = feed.extended.row(ns(50.0)).cells
-    assert cells[2] is not None
-    assert 0.999999 < cells[2] <= 1.0
+    efficiency = feed.extended.row(ns(50.0)).extended["Path Efficiency"]
+    assert efficiency is not None
+    assert 0.999999 < efficiency <= 1.0
 
 
 # Lidar

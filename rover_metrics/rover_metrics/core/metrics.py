@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rover_metrics.core.row import MetricsRow
+from rover_metrics.core.row import Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 
 WINDOW = 100  # samples
@@ -148,7 +148,7 @@ class TraversalMetrics:
         self._velocities.append(speed)
         return True
 
-    def row(self, stamp_s: int) -> MetricsRow:
+    def row(self, stamp_s: int) -> Row:
         """Sums up the session so far.
 
         Args:
@@ -160,7 +160,7 @@ class TraversalMetrics:
         """
         clearance = _mean(self._clearances, empty=math.inf)
         latest = self._imu[-1] if self._imu else ImuReading(0, 0, 0, is_rough_terrain=False)
-        return MetricsRow(
+        return Row(
             stamp_s=stamp_s,
             total_collisions=self.total_collisions,
             collision_status=int(clearance < self.thresholds.collision_threshold),

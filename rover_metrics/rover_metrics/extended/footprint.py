@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.polygon import Point, PolygonDistance, complaint
 
+ROUNDING = 1e-9  # m
+
 
 @dataclass(frozen=True)
 class Footprint:
@@ -47,8 +49,8 @@ class Footprint:
         if len(numbers) % 2:
             message = f"footprint has {len(numbers)} numbers, so one corner lacks its y; give pairs"
             raise ParameterError(message)
-        values = [float(number) for number in numbers]
-        return cls(tuple(zip(values[::2], values[1::2], strict=True)))
+        values = iter(map(float, numbers))
+        return cls(tuple(zip(values, values, strict=True)))
 
     @classmethod
     def rectangle(cls, x_min: float, x_max: float, y_min: float, y_max: float) -> "Footprint":
@@ -91,7 +93,8 @@ class FootprintClearance:
 
     How far the footprint extends from the lidar in the direction of a beam, its support there, bounds
     how near the beam's return can be to the footprint: range - support at least. One subtraction thus
-    finds the most promising beam, and only those that may still beat it are measured exactly.
+    finds the most promising beam, which is no farther than the corner of its support; only beams that
+    may be nearer than that are measured exactly.
 
     Args:
         footprint: The outline.
@@ -110,10 +113,12 @@ class FootprintClearance:
         near_returns_are_contacts: bool = False,
     ) -> None:
         azimuths = np.asarray(bearings, dtype=np.float64) + lidar_pose.yaw
-        self._cos, self._sin = np.cos(azimuths), np.sin(azimuths)
-        self._x, self._y = lidar_pose.x, lidar_pose.y
-        corners = np.array(footprint.corners) - (lidar_pose.x, lidar_pose.y)
-        self._support = (np.outer(self._cos, corners[:, 0]) + np.outer(self._sin, corners[:, 1])).max(1)
+        self._directions = np.array((np.cos(azimuths), np.sin(azimuths)))  # shape (2, n)
+        self._lidar = np.array(((lidar_pose.x,), (lidar_pose.y,)))
+        corners = np.array(footprint.corners).T - self._lidar
+        extents = corners.T @ self._directions
+        self._support = extents.max(0)
+        self._outermost = corners[:, extents.argmax(0)]  # the corner where each beam's support is
         self._distance = PolygonDistance(footprint.corners)
         self._near_returns_are_contacts = near_returns_are_contacts
 
@@ -134,25 +139,12 @@ class FootprintClearance:
         if values.shape != self._support.shape:
             message = f"{values.size} ranges do not fit {self._support.size} bearings"
             raise ValueError(message)
-        if values.size == 0:
+        if self._near_returns_are_contacts and np.isneginf(values).any():
+            return 0.0
+        bounds = np.where(np.isfinite(values), values - self._support, np.inf)
+        if not bounds.min(initial=np.inf) < np.inf:
             return math.inf
-        bounds = values - self._support
-        best = int(bounds.argmin())  # of a NaN or a -inf, if there is one
-        if not math.isfinite(bounds[best]):
-            if self._near_returns_are_contacts and np.isneginf(values).any():
-                return 0.0
-            bounds[~np.isfinite(bounds)] = np.inf
-            best = int(bounds.argmin())
-            if bounds[best] == np.inf:
-                return math.inf
-        reach = float(values[best])
-        nearest = self._distance.of_point(
-            self._x + reach * float(self._cos[best]), self._y + reach * float(self._sin[best])
-        )
-        rivals = np.flatnonzero(bounds < nearest)
-        if rivals.size < 2:  # itself
-            return nearest
-        reaches = values[rivals].astype(np.float64)
-        return self._distance.of_nearest(
-            self._x + reaches * self._cos[rivals], self._y + reaches * self._sin[rivals]
-        )
+        best = bounds.argmin()
+        enough = math.dist(values[best] * self._directions[:, best], self._outermost[:, best])
+        rivals = np.flatnonzero(bounds <= enough + ROUNDING)
+        return self._distance(*self._lidar + values[rivals] * self._directions[:, rivals])

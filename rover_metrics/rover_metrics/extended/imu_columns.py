@@ -2,7 +2,7 @@
 
 import math
 
-from rover_metrics.core.column import Cell, Column
+from rover_metrics.core.columns import Cell, Column
 from rover_metrics.core.metrics import Vector3
 
 SETTLING = 1.0  # s: time constant of the gravity estimate where there is no orientation

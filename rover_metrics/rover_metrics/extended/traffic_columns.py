@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from rover_metrics.core.column import Cell, Column
+from rover_metrics.core.columns import Cell, Column
 from rover_metrics.health.stamps import MISSING, StampWatch
 from rover_metrics.timing.clocks import OTHER_CLOCK
 

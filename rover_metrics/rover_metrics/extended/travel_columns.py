@@ -8,7 +8,7 @@ import math
 from bisect import bisect_right
 from collections import deque
 
-from rover_metrics.core.column import Cell, Column
+from rover_metrics.core.columns import Cell, Column
 from rover_metrics.core.metrics import Vector3
 
 MOST_SAMPLES = 10_000  # of an interval; rows do not come while a clock stands still

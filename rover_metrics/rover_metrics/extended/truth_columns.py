@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from rover_metrics.core.column import Cell, Column
+from rover_metrics.core.columns import Cell, Column
 from rover_metrics.core.metrics import Vector3
 
 CONTACT_PAUSE = 10  # messages without contact before a new event: 0.5 s at the harness's 20 Hz

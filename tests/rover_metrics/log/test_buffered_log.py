@@ -14,7 +14,7 @@ import pytest
 
 import rover_metrics
 from rover_metrics.core.metrics import TraversalMetrics
-from rover_metrics.core.row import MetricsRow
+from rover_metrics.core.row import Row
 from rover_metrics.errors import LogError
 from rover_metrics.log.buffered_log import BufferedLog
 from rover_metrics.log.csv_log import CsvLog
@@ -28,7 +28,7 @@ class Told(list[str]):
     """What the user has been told."""
 
 
-def row(second: int) -> MetricsRow:
+def row(second: int) -> Row:
     return TraversalMetrics().row(second)
 
 
@@ -79,7 +79,7 @@ def test_another_reason_is_told_again(tmp_path: Path, monkeypatch: pytest.Monkey
     log = BufferedLog(csv_log, told.append)
     for number in (errno.ENOSPC, errno.ENOSPC, errno.EROFS, errno.EROFS, errno.EIO):
 
-        def refuse(_: MetricsRow, number: int = number) -> None:
+        def refuse(_: Row, number: int = number) -> None:
             raise LogError(os.strerror(number))
 
         monkeypatch.setattr(csv_log, "write", refuse)
