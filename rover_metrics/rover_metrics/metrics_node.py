@@ -31,7 +31,6 @@ from rover_metrics.health.live_view import LiveView, Status
 from rover_metrics.health.reception import LOST, Reception
 from rover_metrics.health.rejections import NO_POSE
 from rover_metrics.log.buffered_log import BufferedLog
-from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.log.session_record import SessionRecord
 from rover_metrics.session import MetricsSession
 from rover_metrics.timing.clocks import NANOSECONDS
@@ -80,7 +79,13 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
             self.session = MetricsSession(self.settings.thresholds, extended)
             self.metrics = self.session.metrics
             self.setup_subscribers()
-            self.log = BufferedLog(self._csv_log(now()), self._tell)
+            self.log = BufferedLog(
+                Path(self.settings.log_dir).expanduser(),
+                now(),
+                self._tell,
+                fsync=self.settings.fsync,
+                columns=self.session.columns,
+            )
         except RoverMetricsError:
             super().destroy_node()
             raise
@@ -162,10 +167,6 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         self.record.end(self.log.path, self.lost_rows, details)
         self.timer.close()
         super().destroy_node()
-
-    def _csv_log(self, started: datetime) -> CsvLog:
-        folder = Path(self.settings.log_dir).expanduser()
-        return CsvLog(folder, started, fsync=self.settings.fsync, columns=self.session.columns)
 
     def _reported_lost(self) -> dict[Topic, int]:
         remarks = self.reception.remarks

@@ -239,7 +239,7 @@ def test_a_hundred_thousand_random_messages_do_no_harm_and_leave_nothing_behind(
     assert all(math.isfinite(float(cell)) for cell in row.as_fields()[:-1])
     assert all(0 < count < node.received[topic] for topic, count in node.rejected.items() if count)
     assert node.rejected["/scan"] == 0
-    assert len(node.metrics._imu) == WINDOW
+    assert len(node.metrics._smoothness) == WINDOW
     assert node.lost_rows == 0
 
 

@@ -19,7 +19,7 @@ from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError, Message
 from rover_metrics.core.row import Row
 from rover_metrics.session import MetricsSession
-from rover_metrics.timing.clocks import NANOSECONDS, OTHER_CLOCK
+from rover_metrics.timing.clocks import NANOSECONDS, age
 from rover_metrics.timing.recorded_time import ClockRows, FullSeconds, TimeSource
 from rover_metrics.topics import CLOCK, CLOCK_TYPE, SENSORS, TRUTH, Source, nanoseconds, stamp_ns
 
@@ -121,11 +121,7 @@ class Playback:
         stamp = stamp_ns(parsed) if hasattr(parsed, "header") else 0  # 0: never set
         if self.time_source is TimeSource.HEADER:
             return stamp or None
-        if (
-            stamp
-            and self._other_clock is None
-            and abs(stamp - message.time_ns) > OTHER_CLOCK * NANOSECONDS
-        ):
+        if stamp and self._other_clock is None and age(message.time_ns, stamp) is None:
             self._other_clock = (
                 f"header stamps ({stamp / NANOSECONDS:.2f} s) are of another clock than the recorded "
                 f"time ({message.time_ns / NANOSECONDS:.2f} s); --time header follows them"

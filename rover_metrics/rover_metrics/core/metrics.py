@@ -9,7 +9,6 @@ that come straight from a simulator and samples that came over ROS give the same
 import math
 from collections import deque
 from collections.abc import Iterable
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,20 +25,6 @@ LARGEST_ANGULAR_RATE = 1e4  # rad/s
 LARGEST_SPEED = 1e4  # m/s: more than an orbit takes
 
 Vector3 = tuple[float, float, float]
-
-
-class ImuReading(NamedTuple):
-    """What is kept of one IMU sample: magnitudes in m/s^2 and rad/s, and the verdict on it."""
-
-    accel_magnitude: float
-    vertical_roughness: float
-    angular_magnitude: float
-    is_rough_terrain: bool
-
-    @property
-    def smoothness(self) -> float:
-        """|a| + |w|, RoboTerrain's measure of how a movement shakes [m/s^2 + rad/s]."""
-        return self.accel_magnitude + self.angular_magnitude
 
 
 class TraversalMetrics:
@@ -67,8 +52,9 @@ class TraversalMetrics:
         self.total_distance = 0.0
         self.last_step = 0.0
         self._clearances: deque[float] = deque(maxlen=WINDOW)
-        self._imu: deque[ImuReading] = deque(maxlen=WINDOW)
+        self._smoothness: deque[float] = deque(maxlen=WINDOW)
         self._velocities: deque[float] = deque(maxlen=WINDOW)
+        self._latest_imu: tuple[float, bool, float] = (0, False, 0)  # |a|, whether it is rough, |az|
         self._position: Vector3 | None = None
 
     def add_scan(self, ranges: ArrayLike) -> bool:
@@ -108,7 +94,8 @@ class TraversalMetrics:
         if not (accel <= LARGEST_ACCELERATION and angular <= LARGEST_ANGULAR_RATE):
             return False  # NaN too, which compares false
         is_rough_terrain = accel > self.thresholds.rough_terrain_threshold
-        self._imu.append(ImuReading(accel, abs(acceleration[2]), angular, is_rough_terrain))
+        self._latest_imu = (accel, is_rough_terrain, abs(acceleration[2]))
+        self._smoothness.append(accel + angular)
         self.smoothness_metric += accel + angular
         return True
 
@@ -159,19 +146,19 @@ class TraversalMetrics:
             ("0", where a mean of zero is "0.0"); a clearance without samples is inf.
         """
         clearance = _mean(self._clearances, empty=math.inf)
-        latest = self._imu[-1] if self._imu else ImuReading(0, 0, 0, is_rough_terrain=False)
+        magnitude, is_rough_terrain, vertical_roughness = self._latest_imu
         return Row(
             stamp_s=stamp_s,
             total_collisions=self.total_collisions,
             collision_status=int(clearance < self.thresholds.collision_threshold),
             smoothness_metric=self.smoothness_metric,
-            current_smoothness=_mean((reading.smoothness for reading in self._imu), empty=0),
+            current_smoothness=_mean(self._smoothness, empty=0),
             obstacle_clearance=clearance,
             distance_traveled=self.total_distance,
             current_velocity=_mean(self._velocities, empty=0),
-            imu_acceleration_magnitude=latest.accel_magnitude,
-            is_rough_terrain=int(latest.is_rough_terrain),
-            vertical_roughness=latest.vertical_roughness,
+            imu_acceleration_magnitude=magnitude,
+            is_rough_terrain=int(is_rough_terrain),
+            vertical_roughness=vertical_roughness,
         )
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from rover_metrics.core.columns import Cell, Column
 from rover_metrics.health.stamps import MISSING, StampWatch
-from rover_metrics.timing.clocks import OTHER_CLOCK
+from rover_metrics.timing.clocks import age, rate
 
 
 class Topic(NamedTuple):
@@ -80,11 +80,10 @@ class TrafficColumns:
             reported_lost: Messages that the middleware says it has lost so far.
         """
         previous, self._previous_ns = self._previous_ns, now_ns
-        interval = None if previous is None or now_ns <= previous else (now_ns - previous) / 1e9
         return tuple(
             cell
             for topic, account in self._accounts.items()
-            for cell in account.cells(now_ns, interval, reported_lost.get(topic, 0))
+            for cell in account.cells(previous, now_ns, reported_lost.get(topic, 0))
         )
 
 
@@ -93,28 +92,24 @@ class _Account:
 
     def __init__(self) -> None:
         self._stamps = StampWatch()
-        self._newest_ns = 0
         self._messages = self._messages_before = 0
         self._rejected = self._missing = 0
 
     def add(self, stamp_ns: int, *, used: bool) -> None:
         self._messages += 1
         self._rejected += not used
-        self._newest_ns = stamp_ns
         finding = self._stamps.take(stamp_ns)
         if finding is not None and finding[0] == MISSING:
             self._missing += finding[1]
 
-    def cells(self, now_ns: int, interval: float | None, reported_lost: int) -> tuple[Cell, ...]:
+    def cells(self, previous_ns: int | None, now_ns: int, reported_lost: int) -> tuple[Cell, ...]:
         came, self._messages_before = self._messages - self._messages_before, self._messages
         self._stamps.learn()
         if not self._messages:
             return (None, None, None, None)
-        age = (now_ns - self._newest_ns) / 1e9
-        known = self._newest_ns != 0 and abs(age) <= OTHER_CLOCK
         return (
-            None if interval is None else came / interval,
-            age if known else None,
+            rate(came, previous_ns, now_ns),
+            age(now_ns, self._stamps.latest_ns),
             self._rejected,
             max(self._missing, reported_lost),
         )

@@ -24,12 +24,12 @@ class TopicState(NamedTuple):
     """
 
     topic: str
-    received: int
-    rejected: int
-    lost: int
-    stamp_ns: int
-    is_silent: bool
-    publishers: int
+    received: int = 0
+    rejected: int = 0
+    lost: int = 0
+    stamp_ns: int = 0
+    is_silent: bool = False
+    publishers: int = 0
 
 
 class Reception:

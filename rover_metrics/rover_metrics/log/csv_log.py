@@ -9,7 +9,6 @@ from contextlib import AbstractContextManager, suppress
 from datetime import datetime
 from itertools import count
 from pathlib import Path
-from types import TracebackType
 from typing import BinaryIO
 
 from rover_metrics.core.row import COLUMNS, Field, Row
@@ -74,12 +73,7 @@ class CsvLog(AbstractContextManager["CsvLog"]):
                 self.path.unlink()
             raise
 
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def write(self, row: Row) -> None:
