@@ -6,6 +6,7 @@ it. Vectors are tuples in SI units, stamps nanoseconds; frames are those of the 
 
 import math
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 from numpy.typing import ArrayLike
@@ -14,7 +15,7 @@ from rover_metrics.core.metrics import TraversalMetrics, Vector3
 from rover_metrics.core.row import COLUMNS, Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 from rover_metrics.extended.imu_columns import Quaternion
-from rover_metrics.extended.metrics import EXTENDED_HEADER, NONE_LOST, ExtendedMetrics
+from rover_metrics.extended.metrics import EXTENDED_HEADER, ExtendedMetrics
 from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.extended.traffic_columns import Topic
 from rover_metrics.extended.truth_columns import TRAVERSAL
@@ -138,7 +139,7 @@ class MetricsSession:
         """Takes the other values of the truth, with the names of these (TRAVERSAL, or more)."""
         return self._judged(self.extended is None or self.extended.truth.add_traversal(values, names))
 
-    def row(self, now_ns: int, reported_lost: Mapping[Topic, int] = NONE_LOST) -> Row:
+    def row(self, now_ns: int, reported_lost: Mapping[Topic, int] = MappingProxyType({})) -> Row:
         """Returns the row of the session so far.
 
         Args:

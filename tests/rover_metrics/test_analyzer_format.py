@@ -39,7 +39,7 @@ def log(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     extended = ExtendedMetrics(metrics, DEFAULT_EXTENDED) if request.param == "extended" else None
 
     def row(second: int) -> Row:
-        return metrics.row(second) if extended is None else extended.row(second * 10**9)
+        return metrics.row(second) if extended is None else extended.row(second * 10**9, {})
 
     columns = COLUMNS if extended is None else EXTENDED_HEADER
     with CsvLog(tmp_path, datetime(2025, 1, 16, 12, 4, 57), columns=columns) as log:

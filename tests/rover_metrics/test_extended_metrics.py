@@ -417,7 +417,7 @@ def test_a_path_on_a_line_is_never_more_than_efficient() -> None:
     feed = Feed()
     for t in range(50):
         feed.pose(float(t), (0.1 * t, 0.3 * t, 0.07 * t))
-    efficiency = feed.extended.row(ns(50.0)).extended["Path Efficiency"]
+    efficiency = feed.session.row(ns(50.0)).extended["Path Efficiency"]
     assert efficiency is not None
     assert 0.999999 < efficiency <= 1.0
 

@@ -23,11 +23,12 @@ from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.replay import main
 from rover_metrics.session import MetricsSession
 from rover_metrics.timing.recorded_time import TimeSource
-from rover_metrics.topics import CLOCK, SENSORS
+from rover_metrics.topics import SENSORS
 
 NANOSECONDS = 1_000_000_000
 REAL_BAG = Path(__file__).parents[3] / "shared/data/roboterrain/bags/rover_trajectory"
 STORE = get_typestore(Stores.LATEST)
+CLOCK = "/clock"
 TYPES = {source.name: source.message_type for source in SENSORS} | {CLOCK: "rosgraph_msgs/msg/Clock"}
 
 Recorded = tuple[str, int, bytes]  # topic, recorded time [ns], CDR

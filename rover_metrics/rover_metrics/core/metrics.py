@@ -58,14 +58,9 @@ class TraversalMetrics:
         self._position: Vector3 | None = None
 
     def add_scan(self, ranges: ArrayLike) -> bool:
-        """Takes the ranges of one lidar scan.
+        """Takes the ranges of one lidar scan [m], coded as REP-117 says; float32 is read in place.
 
-        Args:
-            ranges: Distances [m], any length; -inf, inf and NaN are what REP-117 says they are and
-                are left out. An array('f') or a float32 array is read in place.
-
-        Returns:
-            Whether there was a finite range. If not, nothing changes: clearance stays as it was.
+        Without a finite one nothing changes: clearance stays as it was.
         """
         values = np.asarray(ranges, dtype=np.float32)
         finite = values[np.isfinite(values)]
@@ -80,15 +75,7 @@ class TraversalMetrics:
         return True
 
     def add_imu(self, acceleration: Vector3, angular_velocity: Vector3) -> bool:
-        """Takes one IMU sample.
-
-        Args:
-            acceleration: Linear acceleration in the IMU frame, gravity included [m/s^2].
-            angular_velocity: Angular velocity in the IMU frame [rad/s].
-
-        Returns:
-            Whether the sample was finite and within LARGEST_ACCELERATION and LARGEST_ANGULAR_RATE.
-        """
+        """Takes an acceleration, gravity included [m/s^2], and a rate [rad/s], both in the IMU frame."""
         accel = math.hypot(*acceleration)
         angular = math.hypot(*angular_velocity)
         if not (accel <= LARGEST_ACCELERATION and angular <= LARGEST_ANGULAR_RATE):
@@ -100,16 +87,10 @@ class TraversalMetrics:
         return True
 
     def add_pose(self, position: Vector3) -> bool:
-        """Takes one true position.
+        """Takes a true position in the world frame [m].
 
         A step of distance_threshold or more is not travel but a jump; the next step starts from
         where the jump ended.
-
-        Args:
-            position: Position in the world frame [m].
-
-        Returns:
-            Whether the position was finite.
         """
         if not math.isfinite(math.hypot(*position)):
             return False
@@ -121,14 +102,7 @@ class TraversalMetrics:
         return True
 
     def add_odometry(self, linear_velocity: Vector3) -> bool:
-        """Takes one wheel odometry sample.
-
-        Args:
-            linear_velocity: Linear velocity in the body frame [m/s].
-
-        Returns:
-            Whether the velocity was finite and within LARGEST_SPEED.
-        """
+        """Takes the linear velocity that wheel odometry tells, in the body frame [m/s]."""
         speed = math.hypot(*linear_velocity)
         if not speed <= LARGEST_SPEED:
             return False
@@ -136,14 +110,10 @@ class TraversalMetrics:
         return True
 
     def row(self, stamp_s: int) -> Row:
-        """Sums up the session so far.
+        """Returns the row of the session so far, at a ROS time [s].
 
-        Args:
-            stamp_s: ROS time of the row [s].
-
-        Returns:
-            The row. A window without samples gives the integer 0, as RoboTerrain's node writes it
-            ("0", where a mean of zero is "0.0"); a clearance without samples is inf.
+        A window without samples gives the integer 0, as RoboTerrain's node writes it ("0", where a
+        mean of zero is "0.0"); a clearance without samples is inf.
         """
         clearance = _mean(self._clearances, empty=math.inf)
         magnitude, is_rough_terrain, vertical_roughness = self._latest_imu

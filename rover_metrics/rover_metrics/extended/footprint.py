@@ -25,7 +25,7 @@ class Footprint:
         corners: In order, clockwise or counter-clockwise [m].
 
     Raises:
-        ParameterError: The corners are not those of a simple polygon.
+        ParameterError: A corner lacks its y, or they are not those of a simple polygon.
     """
 
     corners: tuple[Point, ...]
@@ -41,11 +41,7 @@ class Footprint:
 
     @classmethod
     def from_flat(cls, numbers: Sequence[float]) -> "Footprint":
-        """Make one of x0, y0, x1, y1, ... [m], the form of a ROS parameter.
-
-        Raises:
-            ParameterError: The numbers are no polygon.
-        """
+        """Returns the one of x0, y0, x1, y1, ... [m], the form of a ROS parameter."""
         if len(numbers) % 2:
             message = f"footprint has {len(numbers)} numbers, so one corner lacks its y; give pairs"
             raise ParameterError(message)
@@ -54,7 +50,14 @@ class Footprint:
 
     @classmethod
     def rectangle(cls, x_min: float, x_max: float, y_min: float, y_max: float) -> "Footprint":
-        """Make the rectangle within these bounds in the base frame [m]."""
+        """Returns the rectangle within these bounds in the base frame.
+
+        Args:
+            x_min: Behind [m].
+            x_max: Ahead [m].
+            y_min: On the right [m].
+            y_max: On the left [m].
+        """
         return cls(((x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)))
 
 
@@ -63,7 +66,7 @@ class LidarPose:
     """Where the lidar's frame is in the base frame: position [m] and heading of its x axis [rad].
 
     Raises:
-        ParameterError: A value is not finite.
+        ParameterError: There are not three values, or not all are finite.
     """
 
     x: float = 0.0
@@ -76,11 +79,7 @@ class LidarPose:
 
     @classmethod
     def from_flat(cls, numbers: Sequence[float]) -> "LidarPose":
-        """Make one of x, y, yaw, the form of a ROS parameter.
-
-        Raises:
-            ParameterError: These are not three finite numbers.
-        """
+        """Returns the one of x, y, yaw, the form of a ROS parameter."""
         if len(numbers) != 3:
             message = f"lidar_pose has {len(numbers)} numbers; give x and y in metres, yaw in radians"
             raise ParameterError(message)
@@ -123,17 +122,10 @@ class FootprintClearance:
         self._near_returns_are_contacts = near_returns_are_contacts
 
     def nearest(self, ranges: ArrayLike) -> float:
-        """Give the smallest distance from a finite return to the footprint.
+        """Returns the smallest distance from a finite return to the footprint [m].
 
-        Args:
-            ranges: One per bearing, shape (n,) [m]; -inf, inf and NaN are what REP-117 says they are.
-                Taken as float32, as sensor_msgs/LaserScan carries them.
-
-        Returns:
-            The distance to the boundary, 0 if a return is inside [m]; inf without a finite return.
-
-        Raises:
-            ValueError: There are more ranges than bearings, or fewer.
+        It is 0 if a return is inside and inf if there is none. Ranges are taken as float32, as
+        sensor_msgs/LaserScan carries them, one per bearing, coded as REP-117 says.
         """
         values = np.asarray(ranges, dtype=np.float32)
         if values.shape != self._support.shape:

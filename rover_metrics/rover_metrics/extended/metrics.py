@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from types import MappingProxyType
 
 from numpy.typing import ArrayLike
 
@@ -17,8 +16,6 @@ from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, To
 from rover_metrics.extended.travel_columns import TravelColumns
 from rover_metrics.extended.truth_columns import TruthColumns
 from rover_metrics.timing.clocks import NANOSECONDS
-
-NONE_LOST: Mapping[Topic, int] = MappingProxyType({})
 
 EXTENDED_COLUMNS: tuple[Column, ...] = (
     *TravelColumns.COLUMNS,
@@ -102,12 +99,10 @@ class ExtendedMetrics:
         if used:
             self._travel.add_odometry(stamp_ns, math.hypot(*velocity))
 
-    def row(self, now_ns: int, reported_lost: Mapping[Topic, int] = NONE_LOST) -> Row:
+    def row(self, now_ns: int, reported_lost: Mapping[Topic, int]) -> Row:
         """Returns the row of the session so far, and of what there was since the row before.
 
-        Args:
-            now_ns: ROS time of the row [ns].
-            reported_lost: Messages that the middleware says it has lost, by topic.
+        `reported_lost` are the messages that the middleware says it has lost.
         """
         cells = (
             *self._travel.cells(),

@@ -17,11 +17,7 @@ Edge = tuple[Point, Point]
 
 
 class PolygonDistance:
-    """Exact distances to a polygon, 0 inside.
-
-    Args:
-        corners: Of a simple polygon, in order [m].
-    """
+    """Exact distances to a simple polygon, 0 inside; its corners are given in order [m]."""
 
     def __init__(self, corners: Sequence[Point]) -> None:
         edges = np.array(_edges(corners))

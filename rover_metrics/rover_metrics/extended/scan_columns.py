@@ -17,11 +17,7 @@ Beams = tuple[float, float, int]  # first azimuth, step [rad], how many
 
 
 class ScanColumns:
-    """The lidar's account.
-
-    Args:
-        settings: The footprint and how to measure its clearance.
-    """
+    """The lidar's account, with the settings of the footprint."""
 
     COLUMNS = (
         Column(

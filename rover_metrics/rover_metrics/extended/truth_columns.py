@@ -12,15 +12,7 @@ WHEELS = ("Front Left", "Rear Left", "Front Right", "Rear Right")
 SLIPS = ("slip_front_left", "slip_rear_left", "slip_front_right", "slip_rear_right")
 ROUGHNESS = "roughness"
 # The values of /rover/truth/traversal, if the label of its dimension does not name them.
-TRAVERSAL = (
-    "contact_force",
-    "rock_contact",
-    "scrape",
-    "speed",
-    "path_length",
-    *SLIPS,
-    ROUGHNESS,
-)
+TRAVERSAL = ("contact_force", "rock_contact", "scrape", "speed", "path_length", *SLIPS, ROUGHNESS)
 
 _CONTACT = "/rover/truth/contact"
 _TRAVERSAL = "/rover/truth/traversal"
@@ -118,7 +110,7 @@ class TruthColumns:
 
 
 class _Mean:
-    """A running mean from row to row."""
+    """Of what comes from row to row."""
 
     def __init__(self) -> None:
         self.heard = False

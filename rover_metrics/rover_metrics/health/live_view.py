@@ -65,7 +65,7 @@ class LiveView:
 
     def _traversal(self, row: Row, thresholds: Thresholds) -> Status:
         cells = dict(zip(row.columns, row.as_fields(), strict=True))
-        complaints = [*self._collision(cells), *_exceeded(cells, thresholds)]
+        complaints = self._complaints(cells, thresholds)
         values = tuple((name, plain(value)) for name, value in cells.items() if value != "")
         return Status(
             max((level for level, _ in complaints), default=Level.OK),
@@ -74,14 +74,23 @@ class LiveView:
             values,
         )
 
-    def _collision(self, cells: dict[str, Field]) -> list[_Complaint]:
+    def _complaints(self, cells: dict[str, Field], thresholds: Thresholds) -> list[_Complaint]:
+        """What is beyond a threshold; rough movement, for one, is worth a look and no error."""
         total = int(cells["Total Collisions"])
         new, self._collisions = total - self._collisions, total
+        hit = "collision: the mean clearance is that of a contact"
         if new > 0:
-            return [(Level.ERROR, f"collision: {new} scans since the row before")]
-        if cells["Current Collision Status"]:
-            return [(Level.ERROR, "collision: the mean clearance is that of a contact")]
-        return []
+            hit = f"collision: {new} scans since the row before"
+        clearance, smoothness = float(cells["Obstacle Clearance"]), float(cells["Current Smoothness"])
+        low = f"clearance {plain(clearance)} m is below min_safe_clearance"
+        rough = f"smoothness {plain(smoothness)} is above smoothness_threshold"
+        checks = (
+            (new > 0 or cells["Current Collision Status"], Level.ERROR, hit),
+            (clearance < thresholds.min_safe_clearance, Level.WARN, low),
+            (cells["Is Rough Terrain"], Level.WARN, "rough terrain"),
+            (smoothness > thresholds.smoothness_threshold, Level.WARN, rough),
+        )
+        return [(level, text) for holds, level, text in checks if holds]
 
     def _topic(self, state: TopicState, now_ns: int) -> Status:
         before = self._topics.get(state.topic, TopicState(state.topic))
@@ -102,19 +111,6 @@ class LiveView:
 def plain(value: Field) -> str:
     """Returns a value as text that every plotting tool takes for a number, if it is one."""
     return f"{value:.{DECIMALS}f}" if isinstance(value, float) else str(value)
-
-
-def _exceeded(cells: dict[str, Field], thresholds: Thresholds) -> list[_Complaint]:
-    """What is beyond a threshold; rough movement, for one, is worth a look and no error."""
-    clearance, smoothness = float(cells["Obstacle Clearance"]), float(cells["Current Smoothness"])
-    complaints = []
-    if clearance < thresholds.min_safe_clearance:
-        complaints.append(f"clearance {plain(clearance)} m is below min_safe_clearance")
-    if cells["Is Rough Terrain"]:
-        complaints.append("rough terrain")
-    if smoothness > thresholds.smoothness_threshold:
-        complaints.append(f"smoothness {plain(smoothness)} is above smoothness_threshold")
-    return [(Level.WARN, text) for text in complaints]
 
 
 def _judged(state: TopicState, before: TopicState) -> _Complaint:

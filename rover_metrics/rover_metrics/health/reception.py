@@ -88,12 +88,7 @@ class Reception:
             self._tell(f"{topic}: {what}{detail} ({before + times} so far)")
 
     def look(self, now_ns: int, stale_after_ns: int) -> None:
-        """Looks once a second for topics that have stopped.
-
-        Args:
-            now_ns: The time [ns].
-            stale_after_ns: How long a topic may be silent [ns]; 0 is for ever.
-        """
+        """Looks once a second for topics that are silent for too long; 0 is never too long."""
         for topic, silence in self._silences.items():
             self._stamps[topic].learn()
             if topic in self._silent_by_right:

@@ -19,12 +19,9 @@ class BufferedLog(CsvLog):
     counted. A refusal is told when it begins, when its reason changes and when it is over.
 
     Args:
-        directory: Folder for the file; this, `started`, `fsync` and `columns` are as for CsvLog.
-        started: When the session started.
+        directory: As `started`, `fsync` and `columns` for CsvLog.
         tell: Is given a line for the user.
         capacity: How many rows may wait.
-        fsync: Whether the disk itself is waited for.
-        columns: The header.
 
     Attributes:
         dropped: Rows that were given up.
@@ -52,11 +49,7 @@ class BufferedLog(CsvLog):
         return len(self._waiting)
 
     def write(self, row: Row) -> None:
-        """Appends a row, after those that wait.
-
-        Raises:
-            LogError: The log is closed.
-        """
+        """Appends a row, after those that wait; raises a LogError only if the log is closed."""
         if self._file.closed:
             raise LogError(f"cannot write a row to {self.path}: the log is closed")
         self._waiting.append(row)

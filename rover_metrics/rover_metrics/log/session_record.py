@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
-from rover_metrics.errors import LogError, ThresholdError
+from rover_metrics.errors import LogError, ParameterError
 from rover_metrics.log.files import whole_file
 
 Outcome = Mapping[str, str | None]
@@ -46,7 +46,7 @@ class SessionRecord:
         Args:
             log: The log's file.
             lost_rows: Rows that are not in it.
-            details: What else shall stand there, as JSON values.
+            details: Other JSON values to keep.
         """
         if self._is_over:
             return
@@ -115,12 +115,11 @@ def session_thresholds(log: str | Path) -> Thresholds | None:
         return None
     try:
         return Thresholds(**{name: float(told[name]) for name in THRESHOLD_INFO if name in told})
-    except (ThresholdError, TypeError, ValueError):
+    except (ParameterError, TypeError, ValueError):
         return None
 
 
 def _read(log: str | Path) -> dict[str, Any]:
-    """The record of a log; empty if there is none."""
     try:
         record = json.loads(Path(log).with_suffix(".json").read_bytes())
     except (OSError, ValueError):

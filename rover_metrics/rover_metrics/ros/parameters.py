@@ -70,11 +70,7 @@ def wrong_type(node: Node, parameters: Iterable[Parameter]) -> str | None:
 
 
 def require_same_columns(now: Settings, wish: Settings) -> None:
-    """Refuses to change which columns a log has.
-
-    Raises:
-        ParameterError: The wish differs.
-    """
+    """Raises a ParameterError if a wish would change which columns the log has."""
     if wish.extended_columns != now.extended_columns:
         message = (
             "extended_columns is fixed once the node runs, for the header of this log is written; start "

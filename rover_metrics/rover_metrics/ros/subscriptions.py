@@ -22,8 +22,6 @@ try:
 except ImportError:  # Humble
     from rclpy.qos_event import SubscriptionEventCallbacks, UnsupportedEventTypeError
 
-_POLICIES = {RELIABLE: ReliabilityPolicy.RELIABLE, BEST_EFFORT: ReliabilityPolicy.BEST_EFFORT}
-
 
 def _message_class(full_name: str) -> type:
     package, _, name = full_name.split("/")
@@ -60,7 +58,7 @@ def subscribe(
     qos = QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
         depth=1 if source.best_effort else 10,
-        reliability=_POLICIES[reliability],
+        reliability=ReliabilityPolicy[reliability.upper()],
         durability=DurabilityPolicy.VOLATILE,
     )
 
