@@ -23,7 +23,7 @@ from rover_metrics.topics import SENSORS, TRUTH
 
 SOURCES = {source.name: source for source in (*SENSORS, *TRUTH)}
 GRAVITY = 9.80665  # m/s^2, ISO 80000-3
-SQUARE = ExtendedSettings(footprint=Footprint.rectangle(-0.2, 0.2, -0.2, 0.2))
+SQUARE = ExtendedSettings(footprint=Footprint.rectangle((-0.2, 0.2, -0.2, 0.2)))
 LEVEL = (0.001, 0.0, 0.0, math.sqrt(1 - 1e-6))  # but filled in
 WHEELS = ("Front Left", "Rear Left", "Front Right", "Rear Right")
 
@@ -366,7 +366,7 @@ def test_collisions_half_a_second_apart_are_two_events_also_where_the_clock_goes
 
 
 def test_thresholds_are_strict_and_those_of_their_own_quantity() -> None:
-    outline = Footprint.rectangle(-0.5, 0.5, -0.5, 0.5)
+    outline = Footprint.rectangle((-0.5, 0.5, -0.5, 0.5))
     settings = ExtendedSettings(footprint=outline, footprint_threshold=0.5, lidar_pose=LidarPose(-2.0))
     feed = Feed(settings, Thresholds(0.25, 7.0, 3.0, 2.0, 15.0))
     for distance in (1.0, 1.125, 0.25):  # half a metre behind it, less, and a touch of the lidar

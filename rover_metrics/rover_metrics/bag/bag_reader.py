@@ -88,10 +88,7 @@ class SqliteFile:
 
 
 class Bag(ExitStack):
-    """A recording; a context manager.
-
-    Args:
-        path: A bag folder or a storage file.
+    """A recording in a bag folder or a storage file; a context manager.
 
     Attributes:
         topics: Message type by topic, for the topics that hold messages.
@@ -147,7 +144,6 @@ class Bag(ExitStack):
         return [path for path in paths if path.exists()]
 
     def _opened(self, paths: list[Path]) -> list[McapFile | SqliteFile]:
-        """Returns the files that can be opened; only if there is none it is an error."""
         files: list[McapFile | SqliteFile] = []
         refusals: list[str] = []
         for path in paths:
@@ -200,8 +196,7 @@ def _first_bytes(path: Path) -> bytes:
 
 def _natural(path: Path) -> list[int | str]:
     """Sort key that puts bag_2 before bag_10."""
-    parts = re.split(r"(\d+)", path.name)
-    return [int(part) if part.isdigit() else part for part in parts]
+    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", path.name)]
 
 
 def _has_messages(database: sqlite3.Connection, topic: int) -> bool:

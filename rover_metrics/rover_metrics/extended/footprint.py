@@ -49,15 +49,9 @@ class Footprint:
         return cls(tuple(zip(values, values, strict=True)))
 
     @classmethod
-    def rectangle(cls, x_min: float, x_max: float, y_min: float, y_max: float) -> "Footprint":
-        """Returns the rectangle within these bounds in the base frame.
-
-        Args:
-            x_min: Behind [m].
-            x_max: Ahead [m].
-            y_min: On the right [m].
-            y_max: On the left [m].
-        """
+    def rectangle(cls, bounds: tuple[float, float, float, float]) -> "Footprint":
+        """Returns the rectangle from x_min to x_max and from y_min to y_max in the base frame [m]."""
+        x_min, x_max, y_min, y_max = bounds
         return cls(((x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)))
 
 
@@ -83,8 +77,7 @@ class LidarPose:
         if len(numbers) != 3:
             message = f"lidar_pose has {len(numbers)} numbers; give x and y in metres, yaw in radians"
             raise ParameterError(message)
-        x, y, yaw = map(float, numbers)
-        return cls(x, y, yaw)
+        return cls(*map(float, numbers))
 
 
 class FootprintClearance:
@@ -129,8 +122,7 @@ class FootprintClearance:
         """
         values = np.asarray(ranges, dtype=np.float32)
         if values.shape != self._support.shape:
-            message = f"{values.size} ranges do not fit {self._support.size} bearings"
-            raise ValueError(message)
+            raise ValueError(f"{values.size} ranges do not fit {self._support.size} bearings")
         if self._near_returns_are_contacts and np.isneginf(values).any():
             return 0.0
         bounds = np.where(np.isfinite(values), values - self._support, np.inf)

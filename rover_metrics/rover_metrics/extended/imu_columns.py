@@ -67,7 +67,6 @@ class ImuColumns:
         return rms, jerk
 
     def _step(self, stamp_ns: int) -> float | None:
-        """Time since the last sample [s]; None if it is not to be told."""
         if self._last is None:
             return None
         step = (stamp_ns - self._last[0]) / 1e9

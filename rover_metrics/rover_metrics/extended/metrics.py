@@ -29,14 +29,10 @@ EXTENDED_HEADER: tuple[str, ...] = (*COLUMNS, *_HEADERS)
 
 
 class ExtendedMetrics:
-    """The extended columns of one session.
+    """The extended columns of one session, beside the `metrics` that have its twelve and its thresholds.
 
     Each add method takes a sample after `metrics` has, with the stamp of its header [ns] and whether
     `metrics` has used it.
-
-    Args:
-        metrics: The twelve columns of the same session, and the thresholds.
-        settings: Of the extended columns; `use` replaces them.
 
     Attributes:
         truth: Takes what only a simulator knows.

@@ -60,7 +60,6 @@ def complaint(corners: Sequence[Point]) -> str | None:
 
 
 def _edges(corners: Sequence[Point]) -> list[Edge]:
-    """From each corner to the next, the last one back to the first."""
     return list(zip(corners, (*corners[1:], corners[0]), strict=True))
 
 

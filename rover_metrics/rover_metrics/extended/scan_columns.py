@@ -53,12 +53,11 @@ class ScanColumns:
     )
 
     def __init__(self, settings: ExtendedSettings) -> None:
-        self._heard = False
-        self._events = 0
+        # None until there was something to count.
+        self._events: int | None = None
         self._collision_ns: int | None = None  # stamp of the latest collision
-        self._near_returns = 0
-        self._measured = False
-        self._collisions = 0
+        self._near_returns: int | None = None
+        self._collisions: int | None = None
         self._nearest: float | None = None
         self.use(settings)
 
@@ -79,35 +78,27 @@ class ScanColumns:
             collides: Whether the metrics have counted it as a collision.
         """
         values = np.asarray(ranges, dtype=np.float32)
-        self._heard = True
+        self._events = self._events or 0
         if collides:
             last, self._collision_ns = self._collision_ns, stamp_ns
             # A clock that is set back parts events too.
             self._events += last is None or abs(stamp_ns - last) >= CONTACT_GAP_NS
-        self._near_returns += bool(np.isneginf(values).any())
+        self._near_returns = (self._near_returns or 0) + bool(np.isneginf(values).any())
         footprint = self._settings.footprint
         if footprint is not None:
             beams = (*angles, values.size)
-            self._measure(self._tables(footprint, beams).nearest(values))
+            distance = self._tables(footprint, beams).nearest(values)
+            self._nearest = distance if self._nearest is None else min(self._nearest, distance)
+            near = distance < self._settings.footprint_threshold
+            self._collisions = (self._collisions or 0) + near
 
     def cells(self) -> tuple[Cell, ...]:
         """The cells of a row; the minimum begins anew."""
         nearest, self._nearest = self._nearest, None
-        return (
-            self._events if self._heard else None,
-            self._near_returns if self._heard else None,
-            nearest,
-            self._collisions if self._measured else None,
-        )
-
-    def _measure(self, distance: float) -> None:
-        self._measured = True
-        self._nearest = distance if self._nearest is None else min(self._nearest, distance)
-        self._collisions += distance < self._settings.footprint_threshold
+        return self._events, self._near_returns, nearest, self._collisions
 
     def _tables(self, footprint: Footprint, beams: Beams) -> FootprintClearance:
-        """Those of this kind of scan; lidars rarely change theirs."""
-        if self._lidar is None or beams != self._lidar[0]:
+        if self._lidar is None or beams != self._lidar[0]:  # lidars rarely change their beams
             settings, (angle_min, angle_increment, count) = self._settings, beams
             fan = angle_min + angle_increment * np.arange(count)
             clearance = FootprintClearance(

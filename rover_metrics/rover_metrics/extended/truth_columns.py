@@ -62,7 +62,7 @@ class TruthColumns:
     )
 
     def __init__(self) -> None:
-        self._events = 0
+        self._events: int | None = None  # nothing heard yet
         self._pause = CONTACT_PAUSE
         self._contact = _Mean()
         self._speed = _Mean()
@@ -72,6 +72,7 @@ class TruthColumns:
     def add_contact(self, *, touches: bool) -> None:
         """Take whether the rover has touched a hazard since the last message."""
         self._contact.add(float(touches))
+        self._events = self._events or 0
         if not touches:
             self._pause += 1
             return
@@ -102,7 +103,7 @@ class TruthColumns:
     def cells(self) -> tuple[Cell, ...]:
         """The cells of a row; the means begin anew."""
         return (
-            self._events if self._contact.heard else None,
+            self._events,
             self._contact.take(),
             self._speed.take(),
             *(mean.take() for mean in self._traversal.values()),
@@ -110,14 +111,10 @@ class TruthColumns:
 
 
 class _Mean:
-    """Of what comes from row to row."""
-
     def __init__(self) -> None:
-        self.heard = False
         self._sum, self._count = 0.0, 0
 
     def add(self, value: float) -> None:
-        self.heard = True
         self._sum += value
         self._count += 1
 

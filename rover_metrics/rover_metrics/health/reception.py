@@ -33,12 +33,9 @@ class TopicState(NamedTuple):
 
 
 class Reception:
-    """The account of a node's topics.
+    """The account of a node's topics; `tell` is given each line for the user.
 
     What repeats is told at the 1st, 2nd, 4th, 8th ... time; all of it is counted.
-
-    Args:
-        tell: Is given a line for the user.
 
     Attributes:
         received: Messages received, by topic.

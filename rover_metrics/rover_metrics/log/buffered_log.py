@@ -70,17 +70,14 @@ class BufferedLog(CsvLog):
             try:
                 super().write(self._waiting[0])
             except LogError as error:
-                self._refused(str(error))
+                if str(error) != self._refusal:
+                    self._refusal = str(error)
+                    self._tell(f"{error}. Up to {self._capacity} rows wait in memory until it is mended")
                 return
             self._waiting.popleft()
         if self._refusal is not None:
             self._refusal = None
             self._tell(f"writing to {self.path} again: {late} rows caught up, {self.dropped} lost")
-
-    def _refused(self, refusal: str) -> None:
-        if refusal != self._refusal:
-            self._refusal = refusal
-            self._tell(f"{refusal}. Up to {self._capacity} rows wait in memory until it is mended")
 
     def _drop(self, rows: int) -> None:
         for _ in range(rows):

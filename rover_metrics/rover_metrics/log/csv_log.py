@@ -37,13 +37,12 @@ class CsvLog(AbstractContextManager["CsvLog"]):
     Args:
         directory: Folder for the file; created if it does not exist.
         started: When the session started, for the name.
-        fsync: Whether a row is on the disk itself before `write` returns.
+        fsync: Whether a row is on the disk itself before `write` returns; may be changed at any time.
         columns: The header.
 
     Attributes:
         path: The file, absolute.
         rows: Rows written.
-        fsync: As given; may be changed at any time.
 
     Raises:
         LogError: The folder or the file cannot be created.

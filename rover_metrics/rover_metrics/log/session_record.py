@@ -51,9 +51,7 @@ class SessionRecord:
         if self._is_over:
             return
         self._is_over = True
-        failure = self.failure
-        if failure is None and lost_rows:
-            failure = f"{lost_rows} rows could not be written"
+        failure = self.failure or (f"{lost_rows} rows could not be written" if lost_rows else None)
         outcome = COMPLETE if failure is None else failed(failure)
         ended = self._now().astimezone().isoformat()
         self._write(log, outcome, {"ended": ended, "lost_rows": lost_rows, **details})
@@ -96,8 +94,7 @@ def write_record(log: Path, outcome: Outcome | None, details: Mapping[str, Any])
         with whole_file(path) as part:
             part.write_text(text, encoding="utf-8")
     except OSError as error:
-        message = f"cannot write the session's record to {path}: {error.strerror}"
-        raise LogError(message) from error
+        raise LogError(f"cannot write the session's record to {path}: {error.strerror}") from error
 
 
 def session_end(log: str | Path) -> SessionEnd:

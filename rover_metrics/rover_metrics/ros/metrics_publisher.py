@@ -29,10 +29,6 @@ class MetricsPublisher:
     Statuses are named as diagnostic_updater names them, "node: what", and the hardware is the rover:
     the node's namespace, or "rover".
 
-    Args:
-        node: Who publishes.
-        tell: Is given a line for the user.
-
     Attributes:
         enabled: Whether to publish; may be changed at any time.
     """

@@ -12,9 +12,6 @@ class RowTimes:
     A segment ends where time goes back: the simulator was restarted or its clock reset. Executors under
     load fire a timer twice in a row, and two clocks that fight make it fire with every message.
 
-    Args:
-        period_ns: Time from row to row [ns].
-
     Attributes:
         jump_ns: From which step on the clock has not gone on but was set [ns].
         segments: Segments so far, this one included.
