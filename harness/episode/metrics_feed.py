@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 def extended_settings(rover: RoverSpec) -> ExtendedSettings:
     """Returns the rover's footprint and gravity, and where its lidar is, which looks backwards."""
     return ExtendedSettings(
-        footprint=Footprint.rectangle(*rover.footprint),
+        footprint=Footprint.rectangle(rover.footprint),
         lidar_pose=LidarPose(rover.lidar_x, 0.0, math.pi),
         gravity=rover.gravity,
     )

@@ -8,10 +8,9 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from rover_metrics.core.column import Column
-from rover_metrics.core.roboterrain_columns import ROBOTERRAIN_COLUMNS
+from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.core.thresholds import THRESHOLD_INFO
-from rover_metrics.extended.row import EXTENDED_COLUMNS
+from rover_metrics.extended.metrics import EXTENDED_COLUMNS
 from rover_metrics.extended.settings import EXTENDED_INFO
 
 COMMAND = "python -m rover_metrics.dictionary --write docs/metrics.md"

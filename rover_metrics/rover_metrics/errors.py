@@ -15,10 +15,6 @@ class ParameterError(RoverMetricsError):
     """A ROS parameter of the wrong type or outside its range."""
 
 
-class ThresholdError(ParameterError):
-    """A threshold outside its valid range."""
-
-
 class LogError(RoverMetricsError):
     """The metrics log cannot be created or written."""
 

@@ -31,7 +31,6 @@ from rover_metrics.health.live_view import LiveView, Status
 from rover_metrics.health.reception import LOST, Reception
 from rover_metrics.health.rejections import NO_POSE
 from rover_metrics.log.buffered_log import BufferedLog
-from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.log.session_record import SessionRecord
 from rover_metrics.session import MetricsSession
 from rover_metrics.timing.clocks import NANOSECONDS
@@ -80,9 +79,13 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
             self.session = MetricsSession(self.settings.thresholds, extended)
             self.metrics = self.session.metrics
             self.setup_subscribers()
-            folder = Path(self.settings.log_dir).expanduser()
-            log = CsvLog(folder, now(), fsync=self.settings.fsync, columns=self.session.columns)
-            self.log = BufferedLog(log, self._tell)
+            self.log = BufferedLog(
+                Path(self.settings.log_dir).expanduser(),
+                now(),
+                self._tell,
+                fsync=self.settings.fsync,
+                columns=self.session.columns,
+            )
         except RoverMetricsError:
             super().destroy_node()
             raise

@@ -15,14 +15,13 @@ from pathlib import Path
 
 try:
     from rover_metrics.bag.bag_reader import Bag
-    from rover_metrics.bag.parameter_file import read_parameters
+    from rover_metrics.bag.options import DEFAULT_LOG_DIR, parser, read_parameters
     from rover_metrics.bag.playback import Playback
     from rover_metrics.timing.recorded_time import TimeSource
 except ImportError as error:
     print(f"replay needs two libraries: pip install rosbags mcap ({error})", file=sys.stderr)
     raise SystemExit(2) from None
 
-from rover_metrics.bag.replay_options import DEFAULT_LOG_DIR, parser
 from rover_metrics.errors import LogError, RoverMetricsError
 from rover_metrics.extended.settings import Settings
 from rover_metrics.log.csv_log import CsvLog

@@ -6,6 +6,7 @@ it. Vectors are tuples in SI units, stamps nanoseconds; frames are those of the 
 
 import math
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 from numpy.typing import ArrayLike
@@ -14,8 +15,7 @@ from rover_metrics.core.metrics import TraversalMetrics, Vector3
 from rover_metrics.core.row import COLUMNS, Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 from rover_metrics.extended.imu_columns import Quaternion
-from rover_metrics.extended.metrics import NONE_LOST, ExtendedMetrics
-from rover_metrics.extended.row import EXTENDED_HEADER
+from rover_metrics.extended.metrics import EXTENDED_HEADER, ExtendedMetrics
 from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.extended.traffic_columns import Topic
 from rover_metrics.extended.truth_columns import TRAVERSAL
@@ -79,9 +79,7 @@ class MetricsSession:
         metrics = self.metrics
         used = metrics.add_scan(ranges)
         if self.extended is not None:
-            self.extended.add_scan(
-                stamp_ns, ranges, angle_min=angles[0], angle_increment=angles[1], used=used
-            )
+            self.extended.add_scan(stamp_ns, ranges, angles, used=used)
         if used:
             oddity = rejections.scan_oddity(metrics.clearance, metrics.farthest, *limits)
         else:
@@ -129,19 +127,19 @@ class MetricsSession:
 
     def take_true_velocity(self, velocity: Vector3) -> Remark | None:
         """Takes the true linear velocity in the base frame [m/s]."""
-        return self._judged(self.extended is None or self.extended.add_true_velocity(velocity))
+        return self._judged(self.extended is None or self.extended.truth.add_velocity(velocity))
 
     def take_contact(self, *, touches: bool) -> Remark | None:
         """Takes whether the rover has touched a hazard since the last time, from the truth."""
         if self.extended is not None:
-            self.extended.add_contact(touches=touches)
+            self.extended.truth.add_contact(touches=touches)
         return None
 
     def take_traversal(self, values: Sequence[float], names: Sequence[str] = TRAVERSAL) -> Remark | None:
         """Takes the other values of the truth, with the names of these (TRAVERSAL, or more)."""
-        return self._judged(self.extended is None or self.extended.add_traversal(values, names))
+        return self._judged(self.extended is None or self.extended.truth.add_traversal(values, names))
 
-    def row(self, now_ns: int, reported_lost: Mapping[Topic, int] = NONE_LOST) -> Row:
+    def row(self, now_ns: int, reported_lost: Mapping[Topic, int] = MappingProxyType({})) -> Row:
         """Returns the row of the session so far.
 
         Args:

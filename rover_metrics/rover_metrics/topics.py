@@ -15,7 +15,6 @@ from rover_metrics.extended.truth_columns import TRAVERSAL
 from rover_metrics.session import MetricsSession, Remark
 from rover_metrics.timing.clocks import NANOSECONDS
 
-CLOCK, CLOCK_TYPE = "/clock", "rosgraph_msgs/msg/Clock"
 UNKNOWN = -1.0  # first covariance of what a sensor does not give (sensor_msgs/Imu)
 
 Message = Any  # neither rclpy's nor rosbags' classes have types
@@ -126,4 +125,7 @@ TRUTH = (
         has_stamp=False,
         is_truth=True,
     ),
+)
+CLOCK = Source(
+    name="/clock", message_type="rosgraph_msgs/msg/Clock", take=lambda *_: None, has_stamp=False
 )

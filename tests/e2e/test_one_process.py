@@ -8,7 +8,7 @@ import pytest
 
 from harness.robots import ROVERS
 from harness.run import main
-from rover_metrics.core.row import MetricsRow
+from rover_metrics.core.row import Row
 from rover_metrics.errors import LogError
 from rover_metrics.log.csv_log import CsvLog
 
@@ -57,7 +57,7 @@ def test_a_row_that_the_disk_takes_at_the_end_is_no_lost_row(
 ) -> None:
     write, refusals = CsvLog.write, iter([LogError("no space")])
 
-    def write_late(log: CsvLog, row: MetricsRow) -> None:
+    def write_late(log: CsvLog, row: Row) -> None:
         if log.rows == 1 and (refusal := next(refusals, None)):
             raise refusal
         write(log, row)

@@ -14,8 +14,7 @@ from pandas.api.types import is_numeric_dtype
 
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.core.row import COLUMNS, Row
-from rover_metrics.extended.metrics import ExtendedMetrics
-from rover_metrics.extended.row import EXTENDED_HEADER
+from rover_metrics.extended.metrics import EXTENDED_HEADER, ExtendedMetrics
 from rover_metrics.extended.settings import DEFAULT_EXTENDED
 from rover_metrics.log.csv_log import CsvLog
 
@@ -40,7 +39,7 @@ def log(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     extended = ExtendedMetrics(metrics, DEFAULT_EXTENDED) if request.param == "extended" else None
 
     def row(second: int) -> Row:
-        return metrics.row(second) if extended is None else extended.row(second * 10**9)
+        return metrics.row(second) if extended is None else extended.row(second * 10**9, {})
 
     columns = COLUMNS if extended is None else EXTENDED_HEADER
     with CsvLog(tmp_path, datetime(2025, 1, 16, 12, 4, 57), columns=columns) as log:

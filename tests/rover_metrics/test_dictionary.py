@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from rover_metrics.dictionary import main
-from rover_metrics.extended.row import EXTENDED_HEADER
+from rover_metrics.extended.metrics import EXTENDED_HEADER
 
 DOCUMENT = Path(__file__).parents[2] / "docs/metrics.md"
 

@@ -15,7 +15,7 @@ from rover_metrics.core.row import COLUMNS
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose
-from rover_metrics.extended.row import EXTENDED_HEADER
+from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.extended.settings import DEFAULT_EXTENDED, ExtendedSettings
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN
 from rover_metrics.session import MetricsSession
@@ -23,7 +23,7 @@ from rover_metrics.topics import SENSORS, TRUTH
 
 SOURCES = {source.name: source for source in (*SENSORS, *TRUTH)}
 GRAVITY = 9.80665  # m/s^2, ISO 80000-3
-SQUARE = ExtendedSettings(footprint=Footprint.rectangle(-0.2, 0.2, -0.2, 0.2))
+SQUARE = ExtendedSettings(footprint=Footprint.rectangle((-0.2, 0.2, -0.2, 0.2)))
 LEVEL = (0.001, 0.0, 0.0, math.sqrt(1 - 1e-6))  # but filled in
 WHEELS = ("Front Left", "Rear Left", "Front Right", "Rear Right")
 
@@ -366,7 +366,7 @@ def test_collisions_half_a_second_apart_are_two_events_also_where_the_clock_goes
 
 
 def test_thresholds_are_strict_and_those_of_their_own_quantity() -> None:
-    outline = Footprint.rectangle(-0.5, 0.5, -0.5, 0.5)
+    outline = Footprint.rectangle((-0.5, 0.5, -0.5, 0.5))
     settings = ExtendedSettings(footprint=outline, footprint_threshold=0.5, lidar_pose=LidarPose(-2.0))
     feed = Feed(settings, Thresholds(0.25, 7.0, 3.0, 2.0, 15.0))
     for distance in (1.0, 1.125, 0.25):  # half a metre behind it, less, and a touch of the lidar
@@ -417,10 +417,9 @@ def test_a_path_on_a_line_is_never_more_than_efficient() -> None:
     feed = Feed()
     for t in range(50):
         feed.pose(float(t), (0.1 * t, 0.3 * t, 0.07 * t))
-    assert feed.session.row(ns(50.0)).as_fields()[14] <= 1.0  # type: ignore[operator]
-    cells = feed.extended.row(ns(50.0)).cells
-    assert cells[2] is not None
-    assert 0.999999 < cells[2] <= 1.0
+    efficiency = feed.session.row(ns(50.0)).extended["Path Efficiency"]
+    assert efficiency is not None
+    assert 0.999999 < efficiency <= 1.0
 
 
 # Lidar

@@ -16,7 +16,7 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
 from rover_metrics.core.row import COLUMNS
-from rover_metrics.extended.row import EXTENDED_HEADER
+from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.extended.truth_columns import TRAVERSAL
 from rover_metrics.topics import SENSORS, TRUTH
 

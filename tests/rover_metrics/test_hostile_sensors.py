@@ -240,7 +240,7 @@ def test_a_hundred_thousand_random_messages_do_no_harm_and_leave_nothing_behind(
     rejected = node.reception.rejected
     assert all(0 < count < node.received[topic] for topic, count in rejected.items() if count)
     assert rejected["/scan"] == 0
-    assert len(node.metrics._imu) == WINDOW
+    assert len(node.metrics._smoothness) == WINDOW
     assert node.lost_rows == 0
 
 

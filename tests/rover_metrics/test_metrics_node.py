@@ -28,7 +28,7 @@ from std_msgs.msg import Bool, Float64MultiArray
 from std_srvs.srv import Trigger
 
 from rover_metrics.core.metrics import TraversalMetrics
-from rover_metrics.core.row import MetricsRow
+from rover_metrics.core.row import Row
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 from rover_metrics.errors import LogError, ParameterError
 from rover_metrics.extended.settings import DEFAULT_EXTENDED
@@ -187,7 +187,7 @@ def test_destroying_the_node_closes_the_log(rig: "Rig") -> None:
     node.destroy_node()
     rig.nodes.remove(node)
     with pytest.raises(LogError):
-        node.log.write(MetricsRow(*[0] * 11))  # type: ignore[arg-type]
+        node.log.write(Row(*[0] * 11))  # type: ignore[arg-type]
 
 
 # What the harness asks

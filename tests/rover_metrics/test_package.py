@@ -10,8 +10,11 @@ from pathlib import Path
 import pytest
 
 import harness
+from rover_metrics.topics import SENSORS, TRUTH
+from tests.support import dependencies
 
 PACKAGE = Path(__file__).parents[2] / "rover_metrics"
+MANIFEST = (PACKAGE / "package.xml").read_text()
 COLCON = shutil.which("colcon", path=str(Path(sys.executable).parent)) or shutil.which("colcon")
 needs_colcon = pytest.mark.skipif(COLCON is None, reason="needs colcon: pip install .[dev]")
 
@@ -42,3 +45,13 @@ def test_both_packages_carry_one_version() -> None:
 def test_the_package_knows_nothing_of_the_harness_or_mujoco() -> None:
     for module in (PACKAGE / "rover_metrics").glob("*.py"):
         assert not re.search(r"^\s*(import|from) (harness|mujoco)\b", module.read_text(), re.MULTILINE)
+
+
+def test_what_is_imported_is_declared_and_what_is_declared_is_imported() -> None:
+    used = dependencies.imported() | {s.message_type.partition("/")[0] for s in (*SENSORS, *TRUTH)}
+    assert used == dependencies.depended_on() | dependencies.told_to_install()
+
+
+def test_pip_gets_all_that_is_not_a_package_of_ros() -> None:
+    libraries = {word for word in dependencies.depended_on() if f"python3-{word}" in MANIFEST}
+    assert dependencies.required() == libraries | dependencies.told_to_install()

@@ -18,16 +18,17 @@ from rosbags.typesys import Stores, get_typestore
 from rover_metrics.bag.mcap_stream import Message
 from rover_metrics.bag.playback import Count, Playback
 from rover_metrics.core.metrics import TraversalMetrics
-from rover_metrics.core.row import MetricsRow
-from rover_metrics.extended.row import EXTENDED_HEADER
+from rover_metrics.core.row import Row
+from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.replay import main
 from rover_metrics.session import MetricsSession
 from rover_metrics.timing.recorded_time import TimeSource
-from rover_metrics.topics import CLOCK, SENSORS
+from rover_metrics.topics import SENSORS
 
 NANOSECONDS = 1_000_000_000
 REAL_BAG = Path(__file__).parents[3] / "shared/data/roboterrain/bags/rover_trajectory"
 STORE = get_typestore(Stores.LATEST)
+CLOCK = "/clock"
 TYPES = {source.name: source.message_type for source in SENSORS} | {CLOCK: "rosgraph_msgs/msg/Clock"}
 
 Recorded = tuple[str, int, bytes]  # topic, recorded time [ns], CDR
@@ -124,7 +125,7 @@ def drive(seconds: float = 4.5, offset_s: float = 0.0, *, clock: bool = True) ->
     return messages
 
 
-def expected_rows(seconds: int = 4) -> list[MetricsRow]:
+def expected_rows(seconds: int = 4) -> list[Row]:
     """The rows of `drive`, computed without messages."""
     metrics, rows = TraversalMetrics(), []
     for tick in range(1, seconds * 10 + 1):
@@ -192,7 +193,7 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
     return told
 
 
-def cells(rows: list[MetricsRow]) -> list[list[str]]:
+def cells(rows: list[Row]) -> list[list[str]]:
     return [[str(cell) for cell in row.as_fields()] for row in rows]
 
 

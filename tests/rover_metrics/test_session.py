@@ -21,10 +21,11 @@ Taken = tuple[str, tuple[Any, ...], dict[str, Any]]
 
 
 class Extended:
-    """Stands where ExtendedMetrics does: remembers what it is given, and the smoothness at that time."""
+    """Stands where ExtendedMetrics and its truth do: remembers what it is given, and when."""
 
     def __init__(self) -> None:
         self.taken: list[Taken] = []
+        self.truth = self
         self.answer = True
         self.smoothness = NAN
 
@@ -44,10 +45,9 @@ class Extended:
 
 def scan(*ranges: float) -> tuple[Give, Taken]:
     values = array.array("f", ranges)
-    named = {"angle_min": 0.5, "angle_increment": 0.25}
     return (
         lambda session: session.take_scan(STAMP_NS, values, angles=(0.5, 0.25), limits=(0.15, 10.0)),
-        ("add_scan", (STAMP_NS, values), named),
+        ("add_scan", (STAMP_NS, values, (0.5, 0.25)), {}),
     )
 
 
@@ -135,7 +135,7 @@ def test_a_step_of_the_distance_threshold_or_more_is_remarked_upon(step: float, 
     [
         (
             lambda session: session.take_true_velocity((0.3, 0.4, 0.0)),
-            ("add_true_velocity", ((0.3, 0.4, 0.0),), {}),
+            ("add_velocity", ((0.3, 0.4, 0.0),), {}),
             True,
         ),
         (

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.rover_metrics.test_replay import drive, write_mcap
+from tests.support.dependencies import depended_on, hide_all_but, told_to_install
 from tests.support.waiting import wait_until
 
 PACKAGE = Path(__file__).parents[2] / "rover_metrics"
@@ -47,6 +49,13 @@ def sourced(workspace: Path, *command: str) -> list[str]:
     """A command in a shell that has sourced the workspace; it replaces that shell."""
     setup = shlex.quote(str(workspace / "install/setup.bash"))
     return ["bash", "-c", f'source {setup} && exec "$@"', "bash", *command]
+
+
+@pytest.fixture
+def declared_only(tmp_path: Path) -> dict[str, str]:
+    """The environment of a machine that has what the package declares, and nothing else."""
+    hide_all_but(depended_on() | told_to_install(), tmp_path)
+    return {**environment(), "PYTHONPATH": str(tmp_path)}
 
 
 def told(workspace: Path, code: str) -> str:
@@ -102,6 +111,23 @@ def test_launch_files_and_parameters_are_where_ros2_launch_looks(workspace: Path
         names = {path.name for path in (PACKAGE / folder).glob(ending)}
         assert names
         assert {path.name for path in (share / folder).iterdir()} == names
+
+
+def test_the_installed_commands_need_nothing_that_is_not_declared(
+    workspace: Path, tmp_path: Path, declared_only: dict[str, str]
+) -> None:
+    programs = workspace / "install/rover_metrics/lib/rover_metrics"
+    bag = write_mcap(tmp_path / "bag.mcap", drive())
+    for words, told in (
+        ([programs / "replay", bag, "-o", tmp_path / "rows.csv"], "4 rows in "),
+        ([programs / "analyze", tmp_path / "rows.csv", "-p"], "rows: 4 rows, 3 s"),
+    ):
+        command = sourced(workspace, *map(str, words))
+        run = subprocess.run(
+            command, cwd=tmp_path, env=declared_only, capture_output=True, text=True, check=False
+        )
+        assert (run.returncode, run.stderr) == (0, "")
+        assert told in run.stdout
 
 
 @pytest.mark.usefixtures("ros_domain")

@@ -68,7 +68,7 @@ def scan_rows(collected: Collected, rover: RoverSpec) -> Table:
         return rows
     settings = extended_settings(rover)
     angles = LidarSpec(beams=len(collected.scans[0].ranges)).angles
-    clearance = FootprintClearance(Footprint.rectangle(*rover.footprint), settings.lidar_pose, angles)
+    clearance = FootprintClearance(Footprint.rectangle(rover.footprint), settings.lidar_pose, angles)
     for row, scan, state in zip(rows, collected.scans, collected.states, strict=True):
         row["stamp_ms"] = scan.stamp_ns // 1_000_000
         row["nearest"] = np.min(scan.ranges, initial=np.inf, where=np.isfinite(scan.ranges))

@@ -19,7 +19,7 @@ import zstandard
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
-from rover_metrics.bag.mcap_stream import BagError, McapFile, Message, UnreadableError
+from rover_metrics.bag.mcap_stream import BagError, McapFile, Message
 
 LARGEST_SKIP = 2**32  # rows
 SUFFIXES = (".mcap", ".db3", ".mcap.zstd", ".db3.zstd")
@@ -33,7 +33,7 @@ class SqliteFile:
     """A .db3 file; `topics` has the message type of each topic with messages.
 
     Raises:
-        UnreadableError: It is not a rosbag2 database, or its list of topics is lost.
+        BagError: It is not a rosbag2 database, or its list of topics is lost.
     """
 
     def __init__(self, path: Path) -> None:
@@ -47,7 +47,7 @@ class SqliteFile:
                     if _has_messages(database, key):
                         self.topics[str(name)] = str(kind)
         except sqlite3.Error as error:
-            raise UnreadableError(f"not readable as a rosbag2 database ({error})") from error
+            raise BagError(f"not readable as a rosbag2 database ({error})") from error
 
     def messages(self, wanted: Collection[str], problems: list[str]) -> Iterator[Message]:
         """Yields each message in the order of recording; past a bad page, ever further ahead."""
@@ -88,10 +88,7 @@ class SqliteFile:
 
 
 class Bag(ExitStack):
-    """A recording; a context manager.
-
-    Args:
-        path: A bag folder or a storage file.
+    """A recording in a bag folder or a storage file; a context manager.
 
     Attributes:
         topics: Message type by topic, for the topics that hold messages.
@@ -120,7 +117,6 @@ class Bag(ExitStack):
                 yield self._decompressed(message) if self._message_compression else message
 
     def _paths(self) -> list[Path]:
-        """The storage files in order, from metadata.yaml where there is one."""
         if not self.path.exists():
             raise BagError(f"{self.path} does not exist")
         if not self.path.is_dir():
@@ -148,13 +144,12 @@ class Bag(ExitStack):
         return [path for path in paths if path.exists()]
 
     def _opened(self, paths: list[Path]) -> list[McapFile | SqliteFile]:
-        """Returns the files that can be opened; only if there is none it is an error."""
         files: list[McapFile | SqliteFile] = []
         refusals: list[str] = []
         for path in paths:
             try:
                 files.append(self._file(path))
-            except (UnreadableError, OSError) as error:  # noqa: PERF203 - one bad file of several
+            except (BagError, OSError) as error:  # noqa: PERF203 - one bad file of several
                 reason = error.strerror if isinstance(error, OSError) else error
                 refusals.append(f"{path.name}: {reason}")
         if not files:
@@ -163,7 +158,6 @@ class Bag(ExitStack):
         return files
 
     def _file(self, path: Path) -> McapFile | SqliteFile:
-        """Opens a file as what its first bytes say it is."""
         start = _first_bytes(path)
         if start.startswith(ZSTD_MAGIC):
             path = self._decompressed_file(path)
@@ -173,8 +167,8 @@ class Bag(ExitStack):
         if start.startswith(SQLITE_MAGIC):
             return SqliteFile(path)
         if start.startswith(ROS1_MAGIC):
-            raise UnreadableError("a ROS 1 bag; convert it: rosbags-convert --src FILE --dst FOLDER")
-        raise UnreadableError("neither MCAP nor sqlite3" if start else "the file is empty")
+            raise BagError("a ROS 1 bag; convert it: rosbags-convert --src FILE --dst FOLDER")
+        raise BagError("neither MCAP nor sqlite3" if start else "the file is empty")
 
     def _decompressed_file(self, path: Path) -> Path:
         folder = self.enter_context(tempfile.TemporaryDirectory(prefix="replay_"))
@@ -202,8 +196,7 @@ def _first_bytes(path: Path) -> bytes:
 
 def _natural(path: Path) -> list[int | str]:
     """Sort key that puts bag_2 before bag_10."""
-    parts = re.split(r"(\d+)", path.name)
-    return [int(part) if part.isdigit() else part for part in parts]
+    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", path.name)]
 
 
 def _has_messages(database: sqlite3.Connection, topic: int) -> bool:

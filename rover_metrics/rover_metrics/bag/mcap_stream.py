@@ -30,7 +30,7 @@ _DAMAGE = (
 
 
 class BagError(RoverMetricsError):
-    """A path that is no rosbag2 recording, or one of which nothing can be read."""
+    """A path that is no rosbag2 recording, or a file of one of which nothing can be read."""
 
 
 class Message(NamedTuple):
@@ -45,10 +45,6 @@ class Message(NamedTuple):
     topic: str
     time_ns: int
     data: bytes
-
-
-class UnreadableError(Exception):
-    """A file of which nothing can be read."""
 
 
 class McapFile:
@@ -93,7 +89,6 @@ class McapFile:
             )
 
     def _summarised_topics(self) -> dict[str, str] | None:
-        """The topics as the summary at the end of the file tells them; None without one."""
         with self._path.open("rb") as file:
             try:
                 summary = SeekingReader(file, record_size_limit=LARGEST_RECORD).get_summary()
@@ -132,7 +127,6 @@ def _unpacked(
 
 
 def _type(channel: records.Channel, schemas: dict[int, records.Schema]) -> str:
-    """The message type, or the encoding where that is none of ROS 2's."""
     if channel.message_encoding != "cdr":
         return f"{channel.message_encoding}-encoded"
     schema = schemas.get(channel.schema_id)

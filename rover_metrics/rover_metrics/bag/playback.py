@@ -7,7 +7,7 @@ recorded or header time a second is full when a message comes from after it, or 
 of harness.run thus gives the rows of the live run in each of the three ways.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -19,9 +19,9 @@ from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError, Message
 from rover_metrics.core.row import Row
 from rover_metrics.session import MetricsSession
-from rover_metrics.timing.clocks import NANOSECONDS, OTHER_CLOCK
+from rover_metrics.timing.clocks import NANOSECONDS, age
 from rover_metrics.timing.recorded_time import ClockRows, FullSeconds, TimeSource
-from rover_metrics.topics import CLOCK, CLOCK_TYPE, SENSORS, TRUTH, Source, nanoseconds, stamp_ns
+from rover_metrics.topics import CLOCK, SENSORS, TRUTH, Source, nanoseconds, stamp_ns
 
 MOST_NOTES = 5
 
@@ -64,23 +64,21 @@ class Playback:
         self._bag, self._session, self.metrics = bag, session, session.metrics
         if len({remaps.get(source.name, source.name) for source in SENSORS}) < len(SENSORS):
             raise BagError("two topics are remapped to the same one; each sensor needs its own")
-        self._sensors, self.missing = self._there(SENSORS, remaps)
-        if not self._sensors:
+        self._sources, self.missing = self._there(SENSORS, remaps)
+        if not self._sources:
             recorded = ", ".join(sorted(bag.topics)) or "none"
             raise BagError(
                 f"{bag.path} has no topic to replay ({'; '.join(self.missing)}); its topics: {recorded}"
             )
         if session.extended is not None:
-            self._sensors |= self._there(TRUTH, remaps)[0]  # a real rover has none
-        self._clock_topic = remaps.get(CLOCK, CLOCK)
-        self.time_source = self._resolved(time_source)
-        self.counts = {topic: Count() for topic in self._sensors}
+            self._sources |= self._there(TRUTH, remaps)[0]  # a real rover has none
+        clock, no_clock = self._there([CLOCK], remaps)
+        self.time_source = _resolved(time_source, no_clock)
+        if self.time_source is TimeSource.SIM:
+            self._sources |= clock
+        self.counts = {topic: Count() for topic in self._sources}
         self._timer = ClockRows() if self.time_source is TimeSource.SIM else FullSeconds()
         self._other_clock: str | None = None
-        self._types = {t: sensor.message_type for t, sensor in self._sensors.items()}
-        if self.time_source is TimeSource.SIM:
-            self._types[self._clock_topic] = CLOCK_TYPE
-            self.counts[self._clock_topic] = Count()
         self._store = get_typestore(Stores.LATEST)
 
     @property
@@ -92,7 +90,7 @@ class Playback:
 
     def rows(self) -> Iterator[Row]:
         """Plays everything; yields each row when it is due."""
-        for message in self._bag.messages(self._types):
+        for message in self._bag.messages(self._sources):
             parsed = self._parsed(message)
             now = self._time(message, parsed)
             if now is not None:
@@ -104,28 +102,22 @@ class Playback:
             yield self._session.row(at_ns)
 
     def _parsed(self, message: Message) -> Any | None:  # noqa: ANN401
-        """The message as an object; None if nobody wants it or it is not readable."""
-        message_type = self._types.get(message.topic)
-        if message_type is None:
+        source = self._sources.get(message.topic)
+        if source is None:
             return None
         try:
-            return self._store.deserialize_cdr(message.data, message_type)
+            return self._store.deserialize_cdr(message.data, source.message_type)
         except (SerdeError, IndexError, AssertionError, MemoryError):
             self.counts[message.topic].unreadable += 1
             return None
 
     def _time(self, message: Message, parsed: Any | None) -> int | None:  # noqa: ANN401
-        """The time that a message tells [ns]; None if it tells none."""
         if self.time_source is TimeSource.SIM:
-            return nanoseconds(parsed.clock) if parsed and message.topic == self._clock_topic else None
+            return nanoseconds(parsed.clock) if parsed and hasattr(parsed, "clock") else None
         stamp = stamp_ns(parsed) if hasattr(parsed, "header") else 0  # 0: never set
         if self.time_source is TimeSource.HEADER:
             return stamp or None
-        if (
-            stamp
-            and self._other_clock is None
-            and abs(stamp - message.time_ns) > OTHER_CLOCK * NANOSECONDS
-        ):
+        if stamp and self._other_clock is None and age(message.time_ns, stamp) is None:
             self._other_clock = (
                 f"header stamps ({stamp / NANOSECONDS:.2f} s) are of another clock than the recorded "
                 f"time ({message.time_ns / NANOSECONDS:.2f} s); --time header follows them"
@@ -133,8 +125,7 @@ class Playback:
         return message.time_ns
 
     def _take(self, topic: str, parsed: Any) -> None:  # noqa: ANN401
-        source, count = self._sensors.get(topic), self.counts[topic]
-        remark = None if source is None else source.take(self._session, parsed)
+        remark, count = self._sources[topic].take(self._session, parsed), self.counts[topic]
         if remark is not None and remark.left_out:
             count.rejected += 1
         else:
@@ -145,26 +136,24 @@ class Playback:
     ) -> tuple[dict[str, Source], list[str]]:
         """The sources that can be used, by recorded topic, and why the others cannot."""
         wished = {remaps.get(source.name, source.name): source for source in sources}
-        reasons = {topic: self._unusable(topic, s.message_type) for topic, s in wished.items()}
-        there = {topic: source for topic, source in wished.items() if reasons[topic] is None}
-        return there, [reason for reason in reasons.values() if reason is not None]
+        there, reasons = {}, []
+        for topic, source in wished.items():
+            recorded = self._bag.topics.get(topic)
+            if recorded is None:
+                reasons.append(f"{topic} is missing")
+            elif _full_name(recorded) != source.message_type:
+                reasons.append(f"{topic} is {recorded}, not {source.message_type}")
+            else:
+                there[topic] = source
+        return there, reasons
 
-    def _unusable(self, topic: str, message_type: str) -> str | None:
-        """Why a topic cannot be used; None if it can."""
-        recorded = self._bag.topics.get(topic)
-        if recorded is None:
-            return f"{topic} is missing"
-        if _full_name(recorded) != message_type:
-            return f"{topic} is {recorded}, not {message_type}"
-        return None
 
-    def _resolved(self, wish: TimeSource) -> TimeSource:
-        no_clock = self._unusable(self._clock_topic, CLOCK_TYPE)
-        if wish is TimeSource.AUTO:
-            return TimeSource.RECORDED if no_clock else TimeSource.SIM
-        if wish is TimeSource.SIM and no_clock:
-            raise BagError(f"--time sim needs /clock, but {no_clock}; choose recorded or header")
-        return wish
+def _resolved(wish: TimeSource, no_clock: Sequence[str]) -> TimeSource:
+    if wish is TimeSource.AUTO:
+        return TimeSource.RECORDED if no_clock else TimeSource.SIM
+    if wish is TimeSource.SIM and no_clock:
+        raise BagError(f"--time sim needs /clock, but {no_clock[0]}; choose recorded or header")
+    return wish
 
 
 def _full_name(message_type: str) -> str:

@@ -9,12 +9,11 @@ that come straight from a simulator and samples that came over ROS give the same
 import math
 from collections import deque
 from collections.abc import Iterable
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rover_metrics.core.row import MetricsRow
+from rover_metrics.core.row import Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 
 WINDOW = 100  # samples
@@ -26,20 +25,6 @@ LARGEST_ANGULAR_RATE = 1e4  # rad/s
 LARGEST_SPEED = 1e4  # m/s: more than an orbit takes
 
 Vector3 = tuple[float, float, float]
-
-
-class ImuReading(NamedTuple):
-    """What is kept of one IMU sample: magnitudes in m/s^2 and rad/s, and the verdict on it."""
-
-    accel_magnitude: float
-    vertical_roughness: float
-    angular_magnitude: float
-    is_rough_terrain: bool
-
-    @property
-    def smoothness(self) -> float:
-        """|a| + |w|, RoboTerrain's measure of how a movement shakes [m/s^2 + rad/s]."""
-        return self.accel_magnitude + self.angular_magnitude
 
 
 class TraversalMetrics:
@@ -67,19 +52,15 @@ class TraversalMetrics:
         self.total_distance = 0.0
         self.last_step = 0.0
         self._clearances: deque[float] = deque(maxlen=WINDOW)
-        self._imu: deque[ImuReading] = deque(maxlen=WINDOW)
+        self._smoothness: deque[float] = deque(maxlen=WINDOW)
         self._velocities: deque[float] = deque(maxlen=WINDOW)
+        self._latest_imu: tuple[float, bool, float] = (0, False, 0)  # |a|, whether it is rough, |az|
         self._position: Vector3 | None = None
 
     def add_scan(self, ranges: ArrayLike) -> bool:
-        """Takes the ranges of one lidar scan.
+        """Takes the ranges of one lidar scan [m], coded as REP-117 says; float32 is read in place.
 
-        Args:
-            ranges: Distances [m], any length; -inf, inf and NaN are what REP-117 says they are and
-                are left out. An array('f') or a float32 array is read in place.
-
-        Returns:
-            Whether there was a finite range. If not, nothing changes: clearance stays as it was.
+        Without a finite one nothing changes: clearance stays as it was.
         """
         values = np.asarray(ranges, dtype=np.float32)
         finite = values[np.isfinite(values)]
@@ -94,35 +75,22 @@ class TraversalMetrics:
         return True
 
     def add_imu(self, acceleration: Vector3, angular_velocity: Vector3) -> bool:
-        """Takes one IMU sample.
-
-        Args:
-            acceleration: Linear acceleration in the IMU frame, gravity included [m/s^2].
-            angular_velocity: Angular velocity in the IMU frame [rad/s].
-
-        Returns:
-            Whether the sample was finite and within LARGEST_ACCELERATION and LARGEST_ANGULAR_RATE.
-        """
+        """Takes an acceleration, gravity included [m/s^2], and a rate [rad/s], both in the IMU frame."""
         accel = math.hypot(*acceleration)
         angular = math.hypot(*angular_velocity)
         if not (accel <= LARGEST_ACCELERATION and angular <= LARGEST_ANGULAR_RATE):
             return False  # NaN too, which compares false
         is_rough_terrain = accel > self.thresholds.rough_terrain_threshold
-        self._imu.append(ImuReading(accel, abs(acceleration[2]), angular, is_rough_terrain))
+        self._latest_imu = (accel, is_rough_terrain, abs(acceleration[2]))
+        self._smoothness.append(accel + angular)
         self.smoothness_metric += accel + angular
         return True
 
     def add_pose(self, position: Vector3) -> bool:
-        """Takes one true position.
+        """Takes a true position in the world frame [m].
 
         A step of distance_threshold or more is not travel but a jump; the next step starts from
         where the jump ended.
-
-        Args:
-            position: Position in the world frame [m].
-
-        Returns:
-            Whether the position was finite.
         """
         if not math.isfinite(math.hypot(*position)):
             return False
@@ -134,44 +102,33 @@ class TraversalMetrics:
         return True
 
     def add_odometry(self, linear_velocity: Vector3) -> bool:
-        """Takes one wheel odometry sample.
-
-        Args:
-            linear_velocity: Linear velocity in the body frame [m/s].
-
-        Returns:
-            Whether the velocity was finite and within LARGEST_SPEED.
-        """
+        """Takes the linear velocity that wheel odometry tells, in the body frame [m/s]."""
         speed = math.hypot(*linear_velocity)
         if not speed <= LARGEST_SPEED:
             return False
         self._velocities.append(speed)
         return True
 
-    def row(self, stamp_s: int) -> MetricsRow:
-        """Sums up the session so far.
+    def row(self, stamp_s: int) -> Row:
+        """Returns the row of the session so far, at a ROS time [s].
 
-        Args:
-            stamp_s: ROS time of the row [s].
-
-        Returns:
-            The row. A window without samples gives the integer 0, as RoboTerrain's node writes it
-            ("0", where a mean of zero is "0.0"); a clearance without samples is inf.
+        A window without samples gives the integer 0, as RoboTerrain's node writes it ("0", where a
+        mean of zero is "0.0"); a clearance without samples is inf.
         """
         clearance = _mean(self._clearances, empty=math.inf)
-        latest = self._imu[-1] if self._imu else ImuReading(0, 0, 0, is_rough_terrain=False)
-        return MetricsRow(
+        magnitude, is_rough_terrain, vertical_roughness = self._latest_imu
+        return Row(
             stamp_s=stamp_s,
             total_collisions=self.total_collisions,
             collision_status=int(clearance < self.thresholds.collision_threshold),
             smoothness_metric=self.smoothness_metric,
-            current_smoothness=_mean((reading.smoothness for reading in self._imu), empty=0),
+            current_smoothness=_mean(self._smoothness, empty=0),
             obstacle_clearance=clearance,
             distance_traveled=self.total_distance,
             current_velocity=_mean(self._velocities, empty=0),
-            imu_acceleration_magnitude=latest.accel_magnitude,
-            is_rough_terrain=int(latest.is_rough_terrain),
-            vertical_roughness=latest.vertical_roughness,
+            imu_acceleration_magnitude=magnitude,
+            is_rough_terrain=int(is_rough_terrain),
+            vertical_roughness=vertical_roughness,
         )
 
 

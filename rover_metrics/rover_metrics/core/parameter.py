@@ -75,9 +75,9 @@ def parameters_of(settings: type) -> Mapping[str, ParameterInfo]:
     return MappingProxyType(there)
 
 
-def require_ranges(settings: object, error: type[ParameterError] = ParameterError) -> None:
-    """Raises the error if a number among the parameters is outside its range, or not a number."""
+def require_ranges(settings: object) -> None:
+    """Raises a ParameterError if a number among the parameters is outside its range, or not a number."""
     for name, info in parameters_of(type(settings)).items():
         value = getattr(settings, name)
         if info.maximum < math.inf and not info.minimum <= value <= info.maximum:
-            raise error(f"{name} = {value} is not valid: it must be {info.valid_range}")
+            raise ParameterError(f"{name} = {value} is not valid: it must be {info.valid_range}")

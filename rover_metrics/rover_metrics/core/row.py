@@ -1,38 +1,24 @@
-"""One line of the metrics log: twelve columns, in the order and format of RoboTerrain's logs."""
+"""One line of the metrics log, in the order and format of RoboTerrain's logs."""
 
-from dataclasses import dataclass, fields
-from typing import Protocol
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 
-from rover_metrics.core.roboterrain_columns import ROBOTERRAIN_COLUMNS
+from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Cell
 
-COLUMNS: tuple[str, ...] = tuple(column.header for column in ROBOTERRAIN_COLUMNS)
+COLUMNS: tuple[str, ...] = tuple(column.name for column in ROBOTERRAIN_COLUMNS)
 
 DECIMALS = 4
 
 Field = int | float | str
 
 
-class Row(Protocol):
-    """A line of a log."""
-
-    @property
-    def stamp_s(self) -> int:
-        """ROS time [s]."""
-        ...
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """The header that fits it."""
-        ...
-
-    def as_fields(self) -> tuple[Field, ...]:
-        """Its CSV cells."""
-        ...
-
-
 @dataclass(frozen=True)
-class MetricsRow:
-    """The metrics at one second; the fields stand in the order of COLUMNS, which describe them."""
+class Row:
+    """The metrics at one second of ROS time; up to `notes` the fields are COLUMNS, in their order.
+
+    Attributes:
+        extended: The extended columns, by header; empty if they are not asked for.
+    """
 
     stamp_s: int
     total_collisions: int
@@ -46,16 +32,20 @@ class MetricsRow:
     is_rough_terrain: int
     vertical_roughness: float
     notes: str = "Normal operation"
+    extended: Mapping[str, Cell] = field(default_factory=dict)
 
     @property
     def columns(self) -> tuple[str, ...]:
         """The header that fits the row."""
-        return COLUMNS
+        return (*COLUMNS, *self.extended)
 
     def as_fields(self) -> tuple[Field, ...]:
-        """Returns the CSV cells, floats rounded to four decimals."""
-        return tuple(_cell(getattr(self, column.name)) for column in fields(self))
+        """Returns the CSV cells, floats rounded to four decimals; an empty one is empty text."""
+        *twelve, extended = (getattr(self, column.name) for column in fields(self))
+        return tuple(map(_field, (*twelve, *extended.values())))
 
 
-def _cell(value: Field) -> Field:
-    return round(value, DECIMALS) if isinstance(value, float) else value
+def _field(cell: Cell | str) -> Field:
+    if cell is None:
+        return ""
+    return round(cell, DECIMALS) if isinstance(cell, float) else cell

@@ -7,7 +7,6 @@ documentation all read THRESHOLD_INFO. The threshold 0 switches off what it guar
 from dataclasses import dataclass
 
 from rover_metrics.core.parameter import parameter, parameters_of, require_ranges
-from rover_metrics.errors import ThresholdError
 
 
 @dataclass(frozen=True)
@@ -15,7 +14,7 @@ class Thresholds:
     """The thresholds of TraversalMetrics; the defaults are RoboTerrain's.
 
     Raises:
-        ThresholdError: A value is outside its valid range or not a number.
+        ParameterError: A value is outside its valid range or not a number.
     """
 
     collision_threshold: float = parameter(
@@ -47,7 +46,7 @@ class Thresholds:
     )
 
     def __post_init__(self) -> None:
-        require_ranges(self, ThresholdError)
+        require_ranges(self)
 
 
 THRESHOLD_INFO = parameters_of(Thresholds)

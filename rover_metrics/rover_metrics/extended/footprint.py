@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.polygon import Point, PolygonDistance, complaint
 
+ROUNDING = 1e-9  # m
+
 
 @dataclass(frozen=True)
 class Footprint:
@@ -23,7 +25,7 @@ class Footprint:
         corners: In order, clockwise or counter-clockwise [m].
 
     Raises:
-        ParameterError: The corners are not those of a simple polygon.
+        ParameterError: A corner lacks its y, or they are not those of a simple polygon.
     """
 
     corners: tuple[Point, ...]
@@ -39,20 +41,17 @@ class Footprint:
 
     @classmethod
     def from_flat(cls, numbers: Sequence[float]) -> "Footprint":
-        """Make one of x0, y0, x1, y1, ... [m], the form of a ROS parameter.
-
-        Raises:
-            ParameterError: The numbers are no polygon.
-        """
+        """Returns the one of x0, y0, x1, y1, ... [m], the form of a ROS parameter."""
         if len(numbers) % 2:
             message = f"footprint has {len(numbers)} numbers, so one corner lacks its y; give pairs"
             raise ParameterError(message)
-        values = [float(number) for number in numbers]
-        return cls(tuple(zip(values[::2], values[1::2], strict=True)))
+        values = iter(map(float, numbers))
+        return cls(tuple(zip(values, values, strict=True)))
 
     @classmethod
-    def rectangle(cls, x_min: float, x_max: float, y_min: float, y_max: float) -> "Footprint":
-        """Make the rectangle within these bounds in the base frame [m]."""
+    def rectangle(cls, bounds: tuple[float, float, float, float]) -> "Footprint":
+        """Returns the rectangle from x_min to x_max and from y_min to y_max in the base frame [m]."""
+        x_min, x_max, y_min, y_max = bounds
         return cls(((x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)))
 
 
@@ -61,7 +60,7 @@ class LidarPose:
     """Where the lidar's frame is in the base frame: position [m] and heading of its x axis [rad].
 
     Raises:
-        ParameterError: A value is not finite.
+        ParameterError: There are not three values, or not all are finite.
     """
 
     x: float = 0.0
@@ -74,16 +73,11 @@ class LidarPose:
 
     @classmethod
     def from_flat(cls, numbers: Sequence[float]) -> "LidarPose":
-        """Make one of x, y, yaw, the form of a ROS parameter.
-
-        Raises:
-            ParameterError: These are not three finite numbers.
-        """
+        """Returns the one of x, y, yaw, the form of a ROS parameter."""
         if len(numbers) != 3:
             message = f"lidar_pose has {len(numbers)} numbers; give x and y in metres, yaw in radians"
             raise ParameterError(message)
-        x, y, yaw = map(float, numbers)
-        return cls(x, y, yaw)
+        return cls(*map(float, numbers))
 
 
 class FootprintClearance:
@@ -91,7 +85,8 @@ class FootprintClearance:
 
     How far the footprint extends from the lidar in the direction of a beam, its support there, bounds
     how near the beam's return can be to the footprint: range - support at least. One subtraction thus
-    finds the most promising beam, and only those that may still beat it are measured exactly.
+    finds the most promising beam, which is no farther than the corner of its support; only beams that
+    may be nearer than that are measured exactly.
 
     Args:
         footprint: The outline.
@@ -110,49 +105,30 @@ class FootprintClearance:
         near_returns_are_contacts: bool = False,
     ) -> None:
         azimuths = np.asarray(bearings, dtype=np.float64) + lidar_pose.yaw
-        self._cos, self._sin = np.cos(azimuths), np.sin(azimuths)
-        self._x, self._y = lidar_pose.x, lidar_pose.y
-        corners = np.array(footprint.corners) - (lidar_pose.x, lidar_pose.y)
-        self._support = (np.outer(self._cos, corners[:, 0]) + np.outer(self._sin, corners[:, 1])).max(1)
+        self._directions = np.array((np.cos(azimuths), np.sin(azimuths)))  # shape (2, n)
+        self._lidar = np.array(((lidar_pose.x,), (lidar_pose.y,)))
+        corners = np.array(footprint.corners).T - self._lidar
+        extents = corners.T @ self._directions
+        self._support = extents.max(0)
+        self._outermost = corners[:, extents.argmax(0)]  # the corner where each beam's support is
         self._distance = PolygonDistance(footprint.corners)
         self._near_returns_are_contacts = near_returns_are_contacts
 
     def nearest(self, ranges: ArrayLike) -> float:
-        """Give the smallest distance from a finite return to the footprint.
+        """Returns the smallest distance from a finite return to the footprint [m].
 
-        Args:
-            ranges: One per bearing, shape (n,) [m]; -inf, inf and NaN are what REP-117 says they are.
-                Taken as float32, as sensor_msgs/LaserScan carries them.
-
-        Returns:
-            The distance to the boundary, 0 if a return is inside [m]; inf without a finite return.
-
-        Raises:
-            ValueError: There are more ranges than bearings, or fewer.
+        It is 0 if a return is inside and inf if there is none. Ranges are taken as float32, as
+        sensor_msgs/LaserScan carries them, one per bearing, coded as REP-117 says.
         """
         values = np.asarray(ranges, dtype=np.float32)
         if values.shape != self._support.shape:
-            message = f"{values.size} ranges do not fit {self._support.size} bearings"
-            raise ValueError(message)
-        if values.size == 0:
+            raise ValueError(f"{values.size} ranges do not fit {self._support.size} bearings")
+        if self._near_returns_are_contacts and np.isneginf(values).any():
+            return 0.0
+        bounds = np.where(np.isfinite(values), values - self._support, np.inf)
+        if not bounds.min(initial=np.inf) < np.inf:
             return math.inf
-        bounds = values - self._support
-        best = int(bounds.argmin())  # of a NaN or a -inf, if there is one
-        if not math.isfinite(bounds[best]):
-            if self._near_returns_are_contacts and np.isneginf(values).any():
-                return 0.0
-            bounds[~np.isfinite(bounds)] = np.inf
-            best = int(bounds.argmin())
-            if bounds[best] == np.inf:
-                return math.inf
-        reach = float(values[best])
-        nearest = self._distance.of_point(
-            self._x + reach * float(self._cos[best]), self._y + reach * float(self._sin[best])
-        )
-        rivals = np.flatnonzero(bounds < nearest)
-        if rivals.size < 2:  # itself
-            return nearest
-        reaches = values[rivals].astype(np.float64)
-        return self._distance.of_nearest(
-            self._x + reaches * self._cos[rivals], self._y + reaches * self._sin[rivals]
-        )
+        best = bounds.argmin()
+        enough = math.dist(values[best] * self._directions[:, best], self._outermost[:, best])
+        rivals = np.flatnonzero(bounds <= enough + ROUNDING)
+        return self._distance(*self._lidar + values[rivals] * self._directions[:, rivals])

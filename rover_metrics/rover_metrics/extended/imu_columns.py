@@ -2,7 +2,7 @@
 
 import math
 
-from rover_metrics.core.column import Cell, Column
+from rover_metrics.core.columns import Cell, Column
 from rover_metrics.core.metrics import Vector3
 
 SETTLING = 1.0  # s: time constant of the gravity estimate where there is no orientation
@@ -51,14 +51,10 @@ class ImuColumns:
         """Take a sample that the metrics have used; None for an orientation that is not known."""
         step = self._step(stamp_ns)
         if step is not None and self._last is not None:
-            jerk = math.dist(acceleration, self._last[1]) / step
-            self._jerk = jerk if self._jerk is None else max(self._jerk, jerk)
+            self._jerk = max(self._jerk or 0.0, math.dist(acceleration, self._last[1]) / step)
         self._settle(step, acceleration)
-        vertical = None if orientation is None else up(orientation)
-        gravity = self._lasting
-        if vertical is not None:
-            g = self.gravity
-            gravity = (g * vertical[0], g * vertical[1], g * vertical[2])
+        vertical = up(orientation)
+        gravity = self._lasting if vertical is None else [self.gravity * each for each in vertical]
         self._squares += math.dist(acceleration, gravity) ** 2
         self._count += 1
         self._last = (stamp_ns, acceleration)
@@ -71,7 +67,6 @@ class ImuColumns:
         return rms, jerk
 
     def _step(self, stamp_ns: int) -> float | None:
-        """Time since the last sample [s]; None if it is not to be told."""
         if self._last is None:
             return None
         step = (stamp_ns - self._last[0]) / 1e9
@@ -84,9 +79,9 @@ class ImuColumns:
         self._lasting = (x, y, z)
 
 
-def up(orientation: Quaternion) -> Vector3 | None:
-    """Give the world's vertical in the sensor's frame; None if no orientation was filled in."""
-    x, y, z, w = orientation
-    if orientation == NOT_FILLED or not 0.99 < math.hypot(x, y, z, w) < 1.01:
+def up(orientation: Quaternion | None) -> Vector3 | None:
+    """Returns the world's vertical in the sensor's frame; None if no orientation was filled in."""
+    if orientation is None or orientation == NOT_FILLED or not 0.99 < math.hypot(*orientation) < 1.01:
         return None
+    x, y, z, w = orientation
     return 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)

@@ -17,11 +17,7 @@ Edge = tuple[Point, Point]
 
 
 class PolygonDistance:
-    """Exact distances to a polygon, 0 inside.
-
-    Args:
-        corners: Of a simple polygon, in order [m].
-    """
+    """Exact distances to a simple polygon, 0 inside; its corners are given in order [m]."""
 
     def __init__(self, corners: Sequence[Point]) -> None:
         edges = np.array(_edges(corners))
@@ -30,28 +26,15 @@ class PolygonDistance:
         squares = self._dx**2 + self._dy**2
         self._ux, self._uy = self._dx / squares, self._dy / squares
         self._end_y = edges[:, 1, 1].copy()
-        columns = (self._x, self._y, self._dx, self._dy, squares, self._end_y)
-        self._scalars = tuple(zip(*(column.tolist() for column in columns), strict=True))
 
-    def of_point(self, x: float, y: float) -> float:
-        """Give the distance of one point; for one, plain arithmetic beats arrays."""
-        nearest, inside = math.inf, False
-        for start_x, start_y, dx, dy, square, end_y in self._scalars:
-            px, py = x - start_x, y - start_y
-            share = min(max((px * dx + py * dy) / square, 0.0), 1.0)
-            nearest = min(nearest, math.hypot(px - share * dx, py - share * dy))
-            # A ray from the point along x meets an edge that goes up on its right, or down on its left.
-            # Heights are compared as they are: a difference may round to the other side of a corner.
-            if (y < start_y) != (y < end_y) and (dx * py > dy * px) == (dy > 0.0):
-                inside = not inside
-        return 0.0 if inside else nearest
-
-    def of_nearest(self, x: Floats, y: Floats) -> float:
-        """Give the smallest distance of several points, each shape (k,), k > 0."""
+    def __call__(self, x: Floats, y: Floats) -> float:
+        """Returns the smallest distance of some points [m], each shape (k,), k > 0."""
         px, py = x[:, None] - self._x, y[:, None] - self._y
         shares = (px * self._ux + py * self._uy).clip(0.0, 1.0)
         off_x, off_y = px - shares * self._dx, py - shares * self._dy
         squares = off_x * off_x + off_y * off_y
+        # A ray from a point along x meets an edge that goes up on its right, or down on its left.
+        # Heights are compared as they are: a difference may round to the other side of a corner.
         spans = (y[:, None] < self._y) != (y[:, None] < self._end_y)
         crossed = spans & ((self._dx * py > self._dy * px) == (self._dy > 0.0))
         if (np.count_nonzero(crossed, axis=1) & 1).any():
@@ -68,38 +51,29 @@ def complaint(corners: Sequence[Point]) -> str | None:
         return f"has a corner that is not within {FARTHEST:g} m"
     if any(math.dist(*edge) < SHORTEST_EDGE for edge in _edges(corners)):
         return "has the same corner twice"
-    for (i, first), (j, second) in combinations(enumerate(_edges(corners)), 2):
-        if j - i == 1:
-            meets = _folds_back(first, second)
-        elif j - i == count - 1:
-            meets = _folds_back(second, first)
-        else:
-            meets = _cross(first, second)
-        if meets:
-            return f"crosses or touches itself, with edges {i + 1} and {j + 1}"
+    edges = enumerate(_edges(corners), start=1)
+    for (i, first), (j, second) in combinations(edges, 2):
+        joint = second[0] if j - i == 1 else first[0] if j - i == count - 1 else None
+        if _meet(first, second, joint):
+            return f"crosses or touches itself, with edges {i} and {j}"
     return None
 
 
 def _edges(corners: Sequence[Point]) -> list[Edge]:
-    """From each corner to the next, the last one back to the first."""
     return list(zip(corners, (*corners[1:], corners[0]), strict=True))
 
 
-def _folds_back(first: Edge, second: Edge) -> bool:
-    """Whether an edge runs back over the one that it continues."""
-    (start, corner), (_, end) = first, second
-    along = (start[0] - corner[0]) * (end[0] - corner[0]) + (start[1] - corner[1]) * (end[1] - corner[1])
-    return _side(start, corner, end) == 0.0 and along > 0.0
-
-
-def _cross(first: Edge, second: Edge) -> bool:
-    """Whether two edges have a point in common."""
+def _meet(first: Edge, second: Edge, joint: Point | None) -> bool:
+    """Whether two edges have a point in common besides the corner that joins them."""
     (a, b), (c, d) = first, second
     triples = ((a, b, c), (a, b, d), (c, d, a), (c, d, b))
     sides = [_side(*triple) for triple in triples]
     if sides[0] * sides[1] < 0.0 and sides[2] * sides[3] < 0.0:
         return True
-    return any(side == 0.0 and _within(*triple) for side, triple in zip(sides, triples, strict=True))
+    return any(
+        side == 0.0 and triple[2] != joint and _within(*triple)
+        for side, triple in zip(sides, triples, strict=True)
+    )
 
 
 def _side(a: Point, b: Point, c: Point) -> float:

@@ -5,25 +5,19 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rover_metrics.core.column import Cell, Column
+from rover_metrics.core.columns import Cell, Column
 from rover_metrics.extended.footprint import Footprint, FootprintClearance
 from rover_metrics.extended.settings import ExtendedSettings
 
 CONTACT_GAP_NS = 500_000_000  # contacts closer together are one event, as in the simulator's truth
 
-
 _FOOTPRINT = "footprint, lidar_pose; LaserScan ranges, angle_min, angle_increment"
-
 
 Beams = tuple[float, float, int]  # first azimuth, step [rad], how many
 
 
 class ScanColumns:
-    """The lidar's account.
-
-    Args:
-        settings: The footprint and how to measure its clearance.
-    """
+    """The lidar's account, with the settings of the footprint."""
 
     COLUMNS = (
         Column(
@@ -59,11 +53,11 @@ class ScanColumns:
     )
 
     def __init__(self, settings: ExtendedSettings) -> None:
-        self._events = EventCounter(CONTACT_GAP_NS)
-        self._heard = False
-        self._near_returns = 0
-        self._measured = False
-        self._collisions = 0
+        # None until there was something to count.
+        self._events: int | None = None
+        self._collision_ns: int | None = None  # stamp of the latest collision
+        self._near_returns: int | None = None
+        self._collisions: int | None = None
         self._nearest: float | None = None
         self.use(settings)
 
@@ -73,43 +67,38 @@ class ScanColumns:
         self._lidar: tuple[Beams, FootprintClearance] | None = None
 
     def add(
-        self,
-        stamp_ns: int,
-        ranges: ArrayLike,
-        *,
-        angle_min: float,
-        angle_increment: float,
-        collides: bool,
+        self, stamp_ns: int, ranges: ArrayLike, angles: tuple[float, float], *, collides: bool
     ) -> None:
-        """Take a scan; angles as in sensor_msgs/LaserScan [rad]."""
+        """Take a scan.
+
+        Args:
+            stamp_ns: Of its header.
+            ranges: Distances [m], coded as REP-117 says.
+            angles: Of the first beam, and from beam to beam, in the lidar's frame [rad].
+            collides: Whether the metrics have counted it as a collision.
+        """
         values = np.asarray(ranges, dtype=np.float32)
-        self._heard = True
+        self._events = self._events or 0
         if collides:
-            self._events.active(stamp_ns)
-        self._near_returns += bool(np.isneginf(values).any())
+            last, self._collision_ns = self._collision_ns, stamp_ns
+            # A clock that is set back parts events too.
+            self._events += last is None or abs(stamp_ns - last) >= CONTACT_GAP_NS
+        self._near_returns = (self._near_returns or 0) + bool(np.isneginf(values).any())
         footprint = self._settings.footprint
         if footprint is not None:
-            beams = (angle_min, angle_increment, values.size)
-            self._measure(self._tables(footprint, beams).nearest(values))
+            beams = (*angles, values.size)
+            distance = self._tables(footprint, beams).nearest(values)
+            self._nearest = distance if self._nearest is None else min(self._nearest, distance)
+            near = distance < self._settings.footprint_threshold
+            self._collisions = (self._collisions or 0) + near
 
     def cells(self) -> tuple[Cell, ...]:
         """The cells of a row; the minimum begins anew."""
         nearest, self._nearest = self._nearest, None
-        return (
-            self._events.count if self._heard else None,
-            self._near_returns if self._heard else None,
-            nearest,
-            self._collisions if self._measured else None,
-        )
-
-    def _measure(self, distance: float) -> None:
-        self._measured = True
-        self._nearest = distance if self._nearest is None else min(self._nearest, distance)
-        self._collisions += distance < self._settings.footprint_threshold
+        return self._events, self._near_returns, nearest, self._collisions
 
     def _tables(self, footprint: Footprint, beams: Beams) -> FootprintClearance:
-        """Those of this kind of scan; lidars rarely change theirs."""
-        if self._lidar is None or beams != self._lidar[0]:
+        if self._lidar is None or beams != self._lidar[0]:  # lidars rarely change their beams
             settings, (angle_min, angle_increment, count) = self._settings, beams
             fan = angle_min + angle_increment * np.arange(count)
             clearance = FootprintClearance(
@@ -120,25 +109,3 @@ class ScanColumns:
             )
             self._lidar = (beams, clearance)
         return self._lidar[1]
-
-
-class EventCounter:
-    """Counts the beginnings of events; a new one needs a pause before it.
-
-    Args:
-        gap_ns: How long nothing may have been active before a new event [ns].
-
-    Attributes:
-        count: Events so far.
-    """
-
-    def __init__(self, gap_ns: int) -> None:
-        self.count = 0
-        self._gap_ns = gap_ns
-        self._last_ns: int | None = None
-
-    def active(self, time_ns: int) -> None:
-        """Take note of a sample within an event."""
-        last, self._last_ns = self._last_ns, time_ns
-        if last is None or abs(time_ns - last) >= self._gap_ns:  # a clock set back parts events too
-            self.count += 1

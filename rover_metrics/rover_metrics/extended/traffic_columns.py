@@ -1,11 +1,12 @@
 """Columns of the topics themselves: how fast they come, how old they are, what is missing of them."""
 
+from collections import Counter
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from rover_metrics.core.column import Cell, Column
+from rover_metrics.core.columns import Cell, Column
 from rover_metrics.health.stamps import MISSING, StampWatch
-from rover_metrics.timing.clocks import OTHER_CLOCK
+from rover_metrics.timing.clocks import age, rate
 
 
 class Topic(NamedTuple):
@@ -65,56 +66,39 @@ class TrafficColumns:
     COLUMNS = tuple(column for topic in TOPICS for column in _columns(topic))
 
     def __init__(self) -> None:
-        self._accounts = {topic: _Account() for topic in TOPICS}
+        self._stamps = {topic: StampWatch() for topic in TOPICS}
+        self._received, self._received_before = Counter[Topic](), Counter[Topic]()
+        self._rejected, self._missing = Counter[Topic](), Counter[Topic]()
         self._previous_ns: int | None = None
 
     def add(self, topic: Topic, stamp_ns: int, *, used: bool) -> None:
-        """Take a message with the stamp of its header [ns]."""
-        self._accounts[topic].add(stamp_ns, used=used)
-
-    def cells(self, now_ns: int, reported_lost: Mapping[Topic, int]) -> tuple[Cell, ...]:
-        """The cells of a row.
+        """Take a message.
 
         Args:
-            now_ns: Time of the row [ns].
-            reported_lost: Messages that the middleware says it has lost so far.
+            topic: Where it came from.
+            stamp_ns: Of its header.
+            used: Whether the metrics have used it.
         """
-        previous, self._previous_ns = self._previous_ns, now_ns
-        interval = None if previous is None or now_ns <= previous else (now_ns - previous) / 1e9
-        return tuple(
-            cell
-            for topic, account in self._accounts.items()
-            for cell in account.cells(now_ns, interval, reported_lost.get(topic, 0))
-        )
-
-
-class _Account:
-    """What is known of one topic."""
-
-    def __init__(self) -> None:
-        self._stamps = StampWatch()
-        self._newest_ns = 0
-        self._messages = self._messages_before = 0
-        self._rejected = self._missing = 0
-
-    def add(self, stamp_ns: int, *, used: bool) -> None:
-        self._messages += 1
-        self._rejected += not used
-        self._newest_ns = stamp_ns
-        finding = self._stamps.take(stamp_ns)
+        self._received[topic] += 1
+        self._rejected[topic] += not used
+        finding = self._stamps[topic].take(stamp_ns)
         if finding is not None and finding[0] == MISSING:
-            self._missing += finding[1]
+            self._missing[topic] += finding[1]
 
-    def cells(self, now_ns: int, interval: float | None, reported_lost: int) -> tuple[Cell, ...]:
-        came, self._messages_before = self._messages - self._messages_before, self._messages
-        self._stamps.learn()
-        if not self._messages:
+    def cells(self, now_ns: int, reported_lost: Mapping[Topic, int]) -> tuple[Cell, ...]:
+        """The cells of a row at this time, with what the middleware says it has lost so far."""
+        cells = [c for t in TOPICS for c in self._cells(t, now_ns, reported_lost.get(t, 0))]
+        self._previous_ns, self._received_before = now_ns, self._received.copy()
+        return tuple(cells)
+
+    def _cells(self, topic: Topic, now_ns: int, reported_lost: int) -> tuple[Cell, ...]:
+        stamps, received = self._stamps[topic], self._received[topic]
+        stamps.learn()
+        if not received:
             return (None, None, None, None)
-        age = (now_ns - self._newest_ns) / 1e9
-        known = self._newest_ns != 0 and abs(age) <= OTHER_CLOCK
         return (
-            None if interval is None else came / interval,
-            age if known else None,
-            self._rejected,
-            max(self._missing, reported_lost),
+            rate(received - self._received_before[topic], self._previous_ns, now_ns),
+            age(now_ns, stamps.latest_ns),
+            self._rejected[topic],
+            max(self._missing[topic], reported_lost),
         )

@@ -8,7 +8,7 @@ import math
 from bisect import bisect_right
 from collections import deque
 
-from rover_metrics.core.column import Cell, Column
+from rover_metrics.core.columns import Cell, Column
 from rover_metrics.core.metrics import Vector3
 
 MOST_SAMPLES = 10_000  # of an interval; rows do not come while a clock stands still
@@ -94,12 +94,10 @@ class TravelColumns:
         return cells
 
     def _vort(self) -> float | None:
-        stamps, verdicts = _columns(self._rough)
-        speeds = []
-        for stamp, speed in self._speeds:
-            latest = bisect_right(stamps, stamp) - 1
-            if verdicts[latest] if latest >= 0 else self._was_rough:
-                speeds.append(speed)
+        rough = sorted(self._rough)
+        stamps = [stamp for stamp, _ in rough]
+        verdicts = [self._was_rough, *(is_rough for _, is_rough in rough)]
+        speeds = [speed for stamp, speed in self._speeds if verdicts[bisect_right(stamps, stamp)]]
         return math.fsum(speeds) / len(speeds) if speeds else None
 
     def _slip(self) -> float | None:
@@ -112,9 +110,3 @@ class TravelColumns:
 
     def _efficiency(self) -> float | None:
         return min(math.hypot(*self._net) / self._path, 1.0) if self._path >= SHORTEST_PATH else None
-
-
-def _columns(samples: deque[tuple[int, bool]]) -> tuple[list[int], list[bool]]:
-    """Stamps in order, and what was there at each."""
-    ordered = sorted(samples)
-    return [stamp for stamp, _ in ordered], [value for _, value in ordered]

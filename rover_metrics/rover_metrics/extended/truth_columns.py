@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from rover_metrics.core.column import Cell, Column
+from rover_metrics.core.columns import Cell, Column
 from rover_metrics.core.metrics import Vector3
 
 CONTACT_PAUSE = 10  # messages without contact before a new event: 0.5 s at the harness's 20 Hz
@@ -12,15 +12,7 @@ WHEELS = ("Front Left", "Rear Left", "Front Right", "Rear Right")
 SLIPS = ("slip_front_left", "slip_rear_left", "slip_front_right", "slip_rear_right")
 ROUGHNESS = "roughness"
 # The values of /rover/truth/traversal, if the label of its dimension does not name them.
-TRAVERSAL = (
-    "contact_force",
-    "rock_contact",
-    "scrape",
-    "speed",
-    "path_length",
-    *SLIPS,
-    ROUGHNESS,
-)
+TRAVERSAL = ("contact_force", "rock_contact", "scrape", "speed", "path_length", *SLIPS, ROUGHNESS)
 
 _CONTACT = "/rover/truth/contact"
 _TRAVERSAL = "/rover/truth/traversal"
@@ -70,7 +62,7 @@ class TruthColumns:
     )
 
     def __init__(self) -> None:
-        self._events = 0
+        self._events: int | None = None  # nothing heard yet
         self._pause = CONTACT_PAUSE
         self._contact = _Mean()
         self._speed = _Mean()
@@ -80,6 +72,7 @@ class TruthColumns:
     def add_contact(self, *, touches: bool) -> None:
         """Take whether the rover has touched a hazard since the last message."""
         self._contact.add(float(touches))
+        self._events = self._events or 0
         if not touches:
             self._pause += 1
             return
@@ -110,7 +103,7 @@ class TruthColumns:
     def cells(self) -> tuple[Cell, ...]:
         """The cells of a row; the means begin anew."""
         return (
-            self._events if self._contact.heard else None,
+            self._events,
             self._contact.take(),
             self._speed.take(),
             *(mean.take() for mean in self._traversal.values()),
@@ -118,14 +111,10 @@ class TruthColumns:
 
 
 class _Mean:
-    """A running mean from row to row."""
-
     def __init__(self) -> None:
-        self.heard = False
         self._sum, self._count = 0.0, 0
 
     def add(self, value: float) -> None:
-        self.heard = True
         self._sum += value
         self._count += 1
 

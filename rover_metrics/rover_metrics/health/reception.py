@@ -24,21 +24,18 @@ class TopicState(NamedTuple):
     """
 
     topic: str
-    received: int
-    rejected: int
-    lost: int
-    stamp_ns: int
-    is_silent: bool
-    publishers: int
+    received: int = 0
+    rejected: int = 0
+    lost: int = 0
+    stamp_ns: int = 0
+    is_silent: bool = False
+    publishers: int = 0
 
 
 class Reception:
-    """The account of a node's topics.
+    """The account of a node's topics; `tell` is given each line for the user.
 
     What repeats is told at the 1st, 2nd, 4th, 8th ... time; all of it is counted.
-
-    Args:
-        tell: Is given a line for the user.
 
     Attributes:
         received: Messages received, by topic.
@@ -88,12 +85,7 @@ class Reception:
             self._tell(f"{topic}: {what}{detail} ({before + times} so far)")
 
     def look(self, now_ns: int, stale_after_ns: int) -> None:
-        """Looks once a second for topics that have stopped.
-
-        Args:
-            now_ns: The time [ns].
-            stale_after_ns: How long a topic may be silent [ns]; 0 is for ever.
-        """
+        """Looks once a second for topics that are silent for too long; 0 is never too long."""
         for topic, silence in self._silences.items():
             self._stamps[topic].learn()
             if topic in self._silent_by_right:

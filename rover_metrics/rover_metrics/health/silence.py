@@ -16,18 +16,16 @@ class SilenceWatch:
     """Watches a count, or anything else that differs each time one looks unless it has stopped.
 
     Time is what passes between two looks, so a clock that is reset or jumps does no harm.
+
+    Attributes:
+        is_silent: Whether a silence has been noticed that is not over.
     """
 
     def __init__(self) -> None:
         self._progress: int | None = None
         self._looked_ns = 0
         self._quiet_ns = 0
-        self._is_silent = False
-
-    @property
-    def is_silent(self) -> bool:
-        """Whether a silence has been noticed that is not over."""
-        return self._is_silent
+        self.is_silent = False
 
     def look(self, progress: int, now_ns: int, limit_ns: int) -> Silence | None:
         """Looks again.
@@ -46,9 +44,9 @@ class SilenceWatch:
         quiet_ns = self._quiet_ns + passed
         self._quiet_ns = 0 if moved else quiet_ns
         if moved:
-            was_silent, self._is_silent = self._is_silent, False
+            was_silent, self.is_silent = self.is_silent, False
             return Silence(is_over=True, seconds=quiet_ns / 1e9) if was_silent else None
-        if not self._is_silent and 0 < limit_ns <= quiet_ns:
-            self._is_silent = True
+        if not self.is_silent and 0 < limit_ns <= quiet_ns:
+            self.is_silent = True
             return Silence(is_over=False, seconds=quiet_ns / 1e9)
         return None

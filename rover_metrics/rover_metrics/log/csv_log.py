@@ -9,7 +9,6 @@ from contextlib import AbstractContextManager, suppress
 from datetime import datetime
 from itertools import count
 from pathlib import Path
-from types import TracebackType
 from typing import BinaryIO
 
 from rover_metrics.core.row import COLUMNS, Field, Row
@@ -38,13 +37,12 @@ class CsvLog(AbstractContextManager["CsvLog"]):
     Args:
         directory: Folder for the file; created if it does not exist.
         started: When the session started, for the name.
-        fsync: Whether a row is on the disk itself before `write` returns.
+        fsync: Whether a row is on the disk itself before `write` returns; may be changed at any time.
         columns: The header.
 
     Attributes:
         path: The file, absolute.
         rows: Rows written.
-        fsync: As given; may be changed at any time.
 
     Raises:
         LogError: The folder or the file cannot be created.
@@ -74,12 +72,7 @@ class CsvLog(AbstractContextManager["CsvLog"]):
                 self.path.unlink()
             raise
 
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def write(self, row: Row) -> None:

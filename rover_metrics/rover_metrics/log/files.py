@@ -26,9 +26,7 @@ def whole_file(target: Path) -> Iterator[Path]:
 def json_safe(value: Any, digits: int | None = None) -> Any:  # noqa: ANN401 - any JSON value
     """Returns a value as strict JSON knows it: infinite numbers and NaN are None, tuples are lists.
 
-    Args:
-        value: Mappings, sequences and what they hold.
-        digits: Decimals that floats are rounded to; None leaves them as they are.
+    Floats are rounded to `digits` decimals, if any are given.
     """
     if isinstance(value, Mapping):
         return {str(key): json_safe(item, digits) for key, item in value.items()}

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
-from rover_metrics.errors import LogError, ThresholdError
+from rover_metrics.errors import LogError, ParameterError
 from rover_metrics.log.files import whole_file
 
 Outcome = Mapping[str, str | None]
@@ -46,14 +46,12 @@ class SessionRecord:
         Args:
             log: The log's file.
             lost_rows: Rows that are not in it.
-            details: What else shall stand there, as JSON values.
+            details: Other JSON values to keep.
         """
         if self._is_over:
             return
         self._is_over = True
-        failure = self.failure
-        if failure is None and lost_rows:
-            failure = f"{lost_rows} rows could not be written"
+        failure = self.failure or (f"{lost_rows} rows could not be written" if lost_rows else None)
         outcome = COMPLETE if failure is None else failed(failure)
         ended = self._now().astimezone().isoformat()
         self._write(log, outcome, {"ended": ended, "lost_rows": lost_rows, **details})
@@ -96,8 +94,7 @@ def write_record(log: Path, outcome: Outcome | None, details: Mapping[str, Any])
         with whole_file(path) as part:
             part.write_text(text, encoding="utf-8")
     except OSError as error:
-        message = f"cannot write the session's record to {path}: {error.strerror}"
-        raise LogError(message) from error
+        raise LogError(f"cannot write the session's record to {path}: {error.strerror}") from error
 
 
 def session_end(log: str | Path) -> SessionEnd:
@@ -115,12 +112,11 @@ def session_thresholds(log: str | Path) -> Thresholds | None:
         return None
     try:
         return Thresholds(**{name: float(told[name]) for name in THRESHOLD_INFO if name in told})
-    except (ThresholdError, TypeError, ValueError):
+    except (ParameterError, TypeError, ValueError):
         return None
 
 
 def _read(log: str | Path) -> dict[str, Any]:
-    """The record of a log; empty if there is none."""
     try:
         record = json.loads(Path(log).with_suffix(".json").read_bytes())
     except (OSError, ValueError):

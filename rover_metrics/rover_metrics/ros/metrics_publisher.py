@@ -29,10 +29,6 @@ class MetricsPublisher:
     Statuses are named as diagnostic_updater names them, "node: what", and the hardware is the rover:
     the node's namespace, or "rover".
 
-    Args:
-        node: Who publishes.
-        tell: Is given a line for the user.
-
     Attributes:
         enabled: Whether to publish; may be changed at any time.
     """
@@ -55,12 +51,7 @@ class MetricsPublisher:
         return 0 if self._publisher is None else int(self._publisher.get_subscription_count())
 
     def publish(self, now_ns: int, statuses: Callable[[], Iterable[Status]]) -> None:
-        """Publish, if somebody listens; what goes wrong is told and costs nothing else.
-
-        Args:
-            now_ns: The time of the statuses [ns].
-            statuses: Is called only if they are wanted.
-        """
+        """Publishes statuses, computed only if somebody listens; what goes wrong is told, no more."""
         publisher = self._publisher
         if not self.enabled or publisher is None:
             return

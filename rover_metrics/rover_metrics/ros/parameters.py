@@ -16,11 +16,7 @@ RELIABLE, BEST_EFFORT = "reliable", "best_effort"
 
 
 def declare_settings(node: Node) -> Settings:
-    """Returns what the launch has set the parameters to, which are declared here.
-
-    Raises:
-        ParameterError: The launch gave a value of the wrong type or outside its range.
-    """
+    """Declares all parameters; returns what the launch has set them to, or raises a ParameterError."""
     values = {name: _declare(node, name, info) for name, info in PARAMETERS.items()}
     for name, value in values.items():
         # One that is not set would make every request for all parameters fail (ros2 param dump).
@@ -30,18 +26,12 @@ def declare_settings(node: Node) -> Settings:
 
 
 def declare_reliability(node: Node, topic: str, default: str) -> tuple[str, str]:
-    """Declares the standard ROS parameter for the reliability of a subscription.
+    """Declares the standard ROS parameter for the reliability of a subscription; returns name and value.
 
     Args:
         node: The subscribing node.
         topic: The topic's resolved name.
-        default: RELIABLE or BEST_EFFORT.
-
-    Returns:
-        The parameter's name and its value.
-
-    Raises:
-        ParameterError: The launch gave another value than these two.
+        default: RELIABLE or BEST_EFFORT; of any other value in the launch a ParameterError tells.
     """
     name = f"qos_overrides.{topic}.subscription.reliability"
     info = ParameterInfo(
@@ -70,11 +60,7 @@ def wrong_type(node: Node, parameters: Iterable[Parameter]) -> str | None:
 
 
 def require_same_columns(now: Settings, wish: Settings) -> None:
-    """Refuses to change which columns a log has.
-
-    Raises:
-        ParameterError: The wish differs.
-    """
+    """Raises a ParameterError if a wish would change which columns the log has."""
     if wish.extended_columns != now.extended_columns:
         message = (
             "extended_columns is fixed once the node runs, for the header of this log is written; start "

@@ -3,32 +3,20 @@
 import sys
 from collections.abc import Callable
 from contextlib import ExitStack
-from typing import Protocol
 
 import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
 
 from rover_metrics.errors import RoverMetricsError, StartError
 
 
-class Program(Protocol):
-    """A node that wants to know why it ends."""
-
-    def fail(self, reason: str) -> None:
-        """Takes note that the session has failed."""
-        ...
-
-    def destroy_node(self) -> None:
-        """Leaves the graph."""
-        ...
-
-
-def run_node(name: str, make_node: Callable[[], Program], args: list[str] | None) -> int:
+def run_node(name: str, make_node: Callable[[], Node], args: list[str] | None) -> int:
     """Runs a node until SIGINT or SIGTERM.
 
     Args:
         name: What the program is called.
-        make_node: Makes the node, once ROS is up.
+        make_node: Makes the node, once ROS is up; its `fail` takes why its session has failed.
         args: Command line as for rclpy.init; sys.argv if None.
 
     Returns:
@@ -44,7 +32,7 @@ def run_node(name: str, make_node: Callable[[], Program], args: list[str] | None
     return 0
 
 
-def _run(make_node: Callable[[], Program], args: list[str] | None) -> None:
+def _run(make_node: Callable[[], Node], args: list[str] | None) -> None:
     with ExitStack() as at_end:
         try:
             rclpy.init(args=args)
@@ -64,7 +52,7 @@ def _run(make_node: Callable[[], Program], args: list[str] | None) -> None:
                 raise
 
 
-def _spin(executor: SingleThreadedExecutor, node: Program) -> None:
+def _spin(executor: SingleThreadedExecutor, node: Node) -> None:
     try:
         executor.spin()
     except ExternalShutdownException:

@@ -22,8 +22,6 @@ try:
 except ImportError:  # Humble
     from rclpy.qos_event import SubscriptionEventCallbacks, UnsupportedEventTypeError
 
-_POLICIES = {RELIABLE: ReliabilityPolicy.RELIABLE, BEST_EFFORT: ReliabilityPolicy.BEST_EFFORT}
-
 
 def _message_class(full_name: str) -> type:
     package, _, name = full_name.split("/")
@@ -38,7 +36,7 @@ _MESSAGES = {name: _message_class(name) for name in {s.message_type for s in (*S
 def subscribe(
     node: Node, source: Source, callback: Callable[[Message], None], reception: Reception
 ) -> str:
-    """Subscribes and opens the topic's account.
+    """Subscribes, opens the topic's account and returns the topic's resolved name.
 
     Args:
         node: Who subscribes.
@@ -46,9 +44,6 @@ def subscribe(
             standard ROS parameter says, if it is set.
         callback: Is given each message.
         reception: Is told of messages lost and of publishers that are not heard.
-
-    Returns:
-        The topic's resolved name.
 
     Raises:
         ParameterError: The launch gave a reliability that does not exist.
@@ -60,19 +55,18 @@ def subscribe(
     qos = QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
         depth=1 if source.best_effort else 10,
-        reliability=_POLICIES[reliability],
+        reliability=ReliabilityPolicy[reliability.upper()],
         durability=DurabilityPolicy.VOLATILE,
     )
 
-    def lost(event: Any) -> None:  # noqa: ANN401 - its class has another name in each distribution
-        reception.remark(topic, LOST, event.total_count_change)
-
-    def not_heard(event: Any) -> None:  # noqa: ANN401
-        reception.remark(topic, NOT_HEARD, detail=_mend(event, reliability, parameter))
-
     reception.listen(topic, may_be_missing=source.is_truth)
     message_type = _MESSAGES[source.message_type]
-    events = SubscriptionEventCallbacks(incompatible_qos=not_heard, message_lost=lost)
+    events = SubscriptionEventCallbacks(
+        incompatible_qos=lambda event: reception.remark(
+            topic, NOT_HEARD, detail=_mend(event, reliability, parameter)
+        ),
+        message_lost=lambda event: reception.remark(topic, LOST, event.total_count_change),
+    )
     try:
         node.create_subscription(message_type, name, callback, qos, event_callbacks=events)
     except UnsupportedEventTypeError:  # a middleware that does not tell what it loses
@@ -80,6 +74,7 @@ def subscribe(
     return topic
 
 
+# The class of the event has another name in each distribution.
 def _mend(event: Any, reliability: str, parameter: str) -> str:  # noqa: ANN401
     policy = qos_policy_name_from_kind(event.last_policy_kind)
     if policy == "RELIABILITY":

@@ -12,9 +12,6 @@ class RowTimes:
     A segment ends where time goes back: the simulator was restarted or its clock reset. Executors under
     load fire a timer twice in a row, and two clocks that fight make it fire with every message.
 
-    Args:
-        period_ns: Time from row to row [ns].
-
     Attributes:
         jump_ns: From which step on the clock has not gone on but was set [ns].
         segments: Segments so far, this one included.
@@ -46,39 +43,21 @@ class RowTimes:
         return True
 
 
-class RosTimer:
-    """A timer on ROS time that was made when the time was `start_ns`; 0 is before the first /clock.
-
-    After a jump ahead the missed calls are skipped; after a jump to before the last call the next one
-    comes a period later (rcl_timer_call and _rcl_timer_time_jump of rcl/timer.c).
-    """
-
-    def __init__(self, period_ns: int, start_ns: int = 0) -> None:
-        self._period_ns = period_ns
-        self._next_ns = (start_ns // period_ns + 1) * period_ns
-        self._last_ns = start_ns
-
-    def fires_at(self, now_ns: int) -> bool:
-        """Takes the next time of /clock; returns whether the timer is called then."""
-        if now_ns < self._last_ns:
-            self._last_ns, self._next_ns = now_ns, now_ns + self._period_ns
-        if now_ns < self._next_ns:
-            return False
-        self._last_ns = now_ns
-        self._next_ns += ((now_ns - self._next_ns) // self._period_ns + 1) * self._period_ns
-        return True
-
-
 class RowSchedule:
-    """The timer and the node's guard over it; ask with every time that /clock tells.
+    """The node's timer on ROS time and its guard over it; ask with every time that /clock tells.
+
+    After a jump ahead the missed calls of the timer are skipped; after a jump to before the last call
+    the next one comes a period later (rcl_timer_call and _rcl_timer_time_jump of rcl/timer.c). It was
+    made when the time was `start_ns`; 0 is before the first /clock.
 
     Attributes:
-        now_ns: The latest of these times [ns].
+        now_ns: The latest time of /clock [ns].
     """
 
     def __init__(self, period_ns: int, start_ns: int = 0) -> None:
-        self._timer, self._times = RosTimer(period_ns, start_ns), RowTimes(period_ns)
-        self.now_ns = start_ns
+        self.now_ns = self._called_ns = start_ns
+        self._period_ns, self._times = period_ns, RowTimes(period_ns)
+        self._next_ns = (start_ns // period_ns + 1) * period_ns
 
     def is_due(self, now_ns: int) -> bool:
         """Returns whether a row is written at that time."""
@@ -87,4 +66,13 @@ class RowSchedule:
             self._times.leapt_ahead()
         elif ahead_ns <= -self._times.jump_ns:
             self._times.went_back()
-        return self._timer.fires_at(now_ns) and self._times.is_due(now_ns)
+        return self._fires() and self._times.is_due(now_ns)
+
+    def _fires(self) -> bool:
+        if self.now_ns < self._called_ns:
+            self._called_ns, self._next_ns = self.now_ns, self.now_ns + self._period_ns
+        if self.now_ns < self._next_ns:
+            return False
+        self._called_ns = self.now_ns
+        self._next_ns += ((self.now_ns - self._next_ns) // self._period_ns + 1) * self._period_ns
+        return True

@@ -14,9 +14,7 @@ from harness.samples import (
     TruthState,
 )
 from harness.sensors import table
-from harness.sim_time import NANOSECONDS as SECOND
 from harness.sim_time import TICK_NS as TICK
-from rover_metrics.timing.row_times import RosTimer
 from tests.harness.faults.faulty_ticks import imus, readings, sent, tick
 
 SENSORS = {name: row.sample for name, row in table.by_fault_name().items()}
@@ -106,15 +104,3 @@ def test_faults_of_one_sensor_act_in_the_order_given() -> None:
 def test_only_clock_faults_disturb_time() -> None:
     assert FaultInjector(parse_faults(["imu:nan", "clock:freeze@1"]), seed=0).disturbs_time
     assert not FaultInjector(parse_faults(["imu:nan", "scan:latency=1"]), seed=0).disturbs_time
-
-
-def fired(*stamps: float) -> list[float]:
-    timer = RosTimer(SECOND)
-    return [stamp for stamp in stamps if timer.fires_at(round(stamp * SECOND))]
-
-
-def test_ros_timer_fires_on_the_grid_skips_what_it_missed_and_starts_again_after_going_back() -> None:
-    assert fired(0.5, 1.0, 1.5, 2.0) == [1.0, 2.0]
-    assert fired(0.5, 5.7, 5.9, 6.0, 6.1) == [5.7, 6.0]
-    assert fired(1.0, 2.0, 2.5, 0.3, 1.0, 1.3, 2.3) == [1.0, 2.0, 1.3, 2.3]
-    assert fired(1.0, 1.8, 1.2, 2.0) == [1.0, 2.0]

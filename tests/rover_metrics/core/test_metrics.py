@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from rover_metrics.core.metrics import TraversalMetrics, Vector3
-from rover_metrics.core.row import COLUMNS, MetricsRow
+from rover_metrics.core.row import COLUMNS, Row
 from rover_metrics.core.thresholds import Thresholds
 
 STILL = (0.0, 0.0, 0.0)
@@ -26,7 +26,7 @@ def metrics() -> TraversalMetrics:
     return TraversalMetrics()
 
 
-def csv_line(row: MetricsRow) -> str:
+def csv_line(row: Row) -> str:
     text = io.StringIO(newline="")
     csv.writer(text).writerow(row.as_fields())
     return text.getvalue()
@@ -74,7 +74,7 @@ def test_a_row_has_roboterrains_columns_in_roboterrains_order(metrics: Traversal
 
 
 def test_floats_are_rounded_to_four_decimals_and_counts_stay_integers() -> None:
-    row = MetricsRow(3, 4, 1, 1.00005, 2.123449, 1 / 3, 0.0, 10.0, 1e16, 0, 9.8, "note, with comma")
+    row = Row(3, 4, 1, 1.00005, 2.123449, 1 / 3, 0.0, 10.0, 1e16, 0, 9.8, "note, with comma")
     assert csv_line(row) == ('3,4,1,1.0001,2.1234,0.3333,0.0,10.0,1e+16,0,9.8,"note, with comma"\r\n')
 
 
@@ -176,7 +176,7 @@ def test_every_column_is_what_its_definition_says_of_all_samples_so_far(limits: 
             velocity = rng.choice(VECTORS)
             assert metrics.add_odometry(velocity)
             history.speeds.append(math.dist(velocity, STILL))
-        assert asdict(metrics.row(7)) == history.row()
+        assert asdict(metrics.row(7)) == {**history.row(), "extended": {}}
     assert all(len(kept) > 150 for kept in (history.scans, history.imu, history.path, history.speeds))
 
 

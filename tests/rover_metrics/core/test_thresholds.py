@@ -4,7 +4,7 @@ import math
 import pytest
 
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO, Thresholds
-from rover_metrics.errors import ThresholdError
+from rover_metrics.errors import ParameterError
 
 VALID = {  # RoboTerrain's default; the largest value and the unit of docs/metrics.md
     "collision_threshold": (0.2, 100.0, "m"),
@@ -32,7 +32,7 @@ def test_a_range_is_closed_and_what_is_outside_is_refused_with_name_value_and_ra
     for value in (0.0, 5e-324, default, maximum):
         assert getattr(Thresholds(**{name: value}), name) == value
     for value in (-5e-324, math.nextafter(maximum, math.inf), math.inf, -math.inf, math.nan):
-        with pytest.raises(ThresholdError) as caught:
+        with pytest.raises(ParameterError) as caught:
             Thresholds(**{name: value})
         assert str(caught.value) == (
             f"{name} = {value} is not valid: it must be from 0.0 to {maximum} {unit}"

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, FootprintClearance, LidarPose
 
-SQUARE = Footprint.rectangle(-0.2, 0.2, -0.2, 0.2)
+SQUARE = Footprint.rectangle((-0.2, 0.2, -0.2, 0.2))
 LIDAR = LidarPose(0.174, 0.0, math.pi)  # of both rovers: it looks backwards
 AHEAD, BEHIND, LEFT = 0.0, math.pi, math.pi / 2  # bearings in the base frame
 U_SHAPE = Footprint.from_flat([-1, -1, 1, -1, 1, 1, 0.5, 1, 0.5, 0, -0.5, 0, -0.5, 1, -1, 1])
@@ -116,7 +116,7 @@ def test_what_is_no_simple_polygon_is_refused_in_one_line(numbers: list[float], 
 def test_numbers_are_taken_in_their_order() -> None:
     corners = ((1.0, 2.0), (3.0, 4.0), (5.0, 7.0))
     assert Footprint.from_flat([1, 2, 3, 4, 5, 7]).corners == corners
-    assert Footprint.rectangle(1, 3, 5, 8).corners == ((1, 5), (3, 5), (3, 8), (1, 8))
+    assert Footprint.rectangle((1, 3, 5, 8)).corners == ((1, 5), (3, 5), (3, 8), (1, 8))
     assert LidarPose.from_flat([1, 2, 3]) == LidarPose(x=1.0, y=2.0, yaw=3.0)
     assert LidarPose() == LidarPose(0.0, 0.0, 0.0)
 

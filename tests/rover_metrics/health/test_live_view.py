@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import pytest
 
-from rover_metrics.core.row import COLUMNS, MetricsRow
+from rover_metrics.core.row import COLUMNS, Row
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.extended.settings import DEFAULT_EXTENDED
 from rover_metrics.health.live_view import Level, LiveView, Status
 from rover_metrics.health.reception import TopicState
 from rover_metrics.session import MetricsSession
 
-CALM = MetricsRow(
+CALM = Row(
     stamp_s=7,
     total_collisions=0,
     collision_status=0,
@@ -28,7 +28,7 @@ CALM = MetricsRow(
 HEARD = TopicState("/rover1/imu/data", 100, 0, 0, 6_900_000_000, is_silent=False, publishers=1)
 
 
-def traversal(row: MetricsRow) -> Status:
+def traversal(row: Row) -> Status:
     return LiveView().statuses(row, (), Thresholds(), 0)[0]
 
 

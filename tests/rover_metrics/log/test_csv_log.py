@@ -17,7 +17,7 @@ import pytest
 
 import rover_metrics
 from rover_metrics.core.metrics import TraversalMetrics
-from rover_metrics.core.row import COLUMNS, MetricsRow
+from rover_metrics.core.row import COLUMNS, Row
 from rover_metrics.errors import LogError
 from rover_metrics.log import csv_log
 from rover_metrics.log.csv_log import CsvLog
@@ -227,10 +227,10 @@ def test_the_header_is_that_of_the_real_logs_of_2025(tmp_path: Path, name: str) 
         assert log.path.read_bytes() == real
 
 
-def _parsed(cells: list[str]) -> MetricsRow:
+def _parsed(cells: list[str]) -> Row:
     """Read a row of a real log: a number with a point is a float, any other an integer."""
     numbers: list[Any] = [float(cell) if "." in cell else int(cell) for cell in cells[:-1]]
-    return MetricsRow(*numbers, notes=cells[-1])  # type: ignore[misc]  # 11 numbers
+    return Row(*numbers, notes=cells[-1])  # type: ignore[misc]  # 11 numbers
 
 
 @pytest.mark.skipif(not REAL_LOGS.is_dir(), reason="needs the RoboTerrain logs in ../shared/data")

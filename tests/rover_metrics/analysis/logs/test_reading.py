@@ -9,7 +9,7 @@ from rover_metrics.analysis.logs.header import UnreadableLog
 from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.analysis.metric import METRICS
 from rover_metrics.core.row import COLUMNS
-from rover_metrics.extended.row import EXTENDED_HEADER
+from rover_metrics.extended.metrics import EXTENDED_HEADER
 
 Row = Callable[..., str]
 WriteLog = Callable[..., Path]

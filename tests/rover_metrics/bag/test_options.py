@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from rover_metrics.bag.parameter_file import read_parameters
+from rover_metrics.bag.options import read_parameters
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose

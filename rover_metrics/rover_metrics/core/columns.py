@@ -1,8 +1,11 @@
-"""The twelve columns of RoboTerrain's logs; names, order and meaning never change."""
+"""What a column of the log is, and the twelve of RoboTerrain's logs.
+
+Column is the one source of headers and of the data dictionary.
+"""
 
 from dataclasses import dataclass
 
-from rover_metrics.core.column import Column
+Cell = int | float | None  # None is an empty cell: there is nothing to say
 
 _SCAN = "/scan ranges"
 _ACCELERATION = "/imu/data linear_acceleration"
@@ -13,38 +16,55 @@ _LATEST = "the latest sample only: a second's other samples do not show"
 
 
 @dataclass(frozen=True, kw_only=True)
-class RoboTerrainColumn(Column):
-    """One of the twelve; their names stand in the log without units."""
+class Column:
+    """One column.
+
+    Attributes:
+        name: Its name without the unit.
+        unit: Its unit; empty for a count, a flag, a ratio or text.
+        meaning: What it is.
+        formula: How it is computed, and over which window.
+        source: Topics and fields.
+        rate_invariant: Whether the sensor's rate does not show in it, or how it does.
+    """
+
+    name: str
+    unit: str = ""
+    meaning: str
+    formula: str
+    source: str
+    rate_invariant: str = "yes"
 
     @property
     def header(self) -> str:
-        """How it is called in the log."""
-        return self.name
+        """How an extended column is called in the log; the twelve stand there without their units."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
+# Names, order and meaning never change.
 ROBOTERRAIN_COLUMNS = (
-    RoboTerrainColumn(
+    Column(
         name="Timestamp",
         unit="s",
         meaning="ROS time of the row: simulation time with use_sim_time, else Unix time.",
         formula="Whole seconds of the clock.",
         source="/clock or system time",
     ),
-    RoboTerrainColumn(
+    Column(
         name="Total Collisions",
         meaning="Scans so far in which something was near.",
         formula="Scans whose nearest finite range is below collision_threshold, strictly.",
         source=_SCAN,
         rate_invariant=_COUNTS_SCANS,
     ),
-    RoboTerrainColumn(
+    Column(
         name="Current Collision Status",
         meaning="1 while things have been near for a while, else 0.",
         formula="Obstacle Clearance < collision_threshold.",
         source=_SCAN,
         rate_invariant=_WINDOW,
     ),
-    RoboTerrainColumn(
+    Column(
         name="Smoothness Metric",
         unit="m/s^2 + rad/s",
         meaning="The whole ride's shaking so far, gravity included.",
@@ -52,7 +72,7 @@ ROBOTERRAIN_COLUMNS = (
         source=_IMU,
         rate_invariant="no: it grows with the rate; per sample it does not",
     ),
-    RoboTerrainColumn(
+    Column(
         name="Current Smoothness",
         unit="m/s^2 + rad/s",
         meaning="How rough the ride is now; about 9.8 at rest.",
@@ -60,7 +80,7 @@ ROBOTERRAIN_COLUMNS = (
         source=_IMU,
         rate_invariant=_WINDOW,
     ),
-    RoboTerrainColumn(
+    Column(
         name="Obstacle Clearance",
         unit="m",
         meaning="Distance from the lidar to what is nearest; inf before the first range.",
@@ -68,7 +88,7 @@ ROBOTERRAIN_COLUMNS = (
         source=_SCAN,
         rate_invariant=_WINDOW,
     ),
-    RoboTerrainColumn(
+    Column(
         name="Distance Traveled",
         unit="m",
         meaning="Length of the path so far, in three dimensions.",
@@ -76,7 +96,7 @@ ROBOTERRAIN_COLUMNS = (
         source="/rover/pose_array poses[0].position",
         rate_invariant="yes, unless the pose is noisy: noise lengthens a path, and a fast one more",
     ),
-    RoboTerrainColumn(
+    Column(
         name="Current Velocity",
         unit="m/s",
         meaning="Speed by the wheels, never negative.",
@@ -84,7 +104,7 @@ ROBOTERRAIN_COLUMNS = (
         source="/odometry/wheels twist.twist.linear",
         rate_invariant=_WINDOW,
     ),
-    RoboTerrainColumn(
+    Column(
         name="IMU Acceleration Magnitude",
         unit="m/s^2",
         meaning="How hard the rover was shaken just now, gravity included.",
@@ -92,14 +112,14 @@ ROBOTERRAIN_COLUMNS = (
         source=_ACCELERATION,
         rate_invariant=_LATEST,
     ),
-    RoboTerrainColumn(
+    Column(
         name="Is Rough Terrain",
         meaning="1 if it was shaken hard just now, else 0.",
         formula="|a| of the latest sample > rough_terrain_threshold.",
         source=_ACCELERATION,
         rate_invariant=_LATEST,
     ),
-    RoboTerrainColumn(
+    Column(
         name="Vertical Roughness",
         unit="m/s^2",
         meaning="The same along the IMU's z axis, gravity included: about 9.8 at rest.",
@@ -107,7 +127,7 @@ ROBOTERRAIN_COLUMNS = (
         source=_ACCELERATION,
         rate_invariant=_LATEST,
     ),
-    RoboTerrainColumn(
+    Column(
         name="Notes",
         meaning="Always `Normal operation`, as RoboTerrain's node writes it.",
         formula="Constant.",
