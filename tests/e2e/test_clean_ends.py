@@ -159,14 +159,11 @@ def test_signal_ends_a_run_through_ros_soon_and_leaves_rows_manifest_and_nothing
     assert values["rows"] == rows(tmp_path)
 
 
-@pytest.mark.parametrize("number", SIGNALS)
-def test_signal_ends_a_direct_run_even_if_it_is_much_slower_than_real_time(
-    number: signal.Signals, tmp_path: Path
-) -> None:
+def test_signal_ends_a_direct_run_even_if_it_is_much_slower_than_real_time(tmp_path: Path) -> None:
     with started(tmp_path, "--direct", "--rate", "0.01") as process:
         wait_until(lambda: bool(list(tmp_path.glob("*.csv"))))
-        end = ended_by(number, process)
-    assert (end.code, "Traceback" in end.told) == (128 + number, False), end.told
+        end = ended_by(signal.SIGHUP, process)
+    assert (end.code, "Traceback" in end.told) == (128 + signal.SIGHUP, False), end.told
     assert end.after < NO_HANG
 
 
