@@ -7,6 +7,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from harness.ros.network import reserved_domain
+from tests.support.forking import ForkedSimulations
 from tests.support.surroundings import receive_signals, settle_environment
 
 ROS_LOG = settle_environment()  # before any test imports rclpy
@@ -19,6 +20,13 @@ settings.load_profile("patient")
 
 def pytest_unconfigure() -> None:
     shutil.rmtree(ROS_LOG, ignore_errors=True)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _forked_simulations() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("harness.episode.stream.multiprocessing", ForkedSimulations())
+        yield
 
 
 @pytest.fixture

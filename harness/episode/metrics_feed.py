@@ -32,7 +32,7 @@ def extended_settings(rover: RoverSpec) -> ExtendedSettings:
 
 def outline_parameters(rover: RoverSpec) -> dict[str, list[float]]:
     """Returns the extended settings as parameters of a metrics_node."""
-    pose, corners = extended_settings(rover).lidar_pose, Footprint.rectangle(*rover.footprint).corners
+    pose, corners = extended_settings(rover).lidar_pose, Footprint.rectangle(rover.footprint).corners
     footprint = [value for corner in corners for value in corner]
     return {"footprint": footprint, "lidar_pose": [pose.x, pose.y, pose.yaw]}
 

@@ -1,6 +1,6 @@
 """However a run ends: soon, without a trace on the terminal, and leaving nothing behind.
 
-Started as a program, this file starts and stops 50 runs in a row and tells how as JSON.
+Started as a program, this file starts and stops 20 runs in a row and tells how as JSON.
 """
 
 import gc
@@ -39,7 +39,7 @@ NO_HANG = 5.0  # [s]: far less than any patience of a run for DDS or a node
 PATIENCE = 60.0
 ENDLESS = ["--terrain", "flat", "--driver", "spin", "--duration", "36000"]
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-STARTS = 50
+STARTS = 20
 THROUGH_ROS = 5  # of them
 SHARED_MEMORY = re.compile(r"/dev/shm/(?!lttng)\S+")  # noqa: S108 - lttng's is the user's, not a run's
 
@@ -159,18 +159,15 @@ def test_signal_ends_a_run_through_ros_soon_and_leaves_rows_manifest_and_nothing
     assert values["rows"] == rows(tmp_path)
 
 
-@pytest.mark.parametrize("number", SIGNALS)
-def test_signal_ends_a_direct_run_even_if_it_is_much_slower_than_real_time(
-    number: signal.Signals, tmp_path: Path
-) -> None:
+def test_signal_ends_a_direct_run_even_if_it_is_much_slower_than_real_time(tmp_path: Path) -> None:
     with started(tmp_path, "--direct", "--rate", "0.01") as process:
         wait_until(lambda: bool(list(tmp_path.glob("*.csv"))))
-        end = ended_by(number, process)
-    assert (end.code, "Traceback" in end.told) == (128 + number, False), end.told
+        end = ended_by(signal.SIGHUP, process)
+    assert (end.code, "Traceback" in end.told) == (128 + signal.SIGHUP, False), end.told
     assert end.after < NO_HANG
 
 
-def test_fifty_starts_and_stops_in_a_row_end_soon_and_silently(ros_domain: int, tmp_path: Path) -> None:
+def test_twenty_starts_and_stops_in_a_row_end_soon_and_silently(ros_domain: int, tmp_path: Path) -> None:
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     told = subprocess.run(
         [sys.executable, __file__, str(tmp_path)],

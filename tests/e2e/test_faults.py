@@ -12,14 +12,15 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 SENSORS = (
     ("imu:nan@2+1", "scan:dropout@2+2", "pose:freeze@3+1", "scan:latency=0.2@5", "odometry:huge=0.2@2"),
-    ("pose:empty@4+0.5", "scan:empty@1+0.5", "scan:beams=3@3+0.3", "joint_states:empty@3+1"),
-    ("imu:duplicate=3", "pose:duplicate@2+3", "scan:spike@2", "imu:stamp-shift=-1@3+1"),
+    (
+        *("pose:empty@5+0.5", "scan:empty@1+0.5", "scan:beams=3@3+0.3", "joint_states:empty@3+1"),
+        *("imu:duplicate=3", "pose:duplicate@2+3", "scan:spike@4", "imu:stamp-shift=-1@3+1"),
+    ),
 )
 CLOCKS = (
-    ("clock:jump=5@2.5", "clock:jump=-2@4.5"),
+    ("clock:jump=3600@1.5", "clock:jump=-3600@3", "clock:jump=5@4.5", "clock:jump=-2@6.5"),
     ("clock:reset@2.2", "clock:reset@2.7", "clock:jump=-0.05@5.03", "clock:jump=-0.3@6.2"),
-    ("clock:freeze@1.5+1.2", "clock:dropout=0.7@3+2", "clock:speed=2.7@5+2"),
-    ("clock:jump=3600@2", "clock:jump=-3600@4", "clock:speed=0.3@5"),
+    ("clock:freeze@1+1.2", "clock:dropout=0.7@2.5+1", "clock:speed=2.7@4+1.5", "clock:speed=0.3@6"),
 )
 
 

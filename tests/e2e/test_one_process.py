@@ -14,7 +14,7 @@ from rover_metrics.log.csv_log import CsvLog
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
-ROCKY = ["--terrain", "rocky", "--duration", "30"]
+ROCKY = ["--terrain", "rocky", "--duration", "10"]
 
 
 def run(log_dir: Path, *arguments: str) -> Path:
@@ -26,25 +26,23 @@ def run(log_dir: Path, *arguments: str) -> Path:
 
 @pytest.mark.usefixtures("ros_domain")
 @pytest.mark.parametrize("robot", ROVERS)
-def test_thirty_seconds_on_rocky_give_thirty_true_rows_and_lose_nothing(
-    robot: str, tmp_path: Path
-) -> None:
+def test_ten_seconds_on_rocky_give_ten_true_rows_and_lose_nothing(robot: str, tmp_path: Path) -> None:
     log = run(tmp_path / "ros", "--robot", robot)
     with log.open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [int(row["Timestamp"]) for row in rows] == list(range(1, 31))
+    assert [int(row["Timestamp"]) for row in rows] == list(range(1, 11))
     manifest = json.loads(log.with_suffix(".json").read_text())
     distance = float(rows[-1]["Distance Traveled"])
     assert distance == pytest.approx(manifest["truth"]["path_length"], rel=0.05)
-    assert distance > 3.0
+    assert distance > 1.0
     heard = {t: c for t, c in manifest["topics"].items() if c["received"] is not None}
     assert set(heard) == {"/scan", "/imu/data", "/rover/pose_array", "/odometry/wheels", "/clock"}
     assert all(c["received"] == c["published"] and c["lost"] == 0 for c in heard.values())
-    assert manifest["topics"]["/clock"]["published"] == 3000
-    assert manifest["topics"]["/rover/pose_array"]["published"] == 1500
+    assert manifest["topics"]["/clock"]["published"] == 1000
+    assert manifest["topics"]["/rover/pose_array"]["published"] == 500
     assert manifest["node"]["segments"] == 1
-    assert manifest["node"]["topics"]["/scan"]["received"] == 600
-    assert len(manifest["truth"]["path"]) == 30
+    assert manifest["node"]["topics"]["/scan"]["received"] == 200
+    assert len(manifest["truth"]["path"]) == 10
 
     direct = run(tmp_path / "direct", "--robot", robot, "--direct")
     assert direct.read_bytes() == log.read_bytes()

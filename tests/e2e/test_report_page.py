@@ -1,6 +1,5 @@
 """The run report, opened and used in a headless Chromium."""
 
-import re
 import shutil
 import time
 from collections.abc import Iterator
@@ -62,10 +61,25 @@ class Visit:
         self.context.close()
 
 
-@pytest.fixture
-def visit(browser: "Browser", page_file: Path) -> Iterator[Visit]:
-    with Visit(browser.new_context(viewport=DESKTOP), page_file) as visit:
+@pytest.fixture(scope="module")
+def desktop(browser: "Browser", page_file: Path) -> Iterator[Visit]:
+    context = browser.new_context(viewport=DESKTOP, color_scheme="light")
+    with Visit(context, page_file) as visit:
         yield visit
+
+
+@pytest.fixture
+def visit(desktop: Visit) -> Iterator[Visit]:
+    """The page on a desktop, light and whole again after each test; what that asked for is forgotten."""
+    opened = len(desktop.asked_for)
+    yield desktop
+    desktop.page.emulate_media(color_scheme="light")
+    wait_for(desktop.page, "matchMedia('(prefers-color-scheme: light)').matches")
+    for button in ("Whole run", "Path"):
+        desktop.page.get_by_role("button", name=button).click()
+    wait_for(desktop.page, "document.getElementById('series-9').layout.xaxis.range[0] === 0")
+    desktop.said.clear()
+    del desktop.asked_for[opened:]
 
 
 def drag(page: "Page", plot: str) -> None:
@@ -132,9 +146,8 @@ def test_map_zooms_by_drag_and_its_buttons_show_the_whole_map_or_the_path(visit:
 def test_pointer_on_a_time_series_shows_on_the_map_where_it_was(visit: Visit) -> None:
     area = visit.page.locator("#series-5 .nsewdrag").first
     area.hover()
-    note = visit.page.wait_for_selector("#map .annotation-text")
-    assert note is not None
-    assert re.fullmatch(r"1[01]\.\d s", note.text_content() or "")
+    note = "document.querySelector('#map .annotation-text')?.textContent"
+    wait_for(visit.page, f"/^1[01]\\.\\d s$/.test({note})")
     assert visit.said == []
 
 
@@ -159,28 +172,26 @@ def test_page_is_readable_on_a_phone_and_a_finger_scrolls_it(
         assert visit.said == []
 
 
-def test_colours_follow_the_system_and_the_view_stays(browser: "Browser", page_file: Path) -> None:
-    with Visit(browser.new_context(viewport=DESKTOP, color_scheme="light"), page_file) as visit:
-        page = visit.page
-        drag(page, "series-5")
-        wait_for(page, "document.getElementById('series-0').layout.xaxis.range[0] > 1")
-        light, zoomed = colours(page), time_range(page, "series-0")
-        page.emulate_media(color_scheme="dark")
-        wait_for(page, f"document.getElementById('map').layout.paper_bgcolor !== '{light[2]}'")
-        dark = colours(page)
-        assert all(before != after for before, after in zip(light, dark, strict=True))
-        assert time_range(page, "series-0") == zoomed
-        assert visit.said == []
+def test_colours_follow_the_system_and_the_view_stays(visit: Visit) -> None:
+    page = visit.page
+    drag(page, "series-5")
+    wait_for(page, "document.getElementById('series-0').layout.xaxis.range[0] > 1")
+    light, zoomed = colours(page), time_range(page, "series-0")
+    page.emulate_media(color_scheme="dark")
+    wait_for(page, f"document.getElementById('map').layout.paper_bgcolor !== '{light[2]}'")
+    dark = colours(page)
+    assert all(before != after for before, after in zip(light, dark, strict=True))
+    assert time_range(page, "series-0") == zoomed
+    assert visit.said == []
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_text_has_enough_contrast(
-    scheme: Literal["light", "dark"], browser: "Browser", page_file: Path
-) -> None:
-    with Visit(browser.new_context(color_scheme=scheme), page_file) as visit:
-        style = "getComputedStyle(document.documentElement).getPropertyValue"
-        names = ("ink", "muted", "panel", "page")
-        ink, muted, panel, page = (visit.page.evaluate(f"{style}('--{n}').trim()") for n in names)
+def test_text_has_enough_contrast(scheme: Literal["light", "dark"], visit: Visit) -> None:
+    visit.page.emulate_media(color_scheme=scheme)
+    wait_for(visit.page, f"matchMedia('(prefers-color-scheme: {scheme})').matches")
+    style = "getComputedStyle(document.documentElement).getPropertyValue"
+    names = ("ink", "muted", "panel", "page")
+    ink, muted, panel, page = (visit.page.evaluate(f"{style}('--{n}').trim()") for n in names)
     for text in (ink, muted):
         for ground in (panel, page):
             assert contrast(text, ground) >= 4.5  # WCAG 2.2, success criterion 1.4.3

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 import tempfile
 from types import FrameType
 
@@ -36,6 +37,9 @@ def settle_environment() -> str:
     """Sets the variables that tests rely on; gives the folder where ROS 2 logs, which needs no HOME."""
     for name in STYLE:
         os.environ.pop(name, None)
+    # Where no bytecode may be kept, every process compiles all of the project and every test anew.
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    sys.dont_write_bytecode = False
     # A wrongly typed field must raise, not be sent as garbage.
     os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"

@@ -9,6 +9,7 @@ from harness.tuning.episodes.plan import Planned, plan
 from harness.tuning.episodes.record import EVENT, SCAN, WINDOW, Ending, EpisodeRecord, Sight, Zone
 from harness.tuning.page.page import render
 from harness.tuning.scoring.study import RobotStudy, study
+from tests.support.once import made_once
 
 SCANS_PER_S = 20
 COMMAND = "python -m harness.tune --out '<b>tuning</b>'"
@@ -54,8 +55,18 @@ def make_record() -> MakeRecord:
 
 
 @pytest.fixture(scope="session")
-def small_sweep() -> Sweep:
+def small_sweep(tmp_path_factory: pytest.TempPathFactory) -> Sweep:
     """Studies of a Leo that touches what it comes near to, and of a rover_zero4wd on a smooth floor."""
+    return made_once(tmp_path_factory, "small_sweep", _small_sweep)
+
+
+@pytest.fixture(scope="session")
+def small_page(small_sweep: Sweep, tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The report of the small sweep."""
+    return made_once(tmp_path_factory, "small_page", lambda: render(*small_sweep, COMMAND))
+
+
+def _small_sweep() -> Sweep:
     rng = np.random.default_rng(0)
     robots = ("leo", "rover_zero4wd")
     records = {
@@ -63,12 +74,6 @@ def small_sweep() -> Sweep:
         for planned in plan(robots, 44, seed=0, duration=10.0)
     }
     return [study(robot, records, 0) for robot in robots], records
-
-
-@pytest.fixture(scope="session")
-def small_page(small_sweep: Sweep) -> str:
-    """The report of the small sweep."""
-    return render(*small_sweep, COMMAND)
 
 
 def _approach(rng: np.random.Generator, planned: Planned) -> EpisodeRecord:

@@ -11,6 +11,7 @@ from scipy.stats import wasserstein_distance
 
 from harness.validation.realism import WITHIN, Comparison, Distances, distances, print_comparison
 from harness.validation.run_log import COLUMNS, CONFIG, Log, drive, read_log
+from tests.support.once import made_once
 from tests.support.rovers import ROVER_ZERO4WD
 
 IMU = ("IMU Acceleration Magnitude", "Vertical Roughness")
@@ -29,8 +30,8 @@ def recorded() -> list[Log]:
 
 
 @pytest.fixture(scope="module")
-def shaken() -> Log:
-    return drive(MINUTES_2)
+def shaken(tmp_path_factory: pytest.TempPathFactory) -> Log:
+    return made_once(tmp_path_factory, "shaken", lambda: drive(MINUTES_2))
 
 
 def test_two_minutes_lie_as_near_to_the_recorded_logs_as_those_to_each_other_times_two(

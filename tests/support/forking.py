@@ -1,0 +1,26 @@
+"""Simulation processes that are forked from one that has imported all they need: imports take 1.5 s."""
+
+import multiprocessing
+from multiprocessing import forkserver, util
+from multiprocessing.context import ForkServerContext
+
+_LOADED = "harness.episode.episode"  # what a simulation process needs
+
+
+class ForkedSimulations:
+    """Stands where `harness.episode.stream` looks for `multiprocessing`: a fork server's children.
+
+    They share nothing with the tests' process either, so they do what spawned ones do. Runs that tests
+    start as programs spawn theirs.
+    """
+
+    def __init__(self) -> None:
+        util.get_temp_dir()  # of the server's socket: made before a test says where such are made
+
+    def get_context(self, method: str) -> ForkServerContext:
+        """The fork server's context, the server running: as it starts, no signal may be held back."""
+        assert method == "spawn"
+        context = multiprocessing.get_context("forkserver")
+        context.set_forkserver_preload([_LOADED])
+        forkserver.ensure_running()
+        return context
