@@ -5,8 +5,8 @@ chooses its speeds as they are spread there; the noise is that of Gazebo's IMU.
 """
 
 import csv
-from collections.abc import Mapping
-from dataclasses import astuple, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -60,7 +60,7 @@ def read_log(path: Path) -> Log:
     return _complete(rows, str(path))
 
 
-def _complete(rows: list[list[float]], name: str) -> Log:
+def _complete(rows: Sequence[Sequence[float]], name: str) -> Log:
     """Rows in the order of COLUMNS as a log, those that are not finite left out."""
     values = np.array(rows).reshape(-1, len(COLUMNS))
     finite = values[np.isfinite(values).all(axis=1)]
@@ -102,8 +102,8 @@ def drive(config: EpisodeConfig) -> Log:
                 ranges = sample.ranges if isinstance(sample, LaserScan) else ranges
             if tick.stamp_ns % NANOSECONDS == 0:
                 row = session.metrics.row(tick.stamp_ns // NANOSECONDS)
-                cells = dict(zip(row.columns, astuple(row), strict=True))
-                rows.append([cells[column] for column in COLUMNS])
+                imu = (row.imu_acceleration_magnitude, row.vertical_roughness)
+                rows.append((*imu, row.current_velocity, row.obstacle_clearance))
         x, y, _ = episode.simulation.position
         seen = Observation(episode.simulation.time_ns, x, y, episode.simulation.yaw, ranges)
         episode.command(agent.command(seen))

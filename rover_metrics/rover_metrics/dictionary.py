@@ -58,10 +58,10 @@ def dictionary() -> str:
     parts = (
         HEAD,
         "## The twelve\n",
-        _columns(ROBOTERRAIN_COLUMNS),
+        _columns((each.name, each) for each in ROBOTERRAIN_COLUMNS),
         "## Extended columns\n",
         EXTENDED_HEAD,
-        _columns(EXTENDED_COLUMNS),
+        _columns((each.header, each) for each in EXTENDED_COLUMNS),
         "## Thresholds\n",
         THRESHOLDS_HEAD,
         _thresholds(),
@@ -69,10 +69,10 @@ def dictionary() -> str:
     return "\n".join(parts)
 
 
-def _columns(columns: Iterable[Column]) -> str:
+def _columns(columns: Iterable[tuple[str, Column]]) -> str:
     rows = (
-        (f"`{each.header}`", each.unit, each.meaning, each.formula, each.source, each.rate_invariant)
-        for each in columns
+        (f"`{header}`", each.unit, each.meaning, each.formula, each.source, each.rate_invariant)
+        for header, each in columns
     )
     return _table(("column", "unit", "meaning", "formula", "source", "same at any rate"), rows)
 
