@@ -2,7 +2,7 @@
 
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -74,11 +74,12 @@ def visit(browser: "Browser", page_file: Path) -> Visit:
     return Visit(browser, page_file, phone=False)
 
 
-def wait_for(page: "Page", condition: str) -> None:
-    """Looks each frame whether a condition holds; the page's policy forbids Playwright's own way."""
+def wait_for(page: "Page", condition: str, act: Callable[[], None] = lambda: None) -> None:
+    """Acts and looks each frame whether a condition holds; the page forbids Playwright's own way."""
     deadline = time.monotonic() + 10.0
     while not page.evaluate(condition):
         assert time.monotonic() < deadline, f"did not come true: {condition}"
+        act()
         page.evaluate("new Promise(requestAnimationFrame)")
 
 
@@ -115,8 +116,8 @@ def test_drag_zooms_a_figure_and_a_double_click_shows_all_of_it(visit: Visit) ->
     page.mouse.up()
     wait_for(page, "document.getElementById('leo-f1').layout.xaxis.range[0] > 0.2")
     assert x_range(page, "leo-f1") == pytest.approx([0.3 * whole[1], 0.6 * whole[1]], abs=0.01)
-    area.dblclick()
-    wait_for(page, "document.getElementById('leo-f1').layout.xaxis.range[0] < 0.1")
+    # A machine that is busy may take the two clicks for single ones.
+    wait_for(page, "document.getElementById('leo-f1').layout.xaxis.range[0] < 0.1", area.dblclick)
     assert visit.said == []
 
 
@@ -130,8 +131,10 @@ def test_the_button_copies_the_whole_parameter_file(visit: Visit) -> None:
     assert "ros__parameters:" in copied
 
 
-def test_without_a_clipboard_the_button_selects_the_whole_parameter_file(visit: Visit) -> None:
-    page = visit.page
+def test_without_a_clipboard_the_button_selects_the_whole_parameter_file(
+    browser: "Browser", page_file: Path
+) -> None:
+    page = Visit(browser, page_file, phone=False).page
     page.evaluate("Object.defineProperty(navigator, 'clipboard', { value: undefined })")
     page.locator("button[data-copies=file-rover_zero4wd]").click()
     wait_for(page, f"{button_of('rover_zero4wd')}.textContent === 'Selected'")
