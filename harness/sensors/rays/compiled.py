@@ -1,9 +1,16 @@
 """How kernels are compiled: at import or from the cache on disk, never at the first scan."""
 
+import sys
 from collections.abc import Callable
 from typing import TypeVar
 
+# numba imports coverage.py wherever it is installed: a tenth of a second of each start, for nothing.
+if unmeasured := "coverage" not in sys.modules:
+    sys.modules["coverage"] = None  # type: ignore[assignment]  # what makes an import fail
 import numba
+
+if unmeasured:
+    del sys.modules["coverage"]
 
 F = TypeVar("F", bound=Callable[..., object])
 
