@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -13,6 +14,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from rover_metrics.analyze import main
+from tests.support.dependencies import hide
 
 Row = Callable[..., str]
 WriteLog = Callable[..., Path]
@@ -358,3 +360,22 @@ def test_the_command_needs_no_ros_and_ends_quietly_when_its_reader_leaves(
     )
     assert program.stdout == "{"
     assert program.stderr == ""
+
+
+@pytest.mark.parametrize("missing", ["matplotlib", "numpy", "pandas", "rich", "scipy"])
+def test_without_one_of_its_libraries_it_says_what_to_install(missing: str, tmp_path: Path) -> None:
+    needed = {"matplotlib", "numpy", "pandas", "rich", "scipy"}
+    hide({missing}, tmp_path)
+    program = subprocess.run(
+        [sys.executable, "-m", "rover_metrics.analyze", "--help"],
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (program.returncode, program.stdout) == (2, "")
+    (line,) = program.stderr.splitlines()
+    told, _, reason = line.partition(" (")
+    assert told.startswith("analyze needs five libraries: pip install ")
+    assert set(told.partition("pip install ")[2].split()) == needed
+    assert f"No module named '{missing}" in reason
