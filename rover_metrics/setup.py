@@ -17,7 +17,7 @@ setup(
         (f"share/{PACKAGE}/launch", sorted(map(str, Path("launch").glob("*.py")))),
     ],
     install_requires=[
-        "matplotlib>=3.7",
+        "matplotlib>=3.5",
         "mcap",
         "numpy",
         "pandas",

@@ -12,19 +12,25 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from rich.console import Console, Group
+try:
+    from rich.console import Console, Group
 
-from rover_metrics.analysis.logs.header import UnreadableLog
-from rover_metrics.analysis.logs.log import Log
-from rover_metrics.analysis.logs.reading import read_log
-from rover_metrics.analysis.logs.time_axis import TimeAxis
-from rover_metrics.analysis.metric import METRICS, Metric
-from rover_metrics.analysis.options import parse
-from rover_metrics.analysis.outcome import analyse
-from rover_metrics.analysis.output import prepare_folder, save_outliers, save_plots
-from rover_metrics.analysis.result import Result, Skipped
-from rover_metrics.analysis.study import Member, Options, Study, labels, printable
-from rover_metrics.analysis.tables import report
+    from rover_metrics.analysis.logs.header import UnreadableLog
+    from rover_metrics.analysis.logs.log import Log
+    from rover_metrics.analysis.logs.reading import read_log
+    from rover_metrics.analysis.logs.time_axis import TimeAxis
+    from rover_metrics.analysis.metric import METRICS, Metric
+    from rover_metrics.analysis.options import parse
+    from rover_metrics.analysis.outcome import analyse
+    from rover_metrics.analysis.output import prepare_folder, save_outliers, save_plots
+    from rover_metrics.analysis.result import Result, Skipped
+    from rover_metrics.analysis.study import Member, Options, Study, labels, printable
+    from rover_metrics.analysis.tables import report
+except ImportError as error:
+    needed = "five libraries: pip install matplotlib numpy pandas rich scipy"
+    print(f"analyze needs {needed} ({error})", file=sys.stderr)
+    raise SystemExit(2) from None
+
 from rover_metrics.errors import RoverMetricsError
 
 _PRINTED_WIDTH = 160  # columns, where the output is not a terminal

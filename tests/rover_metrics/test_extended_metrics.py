@@ -623,6 +623,10 @@ def test_true_speed_is_empty_while_nobody_fills_the_twist_in() -> None:
             "roughness,slip_rear_right,else,slip_front_right,slip_rear_left,slip_front_left",
             [5.0, 4.0, math.pi, 3.0, 2.0, 1.0],
         ),
+        (
+            "slip_front_left,slip_rear_left,slip_front_right,slip_rear_right,roughness",
+            [1.0, 2.0, 3.0, 4.0, 5.0],
+        ),
         (None, [9.0, 9.0, 9.0, 9.0, 9.0, 1.0, 2.0, 3.0, 4.0, 5.0]),
         ("", [9.0, 9.0, 9.0, 9.0, 9.0, 1.0, 2.0, 3.0, 4.0, 5.0]),
     ],

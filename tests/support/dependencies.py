@@ -81,8 +81,12 @@ def with_their_own(modules: Iterable[str]) -> set[str]:
 
 def hide_all_but(modules: Iterable[str], folder: Path) -> None:
     """Makes a Python with this folder in its PYTHONPATH know only these libraries and what they need."""
-    hidden = {*_providers(), "harness"} - with_their_own(modules)
-    (folder / "sitecustomize.py").write_text(HIDES.format(hidden=hidden))
+    hide({*_providers(), "harness"} - with_their_own(modules), folder)
+
+
+def hide(modules: Iterable[str], folder: Path) -> None:
+    """Makes a Python with this folder in its PYTHONPATH not know these top-level modules."""
+    (folder / "sitecustomize.py").write_text(HIDES.format(hidden=set(modules)))
 
 
 @cache

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -13,6 +14,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from rover_metrics.analyze import main
+from tests.support.dependencies import hide
 
 Row = Callable[..., str]
 WriteLog = Callable[..., Path]
@@ -113,6 +115,10 @@ def test_no_plot_is_drawn_if_none_is_named(run: Run, write_log: WriteLog, tmp_pa
         (["-n", "none"], "Time since the episode began [s]"),
         (["-n", "fixed_interval"], "Time since the episode began [s], means over 1 s"),
         (["--fixed-interval", "5"], "Time since the episode began [s], means over 5 s"),
+        (
+            ["-n", "fixed_interval", "--fixed-interval", "5"],
+            "Time since the episode began [s], means over 5 s",
+        ),
     ],
 )
 def test_the_time_axis_is_that_asked_for(
@@ -138,7 +144,7 @@ def test_outliers_are_counted_but_removed_only_on_request(
     run: Run, write_log: WriteLog, row: Row, tmp_path: Path
 ) -> None:
     lines = [row(i) for i in range(60)]
-    lines[30] = row(30, Obstacle_Clearance=50.0)
+    lines[30] = row(30, Obstacle_Clearance=50.0 + 2**-15)  # a float32
     log = write_log("=1+1.csv", lines)
 
     def clearance(*words: str) -> Any:  # noqa: ANN401  # from JSON
@@ -146,12 +152,13 @@ def test_outliers_are_counted_but_removed_only_on_request(
         summary = found["metrics"]["OC"]
         return found["outliers"]["OC"], summary["n"], summary["maximum"]
 
-    assert clearance() == (1, 60, 50.0)
-    assert clearance("--iqr-multiplier", "1000") == (0, 60, 50.0)
+    assert clearance() == (1, 60, 50.0 + 2**-15)
+    assert clearance("--iqr-multiplier", "1000") == (0, 60, 50.0 + 2**-15)
     assert clearance("--remove-outliers") == (1, 59, pytest.approx(1.4))
-    assert clearance("--remove-outliers", "--iqr-multiplier", "1000") == (0, 60, 50.0)
+    assert clearance("--remove-outliers", "--iqr-multiplier", "1000")[:2] == (0, 60)
     assert not (tmp_path / "out/outliers.csv").exists()
-    clearance("--save-outliers")
+    words = ("-m", "OC", "CV", "-p", "--json", "--save-outliers")
+    assert as_json(run(log, *words))["files"] == [str(tmp_path / "out/outliers.csv")]
     with (tmp_path / "out/outliers.csv").open(newline="") as file:
         (saved,) = csv.DictReader(file)
     assert saved == {
@@ -159,7 +166,7 @@ def test_outliers_are_counted_but_removed_only_on_request(
         "Path": str(log),
         "Timestamp": "130.0",
         "Metric": "OC",
-        "Value": "50.0",
+        "Value": "50.000031",
         "Unit": "m",
     }
 
@@ -207,8 +214,10 @@ def test_two_groups_are_compared_log_by_log(run: Run, write_log: WriteLog, row: 
 def test_episodes_are_observations_on_request(run: Run, write_log: WriteLog, row: Row) -> None:
     twice = [row(i, Timestamp=i % 10) for i in range(20)]
     a, b = write_log("a.csv", twice), write_log("b.csv", twice)
-    by_log = as_json(run(a, "--versus", b, "-m", "CV", "-p", "--json"))["comparisons"][0]
+    result = as_json(run(a, "--versus", b, "-m", "CV", "-p", "--json"))
+    by_log = result["comparisons"][0]
     assert (by_log["n"], by_log["p"]) == ([1, 1], None)
+    assert [(log["label"], log["group"]) for log in result["logs"]] == [("a", "first"), ("b", "versus")]
     words = (a, "--versus", b, "-m", "CV", "-p", "--unit", "episode", "--json")
     by_episode = as_json(run(*words))["comparisons"][0]
     assert by_episode["n"] == [2, 2]
@@ -300,6 +309,7 @@ def test_no_name_of_a_log_escapes_the_folder_or_breaks_tables_and_plots(
         (["x", "--versus", "x"], "is in both groups"),
         (["x", "--versus", "y", "--group-names", "a", "a"], "two different names"),
         (["x", "--frobnicate"], "unrecognized arguments: --frobnicate"),
+        (["x", "--conf", "0.9"], "unrecognized arguments: --conf"),  # an option may get a sister
     ],
 )
 def test_wrong_arguments_are_told_in_one_line(run: Run, words: list[str], told: str) -> None:
@@ -316,6 +326,26 @@ def test_an_output_folder_that_cannot_be_is_told(run: Run, write_log: WriteLog) 
     assert code == 2
     assert "choose another folder with -o" in err
     assert len(err.splitlines()) == 1
+    code, _, err = run(log, "-o", "a\0b")
+    assert (code, err) == (
+        2,
+        "analyze: cannot write to a?b: embedded null byte; choose another folder with -o\n",
+    )
+
+
+def test_an_output_folder_is_made_with_those_it_lies_in(
+    run: Run, write_log: WriteLog, tmp_path: Path
+) -> None:
+    folder = tmp_path / "a/b/c"
+    assert run(write_log(), "-m", "CV", "-p", "--save-outliers", "-o", folder)[0] == 0
+    assert (folder / "outliers.csv").read_bytes() == b"Log,Path,Timestamp,Metric,Value,Unit\r\n"
+
+
+def test_the_help_tells_the_exit_codes(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match=r"^0$"):
+        main(["--help"])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "0 if every log was analysed, 1 if any was skipped, 2 for wrong arguments." in told
 
 
 def test_json_has_no_number_that_json_does_not_know(
@@ -358,3 +388,22 @@ def test_the_command_needs_no_ros_and_ends_quietly_when_its_reader_leaves(
     )
     assert program.stdout == "{"
     assert program.stderr == ""
+
+
+@pytest.mark.parametrize("missing", ["matplotlib", "numpy", "pandas", "rich", "scipy"])
+def test_without_one_of_its_libraries_it_says_what_to_install(missing: str, tmp_path: Path) -> None:
+    needed = {"matplotlib", "numpy", "pandas", "rich", "scipy"}
+    hide({missing}, tmp_path)
+    program = subprocess.run(
+        [sys.executable, "-m", "rover_metrics.analyze", "--help"],
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (program.returncode, program.stdout) == (2, "")
+    (line,) = program.stderr.splitlines()
+    told, _, reason = line.partition(" (")
+    assert told.startswith("analyze needs five libraries: pip install ")
+    assert set(told.partition("pip install ")[2].split()) == needed
+    assert f"No module named '{missing}" in reason

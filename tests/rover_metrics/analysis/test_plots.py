@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
-from matplotlib.text import Annotation
+from matplotlib.text import Annotation, Text
 from scipy import stats
 
 from rover_metrics.analysis.logs.log import Floats, Log
@@ -422,6 +422,43 @@ def test_without_groups_a_comparison_shows_the_logs_side_by_side(study: Study) -
 )
 def test_a_legend_is_as_wide_as_the_figure(names: list[str], columns: int) -> None:
     assert legend_columns(names) == columns
+
+
+@pytest.mark.parametrize("version", [(3, 5, 1), (3, 6, 3), mpl.__version_info__])
+@pytest.mark.parametrize("logs", [1, 12])
+def test_a_legend_stands_between_the_axes_and_the_edge_of_the_figure(
+    study: Study, monkeypatch: pytest.MonkeyPatch, logs: int, version: tuple[int, int, int]
+) -> None:
+    """Also without the "outside" of matplotlib 3.7, which Ubuntu 22.04 and 24.04 do not have."""
+    monkeypatch.setattr(mpl, "__version_info__", version)
+    log = study.members[0].log
+    members = tuple(Member(log, f"a log with a long name, {number}", "all") for number in range(logs))
+    with mpl.rc_context(STYLE):
+        figure = draw_time_series(Study(members, ("all",), study.options), METRICS["OC"])
+        assert figure is not None
+        figure.draw_without_rendering()
+    legend = figure.legends[0].get_window_extent()
+    axes = figure.axes[0].get_tightbbox()
+    assert axes is not None
+    assert 0 <= legend.y0 < legend.y1 <= axes.y0
+    assert 0 <= legend.x0 < legend.x1 <= figure.bbox.x1
+    assert axes.y0 - legend.y1 < 0.15 * figure.bbox.y1
+    assert axes.y1 - axes.y0 > 0.4 * figure.bbox.y1
+
+
+def test_a_dollar_in_a_name_is_a_dollar(study: Study, tmp_path: Path) -> None:
+    first = replace(study.members[0], label="$x$", group="$a$")
+    alone = Study((first,), ("$a$",), study.options)
+    for figure in (
+        draw_time_series(alone, METRICS["OC"]),
+        draw_aggregate(alone),
+        draw_comparison(alone, analyse(alone)),
+    ):
+        assert figure is not None
+        save(figure, tmp_path, "plot")
+        named = [text for text in figure.findobj(Text) if "$" in text.get_text()]
+        assert named
+        assert not any(text.get_parse_math() for text in named)
 
 
 def test_files_are_png_and_pdf_and_the_same_bytes_again(study: Study, tmp_path: Path) -> None:

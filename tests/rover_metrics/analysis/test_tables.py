@@ -1,6 +1,7 @@
 """What people read of a result."""
 
 import io
+import re
 from dataclasses import replace
 
 import pytest
@@ -24,6 +25,21 @@ RESULT = Result(
     logs=(LOG,),
     across={},
     correlations=(),
+)
+
+
+COMPARISON = Comparison(
+    "CV",
+    (3, 4),
+    (0.1, 0.35),
+    0.25,
+    (0.15, 0.375),
+    "exact permutation",
+    0.02,
+    0.03,
+    0.05,
+    1.234,
+    -0.5,
 )
 
 
@@ -107,10 +123,52 @@ def test_a_narrow_terminal_gets_fewer_columns_from_120_on_all() -> None:
     narrow, wide = (next(iter(table(printed(RESULT, w), "Metric").values())) for w in (119, 150))
     assert set(wide) - set(narrow) == {"90 % rows", "Median", "n", "Outliers kept", "Per metre"}
     assert "Median" in " ".join(printed(RESULT, 120))
+    logs = replace(RESULT, logs=(LOG, LOG), across={"all logs": {"CV": SPEED}})
+    pair = replace(RESULT, groups=("a", "b"), comparisons=(COMPARISON,))
+    for result, left_out in ((logs, {"Median"}), (pair, {"Difference", "p", "delta", "n"})):
+        titles = []
+        for width in (119, 150):
+            lines = printed(result, width)
+            head = [line for line in lines if line.startswith(" Metric ")][-1]  # not indented
+            titles.append(set(cells(head)))
+        assert titles[1] - titles[0] == left_out
+
+
+def test_numbers_end_below_their_titles() -> None:
+    found = (Correlation("CV", "OC", 0.3, 50, 20.6, 0.02), Correlation("TC", "OC", -0.4, 6, 3.0, 0.0001))
+    lines = printed(replace(RESULT, correlations=found))
+    start = next(i for i, line in enumerate(lines) if line.startswith(" Pair "))
+    ends = [[match.end() for match in re.finditer(r"\S+( \S+)*", lines[start + i])] for i in (0, 2, 3)]
+    assert ends[0][1:] == ends[1][1:] == ends[2][1:]
+
+
+def test_a_terminal_shows_heads_bold_what_is_odd_yellow_and_notes_dim() -> None:
+    odd, pair = replace(LOG, findings=("torn",)), Correlation("CV", "OC", 0.3, 50, 20.6, 0.02)
+    result = replace(
+        RESULT,
+        logs=(odd, odd),
+        groups=("a", "b"),
+        across={"a": {"CV": SPEED}},
+        correlations=(pair,),
+        comparisons=(COMPARISON,),
+    )
+    file, width = io.StringIO(), 400
+    console = Console(file=file, width=width, force_terminal=True, color_system="standard")
+    console.print(Group(*report(result, width)), highlight=False)
+    lines = file.getvalue().splitlines()
+    for style, begins in (
+        ("\x1b[1m", ("[b]x (", "Across the logs", "Correlation within", "b against a,", "CV  ")),
+        ("\x1b[33m", ("  odd: torn",)),
+        ("\x1b[2m", ("Spearman's rank",)),
+    ):
+        for begin in begins:
+            assert any(style + begin in line for line in lines), begin
 
 
 def test_the_head_of_a_log_tells_episodes_group_and_what_is_odd() -> None:
     log = replace(LOG, rows=1, duration=1234567.25, episodes=3, findings=("one", "two"), group="b")
+    twice = replace(RESULT, logs=(replace(LOG, episodes=2),))
+    assert printed(twice)[1] == "[b]x: 60 rows, 59 s, 2 episodes"
     lines = printed(replace(RESULT, logs=(log, LOG), groups=("a", "b")))
     assert lines[1:4] == ["[b]x (b): 1 row, 1234567.25 s, 3 episodes", "  odd: one", "  odd: two"]
 
@@ -155,19 +213,7 @@ def test_correlations_are_listed_strongest_first() -> None:
 
 
 def test_a_comparison_is_the_second_group_against_the_first() -> None:
-    item = Comparison(
-        "CV",
-        (3, 4),
-        (0.1, 0.35),
-        0.25,
-        (0.15, 0.375),
-        "exact permutation",
-        0.02,
-        0.03,
-        0.05,
-        1.234,
-        -0.5,
-    )
+    item = COMPARISON
     result = replace(RESULT, groups=("a", "b"), unit="episode", comparisons=(item,))
     lines = printed(result)
     start = lines.index("b against a, each episode one observation")
@@ -189,7 +235,9 @@ def test_a_comparison_is_the_second_group_against_the_first() -> None:
         return " ".join(" ".join(printed(replace(result, comparisons=items))[start:]).split())
 
     assert "p: exact permutation, two-sided. Interval: Welch." in caption(item)
+    assert caption(item).endswith("Holm: adjusted for the number of metrics.")
     assert "So few" not in caption(replace(item, smallest_p=0.1 - 1e-9))
+    assert "So few" not in caption(item, replace(item, test=None, p=None, smallest_p=None))
     few = "So few episodes cannot give a p below 0.2: add some."
     assert few in caption(item, replace(item, smallest_p=0.2), replace(item, test="Mann-Whitney U"))
     assert "p: Mann-Whitney U and exact permutation" in caption(

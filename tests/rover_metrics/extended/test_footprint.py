@@ -125,3 +125,9 @@ def test_numbers_are_taken_in_their_order() -> None:
 def test_a_lidar_pose_is_three_finite_numbers(numbers: list[float]) -> None:
     with pytest.raises(ParameterError, match=r"lidar_pose .* x and y in metres, yaw in radians"):
         LidarPose.from_flat(numbers)
+
+
+def test_ranges_are_taken_as_a_message_carries_them() -> None:
+    """As float32, also where a simulator measures in float64."""
+    distances = FootprintClearance(SQUARE, LidarPose(), [AHEAD])
+    assert distances.nearest([1.1]) == distances.nearest(np.array([1.1], np.float32)) != 1.1 - 0.2

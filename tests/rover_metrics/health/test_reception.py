@@ -186,3 +186,18 @@ def test_every_message_is_counted_and_no_count_falls(stamps: list[int]) -> None:
         assert total >= before
         before = total
     json.dumps(listener.reception.account(), allow_nan=False)
+
+
+def test_several_topics_that_stop_and_return_at_once_are_each_told(listener: Listener) -> None:
+    listener.reception.listen("/truth", may_be_missing=True)
+    listener.reception.listen("/imu/data")
+    listener.look(*range(8))
+    for topic in ("/scan", "/imu/data"):
+        listener.reception.arrived(topic, SECOND)
+    listener.look(8)
+    assert [(line.split()[0], "heard again" in line) for line in listener.told] == [
+        ("/scan:", False),
+        ("/imu/data:", False),
+        ("/scan:", True),
+        ("/imu/data:", True),
+    ]

@@ -72,3 +72,14 @@ def test_json_has_null_for_what_no_number_is_and_lists_for_tuples() -> None:
 def test_floats_are_rounded_only_if_asked_for() -> None:
     assert json_safe([0.123456, 7]) == [0.123456, 7]
     assert json_safe([0.123456, 7, math.inf], digits=3) == [0.123, 7, None]
+
+
+def test_a_written_file_is_left_open_by_nobody(tmp_path: Path) -> None:
+    def open_files() -> int:
+        return len(list(Path("/proc/self/fd").iterdir()))
+
+    before = open_files()
+    for _ in range(20):
+        with whole_file(tmp_path / "page.html") as part:
+            part.write_text("new")
+    assert open_files() < before + 20

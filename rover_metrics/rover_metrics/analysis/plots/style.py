@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
+import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from rover_metrics.analysis.metric import Metric
 from rover_metrics.analysis.study import Study
@@ -38,7 +40,6 @@ STYLE: Any = {  # not Mapping[str, Any]: matplotlib lists every key in its type
     "legend.frameon": False,
     "pdf.fonttype": 42,  # text stays text
     "svg.fonttype": "none",
-    "text.parse_math": False,  # a $ in a file name is a $
 }
 
 
@@ -87,6 +88,8 @@ def save(figure: Figure, folder: Path, name: str) -> list[Path]:
         folder: Must exist.
         name: File name without an extension; never made from the name of a log.
     """
+    for text in figure.findobj(Text):
+        text.set_parse_math(False)  # a $ in a file name is a $; rcParams can say so only from 3.6 on
     paths = [folder / f"{name}.png", folder / f"{name}.pdf"]
     figure.savefig(paths[0], dpi=DPI)
     figure.savefig(paths[1], metadata={"CreationDate": None})  # same log, same bytes
@@ -97,7 +100,19 @@ def draw_legend(figure: Figure, axes: Axes) -> None:
     """Names the curves below the figure, in as many columns as fit its width."""
     handles, labels = axes.get_legend_handles_labels()
     columns = legend_columns(labels)
-    figure.legend(handles, labels, loc="outside lower center", ncols=columns, handlelength=3)
+    place = _legend_place(figure, -(-len(labels) // columns))
+    figure.legend(handles, labels, loc=place, ncol=columns, handlelength=3)  # ncols: from 3.6 on
+
+
+def _legend_place(figure: Figure, lines: int) -> Literal["outside lower center", "lower center"]:
+    """Returns the place below the axes, which matplotlib knows by name from 3.7 on.
+
+    An older one gets a blank label of so many lines, for which its layout makes room.
+    """
+    if mpl.__version_info__ >= (3, 7):
+        return "outside lower center"
+    figure.supxlabel("\n" * lines, fontsize=STYLE["legend.fontsize"], linespacing=1.5)
+    return "lower center"
 
 
 def legend_columns(labels: Sequence[str]) -> int:

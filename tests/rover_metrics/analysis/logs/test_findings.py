@@ -41,6 +41,13 @@ def told(stamps: list[float], gap: float = 10.0) -> list[str]:
                 "2 backward timestamps (first on line 5): an episode begins there",
             ],
         ),
+        (
+            [0, 0.1, 0.2, 0.3, 0.5],
+            [
+                "1 short gap (line 6): up to 0.2 s, rates are over the time that passed",
+                "a row every 0.1 s, not every second",
+            ],
+        ),
         ([0, 1.009, 2.018], []),
         ([0, 0.989, 1.978], ["a row every 0.989 s, not every second"]),
         ([0, 2, 3, 4, 6, 8, 10, 10.5], ["a row every 2 s, not every second"]),

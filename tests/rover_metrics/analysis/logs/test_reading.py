@@ -1,13 +1,14 @@
 import os
 from collections.abc import Callable
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
 from rover_metrics.analysis.logs.header import UnreadableLog
 from rover_metrics.analysis.logs.reading import read_log
-from rover_metrics.analysis.metric import METRICS
+from rover_metrics.analysis.metric import METRIC_COLUMNS, METRICS
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 
@@ -55,7 +56,14 @@ def test_a_header_too_short_for_most_rows_is_refused_and_not_shifted(
     text = write_log(lines=10).read_text().replace("Vertical Roughness,", "")
     path = tmp_path / "mixed.csv"
     path.write_text(text)
-    assert refused(path).startswith("mixed schemas: the header names 11 columns, but 10 of 10 rows")
+    told = "mixed schemas: the header names {} columns, but {} rows have {} fields (first on line 2)"
+    assert refused(path) == told.format(11, "10 of 10", "more")
+    path.write_text(write_log(lines=10).read_text().replace("Total", "New,Total"))
+    assert refused(path) == told.format(13, "10 of 10", "fewer")
+
+
+def test_a_single_row_is_no_schema(write_log: WriteLog, row: Row) -> None:
+    assert refused(write_log(lines=[row(0).replace("100,", "100,7,")])).startswith("none of its 1 rows")
 
 
 def test_rows_of_an_older_schema_are_left_out(write_log: WriteLog, row: Row) -> None:
@@ -125,13 +133,21 @@ def test_time_that_goes_back_and_gaps_begin_episodes(write_log: WriteLog, row: R
     assert list(read_log(write_log(lines=lines), gap=100.0).starts) == [0, 3]
 
 
+def test_a_node_that_starts_again_begins_an_episode(write_log: WriteLog, row: Row) -> None:
+    """Its counters fall, its time goes on."""
+    lines = [row(i, Distance_Traveled=0.5 * (i % 4)) for i in range(10)]
+    log = read_log(write_log(lines=lines), [METRICS["CV"]])
+    assert (list(log.starts), log.findings) == ([0, 4, 8], ())
+
+
 def test_a_row_without_a_time_is_left_out(write_log: WriteLog, row: Row) -> None:
     header = ",".join(COLUMNS)
     blank = read_log(write_log(lines=[row(0), "", row(1, Current_Velocity="fast")]))
     assert "1 cell without a number in Current Velocity (line 4, 'fast'): left out" in blank.findings
     log = read_log(write_log(lines=[row(0), header, "", row(1), row(2, Timestamp="inf")]))
     assert list(log.stamps) == [100, 101]
-    assert any("without a number for a Timestamp (first on line 3)" in text for text in log.findings)
+    told = "2 rows without a number for a Timestamp (first on line 3): left out"
+    assert told in log.findings
 
 
 def test_spaces_wall_time_and_another_rate_are_told(write_log: WriteLog, row: Row) -> None:
@@ -173,6 +189,44 @@ def test_what_is_no_log_is_refused_in_one_line(tmp_path: Path, content: str, tol
     path = tmp_path / "bad.csv"
     path.write_text(content)
     assert told in refused(path)
+
+
+def test_all_columns_that_a_header_names_twice_are_told_in_order(tmp_path: Path) -> None:
+    path = tmp_path / "twice.csv"
+    path.write_text(",".join(METRIC_COLUMNS * 2) + "\n1\n")
+    assert refused(path) == f"the header names {', '.join(sorted(METRIC_COLUMNS))} more than once"
+
+
+@pytest.mark.parametrize(
+    ("error", "told"), [(MemoryError(), "out of memory"), (ValueError("no\n such"), "no such")]
+)
+def test_what_pandas_cannot_do_is_told_in_one_line(
+    write_log: WriteLog, monkeypatch: pytest.MonkeyPatch, error: Exception, told: str
+) -> None:
+    monkeypatch.setattr("pandas.read_csv", Mock(side_effect=error))
+    assert refused(write_log()) == f"cannot be read: {told}"
+
+
+def test_pandas_does_not_warn_of_what_is_told_as_a_finding(write_log: WriteLog, row: Row) -> None:
+    """Warnings are errors here: of fields that it drops, of a column that holds numbers and text."""
+    lines = [row(0) + ",7,7,7", *map(row, range(1, 70_000)), row(70_000, Current_Velocity="fast")]
+    assert read_log(write_log(lines=lines)).findings == (
+        "1 row with more fields than the header, so which is which is unclear (line 2): left out",
+        "1 cell without a number in Current Velocity (line 70002, 'fast'): left out",
+    )
+
+
+def test_without_notes_a_row_is_short_if_its_last_column_is_missing(tmp_path: Path) -> None:
+    path = tmp_path / "few.csv"
+    path.write_text("Timestamp,Current Velocity,Vertical Roughness\n1,2,3\n2,2\n2,2,3\n3,2,3\n")
+    log = read_log(path, [METRICS["CV"], METRICS["VR"]])
+    assert list(log.stamps) == [1, 2, 3]
+    assert log.findings == ("1 row with fewer fields than the header (line 3): left out",)
+
+
+def test_spaces_before_fields_do_not_hide_a_quoted_note(write_log: WriteLog, row: Row) -> None:
+    lines = [row(i, Notes='"Low clearance, rough"').replace(",", ", ") for i in range(3)]
+    assert len(read_log(write_log(lines=lines))) == 3
 
 
 def test_bytes_that_are_no_text_are_refused(tmp_path: Path) -> None:

@@ -73,6 +73,8 @@ SERIES = [
     np.arange(30.0),
     np.tile([0.0, 1.0], 5),
     np.random.default_rng(5).normal(size=60).cumsum(),  # significant up to the longest lag
+    np.array([0.0, 0.0, 3.0, 2.0, 1.0, 3.0, 1.0, 3.0, 3.0, 3.0]),  # every pair is positive, up to n / 2
+    np.tile([3.0] + [0.0] * 9, 12) + np.random.default_rng(4).normal(0, 0.1, 120),  # quiet, then loud
     # Significant lags five apart, which four quiet ones part.
     np.random.default_rng(3).normal(size=40) + 1.5 * np.cos(math.tau / 5 * np.arange(40)),
 ]

@@ -88,6 +88,12 @@ def test_logs_are_combined_by_fishers_z_with_the_variance_of_ranks() -> None:
     assert combine(parts[1:]) == parts[1]
     assert combine([parts[2], replace(parts[2], rho=0.1)]) == parts[2]  # nothing to weigh by
     assert combine([replace(parts[0], rho=1.0)] * 2).rho == pytest.approx(1.0)
+    for sign in (1, -1):  # one small perfect log is not all
+        small, large = replace(parts[0], rho=sign, n_effective=4.0), replace(parts[0], n_effective=100.0)
+        mixed = combine([small, replace(large, rho=0.2 * sign)]).rho
+        assert sign * mixed == pytest.approx(
+            math.tanh((math.atanh(1 - 1e-12) + 97 * math.atanh(0.2)) / 98)
+        )
 
 
 def test_a_difference_between_logs_is_no_correlation() -> None:

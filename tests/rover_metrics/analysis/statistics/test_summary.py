@@ -46,7 +46,9 @@ def test_weights_decide_the_mean_and_where_its_interval_lies() -> None:
     assert np.mean(summary.interval) == pytest.approx(summary.mean)
 
 
-@pytest.mark.parametrize(("ones", "n", "confidence"), [(1, 10, 0.95), (0, 50, 0.95), (200, 300, 0.8)])
+@pytest.mark.parametrize(
+    ("ones", "n", "confidence"), [(1, 10, 0.95), (7, 9, 0.9), (0, 50, 0.95), (200, 300, 0.8)]
+)
 def test_a_flag_has_a_share_with_wilsons_interval_and_nothing_else(
     ones: int, n: int, confidence: float
 ) -> None:
