@@ -77,7 +77,14 @@ class Reception:
         self.remark(topic, reason, detail=", left out")
 
     def remark(self, topic: str, what: str, times: int = 1, *, detail: str = "") -> None:
-        """Counts something odd; the detail is told, not counted by."""
+        """Counts something odd.
+
+        Args:
+            topic: Where it was met.
+            what: Its name, by which it is counted.
+            times: How often.
+            detail: Is told, not counted by.
+        """
         remarks = self.remarks[topic]
         before = remarks[what]
         remarks[what] = before + times
