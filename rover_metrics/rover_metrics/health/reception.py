@@ -5,8 +5,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from rover_metrics.errors import is_worth_a_line
-from rover_metrics.health.silence import SilenceWatch
-from rover_metrics.health.stamps import MISSING, StampWatch
+from rover_metrics.health.watches import MISSING, SilenceWatch, StampWatch
 
 LOST = "lost on the way"
 NOT_HEARD = "publisher is not heard"
