@@ -3,10 +3,28 @@
 import tempfile
 from pathlib import Path
 
-from harness.errors import UsageError
+from harness.errors import HarnessError, UsageError
 from rover_metrics.log.files import whole_file
 
-__all__ = ["check_target", "whole_file"]
+__all__ = ["check_target", "whole_file", "write_whole"]
+
+
+def write_whole(
+    path: Path, text: str, what: str = "", failure: type[HarnessError] = HarnessError
+) -> None:
+    """Writes a text as UTF-8; the file is there whole or not at all.
+
+    Args:
+        path: The file; it may exist.
+        text: With the ends of its lines as they shall be.
+        what: The text, for the message.
+        failure: What is raised if it cannot be written.
+    """
+    try:
+        with whole_file(path) as part:
+            part.write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise failure(f"cannot write {what and f'{what} to '}{path}: {error.strerror}") from error
 
 
 def check_target(flag: str, target: Path, suffix: str = "") -> None:

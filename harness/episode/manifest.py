@@ -12,7 +12,7 @@ from typing import Any
 from harness import __version__
 from harness.episode.result import RunResult
 from harness.errors import UsageError
-from harness.files import whole_file
+from harness.files import write_whole
 from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import ContactEvent
 from rover_metrics.log.files import json_safe
@@ -61,11 +61,7 @@ def write_manifest(result: RunResult, path: Path) -> None:
     """
     text = json.dumps(manifest(result), indent=2, allow_nan=False) + "\n"
     text = FLAT_LIST.sub(lambda found: re.sub(r"\s+", " ", found[0]), text)
-    try:
-        with whole_file(path) as part:
-            part.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"cannot write the summary to {path}: {error.strerror}") from error
+    write_whole(path, text, "the summary", UsageError)
 
 
 def _outcome(result: RunResult) -> dict[str, str | None]:

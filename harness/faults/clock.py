@@ -14,6 +14,7 @@ from harness.sim_time import NANOSECONDS
 CLOCK = "clock"
 LATEST_NS = (2**31 - 1) * NANOSECONDS  # a stamp's seconds have 31 bits
 
+# Disturbs a clock at a tick, by the fault's value.
 ClockAct = Callable[["FaultyClock", float, np.random.Generator], None]
 
 
@@ -47,27 +48,22 @@ class FaultyClock:
         if not self.frozen:
             self.told_ns = self.stamp_ns
 
+    def jump(self, seconds: float) -> None:
+        """Moves the stamps [s], not below 0."""
+        self.stamp_ns = max(0, self.stamp_ns + round(seconds * NANOSECONDS))
 
-def jump(clock: FaultyClock, seconds: float, _: np.random.Generator) -> None:
-    """Moves the stamps, not below 0."""
-    clock.stamp_ns = max(0, clock.stamp_ns + round(seconds * NANOSECONDS))
+    def reset(self) -> None:
+        """Starts the stamps again."""
+        self.stamp_ns = 0
 
+    def drift(self, factor: float) -> None:
+        """Stretches the step of this tick."""
+        self.step_ns *= factor
 
-def reset(clock: FaultyClock, _: float, __: np.random.Generator) -> None:
-    """Starts the stamps again."""
-    clock.stamp_ns = 0
+    def freeze(self) -> None:
+        """Keeps what /clock says."""
+        self.frozen = True
 
-
-def drift(clock: FaultyClock, factor: float, _: np.random.Generator) -> None:
-    """Stretches the step of this tick."""
-    clock.step_ns *= factor
-
-
-def freeze(clock: FaultyClock, _: float, __: np.random.Generator) -> None:
-    """Keeps what /clock says."""
-    clock.frozen = True
-
-
-def silence(clock: FaultyClock, share: float, rng: np.random.Generator) -> None:
-    """Keeps a share of /clock from being sent."""
-    clock.tells &= rng.random() >= share
+    def silence(self, share: float, rng: np.random.Generator) -> None:
+        """Keeps a share of /clock from being sent."""
+        self.tells &= rng.random() >= share

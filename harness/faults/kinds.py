@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 
-from harness.faults import clock
 from harness.faults.base import LONGEST, Kind, SensorAct, Value
 from harness.faults.clock import ClockAct
-from harness.faults.readings import becomes, drop, each, empty, measured, resize, shift, spike
+from harness.faults.readings import becomes, each, empty, measured, resize, shift, spike
 from harness.faults.streams import decimated, frozen, late, repeat
 
 SHARE = Value("SHARE", "a share above 0 up to 1", lambda x: 0.0 < x <= 1.0, default=1.0)
@@ -24,7 +23,7 @@ SHIFT, JUMP = Value(*_SECONDS), Value(*_SECONDS, default=10.0)
 EMPTY = ("scan", "pose", "joint_states")  # the sensors whose messages can be
 
 OF_SENSORS: tuple[Kind[SensorAct], ...] = (
-    Kind("dropout", "messages are not sent", each(drop), SHARE),
+    Kind("dropout", "messages are not sent", each(lambda r, p, rng: (r,) * (rng.random() >= p)), SHARE),
     Kind("rate", "at most so many messages a second", decimated, RATE),
     Kind("latency", "messages come late, in order, with the stamp of the reading", late, DELAY),
     Kind("duplicate", "each message is sent N times", each(lambda r, n, _: (r,) * int(n)), COPIES),
@@ -35,21 +34,27 @@ OF_SENSORS: tuple[Kind[SensorAct], ...] = (
     Kind("inf", "values are infinite", becomes(math.inf), SHARE),
     Kind("huge", "values are 1e30", becomes(1e30), SHARE),  # fits float32; its square fits float64
     Kind("spike", "one value in ten, at random, is off by SIZE", measured(spike), SIZE),
-    Kind("stamp-shift", "stamps are off by S", each(shift), SHIFT),
+    Kind("stamp-shift", "stamps are off by S", each(lambda r, s, _: shift(r, s)), SHIFT),
     Kind("stamp-freeze", "stamps stand still", frozen(lambda last, now: repeat(now, last))),
-    Kind("empty", "a message without readings", each(empty), own=EMPTY),
-    Kind("beams", "only the first N ranges, or more that miss", each(resize), BEAMS, own=("scan",)),
+    Kind("empty", "a message without readings", each(lambda r, *_: empty(r)), own=EMPTY),
+    Kind(
+        "beams",
+        "only the first N ranges, or more that miss",
+        each(lambda r, n, _: resize(r, n)),
+        BEAMS,
+        own=("scan",),
+    ),
 )
 OF_THE_CLOCK: tuple[Kind[ClockAct], ...] = (
     Kind(
         "jump",
         "time goes S ahead or back, not below 0, and on from there",
-        clock.jump,
+        lambda c, s, _: c.jump(s),
         JUMP,
         momentary=True,
     ),
-    Kind("reset", "time starts again from 0", clock.reset, momentary=True),
-    Kind("speed", "time runs FACTOR as fast, for stamps too", clock.drift, FACTOR),
-    Kind("freeze", "/clock repeats its last time, then catches up", clock.freeze),
-    Kind("dropout", "/clock is not sent", clock.silence, SHARE),
+    Kind("reset", "time starts again from 0", lambda c, *_: c.reset(), momentary=True),
+    Kind("speed", "time runs FACTOR as fast, for stamps too", lambda c, x, _: c.drift(x), FACTOR),
+    Kind("freeze", "/clock repeats its last time, then catches up", lambda c, *_: c.freeze()),
+    Kind("dropout", "/clock is not sent", lambda c, share, rng: c.silence(share, rng), SHARE),
 )

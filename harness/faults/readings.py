@@ -53,24 +53,25 @@ def becomes(wrong: float) -> SensorAct:
     return measured(hit)
 
 
-def drop(reading: Sample, share: float, rng: np.random.Generator) -> Readings:
-    """Returns nothing for a share of the readings."""
-    return () if rng.random() < share else (reading,)
-
-
-def shift(reading: Sample, seconds: float, _: np.random.Generator) -> Readings:
-    """Returns the reading with another stamp."""
+def shift(reading: Sample, seconds: float) -> Readings:
+    """Returns the reading with its stamp off by so many seconds, not below 0."""
     return (replace(reading, stamp_ns=max(0, reading.stamp_ns + round(seconds * NANOSECONDS))),)
 
 
 def spike(values: Values, size: float, rng: np.random.Generator) -> Values:
-    """Returns the values, some of which are off by that size."""
+    """Returns the values, one in ten of which is off.
+
+    Args:
+        values: Of one field, shape (n,).
+        size: By how much, in their unit; the sign is random.
+        rng: Chooses which.
+    """
     is_hit = rng.random(values.shape) < SPIKE_SHARE
     off: Values = is_hit * size * rng.choice((-1.0, 1.0), values.shape)
     return values + off
 
 
-def empty(reading: Sample, _: float, __: np.random.Generator) -> Readings:
+def empty(reading: Sample) -> Readings:
     """Returns a reading of nothing."""
     match reading:
         case LaserScan():
@@ -82,7 +83,7 @@ def empty(reading: Sample, _: float, __: np.random.Generator) -> Readings:
     raise AssertionError  # the grammar gives it to no other sensor
 
 
-def resize(reading: Sample, beams: float, _: np.random.Generator) -> Readings:
+def resize(reading: Sample, beams: float) -> Readings:
     """Returns the scan with another number of beams."""
     assert isinstance(reading, LaserScan)  # noqa: S101 - the grammar gives it to no other sensor
     ranges = np.full(int(beams), np.inf, dtype=np.float32)

@@ -14,8 +14,7 @@ import numpy as np
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch
 from harness.episode.result import RunResult
-from harness.errors import HarnessError
-from harness.files import check_target, whole_file
+from harness.files import check_target, write_whole
 from harness.samples import Imu, LaserScan, PlacedScan, Pose, Vector3
 from harness.sim_time import NANOSECONDS
 
@@ -150,11 +149,5 @@ class RunReport:
         # Loads MuJoCo and plotly: not before the run, whose publishing process needs neither.
         from harness.report.content import render  # noqa: PLC0415
 
-        page = render(result, self._recorder)
-        try:
-            with whole_file(self._path) as part:
-                part.write_text(page, encoding="utf-8", newline="\n")
-        except OSError as error:
-            message = f"cannot write the report to {self._path}: {error.strerror}"
-            raise HarnessError(message) from error
+        write_whole(self._path, render(result, self._recorder), "the report")
         return self._path

@@ -5,18 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from harness.page.figure import (
-    COLUMN,
-    TRUTH,
-    Figure,
-    Layout,
-    Trace,
-    band,
-    common_layout,
-    level,
-    line,
-    titled,
-)
+from harness.page import figure as fig
 from harness.report.log import Column, Event, Log, describe
 from harness.report.recorder import Stretch
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
@@ -52,7 +41,7 @@ def series_figure(
     track: Sequence[Stretch],
     contacts: Sequence[Event],
     gravity: float,
-) -> Figure:
+) -> fig.Figure:
     """Returns one column over time.
 
     Args:
@@ -66,35 +55,35 @@ def series_figure(
     column = describe(name)
     data = [*_samples(name, track), _logged(name, column, log), *_truth(name, track)]
     end_s = max([*log.time_s[-1:], *(stretch.time_s for stretch in track[-1:])], default=1.0)
-    layout = common_layout(
+    layout = fig.common_layout(
         # Fixed margins, so that the time axes of all plots are in line.
-        xaxis=titled("simulated time [s]", automargin=False, range=[0.0, round(end_s, 2)]),
-        yaxis=titled(f"[{column.unit}]" if column.unit else "", automargin=False, **_range(column)),
+        xaxis=fig.titled("simulated time [s]", automargin=False, range=[0.0, round(end_s, 2)]),
+        yaxis=fig.titled(f"[{column.unit}]" if column.unit else "", automargin=False, **_range(column)),
         shapes=[*map(_contact, contacts), *_levels(column, thresholds, gravity)],
         hovermode="x",
     )
     return {"data": data, "layout": layout}
 
 
-def _logged(name: str, column: Column, log: Log) -> Trace:
+def _logged(name: str, column: Column, log: Log) -> fig.Trace:
     times, values = thinned(log.time_s, log.columns[name])
     unit = f" {column.unit}" if column.unit else ""
     shape = "hv" if column.is_flag else "linear"
-    drawn = line("log", times, values, shape=shape, hover=f"%{{x:.2f}} s: %{{y}}{unit}")
+    drawn = fig.line("log", times, values, shape=shape, hover=f"%{{x:.2f}} s: %{{y}}{unit}")
     return drawn | {"mode": "lines+markers" if len(times) < 3 else "lines"}
 
 
-def _samples(name: str, track: Sequence[Stretch]) -> list[Trace]:
+def _samples(name: str, track: Sequence[Stretch]) -> list[fig.Trace]:
     """The range of all IMU samples, where the log has one of each second."""
     if name != "IMU Acceleration Magnitude":
         return []
     low, high = (
         [getattr(stretch, f"{end}_acceleration") for stretch in track] for end in ("lowest", "highest")
     )
-    return band(EVERY_SAMPLE, [stretch.time_s for stretch in track], low, high)
+    return fig.band(EVERY_SAMPLE, [stretch.time_s for stretch in track], low, high)
 
 
-def _truth(name: str, track: Sequence[Stretch]) -> list[Trace]:
+def _truth(name: str, track: Sequence[Stretch]) -> list[fig.Trace]:
     """The truth on the same axis, if there is one."""
     points = [(stretch.time_s, stretch.path_length) for stretch in track]
     match name:
@@ -105,10 +94,10 @@ def _truth(name: str, track: Sequence[Stretch]) -> list[Trace]:
         case _:
             return []
     times, values = zip(*points, strict=True) if points else ((), ())
-    return [line("truth", times, values, TRUTH, dash="dot", width=1.5, hover="truth %{y:.3f}")]
+    return [fig.line("truth", times, values, fig.TRUTH, dash="dot", width=1.5, hover="truth %{y:.3f}")]
 
 
-def _range(column: Column) -> Layout:
+def _range(column: Column) -> fig.Layout:
     if column.is_flag:
         return {"range": [-0.1, 1.1], "tickvals": [0, 1]}
     from_zero = {} if column.shows_gravity else {"rangemode": "tozero"}
@@ -116,7 +105,7 @@ def _range(column: Column) -> Layout:
     return from_zero | ({"autorangeoptions": {"include": [0, 4]}} if column.unit == "scans" else {})
 
 
-def _levels(column: Column, thresholds: Thresholds, gravity: float) -> list[Layout]:
+def _levels(column: Column, thresholds: Thresholds, gravity: float) -> list[fig.Layout]:
     values = {name: getattr(thresholds, name) for name in column.thresholds}
     units = {name: THRESHOLD_INFO[name].unit.replace("^2", "²") for name in values}
     drawn = [(f"{name} = {value:g} {units[name]}", value) for name, value in values.items()]
@@ -124,18 +113,18 @@ def _levels(column: Column, thresholds: Thresholds, gravity: float) -> list[Layo
     if column.shows_gravity:
         dashed.append((f"g = {gravity} m/s²", gravity, "dot"))
     across = {"xref": "paper", "x0": 0.0, "x1": 1.0}
-    return [level(name, {**across, "y0": value, "y1": value}, dash) for name, value, dash in dashed]
+    return [fig.level(name, {**across, "y0": value, "y1": value}, dash) for name, value, dash in dashed]
 
 
-def _contact(event: Event) -> Layout:
+def _contact(event: Event) -> fig.Layout:
     """A band from bottom to top while the rover touched a hazard."""
     return {
         "type": "rect",
         "x0": event.start_s,
         "x1": event.end_s,
-        **COLUMN,
+        **fig.COLUMN,
         "name": "contact with a hazard (truth)",
         "layer": "below",
-        "line": {"width": 0.5, "color": TRUTH},
+        "line": {"width": 0.5, "color": fig.TRUTH},
         "fillcolor": "--truth-band",
     }

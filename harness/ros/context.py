@@ -13,6 +13,7 @@ from contextlib import contextmanager
 import rclpy
 from rclpy.context import Context
 from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from harness.errors import UsageError
@@ -55,6 +56,12 @@ def make_executor(context: Context, *, time_jumps: bool = False) -> Executor:
     """
     kind = SingleThreadedExecutor if time_jumps else EventsExecutor
     return kind(context=context)
+
+
+def timer_is_due(node: Node) -> bool:
+    """Returns whether a timer on a node's own clock is to be called."""
+    clock = node.get_clock()
+    return any(timer.clock is clock and timer.is_ready() for timer in node.timers)
 
 
 def spin_until(executor: Executor, condition: Callable[[], bool], patience: float) -> bool:

@@ -9,7 +9,7 @@ from rclpy.parameter import Parameter
 
 from harness.errors import RunFailed, UsageError
 from harness.ros.bridge import SECOND_PUBLISHER, Bridge
-from harness.ros.context import SPIN_TIMEOUT, spin_until
+from harness.ros.context import SPIN_TIMEOUT, spin_until, timer_is_due
 from rover_metrics.errors import RoverMetricsError
 from rover_metrics.metrics_node import MetricsNode
 
@@ -98,7 +98,7 @@ class HostedMetrics:
         """
         self._possible_ns.add(stamp_ns)
         deadline = time.monotonic() + PATIENCE
-        while (now_ns := self._clock.now().nanoseconds) != stamp_ns or self._timer_is_due():
+        while (now_ns := self._clock.now().nanoseconds) != stamp_ns or timer_is_due(self.node):
             if now_ns not in self._possible_ns:
                 raise RunFailed(f"{self._clock_channel.topic} {SECOND_PUBLISHER}")
             if time.monotonic() > deadline:
@@ -108,9 +108,6 @@ class HostedMetrics:
         self._possible_ns = {stamp_ns}
         self._clock_received += 1
         self._missing()  # a stranger's message stood for one of ours until all had arrived
-
-    def _timer_is_due(self) -> bool:
-        return any(timer.clock is self._clock and timer.is_ready() for timer in self.node.timers)
 
     def _missing(self) -> dict[str, int]:
         """How many messages are not handled yet, of each topic that has any."""

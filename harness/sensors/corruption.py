@@ -74,7 +74,13 @@ class RangeErrors:
     def corrupt(
         self, ranges: NDArray[np.float32], limits: tuple[float, float], rng: np.random.Generator
     ) -> NDArray[np.float32]:
-        """Returns ranges [m] as read, REP-117 coded; a lost return is a miss, which is +inf."""
+        """Returns ranges [m] as read, REP-117 coded; a lost return is a miss, which is +inf.
+
+        Args:
+            ranges: Exact ones [m], shape (beams,); +inf where nothing is.
+            limits: Nearest and farthest range that can be read [m].
+            rng: The scan's source of randomness.
+        """
         read = (ranges + _gaussian(rng, self.white, ranges.shape)).astype(np.float32)  # inf stays inf
         if self.step:
             read = (self.step * np.round(read / self.step)).astype(np.float32)
@@ -106,7 +112,13 @@ class ContactChatter:
     friction: float
 
     def shake(self, force: Vector3, wheel_speed: float, rng: np.random.Generator) -> Vector3:
-        """Returns the specific force [m/s^2] of one step, for the mean over the window."""
+        """Returns the specific force of one step in the IMU's frame [m/s^2].
+
+        Args:
+            force: Mean over the window, in the same frame [m/s^2].
+            wheel_speed: Speed by the wheels [m/s].
+            rng: The IMU's source of randomness.
+        """
         disturbed = -math.expm1(-abs(wheel_speed) / self.speed)
         load = rng.gamma(self.shape, 1.0 / self.shape)
         along, across = disturbed * self.friction * math.hypot(*force) * rng.standard_normal(2)

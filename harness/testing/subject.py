@@ -9,7 +9,7 @@ from rclpy.executors import Executor
 
 from harness.errors import RunFailed
 from harness.ros.bridge import Bridge
-from harness.ros.context import SPIN_TIMEOUT, spin_until
+from harness.ros.context import SPIN_TIMEOUT, spin_until, timer_is_due
 from harness.ros.remote import DISCOVERY_PATIENCE, RemoteNode
 
 EXIT_PATIENCE = 5.0  # [s] for a node to leave after SIGINT before it is killed
@@ -40,15 +40,9 @@ class Subject(RemoteNode):
     def wait_for_clock(self, stamp_ns: int) -> None:
         """Returns when its timers have run too."""
         super().wait_for_clock(stamp_ns)
-        while self._timer_is_due():
+        while self.node is not None and timer_is_due(self.node):
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         super().wait_for_clock(stamp_ns)
-
-    def _timer_is_due(self) -> bool:
-        if self.node is None:
-            return False
-        clock = self.node.get_clock()
-        return any(timer.clock is clock and timer.is_ready() for timer in self.node.timers)
 
 
 def await_node(
@@ -110,6 +104,5 @@ class Heard(Generic[Message]):
             AssertionError: Nothing has been heard.
         """
         if not self.messages:
-            message = f"nothing has been heard on {self.topic}"
-            raise AssertionError(message)
+            raise AssertionError(f"nothing has been heard on {self.topic}")
         return self.messages[-1]

@@ -192,8 +192,7 @@ class Trial:
         began_ns = self._now_ns
         while not condition():
             if (self._now_ns - began_ns) / NANOSECONDS >= within:
-                message = f"the condition did not hold within {within:g} simulated seconds"
-                raise AssertionError(message)
+                raise AssertionError(f"the condition did not hold within {within:g} simulated seconds")
             self._advance()
         return (self._now_ns - began_ns) / NANOSECONDS
 

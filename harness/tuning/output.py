@@ -12,8 +12,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Column, Table
 
 from harness import __version__
-from harness.errors import HarnessError
-from harness.files import whole_file
+from harness.files import write_whole
 from harness.tuning.episodes.plan import Part, Planned
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.page.page import render
@@ -94,14 +93,9 @@ def write_results(
     """
     texts = {f"{study.robot}.yaml": parameter_file(study, command) for study in studies}
     texts |= {SCORES: _scores(studies, command), REPORT: render(studies, records, command)}
-    for path, text in ((folder / name, text) for name, text in texts.items()):
-        try:
-            with whole_file(path) as part:
-                part.write_text(text, encoding="utf-8")
-        except OSError as error:
-            message = f"cannot write {path}: {error.strerror}"
-            raise HarnessError(message) from error
-        yield path
+    for name, text in texts.items():
+        write_whole(folder / name, text)
+        yield folder / name
 
 
 def _scores(studies: Sequence[RobotStudy], command: str) -> str:

@@ -51,7 +51,13 @@ class Check:
 
 
 def around(value: float, tolerance: float, source: str) -> Span:
-    """A value with an absolute tolerance to either side."""
+    """Returns the span around a value.
+
+    Args:
+        value: Its middle.
+        tolerance: To either side, in the value's unit.
+        source: Where both come from.
+    """
     return Span(value - tolerance, value + tolerance, source)
 
 

@@ -36,13 +36,16 @@ class Journey:
         self._start = self._last = rig.stance
         self._ticks = 0
         self.told_path = self.true_path = self.told_yaw = 0.0
-        self.told_place = 0j
+        self.true_yaw = 0.0
+        self.told_place = self.true_place = 0j
 
     def observe(self) -> None:
         """Follows one tick."""
         last, now = self._last, self._rig.stance
         moved = complex(now.ahead - last.ahead, now.aside - last.aside)
         self.true_path += (moved * cmath.exp(1j * (self._rig.heading - last.yaw))).real
+        self.true_yaw = now.yaw - self._start.yaw
+        self.true_place = complex(now.ahead - self._start.ahead, now.aside - self._start.aside)
         self._last = now
         self._ticks += 1
         if self._ticks % self._period_ticks == 0:
@@ -50,16 +53,6 @@ class Journey:
             self.told_path += reading.twist.linear * period
             self.told_yaw += reading.twist.angular * period
             self.told_place = complex(reading.x, reading.y)
-
-    @property
-    def true_yaw(self) -> float:
-        """See the class."""
-        return self._last.yaw - self._start.yaw
-
-    @property
-    def true_place(self) -> complex:
-        """See the class."""
-        return complex(self._last.ahead - self._start.ahead, self._last.aside - self._start.aside)
 
 
 def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:

@@ -150,6 +150,14 @@ def _held(rover: RoverSpec, seed: int, stand: Balance) -> Iterator[Check]:
 
 
 def servo_creep(rig: Rig, stand: Balance, incline: float) -> float:
-    """Speed [m/s] at which the wheels' velocity servos yield to the weight; dry friction left out."""
+    """Returns the speed at which the wheels' velocity servos yield to the weight [m/s].
+
+    Dry friction is left out.
+
+    Args:
+        rig: The rover.
+        stand: Where its weight acts.
+        incline: Of the ground [rad].
+    """
     gain = -float(rig.simulation.model.actuator_biasprm[0, 2])  # kv [N m s]
     return stand.weight * math.sin(incline) * rig.rover.wheel_radius**2 / (4 * gain)

@@ -31,7 +31,13 @@ def validate(rover: RoverSpec, seed: int) -> list[Check]:
 
 
 def print_table(console: Console, robot: str, checks: Sequence[Check]) -> None:
-    """Prints the checks of one rover."""
+    """Prints the checks of one rover.
+
+    Args:
+        console: Where to.
+        robot: Name of the rover, as the title.
+        checks: One a row.
+    """
     headings = (Column(heading, overflow="fold") for heading in HEADINGS)
     table = Table(*headings, title=robot, title_justify="left")
     for check in checks:

@@ -50,7 +50,13 @@ class Mark:
 
 
 def add_marks(scene: mujoco.MjvScene, marks: Iterable[Mark], time: float) -> None:
-    """Adds the marks that are there at a time [s] to a scene that has been updated."""
+    """Adds marks to a scene, as many as it has room for.
+
+    Args:
+        scene: Has been updated.
+        marks: In the world; those that are not there yet are left out.
+        time: Of the picture [s].
+    """
     for mark in marks:
         if mark.since > time:
             continue

@@ -59,8 +59,14 @@ class Terrain(ABC):
     cell: float = constant(0.1, "m")
 
     @abstractmethod
-    def heights(self, x: Field, y: Field, rng: np.random.Generator, /) -> Field:
-        """Heights [m] at the vertices, whose coordinates [m] have the shape (n, n)."""
+    def _heights(self, x: Field, y: Field, rng: np.random.Generator, /) -> Field:
+        """Returns the heights at the vertices, shape (n, n) [m].
+
+        Args:
+            x: Of the vertices in the world, shape (n, n) [m].
+            y: Likewise.
+            rng: Source of all randomness of the ground.
+        """
 
     def obstacles(self, _ground: Heightfield, _rng: np.random.Generator, /) -> tuple[Obstacle, ...]:
         """What stands on that ground; nothing unless a terrain says otherwise."""
@@ -71,7 +77,7 @@ class Terrain(ABC):
         half_size, vertices = 0.5 * self.size, round(self.size / self.cell) + 1
         axis = np.linspace(-half_size, half_size, vertices)
         x, y = np.meshgrid(axis, axis)
-        heights = self.heights(x, y, rng)
+        heights = self._heights(x, y, rng)
         if self.has_level_spawn:
             distance = np.hypot(x, y)
             level = heights[distance <= SPAWN_RADIUS].mean()

@@ -22,7 +22,7 @@ from sensor_msgs.msg import Imu, LaserScan
 
 from rover_metrics.core.metrics import WINDOW
 from rover_metrics.health import rejections as faults
-from rover_metrics.health.stamps import JUMPED_AHEAD, MISSING, STANDS_STILL, WENT_BACK
+from rover_metrics.health.watches import JUMPED_AHEAD, MISSING, STANDS_STILL, WENT_BACK
 from rover_metrics.topics import SENSORS
 
 if TYPE_CHECKING:

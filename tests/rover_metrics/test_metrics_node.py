@@ -35,7 +35,7 @@ from rover_metrics.extended.settings import DEFAULT_EXTENDED
 from rover_metrics.extended.truth_columns import TRAVERSAL
 from rover_metrics.health import rejections
 from rover_metrics.health.reception import Reception
-from rover_metrics.health.stamps import STANDS_STILL
+from rover_metrics.health.watches import STANDS_STILL
 from rover_metrics.metrics_node import MetricsNode
 from rover_metrics.session import MetricsSession
 from rover_metrics.topics import SENSORS, TRUTH, Source

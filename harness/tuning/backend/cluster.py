@@ -61,11 +61,10 @@ class ClusterBackend(Backend):
         except Exception as error:
             explained = self.explained(error)
             if isinstance(explained, ImportError):
-                message = (
+                raise UsageError(
                     f"a worker of the cluster cannot load its work ({explained}); "
                     f"install rover-harness[tune] {__version__} for all workers"
-                )
-                raise UsageError(message) from error
+                ) from error
             raise explained from error
 
 
@@ -78,11 +77,10 @@ def _work_elsewhere(work: Callable[[Item], Outcome], item: Item, expected: Mappi
     here = versions()
     differ = [f"{name} {here[name]} instead of {e}" for name, e in expected.items() if here[name] != e]
     if differ:
-        message = (
+        raise UsageError(
             f"a worker of the cluster has {', '.join(differ)}; results could differ, "
             "install the same there"
         )
-        raise UsageError(message)
     with _busy:
         return work(item)
 

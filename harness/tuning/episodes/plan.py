@@ -71,8 +71,7 @@ def plan(robots: Sequence[str], episodes: int, seed: int, duration: float) -> tu
         UsageError: A value is not valid; the message names those that are.
     """
     if episodes < FEWEST_EPISODES:
-        message = f"{episodes} episodes are not enough: half of them only check; give 2 or more"
-        raise UsageError(message)
+        raise UsageError(f"{episodes} episodes are not enough: half of them only check; give 2 or more")
     if len(set(robots)) < len(robots):
         raise UsageError("a robot is named twice; name each once")
     if seed < 0:

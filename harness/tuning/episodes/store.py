@@ -49,8 +49,7 @@ def decode(content: bytes) -> EpisodeRecord:
             length = float(npz["path_length"])
     except Exception as error:
         # zipfile, zlib and numpy each have their own ways to say that bytes are damaged.
-        message = f"not an episode: {error}"
-        raise ValueError(message) from error
+        raise ValueError(f"not an episode: {error}") from error
     return EpisodeRecord(
         **tables, ending=Ending(ending), path_length=length, driver=driver, terrain=terrain
     )
@@ -97,16 +96,14 @@ class Store:
         path, identity = self.folder / SWEEP, _identity(planned)
         if not path.exists():
             if any(self._episodes.iterdir()):
-                message = f"{self._episodes} holds files of no known sweep; choose another --out"
-                raise UsageError(message)
+                raise UsageError(f"{self._episodes} holds files of no known sweep; choose another --out")
             with whole_file(path) as part:
                 part.write_text(json.dumps(identity, indent=2) + "\n", encoding="utf-8")
         elif difference := _difference(path, identity):
-            message = (
+            raise UsageError(
                 f"{self.folder} holds another sweep's files ({difference}); "
                 "choose another --out or remove the folder"
             )
-            raise UsageError(message)
 
 
 def _identity(planned: tuple[Planned, ...]) -> dict[str, Any]:

@@ -3,20 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from harness.page.figure import (
-    COLUMN,
-    INK,
-    METRIC,
-    MUTED,
-    PANEL,
-    Layout,
-    Plot,
-    Trace,
-    common_layout,
-    level,
-    line,
-    numbers,
-)
+from harness.page import figure as fig
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.scoring.choose import Records
@@ -42,11 +29,11 @@ class Subject:
         self,
         name: str,
         what: str,
-        data: Sequence[Trace],
-        x: Layout,
-        y: Layout,
-        shapes: Sequence[Layout] = (),
-    ) -> Plot:
+        data: Sequence[fig.Trace],
+        x: fig.Layout,
+        y: fig.Layout,
+        shapes: Sequence[fig.Layout] = (),
+    ) -> fig.Plot:
         """Returns a figure of this robot.
 
         Args:
@@ -57,14 +44,14 @@ class Subject:
             y: Its vertical axis.
             shapes: Levels on it.
         """
-        layout = common_layout(xaxis=x, yaxis=y, shapes=list(shapes), hovermode="closest")
+        layout = fig.common_layout(xaxis=x, yaxis=y, shapes=list(shapes), hovermode="closest")
         figure = {"data": list(data), "layout": layout}
-        return Plot(f"{self.study.robot}-{name}", f"{self.study.robot}: {what}", figure)
+        return fig.Plot(f"{self.study.robot}-{name}", f"{self.study.robot}: {what}", figure)
 
 
 def curve(
-    name: str, x: Iterable[float], y: Iterable[float], color: str = METRIC, **style: object
-) -> Trace:
+    name: str, x: Iterable[float], y: Iterable[float], color: str = fig.METRIC, **style: object
+) -> fig.Trace:
     """Returns a curve that tells its values under the pointer.
 
     Args:
@@ -74,15 +61,15 @@ def curve(
         color: Name of a custom property of the style sheet.
         style: Of the line, in Plotly's terms.
     """
-    return line(name, [*x], [*y], color, hover=f"{name}<br>%{{x}}: %{{y:.3f}}", **style)
+    return fig.line(name, [*x], [*y], color, hover=f"{name}<br>%{{x}}: %{{y:.3f}}", **style)
 
 
-def chance(name: str, share: tuple[float, float] = (0.0, 1.0)) -> Trace:
+def chance(name: str, share: tuple[float, float] = (0.0, 1.0)) -> fig.Trace:
     """Returns what guessing gives, at both ends of the x axis."""
-    return curve(name, (0.0, 1.0), share, MUTED, dash="dot", width=1)
+    return curve(name, (0.0, 1.0), share, fig.MUTED, dash="dot", width=1)
 
 
-def mark(name: str, x: float, y: float, *, tuned: str = "", hover: str = "") -> Trace:
+def mark(name: str, x: float, y: float, *, tuned: str = "", hover: str = "") -> fig.Trace:
     """Returns a point: of a default, or an open one of a tuned value.
 
     Args:
@@ -97,19 +84,19 @@ def mark(name: str, x: float, y: float, *, tuned: str = "", hover: str = "") -> 
         "mode": "markers",
         "cliponaxis": False,
         "name": name,
-        "x": numbers([x], 4),
-        "y": numbers([y], 4),
+        "x": fig.numbers([x], 4),
+        "y": fig.numbers([y], 4),
         "marker": {
             "symbol": "diamond-open" if tuned else "circle",
             "size": 11,
-            "color": tuned or PANEL,
-            "line": {"color": tuned or INK, "width": 2.5},
+            "color": tuned or fig.PANEL,
+            "line": {"color": tuned or fig.INK, "width": 2.5},
         },
         "hovertemplate": f"{hover or f'{name}<br>%{{x:.3g}}: %{{y:.3f}}'}<extra></extra>",
     }
 
 
-def levels(verdict: Verdict) -> list[Layout]:
+def levels(verdict: Verdict) -> list[fig.Layout]:
     """Returns lines where the default and the tuned value of a threshold lie."""
     default, unit = verdict.default.value, spelled(verdict.unit)
     lines = [upright(f"default {default:g} {unit}", default, "dot")]
@@ -119,7 +106,7 @@ def levels(verdict: Verdict) -> list[Layout]:
     return lines
 
 
-def upright(name: str, x: float, dash: str, color: str = INK) -> Layout:
+def upright(name: str, x: float, dash: str, color: str = fig.INK) -> fig.Layout:
     """Returns a line from bottom to top of the plot.
 
     Args:
@@ -128,7 +115,7 @@ def upright(name: str, x: float, dash: str, color: str = INK) -> Layout:
         dash: As of `level`.
         color: Likewise.
     """
-    return level(name, {"x0": x, "x1": x, **COLUMN}, dash, color)
+    return fig.level(name, {"x0": x, "x1": x, **fig.COLUMN}, dash, color)
 
 
 def chosen(verdict: Verdict) -> str:

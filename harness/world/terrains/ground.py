@@ -18,7 +18,7 @@ class Flat(Terrain):
     summary = "level plane, the same for every seed and difficulty"
     promise = Promise()
 
-    def heights(self, x: Field, _y: Field, _rng: np.random.Generator, /) -> Field:
+    def _heights(self, x: Field, _y: Field, _rng: np.random.Generator, /) -> Field:
         """Zero everywhere [m]."""
         return np.zeros_like(x)
 
@@ -45,7 +45,7 @@ class Slope(Terrain):
     incline: float = parameter(2.0, 10.0, 22.0, "deg")
     roughness: float = constant(0.002, "m")
 
-    def heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
+    def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         """The incline with its roughness [m]."""
         rough = fractal(rng, x.shape, cell=self.cell, longest=2.0, shortest=0.3)
         return x * math.tan(math.radians(self.incline)) + self.roughness * rough
@@ -72,7 +72,7 @@ class Rolling(Terrain):
     relief: float = parameter(0.08, 0.2, 0.4, "m")
     wavelength: float = constant(8.0, "m")
 
-    def heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
+    def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         """Hills of the given relief [m]."""
         longest, shortest = self.wavelength, 0.5 * self.wavelength
         hills = fractal(rng, x.shape, cell=self.cell, longest=longest, shortest=shortest, hurst=1.5)
@@ -104,7 +104,7 @@ class Gravel(Terrain):
     roughness: float = parameter(0.003, 0.010, 0.020, "m")
     relief: float = constant(0.05, "m")
 
-    def heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
+    def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         """Ground plus gravel [m]."""
         ground = fractal(rng, x.shape, cell=self.cell, longest=12.0, shortest=4.0)
         return self.relief * ground + self.roughness * rng.standard_normal(x.shape)
@@ -134,7 +134,7 @@ class Washboard(Terrain):
     wavelength: float = constant(0.5, "m")
     meander: float = constant(0.25, "m")
 
-    def heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
+    def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         """Ripples around zero [m]."""
         bend, swell = (
             fractal(rng, x.shape, cell=self.cell, longest=10.0, shortest=5.0) for _ in range(2)
@@ -168,7 +168,7 @@ class Dunes(Terrain):
     lee: float = constant(0.36, "")
     meander: float = constant(1.0, "m")
 
-    def heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
+    def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         """Dunes above the level of their troughs [m]."""
         bend, swell = (
             fractal(rng, x.shape, cell=self.cell, longest=20.0, shortest=10.0, hurst=1.5)

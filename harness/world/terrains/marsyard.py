@@ -56,7 +56,7 @@ class Marsyard(Terrain):
     relief: float = parameter(0.08, 0.16, 0.24, "m")
     roughness: float = parameter(0.018, 0.036, 0.050, "m")
 
-    def heights(self, x: Field, y: Field, rng: np.random.Generator, /) -> Field:
+    def _heights(self, x: Field, y: Field, rng: np.random.Generator, /) -> Field:
         """Plain plus features [m]."""
         plain_rng, rough_rng, outline_rng, feature_rng = rng.spawn(4)
         plain = fractal(plain_rng, x.shape, cell=self.cell, longest=10.0, shortest=2.5)

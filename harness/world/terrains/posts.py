@@ -42,7 +42,7 @@ class Posts(Terrain):
     posts: int = parameter(12, 32, 80, "")
     cubes: int = parameter(4, 12, 30, "")
 
-    def heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
+    def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         """Slightly uneven ground [m]."""
         return self.relief * fractal(rng, x.shape, cell=self.cell, longest=12.0, shortest=3.0)
 

@@ -40,7 +40,7 @@ class Rocky(Terrain):
     rocks: int = parameter(80, 150, 300, "")
     boulders: int = parameter(4, 10, 24, "")
 
-    def heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
+    def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         """Rolling ground plus fine roughness [m]."""
         ground = fractal(rng, x.shape, cell=self.cell, longest=10.0, shortest=3.0, hurst=1.0)
         rough = fractal(rng, x.shape, cell=self.cell, longest=1.0, shortest=0.3)

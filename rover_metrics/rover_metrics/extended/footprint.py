@@ -33,11 +33,10 @@ class Footprint:
     def __post_init__(self) -> None:
         wrong = complaint(self.corners)
         if wrong is not None:
-            message = (
+            raise ParameterError(
                 f"footprint {wrong}; give the corners of the rover's outline in order, in metres in the "
                 "base frame: [x0, y0, x1, y1, x2, y2, ...]"
             )
-            raise ParameterError(message)
 
     @classmethod
     def from_flat(cls, numbers: Sequence[float]) -> "Footprint":

@@ -48,7 +48,13 @@ class ImuColumns:
         self._jerk: float | None = None
 
     def add(self, stamp_ns: int, acceleration: Vector3, orientation: Quaternion | None) -> None:
-        """Take a sample that the metrics have used; None for an orientation that is not known."""
+        """Take a sample that the metrics have used.
+
+        Args:
+            stamp_ns: Of its header.
+            acceleration: In the IMU's frame, gravity included [m/s^2].
+            orientation: Of the IMU as (x, y, z, w); None if it is not known.
+        """
         step = self._step(stamp_ns)
         if step is not None and self._last is not None:
             self._jerk = max(self._jerk or 0.0, math.dist(acceleration, self._last[1]) / step)

@@ -84,13 +84,25 @@ class ExtendedMetrics:
             self._travel.add_imu(stamp_ns, is_rough=math.hypot(*acceleration) > threshold)
 
     def add_pose(self, stamp_ns: int, position: Vector3 | None, *, used: bool) -> None:
-        """Take a position in the world frame [m]; None for an array without one."""
+        """Take a true position.
+
+        Args:
+            stamp_ns: Of its header.
+            position: In the world [m]; None for an array without one.
+            used: Whether the metrics have used it.
+        """
         self._traffic.add(POSE, stamp_ns, used=used)
         if used and position is not None:
             self._travel.add_pose(stamp_ns, position, self._metrics.thresholds.distance_threshold)
 
     def add_odometry(self, stamp_ns: int, velocity: Vector3, *, used: bool) -> None:
-        """Take the linear velocity by the wheels, in the base frame [m/s]."""
+        """Take the velocity by the wheels.
+
+        Args:
+            stamp_ns: Of its header.
+            velocity: Linear, in the base frame [m/s].
+            used: Whether the metrics have used it.
+        """
         self._traffic.add(ODOMETRY, stamp_ns, used=used)
         if used:
             self._travel.add_odometry(stamp_ns, math.hypot(*velocity))

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from rover_metrics.core.columns import Cell, Column
-from rover_metrics.health.stamps import MISSING, StampWatch
+from rover_metrics.health.watches import MISSING, StampWatch
 from rover_metrics.timing.clocks import age, rate
 
 

@@ -68,7 +68,13 @@ class TravelColumns:
         self._speeds.append((stamp_ns, speed))
 
     def add_pose(self, stamp_ns: int, position: Vector3, jump: float) -> None:
-        """Take a position that the metrics have used [m]; steps of `jump` or more are no travel."""
+        """Take a position that the metrics have used.
+
+        Args:
+            stamp_ns: Of its header.
+            position: In the world [m].
+            jump: Length from which on a step is no travel [m].
+        """
         last, self._pose = self._pose, (stamp_ns, position)
         if last is None:
             return

@@ -5,8 +5,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from rover_metrics.errors import is_worth_a_line
-from rover_metrics.health.silence import SilenceWatch
-from rover_metrics.health.stamps import MISSING, StampWatch
+from rover_metrics.health.watches import MISSING, SilenceWatch, StampWatch
 
 LOST = "lost on the way"
 NOT_HEARD = "publisher is not heard"
@@ -77,7 +76,14 @@ class Reception:
         self.remark(topic, reason, detail=", left out")
 
     def remark(self, topic: str, what: str, times: int = 1, *, detail: str = "") -> None:
-        """Counts something odd; the detail is told, not counted by."""
+        """Counts something odd.
+
+        Args:
+            topic: Where it was met.
+            what: Its name, by which it is counted.
+            times: How often.
+            detail: Is told, not counted by.
+        """
         remarks = self.remarks[topic]
         before = remarks[what]
         remarks[what] = before + times

@@ -62,11 +62,10 @@ def wrong_type(node: Node, parameters: Iterable[Parameter]) -> str | None:
 def require_same_columns(now: Settings, wish: Settings) -> None:
     """Raises a ParameterError if a wish would change which columns the log has."""
     if wish.extended_columns != now.extended_columns:
-        message = (
+        raise ParameterError(
             "extended_columns is fixed once the node runs, for the header of this log is written; start "
             f"the node with -p extended_columns:={str(wish.extended_columns).lower()}"
         )
-        raise ParameterError(message)
 
 
 def _declare(node: Node, name: str, info: ParameterInfo) -> Any:  # noqa: ANN401 - of the parameter's type

@@ -8,7 +8,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 
 from rover_metrics.errors import is_worth_a_line
-from rover_metrics.health.silence import SilenceWatch
+from rover_metrics.health.watches import SilenceWatch
 from rover_metrics.timing.clocks import NANOSECONDS
 from rover_metrics.timing.row_times import RowTimes
 

@@ -1,7 +1,7 @@
 """Subscriptions with every policy named, whose middleware events are reported."""
 
-import importlib
 from collections.abc import Callable
+from pkgutil import resolve_name
 from typing import Any
 
 from rclpy.node import Node
@@ -23,14 +23,11 @@ except ImportError:  # Humble
     from rclpy.qos_event import SubscriptionEventCallbacks, UnsupportedEventTypeError
 
 
-def _message_class(full_name: str) -> type:
-    package, _, name = full_name.split("/")
-    found: type = getattr(importlib.import_module(f"{package}.msg"), name)
-    return found
-
-
 # With this module, so that a package that is not installed is told as the rest of ROS is.
-_MESSAGES = {name: _message_class(name) for name in {s.message_type for s in (*SENSORS, *TRUTH)}}
+_MESSAGES = {
+    source.message_type: resolve_name(source.message_type.replace("/msg/", ".msg:"))
+    for source in (*SENSORS, *TRUTH)
+}
 
 
 def subscribe(

@@ -18,7 +18,7 @@ class Noise(Terrain):
     height: float = parameter(0.1, 0.5, 2.0, "m")
     stones: int = parameter(1, 4, 9, "")
 
-    def heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
+    def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         return self.height * rng.standard_normal(x.shape) - 0.0
 
 

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rover_metrics.health.reception import LOST, NOT_HEARD, Reception, TopicState
-from rover_metrics.health.stamps import MISSING, WENT_BACK
+from rover_metrics.health.watches import MISSING, WENT_BACK
 
 SECOND = 10**9
 TICK = SECOND // 20

@@ -9,13 +9,7 @@ from scipy import stats
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.logs.time_axis import on_grid
 from rover_metrics.analysis.metric import Kind, Metric
-from rover_metrics.analysis.plots.style import (
-    draw_legend,
-    draw_thresholds,
-    highest_bound,
-    look,
-    metric_grid,
-)
+from rover_metrics.analysis.plots import style as styling
 from rover_metrics.analysis.study import Study
 
 _PERCENT_STEP = 2.0
@@ -26,7 +20,7 @@ _FEWEST_FOR_INTERVAL = 3  # episodes; of fewer the band is what they range over
 
 def draw_aggregate(study: Study) -> Figure | None:
     """Draws the mean over the episodes of each group, one panel a metric; None if no log has a value."""
-    figure, panels = metric_grid(study)
+    figure, panels = styling.metric_grid(study)
     if not panels:
         return None
     grid = _grid(study)
@@ -39,7 +33,7 @@ def draw_aggregate(study: Study) -> Figure | None:
     )
     for _, axes in panels[-2:]:
         axes.set_xlabel(study.options.axis.label)
-    draw_legend(figure, panels[0][1])
+    styling.draw_legend(figure, panels[0][1])
     return figure
 
 
@@ -60,16 +54,16 @@ def _draw_panel(axes: Axes, study: Study, metric: Metric, grid: Floats) -> None:
         curves = _curves(study, metric, group, grid)
         if curves.size and np.isfinite(curves).any():
             mean, low, high = mean_and_band(curves, study.options.confidence)
-            style = look(number)
+            style = styling.look(number)
             axes.fill_between(grid, low, high, color=style["color"], alpha=0.2, linewidth=0)
             plural = "s" if len(curves) > 1 else ""
             axes.plot(grid, mean, **style, label=f"{group} ({len(curves)} episode{plural})")
             top = max(top, float(np.nanmax(mean)) * 1.4, float(np.nanquantile(high, 0.97)) * 1.1)
     bounds = study.bounds(metric)
     top = min(top, 105.0) if metric.kind is Kind.FLAG else top
-    axes.set_ylim(0, max(top, 1.3 * highest_bound(bounds)) or 1.0)
+    axes.set_ylim(0, max(top, 1.3 * styling.highest_bound(bounds)) or 1.0)
     axes.margins(x=0)
-    draw_thresholds(axes, bounds)
+    styling.draw_thresholds(axes, bounds)
 
 
 def _curves(study: Study, metric: Metric, group: str, grid: Floats) -> Floats:

@@ -9,14 +9,8 @@ from matplotlib.figure import Figure
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.logs.time_axis import TimeAxis
 from rover_metrics.analysis.metric import Kind, Metric
+from rover_metrics.analysis.plots import style as styling
 from rover_metrics.analysis.plots.curves import Smoothing, smoothed, thinned, upper_limit
-from rover_metrics.analysis.plots.style import (
-    WIDTH,
-    draw_legend,
-    draw_thresholds,
-    highest_bound,
-    look,
-)
 from rover_metrics.analysis.study import Member, Study
 
 _MOST_NAMED = 12  # logs; more make a legend that nobody reads
@@ -25,7 +19,7 @@ _MOST_WITH_ROWS = 3  # logs; the rows of more hide each other
 
 def draw_time_series(study: Study, metric: Metric) -> Figure | None:
     """Draws a metric of all logs over time; None if no log has a value."""
-    figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
+    figure = Figure(figsize=(styling.WIDTH, 3.6), layout="constrained")
     axes = figure.add_subplot()
     members = study.with_metric(metric)
     show_rows = metric.kind is Kind.LEVEL and len(members) <= _MOST_WITH_ROWS
@@ -42,13 +36,13 @@ def draw_time_series(study: Study, metric: Metric) -> Figure | None:
     if not any(np.isfinite(values).any() for values in drawn):
         return None
     bounds = study.bounds(metric)
-    _limit(axes, metric, drawn, highest_bound(bounds))
+    _limit(axes, metric, drawn, styling.highest_bound(bounds))
     axes.margins(x=0)
-    draw_thresholds(axes, bounds)
+    styling.draw_thresholds(axes, bounds)
     axes.set_xlabel(study.options.axis.label)
     axes.set_ylabel(metric.label)
     axes.set_title(_title(metric, study.options.axis, show_rows=show_rows), loc="left")
-    draw_legend(figure, axes)
+    styling.draw_legend(figure, axes)
     return figure
 
 
@@ -66,10 +60,10 @@ def _limit(axes: Axes, metric: Metric, values: list[Floats], threshold: float) -
 def _style(study: Study, member: Member, axes: Axes) -> dict[str, Any]:
     """Returns look and name of a log's curve; of many logs, those of their group, named once."""
     if len(study.groups) == 1 and len(study.members) <= _MOST_NAMED:
-        return look(study.members.index(member)) | {"label": member.label}
+        return styling.look(study.members.index(member)) | {"label": member.label}
     named = axes.get_legend_handles_labels()[1]
     label = None if member.group in named else member.group
-    return look(study.groups.index(member.group)) | {"linewidth": 0.9, "label": label}
+    return styling.look(study.groups.index(member.group)) | {"linewidth": 0.9, "label": label}
 
 
 def _smoothing(metric: Metric) -> tuple[float, Smoothing]:

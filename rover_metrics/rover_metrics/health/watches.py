@@ -1,9 +1,14 @@
-"""The header stamps of one topic: whether they go on as they should, and what is missing between."""
+"""Watches: whether what should go on has stopped or goes on again, and what a topic's stamps tell.
+
+A topic's header stamps tell whether they go on as they should, and what is missing between them.
+"""
 
 import math
 from collections import deque
 from statistics import median
+from typing import NamedTuple
 
+LONGEST_LOOK = 2_000_000_000  # ns; a clock that jumps an hour makes no hour of silence
 JUMP = 10_000_000_000  # ns; a longer step is another time, not a row of lost messages
 LEARNING = 8  # intervals from which a period can be told
 RECENT = 64  # intervals
@@ -16,6 +21,53 @@ JUMPED_AHEAD = "stamp jumped ahead"
 MISSING = "missing, by the gap between two stamps"
 
 Finding = tuple[str, int]  # what is odd, and how many times
+
+
+class Silence(NamedTuple):
+    """A silence that has just been noticed, or has just ended."""
+
+    is_over: bool
+    seconds: float
+
+
+class SilenceWatch:
+    """Watches a count, or anything else that differs each time one looks unless it has stopped.
+
+    Time is what passes between two looks, so a clock that is reset or jumps does no harm.
+
+    Attributes:
+        is_silent: Whether a silence has been noticed that is not over.
+    """
+
+    def __init__(self) -> None:
+        self._progress: int | None = None
+        self._looked_ns = 0
+        self._quiet_ns = 0
+        self.is_silent = False
+
+    def look(self, progress: int, now_ns: int, limit_ns: int) -> Silence | None:
+        """Looks again.
+
+        Args:
+            progress: The count as it is now.
+            now_ns: The time [ns].
+            limit_ns: From which duration on a silence is told [ns]; 0 is never.
+
+        Returns:
+            What has changed: a silence that is long enough now or that is over; else None.
+        """
+        passed = min(max(now_ns - self._looked_ns, 0), LONGEST_LOOK)
+        moved = progress != self._progress
+        self._progress, self._looked_ns = progress, now_ns
+        quiet_ns = self._quiet_ns + passed
+        self._quiet_ns = 0 if moved else quiet_ns
+        if moved:
+            was_silent, self.is_silent = self.is_silent, False
+            return Silence(is_over=True, seconds=quiet_ns / 1e9) if was_silent else None
+        if not self.is_silent and 0 < limit_ns <= quiet_ns:
+            self.is_silent = True
+            return Silence(is_over=False, seconds=quiet_ns / 1e9)
+        return None
 
 
 class StampWatch:
