@@ -10,7 +10,7 @@ from tools.mutants.mutations import Mutant
 from tools.mutants.session import Trace
 
 SLOW = 3.0  # [s]; a slower test is used only for what no other covers
-BUDGET = 20.0  # [s] of tests for one mutant
+BUDGET = 6.0  # [s] of tests for one mutant
 
 Timed = list[tuple[str, float]]  # tests and the seconds that each may take
 
