@@ -61,5 +61,5 @@ class Driver(Protocol):
     def __init__(self, context: DriverContext) -> None: ...
 
     def command(self, observation: Observation) -> Twist:
-        """The twist for the next control period."""
+        """Returns the twist for the next control period."""
         ...

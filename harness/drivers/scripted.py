@@ -17,7 +17,7 @@ class OpenLoop:
         self.latest = twist
 
     def command(self, observation: Observation) -> Twist:  # noqa: ARG002 - open loop
-        """The twist in force."""
+        """Returns the twist in force."""
         return self.latest
 
 

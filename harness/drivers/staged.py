@@ -50,17 +50,17 @@ class Meeting:
         return self.course + (math.pi if self.speed < 0.0 else 0.0)
 
     def along(self, point: Point) -> float:
-        """How far past the hazard's middle a point lies [m]."""
+        """Returns how far past the hazard's middle a point lies [m]."""
         dx, dy = point[0] - self.beside[0], point[1] - self.beside[1]
         return dx * math.cos(self.course) + dy * math.sin(self.course)
 
     def aside(self, point: Point) -> float:
-        """How far to the left of the line a point lies [m]."""
+        """Returns how far to the left of the line a point lies [m]."""
         dx, dy = point[0] - self.beside[0], point[1] - self.beside[1]
         return dy * math.cos(self.course) - dx * math.sin(self.course)
 
     def at(self, distance: float) -> Point:
-        """The point of the line so far past the hazard's middle [m]."""
+        """Returns the point of the line so far past the hazard's middle [m]."""
         x, y = self.beside
         return x + distance * math.cos(self.course), y + distance * math.sin(self.course)
 
@@ -86,10 +86,10 @@ class StagedEncounter(ABC):
 
     @abstractmethod
     def offset(self, width: float) -> float:
-        """How far to the left of a hazard's middle to pass [m]; nearer than `width` they meet."""
+        """Returns how far left of a hazard's middle to pass [m]; nearer than `width` they meet."""
 
     def plan(self, hazard: Obstacle, bearing: float) -> Meeting:
-        """How to meet a hazard that lies in about that direction [rad] of the world."""
+        """Returns how to meet a hazard that lies in about that direction [rad] of the world."""
         course = bearing + self.rng.normal(0.0, SPREAD)
         offset = self.offset(half_extent(hazard, course + math.pi / 2) + self.rover.width / 2)
         x, y, _ = hazard.position
@@ -111,7 +111,7 @@ class StagedEncounter(ABC):
         return self._now.x, self._now.y
 
     def turn_to(self, heading: float) -> float:
-        """Angle from the rover's heading to another [rad], -pi..pi."""
+        """Returns the angle from the rover's heading to another [rad], -pi..pi."""
         return math.remainder(heading - self._now.yaw, math.tau)
 
     def follow(self, meeting: Meeting, until: float) -> Iterator[Twist]:
@@ -132,7 +132,7 @@ class StagedEncounter(ABC):
             yield Twist(0.0, rate)
 
     def random_speed(self) -> float:
-        """A speed that the rover can drive [m/s]."""
+        """Returns a speed that the rover can drive [m/s]."""
         return self.rng.uniform(SLOWEST, FASTEST) * self.rover.top_speed
 
     def _visits(self) -> Iterator[Twist]:

@@ -128,12 +128,12 @@ class Roam:
         self._scale, self._until_ns = 1.0, 0
 
     def spell(self) -> tuple[float, float]:
-        """How long the next speed holds [s], and how much of the cruising speed it is."""
+        """Returns how long the next speed holds [s], and how much of the cruising speed it is."""
         share = self.rng.uniform(SLOWEST, FASTEST)
         return SPELL, share * self.rover.top_speed / self.rover.cruise_speed
 
     def command(self, observation: Observation) -> Twist:
-        """Wander's twist, its speed scaled."""
+        """Returns Wander's twist, its speed scaled."""
         if observation.time_ns >= self._until_ns:
             held, self._scale = self.spell()
             self._until_ns = observation.time_ns + math.floor(held * NANOSECONDS)

@@ -64,7 +64,7 @@ class StreamHash:
         self._digest.update(repr((batch.truth, batch.events)).encode())
 
     def hexdigest(self) -> str:
-        """The hash of everything taken so far."""
+        """Returns the hash of everything taken so far."""
         return self._digest.hexdigest()
 
 

@@ -22,7 +22,7 @@ PACKAGES = ("mujoco", "numpy", "numba", "ros-rclpy")
 
 
 def manifest(result: RunResult) -> dict[str, Any]:
-    """The run as JSON values; infinite numbers become null."""
+    """Returns the run as JSON values; infinite numbers become null."""
     values: dict[str, Any] = json_safe(
         {
             "arguments": asdict(result.config),

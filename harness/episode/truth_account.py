@@ -64,7 +64,7 @@ class TruthAccount:
                 self._roughness[step] += 1
 
     def along(self) -> TruthAlong:
-        """The account up to now; events that last are in it as they stand."""
+        """Returns the account up to now; events that last are in it as they stand."""
         room = MOST_EVENTS - len(self._events)
         return TruthAlong(
             events=(*self._events, *self._open[:room]),

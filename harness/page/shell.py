@@ -13,7 +13,7 @@ STYLE, PLOTLY, DRAWING = "pages.css", "plotly-basic.min.js", "plots.js"
 
 
 def fill(name: str, content: Mapping[str, Any], package: str) -> str:
-    """The HTML of a page.
+    """Returns the HTML of a page.
 
     Args:
         name: Of its assets: NAME.html.j2, which extends shell.html.j2, NAME.js and, if it is there,

@@ -77,7 +77,7 @@ class ContactWatch:
                 self.strongest[kind] = Touch(force, part, thing, position, pose)
 
     def name_of(self, geom: int) -> str:
-        """What a part, an obstacle or the ground is called."""
+        """Returns what a part, an obstacle or the ground is called."""
         if geom == self._terrain:
             return "ground"
         name: str = self._model.geom(geom).name

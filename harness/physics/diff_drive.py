@@ -33,7 +33,7 @@ class DiffDrive:
         return True
 
     def wheel_speeds(self) -> NDArray[np.float64]:
-        """Speeds [rad/s] of the front left, rear left, front right and rear right wheel."""
+        """Returns the speeds [rad/s] of the front left, rear left, front right and rear right wheel."""
         self._linear = _approach(self._linear, self._target.linear, self._linear_step)
         self._angular = _approach(self._angular, self._target.angular, self._angular_step)
         half_difference = self._angular * self._rover.controller_separation / 2

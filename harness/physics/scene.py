@@ -65,7 +65,7 @@ def build_scene(world: World, rover: RoverSpec, timestep: float, dress: Dress | 
 
 
 def model_hash(rover: RoverSpec) -> str:
-    """SHA-256 of the rover's model file."""
+    """Returns the SHA-256 of the rover's model file."""
     return hashlib.sha256(rover.model_path.read_bytes()).hexdigest()
 
 

@@ -86,7 +86,7 @@ class Simulation:
         return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
     def rotation(self) -> NDArray[np.float64]:
-        """Rotation R_world_model of the model frame, shape (3, 3)."""
+        """Returns the rotation R_world_model of the model frame, shape (3, 3)."""
         flat = np.empty(9)
         mujoco.mju_quat2Mat(flat, self.data.qpos[3:7])
         return flat.reshape(3, 3)
@@ -103,7 +103,7 @@ class Simulation:
         )
 
     def summed(self, sensor: str) -> NDArray[np.float64]:
-        """A view onto the entries of `tick_sum` that belong to one sensor of the model."""
+        """Returns a view onto the entries of `tick_sum` that belong to one sensor of the model."""
         found = self.model.sensor(sensor)
         start, size = int(found.adr[0]), int(found.dim[0])
         return self.tick_sum[start : start + size]

@@ -51,7 +51,7 @@ class RemoteNode:
         self._ask_sim_time()
 
     def received(self, patience: float = ANSWER_PATIENCE) -> dict[str, int]:
-        """Messages that a MetricsNode has received since the start, by topic; else empty.
+        """Returns messages that a MetricsNode has received since the start, by topic; else empty.
 
         Args:
             patience: How long [s] to wait for its answer.

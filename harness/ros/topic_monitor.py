@@ -41,7 +41,7 @@ class Pace:
         self._forget(now)
 
     def rate(self, now: float) -> float | None:
-        """Growth per second over the last WINDOW; None if fewer than two values fell into it."""
+        """Returns the growth per second over the last WINDOW; None with fewer than two values in it."""
         self._forget(now)
         if len(self._points) < 2 or self._points[0][0] == self._points[-1][0]:
             return None
@@ -49,7 +49,7 @@ class Pace:
         return (last - first) / (end - begin)
 
     def age(self, now: float) -> float | None:
-        """Seconds since the last value; None before the first."""
+        """Returns the seconds since the last value; None before the first."""
         return now - self._points[-1][0] if self._points else None
 
     def _forget(self, now: float) -> None:

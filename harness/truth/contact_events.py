@@ -48,7 +48,7 @@ class ContactEvents:
         self._open.clear()
 
     def take_closed(self) -> tuple[ContactEvent, ...]:
-        """Events that have ended since the last call, in that order."""
+        """Returns the events that have ended since the last call, in that order."""
         closed = tuple(self._closed)
         self._closed.clear()
         return closed

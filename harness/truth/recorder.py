@@ -64,7 +64,7 @@ class TruthRecorder:
         self._resets += 1
 
     def state(self) -> TruthState:
-        """The truth now and since the last call."""
+        """Returns the truth now and since the last call."""
         wheels = self._wheels.motion()
         for index, wheel in enumerate(wheels):
             if wheel.moves:
@@ -89,7 +89,7 @@ class TruthRecorder:
         return state
 
     def truth(self) -> Truth:
-        """The totals up to now."""
+        """Returns the totals up to now."""
         tilt = math.acos(max(-1.0, min(1.0, self._lowest_upright)))
         begun = self.events.begun
         seconds = {kind: ticks * (TICK_NS / NANOSECONDS) for kind, ticks in self._contact_ticks.items()}

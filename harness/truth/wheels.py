@@ -36,7 +36,7 @@ class Wheels:
         self._bodies = [int(self._model.joint(name).bodyid[0]) for name in rover.wheel_joints]
 
     def motion(self) -> list[WheelMotion]:
-        """What each wheel does now.
+        """Returns what each wheel does now.
 
         A wheel's ground speed is that of its centre in its plane, which for a wheel that rolls is w r
         on any shape of ground; negative backwards. w is its whole angular velocity about the axle, the
@@ -66,7 +66,7 @@ class Wheels:
 
 
 def slip_ratio(wheel_speed: float, ground_speed: float) -> float:
-    """Longitudinal slip in -1..1: positive when driving, negative when braking, 0 at rest.
+    """Returns the longitudinal slip in -1..1: positive when driving, negative when braking, 0 at rest.
 
     (w r - v) / max(|w r|, |v|), the two-sided form of Wong, Theory of Ground Vehicles, section 1.3; a
     wheel that turns against its motion slips fully, it cannot do more.

@@ -20,7 +20,7 @@ class Span:
     source: str
 
     def describe(self, digits: int) -> str:
-        """The span as text, rounded to so many decimals."""
+        """Returns the span as text, rounded to so many decimals."""
         low, high = f"{self.low:.{digits}f}", f"{self.high:.{digits}f}"
         if math.isinf(self.low):
             return f"at most {high}"
@@ -62,7 +62,7 @@ def around(value: float, tolerance: float, source: str) -> Span:
 
 
 def at_most(value: float, source: str) -> Span:
-    """Everything up to a value, zero included; for magnitudes."""
+    """Returns everything up to a value, zero included; for magnitudes."""
     return Span(-math.inf, value, source)
 
 

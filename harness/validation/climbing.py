@@ -59,7 +59,7 @@ def _ramp(rover: RoverSpec, seed: int) -> float:
 
 
 def kerb_limit(rover: RoverSpec, balance: Balance) -> float:
-    """Highest kerb [m] that the rear wheels climb head-on without run-up, all wheels pulling.
+    """Returns the highest kerb [m] that the rear wheels climb head-on without run-up, with all wheels.
 
     The front wheels are on top, the rear ones touch the edge; both pull at the friction limit. The
     balance of moments about the front contact gives the rear normal force, that of the horizontal

@@ -37,7 +37,7 @@ def _speeds(rover: RoverSpec, seed: int) -> Iterator[Check]:
 
 
 def straight_speed(rig: Rig, commanded: float) -> float:
-    """Ground speed [m/s] once the commanded speed has been reached."""
+    """Returns the ground speed [m/s] once the commanded speed has been reached."""
     rig.command(commanded)
     rig.run(ACCELERATING)
     start = rig.stance

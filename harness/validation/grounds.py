@@ -28,13 +28,13 @@ class Course:
 
 
 def floor(seed: int, *blocks: Obstacle) -> Course:
-    """A level floor, as even as a good concrete one, with blocks where the rover sees them."""
+    """Returns a level floor, as even as a good concrete one, with blocks where the rover sees them."""
     heading, heights = _heading_and_floor(seed)
     return Course(_world(heights, seed, tuple(_turned(one, heading) for one in blocks)), heading)
 
 
 def ramp(seed: int, incline: float) -> Course:
-    """A floor that bends up into an incline [rad] ahead of the rover."""
+    """Returns a floor that bends up into an incline [rad] ahead of the rover."""
     heading, heights = _heading_and_floor(seed)
     x, y = _grid()
     along = x * math.cos(heading) + y * math.sin(heading) - RAMP_START
@@ -44,7 +44,7 @@ def ramp(seed: int, incline: float) -> Course:
 
 
 def saddle(seed: int, twist: float) -> Course:
-    """A surface z = twist * x * y [1/m] about the origin, seen from the rover's heading.
+    """Returns a surface z = twist * x * y [1/m] about the origin, seen from the rover's heading.
 
     It lifts two diagonal wheels and lowers the others, which turns the rockers against each other
     and leaves the body level. The heading stays within 3 deg of the grid, whose triangles would

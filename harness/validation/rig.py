@@ -113,15 +113,15 @@ class Rig:
         return float(self.simulation.data.qvel[5])
 
     def stands_on(self, geoms: list[int]) -> bool:
-        """Whether one of these geoms touches anything."""
+        """Returns whether one of these geoms touches anything."""
         return bool(np.isin(self.simulation.data.contact.geom, geoms).any())
 
     def joint_angles(self, names: tuple[str, ...]) -> NDArray[np.float64]:
-        """Angles of hinges [rad]."""
+        """Returns the angles of hinges [rad]."""
         return np.array([self.simulation.data.joint(name).qpos[0] for name in names])
 
     def in_model_frame(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Points of the world [m], shape (..., 3), in the frame of the rover's root body."""
+        """Returns points of the world [m], shape (..., 3), in the frame of the rover's root body."""
         offset = points - self.simulation.data.qpos[:3]
         return np.asarray(offset @ self.simulation.rotation())
 

@@ -81,7 +81,7 @@ class RecordedAgent(Roam):
         super().__init__(replace(context, rover=unit))
 
     def spell(self) -> tuple[float, float]:
-        """How long the next speed holds [s], and the speed [m/s]."""
+        """Returns how long the next speed holds [s], and the speed [m/s]."""
         held = self.rng.uniform(*SPEED_HELD)
         place = self.rng.uniform(0, len(SPEEDS) - 1)
         return held, float(np.interp(place, range(len(SPEEDS)), SPEEDS))

@@ -52,7 +52,7 @@ class Balance:
 
 
 def balance(rig: Rig) -> Balance:
-    """The balance of a rover that stands on level ground."""
+    """Returns the balance of a rover that stands on level ground."""
     model, data = rig.simulation.model, rig.simulation.data
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
@@ -70,12 +70,12 @@ def balance(rig: Rig) -> Balance:
 
 
 def tip_angle(arm: float, height: float) -> float:
-    """Incline [rad] at which the centre of mass stands above the lower wheels."""
+    """Returns the incline [rad] at which the centre of mass stands above the lower wheels."""
     return math.atan2(arm, height)
 
 
 def steepest_stand(stand: Balance) -> float:
-    """Incline [rad] nose up at which a rover slides or tips backwards, whichever is first."""
+    """Returns the incline [rad] nose up at which a rover slides or tips backwards, the lower one."""
     return min(math.atan(WHEEL_FRICTION), tip_angle(stand.rear, stand.height))
 
 

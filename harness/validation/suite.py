@@ -46,7 +46,7 @@ def print_table(console: Console, robot: str, checks: Sequence[Check]) -> None:
 
 
 def as_markdown(results: Mapping[str, Sequence[Check]]) -> str:
-    """The tables of all rovers, each under its name."""
+    """Returns the tables of all rovers, each under its name."""
     return "\n\n".join(f"### {robot}\n\n{_rows(checks)}" for robot, checks in results.items())
 
 

@@ -56,7 +56,7 @@ class View:
         return camera
 
     def sees(self, points: Vector, half_width: float) -> NDArray[np.bool_]:
-        """Which points, shape (n, 3), lie within the picture's width; its tangent is given."""
+        """Returns which points, shape (n, 3), lie within the picture's width; its tangent is given."""
         right = np.cross(self.direction, (0.0, 0.0, 1.0))
         offsets = points - self.eye
         depth = offsets @ self.direction
@@ -73,14 +73,14 @@ def _view_from(rover: Vector, azimuth: float, aside: float) -> View:
 
 
 def chase_view(rover: Vector, yaw: float) -> View:
-    """A view from behind, a little to the side, of a rover at that place [m] and heading [rad]."""
+    """Returns a view from behind, a little aside, of a rover at that place [m] and heading [rad]."""
     return replace(_view_from(rover, math.degrees(yaw) + CHASE_SIDE, 0.0), elevation=CHASE_ELEVATION)
 
 
 def best_view(
     model: mujoco.MjModel, data: mujoco.MjData, path: Vector, yaw: float, half_width: float
 ) -> View:
-    """The best of many views of the rover at the end of its path.
+    """Returns the best of many views of the rover at the end of its path.
 
     Args:
         model: The scene.

@@ -72,7 +72,7 @@ def add_marks(scene: mujoco.MjvScene, marks: Iterable[Mark], time: float) -> Non
 
 
 def path_marks(recording: States, ground: Heightfield) -> list[Mark]:
-    """The driven path as a line on the ground."""
+    """Returns the driven path as a line on the ground."""
     length = _driven(recording)[-1]
     stations = np.arange(0.0, length, max(PATH_SPACING, length / MOST_PATH_MARKS))
     x, y, _, since = _interpolated(recording, stations)
@@ -85,7 +85,7 @@ def path_marks(recording: States, ground: Heightfield) -> list[Mark]:
 
 
 def track_marks(recording: States, ground: Heightfield, rover: RoverSpec) -> list[Mark]:
-    """Imprints of the lugs along both sides of the path's end.
+    """Returns the imprints of the lugs along both sides of the path's end.
 
     Args:
         recording: The states of the run.
@@ -105,7 +105,7 @@ def track_marks(recording: States, ground: Heightfield, rover: RoverSpec) -> lis
 
 
 def beam_marks(origin: Vector, directions: Vector, ranges: NDArray[np.float32]) -> list[Mark]:
-    """The beams that hit something, and where.
+    """Returns the beams that hit something, and where.
 
     Args:
         origin: Where the lidar is [m].

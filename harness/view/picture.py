@@ -78,7 +78,7 @@ class Studio(AbstractContextManager["Studio"]):
         mujoco.mj_forward(self.model, self.data)
 
     def image(self, index: int, view: View) -> NDArray[np.uint8]:
-        """The state of that index, shape (height, width, 3)."""
+        """Returns the state of that index, shape (height, width, 3)."""
         self.pose(index)
         aim_sun(self.model, self.recording.path[index], view.azimuth)
         mujoco.mj_camlight(self.model, self.data)

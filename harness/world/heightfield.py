@@ -30,7 +30,7 @@ class Heightfield:
         return 0.5 * self.cell * (len(self.heights) - 1)
 
     def height_at(self, x: float, y: float) -> float:
-        """Height of the surface [m] at a point, which is clamped to the map."""
+        """Returns the height of the surface [m] at a point, which is clamped to the map."""
         n = self.heights.shape[0]
         u = min(max((x + self.half_size) / self.cell, 0.0), n - 1.0)
         v = min(max((y + self.half_size) / self.cell, 0.0), n - 1.0)

@@ -78,7 +78,7 @@ def place(form: Form, ground: Heightfield, x: float, y: float) -> Obstacle:
 
 
 def orientation(yaw: float, tilt: float = 0.0) -> tuple[float, float, float, float]:
-    """Quaternion w, x, y, z of a turn about z by `yaw` after one about x by `tilt` [rad]."""
+    """Returns the quaternion w, x, y, z of a turn about z by `yaw` after one about x by `tilt` [rad]."""
     cy, sy = math.cos(0.5 * yaw), math.sin(0.5 * yaw)
     ct, st = math.cos(0.5 * tilt), math.sin(0.5 * tilt)
     return (cy * ct, cy * st, sy * st, sy * ct)
@@ -109,7 +109,7 @@ def scatter(
 
 
 def outline(obstacle: Obstacle) -> Points:
-    """Silhouette of an obstacle seen from above, what is in the ground included.
+    """Returns the silhouette of an obstacle seen from above, what is in the ground included.
 
     For each direction in the plane the point of the body that lies furthest in it (the support
     mapping of convex bodies): these points are the silhouette's corners, counter-clockwise.
@@ -148,7 +148,7 @@ def _furthest(obstacle: Obstacle, directions: Points) -> Points:
 
 
 def rotation_matrix(quaternion: tuple[float, float, float, float]) -> Points:
-    """Rotation matrix of a unit quaternion w, x, y, z."""
+    """Returns the rotation matrix of a unit quaternion w, x, y, z."""
     w, x, y, z = quaternion
     return np.array(
         [

@@ -45,25 +45,25 @@ class Promise:
 
 
 def slopes(ground: Heightfield) -> Field:
-    """Slope at each vertex [deg], by central differences."""
+    """Returns the slope at each vertex [deg], by central differences."""
     along_y, along_x = np.gradient(ground.heights, ground.cell)
     return np.asarray(np.degrees(np.arctan(np.hypot(along_x, along_y))))
 
 
 def residuals(ground: Heightfield, window: float) -> Field:
-    """Residual [m] of every vertex whose window lies in the map: all but `reach` at each edge."""
+    """Returns the residual [m] of vertices whose window lies in the map: not `reach` at each edge."""
     inset = reach(ground, window)
     inner = slice(inset, -inset)
     return np.asarray(ground.heights[inner, inner] - box_means(ground.heights, inset))
 
 
 def reach(ground: Heightfield, window: float) -> int:
-    """Vertices of a window [m] on either side of its middle; one at least, on a coarse map."""
+    """Returns vertices of a window [m] on either side of its middle; one at least, on a coarse map."""
     return max(1, math.floor(window / (2.0 * ground.cell) + 1e-9))
 
 
 def box_means(heights: Field, reach: int) -> Field:
-    """Means of all windows that lie in the map, `reach` vertices on either side of their middle."""
+    """Returns means of all windows within the map, `reach` vertices on either side of their middle."""
     width = 2 * reach + 1
     windows = np.lib.stride_tricks.sliding_window_view
     rows = windows(heights, width, axis=0).mean(axis=-1)
@@ -89,7 +89,7 @@ class RoughnessMap:
         self._half_size, self._vertices_per_metre = ground.half_size, 1.0 / ground.cell
 
     def mean_square(self, x: float, y: float) -> float:
-        """Mean square residual [m^2] at the vertex nearest to a point of the map [m]."""
+        """Returns the mean square residual [m^2] at the vertex nearest to a point of the map [m]."""
         row = round((y + self._half_size) * self._vertices_per_metre)
         column = round((x + self._half_size) * self._vertices_per_metre)
         return float(self._squares[row, column])

@@ -37,7 +37,7 @@ def parameter(easiest: Number, default: Number, hardest: Number, unit: str) -> N
 
 
 def constant(value: Number, unit: str) -> Number:
-    """A field of a terrain that no difficulty changes."""
+    """Returns a field of a terrain that no difficulty changes."""
     return parameter(value, value, value, unit)
 
 
@@ -69,11 +69,11 @@ class Terrain(ABC):
         """
 
     def obstacles(self, _ground: Heightfield, _rng: np.random.Generator, /) -> tuple[Obstacle, ...]:
-        """What stands on that ground; nothing unless a terrain says otherwise."""
+        """Returns what stands on that ground; nothing unless a terrain says otherwise."""
         return ()
 
     def ground(self, rng: np.random.Generator) -> Heightfield:
-        """The surface, level around the spawn."""
+        """Returns the surface, level around the spawn."""
         half_size, vertices = 0.5 * self.size, round(self.size / self.cell) + 1
         axis = np.linspace(-half_size, half_size, vertices)
         x, y = np.meshgrid(axis, axis)
@@ -88,7 +88,7 @@ class Terrain(ABC):
 
     @classmethod
     def at_difficulty(cls, difficulty: float) -> Self:
-        """The terrain with all parameters at a difficulty of 0 (easiest) to 1 (hardest)."""
+        """Returns the terrain with all parameters at a difficulty of 0 (easiest) to 1 (hardest)."""
         values: dict[str, Any] = {}
         for item in fields(cls):
             value = float(np.interp(difficulty, DIFFICULTIES, item.metadata["values"]))
@@ -97,7 +97,7 @@ class Terrain(ABC):
 
     @classmethod
     def describe(cls) -> str:
-        """Every parameter with its unit, as 'default (easiest..hardest)' where it varies."""
+        """Returns every parameter with its unit, as 'default (easiest..hardest)' where it varies."""
         return ", ".join(
             f"{item.name} {_spread(*item.metadata['values'])} {item.metadata['unit']}".rstrip()
             for item in fields(cls)

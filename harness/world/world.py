@@ -46,7 +46,7 @@ def build_world(name: str, seed: int, difficulty: float = DEFAULT_DIFFICULTY) ->
 
 
 def terrain_hash(world: World) -> str:
-    """SHA-256 of the heights and the obstacles: equal if and only if the worlds are."""
+    """Returns the SHA-256 of the heights and the obstacles: equal if and only if the worlds are."""
     digest = hashlib.sha256()
     digest.update(np.array(world.ground.cell, dtype="<f8").tobytes())
     digest.update(np.ascontiguousarray(world.ground.heights, dtype="<f8").tobytes())

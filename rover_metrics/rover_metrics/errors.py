@@ -46,7 +46,7 @@ def missing_ros(error: ImportError, *, is_program: bool) -> BaseException:
 
 
 def is_worth_a_line(before: int, now: int) -> bool:
-    """Whether a count has passed a power of two on its way from `before` to `now`."""
+    """Returns whether a count has passed a power of two on its way from `before` to `now`."""
     return now.bit_length() > before.bit_length()
 
 

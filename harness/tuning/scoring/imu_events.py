@@ -67,7 +67,7 @@ def peak_acceleration(record: EpisodeRecord) -> ImuEvents:
 
 
 def current_smoothness(record: EpisodeRecord) -> ImuEvents:
-    """Seconds, with the value that the column Current Smoothness has at their end."""
+    """Returns seconds, with the value that the column Current Smoothness has at their end."""
     windows, kernel = record.windows, np.full(COLUMN_WINDOWS, 1.0 / COLUMN_WINDOWS)
     if len(windows) < COLUMN_WINDOWS:
         return ImuEvents.joined([])

@@ -62,7 +62,7 @@ class TerrainFile:
 
 
 def is_terrain_file(name: str) -> bool:
-    """Whether the name of a terrain means a file rather than one of the named terrains."""
+    """Returns whether the name of a terrain means a file rather than one of the named terrains."""
     if name in TERRAINS:
         return False
     return os.sep in name or name.lower().endswith(SUFFIXES) or Path(name).exists()

@@ -43,7 +43,7 @@ class Maze(Flat):
     walls: float = parameter(0.25, 0.6, 1.0, "")
 
     def obstacles(self, ground: Heightfield, rng: np.random.Generator, /) -> tuple[Obstacle, ...]:
-        """Outer and inner walls, all of them hazards."""
+        """Returns outer and inner walls, all of them hazards."""
         tree_rng, wall_rng = rng.spawn(2)
         doors = _doors(tree_rng)
         inner = [

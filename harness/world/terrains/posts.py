@@ -47,7 +47,7 @@ class Posts(Terrain):
         return self.relief * fractal(rng, x.shape, cell=self.cell, longest=12.0, shortest=3.0)
 
     def obstacles(self, ground: Heightfield, rng: np.random.Generator, /) -> tuple[Obstacle, ...]:
-        """Posts and cubes, all of them hazards."""
+        """Returns posts and cubes, all of them hazards."""
         points = scatter(
             rng,
             self.posts + self.cubes,

@@ -47,7 +47,7 @@ class Rocky(Terrain):
         return self.relief * ground + self.roughness * rough
 
     def obstacles(self, ground: Heightfield, rng: np.random.Generator, /) -> tuple[Obstacle, ...]:
-        """Boulders first, then the rocks between them."""
+        """Returns boulders first, then the rocks between them."""
         boulder_rng, rock_rng = rng.spawn(2)
         reach = ground.half_size - EDGE_CLEARANCE
         boulders = scatter(

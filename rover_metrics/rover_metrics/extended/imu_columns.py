@@ -66,7 +66,7 @@ class ImuColumns:
         self._last = (stamp_ns, acceleration)
 
     def cells(self) -> tuple[Cell, ...]:
-        """The cells of a row; both begin anew."""
+        """Returns the cells of a row; both begin anew."""
         rms = math.sqrt(self._squares / self._count) if self._count else None
         jerk = self._jerk
         self._begin()

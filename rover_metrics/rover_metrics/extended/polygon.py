@@ -43,7 +43,7 @@ class PolygonDistance:
 
 
 def complaint(corners: Sequence[Point]) -> str | None:
-    """Tell what keeps corners from being a simple polygon; None if nothing does."""
+    """Tells what keeps corners from being a simple polygon; None if nothing does."""
     count = len(corners)
     if not 3 <= count <= MOST_CORNERS:
         return f"has {count} corners, not 3 to {MOST_CORNERS}"

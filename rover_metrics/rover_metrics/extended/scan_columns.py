@@ -93,7 +93,7 @@ class ScanColumns:
             self._collisions = (self._collisions or 0) + near
 
     def cells(self) -> tuple[Cell, ...]:
-        """The cells of a row; the minimum begins anew."""
+        """Returns the cells of a row; the minimum begins anew."""
         nearest, self._nearest = self._nearest, None
         return self._events, self._near_returns, nearest, self._collisions
 

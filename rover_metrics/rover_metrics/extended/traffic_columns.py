@@ -86,7 +86,7 @@ class TrafficColumns:
             self._missing[topic] += finding[1]
 
     def cells(self, now_ns: int, reported_lost: Mapping[Topic, int]) -> tuple[Cell, ...]:
-        """The cells of a row at this time, with what the middleware says it has lost so far."""
+        """Returns the cells of a row at this time, with what the middleware says it has lost so far."""
         cells = [c for t in TOPICS for c in self._cells(t, now_ns, reported_lost.get(t, 0))]
         self._previous_ns, self._received_before = now_ns, self._received.copy()
         return tuple(cells)

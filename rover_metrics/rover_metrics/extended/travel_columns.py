@@ -90,7 +90,7 @@ class TravelColumns:
             self._stretch_s += step
 
     def cells(self) -> tuple[Cell, ...]:
-        """The cells of a row; all but the efficiency begin anew."""
+        """Returns the cells of a row; all but the efficiency begin anew."""
         cells = (self._vort(), self._slip(), self._efficiency())
         if self._rough:
             self._was_rough = max(self._rough)[1]

@@ -80,7 +80,7 @@ class TruthColumns:
         self._pause = 0
 
     def add_velocity(self, velocity: Vector3) -> bool:
-        """Take the true velocity [m/s]; tells whether it was usable."""
+        """Takes the true velocity [m/s]; tells whether it was usable."""
         speed = math.hypot(*velocity)
         if not math.isfinite(speed):
             return False
@@ -90,7 +90,7 @@ class TruthColumns:
         return True
 
     def add_traversal(self, values: Sequence[float], names: Sequence[str] = TRAVERSAL) -> bool:
-        """Take the values of a message and their names; tells whether they were usable."""
+        """Takes the values of a message and their names; tells whether they were usable."""
         if len(values) != len(names) or not all(map(math.isfinite, values)):
             return False
         told = dict(zip(names, values, strict=True))
@@ -101,7 +101,7 @@ class TruthColumns:
         return True
 
     def cells(self) -> tuple[Cell, ...]:
-        """The cells of a row; the means begin anew."""
+        """Returns the cells of a row; the means begin anew."""
         return (
             self._events,
             self._contact.take(),

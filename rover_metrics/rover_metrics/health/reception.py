@@ -139,7 +139,7 @@ class Reception:
         ]
 
     def account(self) -> dict[str, Any]:
-        """All counts by topic, as JSON values."""
+        """Returns all counts by topic, as JSON values."""
         return {
             topic: {
                 "received": self.received[topic],

@@ -39,7 +39,7 @@ class Log:
         return len(self.stamps)
 
     def has(self, metric: Metric) -> bool:
-        """Whether the log has the columns that a metric needs."""
+        """Returns whether the log has the columns that a metric needs."""
         return metric.extended_column in self.columns or all(
             column in self.columns for column in metric.columns
         )

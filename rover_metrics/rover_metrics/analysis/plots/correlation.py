@@ -19,7 +19,7 @@ _DARK = 0.62  # |rho| beyond which text on the cell must be white
 def draw_correlation(
     correlations: Sequence[Correlation], metrics: Sequence[Metric], alpha: float
 ) -> Figure | None:
-    """Draw the lower triangle of the correlation matrix.
+    """Draws the lower triangle of the correlation matrix.
 
     Args:
         correlations: The pairs there are.
