@@ -22,10 +22,13 @@ class Chooser:
         root: The folder of the tree.
         trace: What each test covers.
         at_import: Lines that run when modules are imported, by file.
+        patience: How much longer than usual tests may take.
     """
 
-    def __init__(self, root: Path, trace: Trace, at_import: dict[str, set[int]]) -> None:
-        self.trace = trace
+    def __init__(
+        self, root: Path, trace: Trace, at_import: dict[str, set[int]], patience: float = 1.0
+    ) -> None:
+        self.trace, self._slow, self._budget = trace, SLOW * patience, BUDGET * patience
         self._root, self._at_import = root, at_import
         self._statements: dict[str, dict[int, tuple[range, set[str]]]] = {}
         self._killers: Counter[tuple[str, str, str]] = Counter()
@@ -57,7 +60,7 @@ class Chooser:
         if self.runs_at_import(mutant):
             tests = tests.union(*(self._words.get(name, ()) for name in names))
         costs = self.trace.costs
-        quick = {test for test in tests if costs[test] <= SLOW} - self.trace.slow
+        quick = {test for test in tests if costs[test] <= self._slow} - self.trace.slow
         mirror = f"test_{Path(mutant.file).stem}.py"
 
         def rank(test: str) -> tuple[int, bool, float]:
@@ -71,7 +74,7 @@ class Chooser:
         total = 0.0
         for test in sorted(quick, key=rank) or sorted(tests, key=costs.__getitem__)[:3]:
             total += costs[test]
-            if chosen and total > BUDGET:
+            if chosen and total > self._budget:
                 break
             chosen.append(test)
         return self.limits(chosen)

@@ -28,6 +28,7 @@ from tools.mutants.session import DIED, Session, Trace
 from tools.mutants.swap import Importer, functions_of, swap
 
 AT_ONCE = 2  # processes
+PLAIN_PATIENCE = 4.0  # kernels that nobody compiles are slow
 _AT_IMPORT = "at import"  # what a fork answers whose mutant is not in a function
 
 Choice = tuple[Mutant | None, Timed]  # a mutant and its tests; None for the code as it is
@@ -123,7 +124,8 @@ class Trial:
             imported.extend(_others())
             data = cover.get_data()
             at_import = {file: set(data.lines(file) or ()) for file in data.measured_files()}
-            chooser = Chooser(self.root, self._trace(session, include), at_import)
+            patience = PLAIN_PATIENCE if self.plain else 1.0
+            chooser = Chooser(self.root, self._trace(session, include), at_import, patience)
             self._swapped(session, mutants, chooser, outcomes, left)
             _control(session, outcomes, chooser)
 

@@ -251,3 +251,23 @@ def test_as_plain_python_the_walk_meets_mujoco_too(monkeypatch: pytest.MonkeyPat
     ranges = np.array([np.inf, 0.4, 0.6])
     plain(*flat, np.array([0.3, 0.2, 0.5]), np.tile([0.0, 0.0, -1.0], (3, 1)), 10.0, ranges)
     assert ranges == pytest.approx([0.5, 0.4, 0.5])
+
+
+@pytest.mark.parametrize("way", ["compiled", "plain"])
+def test_rays_along_the_axes_meet_mujoco_over_and_beside_the_map(
+    way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = as_plain_python("harness.sensors.rays.heightfield_kernel", monkeypatch).cast_rays
+    heights = np.array([[0.0, 0.3, 0.1], [0.2, 0.05, 0.4], [0.6, 0.15, 0.25]])
+    scene = terrain_model(heights, 1.0)
+    directions = np.vstack([np.eye(3), -np.eye(3)])
+    hits = []
+    for place in itertools.product(
+        (-1.4, -0.63, 0.21, 1.3), (-1.2, -0.37, 0.44, 1.7), (-0.9, -0.2, 0.12, 1.0)
+    ):
+        origin = np.array(place)
+        rays = heightfield_arrays(scene[0])
+        ours = cast(rays, origin, directions, kernel=plain if way == "plain" else cast_rays)
+        assert_same_hits(ours, mujoco_cast(scene, origin, directions))
+        hits += np.isfinite(ours).tolist()
+    assert min(sum(hits), len(hits) - sum(hits)) > 60

@@ -1,5 +1,6 @@
 """The fan of beams against mj_ray, obstacle by obstacle, compiled and as plain Python."""
 
+import itertools
 import math
 from collections.abc import Callable
 
@@ -84,3 +85,30 @@ def test_what_is_nearer_already_stays_and_without_obstacles_all_does() -> None:
     assert ranges.tolist() == [1.0, 1.6]
     cast_fan(*obstacle_arrays(model, 1), data.geom_xpos, data.geom_xmat, pose, beams, fan, ranges)
     assert ranges == pytest.approx([1.0, 1.5])
+
+
+@pytest.mark.parametrize("way", ["compiled", "plain"])
+def test_beams_along_the_axes_of_shapes_meet_mujoco(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Four beams along two axes: in and beside the sides that they run along, from within and behind."""
+    plain = as_plain_python("harness.sensors.rays.obstacle_kernel", monkeypatch).cast_fan
+    kernel = plain if way == "plain" else cast_fan
+    local = np.array([[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    fan, outcomes = np.array([-math.pi, math.pi / 2, 9.0]), set()
+    groups, hit = np.array([0, 1, 0, 0, 0, 0], np.uint8), np.zeros(1, np.int32)
+    for shape in SHAPES:
+        model, data = scene({"type": shape, "size": [0.5, 0.4, 0.3], "pos": [0.0, 0.0, 0.0]})
+        for axes in itertools.permutations(np.eye(3)):
+            turn = np.column_stack(axes)
+            turn[:, 2] *= np.linalg.det(turn)
+            beams = np.ascontiguousarray(local @ turn.T)
+            for place in itertools.product((-0.62, -0.13, 0.0, 0.27, 0.55, 2.0), repeat=3):
+                origin, ours = np.array(place), np.full(4, np.inf)
+                pose = np.ascontiguousarray(np.vstack([origin, turn]))
+                kernel(
+                    *obstacle_arrays(model, 1), data.geom_xpos, data.geom_xmat, pose, beams, fan, ours
+                )
+                theirs = [mujoco.mj_ray(model, data, origin, b, groups, 1, -1, hit) for b in beams]
+                expected = np.where(np.array(theirs) < 0.0, np.inf, theirs)
+                np.testing.assert_allclose(ours, expected, rtol=0.0, atol=1e-9)
+                outcomes |= {(shape, bool(np.isfinite(one))) for one in ours}
+    assert len(outcomes) == 2 * len(SHAPES)
