@@ -584,11 +584,13 @@ def test_rejected_and_lost_messages_are_counted_for_each_topic() -> None:
     for t in (1.05, 1.10, 1.30, 1.35):
         feed.imu(t, (0.0, 0.0, 9.8))
         feed.scan(t, 1.0)
+    for t in (1.55, 1.60):  # one more gap, of three
+        feed.scan(t, 1.0)
     for t in (1.05, 1.05, 1.0, 50.0):  # stands still, goes back, jumps: nothing is lost
         feed.odometry(t, 1.0)
     reported = {SCAN: 2, IMU: 5, POSE: 4}
     row = feed.row(2.0, reported_lost=reported)
-    assert [row[f"{topic} Lost"] for topic in ("Scan", "IMU", "Pose", "Odometry")] == [3, 5, 4, 0]
+    assert [row[f"{topic} Lost"] for topic in ("Scan", "IMU", "Pose", "Odometry")] == [6, 5, 4, 0]
 
 
 # Truth

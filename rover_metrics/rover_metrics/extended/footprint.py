@@ -129,5 +129,5 @@ class FootprintClearance:
             return math.inf
         best = bounds.argmin()
         enough = math.dist(values[best] * self._directions[:, best], self._outermost[:, best])
-        rivals = np.flatnonzero(bounds <= enough + ROUNDING)
+        rivals = np.flatnonzero(bounds <= max(enough, bounds[best]) + ROUNDING)  # `best` is one of them
         return self._distance(*self._lidar + values[rivals] * self._directions[:, rivals])

@@ -131,3 +131,12 @@ def test_ranges_are_taken_as_a_message_carries_them() -> None:
     """As float32, also where a simulator measures in float64."""
     distances = FootprintClearance(SQUARE, LidarPose(), [AHEAD])
     assert distances.nearest([1.1]) == distances.nearest(np.array([1.1], np.float32)) != 1.1 - 0.2
+
+
+def test_one_return_is_as_far_as_its_point_through_a_corner_and_at_any_range() -> None:
+    square = Footprint.rectangle((-0.5, 0.5, -0.5, 0.5))
+    diagonal = FootprintClearance(square, LidarPose(0.0, 0.0, 0.0), [math.pi / 4])
+    assert diagonal.nearest([2.0]) == pytest.approx(2.0 - math.sqrt(0.5), abs=1e-6)
+    for bearing in np.linspace(-3.0, 3.0, 61):
+        far = FootprintClearance(square, LidarPose(0.17, 0.0, math.pi), [bearing])
+        assert far.nearest([1e30]) == pytest.approx(1e30, rel=1e-6)  # as a broken sensor tells

@@ -96,7 +96,7 @@ def test_text_nan_and_inf_silence_the_cell_but_not_the_row(write_log: WriteLog, 
         row(0, Obstacle_Clearance="inf"),
         row(1, Obstacle_Clearance="near"),
         row(2, Current_Velocity="nan"),
-        row(3),
+        row(3, Vertical_Roughness="inf"),
     ]
     log = read_log(write_log(lines=lines))
     assert np.isnan(log.columns["Obstacle Clearance"]).tolist() == [True, True, False, False]
@@ -105,6 +105,7 @@ def test_text_nan_and_inf_silence_the_cell_but_not_the_row(write_log: WriteLog, 
         "1 cell without a number in Obstacle Clearance (line 3, 'near'): left out",
         "1 cell without a number in Current Velocity (line 4): left out",
         "1 infinite value in Obstacle Clearance, as before the first scan (line 2): left out",
+        "1 infinite value in Vertical Roughness (line 5): left out",
     )
 
 
