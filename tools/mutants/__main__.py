@@ -43,11 +43,11 @@ def _run(options: argparse.Namespace) -> int:
     outcomes = _outcomes(files, made, known)
     dead = {outcome.mutant.key for outcome in outcomes if outcome.killer} & known
     unlisted = [o.mutant for o in outcomes if not o.killer and o.mutant.key not in known]
-    scores = _scores(every, unlisted, known - dead)
+    drawn = {file: [m for m in some if _drawn(m, options.one_in)] for file, some in every.items()}
+    scores = _scores(drawn, unlisted, known - dead)
     seconds = time.monotonic() - began
-    if options.one_in == 1:
-        print(survivors.table(scores, files), end="")
-        survivors.record(scores)
+    print(survivors.table(scores, files), end="")
+    survivors.record(scores)
     print(f"{seconds:.0f} s, {len(outcomes) / max(seconds, 1e-9):.1f} mutants/s")
     for told, keys in (("no such mutant any more", stale), ("a test notices it now", dead)):
         for key in sorted(keys):
@@ -109,11 +109,11 @@ def _outcomes(
     return outcomes
 
 
-def _scores(every: dict[str, list[Mutant]], unlisted: list[Mutant], known: set[Key]) -> dict[str, Score]:
+def _scores(drawn: dict[str, list[Mutant]], unlisted: list[Mutant], known: set[Key]) -> dict[str, Score]:
     """Scores by file."""
     alive = Counter(mutant.file for mutant in unlisted)
     scores = {}
-    for file, some in every.items():
+    for file, some in drawn.items():
         listed = sum(mutant.key in known for mutant in some)
         scores[file] = Score(len(some), len(some) - alive[file] - listed, listed)
     return scores
