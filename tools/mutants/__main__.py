@@ -45,6 +45,9 @@ def _run(options: argparse.Namespace) -> int:
     unlisted = [o.mutant for o in outcomes if not o.killer and o.mutant.key not in known]
     drawn = {file: [m for m in some if _drawn(m, options.one_in)] for file, some in every.items()}
     scores = _scores(drawn, unlisted, known - dead)
+    if options.listed:  # the others have been tried before, if it was the same sample
+        before = survivors.recorded(survivors.SCORES)
+        scores = {f: s for f, s in scores.items() if f in before and before[f].mutants == s.mutants}
     seconds = time.monotonic() - began
     print(survivors.table(scores, files), end="")
     survivors.record(scores)
