@@ -177,7 +177,7 @@ def _start(heights: Field, cell: float) -> tuple[int, int]:
     steepest = maximum_filter(slopes(Heightfield(heights, cell)), 2 * reach + 1, mode="nearest")
     axis = np.arange(len(heights)) - middle
     distance = np.hypot(axis[:, None], axis[None, :])
-    searched = distance <= max(START_SEARCH * len(heights), 1.0)
+    searched = distance <= START_SEARCH * len(heights)
     fit = searched & (steepest <= STEEPEST_START)
     if not fit.any():
         radius, gentlest = START_SEARCH * len(heights) * cell, steepest[searched].min()

@@ -67,6 +67,17 @@ def test_fractal_noise_does_not_repeat_at_the_edges() -> None:
     assert abs(np.corrcoef(noise[0], noise[-1])[0, 1]) < 0.6
 
 
+@pytest.mark.parametrize("count", [150, 151])
+def test_seamless_noise_goes_on_from_each_edge_at_the_opposite_one(count: int) -> None:
+    rng = np.random.default_rng(0)
+    noise = fractal(rng, (count, count), cell=0.1, longest=4.0, shortest=1.0, seamless=True)
+    assert noise.shape == (count, count)
+    for axis in (0, 1):
+        steps = np.diff(noise, axis=axis)
+        seam = noise.take(0, axis) - noise.take(-1, axis)
+        assert seam.std() == pytest.approx(steps.std(), rel=0.4)
+
+
 def test_smoothstep_rises_from_zero_to_one_without_kinks() -> None:
     steps = smoothstep(np.linspace(0.0, 4.0, 401), 1.0, 3.0)
     assert (steps[:101] == 0.0).all()

@@ -1,3 +1,4 @@
+import logging
 import math
 import struct
 import zlib
@@ -138,8 +139,9 @@ def test_a_unit_other_than_the_metre_needs_a_size(tmp_path: Path) -> None:
         world_of(path, size=None)
 
 
-def test_a_pixel_without_depth_says_no_size(tmp_path: Path) -> None:
-    path = write_geotiff(tmp_path / "a.tif", hills(), 0.2, depth=0.0)
+@pytest.mark.parametrize(("width", "depth"), [(0.2, 0.0), (0.0, 0.2)])
+def test_a_pixel_without_width_or_depth_says_no_size(tmp_path: Path, width: float, depth: float) -> None:
+    path = write_geotiff(tmp_path / "a.tif", hills(), width, depth=depth)
     with pytest.raises(UsageError, match=UNKNOWN_SIZE):
         world_of(path, size=None)
 
@@ -152,6 +154,12 @@ def test_a_map_too_small_or_too_large_to_drive_in_is_refused(
     said = f"it is {100 * width:g} x {100 * depth:g} m; between 10 and 50000 m can be driven"
     with pytest.raises(UsageError, match=said):
         world_of(path, size=None)
+
+
+@pytest.mark.parametrize("side", [10.0, 50_000.0])
+def test_the_smallest_and_the_largest_map_are_driven(tmp_path: Path, side: float) -> None:
+    path = write_geotiff(tmp_path / "a.tif", np.zeros((129, 129)), side / 128)
+    assert world_of(path, size=None).ground.half_size == side / 2
 
 
 def test_whole_numbers_are_metres_if_the_file_is_georeferenced(tmp_path: Path) -> None:
@@ -169,10 +177,11 @@ def test_whole_numbers_are_metres_if_the_file_is_georeferenced(tmp_path: Path) -
         {"byteorder": ">"},
         {"compression": tifffile.COMPRESSION.DEFLATE},
         {"compression": "zlib", "predictor": True, "dtype": np.uint16},
+        {"compression": "zlib", "predictor": True, "dtype": np.int8},  # which Pillow has not
     ],
 )
 def test_every_byte_order_and_deflate_is_read(tmp_path: Path, options: dict[str, Any]) -> None:
-    values = np.arange(64, dtype=options.pop("dtype", np.float32)).reshape(8, 8)
+    values = np.arange(-32, 32).astype(options.pop("dtype", np.float32)).reshape(8, 8)
     tifffile.imwrite(tmp_path / "a.tif", values, **options)
     np.testing.assert_array_equal(read_raster(tmp_path / "a.tif").values, values)
 
@@ -188,8 +197,12 @@ def test_grey_pictures_are_read_as_they_are(tmp_path: Path, mode: str) -> None:
     assert (raster.pixel, raster.in_metres) == ("it does not say how large it is", False)
 
 
-def test_lzw_is_unpacked_by_libtiff(tmp_path: Path) -> None:
-    Image.fromarray(hills()).save(tmp_path / "a.tif", compression="tiff_lzw")
+@pytest.mark.parametrize(("compression", "predictor"), [("tiff_lzw", 1), ("tiff_adobe_deflate", 3)])
+def test_lzw_and_differences_of_floats_are_unpacked_by_libtiff(
+    tmp_path: Path, compression: str, predictor: int
+) -> None:
+    picture = Image.fromarray(hills())
+    picture.save(tmp_path / "a.tif", compression=compression, tiffinfo={317: predictor})
     np.testing.assert_array_equal(read_raster(tmp_path / "a.tif").values, hills())
 
 
@@ -263,7 +276,9 @@ def test_gaps_are_filled_by_a_pyramid_of_means(shape: tuple[int, int]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("step", "count"), [((3.0, 3.0), 21), ((2.6, 1.2), 24), ((0.5, 4.4), 14), ((1.5, 1.5), 40)]
+    ("step", "count"),
+    # The last one reaches the edges, with means over five pixels.
+    [((3.0, 3.0), 21), ((2.6, 1.2), 24), ((0.5, 4.4), 14), ((1.5, 1.5), 40), ((4.0, 4.0), 16)],
 )
 def test_coarser_cells_are_means_around_their_places_in_the_middle(
     step: tuple[float, float], count: int
@@ -317,6 +332,28 @@ def test_pixels_that_are_no_squares_are_cropped_to_metres_and_resampled(tmp_path
         assert (east, north) == pytest.approx((18 * 0.02 / 0.3, 18 * 0.004 / 0.2))
         assert (world.seed, world.difficulty, world.obstacles) == (7, 0.5, ())
         assert world.name in {"a.tif", "b.npy"}
+
+
+@pytest.mark.parametrize("shape", [(60, 41), (41, 60)])
+def test_a_square_of_pixels_that_are_no_squares_is_resampled(
+    tmp_path: Path, shape: tuple[int, int]
+) -> None:
+    """Pixels 2 % longer across the strip: cropped to 41 x 41 of them, but 40.8 x 40 m."""
+    rows, columns = shape
+    depth, width = (1.0, 1.02) if rows > columns else (1.02, 1.0)
+    row, column = np.indices(shape)
+    values = 0.03 * width * column - 0.02 * depth * row
+    ground = world_of(write_geotiff(tmp_path / "a.tif", values, width, depth=depth), size=None).ground
+    assert (ground.cell, ground.half_size) == (1.0, 20.0)
+    assert ground.height_at(18.0, 0.0) - ground.height_at(-18.0, 0.0) == pytest.approx(36 * 0.03)
+    assert ground.height_at(0.0, 18.0) - ground.height_at(0.0, -18.0) == pytest.approx(36 * 0.02)
+
+
+def test_the_size_of_an_oblong_map_is_its_length_along_x_and_y(tmp_path: Path) -> None:
+    path = saved(tmp_path / "a.npy", np.tile(0.01 * np.arange(201.0), (101, 1)))
+    world = file_world(TerrainFile(path=path, size=(40.0, 20.0)), 0)
+    assert (world.ground.cell, world.ground.half_size) == pytest.approx((0.2, 10.0))
+    assert world.notes == ("40 x 20 m cropped to the middle 20 m",)
 
 
 def test_the_middle_of_an_oblong_map_is_kept(tmp_path: Path) -> None:
@@ -432,6 +469,13 @@ def test_the_same_file_gives_the_same_hash(tmp_path: Path) -> None:
     assert terrain_hash(world_of(path)) != terrain_hash(world_of(other))
 
 
+def test_zeros_of_either_sign_are_the_same_ground(tmp_path: Path) -> None:
+    level, signed = np.zeros((2, 51, 51))
+    signed[7:20, 7:20] = -0.0
+    worlds = [world_of(saved(tmp_path / "a.npy", heights)) for heights in (level, signed)]
+    assert terrain_hash(worlds[0]) == terrain_hash(worlds[1])
+
+
 @pytest.mark.parametrize(
     ("name", "expected"),
     [
@@ -483,6 +527,16 @@ def _png_header(path: Path, columns: int, rows: int) -> None:
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + header + crc + end)
 
 
+def _tagged(path: Path, name: str, value: int) -> None:
+    """64-bit floats whose file says something else of itself."""
+    tifffile.imwrite(path, np.zeros((64, 64)))
+    with tifffile.TiffFile(path) as file:
+        field = file.pages.first.tags[name].valueoffset
+    data = bytearray(path.read_bytes())
+    data[field : field + 2] = value.to_bytes(2, "little")
+    path.write_bytes(data)
+
+
 def _bands(path: Path) -> None:
     tifffile.imwrite(path, np.zeros((64, 64, 3), np.uint8), photometric="rgb")
 
@@ -505,7 +559,8 @@ def _noise(path: Path) -> None:
 
 
 BAD: dict[str, tuple[Callable[[Path], object], str]] = {
-    "missing.tif": (_nothing, "No such file"),
+    "missing.tif": (_nothing, "cannot be read: No such file"),
+    "nul\0.tif": (_nothing, "cannot be read: embedded null byte"),
     "folder.tif": (lambda path: path.mkdir(), "Is a directory"),
     "empty.tif": (lambda path: path.touch(), "is empty"),
     "text.tif": (
@@ -529,6 +584,18 @@ BAD: dict[str, tuple[Callable[[Path], object], str]] = {
     "text.npy": (lambda path: np.save(path, np.full((9, 9), "a")), "heights are numbers"),
     "color.png": (lambda path: Image.new("RGB", (50, 50)).save(path), "a colour picture"),
     "bands.tif": (_bands, "has one band"),
+    "photo-cd.png": (
+        lambda path: path.write_bytes(b"\x89PNG".ljust(2048) + b"PCD_".ljust(2048)),
+        "damaged or cut short",
+    ),
+    "lzw.tif": (
+        lambda path: _tagged(path, "Compression", tifffile.COMPRESSION.LZW),
+        "float64 values with LZW compression are not read",
+    ),
+    "5-bit.tif": (
+        lambda path: _tagged(path, "BitsPerSample", 5),
+        "None values with NONE compression are not read",
+    ),
 }
 
 
@@ -543,6 +610,16 @@ def test_bad_file_is_one_line_that_names_it(name: str, tmp_path: Path) -> None:
     assert expected in message
     assert str(path) in message
     assert "\n" not in message
+
+
+def test_what_the_decoder_finds_is_told_in_the_one_line_alone(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    logging.getLogger("tifffile").setLevel(logging.NOTSET)
+    _noise(tmp_path / "a.tif")
+    with pytest.raises(UsageError):
+        read_raster(tmp_path / "a.tif")
+    assert caplog.records == []
 
 
 def test_pickles_are_never_loaded(tmp_path: Path) -> None:
