@@ -31,11 +31,14 @@ def comparisons(result: RunResult, log: Log) -> list[Comparison]:
     truth, row = result.truth, result.last_row or {}
     threshold = result.thresholds.collision_threshold
     clearances = [value for value in log.columns.get("Obstacle Clearance", []) if math.isfinite(value)]
+    speeds = log.columns.get("Current Velocity", [])
     rough = log.columns.get("Is Rough Terrain", [])
     tipped = ", tipped over" if truth.tipped_over else ""
     return [
         _compared("Distance", "m", _number(row.get("Distance Traveled")), truth.path_length),
-        _compared("Mean speed", "m/s", _mean(log, "Current Velocity"), result.mean_speed),
+        _compared(
+            "Mean speed", "m/s", np.mean(speeds).item() if speeds else math.nan, result.mean_speed
+        ),
         Comparison(
             "Collisions",
             f"{row['Total Collisions']} scans below {threshold:g} m" if row else DASH,
@@ -97,11 +100,6 @@ def _compared(quantity: str, unit: str, metric: float, truth: float) -> Comparis
         percent = round(100.0 * ((metric - truth) / truth), 1)
         difference = f"{percent:+} %".replace("-", MINUS) if percent else "0.0 %"
     return Comparison(quantity, f"{metric:.2f} {unit}", f"{truth:.2f} {unit}", difference)
-
-
-def _mean(log: Log, column: str) -> float:
-    values = log.columns.get(column, [])
-    return float(np.mean(values)) if values else math.nan
 
 
 def _number(cell: int | float | str | None) -> float:
