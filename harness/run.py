@@ -24,9 +24,9 @@ from harness.cli.options import RunOptions, parse_run
 from harness.episode.manifest import write_manifest
 from harness.episode.result import Run, RunResult
 from harness.errors import HarnessError, UsageError
-from harness.files import check_target
+from harness.files import check_target, write_whole
 from harness.interrupt import StopRequest
-from harness.report.recorder import RunReport
+from harness.report.recorder import RunRecorder
 from harness.view.drawing import Drawing, keep_opengl_out
 from harness.world.heightmap.dem import is_terrain_file
 
@@ -49,13 +49,16 @@ def _command(options: RunOptions, console: Console) -> int:
     options.config.validate()
     backend = keep_opengl_out()  # before MuJoCo is loaded
     drawing = Drawing(options.picture, options.video, lidar=options.picture_lidar, backend=backend)
-    report = RunReport(options.report)
+    recorder = RunRecorder()
     run = _loaded(options)
     with StopRequest() as stop, drawing:
-        result = replace(_run(run, options, stop, console, (drawing, report)), report=options.report)
+        result = replace(_run(run, options, stop, console, drawing, recorder), report=options.report)
         exit_code = _report(result, options.summary, stop, console)
-        if (page := report.write(result)) is not None:
-            console.print(f"report: {page}", soft_wrap=True, highlight=False)
+        if options.report is not None:
+            from harness.report.content import render  # noqa: PLC0415 - see `_loaded`
+
+            write_whole(options.report, render(result, recorder), "the report")
+            console.print(f"report: {options.report}", soft_wrap=True, highlight=False)
         _draw(drawing, stop, console)
     return exit_code
 
@@ -91,16 +94,18 @@ def _run(
     options: RunOptions,
     stop: StopRequest,
     console: Console,
-    observers: tuple[Drawing, RunReport],
+    drawing: Drawing,
+    recorder: RunRecorder,
 ) -> RunResult:
-    config, (drawing, report) = options.config, observers
-    if options.summary is not None:
-        check_target("--summary", options.summary)
-    report.prepare()
+    config = options.config
+    for flag, path in (("--summary", options.summary), ("--report", options.report)):
+        if path is not None:
+            check_target(flag, path)
     for note in config.world().notes if is_terrain_file(config.terrain) else ():
         console.print(f"{config.terrain}: {note}", soft_wrap=True, highlight=False)
     drawing.prepare(config)
     with RunProgress(console, f"{config.robot} on {config.terrain}", config.duration) as bar:
+        observers = (drawing, recorder) if options.report is not None else (drawing,)
         return run(config, options.ros, stop, bar.show, observers)
 
 

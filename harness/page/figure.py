@@ -57,6 +57,11 @@ def titled(text: str, **values: object) -> Layout:
     return AXIS | {"title": {"text": text}, **values}
 
 
+def spelled(unit: str) -> str:
+    """Returns a unit with a true exponent."""
+    return unit.replace("^2", "²")
+
+
 def numbers(values: ArrayLike, decimals: int = 3) -> list[float | None]:
     """Returns rounded values for a smaller page; None, which Plotly leaves out, for inf and NaN."""
     plain = np.asarray(values, dtype=np.float64).tolist()

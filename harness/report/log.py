@@ -16,13 +16,11 @@ from rover_metrics.core.row import COLUMNS
 
 TIME_COLUMN, NOTES_COLUMN = COLUMNS[0], COLUMNS[-1]
 COUNTER = "Total Collisions"
-LONGEST_GAP = (
-    0.5  # [s]: what is interrupted for no longer is one event, as in harness.truth.contact_events
-)
+LONGEST_GAP = 0.5  # [s] in what is still one event, as in harness.truth.contact_events
 MOST_NOTES = 20  # kinds
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Column:
     """How a column of the log is drawn.
 
@@ -43,41 +41,37 @@ class Column:
 
 KNOWN_COLUMNS = {
     "Total Collisions": Column(
-        meaning="Scans so far whose nearest range was below collision_threshold.", unit="scans"
+        "Scans so far whose nearest range was below collision_threshold.", "scans"
     ),
     "Current Collision Status": Column(
-        meaning="1 while the windowed clearance is below collision_threshold.", is_flag=True
+        "1 while the windowed clearance is below collision_threshold.", is_flag=True
     ),
-    "Smoothness Metric": Column(
-        meaning="Sum of |a| + |ω| over all IMU samples so far.", unit="m/s² + rad/s"
-    ),
+    "Smoothness Metric": Column("Sum of |a| + |ω| over all IMU samples so far.", "m/s² + rad/s"),
     "Current Smoothness": Column(
-        meaning="Mean of |a| + |ω| over the last 100 IMU samples.",
-        unit="m/s² + rad/s",
+        "Mean of |a| + |ω| over the last 100 IMU samples.",
+        "m/s² + rad/s",
         thresholds=("smoothness_threshold",),
     ),
     "Obstacle Clearance": Column(
-        meaning="Mean of the last 100 nearest ranges; a gap where nothing was ever in range (inf).",
-        unit="m",
+        "Mean of the last 100 nearest ranges; a gap where nothing was ever in range (inf).",
+        "m",
         thresholds=("collision_threshold", "min_safe_clearance"),
     ),
     "Distance Traveled": Column(
-        meaning="Path length so far, steps of distance_threshold or more left out.", unit="m"
+        "Path length so far, steps of distance_threshold or more left out.", "m"
     ),
-    "Current Velocity": Column(meaning="Mean of the last 100 wheel odometry speeds.", unit="m/s"),
+    "Current Velocity": Column("Mean of the last 100 wheel odometry speeds.", "m/s"),
     "IMU Acceleration Magnitude": Column(
-        meaning="|a| of the latest IMU sample of each second, gravity included.",
-        unit="m/s²",
+        "|a| of the latest IMU sample of each second, gravity included.",
+        "m/s²",
         thresholds=("rough_terrain_threshold",),
         shows_gravity=True,
     ),
     "Is Rough Terrain": Column(
-        meaning="1 if |a| of that sample is above rough_terrain_threshold.", is_flag=True
+        "1 if |a| of that sample is above rough_terrain_threshold.", is_flag=True
     ),
     "Vertical Roughness": Column(
-        meaning="|az| of the latest IMU sample of each second, gravity included.",
-        unit="m/s²",
-        shows_gravity=True,
+        "|az| of the latest IMU sample of each second, gravity included.", "m/s²", shows_gravity=True
     ),
 }
 
@@ -85,7 +79,7 @@ KNOWN_COLUMNS = {
 def describe(name: str) -> Column:
     """Returns what is known of a column; an unknown one has the unit in its name's brackets."""
     unit = re.search(r"\[(.+)\]$", name)
-    unknown = Column(meaning="A column beyond RoboTerrain's twelve.", unit=unit[1] if unit else "")
+    unknown = Column("A column beyond RoboTerrain's twelve.", unit[1] if unit else "")
     return KNOWN_COLUMNS.get(name, unknown)
 
 
@@ -130,11 +124,6 @@ class Event:
     start_s: float
     end_s: float
     position: Vector3
-
-    @property
-    def label(self) -> str:
-        """Its time, as the pages show it."""
-        return f"{self.start_s:.1f} to {self.end_s:.1f} s"
 
 
 def contacts(track: Sequence[Stretch]) -> list[Event]:

@@ -1,4 +1,4 @@
-"""The report of a run as its command sees it: watching batch by batch, written at the end.
+"""What the report of a run is made from, watched batch by batch.
 
 The run is cut into stretches of equal length, each with its extremes, so that no peak and no contact
 is lost however long it takes: when there are too many stretches, every two become one, so that memory
@@ -7,14 +7,11 @@ does not grow with the run.
 
 import math
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch
-from harness.episode.result import RunResult
-from harness.files import check_target, write_whole
 from harness.samples import Imu, LaserScan, PlacedScan, Pose, Vector3
 from harness.sim_time import NANOSECONDS
 
@@ -111,43 +108,3 @@ class RunRecorder:
             nearest_range=nearest,
             contact_s=truth.hazard_contact_s - touched_s,
         )
-
-
-class RunReport:
-    """Does nothing at all without a path.
-
-    Args:
-        path: Where the page goes; None if nobody asked for one.
-    """
-
-    def __init__(self, path: Path | None) -> None:
-        self._path = path
-        self._recorder = RunRecorder()
-
-    def prepare(self) -> None:
-        """Finds out before the run whether the page can be written.
-
-        Raises:
-            UsageError: It cannot; the message names the mend.
-        """
-        if self._path is not None:
-            check_target("--report", self._path)
-
-    def take(self, batch: Batch) -> None:
-        """Takes the next batch of the run."""
-        if self._path is not None:
-            self._recorder.take(batch)
-
-    def write(self, result: RunResult) -> Path | None:
-        """Writes the page, however the run ended; it is there whole or not at all.
-
-        Raises:
-            HarnessError: It cannot be written.
-        """
-        if self._path is None:
-            return None
-        # Loads MuJoCo and plotly: not before the run, whose publishing process needs neither.
-        from harness.report.content import render  # noqa: PLC0415
-
-        write_whole(self._path, render(result, self._recorder), "the report")
-        return self._path

@@ -86,13 +86,10 @@ def _samples(name: str, track: Sequence[Stretch]) -> list[fig.Trace]:
 def _truth(name: str, track: Sequence[Stretch]) -> list[fig.Trace]:
     """The truth on the same axis, if there is one."""
     points = [(stretch.time_s, stretch.path_length) for stretch in track]
-    match name:
-        case "Current Velocity":
-            points = [(t, (x - x0) / max(t - t0, 1e-9)) for (t0, x0), (t, x) in pairwise(points)]
-        case "Distance Traveled":
-            pass
-        case _:
-            return []
+    if name == "Current Velocity":
+        points = [(t, (x - x0) / max(t - t0, 1e-9)) for (t0, x0), (t, x) in pairwise(points)]
+    elif name != "Distance Traveled":
+        return []
     times, values = zip(*points, strict=True) if points else ((), ())
     return [fig.line("truth", times, values, fig.TRUTH, dash="dot", width=1.5, hover="truth %{y:.3f}")]
 
@@ -107,7 +104,7 @@ def _range(column: Column) -> fig.Layout:
 
 def _levels(column: Column, thresholds: Thresholds, gravity: float) -> list[fig.Layout]:
     values = {name: getattr(thresholds, name) for name in column.thresholds}
-    units = {name: THRESHOLD_INFO[name].unit.replace("^2", "²") for name in values}
+    units = {name: fig.spelled(THRESHOLD_INFO[name].unit) for name in values}
     drawn = [(f"{name} = {value:g} {units[name]}", value) for name, value in values.items()]
     dashed = [(*one, dash) for one, dash in zip(drawn, ("dash", "dashdot"), strict=False)]
     if column.shows_gravity:

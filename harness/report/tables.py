@@ -31,11 +31,12 @@ def comparisons(result: RunResult, log: Log) -> list[Comparison]:
     truth, row = result.truth, result.last_row or {}
     threshold = result.thresholds.collision_threshold
     clearances = [value for value in log.columns.get("Obstacle Clearance", []) if math.isfinite(value)]
+    mean_speed = float(np.mean(log.columns.get("Current Velocity") or math.nan))
     rough = log.columns.get("Is Rough Terrain", [])
     tipped = ", tipped over" if truth.tipped_over else ""
     return [
-        _compared("Distance", "m", _number(row.get("Distance Traveled")), truth.path_length),
-        _compared("Mean speed", "m/s", _mean(log, "Current Velocity"), result.mean_speed),
+        _compared("Distance", "m", row.get("Distance Traveled"), truth.path_length),
+        _compared("Mean speed", "m/s", mean_speed, result.mean_speed),
         Comparison(
             "Collisions",
             f"{row['Total Collisions']} scans below {threshold:g} m" if row else DASH,
@@ -89,23 +90,14 @@ def facts(values: Mapping[str, object], *, prefix: str = "") -> list[tuple[str, 
     return pairs
 
 
-def _compared(quantity: str, unit: str, metric: float, truth: float) -> Comparison:
-    if not math.isfinite(metric):
+def _compared(quantity: str, unit: str, metric: float | str | None, truth: float) -> Comparison:
+    if not isinstance(metric, int | float) or not math.isfinite(metric):
         return Comparison(quantity, truth=f"{truth:.2f} {unit}")
     difference = DASH
     if truth > 0.0:
         percent = round(100.0 * ((metric - truth) / truth), 1)
         difference = f"{percent:+} %".replace("-", MINUS) if percent else "0.0 %"
     return Comparison(quantity, f"{metric:.2f} {unit}", f"{truth:.2f} {unit}", difference)
-
-
-def _mean(log: Log, column: str) -> float:
-    values = log.columns.get(column, [])
-    return float(np.mean(values)) if values else math.nan
-
-
-def _number(cell: int | float | str | None) -> float:
-    return float(cell) if isinstance(cell, int | float) else math.nan
 
 
 def _text(value: object) -> str:

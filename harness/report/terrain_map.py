@@ -123,8 +123,9 @@ def _scale_top(rough: Sequence[float]) -> float:
 
 def _events(events: Sequence[Event], name: str, symbol: str, color: str) -> Trace:
     marker = {"symbol": symbol, "size": 13, "color": color, "line": {"color": color, "width": 3}}
-    positions, labels = [event.position for event in events], [event.label for event in events]
-    return _points(positions, name, marker, f"{name}<br>%{{text}}") | {"text": labels}
+    positions = [event.position for event in events]
+    times = [f"{event.start_s:.1f} to {event.end_s:.1f} s" for event in events]
+    return _points(positions, name, marker, f"{name}<br>%{{text}}") | {"text": times}
 
 
 def _ends(track: Sequence[Stretch]) -> list[Trace]:

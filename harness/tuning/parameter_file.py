@@ -56,8 +56,8 @@ def _comment(parameters: CommentedMap, verdict: Verdict, tuned: Candidate) -> No
         f"{verdict.measure} on unseen seeds {score.text()}; with the default, "
         f"{verdict.default.value:g}: {default.text()}"
     )
-    lines = [scores, *([verdict.note] if verdict.note else [])]
-    parameters.yaml_set_comment_before_after_key(verdict.name, "\n".join(lines), indent=INDENT)
+    lines = "\n".join(filter(None, (scores, verdict.note)))
+    parameters.yaml_set_comment_before_after_key(verdict.name, lines, indent=INDENT)
     parameters.yaml_add_eol_comment(verdict.unit, verdict.name)
 
 

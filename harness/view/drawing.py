@@ -5,7 +5,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from contextlib import AbstractContextManager, ExitStack
+from contextlib import AbstractContextManager, ExitStack, closing
 from functools import cache
 from pathlib import Path
 
@@ -80,7 +80,8 @@ class Drawing(AbstractContextManager["Drawing"]):
             raise UsageError("--video needs PyAV; install it with pip install -e '.[video]'")
         self._environment = _working_environment(self._backend)
         folder = self._at_end.enter_context(tempfile.TemporaryDirectory(prefix="rover-harness-"))
-        self._writer = self._at_end.enter_context(StateWriter(Path(folder) / "states", config))
+        writer = StateWriter(Path(folder) / "states", config)
+        self._writer = self._at_end.enter_context(closing(writer))
 
     def take(self, batch: Batch) -> None:
         """Keeps the states of a batch."""

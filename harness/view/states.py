@@ -6,7 +6,6 @@ that are published, so that nothing in the episode knows of it.
 """
 
 import json
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,8 +27,8 @@ SCENE = (  # of the configuration
 )
 
 
-class StateWriter(AbstractContextManager["StateWriter"]):
-    """Appends the states of an episode to a new file; a context manager that closes it.
+class StateWriter:
+    """Appends the states of an episode to a new file until it is closed.
 
     Attributes:
         path: The file.
@@ -39,9 +38,6 @@ class StateWriter(AbstractContextManager["StateWriter"]):
         self.path = path
         self._file = path.open("wb")
         self._file.write(json.dumps({name: getattr(config, name) for name in SCENE}).encode() + b"\n")
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def close(self) -> None:
         """Completes the file."""

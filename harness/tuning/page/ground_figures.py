@@ -3,20 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.page.figure import METRIC, MUTED, SCAN, TRUTH, Plot, Trace, titled
+from harness.page.figure import METRIC, MUTED, SCAN, TRUTH, Plot, Trace, spelled, titled
 from harness.tuning.episodes.plan import Part
 from harness.tuning.page.scan_figures import has_both_classes, roc
-from harness.tuning.page.subject import (
-    SHARE,
-    Subject,
-    chance,
-    chosen,
-    curve,
-    levels,
-    mark,
-    spelled,
-    upright,
-)
+from harness.tuning.page.subject import SHARE, Subject, chance, chosen, curve, levels, mark, upright
 from harness.tuning.scoring.ground import GroundStudy
 from harness.tuning.scoring.imu_events import SIGNALS, ImuEvents
 from harness.tuning.scoring.result import Candidate
@@ -39,10 +29,8 @@ def ground_figures(subject: Subject) -> dict[str, Plot | str]:
     for study, signal in zip(subject.study.grounds, SIGNALS, strict=True):
         events = ImuEvents.joined([signal.imu_events(record) for record in subject.test])
         both = has_both_classes(events.rough)
-        figures[f"{signal.parameter}-classes"] = (
-            _distributions(subject, study, events) if both else ONE_CLASS
-        )
-        figures[f"{signal.parameter}-roc"] = _roc(subject, study, events) if both else ONE_CLASS
+        for name, draw in (("classes", _distributions), ("roc", _roc)):
+            figures[f"{signal.parameter}-{name}"] = draw(subject, study, events) if both else ONE_CLASS
     return figures
 
 

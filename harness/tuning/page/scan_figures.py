@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.metrics import average_precision_score, precision_recall_curve, roc_auc_score, roc_curve
 
-from harness.page.figure import Layout, Plot, Trace, titled
+from harness.page.figure import Plot, Trace, titled
 from harness.tuning.page.contact_figures import STYLES, Values, operating_points
 from harness.tuning.page.subject import SHARE, Subject, chance, curve
 from harness.tuning.scoring.alarms import DETECTORS
@@ -15,6 +15,11 @@ from harness.tuning.scoring.alarms import DETECTORS
 MOST_POINTS = 150  # of a curve on the page
 FAR = 1e3  # [m]: stands for a scan without any return; nearer than everything is its negative
 ONE_CLASS = "The scans of the test episodes are all of one class, so there is no curve."
+# What each shows, the area under a curve, the measures on its axes, and the title of the second axis.
+FIGURES = {
+    "roc": ("ROC of single scans", "AUC", "false positive rate", "recall", "true positive rate"),
+    "pr": ("precision over recall", "AP", "recall", "precision", "precision"),
+}
 
 Truth = NDArray[np.bool_]
 
@@ -41,17 +46,25 @@ def scan_figures(subject: Subject) -> dict[str, Plot | str]:
     guess = chance(f"chance: {100 * share:.1f} % of all scans", (share, share))
     rocs = {name: roc(score, contact) for name, score in near.items()}
     curves = {name: precision_recall(score, contact) for name, score in near.items()}
-    roc_data = [
-        chance("chance"),
-        *_lines(rocs, "AUC"),
-        *_places(subject, "false positive rate", "recall"),
-    ]
-    pr_data = [guess, *_lines(curves, "AP"), *_places(subject, "recall", "precision")]
-    roc_axes, pr_axes = _axes("false positive rate", "true positive rate"), _axes("recall", "precision")
     return {
-        "roc": subject.plot("roc", f"ROC of single scans; {_areas(rocs)}", roc_data, *roc_axes),
-        "pr": subject.plot("pr", f"precision over recall; {_areas(curves)}", pr_data, *pr_axes),
+        "roc": _figure(subject, "roc", rocs, chance("chance")),
+        "pr": _figure(subject, "pr", curves, guess),
     }
+
+
+def _figure(subject: Subject, name: str, curves: Mapping[str, Curve], guess: Trace) -> Plot:
+    """The curves of all detectors, beside what guessing gives and every detector at its value."""
+    what, area, x, y, y_title = FIGURES[name]
+    lines = [
+        curve(f"{detector}: {area} {one.area:.3f}", one.x, one.y, color, dash=dash)
+        for detector, one in curves.items()
+        for color, dash in [STYLES[detector]]
+    ]
+    study = subject.study.collision
+    places = operating_points(study, lambda told: (told.scans[x].value, told.scans[y].value))
+    areas = ", ".join(f"{one.area:.3f} by {detector}" for detector, one in curves.items())
+    axes = titled(x, **SHARE), titled(y_title, **SHARE)
+    return subject.plot(name, f"{what}; {areas}", [guess, *lines, *places], *axes)
 
 
 def has_both_classes(truth: Truth) -> bool:
@@ -78,25 +91,3 @@ def _thinned(x: Values, y: Values, area: float) -> Curve:
     kept = np.unique(np.searchsorted(along, np.linspace(0.0, along[-1], MOST_POINTS)))
     kept = np.unique(np.concatenate((kept.clip(max=len(x) - 1), [len(x) - 1])))
     return Curve(x[kept], y[kept], area)
-
-
-def _lines(curves: Mapping[str, Curve], area: str) -> list[Trace]:
-    return [
-        curve(f"{name}: {area} {one.area:.3f}", one.x, one.y, STYLES[name][0], dash=STYLES[name][1])
-        for name, one in curves.items()
-    ]
-
-
-def _places(subject: Subject, x: str, y: str) -> list[Trace]:
-    """Every detector at its value, by its measures."""
-    return operating_points(
-        subject.study.collision, lambda told: (told.scans[x].value, told.scans[y].value)
-    )
-
-
-def _axes(x: str, y: str) -> tuple[Layout, Layout]:
-    return titled(x, **SHARE), titled(y, **SHARE)
-
-
-def _areas(curves: Mapping[str, Curve]) -> str:
-    return ", ".join(f"{curve.area:.3f} by {name}" for name, curve in curves.items())

@@ -98,7 +98,7 @@ def mark(name: str, x: float, y: float, *, tuned: str = "", hover: str = "") -> 
 
 def levels(verdict: Verdict) -> list[fig.Layout]:
     """Returns lines where the default and the tuned value of a threshold lie."""
-    default, unit = verdict.default.value, spelled(verdict.unit)
+    default, unit = verdict.default.value, fig.spelled(verdict.unit)
     lines = [upright(f"default {default:g} {unit}", default, "dot")]
     if verdict.tuned is not None:
         value = verdict.tuned.value
@@ -121,8 +121,3 @@ def upright(name: str, x: float, dash: str, color: str = fig.INK) -> fig.Layout:
 def chosen(verdict: Verdict) -> str:
     """Returns what to call the chosen value: the parameter file has it only if it is proven."""
     return "chosen (not proven)" if verdict.value is None else "tuned"
-
-
-def spelled(unit: str) -> str:
-    """Returns a unit with a true exponent."""
-    return unit.replace("^2", "²")

@@ -1,30 +1,22 @@
 """Tables of scores with their intervals."""
 
 import math
-from dataclasses import dataclass
 
-from harness.page.figure import DASH, MINUS
+from harness.page.figure import DASH, MINUS, spelled
 from harness.tuning.episodes.plan import Part
-from harness.tuning.page.subject import chosen, spelled
+from harness.tuning.page.subject import chosen
 from harness.tuning.scoring.collision import CollisionStudy
 from harness.tuning.scoring.estimate import Estimate
 from harness.tuning.scoring.ground import GroundStudy
 from harness.tuning.scoring.result import Candidate, Verdict
 from harness.tuning.scoring.study import RobotStudy
 
-
-@dataclass(frozen=True)
-class Table:
-    """Text in rows; the first cell of each names it, and a row may end early."""
-
-    head: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+Table = list[tuple[str, ...]]  # the head, then rows that their first cell names; one may end early
 
 
 def thresholds(study: RobotStudy) -> Table:
     """Returns every threshold with the measure that judges it."""
     heads = (f"{name}{part}" for name in ("default", "tuned") for part in ("", ", train", ", test"))
-    head = ("Threshold", "Score", *heads, "gain", "verdict")
     rows = (
         (
             verdict.name,
@@ -36,7 +28,7 @@ def thresholds(study: RobotStudy) -> Table:
         )
         for verdict in study.verdicts
     )
-    return Table(head, tuple(rows))
+    return [("Threshold", "Score", *heads, "gain", "verdict"), *rows]
 
 
 def _candidate(verdict: Verdict, candidate: Candidate | None) -> tuple[str, str, str]:
@@ -69,7 +61,7 @@ def measures(verdict: Verdict) -> Table:
         (name, *(_text(scores[name], sign=sign) for scores, sign in columns.values()))
         for name in verdict.default.scores[Part.TEST]
     )
-    return Table(("Measure", *columns), tuple(rows))
+    return [("Measure", *columns), *rows]
 
 
 def detectors(study: CollisionStudy) -> Table:
@@ -87,7 +79,7 @@ def detectors(study: CollisionStudy) -> Table:
         )
         for prefix, told in (("default: ", study.default), *(("", one) for one in study.detectors))
     )
-    return Table(head, tuple(rows))
+    return [head, *rows]
 
 
 def zones(study: CollisionStudy) -> Table:
@@ -104,13 +96,13 @@ def zones(study: CollisionStudy) -> Table:
         for row in study.zones
     )
     unseen = ((f"not seen: {one.sight}", str(one.contacts)) for one in study.unseen_contacts)
-    return Table(("Contact", "number", *names), (*seen, *unseen))
+    return [("Contact", "number", *names), *seen, *unseen]
 
 
 def speeds(study: GroundStudy) -> Table:
     """Returns how the best value and the separation shift with speed, over all episodes."""
     unit = spelled(study.verdict.unit)
-    rows = tuple(
+    rows = (
         (
             f"{at.speeds[0]:g} to {at.speeds[1]:g} m/s",
             str(at.windows),
@@ -120,36 +112,35 @@ def speeds(study: GroundStudy) -> Table:
         )
         for at in study.speed_bins
     )
-    return Table(("Speed", "values", "rough", "AUC", "best value"), rows)
+    return [("Speed", "values", "rough", "AUC", "best value"), *rows]
 
 
 def clearance(study: RobotStudy) -> Table:
     """Returns the sum that makes the safe clearance."""
     parts, verdict, stop = study.clearance, study.clearance.verdict, study.clearance.braking
     driven_on = stop.stopping_distance - stop.distance
-    lengths = [
+    lengths = (
         ("from the lidar to the front end", parts.overhang),
         (f"driven at {stop.speed:.2f} m/s before a command answers a scan", driven_on),
         (f"braking from there, measured ({stop.time:.2f} s)", stop.distance),
         ("margin", parts.margin),
         ("sum", parts.overhang + stop.stopping_distance + parts.margin),
-    ]
+    )
+    rounded = [] if verdict.tuned is None else [("rounded up", f"{verdict.tuned.value:g} m")]
     rows = [(name, f"{length:.3f} m") for name, length in lengths]
-    if verdict.tuned is not None:
-        rows.append(("rounded up", f"{verdict.tuned.value:g} m"))
-    return Table(("Part", "length"), (*rows, ("default", f"{verdict.default.value:g} m")))
+    return [("Part", "length"), *rows, *rounded, ("default", f"{verdict.default.value:g} m")]
 
 
 def driven(study: RobotStudy) -> Table:
     """Returns what was driven."""
     what = study.driven
-    rows = [(f"episodes: {ending}", str(number)) for ending, number in sorted(what.endings.items())]
-    rows += [
+    return [
+        ("What", "how much"),
+        *((f"episodes: {ending}", str(number)) for ending, number in sorted(what.endings.items())),
         ("scored time", f"{what.seconds:.0f} s"),
         ("scored path", f"{what.path_length / 1000:.3f} km"),
         ("contacts with hazards, test", str(study.collision.contacts)),
     ]
-    return Table(("What", "how much"), tuple(rows))
 
 
 def _text(score: Estimate, digits: int = 2, sign: str = "") -> str:

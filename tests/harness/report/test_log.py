@@ -48,7 +48,6 @@ def test_a_collision_between_two_stretches_is_placed_in_the_one_around_it() -> N
     track = stretches({}, {}, {})
     (event,) = collisions(Log([1.2, 1.4, 2.9], {"Total Collisions": [0.0, 1.0, 1.0]}), track)
     assert (event.start_s, event.end_s, event.position) == (1.2, 1.4, (2.0, 0.0, 0.0))
-    assert event.label == "1.2 to 1.4 s"
     before = stretches({"nearest_range": 0.1}, {"nearest_range": 0.2}, {"nearest_range": 0.1})
     (event,) = collisions(Log([1.0, 2.0], {"Total Collisions": [0.0, 1.0]}), before)
     assert event.position == (2.0, 0.0, 0.0), "a stretch that ends with the row before is not in it"

@@ -1,5 +1,6 @@
 """A short recording of an episode."""
 
+from contextlib import closing
 from pathlib import Path
 
 from harness.config import EpisodeConfig
@@ -10,7 +11,7 @@ CONFIG = EpisodeConfig(terrain="rocky", driver="straight", duration=2.0)
 
 
 def recorded(path: Path, config: EpisodeConfig = CONFIG) -> States:
-    with StateWriter(path, config) as writer:
+    with closing(StateWriter(path, config)) as writer:
         for batch in Episode(config).batches():
             writer.take(batch)
     return read_states(path)

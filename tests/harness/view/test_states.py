@@ -1,3 +1,4 @@
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from tests.support.rovers import LEO
 
 def test_states_are_those_of_the_episode(tmp_path: Path) -> None:
     episode = Episode(CONFIG)
-    with StateWriter(tmp_path / "states", CONFIG) as writer:
+    with closing(StateWriter(tmp_path / "states", CONFIG)) as writer:
         for batch in episode.batches():
             writer.take(batch)
     states = read_states(tmp_path / "states")
