@@ -148,7 +148,10 @@ def run_parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     _add_episode(parser.add_argument_group("episode"), EpisodeConfig())
-    _add_sensors(parser.add_argument_group("sensors"), EpisodeConfig())
+    sensors = parser.add_argument_group("sensors")
+    about = f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_PRESET} if not named"
+    sensors.add_argument("--noise", nargs="?", const=DEFAULT_PRESET, metavar="NAME", help=about)
+    _add(sensors, SENSORS, EpisodeConfig())
     about = f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable"
     faults = parser.add_argument_group("faults", describe_faults())
     faults.add_argument("--fault", action="append", default=[], metavar="SPEC", help=about)
@@ -175,12 +178,6 @@ def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
     about = "relief, lowest to highest point, of a heightmap that does not say"
     world.add_argument("--terrain-height", type=float, metavar="M", help=about)
     _add(world, EPISODE, defaults)
-
-
-def _add_sensors(sensors: Group, defaults: EpisodeConfig) -> None:
-    about = f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_PRESET} if not named"
-    sensors.add_argument("--noise", nargs="?", const=DEFAULT_PRESET, metavar="NAME", help=about)
-    _add(sensors, SENSORS, defaults)
 
 
 def _add_run(run: Group) -> None:

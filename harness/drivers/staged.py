@@ -138,8 +138,7 @@ class StagedEncounter(ABC):
     def _visits(self) -> Iterator[Twist]:
         last: Obstacle | None = None
         while self._hazards:
-            hazard = self._next_hazard(last)
-            last = hazard
+            hazard = last = self._next_hazard(last)
             x, y, _ = hazard.position
             here = self.here
             meeting = self.plan(hazard, math.atan2(y - here[1], x - here[0]))

@@ -19,7 +19,6 @@ from geometry_msgs.msg import Twist
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 
 from harness import samples
@@ -28,6 +27,8 @@ from harness.robots import RoverSpec
 from harness.ros import messages
 from harness.sensors import table
 from harness.sensors.lidar_spec import LidarSpec
+from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE
+from rover_metrics.ros.subscriptions import keep_last
 
 CLOCK = table.Topic("/clock", "rosgraph_msgs/msg/Clock")
 SECOND_PUBLISHER = (
@@ -108,11 +109,11 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.
         self.clock_channel = self._channel(CLOCK, messages.by_names(Clock(), samples.Tick))
         self._on_command = on_command
-        self._commands = self.create_subscription(Twist, "cmd_vel", self._receive, _qos())
+        self._commands = self.create_subscription(Twist, "cmd_vel", self._receive, keep_last(10))
 
     def _channel(self, topic: table.Topic, fill: messages.Fill) -> Channel:
-        kind, qos = messages.message_class(topic), _qos(best_effort=topic.best_effort)
-        publisher = self.create_publisher(kind, topic.name, qos)
+        qos = keep_last(10, BEST_EFFORT if topic.best_effort else RELIABLE)
+        publisher = self.create_publisher(messages.message_class(topic), topic.name, qos)
         return Channel(publisher, fill, publisher.topic_name)
 
     @property
@@ -178,12 +179,3 @@ def _bursts(sent: Iterable[samples.Sample]) -> list[list[samples.Sample]]:
         bursts[before[type(sample)]].append(sample)
         before[type(sample)] += 1
     return bursts
-
-
-def _qos(*, best_effort: bool = False) -> QoSProfile:
-    return QoSProfile(
-        reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.VOLATILE,
-        history=HistoryPolicy.KEEP_LAST,
-        depth=10,
-    )

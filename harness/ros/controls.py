@@ -7,7 +7,6 @@ ask for happens between two ticks (pause) or with a batch to come (reset).
 import time
 from collections.abc import Callable
 
-from rclpy.executors import Executor
 from std_srvs.srv import SetBool, Trigger
 
 from harness.interrupt import StopRequest
@@ -20,8 +19,7 @@ class Controls:
     """Offers both services.
 
     Args:
-        bridge: The node.
-        executor: Spins it.
+        bridge: The node; it has an executor.
         reset: Puts the rover back; gives the simulation time [ns] at which that happens, or None if
             the episode ends before.
 
@@ -29,8 +27,8 @@ class Controls:
         held_s: Wall time for which the run was paused [s].
     """
 
-    def __init__(self, bridge: Bridge, executor: Executor, reset: Callable[[], int | None]) -> None:
-        self._bridge, self._executor, self._reset = bridge, executor, reset
+    def __init__(self, bridge: Bridge, reset: Callable[[], int | None]) -> None:
+        self._bridge, self._reset = bridge, reset
         self._paused = False
         self.held_s = 0.0
         bridge.create_service(Trigger, "~/reset", self._answer_reset)
@@ -45,7 +43,7 @@ class Controls:
             return 0.0
         began = time.monotonic()
         while self._paused and stop.signal is None:
-            self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+            self._bridge.executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         held = time.monotonic() - began
         self.held_s += held
         return held

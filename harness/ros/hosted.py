@@ -4,16 +4,15 @@ import time
 from pathlib import Path
 
 from rclpy.context import Context
-from rclpy.executors import Executor
 from rclpy.parameter import Parameter
 
 from harness.errors import RunFailed, UsageError
 from harness.ros.bridge import SECOND_PUBLISHER, Bridge
 from harness.ros.context import SPIN_TIMEOUT, spin_until, timer_is_due
+from harness.ros.remote import DISCOVERY_PATIENCE
 from rover_metrics.errors import RoverMetricsError
 from rover_metrics.metrics_node import MetricsNode
 
-MATCH_PATIENCE = 15.0  # [s] for DDS to match the topics of this process
 PATIENCE = 10.0  # [s] of wall time without any progress before messages are given up
 
 
@@ -36,16 +35,15 @@ class HostedMetrics:
 
     Args:
         bridge: Publishes to it.
-        executor: Spins both.
-        node: The node.
+        node: The node; one executor spins both.
 
     Attributes:
         topics: Those that the node listens to and the bridge publishes; /clock is not among them.
         lost: Messages given up, by topic: not handled although nothing else happened for PATIENCE.
     """
 
-    def __init__(self, bridge: Bridge, executor: Executor, node: MetricsNode) -> None:
-        self._executor, self.node = executor, node
+    def __init__(self, bridge: Bridge, node: MetricsNode) -> None:
+        self._executor, self.node = bridge.executor, node
         self._clock = node.get_clock()
         self._channels = [channel for channel in bridge.channels if channel.topic in node.received]
         self._clock_channel = bridge.clock_channel
@@ -65,9 +63,9 @@ class HostedMetrics:
             channels = (*self._channels, self._clock_channel)
             return [c.topic for c in channels if not c.publisher.get_subscription_count()]
 
-        if not spin_until(self._executor, lambda: not alone(), MATCH_PATIENCE):
+        if not spin_until(self._executor, lambda: not alone(), DISCOVERY_PATIENCE):
             raise UsageError(
-                f"DDS did not connect {', '.join(alone())} within {MATCH_PATIENCE:.0f} s; "
+                f"DDS did not connect {', '.join(alone())} within {DISCOVERY_PATIENCE:.0f} s; "
                 "is ROS_AUTOMATIC_DISCOVERY_RANGE=OFF set, or a firewall on the loopback device?"
             )
 

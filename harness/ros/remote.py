@@ -7,7 +7,6 @@ in that order: a node that answers has therefore matched every topic, best-effor
 
 import json
 
-from rclpy.executors import Executor
 from rclpy.parameter_client import AsyncParameterClient
 from std_srvs.srv import Trigger
 
@@ -15,7 +14,7 @@ from harness.errors import RunFailed, UsageError
 from harness.ros.bridge import Bridge
 from harness.ros.context import spin_until
 
-DISCOVERY_PATIENCE = 15.0  # [s] for the node to be found
+DISCOVERY_PATIENCE = 15.0  # [s] for a node to be found, or for DDS to match topics
 ANSWER_PATIENCE = 30.0  # [s] for one answer; a debugger or a loaded machine may be slow
 
 
@@ -26,16 +25,16 @@ class RemoteNode:
         UsageError: There is no such node, or it runs on wall time.
     """
 
-    def __init__(self, name: str, bridge: Bridge, executor: Executor) -> None:
+    def __init__(self, name: str, bridge: Bridge) -> None:
         self.name = name if name.startswith("/") else f"{bridge.get_namespace().rstrip('/')}/{name}"
-        self._bridge, self._executor = bridge, executor
+        self._bridge, self._executor = bridge, bridge.executor
         self._parameters = AsyncParameterClient(bridge, self.name)
         self._counts = bridge.create_client(Trigger, f"{self.name}/received")
-        if not spin_until(executor, self._parameters.services_are_ready, DISCOVERY_PATIENCE):
+        if not spin_until(self._executor, self._parameters.services_are_ready, DISCOVERY_PATIENCE):
             raise UsageError(self._not_found())
         if not self._ask_sim_time():
             raise UsageError(f"{self.name} runs on wall time; start it with -p use_sim_time:=true")
-        spin_until(executor, self._topics_match, DISCOVERY_PATIENCE)
+        spin_until(self._executor, self._topics_match, DISCOVERY_PATIENCE)
         self._received_before = self._ask_received()
 
     def wait_for_samples(self) -> None:

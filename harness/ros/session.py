@@ -6,7 +6,6 @@ from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 
-from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 
 from harness.config import EpisodeConfig, RosOptions
@@ -50,8 +49,7 @@ def run_through_ros(
     with ExitStack() as at_end:
         recorder = at_end.enter_context(Recorder(options.record)) if options.record else None
         source = at_end.enter_context(EpisodeProcess(config))
-        context = at_end.enter_context(ros_context(options.ros_args))
-        run = _Run(config, options, context, source, at_end)
+        run = _Run(config, options, source, at_end)
         if recorder is not None:
             recorder.tap(run.bridge)
         return run.drive(stop, show, observers, started)
@@ -61,30 +59,26 @@ class _Run:
     """The nodes of one run and its loop."""
 
     def __init__(
-        self,
-        config: EpisodeConfig,
-        options: RosOptions,
-        context: Context,
-        source: EpisodeProcess,
-        at_end: ExitStack,
+        self, config: EpisodeConfig, options: RosOptions, source: EpisodeProcess, at_end: ExitStack
     ) -> None:
-        self._config, self._options, self._source, self._context = config, options, source, context
+        self._config, self._options, self._source = config, options, source
+        self._context = context = at_end.enter_context(ros_context(options.ros_args))
         rover, lidar = find_rover(config.robot), LidarSpec(beams=config.lidar_beams)
         self.bridge = Bridge(rover, lidar, context=context, on_command=source.command)
         at_end.callback(self.bridge.destroy_node)
         self._faults = FaultInjector(parse_faults(config.faults), config.seed)
-        self._executor = make_executor(context, time_jumps=self._faults.disturbs_time)
-        at_end.callback(self._executor.shutdown)
+        executor = make_executor(context, time_jumps=self._faults.disturbs_time)
+        self._executor = at_end.enter_context(executor)
         self._executor.add_node(self.bridge)
-        self._controls = Controls(self.bridge, self._executor, source.reset)
+        self._controls = Controls(self.bridge, source.reset)
         self._hosted: HostedMetrics | None = None
         if options.host_metrics:
             node = metrics_node(context, options.log_dir)
             at_end.callback(node.destroy_node)
             self._executor.add_node(node)
-            self._hosted = HostedMetrics(self.bridge, self._executor, node)
+            self._hosted = HostedMetrics(self.bridge, node)
             self._hosted.await_match()
-        self._remotes = [RemoteNode(name, self.bridge, self._executor) for name in options.wait_for]
+        self._remotes = [RemoteNode(name, self.bridge) for name in options.wait_for]
 
     def drive(
         self,
@@ -99,7 +93,11 @@ class _Run:
         self.bridge.refuse_other_publishers(self._hosted.topics if self._hosted else ())
         account = RunAccount(
             RunResult(config=self._config, mode=self._mode(), info=info),
-            *(started, show, self._topics, self._rows, lambda: self._controls.held_s),
+            started,
+            show,
+            topics=lambda: {topic: TopicCount(n) for topic, n in self.bridge.published().items()},
+            rows=lambda: 0 if self._hosted is None else self._hosted.node.rows,
+            paused_s=lambda: self._controls.held_s,
         )
         failure, interrupted = None, None
         try:
@@ -129,12 +127,6 @@ class _Run:
         hosted = "hosted metrics_node" if self._hosted else "no metrics_node"
         waited = f", lock-step with {', '.join(self._options.wait_for)}" if self._remotes else ""
         return f"ROS 2, {hosted}{waited}"
-
-    def _topics(self) -> dict[str, TopicCount]:
-        return {topic: TopicCount(published=n) for topic, n in self.bridge.published().items()}
-
-    def _rows(self) -> int:
-        return 0 if self._hosted is None else self._hosted.node.rows
 
     def _counted(self, result: RunResult) -> RunResult:
         topics = result.topics

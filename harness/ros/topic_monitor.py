@@ -5,7 +5,7 @@ import re
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -125,10 +125,7 @@ def topic_monitor(namespace: str) -> Iterator[tuple[TopicMonitor, Executor]]:
     Raises:
         UsageError: ROS 2 refuses the environment.
     """
-    with ExitStack() as at_end:
-        context = at_end.enter_context(ros_context([]))
-        executor = make_executor(context)
-        at_end.callback(executor.shutdown)
+    with ros_context([]) as context, make_executor(context) as executor:
         node = rclpy.create_node(f"topics_{os.getpid()}", context=context, enable_rosout=False)
         executor.add_node(node)
         yield TopicMonitor(node, namespace), executor

@@ -5,12 +5,9 @@ import subprocess
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
-from rclpy.executors import Executor
-
-from harness.errors import RunFailed
 from harness.ros.bridge import Bridge
-from harness.ros.context import SPIN_TIMEOUT, spin_until, timer_is_due
-from harness.ros.remote import DISCOVERY_PATIENCE, RemoteNode
+from harness.ros.context import SPIN_TIMEOUT, timer_is_due
+from harness.ros.remote import RemoteNode
 
 EXIT_PATIENCE = 5.0  # [s] for a node to leave after SIGINT before it is killed
 
@@ -26,15 +23,14 @@ class Subject(RemoteNode):
     Args:
         name: Its fully qualified name.
         bridge: What publishes to it.
-        executor: Spins the bridge, and the node if it is hosted.
-        node: The rclpy node if it is hosted.
+        node: The rclpy node if it is hosted; the bridge's executor spins it too.
 
     Raises:
         UsageError: There is no such node, or it runs on wall time.
     """
 
-    def __init__(self, name: str, bridge: Bridge, executor: Executor, node: Any = None) -> None:  # noqa: ANN401
-        super().__init__(name, bridge, executor)
+    def __init__(self, name: str, bridge: Bridge, node: Any = None) -> None:  # noqa: ANN401
+        super().__init__(name, bridge)
         self.node = node
 
     def wait_for_clock(self, stamp_ns: int) -> None:
@@ -43,30 +39,6 @@ class Subject(RemoteNode):
         while self.node is not None and timer_is_due(self.node):
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         super().wait_for_clock(stamp_ns)
-
-
-def await_node(
-    process: "subprocess.Popen[bytes]", name: str, bridge: Bridge, executor: Executor
-) -> None:
-    """Waits until a started node is there.
-
-    Args:
-        process: What runs it.
-        name: Its fully qualified name.
-        bridge: Sees the graph.
-        executor: Spins the bridge.
-
-    Raises:
-        RunFailed: Its process has ended instead.
-    """
-
-    def is_there() -> bool:
-        nodes = bridge.get_node_names_and_namespaces()
-        return process.poll() is not None or name in {f"{space.rstrip('/')}/{n}" for n, space in nodes}
-
-    spin_until(executor, is_there, DISCOVERY_PATIENCE)
-    if process.poll() is not None:
-        raise RunFailed(f"the process of {name} ended at its start with exit code {process.returncode}")
 
 
 def stop(process: "subprocess.Popen[bytes]") -> None:

@@ -8,35 +8,32 @@ from typing import Any, Self, TypeVar
 
 import rclpy
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
 from harness.config import EpisodeConfig
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.loop import drive as drive_loop
-from harness.errors import UsageError
+from harness.errors import RunFailed, UsageError
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.context import make_executor, spin_until
 from harness.ros.network import reserved_domain, stay_local
+from harness.ros.remote import DISCOVERY_PATIENCE
 from harness.samples import GroundTruth, Tick, Twist
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS, TICK_NS
-from harness.testing.subject import Heard, Message, Subject, await_node, stop
+from harness.testing.subject import Heard, Message, Subject, stop
 from harness.truth.traversal import Truth
+from rover_metrics.ros.parameters import BEST_EFFORT
+from rover_metrics.ros.subscriptions import keep_last
 
 ON_SIMULATED_TIME = ("--ros-args", "-p", "use_sim_time:=true")
-MATCH_PATIENCE = 15.0  # [s] for DDS to match a topic
 # Hears reliable publishers and best-effort ones; in lock-step nothing is lost.
-ANYTHING = QoSProfile(
-    reliability=ReliabilityPolicy.BEST_EFFORT,
-    durability=DurabilityPolicy.VOLATILE,
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1000,
-)
+ANYTHING = keep_last(1000, BEST_EFFORT)
 
 Node = TypeVar("Node")
 
@@ -84,19 +81,16 @@ class Trial:
         self._episode = Episode(self.config)
         injector = FaultInjector(parse_faults(self.config.faults), self.config.seed)
         self._ticks = drive_loop(self._batches(), injector, self._take)
-        rclpy.init(
-            args=list(ON_SIMULATED_TIME),
-            domain_id=self.domain,
-            signal_handler_options=SignalHandlerOptions.NO,
-        )
+        no_handlers, args = SignalHandlerOptions.NO, list(ON_SIMULATED_TIME)
+        rclpy.init(args=args, domain_id=self.domain, signal_handler_options=no_handlers)
         at_end.callback(rclpy.try_shutdown)
         lidar = LidarSpec(beams=self.config.lidar_beams)
         self._bridge = Bridge(find_rover(self.config.robot), lidar, on_command=self._episode.command)
         at_end.callback(self._bridge.destroy_node)
         self._bridge.set_parameters([Parameter("use_sim_time", value=False)])  # it makes the time
         context = rclpy.get_default_context()
-        self._executor = make_executor(context, time_jumps=injector.disturbs_time)
-        at_end.callback(self._executor.shutdown)
+        executor = make_executor(context, time_jumps=injector.disturbs_time)
+        self._executor = at_end.enter_context(executor)
         self._executor.add_node(self._bridge)
 
     @property
@@ -130,7 +124,16 @@ class Trial:
         environment = {**os.environ, "ROS_DOMAIN_ID": str(self.domain)}
         process = subprocess.Popen(list(command), env=environment)
         self._at_end.callback(stop, process)
-        await_node(process, node, self._bridge, self._executor)
+
+        def is_there() -> bool:
+            nodes = self._bridge.get_node_names_and_namespaces()
+            names = {f"{space.rstrip('/')}/{name}" for name, space in nodes}
+            return process.poll() is not None or node in names
+
+        spin_until(self._executor, is_there, DISCOVERY_PATIENCE)
+        if process.poll() is not None:
+            code = process.returncode
+            raise RunFailed(f"the process of {node} ended at its start with exit code {code}")
         self._keep_in_step(node)
 
     def collect(
@@ -150,9 +153,7 @@ class Trial:
             heard.times.append(self.time)
 
         self._bridge.create_subscription(message_type, topic, take, qos)
-        self._subjects = [
-            Subject(known.name, self._bridge, self._executor, known.node) for known in self._subjects
-        ]
+        self._subjects = [Subject(known.name, self._bridge, known.node) for known in self._subjects]
         self._connect()
         return heard
 
@@ -215,7 +216,7 @@ class Trial:
             yield batch
 
     def _keep_in_step(self, name: str, node: object = None) -> None:
-        self._subjects.append(Subject(name, self._bridge, self._executor, node))
+        self._subjects.append(Subject(name, self._bridge, node))
         self._connect()
 
     def _connect(self) -> None:
@@ -226,4 +227,4 @@ class Trial:
             heard = bridge.subscriptions
             return all(s.get_publisher_count() >= bridge.count_publishers(s.topic_name) for s in heard)
 
-        spin_until(self._executor, match, MATCH_PATIENCE)
+        spin_until(self._executor, match, DISCOVERY_PATIENCE)

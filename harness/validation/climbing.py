@@ -1,16 +1,21 @@
-"""Climbing: the highest kerb, head-on and with one side, and the steepest ramp."""
+"""Uneven ground: the room below the rover, its rockers' travel, the highest kerb, the steepest ramp."""
 
 import math
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
 from harness.robots import RoverSpec
-from harness.validation.check import Check, Span, expected_of
-from harness.validation.grounds import block, floor, ramp
+from harness.validation.check import Check, Passage, Span, around, at_most, expected_of
+from harness.validation.grounds import block, floor, ramp, saddle
 from harness.validation.rig import Rig, largest_passing
 from harness.validation.stability import WHEEL_FRICTION, Balance, balance, steepest_stand
 
+TWIST, OVERTWIST = 0.15, 0.40  # [rad] between rocker and body that a saddle asks for
+ROCKING = 1.5  # [s]
+POST_AT, POST_SPEED, POST_LIMIT = 0.6, 0.3, 4.5  # [m], [m/s], [s]
+SCATTER = 0.015  # [m] around the stated clearance that is searched
 KERB_AT, KERB_HALF = 0.5, 1.0  # [m] ahead of the origin; half its length and width
 KERB_SPEED, KERB_LIMIT = 0.3, 7.0  # [m/s], [s]
 KERBS, KERB_STEP = (0.03, 0.14), 0.005  # [m]
@@ -18,6 +23,49 @@ FINE_STEP = 1e-3  # [m] of the limit by statics
 RAMP_SPEED, RAMP_LIMIT = 0.4, 12.0  # [m/s], [s]
 RAMP_TOP = 2.6  # [m] ahead: more than a metre at the full incline
 RAMPS = (20, 50)  # [deg]
+
+
+def passage_checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    """The highest rock that passes below each place of the rover that has been measured."""
+    for passage in expected_of(rover).passages:
+        stated, passes = passage.height, partial(_passes, rover, seed, passage)
+        highest = largest_passing(passes, stated - SCATTER, stated + SCATTER, 0.001)
+        source = f"{passage.source}; D: up to 5 mm of sink, heave"
+        span = Span(stated - 0.005, stated + 0.001, source)
+        yield Check(f"highest rock that passes below the {passage.name}", "m", span, highest)
+
+
+def _passes(rover: RoverSpec, seed: int, passage: Passage, height: float) -> bool:
+    post = block("cylinder", (passage.radius, height / 2), x=POST_AT, y=passage.aside)
+    rig = Rig(rover, floor(seed, post))
+    rig.command(POST_SPEED)
+    return not rig.run_until(lambda: rig.touches_block, POST_LIMIT)
+
+
+def rocker_checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    """The rockers' travel, of a rover that has some."""
+    if not rover.passive_joints:
+        return
+    turned = _twisted(rover, seed, TWIST)
+    follows = around(TWIST, 0.012, "D: the saddle's twist, all wheels on the ground")
+    yield Check(f"rocker angle on a saddle of {TWIST:g} rad", "rad", follows, turned)
+    limited = _twisted(rover, seed, OVERTWIST)
+    stop = expected_of(rover).rocker_stop
+    yield Check("rocker angle at its stops", "rad", stop, limited)
+    rig = Rig(rover, floor(seed, block("box", (0.05, 0.5, 0.025), x=0.5, y=0.52)))
+    uneven: list[float] = []
+    rig.observers.append(lambda: uneven.append(abs(rig.joint_angles(rover.passive_joints).sum())))
+    rig.command(0.4)
+    rig.run(3.0)
+    mirrored = at_most(5e-4, "facts: a stiff differential")
+    yield Check("largest |q_L + q_R| over a 5 cm bar", "rad", mirrored, max(uneven), digits=5)
+
+
+def _twisted(rover: RoverSpec, seed: int, angle: float) -> float:
+    """The largest angle of a rocker on a saddle that asks for that [rad]."""
+    rig = Rig(rover, saddle(seed, 2 * math.tan(angle) / rover.track))
+    rig.run(ROCKING)
+    return float(np.abs(rig.joint_angles(rover.passive_joints)).max())
 
 
 def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:

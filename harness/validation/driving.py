@@ -1,4 +1,4 @@
-"""Driving on a level floor: speed, stopping distance, yaw ratio, calm while turning."""
+"""On a level floor: the IMU at rest, speed, stopping distance, yaw ratio, calm while turning."""
 
 import math
 from collections.abc import Iterator
@@ -7,13 +7,29 @@ import numpy as np
 
 from harness.robots import RoverSpec
 from harness.sensors.base import HIGHEST_RATE
-from harness.validation.check import Check, Span, at_most, expected_of
+from harness.validation.check import Check, Span, around, at_most, expected_of
 from harness.validation.grounds import floor
 from harness.validation.rig import TICK, Rig
 
 CRUISE, TOP = 0.5, 1.0  # [m/s] commanded
 ACCELERATING, MEASURING, TURNING = 0.8, 1.0, 4.0  # [s]
+IMU_RATE = 20  # [Hz]
+REST_BEFORE, REST = 1.0, 2.0  # [s]
 YAW_RATE, ARC_SPEED = 1.0, 0.3  # [rad/s], [m/s] commanded
+
+
+def rest_checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    """The IMU at rest."""
+    rig = Rig(rover, floor(seed))
+    rig.run(REST_BEFORE)
+    readings = rig.imu_readings(IMU_RATE, REST)
+    force = np.linalg.norm([reading.linear_acceleration for reading in readings], axis=1)
+    rate = np.linalg.norm([reading.angular_velocity for reading in readings], axis=1)
+    gravity = around(rover.gravity, 0.005, "S: gravity of RoboTerrain's worlds, noise off")
+    yield Check("IMU at rest, |a|", "m/s2", gravity, float(force.mean()), digits=4)
+    still = at_most(1e-3, "S: no noise in RoboTerrain's sensors")
+    yield Check("IMU at rest, sd of |a|", "m/s2", still, float(force.std()), digits=4)
+    yield Check("IMU at rest, largest |w|", "rad/s", still, float(rate.max()), digits=4)
 
 
 def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:

@@ -6,7 +6,7 @@ than the rover, so odometry believes the turns to be 1 / yaw ratio too wide.
 
 import cmath
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from harness.robots import RoverSpec
 from harness.sensors.base import period_ticks
@@ -35,8 +35,7 @@ class Journey:
         self._odometry = WheelOdometry(rig.simulation, self._period_ticks)
         self._start = self._last = rig.stance
         self._ticks = 0
-        self.told_path = self.true_path = self.told_yaw = 0.0
-        self.true_yaw = 0.0
+        self.told_path = self.true_path = self.told_yaw = self.true_yaw = 0.0
         self.told_place = self.true_place = 0j
 
     def observe(self) -> None:
@@ -76,27 +75,18 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
 def _drive_square(rig: Rig) -> Journey:
     journey = Journey(rig)
     rig.observers.append(journey.observe)
+    braking = YAW_RATE / (2 * rig.rover.angular_acceleration)  # [s] of the yaw rate's mean
     for corner in range(1, 5):
-        _side(rig, journey, journey.true_path + SIDE)
-        _corner(rig, journey, corner * CORNER)
+        _drive(rig, SPEED, 0.0, lambda: journey.true_path, journey.true_path + SIDE)
+        # Stops early by the angle that braking takes.
+        _drive(rig, 0.0, YAW_RATE, lambda: journey.true_yaw + braking * rig.yaw_rate, corner * CORNER)
     return journey
 
 
-def _side(rig: Rig, journey: Journey, goal: float) -> None:
-    rig.command(SPEED)
-    rig.run_until(lambda: journey.true_path >= goal, PATIENCE)
-    _stop(rig)
-
-
-def _corner(rig: Rig, journey: Journey, goal: float) -> None:
-    """Turns to a heading, braking early by the angle that braking takes."""
-    braking = YAW_RATE / (2 * rig.rover.angular_acceleration)  # [s] of the yaw rate's mean
-    rig.command(0.0, YAW_RATE)
-    rig.run_until(lambda: journey.true_yaw + braking * rig.yaw_rate >= goal, PATIENCE)
-    _stop(rig)
-
-
-def _stop(rig: Rig) -> None:
+def _drive(rig: Rig, speed: float, yaw_rate: float, done: Callable[[], float], goal: float) -> None:
+    """Drives until so much is done, then stops."""
+    rig.command(speed, yaw_rate)
+    rig.run_until(lambda: done() >= goal, PATIENCE)
     rig.command()
     rig.run(PAUSE)
 

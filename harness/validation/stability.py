@@ -29,7 +29,6 @@ SOFT_CREEP = 10.0  # [mm/s]
 SOFT_SOURCE = "E: soft friction up to 10 (real: 0)"
 
 FRONT, REAR, LEFT, RIGHT = (0, 2), (1, 3), (0, 1), (2, 3)  # wheels in the spec's order
-Wheels = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +122,7 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
     yield from _held(rover, seed, stand)
 
 
-def _tips(rover: RoverSpec, seed: int, uphill: float, wheels: Wheels, limit: float) -> float:
+def _tips(rover: RoverSpec, seed: int, uphill: float, wheels: tuple[int, int], limit: float) -> float:
     rig = Rig(rover, floor(seed))
     geoms = rig.wheel_geoms
     rig.simulation.model.geom_friction[geoms, 0] = RAIL_FRICTION

@@ -8,7 +8,7 @@ from rich.table import Column, Table
 
 from harness.errors import UsageError
 from harness.robots import RoverSpec
-from harness.validation import climbing, driving, square, stability, standing
+from harness.validation import climbing, driving, square, stability
 from harness.validation.check import Check
 
 BEGIN = "<!-- begin: python -m harness.validate --write -->"
@@ -17,7 +17,9 @@ HEADINGS = ("quantity", "expected", "measured", "verdict", "source of the expect
 
 Manoeuvres = Callable[[RoverSpec, int], Iterator[Check]]
 SUITE: tuple[Manoeuvres, ...] = (
-    standing.checks,
+    driving.rest_checks,
+    climbing.passage_checks,
+    climbing.rocker_checks,
     driving.checks,
     square.checks,
     climbing.checks,

@@ -117,9 +117,9 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def setup_subscribers(self) -> None:
         """Subscribes to the topics, relative to the node's namespace."""
         sources = SENSORS if self.session.extended is None else (*SENSORS, *TRUTH)
-        self.topics: dict[Source, str] = {}
-        for source in sources:
-            self.topics[source] = subscribe(self, source, partial(self.take, source), self.reception)
+        self.topics = {
+            each: subscribe(self, each, partial(self.take, each), self.reception) for each in sources
+        }
 
     def take(self, source: Source, message: Message) -> None:
         """Take a message of a topic: count it, hand it on, remark what is odd about it."""

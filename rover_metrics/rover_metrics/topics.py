@@ -9,7 +9,6 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from rover_metrics.core.metrics import Vector3
-from rover_metrics.extended.imu_columns import Quaternion
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic
 from rover_metrics.extended.truth_columns import TRAVERSAL
 from rover_metrics.session import MetricsSession, Remark
@@ -65,7 +64,9 @@ def _scan(session: MetricsSession, scan: Message) -> Remark | None:
 
 def _imu(session: MetricsSession, imu: Message) -> Remark | None:
     acceleration, rate = _vector(imu.linear_acceleration), _vector(imu.angular_velocity)
-    return session.take_imu(stamp_ns(imu), acceleration, rate, _orientation(imu))
+    q, is_given = imu.orientation, imu.orientation_covariance[0] != UNKNOWN
+    orientation = (q.x, q.y, q.z, q.w) if is_given else None
+    return session.take_imu(stamp_ns(imu), acceleration, rate, orientation)
 
 
 def _pose(session: MetricsSession, poses: Message) -> Remark | None:
@@ -84,13 +85,6 @@ def _velocity(odometry: Message) -> Vector3:
 
 def _vector(value: Message) -> Vector3:
     return value.x, value.y, value.z
-
-
-def _orientation(imu: Message) -> Quaternion | None:
-    if imu.orientation_covariance[0] == UNKNOWN:
-        return None
-    q = imu.orientation
-    return q.x, q.y, q.z, q.w
 
 
 SENSORS = (

@@ -3,11 +3,11 @@
 from collections.abc import Callable, Iterable
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
 
 from rover_metrics.errors import is_worth_a_line
 from rover_metrics.health.live_view import Status
+from rover_metrics.ros.subscriptions import keep_last
 
 try:
     from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -15,12 +15,6 @@ except ImportError:  # the log is written without it
     DiagnosticArray = None
 
 TOPIC = "rover/metrics"
-_QOS = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=10,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.VOLATILE,
-)
 
 
 class MetricsPublisher:
@@ -39,11 +33,10 @@ class MetricsPublisher:
         self._name = node.get_name()
         self._hardware = node.get_namespace().strip("/") or "rover"
         self._publisher = None
-        if DiagnosticArray is None:
-            if enabled:
-                tell(f"{TOPIC} is not published: diagnostic_msgs is not installed; the log is written")
-            return
-        self._publisher = node.create_publisher(DiagnosticArray, TOPIC, _QOS)
+        if DiagnosticArray is not None:
+            self._publisher = node.create_publisher(DiagnosticArray, TOPIC, keep_last(10))
+        elif enabled:
+            tell(f"{TOPIC} is not published: diagnostic_msgs is not installed; the log is written")
 
     @property
     def listeners(self) -> int:
@@ -65,15 +58,16 @@ class MetricsPublisher:
                 self._tell(f"cannot publish {TOPIC}: {reason} ({self._failures} so far); rows go on")
 
     def _message(self, now_ns: int, statuses: Iterable[Status]) -> "DiagnosticArray":
-        message = DiagnosticArray(status=[self._status(status) for status in statuses])
+        message = DiagnosticArray()
         message.header.stamp = Time(nanoseconds=now_ns).to_msg()
+        message.status = [
+            DiagnosticStatus(
+                level=bytes([status.level]),
+                name=f"{self._name}: {status.name}",
+                message=status.message,
+                hardware_id=self._hardware,
+                values=[KeyValue(key=key, value=value) for key, value in status.values],
+            )
+            for status in statuses
+        ]
         return message
-
-    def _status(self, status: Status) -> "DiagnosticStatus":
-        return DiagnosticStatus(
-            level=bytes([status.level]),
-            name=f"{self._name}: {status.name}",
-            message=status.message,
-            hardware_id=self._hardware,
-            values=[KeyValue(key=key, value=value) for key, value in status.values],
-        )

@@ -1,4 +1,4 @@
-"""Subscriptions with every policy named, whose middleware events are reported."""
+"""Subscriptions whose middleware events are reported; QoS with every policy named."""
 
 from collections.abc import Callable
 from pkgutil import resolve_name
@@ -30,6 +30,16 @@ _MESSAGES = {
 }
 
 
+def keep_last(depth: int, reliability: str = RELIABLE) -> QoSProfile:
+    """Returns the QoS of a volatile topic of which so many messages may wait."""
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=ReliabilityPolicy[reliability.upper()],
+        durability=DurabilityPolicy.VOLATILE,
+    )
+
+
 def subscribe(
     node: Node, source: Source, callback: Callable[[Message], None], reception: Reception
 ) -> str:
@@ -49,13 +59,7 @@ def subscribe(
     topic: str = node.resolve_topic_name(name)
     wished = BEST_EFFORT if source.best_effort else RELIABLE
     parameter, reliability = declare_reliability(node, topic, wished)
-    qos = QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=1 if source.best_effort else 10,
-        reliability=ReliabilityPolicy[reliability.upper()],
-        durability=DurabilityPolicy.VOLATILE,
-    )
-
+    qos = keep_last(1 if source.best_effort else 10, reliability)
     reception.listen(topic, may_be_missing=source.is_truth)
     message_type = _MESSAGES[source.message_type]
     events = SubscriptionEventCallbacks(

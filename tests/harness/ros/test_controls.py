@@ -23,9 +23,9 @@ class Rig:
         self.timeouts: list[float] = []
         self.clock = 100.0
         monkeypatch.setattr(controls, "time", SimpleNamespace(monotonic=lambda: self.clock))
-        node: Any = SimpleNamespace(create_service=self._create, time_ns=0)
-        executor: Any = SimpleNamespace(spin_once=self._spin)
-        self.node, self.controls = node, Controls(node, executor, lambda: reset)
+        executor = SimpleNamespace(spin_once=self._spin)
+        node: Any = SimpleNamespace(create_service=self._create, time_ns=0, executor=executor)
+        self.node, self.controls = node, Controls(node, lambda: reset)
 
     def _create(self, kind: type, name: str, callback: Any) -> None:  # noqa: ANN401
         self.services[name] = (kind, callback)

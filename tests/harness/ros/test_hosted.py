@@ -41,7 +41,7 @@ class Nodes:
         self.executor = make_executor(self.context)
         self.executor.add_node(self.bridge)
         self.executor.add_node(self.metrics)
-        self.hosted = HostedMetrics(self.bridge, self.executor, self.metrics)
+        self.hosted = HostedMetrics(self.bridge, self.metrics)
         self.hosted.await_match()
 
     def advance(self, tick: Tick) -> None:
@@ -162,10 +162,10 @@ def hosting(**listeners: int) -> HostedMetrics:
         )
 
     channels = [channel(topic) for topic in (*TOPICS, "/clock")]
-    bridge: Any = SimpleNamespace(channels=channels, clock_channel=channels[-1])
+    bridge: Any = SimpleNamespace(channels=channels, clock_channel=channels[-1], executor=None)
     clock = SimpleNamespace(now=lambda: SimpleNamespace(nanoseconds=0))
     node: Any = SimpleNamespace(received=dict.fromkeys(TOPICS[:2], 0), get_clock=lambda: clock)
-    return HostedMetrics(bridge, None, node)
+    return HostedMetrics(bridge, node)
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,7 @@ class Rig:
         self.bridge: Any = SimpleNamespace(
             get_namespace=lambda: "/rover1/",
             create_client=self._client,
+            executor=None,
             channels=[SimpleNamespace(topic="/scan", publisher=scan)],
             count_subscribers={"/scan": 2}.get,
             published=lambda: {"/scan": 9, "/imu/data": 9},
@@ -71,7 +72,7 @@ class Rig:
         )
 
     def node(self, name: str = "metrics_node") -> RemoteNode:
-        return RemoteNode(name, self.bridge, None)
+        return RemoteNode(name, self.bridge)
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from harness.errors import UsageError
 from harness.physics.scene import Scene
 from harness.physics.simulation import Simulation
 from harness.robots import MODELS_DIR, ROVERS, RoverSpec
-from harness.validation import driving, rig, stability, standing
+from harness.validation import climbing, driving, rig, stability
 from harness.validation.check import Check, Span
 from harness.validation.suite import (
     BEGIN,
@@ -83,9 +83,9 @@ def moon(model: mujoco.MjModel) -> None:
         (slippery, stability.checks, "slope held, nose up"),
         (hard_contacts, driving.checks, "sd of az turning in place, IMU at 100 Hz"),
         (weak_servos, driving.checks, "speed at 0.5 m/s commanded"),
-        (stiff_rockers, standing.checks, "rocker angle at its stops"),
-        (low_belly, standing.checks, "highest rock that passes below the underside"),
-        (moon, standing.checks, "IMU at rest, |a|"),
+        (stiff_rockers, climbing.rocker_checks, "rocker angle at its stops"),
+        (low_belly, climbing.passage_checks, "highest rock that passes below the underside"),
+        (moon, driving.rest_checks, "IMU at rest, |a|"),
     ],
 )
 def test_a_rover_that_was_tampered_with_is_found_out(

@@ -23,9 +23,14 @@ from rover_metrics.analysis.outcome import analyse
 from rover_metrics.analysis.plots.aggregate import draw_aggregate, mean_and_band
 from rover_metrics.analysis.plots.comparison import draw_comparison
 from rover_metrics.analysis.plots.correlation import draw_correlation
-from rover_metrics.analysis.plots.curves import MOST_POINTS, smoothed, thinned, upper_limit
 from rover_metrics.analysis.plots.style import STYLE, legend_columns, look, save
-from rover_metrics.analysis.plots.time_series import draw_time_series
+from rover_metrics.analysis.plots.time_series import (
+    MOST_POINTS,
+    draw_time_series,
+    smoothed,
+    thinned,
+    upper_limit,
+)
 from rover_metrics.analysis.statistics.correlation import Correlation
 from rover_metrics.analysis.study import Member, Options, Study
 from rover_metrics.core.thresholds import Thresholds
