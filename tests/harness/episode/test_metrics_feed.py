@@ -111,7 +111,6 @@ def test_a_row_is_written_when_the_clock_tells_a_full_second_and_not_while_it_is
     session: Mock,
 ) -> None:
     log, second = Mock(), 1_000_000_000
-    session.row.side_effect = str
     metrics = DirectMetrics(session, LidarSpec(), log)
     for stamp_ns, tells in (
         (second // 2, True),
@@ -121,8 +120,8 @@ def test_a_row_is_written_when_the_clock_tells_a_full_second_and_not_while_it_is
     ):
         tick = Tick(stamp_ns, (), tells)
         metrics.advance(tick, tick)
-    assert log.write.mock_calls == [call(str(second + 1))]
-    assert metrics.last_row == str(second + 1)
+    assert session.row.mock_calls == [call(second + 1)]
+    assert log.write.mock_calls == [call(metrics.last_row)]
 
 
 def test_each_sample_counts_for_every_topic_that_it_would_have_had(session: Mock) -> None:
