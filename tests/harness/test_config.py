@@ -1,6 +1,7 @@
 """What determines an episode: defaults, edges of what is valid, counts of ticks, its world."""
 
 import math
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -134,3 +135,15 @@ def test_a_file_becomes_a_world_of_the_size_and_height_given(tmp_path: Path) -> 
     world = EpisodeConfig(terrain=path, terrain_size=(20.0, 20.0), terrain_height=0.5, seed=3).world()
     assert (world.ground.half_size, world.seed) == (10.0, 3)
     assert np.ptp(world.ground.heights) == pytest.approx(0.5, abs=1e-6)
+
+
+def test_a_file_that_has_been_written_anew_is_another_world(tmp_path: Path) -> None:
+    path, ramp = tmp_path / "ramp.npy", np.add.outer(np.linspace(0.0, 1.0, 41), np.zeros(41))
+    config = EpisodeConfig(terrain=str(path), terrain_size=(20.0, 20.0))
+    reliefs = []
+    for second, relief in enumerate((1.0, 2.0), start=1):
+        np.save(path, relief * ramp)
+        os.utime(path, (second, second))
+        reliefs.append(np.ptp(config.world().ground.heights))
+    assert reliefs == pytest.approx([1.0, 2.0])
+    assert config.world() is config.world()

@@ -408,4 +408,11 @@ def test_divergence_is_reported_with_time_and_state(
 )
 def test_invalid_value_is_refused_with_what_is_valid(changes: dict[str, object], message: str) -> None:
     with pytest.raises(UsageError, match=message):
-        config(**changes).validate()
+        Episode(config(**changes))
+
+
+def test_the_wheels_get_faster_from_tick_to_tick_as_the_controller_of_the_rover_lets_them() -> None:
+    """Leo: 2.5 m/s^2 with wheels of 0.0625 m, for the 50 ms of a batch."""
+    episode = Episode(config(duration=0.05))
+    (_,) = episode.batches()
+    assert episode.simulation.data.ctrl == pytest.approx(2.5 * 0.05 / 0.0625)

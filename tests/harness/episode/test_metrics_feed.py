@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from harness.episode.metrics_feed import (
+    DirectMetrics,
     SampleFeed,
     extended_ros_args,
     extended_settings,
@@ -22,6 +23,7 @@ from harness.samples import (
     Odometry,
     Pose,
     Sample,
+    Tick,
     TruthState,
     Twist,
 )
@@ -103,6 +105,23 @@ def test_a_sample_arrives_as_it_would_out_of_its_message(
 def test_a_pose_array_without_a_pose_is_no_position(session: Mock) -> None:
     SampleFeed(session, LidarSpec()).take(Pose(5, (math.nan,) * 3, ATTITUDE, empty=True))
     assert session.mock_calls == [call.take_pose(5, None)]
+
+
+def test_a_row_is_written_when_the_clock_tells_a_full_second_and_not_while_it_is_silent(
+    session: Mock,
+) -> None:
+    log, second = Mock(), 1_000_000_000
+    metrics = DirectMetrics(session, LidarSpec(), log)
+    for stamp_ns, tells in (
+        (second // 2, True),
+        (second, False),
+        (second + 1, True),
+        (second + 2, True),
+    ):
+        tick = Tick(stamp_ns, (), tells)
+        metrics.advance(tick, tick)
+    assert session.row.mock_calls == [call(second + 1)]
+    assert log.write.mock_calls == [call(metrics.last_row)]
 
 
 def test_each_sample_counts_for_every_topic_that_it_would_have_had(session: Mock) -> None:

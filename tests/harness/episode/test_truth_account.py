@@ -1,10 +1,11 @@
 import math
+from dataclasses import replace
 
 import pytest
 
 from harness.episode.batch import Batch
 from harness.episode.truth_account import TruthAccount
-from harness.samples import Tick, TruthState
+from harness.samples import Pose, Tick, TruthState
 from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import ContactEvent, Truth
 
@@ -75,10 +76,19 @@ def test_a_batch_that_ends_more_events_than_there_is_room_for_gives_its_first() 
     assert along.event_count == MOST_EVENTS + 2
 
 
+def test_the_truth_is_the_last_sample_of_a_tick() -> None:
+    account, told = TruthAccount(), batch(1.0, roughness=0.004)
+    (tick,) = told.ticks
+    pose = Pose(tick.stamp_ns, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+    account.take(replace(told, ticks=(Tick(tick.stamp_ns, (pose, *tick.samples)),)))
+    assert account.along().roughness_p50 == pytest.approx(0.004)
+
+
 @pytest.mark.parametrize(
     ("values", "p50", "p95"),
     [
         ([0.00314], 0.0031, 0.0031),  # told to a tenth of a millimetre
+        ([0.00316], 0.0032, 0.0032),
         ([0.001] * 19 + [0.002], 0.001, 0.001),
         ([0.001] * 18 + [0.002] * 2, 0.001, 0.002),
         ([0.001, 0.002], 0.001, 0.002),

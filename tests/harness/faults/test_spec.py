@@ -18,6 +18,12 @@ def test_spec_says_sensor_fault_value_start_and_length() -> None:
     )
 
 
+def test_start_and_length_are_the_nearest_nanoseconds() -> None:
+    """2.01 * 1e9 and 2.03 * 1e9 are below the whole numbers."""
+    (fault,) = parse_faults(["imu:nan@2.01+2.03"])
+    assert (fault.start_ns, fault.end_ns) == (2_010_000_000, 4_040_000_000)
+
+
 @pytest.mark.parametrize(
     ("spec", "message"),
     [
@@ -55,6 +61,8 @@ def test_help_names_every_sensor_and_fault() -> None:
     forms = {line.split()[0] for line in told.splitlines() if line.startswith("  ")}
     assert {"dropout[=SHARE]", "latency=S", "freeze", "jump[=S]@START", "reset@START"} <= forms
     assert "  beams=N               only the first N ranges" in told
+    headings = [line for line in told.splitlines() if line.endswith(":")]
+    assert headings == ["each sensor:", "scan:", "pose:", "joint_states:", "clock:"]
 
 
 def test_a_fault_is_parsed_once() -> None:

@@ -18,6 +18,13 @@ def test_sensor_that_is_frozen_from_the_start_repeats_its_first_reading() -> Non
     assert {scan.ranges[0] for scan in scans("scan:freeze")} == {1.0}
 
 
+def test_of_readings_that_come_together_the_last_is_frozen_or_the_first_of_a_frozen_sensor() -> None:
+    """What was held back until 1.19 s arrives with what is read then, and that of 0.01 s with 0.06 s."""
+    frozen = scans("scan:latency=0.2@0.5+0.5", "scan:freeze@1.2")
+    assert {scan.ranges[0] for scan in frozen[-200:]} == {119.0}
+    assert {scan.ranges[0] for scan in scans("scan:latency=0.05@0+0.02", "scan:freeze")} == {1.0}
+
+
 def test_late_readings_come_in_order_with_their_own_stamps() -> None:
     late = sent("scan:latency=0.2@1+1")
     arrivals = [
@@ -32,4 +39,5 @@ def test_late_readings_come_in_order_with_their_own_stamps() -> None:
 
 def test_lower_rate_leaves_readings_evenly_out_from_the_start_of_the_fault() -> None:
     assert times(scans("scan:rate=5@1+1"))[98:106] == [0.99, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.01]
+    assert times(scans("scan:rate=100")) == [n / 100 for n in range(1, 401)], "nothing to leave out"
     assert times(scans("scan:rate=2@1.3+1.2"))[128:134] == [1.29, 1.3, 1.8, 2.3, 2.5, 2.51]

@@ -3,6 +3,8 @@
 import copy
 import math
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -22,6 +24,13 @@ from tests.support.rovers import ROVER_ZERO4WD
 TICK_NS = 10_000_000
 SPEEDS = np.array([1.0, 2.0, 3.0, 4.0])  # [rad/s] of the wheels, all different
 Make = Callable[..., Simulation]
+LetDown = Callable[[NDArray[np.float64]], float]
+
+
+class _FirstStepError(Exception):
+    def __init__(self, height: float) -> None:
+        super().__init__(height)
+        self.height = height
 
 
 @pytest.fixture
@@ -92,6 +101,22 @@ def test_it_begins_at_rest_on_the_ground_at_time_zero(robot: str, make_simulatio
     assert not simulation.contacts.strongest
 
 
+@pytest.fixture
+def let_down_from(make_simulation: Make, monkeypatch: pytest.MonkeyPatch) -> LetDown:
+    """Tells the height [m] at which a rover is when it begins to fall onto a ground."""
+
+    def height(heights: NDArray[np.float64]) -> float:
+        with pytest.raises(_FirstStepError) as fallen:
+            make_simulation(heights=heights)
+        return fallen.value.height
+
+    def watched(_: mujoco.MjModel, data: mujoco.MjData) -> None:
+        raise _FirstStepError(float(data.qpos[2]))
+
+    monkeypatch.setattr("harness.physics.simulation.mujoco.mj_step", watched)
+    return height
+
+
 @pytest.mark.parametrize(
     ("rows", "columns", "highest"),
     [
@@ -102,19 +127,25 @@ def test_it_begins_at_rest_on_the_ground_at_time_zero(robot: str, make_simulatio
     ],
 )
 def test_it_is_let_down_from_a_centimetre_above_the_highest_ground_below_its_footprint(
-    rows: slice, columns: slice, highest: float, make_simulation: Make, monkeypatch: pytest.MonkeyPatch
+    rows: slice, columns: slice, highest: float, let_down_from: LetDown
 ) -> None:
     """The footprint begins 0.272 m behind and 0.223 m to the right of the origin."""
     heights = np.zeros((41, 41))
     heights[rows, columns] = 0.25
-
-    def watched(_: mujoco.MjModel, data: mujoco.MjData) -> None:
-        raise RuntimeError(f"{data.qpos[2]:.6f}")
-
-    monkeypatch.setattr("harness.physics.simulation.mujoco.mj_step", watched)
     expected = highest * 0.25 + ROVER_ZERO4WD.rest_height + 0.01
-    with pytest.raises(RuntimeError, match=f"{expected:.6f}"):
-        make_simulation(heights=heights)
+    assert let_down_from(heights) == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("vertex", [18, 19, 20, 21, 22])
+def test_of_a_ridge_one_vertex_wide_below_it_three_quarters_are_seen(
+    axis: int, vertex: int, let_down_from: LetDown
+) -> None:
+    """Samples half a cell apart: none is farther than a quarter of a cell from the ridge."""
+    heights = np.zeros((41, 41))
+    np.moveaxis(heights, axis, 0)[vertex] = 0.2
+    highest = let_down_from(heights) - ROVER_ZERO4WD.rest_height - 0.01
+    assert 0.75 * 0.2 <= highest <= 0.2
 
 
 def test_what_was_touched_is_told_for_one_tick_only(simulation: Simulation) -> None:
@@ -158,6 +189,42 @@ def test_a_diverged_state_ends_the_run_and_is_described(
     expected = rf"t = 0\.02 s \(NaN, infinite or huge {quantity}\); position \[0\.5, -0\.25, "
     with pytest.raises(Diverged, match=expected + r".* m, velocity \[.*, -0\.0\d+\] m/s; try"):
         simulation.tick()
+
+
+def test_a_state_that_diverges_before_it_has_settled_is_told_at_once(
+    make_simulation: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    steps = []
+
+    def diverge(_: mujoco.MjModel, data: mujoco.MjData) -> None:
+        steps.append(data)
+        data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number = 1
+
+    monkeypatch.setattr("harness.physics.simulation.mujoco.mj_step", diverge)
+    with pytest.raises(Diverged, match=r"t = 0\.00 s \(NaN, infinite or huge acceleration\)"):
+        make_simulation()
+    assert len(steps) == 4, "one tick"
+
+
+def test_a_divergence_leaves_no_file_of_mujocos_behind(
+    make_simulation: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    mujoco.set_mju_user_warning(None)  # as in a new process
+    simulation = make_simulation()
+    simulation.data.qvel[0] = math.nan
+    with pytest.raises(Diverged):
+        simulation.tick()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_a_model_switches_off_stays_off(simulation: Simulation) -> None:
+    """And a diverged state is not reset, which would hide it."""
+    switched_off, reset = mujoco.mjtDisableBit.mjDSBL_WARMSTART, mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    scene = replace(simulation.scene, model=copy.copy(simulation.model))
+    scene.model.opt.disableflags = int(switched_off)
+    flags = Simulation(scene, simulation.timestep_ns).model.opt.disableflags
+    assert flags == int(switched_off) | int(reset)
 
 
 def test_a_warning_of_another_kind_is_no_divergence(simulation: Simulation) -> None:

@@ -36,3 +36,8 @@ def test_beams_of_a_scan_end_where_the_lidar_saw_something() -> None:
     north = (0.0, 0.0, math.sin(math.pi / 4), math.cos(math.pi / 4))
     placed = PlacedScan(LaserScan(0, ranges), Pose(0, (1.0, 1.0, 0.0), north))
     assert scan_points(placed, LEO) == pytest.approx(np.array([[1.0, 1.0 + 0.174 - 2.0]]), abs=1e-3)
+    on_its_left_side = (-math.sin(math.pi / 4), 0.0, 0.0, math.cos(math.pi / 4))
+    placed = PlacedScan(LaserScan(0, ranges), Pose(0, (1.0, 1.0, 0.0), on_its_left_side))
+    height = 0.79783  # of the lidar over the origin of the model frame
+    expected = np.array([[1.0 + 0.174 - 2.0, 1.0 + height]])
+    assert scan_points(placed, LEO) == pytest.approx(expected, abs=1e-3)

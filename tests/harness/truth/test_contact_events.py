@@ -33,6 +33,8 @@ def test_contacts_up_to_the_gap_apart_are_one_event_and_farther_ones_are_two() -
     assert (event.start_ns, event.end_ns) == ((first - 1) * TICK_NS, last * TICK_NS)
     assert events.begun == {"hazard": 2, "rock": 0, "scrape": 0}
     assert events.take_closed() == ()
+    observe(events, (last + 2 * GAP_TICKS + 2, {}))
+    assert len(events.take_closed()) == 1, "although nothing is touched any more"
 
 
 def test_an_event_names_its_strongest_contact() -> None:

@@ -152,7 +152,7 @@ def recorder(stand_in: StandIn, monkeypatch: pytest.MonkeyPatch) -> TruthRecorde
     motions = iter(
         [
             [motion(0.5), motion(-0.25), motion(1.0), motion(0.0, moves=False)],
-            [motion(0.0, moves=False), motion(0.75), motion(0.0), motion(0.0, moves=False)],
+            [motion(0.0, moves=False), motion(0.75), motion(0.5), motion(0.0, moves=False)],
         ]
     )
     wheels = SimpleNamespace(motion=lambda: next(motions))
@@ -169,10 +169,10 @@ def motion(slip: float, *, moves: bool = True) -> WheelMotion:
 def test_slip_is_averaged_over_the_wheels_that_move(recorder: TruthRecorder) -> None:
     assert recorder.truth().mean_slip == 0.0
     states = [recorder.state(), recorder.state()]
-    assert [state.slip for state in states] == [(0.5, -0.25, 1.0, 0.0), (0.0, 0.75, 0.0, 0.0)]
+    assert [state.slip for state in states] == [(0.5, -0.25, 1.0, 0.0), (0.0, 0.75, 0.5, 0.0)]
     truth = recorder.truth()
-    assert truth.wheel_slip == (0.5, 0.5, 0.5, 0.0)
-    assert truth.mean_slip == pytest.approx((0.5 + 0.25 + 1.0 + 0.75 + 0.0) / 5)
+    assert truth.wheel_slip == (0.5, 0.5, 0.75, 0.0)
+    assert truth.mean_slip == pytest.approx((0.5 + 0.25 + 1.0 + 0.75 + 0.5) / 5)
     assert states[0].roughness == pytest.approx(math.sqrt(0.21))
 
 
@@ -188,6 +188,34 @@ def test_a_rover_has_tipped_over_beyond_75_degrees(
     truth = recorder.truth()
     assert math.degrees(truth.largest_tilt) == pytest.approx(degrees, abs=1e-5)
     assert truth.tipped_over == tipped
+
+
+def test_upside_down_is_180_degrees_even_if_rounding_says_more(
+    recorder: TruthRecorder, stand_in: StandIn
+) -> None:
+    x, y = math.sin(math.radians(8.0)), math.cos(math.radians(8.0))
+    assert x * x + y * y > 1.0
+    stand_in.data.qpos[3:7] = 0.0, x, y, 0.0
+    recorder.observe()
+    assert recorder.truth().largest_tilt == math.pi
+
+
+def test_a_state_tells_the_path_so_far_the_forward_speed_and_what_was_touched(
+    recorder: TruthRecorder, stand_in: StandIn
+) -> None:
+    for position in ((3.0, 4.0, 0.0), (3.0, 4.0, 12.0), (0.0, 0.0, 0.0)):
+        stand_in.position, stand_in.velocity = position, (0.4, 0.1, -0.2)
+        recorder.observe()
+    state = recorder.state()
+    assert (state.path_length, state.speed) == (5.0 + 12.0 + 13.0, 0.4)
+    assert (state.hazard_contact, state.rock_contact, state.scrape) == (False, False, False)
+    assert state.contact_force == 0.0
+    touch = Touch(5.0, 1, 2, [0.0] * 3, [0.0] * 3 + [1.0] + [0.0] * 3)
+    stand_in.contacts.strongest = {"rock": touch, "scrape": touch}
+    recorder.observe()
+    state = recorder.state()
+    assert (state.hazard_contact, state.rock_contact, state.scrape) == (False, True, True)
+    assert state.contact_force == 0.0, "that of a hazard"
 
 
 def test_each_kind_of_contact_is_counted_by_itself(recorder: TruthRecorder, stand_in: StandIn) -> None:
@@ -223,6 +251,8 @@ def test_the_way_back_to_the_start_is_no_path_and_ends_every_contact(
     truth = recorder.truth()
     assert truth.path_length == 13.0 + 1.0
     assert (truth.resets, truth.hazard_contacts) == (1, 1)
+    recorder.carried_away()
+    assert recorder.truth().resets == 2
     assert (truth.hazard_contact_s, truth.rock_contact_s, truth.scrape_s) == (0.01, 0.0, 0.0)
 
 

@@ -1,0 +1,193 @@
+"""What a listener deserialises of each sample, field by field."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import (
+    Point,
+    Pose,
+    PoseArray,
+    PoseWithCovariance,
+    Quaternion,
+    Twist,
+    TwistWithCovariance,
+    Vector3,
+)
+from nav_msgs.msg import Odometry
+from rclpy.serialization import deserialize_message, serialize_message
+from sensor_msgs.msg import Imu, JointState, LaserScan, MagneticField
+from std_msgs.msg import Bool, Float64MultiArray, Header, MultiArrayDimension, MultiArrayLayout
+
+from harness import samples
+from harness.ros.messages import by_names, filler
+from harness.sensors import table
+from harness.sensors.lidar_spec import LidarSpec
+from tests.support.rovers import ROVER_ZERO4WD
+
+STAMP_NS, STAMP = 12_000_000_345, Time(sec=12, nanosec=345)
+LIDAR = LidarSpec(beams=5, range_min=0.25, range_max=8.0, angle_max=1.5)  # exact in float32
+RANGES = np.array([0.5, np.inf, -np.inf, 1.25, 8.0], dtype=np.float32)
+ATTITUDE = (0.1, 0.2, 0.3, 0.4)
+HERE, LINEAR, ANGULAR = (1.0, 2.0, 3.0), (4.0, 5.0, 6.0), (7.0, 8.0, 9.0)
+STRAIGHT = Quaternion(x=0.0, y=0.0, z=0.0, w=1.0)
+SLIP = (0.1, 0.2, 0.3, 0.4)
+LABEL = (
+    "contact_force,rock_contact,scrape,speed,path_length,"
+    "slip_front_left,slip_rear_left,slip_front_right,slip_rear_right,roughness"
+)
+
+
+def xyz(kind: type, values: tuple[float, ...]) -> Any:  # noqa: ANN401 - rclpy's classes have no types
+    return kind(**dict(zip("xyzw", values, strict=False)))
+
+
+def header(frame: str) -> Header:
+    return Header(stamp=STAMP, frame_id=frame)
+
+
+def planar(x: float, y: float) -> Pose:
+    return Pose(position=Point(x=x, y=y, z=0.0), orientation=STRAIGHT)
+
+
+EXPECTED: dict[str, tuple[samples.Sample, object]] = {
+    "scan": (
+        samples.LaserScan(STAMP_NS, RANGES),
+        LaserScan(
+            header=header("lidar_link"),
+            angle_min=-1.5,
+            angle_max=1.5,
+            angle_increment=0.75,
+            range_min=0.25,
+            range_max=8.0,
+            ranges=RANGES.tolist(),
+            intensities=[0.0] * 5,
+        ),
+    ),
+    "imu/data": (
+        samples.Imu(STAMP_NS, ATTITUDE, ANGULAR, LINEAR),
+        Imu(
+            header=header("imu_link"),
+            orientation=xyz(Quaternion, ATTITUDE),
+            angular_velocity=xyz(Vector3, ANGULAR),
+            linear_acceleration=xyz(Vector3, LINEAR),
+        ),
+    ),
+    "rover/pose_array": (
+        samples.Pose(STAMP_NS, HERE, ATTITUDE),
+        PoseArray(
+            header=header("world"),
+            poses=[Pose(position=xyz(Point, HERE), orientation=xyz(Quaternion, ATTITUDE))],
+        ),
+    ),
+    "odometry/wheels": (
+        samples.Odometry(STAMP_NS, 1.0, 2.0, 0.0, samples.Twist(0.5, 0.25)),
+        Odometry(
+            header=header("odom"),
+            child_frame_id="base_link",
+            pose=PoseWithCovariance(pose=planar(1.0, 2.0)),
+            twist=TwistWithCovariance(twist=Twist(linear=Vector3(x=0.5), angular=Vector3(z=0.25))),
+        ),
+    ),
+    "odom_ground_truth": (
+        samples.GroundTruth(STAMP_NS, 1.0, 2.0, 0.0, LINEAR, ANGULAR),
+        Odometry(
+            header=header("odom"),
+            child_frame_id="base_footprint",
+            pose=PoseWithCovariance(pose=planar(1.0, 2.0), covariance=np.diag([0.01] * 6).ravel()),
+            twist=TwistWithCovariance(
+                twist=Twist(linear=xyz(Vector3, LINEAR), angular=xyz(Vector3, ANGULAR))
+            ),
+        ),
+    ),
+    "joint_states": (
+        samples.JointStates(STAMP_NS, HERE, LINEAR, ANGULAR),
+        JointState(
+            header=header(""),
+            name=list(ROVER_ZERO4WD.joints),
+            position=HERE,
+            velocity=LINEAR,
+            effort=ANGULAR,
+        ),
+    ),
+    "rover/truth/contact": (
+        samples.TruthState(STAMP_NS, True, False, True, 11.0, 12.0, 13.0, SLIP, 14.0),
+        Bool(data=True),
+    ),
+    "rover/truth/traversal": (
+        samples.TruthState(STAMP_NS, True, False, True, 11.0, 12.0, 13.0, SLIP, 14.0),
+        Float64MultiArray(
+            layout=MultiArrayLayout(dim=[MultiArrayDimension(label=LABEL, size=10, stride=10)]),
+            data=[11.0, 0.0, 1.0, 12.0, 13.0, *SLIP, 14.0],
+        ),
+    ),
+}
+
+
+def heard(topic_name: str, *sent: samples.Sample) -> list[Any]:
+    """What a listener has of each sample, by way of one message that is refilled."""
+    ((row, topic),) = (
+        (row, topic) for row in table.SENSORS for topic in row.topics if topic.name == topic_name
+    )
+    fill = filler(row, topic, ROVER_ZERO4WD, LIDAR)
+    messages = (fill(sample) for sample in sent)
+    return [deserialize_message(serialize_message(message), type(message)) for message in messages]
+
+
+@pytest.mark.parametrize("topic", EXPECTED)
+def test_every_field_arrives_in_its_place_each_time(topic: str) -> None:
+    sample, expected = EXPECTED[topic]
+    earlier = replace(sample, stamp_ns=STAMP_NS - 10**9)
+    assert heard(topic, earlier, sample)[-1] == expected
+
+
+def test_every_topic_of_a_sensor_is_expected_here() -> None:
+    assert list(EXPECTED) == [topic.name for row in table.SENSORS for topic in row.topics]
+
+
+@pytest.mark.parametrize("yaw", [0.5, -2.0, 3.0])
+def test_a_yaw_is_a_turn_about_the_z_axis(yaw: float) -> None:
+    for topic in ("odometry/wheels", "odom_ground_truth"):
+        (message,) = heard(topic, replace(EXPECTED[topic][0], yaw=yaw))
+        turn = message.pose.pose.orientation
+        expected = Rotation.from_euler("z", yaw).as_quat()
+        assert [turn.x, turn.y, turn.z, turn.w] == pytest.approx(expected.tolist())
+
+
+def test_a_faulty_lidars_scan_has_the_beams_that_it_has_and_the_next_one_all() -> None:
+    scans = [samples.LaserScan(STAMP_NS, RANGES[:count]) for count in (2, 0, 5)]
+    told = heard("scan", *scans)
+    assert [message.ranges.tolist() for message in told] == [RANGES[:2].tolist(), [], RANGES.tolist()]
+
+
+def test_a_pose_array_without_a_pose_is_empty_and_the_next_one_is_not() -> None:
+    pose = samples.Pose(STAMP_NS, HERE, ATTITUDE)
+    told = heard("rover/pose_array", replace(pose, empty=True), pose)
+    assert [len(message.poses) for message in told] == [0, 1]
+    assert told[0].header == header("world")
+
+
+@dataclass(frozen=True)
+class Field:
+    """A sample of a magnetometer, which the table does not have."""
+
+    stamp_ns: int
+    magnetic_field: samples.Vector3
+    magnetic_field_covariance: tuple[float, ...]
+    temperature: float  # MagneticField has none
+
+
+def test_fields_of_the_same_name_are_filled_whatever_their_type() -> None:
+    covariance = tuple(float(n) for n in range(9))
+    fill = by_names(MagneticField(), Field)
+    assert fill(Field(STAMP_NS, HERE, covariance, 20.0)) == MagneticField(
+        header=header(""),
+        magnetic_field=xyz(Vector3, HERE),
+        magnetic_field_covariance=np.array(covariance),
+    )
