@@ -196,8 +196,6 @@ def _hit_field(
         return MISS
     base = _hit_base(ray, over_map, extent[0]) if lowest <= 0.0 else MISS
     end = min(end, base)
-    if begin > end:
-        return MISS
     clearance = _clearance(heights, ray, begin)
     if clearance < 0.0 and over_map[0] > 0.0 and w_begin >= 0.0:
         return begin  # a side wall, from outside

@@ -22,14 +22,14 @@ BASE = 0.5  # [m] of solid ground below the lowest height
 
 
 def terrain_model(
-    heights: Array, cell: float, center: tuple[float, float] = (0.0, 0.0)
+    heights: Array, cell: float, center: tuple[float, float] = (0.0, 0.0), oblong: float = 1.0
 ) -> tuple[mujoco.MjModel, mujoco.MjData]:
     rows, cols = heights.shape
     relief = max(float(np.ptp(heights)), 1e-3)
     spec = mujoco.MjSpec()
     spec.add_hfield(
         name="terrain",
-        size=[cell * (cols - 1) / 2, cell * (rows - 1) / 2, relief, BASE],
+        size=[cell * (cols - 1) / 2, oblong * cell * (rows - 1) / 2, relief, BASE],
         nrow=rows,
         ncol=cols,
         userdata=((heights - heights.min()) / relief).ravel().tolist(),
@@ -259,8 +259,9 @@ def test_rays_along_the_axes_meet_mujoco_over_and_beside_the_map(
 ) -> None:
     plain = as_plain_python("harness.sensors.rays.heightfield_kernel", monkeypatch).cast_rays
     heights = np.array([[0.0, 0.3, 0.1], [0.2, 0.05, 0.4], [0.6, 0.15, 0.25]])
-    scene = terrain_model(heights, 1.0)
-    directions = np.vstack([np.eye(3), -np.eye(3)])
+    scene = terrain_model(heights, 1.0, oblong=1.25)
+    oblique = unit(np.array([[1.0, 0.4, -0.3], [-0.3, 1.0, 0.2], [-1.0, -0.7, -0.5], [0.6, -1.0, -0.1]]))
+    directions = np.vstack([np.eye(3), -np.eye(3), oblique])
     hits = []
     for place in itertools.product(
         (-1.4, -0.63, 0.21, 1.3), (-1.2, -0.37, 0.44, 1.7), (-0.9, -0.2, 0.12, 1.0)
