@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 
 from harness.world.heightfield import Heightfield
+from harness.world.obstacles import ObstacleKind
 from harness.world.world import World, build_world, terrain_hash
 
 
@@ -26,17 +27,21 @@ def _changed_worlds() -> list[World]:
     lifted[3, 5] += 1e-9
     first, *rest = world.obstacles
     moved = replace(first, position=(0.0, 0.0, 9.0))
+    other_kind = {ObstacleKind.ROCK: ObstacleKind.HAZARD, ObstacleKind.HAZARD: ObstacleKind.ROCK}[
+        first.kind
+    ]
     return [
         replace(world, ground=Heightfield(lifted, world.ground.cell)),
         replace(world, ground=Heightfield(world.ground.heights, 0.2)),
         replace(world, obstacles=(moved, *rest)),
+        replace(world, obstacles=(replace(first, kind=other_kind), *rest)),
         replace(world, obstacles=tuple(rest)),
     ]
 
 
 def test_the_hash_sees_any_change_of_heights_cell_or_obstacles() -> None:
     hashes = {terrain_hash(w) for w in (build_world("rocky", 0), *_changed_worlds())}
-    assert len(hashes) == 5
+    assert len(hashes) == 6
 
 
 def test_the_hash_is_that_of_the_first_release() -> None:
