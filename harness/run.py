@@ -106,7 +106,7 @@ def _run(
     drawing.prepare(config)
     with RunProgress(console, f"{config.robot} on {config.terrain}", config.duration) as bar:
         observers = (drawing, recorder) if options.report is not None else (drawing,)
-        return run(config, options.ros, stop, bar.show, observers)
+        return run(config, options.ros, stop, bar.show if console.is_terminal else None, observers)
 
 
 def _report(result: RunResult, summary: Path | None, stop: StopRequest, console: Console) -> int:

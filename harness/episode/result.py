@@ -106,19 +106,17 @@ def cells_of(row: Row | None) -> dict[str, int | float | str] | None:
 
 @dataclass
 class RunAccount:
-    """An observer that keeps a run's result up to date and tells it.
+    """An observer that keeps account of a run and tells it.
 
     Args:
+        begun: What is known before the first batch.
         started: Wall time at which the command began [s], of time.monotonic.
         show: Is told the result up to now after every batch.
         topics: Counts the messages so far; `rows` counts those of the CSV.
         paused_s: Wall time for which the run was paused so far [s].
-
-    Attributes:
-        result: What the run has come to up to now.
     """
 
-    result: RunResult
+    begun: RunResult
     started: float
     show: Callable[[RunResult], None] | None
     topics: Callable[[], dict[str, TopicCount]]
@@ -126,34 +124,32 @@ class RunAccount:
     paused_s: Callable[[], float] = float
 
     def __post_init__(self) -> None:
-        self._began, self._truth = time.monotonic(), TruthAccount()
+        self._truth, self._total = TruthAccount(), self.begun.truth
+        self._began = self._now = time.monotonic()
+        self._held_s = 0.0
+        self._first_row_s: float | None = None
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""
         self._truth.take(batch)
-        now, paused_s, rows = time.monotonic(), self.paused_s(), self.rows()
-        first_row_s = self.result.first_row_s
-        if first_row_s is None and rows:
-            first_row_s = now - self.started
-        self.result = replace(
-            self.result,
-            truth=batch.truth,
-            wall_s=now - self._began - paused_s,
-            paused_s=paused_s,
-            first_row_s=first_row_s,
-            topics=self.topics(),
-            rows=rows,
-        )
-        if self.show is not None:
-            self.show(self.result)
+        self._total, self._now, self._held_s = batch.truth, time.monotonic(), self.paused_s()
+        if self._first_row_s is None and self.rows():
+            self._first_row_s = self._now - self.started
+        if self.show is not None:  # what nobody looks at is not worth its cost in every batch
+            self.show(self._so_far())
 
     def ended(self, *, failure: str | None = None, interrupted: str | None = None) -> RunResult:
         """Returns the result of the whole run, with what it met and why it ended early, if it did."""
+        along = self._truth.along()
+        return replace(self._so_far(), along=along, failure=failure, interrupted=interrupted)
+
+    def _so_far(self) -> RunResult:
         return replace(
-            self.result,
-            along=self._truth.along(),
+            self.begun,
+            truth=self._total,
+            wall_s=self._now - self._began - self._held_s,
+            paused_s=self._held_s,
+            first_row_s=self._first_row_s,
             topics=self.topics(),
             rows=self.rows(),
-            failure=failure,
-            interrupted=interrupted,
         )

@@ -124,8 +124,9 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def take(self, source: Source, message: Message) -> None:
         """Take a message of a topic: count it, hand it on, remark what is odd about it."""
         topic, reception = self.topics[source], self.reception
-        reception.arrived(topic, stamp_ns(message) if source.has_stamp else None)
-        remark = source.take(self.session, message)
+        stamp = stamp_ns(message) if source.has_stamp else None
+        reception.arrived(topic, stamp)
+        remark = source.take(self.session, message, stamp or 0)
         if remark is not None and remark.left_out:
             reception.reject(topic, remark.what)
         elif remark is not None:

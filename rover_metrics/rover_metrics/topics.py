@@ -26,7 +26,7 @@ class Source:
     Attributes:
         name: As it is in the root namespace.
         message_type: Its full name, e.g. "sensor_msgs/msg/Imu".
-        take: Hands a message to a session; returns what that remarks.
+        take: Hands a message and its stamp [ns], 0 without one, to a session; returns what that remarks.
         topic: What the columns of its traffic know it as; None if they do not.
         best_effort: Whether only the newest message matters, so that old ones are not queued.
         has_stamp: Whether its messages have a header.
@@ -35,7 +35,7 @@ class Source:
 
     name: str
     message_type: str
-    take: Callable[[MetricsSession, Message], Remark | None]
+    take: Callable[[MetricsSession, Message, int], Remark | None]
     topic: Topic | None = None
     _: KW_ONLY
     best_effort: bool = False
@@ -53,28 +53,28 @@ def stamp_ns(message: Message) -> int:
     return nanoseconds(message.header.stamp)
 
 
-def _scan(session: MetricsSession, scan: Message) -> Remark | None:
+def _scan(session: MetricsSession, scan: Message, stamp_ns: int) -> Remark | None:
     return session.take_scan(
-        stamp_ns(scan),
+        stamp_ns,
         scan.ranges,
         angles=(scan.angle_min, scan.angle_increment),
         limits=(scan.range_min, scan.range_max),
     )
 
 
-def _imu(session: MetricsSession, imu: Message) -> Remark | None:
+def _imu(session: MetricsSession, imu: Message, stamp_ns: int) -> Remark | None:
     acceleration, rate = _vector(imu.linear_acceleration), _vector(imu.angular_velocity)
     q, is_given = imu.orientation, imu.orientation_covariance[0] != UNKNOWN
     orientation = (q.x, q.y, q.z, q.w) if is_given else None
-    return session.take_imu(stamp_ns(imu), acceleration, rate, orientation)
+    return session.take_imu(stamp_ns, acceleration, rate, orientation)
 
 
-def _pose(session: MetricsSession, poses: Message) -> Remark | None:
+def _pose(session: MetricsSession, poses: Message, stamp_ns: int) -> Remark | None:
     position = _vector(poses.poses[0].position) if poses.poses else None
-    return session.take_pose(stamp_ns(poses), position)
+    return session.take_pose(stamp_ns, position)
 
 
-def _traversal(session: MetricsSession, values: Message) -> Remark | None:
+def _traversal(session: MetricsSession, values: Message, _: int) -> Remark | None:
     label = values.layout.dim[0].label if values.layout.dim else ""
     return session.take_traversal(list(values.data), label.split(",") if label else TRAVERSAL)
 
@@ -94,7 +94,7 @@ SENSORS = (
     Source(
         ODOMETRY.name,
         "nav_msgs/msg/Odometry",
-        lambda session, odometry: session.take_odometry(stamp_ns(odometry), _velocity(odometry)),
+        lambda session, odometry, stamp_ns: session.take_odometry(stamp_ns, _velocity(odometry)),
         ODOMETRY,
     ),
 )
@@ -102,13 +102,13 @@ TRUTH = (
     Source(
         "/odom_ground_truth",
         "nav_msgs/msg/Odometry",
-        lambda session, odometry: session.take_true_velocity(_velocity(odometry)),
+        lambda session, odometry, _: session.take_true_velocity(_velocity(odometry)),
         is_truth=True,
     ),
     Source(
         "/rover/truth/contact",
         "std_msgs/msg/Bool",
-        lambda session, contact: session.take_contact(touches=contact.data),
+        lambda session, contact, _: session.take_contact(touches=contact.data),
         has_stamp=False,
         is_truth=True,
     ),

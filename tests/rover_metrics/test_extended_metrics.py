@@ -46,7 +46,7 @@ class Feed:
     def _take(self, topic: str, t: float = 0.0, **fields: Any) -> bool:  # noqa: ANN401
         sec, nanosec = divmod(ns(t), 10**9)
         header = SimpleNamespace(stamp=SimpleNamespace(sec=sec, nanosec=nanosec))
-        remark = SOURCES[topic].take(self.session, SimpleNamespace(header=header, **fields))
+        remark = SOURCES[topic].take(self.session, SimpleNamespace(header=header, **fields), ns(t))
         return remark is None or not remark.left_out
 
     def scan(self, t: float, *ranges: float, first: float = 0.0, step: float = math.pi / 2) -> bool:

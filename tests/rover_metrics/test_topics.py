@@ -89,7 +89,7 @@ def test_a_message_is_one_sample_and_what_the_session_remarks_is_told(
 ) -> None:
     session: Mock = create_autospec(MetricsSession, instance=True)
     getattr(session, expected[0]).return_value = remark = Remark("odd")
-    assert source.take(session, message) is remark
+    assert source.take(session, message, STAMP_NS) is remark
     assert session.mock_calls == [expected]
 
 

@@ -125,7 +125,8 @@ class Playback:
         return message.time_ns
 
     def _take(self, topic: str, parsed: Any) -> None:  # noqa: ANN401
-        remark, count = self._sources[topic].take(self._session, parsed), self.counts[topic]
+        source, count = self._sources[topic], self.counts[topic]
+        remark = source.take(self._session, parsed, stamp_ns(parsed) if source.has_stamp else 0)
         if remark is not None and remark.left_out:
             count.rejected += 1
         else:

@@ -47,10 +47,10 @@ def test_an_account_leaves_pauses_out_of_the_wall_time_and_has_the_first_row_sin
 ) -> None:
     wall = iter((10.0, 13.0, 17.0, 21.0))  # made, and at each batch
     monkeypatch.setattr(results, "time", SimpleNamespace(monotonic=lambda: next(wall)))
-    rows, told = iter((0, 1, 1, 1)), list[RunResult]()
+    told = list[RunResult]()
     result = RunResult(config=EpisodeConfig(duration=2.0), mode="")
     account = RunAccount(
-        result, 4.0, told.append, lambda: {"/a": TopicCount(7)}, lambda: next(rows), lambda: 2.0
+        result, 4.0, told.append, lambda: {"/a": TopicCount(7)}, lambda: len(told), lambda: 2.0
     )
     truths = [Truth(last * TICK_NS, path_length=0.1 * last) for last in (2, 4, 6)]
     for truth in truths:
