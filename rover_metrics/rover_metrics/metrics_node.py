@@ -14,10 +14,10 @@ from rover_metrics.errors import ParameterError, RoverMetricsError, missing_ros
 try:
     from rcl_interfaces.msg import SetParametersResult
     from rclpy.context import Context
-    from rclpy.node import Node
     from rclpy.parameter import Parameter
     from std_srvs.srv import Trigger
 
+    from rover_metrics.ros.guarded_node import GuardedNode
     from rover_metrics.ros.metrics_publisher import MetricsPublisher
     from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_type
     from rover_metrics.ros.program import run_node
@@ -28,7 +28,7 @@ except ImportError as error:
 
 from rover_metrics.extended.traffic_columns import POSE, SCAN, Topic
 from rover_metrics.health.live_view import LiveView, Status
-from rover_metrics.health.reception import LOST, Reception
+from rover_metrics.health.reception import LOST
 from rover_metrics.health.rejections import NO_POSE
 from rover_metrics.log.buffered_log import BufferedLog
 from rover_metrics.log.session_record import SessionRecord
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 LOG_PERIOD = 1.0  # seconds of ROS time
 
 
-class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
+class MetricsNode(GuardedNode):
     """Logs the traversal metrics of a rover once per second of ROS time.
 
     Args:
@@ -72,7 +72,6 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         now: Callable[[], datetime] = datetime.now,
     ) -> None:
         super().__init__("metrics_node", context=context, parameter_overrides=parameter_overrides)
-        self.reception = Reception(self._tell)
         try:
             self.settings = declare_settings(self)
             extended = self.settings.extended if self.settings.extended_columns else None
@@ -186,9 +185,6 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         assert self.last_row is not None  # noqa: S101 - a row comes first
         states = self.reception.states()
         return self._view.statuses(self.last_row, states, self.settings.thresholds, now_ns)
-
-    def _tell(self, line: str) -> None:
-        self.get_logger().warning(line)
 
     def _debug(self, source: Source, topic: str) -> None:
         if self.received[topic] % self.settings.debug_interval:
