@@ -26,6 +26,7 @@ try:
 except ImportError as error:
     raise missing_ros(error, is_program=__name__ == "__main__") from None
 
+from rover_metrics.extended.settings import check_name
 from rover_metrics.extended.traffic_columns import POSE, SCAN, Topic
 from rover_metrics.health.live_view import LiveView, Status
 from rover_metrics.health.reception import LOST
@@ -73,6 +74,8 @@ class MetricsNode(GuardedNode):
     ) -> None:
         super().__init__("metrics_node", context=context, parameter_overrides=parameter_overrides)
         try:
+            for name in self._parameter_overrides:  # rclpy ignores one that nobody declares
+                check_name(name, may_be_others=True)
             self.settings = declare_settings(self)
             extended = self.settings.extended if self.settings.extended_columns else None
             self.session = MetricsSession(self.settings.thresholds, extended)

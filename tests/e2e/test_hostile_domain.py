@@ -199,7 +199,7 @@ def test_broken_messages_and_requests_neither_end_nor_bloat_a_program_nor_cost_a
 ) -> None:
     alone, hosted = tmp_path / "alone", tmp_path / "hosted"
     node = [*NODE, "-p", f"log_dir:={alone}", *APART]
-    run = [*RUN, "--rate", "8", "--extended", "--log-dir", str(hosted), "--lidar-beams", "8"]
+    run = [*RUN, "--rate", "2", "--extended", "--log-dir", str(hosted), "--lidar-beams", "8"]
     with ExitStack() as at_end:
         programs = [
             at_end.enter_context(started(node, alone)),

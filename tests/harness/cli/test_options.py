@@ -7,6 +7,7 @@ from harness.cli.options import DEFAULT_LOG_DIR, RunOptions, parse_run, split_ro
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.metrics_feed import extended_ros_args
 from harness.errors import UsageError
+from rover_metrics.extended.settings import Settings
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 
@@ -34,7 +35,8 @@ def test_without_words_all_options_are_the_default_ones() -> None:
         config=EpisodeConfig(),
         ros=RosOptions(log_dir=DEFAULT_LOG_DIR),
         direct=False,
-        extended=False,
+        settings=Settings(),
+        params=None,
         report=None,
         summary=None,
         picture=None,
@@ -80,7 +82,7 @@ def test_every_word_about_the_episode_reaches_it() -> None:
         ("--record a.mcap", "ros.record", Path("a.mcap")),
         ("--log-dir logs", "ros.log_dir", Path("logs")),
         ("--direct", "direct", True),
-        ("--extended", "extended", True),
+        ("--extended", "settings.extended_columns", True),
         ("--report a.html", "report", Path("a.html")),
         ("--summary a.json", "summary", Path("a.json")),
         ("--picture a.png", "picture", Path("a.png")),
