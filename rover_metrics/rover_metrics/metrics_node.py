@@ -19,7 +19,7 @@ try:
 
     from rover_metrics.ros.guarded_node import GuardedNode
     from rover_metrics.ros.metrics_publisher import MetricsPublisher
-    from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_type
+    from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_name_or_type
     from rover_metrics.ros.program import run_node
     from rover_metrics.ros.row_timer import RowTimer
     from rover_metrics.ros.subscriptions import subscribe
@@ -148,7 +148,7 @@ class MetricsNode(GuardedNode):
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
         """Sets all of the parameters or none; also what ros2 param set comes down to."""
-        reason = wrong_type(self, parameter_list)
+        reason = wrong_name_or_type(self, parameter_list)
         if reason is not None:
             return SetParametersResult(successful=False, reason=reason)
         return super().set_parameters_atomically(parameter_list)

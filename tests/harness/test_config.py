@@ -147,3 +147,16 @@ def test_a_file_that_has_been_written_anew_is_another_world(tmp_path: Path) -> N
         reliefs.append(np.ptp(config.world().ground.heights))
     assert reliefs == pytest.approx([1.0, 2.0])
     assert config.world() is config.world()
+
+
+@pytest.mark.parametrize("fault", ["imu:nan@{}", "imu:nan@{}+5", "clock:reset@{}"])
+def test_a_fault_may_begin_with_the_last_tick_but_not_after_it(fault: str) -> None:
+    for begin in (0.0, 2.99, 3.0):
+        EpisodeConfig(duration=3.0, faults=(fault.format(begin),)).validate()
+    late = fault.format(3.01)
+    with pytest.raises(UsageError) as refused:
+        EpisodeConfig(duration=3.0, faults=("imu:nan", late)).validate()
+    assert str(refused.value) == (
+        f"fault '{late}' begins after the end of the run at 3 s; begin it earlier, or give a longer "
+        "--duration"
+    )

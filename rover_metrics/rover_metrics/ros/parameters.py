@@ -46,7 +46,7 @@ def declare_reliability(node: Node, topic: str, default: str) -> tuple[str, str]
     return name, value
 
 
-def wrong_type(node: Node, parameters: Iterable[Parameter]) -> str | None:
+def wrong_name_or_type(node: Node, parameters: Iterable[Parameter]) -> str | None:
     """Returns what is valid for the first parameter of a wrong name or type; None if all fit.
 
     rclpy rejects these too, but names the types by number: "expected '3' got '2'", and names never.
