@@ -98,7 +98,7 @@ def _hit_cell(
     if after <= 0.0:
         return begin + (crossing - begin) * (before / (before - after))
     if crossing < end:
-        last = side * (other_start + other_rate * end)
+        last: float = side * (other_start + other_rate * end)
         if last <= 0.0:
             return crossing + (end - crossing) * (after / (after - last))
     return MISS

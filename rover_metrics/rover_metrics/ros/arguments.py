@@ -36,6 +36,13 @@ def complaint(words: Sequence[str], own: Iterable[str] = ()) -> str | None:
     return None
 
 
+def refusal(error: RuntimeError) -> str:
+    """Returns why rclpy does not start, in one line, with the mend where it says none."""
+    reason = " ".join(str(error).split())
+    mend = "; ROS_LOG_DIR names another folder" if "log directory" in reason else ""
+    return reason + mend
+
+
 def _unknown(word: str, own: Sequence[str]) -> str:
     option = word.partition("=")[0]
     if option in own:

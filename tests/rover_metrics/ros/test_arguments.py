@@ -1,6 +1,6 @@
 import pytest
 
-from rover_metrics.ros.arguments import complaint
+from rover_metrics.ros.arguments import complaint, refusal
 
 OWN = ("--seed", "--params", "-h")
 
@@ -40,3 +40,9 @@ def test_options_that_ros_knows_and_words_of_others_are_none_of_its_business(wor
 )
 def test_an_option_that_ros_does_not_know_is_named_with_the_nearest(words: str, told: str) -> None:
     assert told in str(complaint(words.split(), OWN))
+
+
+def test_a_refusal_is_one_line_and_says_what_else_a_log_could_be_written_to() -> None:
+    assert refusal(RuntimeError("Couldn't parse\n  rule 'x'")) == "Couldn't parse rule 'x'"
+    told = refusal(RuntimeError("Failed to create log directory: /x"))
+    assert told == "Failed to create log directory: /x; ROS_LOG_DIR names another folder"
