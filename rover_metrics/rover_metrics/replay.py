@@ -22,7 +22,7 @@ except ImportError as error:
     print(f"replay needs two libraries: pip install rosbags mcap ({error})", file=sys.stderr)
     raise SystemExit(2) from None
 
-from rover_metrics.errors import LogError, RoverMetricsError
+from rover_metrics.errors import LogError, run_program
 from rover_metrics.extended.settings import Settings
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.session import MetricsSession
@@ -34,10 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = parser().parse_args(arguments)
     try:
-        return _replay(options)
-    except RoverMetricsError as error:
-        print(f"replay: {error}", file=sys.stderr)
-        return error.exit_code
+        return run_program("replay", lambda: _replay(options))
     except KeyboardInterrupt:
         print("replay: stopped by SIGINT", file=sys.stderr)
         return INTERRUPTED

@@ -13,7 +13,6 @@ import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path, PurePath
-from urllib.parse import quote
 
 import zstandard
 from ruamel.yaml import YAML
@@ -81,7 +80,7 @@ class SqliteFile:
         """Opens for reading; nothing is written, unless a write-ahead log has to be taken in."""
         wal = self._path.with_name(f"{self._path.name}-wal")
         mode = "mode=ro" if wal.exists() else "mode=ro&immutable=1"
-        database = sqlite3.connect(f"file:{quote(str(self._path.absolute()))}?{mode}", uri=True)
+        database = sqlite3.connect(f"{self._path.absolute().as_uri()}?{mode}", uri=True)
         # Lets SQLite open a file that is shorter than its header says.
         database.execute("PRAGMA writable_schema=ON")
         return database
