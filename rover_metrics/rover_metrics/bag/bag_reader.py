@@ -12,6 +12,7 @@ import sqlite3
 import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import ExitStack, closing
+from itertools import islice
 from pathlib import Path, PurePath
 
 import zstandard
@@ -21,6 +22,7 @@ from ruamel.yaml.error import YAMLError
 from rover_metrics.bag.mcap_stream import BagError, McapFile, Message
 
 LARGEST_SKIP = 2**32  # rows
+MOST_NAMED = 5  # bags, where the folder that holds them was given
 SUFFIXES = (".mcap", ".db3", ".mcap.zstd", ".db3.zstd")
 MCAP_MAGIC = b"\x89MCAP0\r\n"
 SQLITE_MAGIC = b"SQLite format 3\0"
@@ -122,7 +124,9 @@ class Bag(ExitStack):
             return [self.path]
         there = sorted((p for p in self.path.iterdir() if p.name.endswith(SUFFIXES)), key=_natural)
         if not there:
-            raise BagError(f"{self.path} is no bag: the folder holds no .mcap and no .db3 file")
+            below = _bags_below(self.path)
+            told = f"; bags in it: {', '.join(below)}" if below else ""
+            raise BagError(f"{self.path} is no bag: the folder holds no .mcap and no .db3 file{told}")
         return self._listed_paths() or there
 
     def _listed_paths(self) -> list[Path]:
@@ -186,6 +190,19 @@ class Bag(ExitStack):
         except zstandard.ZstdError:
             data = b""  # counts as an unreadable message of its topic
         return message._replace(data=data)
+
+
+def _bags_below(folder: Path) -> list[str]:
+    """Names of bags among the folders in this one, a few; nothing deeper is looked at."""
+    bags = (each.name for each in folder.iterdir() if each.is_dir() and _holds_a_recording(each))
+    return sorted(islice(bags, MOST_NAMED))
+
+
+def _holds_a_recording(folder: Path) -> bool:
+    try:
+        return any(path.name.endswith(SUFFIXES) for path in folder.iterdir())
+    except OSError:
+        return False  # of somebody else
 
 
 def _first_bytes(path: Path) -> bytes:
