@@ -7,7 +7,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.mark.parametrize("command", ["run", "tune", "check", "validate", "topics"])
+@pytest.mark.parametrize("command", ["run", "tune", "check", "validate", "topics", "call"])
 def test_in_a_python_without_the_project_each_command_says_which_one_has_it(command: str) -> None:
     words = [sys.executable, "-S", "-m", f"harness.{command}"]  # -S: nothing that was installed
     run = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
