@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from harness.edge import begin_program, run_program
+from harness.cli.edge import begin_program, run_program
 
 if __name__ == "__main__":
     begin_program("harness.check")

@@ -13,7 +13,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from harness.edge import begin_program, run_program
+from harness.cli.edge import begin_program, run_program
 
 if __name__ == "__main__":
     begin_program("harness.run")

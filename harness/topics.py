@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from harness.edge import begin_program, run_program
+from harness.cli.edge import begin_program, run_program
 
 if __name__ == "__main__":
     begin_program("harness.topics")
