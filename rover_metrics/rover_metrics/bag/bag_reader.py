@@ -194,7 +194,7 @@ class Bag(ExitStack):
 
 def _bags_below(folder: Path) -> list[str]:
     """Names of bags among the folders in this one, a few; nothing deeper is looked at."""
-    bags = (each.name for each in folder.iterdir() if each.is_dir() and _holds_a_recording(each))
+    bags = (each.name for each in folder.iterdir() if _holds_a_recording(each))
     return sorted(islice(bags, MOST_NAMED))
 
 
@@ -202,7 +202,7 @@ def _holds_a_recording(folder: Path) -> bool:
     try:
         return any(path.name.endswith(SUFFIXES) for path in folder.iterdir())
     except OSError:
-        return False  # of somebody else
+        return False  # no folder, or somebody else's
 
 
 def _first_bytes(path: Path) -> bytes:

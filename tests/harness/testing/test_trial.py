@@ -206,7 +206,7 @@ def test_an_exception_leaves_recording_and_page_and_says_where(
         with Trial(config, folder) as one:
             one.step(0.1)
             one.reset(seed=1)
-            one.step(0.2)
+            one.step(0.22)  # the page shows whole control periods of 50 ms
             assert not fails
 
     drive(tmp_path / "kept", fails=False)
@@ -216,6 +216,7 @@ def test_an_exception_leaves_recording_and_page_and_says_where(
     page, recording = tmp_path / "kept/trial.html", tmp_path / "kept/trial.mcap"
     assert capfd.readouterr().err == f"kept: {page}\nkept: {recording}\n"
     assert set((tmp_path / "kept").iterdir()) == {page, recording}
+    assert "after 0.3 of 60.0" in re.sub(r"\s+", " ", page.read_text())
     (tmp_path / "file").touch()
     with pytest.raises(AssertionError):
         drive(tmp_path / "file", fails=True)
