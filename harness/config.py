@@ -18,7 +18,14 @@ from harness.sensors.noise import PRESETS
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
 from harness.world.heightmap.dem import TerrainFile, file_world, is_terrain_file
 from harness.world.terrains import TERRAINS
-from harness.world.world import DEFAULT_DIFFICULTY, World, build_world
+from harness.world.world import (
+    DEFAULT_DIFFICULTY,
+    Start,
+    World,
+    build_world,
+    check_start,
+    starting_at,
+)
 
 LIDAR_BEAMS, IMU_RATE = 640, 20
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
@@ -45,6 +52,7 @@ class EpisodeConfig:
     difficulty: float = DEFAULT_DIFFICULTY
     terrain_size: tuple[float, float] | None = None  # [m] along x and y, of a terrain from a file
     terrain_height: float | None = None  # [m] of relief, likewise
+    start: Start | None = None  # x, y [m], yaw [rad] in the world; None: where the terrain has it
     timestep: float = DEFAULT_TIMESTEP_NS / NANOSECONDS
     noise: str | None = None  # a preset's name; None for exact sensors
     lidar_beams: int = LIDAR_BEAMS
@@ -65,15 +73,24 @@ class EpisodeConfig:
         """Returns the world, which is built once and then shared: nobody changes one.
 
         Raises:
-            UsageError: The terrain's file is not usable.
+            UsageError: The terrain's file is not usable, or the start is off the map.
         """
+        world = self._terrain_world()
+        return world if self.start is None else starting_at(world, self.start)
+
+    def _terrain_world(self) -> World:
         if not is_terrain_file(self.terrain):
             return _world(self.terrain, self.seed, self.difficulty)
         file = self._terrain_file()
         return _file_world(file, self.seed, file.path.stat().st_mtime_ns if file.path.exists() else 0)
 
     def _terrain_file(self) -> TerrainFile:
-        return TerrainFile(path=Path(self.terrain), size=self.terrain_size, relief=self.terrain_height)
+        return TerrainFile(
+            path=Path(self.terrain),
+            size=self.terrain_size,
+            relief=self.terrain_height,
+            needs_start=self.start is None,
+        )
 
     def _validate_terrain(self) -> None:
         if is_terrain_file(self.terrain):
@@ -100,6 +117,8 @@ class EpisodeConfig:
         if self.noise is not None:
             find_named("noise preset", self.noise, PRESETS)
         check_duration(self.duration)
+        if self.start is not None:
+            check_start(self.start)
         if self.seed < 0:
             raise UsageError(f"seed {self.seed} is not valid; give a whole number from 0 up")
         if not 0.0 <= self.difficulty <= 1.0:

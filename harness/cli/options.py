@@ -14,6 +14,7 @@ from harness.errors import UsageError
 from harness.faults.spec import FORM, describe_faults
 from harness.robots import ROVERS, find_rover
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
+from harness.world.world import Start
 from rover_metrics.errors import OneLineParser
 from rover_metrics.extended.settings import Settings
 
@@ -90,6 +91,7 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         UsageError: Two options exclude each other; the message names the mend.
     """
     words, ros_args = split_ros_args(arguments)
+    words = _joined("--start", words)  # argparse takes -3,4 for an option
     parser = run_parser()
     given = parser.parse_args(words)
     if given.terrain_size is not None:
@@ -111,6 +113,15 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         ros_args=(*namespace_args, *extended_args, *ros_args),
     )
     return _filled(RunOptions, given, config=config, ros=ros)
+
+
+def _joined(flag: str, words: Sequence[str]) -> list[str]:
+    """The same words, with `flag value` as `flag=value`."""
+    words = list(words)
+    while flag in words[:-1]:
+        place = words.index(flag)
+        words[place : place + 2] = [f"{flag}={words[place + 1]}"]
+    return words
 
 
 def _filled(cls: type[T], given: argparse.Namespace, **others: object) -> T:
@@ -177,6 +188,8 @@ def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
     world.add_argument("--terrain-size", type=float, nargs="+", metavar="M", help=about)
     about = "relief, lowest to highest point, of a heightmap that does not say"
     world.add_argument("--terrain-height", type=float, metavar="M", help=about)
+    about = "where it starts on the map, in m, and its heading, in rad from +x to +y (docs/worlds.md)"
+    world.add_argument("--start", type=_start, metavar="X,Y[,YAW]", help=about)
     _add(world, EPISODE, defaults)
 
 
@@ -193,6 +206,16 @@ def _add_run(run: Group) -> None:
     about = "keep lock-step with a node in another process; repeatable"
     run.add_argument("--wait-for", action="append", default=[], metavar="NODE", help=about)
     _add(run, FILES)
+
+
+def _start(text: str) -> Start:
+    words = text.split(",")
+    try:
+        x, y, yaw = map(float, words if len(words) == 3 else [*words, "0"])
+    except ValueError:
+        message = f"'{text}' is not valid; give X,Y or X,Y,YAW in metres and radians"
+        raise argparse.ArgumentTypeError(message) from None
+    return x, y, yaw
 
 
 def _rate(text: str) -> float | None:

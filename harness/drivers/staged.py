@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from harness.drivers.base import CONTROL_PERIOD, DriverContext, Observation
+from harness.errors import UsageError
 from harness.samples import Twist
 from harness.world.obstacles import Obstacle, ObstacleKind, half_extent
+from harness.world.terrains import WITH_HAZARDS
 
 Point = tuple[float, float]
 
@@ -68,19 +70,27 @@ class Meeting:
 class StagedEncounter(ABC):
     """Goes from hazard to hazard; a subclass says how each is met.
 
-    Without hazards it stands still.
+    Raises:
+        UsageError: There is none within reach; the message names terrains that have some.
     """
 
     summary: ClassVar[str]
 
     def __init__(self, context: DriverContext) -> None:
         self.rover, self.rng = context.rover, context.rng
-        reach = context.half_size - BORDER
+        reach_x, reach_y = (half - BORDER for half in context.half_size)
         self._hazards = [
             o
             for o in context.obstacles
-            if o.kind is ObstacleKind.HAZARD and max(map(abs, o.position[:2])) < reach
+            if o.kind is ObstacleKind.HAZARD
+            and abs(o.position[0]) < reach_x
+            and abs(o.position[1]) < reach_y
         ]
+        if not self._hazards:
+            raise UsageError(
+                f"it {self.summary.partition(' (')[0]}, and none stands {BORDER:g} m or more from "
+                f"the edge; terrains with hazards: {', '.join(WITH_HAZARDS)}"
+            )
         self._now = Observation(time_ns=0, x=0.0, y=0.0, yaw=0.0, ranges=None)
         self._script = self._visits()
 
@@ -103,7 +113,7 @@ class StagedEncounter(ABC):
     def command(self, observation: Observation) -> Twist:
         """Returns the next twist of the script."""
         self._now = observation
-        return next(self._script, Twist())
+        return next(self._script)
 
     @property
     def here(self) -> Point:
@@ -137,7 +147,7 @@ class StagedEncounter(ABC):
 
     def _visits(self) -> Iterator[Twist]:
         last: Obstacle | None = None
-        while self._hazards:
+        while True:
             hazard = last = self._next_hazard(last)
             x, y, _ = hazard.position
             here = self.here
