@@ -59,6 +59,12 @@ class EpisodeConfig:
     imu_rate: int = IMU_RATE
     faults: tuple[str, ...] = ()  # on the way to listeners; the episode itself does not see them
 
+    def __post_init__(self) -> None:
+        """Takes lists for tuples, as JSON gives them back."""
+        for name in ("terrain_size", "start", "faults"):
+            if isinstance(value := getattr(self, name), list):
+                object.__setattr__(self, name, tuple(value))
+
     @property
     def total_ticks(self) -> int:
         """Clock ticks from start to end."""
