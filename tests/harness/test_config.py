@@ -133,7 +133,7 @@ def test_a_file_becomes_a_world_of_the_size_and_height_given(tmp_path: Path) -> 
     np.save(tmp_path / "ramp.npy", heights)
     path = str(tmp_path / "ramp.npy")
     world = EpisodeConfig(terrain=path, terrain_size=(20.0, 20.0), terrain_height=0.5, seed=3).world()
-    assert (world.ground.half_size, world.seed) == (10.0, 3)
+    assert (world.ground.half_size, world.seed) == ((10.0, 10.0), 3)
     assert np.ptp(world.ground.heights) == pytest.approx(0.5, abs=1e-6)
 
 

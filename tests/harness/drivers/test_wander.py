@@ -21,7 +21,7 @@ MakeDice = Callable[..., np.random.Generator]
 
 
 def wander(rng: np.random.Generator, rover: RoverSpec = LEO, bearings: np.ndarray = BEARINGS) -> Wander:
-    return Wander(DriverContext(rover, 20.0, bearings, rng))
+    return Wander(DriverContext(rover, (20.0, 20.0), bearings, rng))
 
 
 def seen(
@@ -207,7 +207,7 @@ def test_roam_takes_wanders_way_at_a_new_speed_every_eight_seconds(
     top = rover.wheel_speed_limit * rover.wheel_radius
     free = np.full(8, np.inf, dtype=np.float32)
     shares = (0.0, 1.0, 0.5, 1.0, 0.5)
-    roam = Roam(DriverContext(rover, 20.0, np.linspace(-3.0, 3.0, 8), dice(*shares)))
+    roam = Roam(DriverContext(rover, (20.0, 20.0), np.linspace(-3.0, 3.0, 8), dice(*shares)))
     for second, share in ((0.0, 0.2), (7.95, 0.2), (8.0, 0.9), (15.95, 0.9), (16.0, 0.55)):
         here = 0.3 * second  # it gets on, towards a goal 10 m straight ahead of where it began
         twist = roam.command(Observation(round(second * 1e9), min(here, 9.0), 0.0, 0.3, free))

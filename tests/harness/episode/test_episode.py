@@ -366,7 +366,7 @@ def test_an_episode_says_what_it_is_made_of() -> None:
     assert info.terrain_hash == terrain_hash(world)
     assert info.model_hash == hashlib.sha256(LEO.model_path.read_bytes()).hexdigest()
     assert (info.obstacles, info.notes) == (len(world.obstacles), world.notes)
-    assert info.map_size == pytest.approx(40.0)
+    assert (info.map_size, info.start) == (pytest.approx((40.0, 40.0)), (0.0, 0.0, 0.0))
 
 
 def test_divergence_is_reported_with_time_and_state(

@@ -101,7 +101,7 @@ def test_every_figure_of_a_run_stands_in_its_manifest() -> None:
     told = manifest(
         result(
             truth=replace(truth, largest_tilt=1.5, tipped_over=True, resets=8),
-            info=EpisodeInfo("model", "terrain", 3, 40.0, ("cut",)),
+            info=EpisodeInfo("model", "terrain", 3, (40.0, 30.0), (1.0, 2.0, 0.5), ("cut",)),
             paused_s=9.0,
             first_row_s=0.25,
             rows=2,
@@ -119,7 +119,8 @@ def test_every_figure_of_a_run_stands_in_its_manifest() -> None:
         "model_hash": "model",
         "terrain_hash": "terrain",
         "obstacles": 3,
-        "map_size": 40.0,
+        "map_size": [40.0, 30.0],
+        "start": [1.0, 2.0, 0.5],
         "notes": ["cut"],
     }
     expected = {
