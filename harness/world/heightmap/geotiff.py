@@ -79,19 +79,24 @@ def read_grid(page: tifffile.TiffPage) -> Grid:
 
 def _affine(page: tifffile.TiffPage) -> Affine | None:
     """From columns and rows, counted from the corner of the first pixel, to coordinates."""
-    scale, ties = page.tags.valueof(PIXEL_SCALE), page.tags.valueof(TIE_POINTS)
-    full = page.tags.valueof(TRANSFORMATION)
-    if scale is not None and len(scale) >= 2:
+    scale, full = _numbers(page, PIXEL_SCALE, 2), _numbers(page, TRANSFORMATION, 16)
+    if scale is not None:
         # A negative depth is a writer's mistake, says GDAL: rows run south all the same.
         width, depth = abs(scale[0]), abs(scale[1])
-        column, row, _, x, y, _ = ties[:6] if ties is not None and len(ties) >= 6 else (0.0,) * 6
+        column, row, _, x, y, _ = _numbers(page, TIE_POINTS, 6) or (0.0,) * 6
         affine = np.array([[width, 0.0, x - width * column], [0.0, -depth, y + depth * row]])
-    elif full is not None and len(full) == 16:
+    elif full is not None:
         affine = np.array(full, np.float64).reshape(4, 4)[:2, [0, 1, 3]]
     else:
         return None
     usable = np.isfinite(affine).all() and np.abs(affine[:, :2]).max(axis=0).all()
     return affine if usable else None
+
+
+def _numbers(page: tifffile.TiffPage, tag: int, count: int) -> tuple[float, ...] | None:
+    """The first of a tag's numbers; None if it has fewer."""
+    numbers = page.tags.valueof(tag)
+    return numbers[:count] if isinstance(numbers, tuple) and len(numbers) >= count else None
 
 
 def _placed(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) -> Grid:

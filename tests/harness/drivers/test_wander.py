@@ -21,7 +21,7 @@ MakeDice = Callable[..., np.random.Generator]
 
 
 def wander(rng: np.random.Generator, rover: RoverSpec = LEO, bearings: np.ndarray = BEARINGS) -> Wander:
-    return Wander(DriverContext(rover, (20.0, 20.0), bearings, rng))
+    return Wander(DriverContext(rover, (20.0, 15.0), bearings, rng))
 
 
 def seen(
@@ -143,10 +143,10 @@ def test_a_goal_lies_4_to_10_m_away_on_the_map_and_holds_until_60_cm_before_it(
     assert rng.draws == 4  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize(("share", "goal"), [(0.25, (0.0, -17.0)), (0.75, (0.0, 17.0))])
+@pytest.mark.parametrize(("share", "goal"), [(0.25, (0.0, -12.0)), (0.75, (0.0, 12.0))])
 def test_goals_are_kept_off_every_edge(share: float, goal: tuple[float, float], dice: MakeDice) -> None:
     driver = wander(dice(1.0, share))
-    driver.command(seen(0.0, 0.0, math.copysign(12.0, goal[1])))
+    driver.command(seen(0.0, 0.0, math.copysign(7.0, goal[1])))
     beside = seen(1.0, 2.0, goal[1], math.pi)
     assert driver.command(beside).angular == pytest.approx(0.0)
 

@@ -49,7 +49,7 @@ def test_every_number_compression_predictor_layout_and_byte_order_is_read_as_wri
 def test_a_part_that_holds_too_little_is_damaged(files: dict[str, bytes]) -> None:
     page = page_of(files["float32-zlib-strips.tif"])
     page.databytecounts = (9, *page.databytecounts[1:])
-    with pytest.raises(ValueError, match="reshape|buffer"):
+    with pytest.raises(ValueError, match=r"reshape|buffer"):
         unpacked(page)
 
 

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from harness.world.obstacles import ObstacleKind
 from harness.world.statistics import slopes
 from harness.world.terrain import SPAWN_CLEARANCE, SPAWN_RADIUS, Terrain
 from harness.world.terrains import TERRAINS
@@ -91,6 +92,8 @@ def test_no_obstacle_stands_near_the_spawn(
 @DIFFICULTIES
 def test_obstacles_stand_inside_the_map(name: str, difficulty: float) -> None:
     world = world_of(name, 1, difficulty)
+    kinds = {obstacle.kind for obstacle in world.obstacles}
+    assert (ObstacleKind.HAZARD in kinds) is TERRAINS[name].has_hazards
     for obstacle in world.obstacles:
         axis_aligned = obstacle.quaternion == (1.0, 0.0, 0.0, 0.0)
         half = np.array(obstacle.half_size[:2])
