@@ -182,13 +182,13 @@ def _add(group: Group, options: Sequence[Option], defaults: object = None) -> No
 
 
 def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
-    about = "see --list, or a heightmap: GeoTIFF, TIFF, PNG, .npy"
+    about = "see --list, or a heightmap: GeoTIFF, TIFF, PNG, .npy (docs/worlds.md: axes, units)"
     world.add_argument("--terrain", default=defaults.terrain, metavar="NAME|FILE", help=about)
-    about = "side length, or width and depth, of a heightmap that does not say"
+    about = "length along x and y, or of both, of a heightmap that does not say"
     world.add_argument("--terrain-size", type=float, nargs="+", metavar="M", help=about)
     about = "relief, lowest to highest point, of a heightmap that does not say"
     world.add_argument("--terrain-height", type=float, metavar="M", help=about)
-    about = "where it starts on the map, in m, and its heading, in rad from +x to +y (docs/worlds.md)"
+    about = "where the rover starts [m] and its heading from +x to +y [rad]; the middle is 0,0"
     world.add_argument("--start", type=_start, metavar="X,Y[,YAW]", help=about)
     _add(world, EPISODE, defaults)
 

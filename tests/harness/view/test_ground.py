@@ -26,7 +26,7 @@ def test_a_sharp_crest_loses_its_teeth_and_little_of_its_height() -> None:
     raw, shown = rim(crater()), rim(drawn(crater()))
     assert np.ptp(raw) > 0.4
     assert np.ptp(shown) < 0.25 * np.ptp(raw)
-    assert shown.mean() == pytest.approx(raw.mean(), abs=0.2)
+    assert shown.mean() == pytest.approx(raw.mean(), abs=0.3)
 
 
 def test_away_from_crests_the_ground_is_where_it_was() -> None:
