@@ -6,7 +6,7 @@ of every kind for `harness.tune`, not to drive well.
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -71,28 +71,36 @@ class StagedEncounter(ABC):
     """Goes from hazard to hazard; a subclass says how each is met.
 
     Raises:
-        UsageError: There is none within reach; the message names terrains that have some.
+        UsageError: There is none to visit.
     """
 
     summary: ClassVar[str]
 
     def __init__(self, context: DriverContext) -> None:
         self.rover, self.rng = context.rover, context.rng
-        reach_x, reach_y = (half - BORDER for half in context.half_size)
-        self._hazards = [
-            o
-            for o in context.obstacles
-            if o.kind is ObstacleKind.HAZARD
-            and abs(o.position[0]) < reach_x
-            and abs(o.position[1]) < reach_y
-        ]
-        if not self._hazards:
-            raise UsageError(
-                f"it {self.summary.partition(' (')[0]}, and none stands {BORDER:g} m or more from "
-                f"the edge; terrains with hazards: {', '.join(WITH_HAZARDS)}"
-            )
+        self._hazards = self.hazards(context.obstacles, context.half_size)
         self._now = Observation(time_ns=0, x=0.0, y=0.0, yaw=0.0, ranges=None)
         self._script = self._visits()
+
+    @classmethod
+    def hazards(cls, obstacles: Sequence[Obstacle], half_size: tuple[float, float]) -> list[Obstacle]:
+        """Returns those that it visits.
+
+        Args:
+            obstacles: What stands in the world.
+            half_size: Half the lengths of the map along x and y [m].
+
+        Raises:
+            UsageError: There is none; the message names terrains that have some.
+        """
+        reach_x, reach_y = (half - BORDER for half in half_size)
+        within = [o for o in obstacles if abs(o.position[0]) < reach_x and abs(o.position[1]) < reach_y]
+        if hazards := [o for o in within if o.kind is ObstacleKind.HAZARD]:
+            return hazards
+        raise UsageError(
+            f"it {cls.summary.partition(' (')[0]}, and none stands {BORDER:g} m or more from the edge; "
+            f"terrains with hazards: {', '.join(WITH_HAZARDS)}"
+        )
 
     @abstractmethod
     def offset(self, width: float) -> float:
