@@ -10,6 +10,7 @@ from pathlib import Path
 
 from harness.drivers import find_driver
 from harness.drivers.base import CONTROL_PERIOD_NS
+from harness.drivers.staged import StagedEncounter
 from harness.errors import UsageError, find_named
 from harness.faults.spec import parse_faults
 from harness.robots import find_rover
@@ -83,6 +84,23 @@ class EpisodeConfig:
         """
         world = self._terrain_world()
         return world if self.start is None else starting_at(world, self.start)
+
+    def check_world(self) -> None:
+        """Checks what depends on the world, which is built only where something does.
+
+        Raises:
+            UsageError: The start is off the map, or there is nothing for the driver to meet.
+        """
+        driver = find_driver(self.driver)
+        meets_hazards = issubclass(driver, StagedEncounter)
+        if self.start is None and not meets_hazards:
+            return
+        world = self.world()
+        try:
+            if meets_hazards:
+                driver.hazards(world.obstacles, world.ground.half_size)
+        except UsageError as error:
+            raise UsageError(f"driver '{self.driver}' on {self.terrain}: {error}") from error
 
     def _terrain_world(self) -> World:
         if not is_terrain_file(self.terrain):

@@ -11,7 +11,7 @@ import numpy as np
 from harness.config import TICKS_PER_CONTROL, EpisodeConfig
 from harness.drivers import CmdVel, Driver, DriverContext, Observation, find_driver
 from harness.episode.batch import Batch, EpisodeInfo
-from harness.errors import RunFailed, UsageError
+from harness.errors import RunFailed
 from harness.physics.diff_drive import DiffDrive
 from harness.physics.scene import HAZARD_CONTACT, build_scene, model_hash
 from harness.physics.simulation import Simulation
@@ -35,6 +35,7 @@ class Episode:
 
     def __init__(self, config: EpisodeConfig) -> None:
         config.validate()
+        config.check_world()
         self.config = config
         rover = find_rover(config.robot)
         world = config.world()
@@ -79,12 +80,7 @@ class Episode:
         scene, (rng, *_) = self.simulation.scene, _generators(self.config.seed, 3)
         half_size, obstacles = scene.world.ground.half_size, scene.world.obstacles
         context = DriverContext(scene.rover, half_size, self._bearings, rng, obstacles)
-        try:
-            self._driver: Driver = find_driver(self.config.driver)(context)
-        except UsageError as error:
-            raise UsageError(
-                f"driver '{self.config.driver}' on {self.config.terrain}: {error}"
-            ) from error
+        self._driver: Driver = find_driver(self.config.driver)(context)
         self._last_scan: LaserScan | None = None
 
     def command(self, twist: Twist) -> None:
