@@ -92,15 +92,14 @@ class EpisodeConfig:
             UsageError: The start is off the map, or there is nothing for the driver to meet.
         """
         driver = find_driver(self.driver)
-        meets_hazards = issubclass(driver, StagedEncounter)
-        if self.start is None and not meets_hazards:
-            return
-        world = self.world()
-        try:
-            if meets_hazards:
+        if issubclass(driver, StagedEncounter):
+            world = self.world()
+            try:
                 driver.hazards(world.obstacles, world.ground.half_size)
-        except UsageError as error:
-            raise UsageError(f"driver '{self.driver}' on {self.terrain}: {error}") from error
+            except UsageError as error:
+                raise UsageError(f"driver '{self.driver}' on {self.terrain}: {error}") from error
+        elif self.start is not None:
+            self.world()
 
     def _terrain_world(self) -> World:
         if not is_terrain_file(self.terrain):
