@@ -103,6 +103,7 @@ def _run(
             check_target(flag, path)
     for note in config.world().notes if is_terrain_file(config.terrain) else ():
         console.print(f"{config.terrain}: {note}", soft_wrap=True, highlight=False)
+    config.check_world()
     drawing.prepare(config)
     with RunProgress(console, f"{config.robot} on {config.terrain}", config.duration) as bar:
         observers = (drawing, recorder) if options.report is not None else (drawing,)

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 from harness.samples import Tick, plain_value
 from harness.truth.traversal import ContactEvent, Truth
+from harness.world.world import Start
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,14 +14,16 @@ class EpisodeInfo:
     Attributes:
         model_hash: SHA-256 of the rover's model file; `terrain_hash` is that of heights and obstacles.
         obstacles: How many there are.
-        map_size: Side length [m].
-        notes: What was done to a heightmap file to make this map of it.
+        map_size: Its lengths along x and y [m].
+        start: Where the rover started: x, y [m], yaw [rad] of its model frame in the world.
+        notes: What a heightmap file holds, and what was done to it to make this map of it.
     """
 
     model_hash: str
     terrain_hash: str
     obstacles: int
-    map_size: float
+    map_size: tuple[float, float]
+    start: Start
     notes: tuple[str, ...] = ()
 
 
