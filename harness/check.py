@@ -167,7 +167,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--terrain", default=defaults.terrain, metavar="NAME", help="see harness.run")
     parser.add_argument("--robot", default=defaults.robot, metavar="NAME", help=", ".join(ROVERS))
-    parser.add_argument("--seed", type=int, default=defaults.seed, metavar="N")
+    about = "of everything random; the other seed is the next"
+    parser.add_argument("--seed", type=int, default=defaults.seed, metavar="N", help=about)
     parser.add_argument(
         "--duration", type=float, default=DEFAULT_DURATION, metavar="S", help="simulated seconds"
     )

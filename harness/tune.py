@@ -84,7 +84,7 @@ def _parser() -> argparse.ArgumentParser:
         "--robot",
         action="append",
         metavar="NAME",
-        help=f"{', '.join(ROVERS)}; repeatable, all by default",
+        help=f"{', '.join(ROVERS)}; repeatable; default: all",
     )
     parser.add_argument(
         "--episodes", type=int, default=EPISODES, metavar="N", help="worlds; each robot drives in all"
@@ -92,15 +92,14 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--duration", type=float, default=DURATION, metavar="S", help="simulated seconds of each episode"
     )
-    parser.add_argument("--seed", type=int, default=0, metavar="N")
-    parser.add_argument(
-        "--jobs", type=int, metavar="N", help="processes; by default as many as there are CPUs"
-    )
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the worlds and drives")
+    parser.add_argument("--jobs", type=int, metavar="N", help="processes; default: one per CPU")
     parser.add_argument(
         "--backend", default="local", metavar="NAME", help=f"who drives: {', '.join(BACKENDS)}"
     )
     parser.add_argument("--address", metavar="URL", help="of the Ray or Dask cluster")
-    parser.add_argument("--out", type=Path, default=OUT, metavar="DIR")
+    about = "folder for episodes and results"
+    parser.add_argument("--out", type=Path, default=OUT, metavar="DIR", help=about)
     return parser
 
 

@@ -71,7 +71,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="python -m harness.validate",
         description="Drives standard manoeuvres and compares the rovers with their sources.",
     )
-    parser.add_argument("--robot", metavar="NAME", help=f"{', '.join(ROVERS)}; all by default")
+    parser.add_argument("--robot", metavar="NAME", help=f"{', '.join(ROVERS)}; default: all")
     parser.add_argument(
         "--seed", type=int, default=0, metavar="N", help="headings and the unevenness of the floor"
     )

@@ -22,17 +22,20 @@ SLOWEST_RATE = 0.01
 
 T = TypeVar("T")
 
-Option = tuple[str, Callable[[str], Any], str, str | None]  # flag, type, metavar, help
+Option = tuple[str, Callable[[str], Any], str, str]  # flag, type, metavar, help
 
 EPISODE: tuple[Option, ...] = (
     ("--robot", str, "NAME", ", ".join(ROVERS)),
     ("--driver", str, "NAME", ", ".join(DRIVERS)),
-    ("--seed", int, "N", None),
+    ("--seed", int, "N", "of everything random"),
     ("--duration", float, "S", "simulated seconds"),
     ("--difficulty", float, "D", "0 to 1"),
     ("--timestep", float, "S", "physics step"),
 )
-SENSORS: tuple[Option, ...] = (("--lidar-beams", int, "N", None), ("--imu-rate", int, "HZ", None))
+SENSORS: tuple[Option, ...] = (
+    ("--lidar-beams", int, "N", "beams of the lidar, all around"),
+    ("--imu-rate", int, "HZ", "samples of the IMU a second"),
+)
 RECORD_HELP = (
     "record every published topic; a killed run's file is read by rover_metrics.replay as it is, and "
     "mended by: mcap recover FILE.mcap -o MENDED.mcap"
@@ -145,11 +148,10 @@ def run_parser() -> argparse.ArgumentParser:
         description="Drives a rover over rough terrain, publishes its sensors as ROS 2 topics and "
         "logs traversal metrics to CSV.",
         epilog="Arguments after --ros-args go to ROS, e.g. --ros-args -r scan:=front/scan.",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     _add_episode(parser.add_argument_group("episode"), EpisodeConfig())
     sensors = parser.add_argument_group("sensors")
-    about = f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_PRESET} if not named"
+    about = f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_PRESET} if not named; default: none"
     sensors.add_argument("--noise", nargs="?", const=DEFAULT_PRESET, metavar="NAME", help=about)
     _add(sensors, SENSORS, EpisodeConfig())
     about = f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable"
@@ -181,8 +183,9 @@ def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
 
 
 def _add_run(run: Group) -> None:
-    run.add_argument("--rate", type=_rate, metavar="R|max", help="times real time; max by default")
-    run.add_argument("--log-dir", type=Path, default=DEFAULT_LOG_DIR, metavar="DIR")
+    run.add_argument("--rate", type=_rate, metavar="R|max", help="times real time; default: max")
+    about = "folder for the log and its manifest"
+    run.add_argument("--log-dir", type=Path, default=DEFAULT_LOG_DIR, metavar="DIR", help=about)
     run.add_argument(
         "--namespace", default="", metavar="NAME", help="of all topics but /clock, e.g. rover1"
     )

@@ -30,6 +30,7 @@ from harness.view.camera import View, best_view, chase_view
 from harness.view.marks import Mark, add_marks, beam_marks, path_marks, track_marks
 from harness.view.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
 from harness.view.states import States, read_states
+from rover_metrics.errors import OneLineParser
 
 SCALE = 2  # a picture of 1280 x 640 is drawn twice as large: edges and shadows get smooth
 QUALITY = Quality(width=SCALE * 1280, height=SCALE * 640, samples=4, shadow_map=8192, slices=28)
@@ -152,14 +153,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = OneLineParser(
         prog="python -m harness.view.picture",
         description="Draws a recorded episode; without a recording, only tries out OpenGL.",
         epilog="MUJOCO_GL=egl or osmesa chooses OpenGL without a display.",
     )
-    parser.add_argument("recording", type=Path, nargs="?")
-    parser.add_argument("--picture", type=Path, metavar="FILE.png")
-    parser.add_argument("--video", type=Path, metavar="FILE.mp4")
+    parser.add_argument(
+        "recording", type=Path, nargs="?", help="states, as harness.view.states has them"
+    )
+    parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw its end")
+    parser.add_argument("--video", type=Path, metavar="FILE.mp4", help="draw all of it")
     parser.add_argument("--lidar", action="store_true", help="show the beams that hit something")
     return parser
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.core.thresholds import THRESHOLD_INFO
+from rover_metrics.errors import OneLineParser
 from rover_metrics.extended.metrics import EXTENDED_COLUMNS
 from rover_metrics.extended.settings import EXTENDED_INFO
 
@@ -39,9 +40,7 @@ THRESHOLDS_HEAD = """Parameters of `metrics_node`, which can be changed while it
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    parser = argparse.ArgumentParser(prog="python -m rover_metrics.dictionary", description=__doc__)
-    parser.add_argument("--write", type=Path, metavar="FILE", help="write it there, not to stdout")
-    options = parser.parse_args(arguments)
+    options = _parser().parse_args(arguments)
     if options.write is None:
         print(dictionary(), end="")
         return 0
@@ -51,6 +50,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"dictionary: cannot write {options.write}: {error.strerror}", file=sys.stderr)
         return 2
     return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = OneLineParser(
+        prog="python -m rover_metrics.dictionary",
+        description="Prints what the columns of a log and the thresholds mean, as Markdown.",
+    )
+    parser.add_argument("--write", type=Path, metavar="FILE", help="write there; default: stdout")
+    return parser
 
 
 def dictionary() -> str:
