@@ -59,6 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"harness.check: {error}", file=sys.stderr)
         return error.exit_code
     console.print(_table(config, findings))
+    if all(finding.passed for finding in findings):
+        console.print(proven(config, findings), soft_wrap=True, highlight=False)
     return _exit_code(findings, ros_was_asked_for=not options.no_ros)
 
 
@@ -123,6 +125,20 @@ def _table(config: EpisodeConfig, findings: Sequence[Finding]) -> Table:
             cells += [found.stream[:HASH_DIGITS], found.csv[:HASH_DIGITS]]
         table.add_row(finding.run, *cells, Text(finding.verdict, style))
     return table
+
+
+def proven(config: EpisodeConfig, findings: Sequence[Finding]) -> str:
+    """Returns what runs that all passed have proven, in one line."""
+    done = [finding for finding in findings if finding.found is not None]
+    *_, other = done
+    equal = ", ".join(finding.run for finding in done[:-1])
+    total = sum(finding.found.samples for finding in done if finding.found is not None)
+    left_out = "" if len(done) == len(findings) else ", not through ROS 2"
+    return (
+        f"proven for {config.robot} on {config.terrain}{left_out}: seed {config.seed} gives the same "
+        f"samples and the same CSV bytes in {len(done) - 1} runs ({equal}), {other.run} gives others, "
+        f"and none of {total:,} samples was lost"
+    )
 
 
 def _exit_code(findings: Sequence[Finding], *, ros_was_asked_for: bool) -> int:

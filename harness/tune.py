@@ -16,6 +16,7 @@ if __name__ == "__main__":  # what follows takes a second to load; Ctrl-C must n
 
 from rich.console import Console
 
+from harness.cli.console import counted
 from harness.errors import HarnessError
 from harness.interrupt import Interrupted, StopRequest
 from harness.robots import ROVERS, find_rover
@@ -23,7 +24,7 @@ from harness.tuning.backend import BACKENDS, backend_of
 from harness.tuning.episodes.plan import plan
 from harness.tuning.episodes.store import Store
 from harness.tuning.episodes.sweep import sweep
-from harness.tuning.output import print_studies, sweep_progress, write_results
+from harness.tuning.output import print_studies, write_results
 from harness.tuning.scoring.study import study
 from rover_metrics.errors import OneLineParser
 
@@ -51,12 +52,16 @@ def _tune(options: argparse.Namespace, console: Console) -> int:
     planned = plan(robots, options.episodes, options.seed, options.duration)
     with backend_of(options.backend, options.address, options.jobs) as backend:
         store = Store(options.out, planned)
-        with sweep_progress(console, planned) as show:
-            records = sweep(planned, store, backend, show)
-    studies = [study(robot, records, options.seed) for robot in robots]
+        with counted(console, f"driving {options.duration:g} s episodes") as show:
+            records = sweep(planned, store, backend, lambda done: show(done, len(planned)))
+    studies = []
+    for robot in robots:
+        with console.status(f"scoring the thresholds of {robot}"):
+            studies.append(study(robot, records, options.seed))
     print_studies(console, studies)
-    for path in write_results(options.out, studies, records, _command(robots, options)):
-        console.print(f"written: {path}", soft_wrap=True, highlight=False)
+    with console.status("drawing the page"):
+        for path in write_results(options.out, studies, records, _command(robots, options)):
+            console.print(f"written: {path}", soft_wrap=True, highlight=False)
     verdicts = [(each.robot, verdict) for each in studies for verdict in each.verdicts]
     lacks = [(robot, verdict) for robot, verdict in verdicts if verdict.lack is not None]
     for robot, verdict in lacks:

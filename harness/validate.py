@@ -41,7 +41,8 @@ def _suite(options: argparse.Namespace, console: Console) -> Sequence[str]:
     rovers = ROVERS.values() if options.robot is None else [find_rover(options.robot)]
     results = {}
     for rover in rovers:
-        results[rover.name] = validate(rover, options.seed)
+        with console.status(f"driving {rover.name}"):
+            results[rover.name] = validate(rover, options.seed)
         print_table(console, rover.name, results[rover.name])
     if options.write:
         write_between_markers(README, as_markdown(results))
@@ -50,7 +51,8 @@ def _suite(options: argparse.Namespace, console: Console) -> Sequence[str]:
 
 
 def _realism(options: argparse.Namespace, console: Console) -> Sequence[str]:
-    comparison = compare(options.realism, options.robot, options.seed)
+    with console.status(f"driving {options.robot} for ten minutes"):
+        comparison = compare(options.realism, options.robot, options.seed)
     print_comparison(console, comparison)
     return comparison.missed
 

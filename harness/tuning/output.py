@@ -1,14 +1,12 @@
 """What a sweep shows on the terminal, and the files it leaves behind: same sweep, same bytes."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Column, Table
 
 from harness import __version__
@@ -23,21 +21,6 @@ from rover_metrics.log.files import json_safe
 
 SCORES, REPORT = "scores.json", "report.html"
 DIGITS = 6  # of a score
-
-
-@contextmanager
-def sweep_progress(console: Console, planned: Sequence[Planned]) -> Iterator[Callable[[int], None]]:
-    """Yields what moves a bar, told how many episodes are done; silent where there is no terminal."""
-    with Progress(
-        TextColumn(f"[bold]driving {planned[0].config.duration:g} s episodes"),
-        BarColumn(bar_width=None),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-        console=console,
-        disable=not console.is_terminal,
-    ) as bar:
-        task = bar.add_task("", total=len(planned))
-        yield lambda done: bar.update(task, completed=done)
 
 
 def print_studies(console: Console, studies: Sequence[RobotStudy]) -> None:
