@@ -15,7 +15,7 @@ from harness.tuning.episodes.plan import Part, Planned
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.page.page import render
 from harness.tuning.parameter_file import parameter_file
-from harness.tuning.scoring.result import Candidate
+from harness.tuning.scoring.result import Candidate, Verdict
 from harness.tuning.scoring.study import RobotStudy, conclusions
 from rover_metrics.log.files import json_safe
 
@@ -45,16 +45,16 @@ def _table(study: RobotStudy) -> Table:
         box=SIMPLE_HEAD,
     )
     for verdict in study.verdicts:
-        tuned = "stays" if verdict.value is None else _scored(verdict.tuned, verdict.measure)
-        table.add_row(verdict.name, verdict.measure, _scored(verdict.default, verdict.measure), tuned)
+        tuned = "stays" if verdict.value is None else _scored(verdict, verdict.tuned)
+        table.add_row(verdict.name, verdict.measure, _scored(verdict, verdict.default), tuned)
     return table
 
 
-def _scored(candidate: Candidate | None, measure: str) -> str:
+def _scored(verdict: Verdict, candidate: Candidate | None) -> str:
     if candidate is None:
         return "-"
-    score = candidate.scores[Part.TEST][measure].text().replace(" (", "\n(")
-    return f"{candidate.value:g}: {score}"
+    score = candidate.scores[Part.TEST][verdict.measure].text(verdict.digits).replace(" (", "\n(")
+    return f"{verdict.told(candidate)}: {score}"
 
 
 def write_results(

@@ -27,7 +27,7 @@ def test_states_are_those_of_the_episode(tmp_path: Path) -> None:
 
 def test_speed_is_the_path_over_half_a_second_around_a_state() -> None:
     kept = np.delete(np.arange(1, 101), slice(40, 43))  # a fault took three states
-    times = kept * 0.04
+    times = np.asarray(kept * 0.04, dtype=np.float64)
     angle, climb = 0.5 * times, 0.3 * times  # a helix of radius 2 m: sqrt(1 + 0.09) m/s
     path = np.column_stack([2.0 * np.cos(angle), 2.0 * np.sin(angle), climb])
     states = States(CONFIG, times, path, np.tile([1.0, 0, 0, 0], (97, 1)), np.zeros((97, 4)))
