@@ -47,7 +47,7 @@ FILES: tuple[Option, ...] = (
 )
 PICTURES: tuple[Option, ...] = (
     ("--picture", Path, "FILE.png", "draw the rover at the end of its path"),
-    ("--video", Path, "FILE.mp4", "draw the run in at most 10 s (extra [video])"),
+    ("--video", Path, "FILE.mp4", "draw the run in at most 10 s, with time and speed (extra [video])"),
 )
 Group = argparse._ArgumentGroup  # noqa: SLF001 - what add_argument_group gives has no public name
 
@@ -160,7 +160,9 @@ def run_parser() -> argparse.ArgumentParser:
     _add_run(parser.add_argument_group("run"))
     pictures = parser.add_argument_group("pictures")
     _add(pictures, PICTURES)
-    pictures.add_argument("--picture-lidar", action="store_true", help="show the lidar's beams in them")
+    pictures.add_argument(
+        "--picture-lidar", action="store_true", help="show the lidar's hits and some of its beams"
+    )
     parser.add_argument("--list", action="store_true", help="print terrains, robots and drivers")
     parser.add_argument("--version", action="version", version=f"rover-harness {__version__}")
     return parser
