@@ -51,6 +51,7 @@ def test_it_finds_the_distance_that_separates_touching_from_passing(at: AtDistan
         (0.5, 1, True, None),  # only near returns tell the touch: no threshold adds to them
         (0.1, 0, None, 0.15),  # the default of 0.05 m is too small, and nothing is too near
         (0.04, 0, None, None),  # the defaults tell everything
+        (0.04, -1, None, None),  # and near returns, of what is passed, would only be false alarms
     ],
 )
 def test_near_returns_and_footprint_threshold_are_each_compared_with_their_default(
@@ -60,16 +61,17 @@ def test_near_returns_and_footprint_threshold_are_each_compared_with_their_defau
     for record in touching:
         record.scans["footprint"] = 0.6
         record.scans["footprint"][38:42] = footprint
-        record.scans["near_returns"][38:42] = near
+        record.scans["near_returns"][38:42] = near > 0
     for record in passing:
         record.scans["footprint"] = 0.6
         record.scans["footprint"][38:42] = 0.2
+        record.scans["near_returns"][38:42] = near < 0
     switched, tuned = study_collisions(both([*touching, *passing])).footprint
 
     assert (switched.name, switched.default.value) == ("near_returns_as_contact", False)
     assert (tuned.name, tuned.default.value, tuned.unit) == ("footprint_threshold", 0.05, "m")
     assert (switched.value, tuned.value) == (switch, threshold)
-    at_default = 1.0 if near or footprint < 0.05 else 0.0
+    at_default = 1.0 if near > 0 or footprint < 0.05 else 0.0
     assert tuned.default.scores[Part.TEST]["F1"].value == at_default
 
 
