@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks import __main__ as benchmarks
 from benchmarks.soak import __main__ as soak
-from harness import check, topics, tune, validate
+from harness import call, check, topics, tune, validate
 from harness.cli.options import run_parser
 from rover_metrics import dictionary
 from rover_metrics.analysis import options as analyze
@@ -19,6 +19,7 @@ PROGRAMS: dict[str, Callable[[], argparse.ArgumentParser]] = {
     "harness.check": check._parser,
     "harness.validate": validate._parser,
     "harness.topics": topics._parser,
+    "harness.call": call._parser,
     "rover_metrics.analyze": analyze._parser,
     "rover_metrics.replay": replay.parser,
     "rover_metrics.dictionary": dictionary._parser,
@@ -27,7 +28,7 @@ PROGRAMS: dict[str, Callable[[], argparse.ArgumentParser]] = {
 }
 WITHOUT = {  # what does nothing unless it is given, or must be
     *("terrain_size", "terrain_height", "fault", "namespace", "wait_for", "record", "report", "summary"),
-    *("picture", "video", "address", "realism", "bag", "params", "remap", "logs", "versus"),
+    *("picture", "video", "address", "realism", "bag", "params", "remap", "logs", "versus", "value"),
 }
 
 

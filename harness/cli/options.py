@@ -37,7 +37,8 @@ SENSORS: tuple[Option, ...] = (
     ("--imu-rate", int, "HZ", "samples of the IMU a second"),
 )
 RECORD_HELP = (
-    "record every published topic; a killed run's file is read by rover_metrics.replay as it is, and "
+    "record every topic, /cmd_vel and /rover/metrics too; a killed run's file is read by "
+    "rover_metrics.replay as it is, and "
     "mended by: mcap recover FILE.mcap -o MENDED.mcap"
 )
 FILES: tuple[Option, ...] = (
@@ -127,6 +128,8 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         raise UsageError(
             "--extended is for the hosted metrics_node; start yours with -p extended_columns:=true"
         )
+    if options.overwrite and options.record is None:
+        raise UsageError("--overwrite is for the file of --record; name one, or leave it out")
     if not options.direct:
         return
     for given, flag in (
@@ -198,6 +201,7 @@ def _add_run(run: Group) -> None:
     about = "keep lock-step with a node in another process; repeatable"
     run.add_argument("--wait-for", action="append", default=[], metavar="NODE", help=about)
     _add(run, FILES)
+    run.add_argument("--overwrite", action="store_true", help="let --record replace a file")
 
 
 def _rate(text: str) -> float | None:

@@ -167,7 +167,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(
         prog="python -m harness.view.picture",
         description="Draws a recorded episode; without a recording, only tries out OpenGL.",
-        epilog="MUJOCO_GL=egl or osmesa chooses OpenGL without a display.",
+        epilog="MUJOCO_GL=egl or osmesa (macOS: cgl) chooses OpenGL without a display.",
     )
     parser.add_argument(
         "recording", type=Path, nargs="?", help="states, as harness.view.states has them"

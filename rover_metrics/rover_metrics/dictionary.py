@@ -8,9 +8,13 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from rover_metrics.errors import OneLineParser, begin_program, run_program
+
+if __name__ == "__main__":
+    begin_program("dictionary")
+
 from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.core.thresholds import THRESHOLD_INFO
-from rover_metrics.errors import OneLineParser
 from rover_metrics.extended.metrics import EXTENDED_COLUMNS
 from rover_metrics.extended.settings import EXTENDED_INFO
 
@@ -41,14 +45,14 @@ THRESHOLDS_HEAD = """Parameters of `metrics_node`, which can be changed while it
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = _parser().parse_args(arguments)
-    if options.write is None:
+    return run_program("dictionary", lambda: _write(options.write))
+
+
+def _write(target: Path | None) -> int:
+    if target is None:
         print(dictionary(), end="")
-        return 0
-    try:
-        options.write.write_text(dictionary(), encoding="utf-8")
-    except OSError as error:
-        print(f"dictionary: cannot write {options.write}: {error.strerror}", file=sys.stderr)
-        return 2
+    else:
+        target.write_text(dictionary(), encoding="utf-8")
     return 0
 
 
