@@ -162,7 +162,8 @@ class RosOptions:
         wait_for: Names of nodes elsewhere to keep in lock-step.
         rate: Simulated seconds per wall second; None is as fast as possible.
         ros_args: Arguments from `--ros-args` on.
-        record: MCAP file to record every published message into.
+        record: MCAP file to record every message into.
+        overwrite: Whether that file may exist.
     """
 
     log_dir: Path
@@ -171,3 +172,4 @@ class RosOptions:
     rate: float | None = None
     ros_args: tuple[str, ...] = ()
     record: Path | None = None
+    overwrite: bool = False

@@ -1,6 +1,6 @@
 """What an episode yields, batch by batch, and what it was made of: values, no physics."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from harness.samples import Tick, plain_value
 from harness.truth.traversal import ContactEvent, Truth
@@ -40,3 +40,27 @@ class Batch:
     truth: Truth
     events: tuple[ContactEvent, ...] = ()
     open_events: tuple[ContactEvent, ...] = ()
+
+
+def later(batch: Batch, by_ns: int) -> Batch:
+    """Returns the batch as of an episode that began so much later [ns]."""
+    if not by_ns:
+        return batch
+
+    def moved(event: ContactEvent) -> ContactEvent:
+        return replace(event, start_ns=event.start_ns + by_ns, end_ns=event.end_ns + by_ns)
+
+    ticks = (
+        Tick(
+            tick.stamp_ns + by_ns,
+            tuple(replace(sample, stamp_ns=sample.stamp_ns + by_ns) for sample in tick.samples),
+            tick.tells_time,
+        )
+        for tick in batch.ticks
+    )
+    return Batch(
+        tuple(ticks),
+        replace(batch.truth, time_ns=batch.truth.time_ns + by_ns),
+        tuple(map(moved, batch.events)),
+        tuple(map(moved, batch.open_events)),
+    )

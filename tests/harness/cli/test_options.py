@@ -81,6 +81,7 @@ def test_every_word_about_the_episode_reaches_it() -> None:
         ("--no-metrics", "ros.host_metrics", False),
         ("--wait-for /a --wait-for /b", "ros.wait_for", ("/a", "/b")),
         ("--record a.mcap", "ros.record", Path("a.mcap")),
+        ("--record a.mcap --overwrite", "ros.overwrite", True),
         ("--log-dir logs", "ros.log_dir", Path("logs")),
         ("--direct", "direct", True),
         ("--extended", "extended", True),
@@ -153,6 +154,11 @@ def test_what_needs_ros_is_refused_without_it_alone(words: str, flag: str) -> No
     parsed(f"{words} --ros-args --")
     with pytest.raises(UsageError, match=rf"^{flag} needs ROS; leave out --direct"):
         parse_run(["--direct", *words.split()])
+
+
+def test_overwrite_is_for_the_recording_alone() -> None:
+    with pytest.raises(UsageError, match="--overwrite is for the file of --record; name one"):
+        parse_run(["--overwrite"])
 
 
 def test_extended_columns_need_the_hosted_node() -> None:
