@@ -93,7 +93,7 @@ def test_list_names_terrains_with_their_promises_robots_drivers_and_noise(
         (["--direct", "--no-metrics"], "--no-metrics needs ROS; leave out --direct"),
         (["--extended", "--no-metrics"], "start yours with -p extended_columns:=true"),
         (["--direct", "--driver", "cmd_vel"], "--driver cmd_vel needs ROS; leave out --direct"),
-        (["--direct", "--ros-args", "-r", "a:=b"], "--ros-args needs ROS; leave out --direct"),
+        (["--direct", "--ros-args", "-r", "a:=b", "--"], "--ros-args needs ROS; leave out --direct"),
         (["--summary", "/nowhere/x.json"], "there is no folder /nowhere; create it first"),
     ],
 )
@@ -123,5 +123,5 @@ def test_missing_rclpy_names_the_extra_and_direct(
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, "rclpy", None)
     text = complaint(["--terrain", "flat", "--log-dir", str(tmp_path)], capsys)
-    assert "pip install -e '.[ros]'" in text
+    assert "pip install 'rover-harness[ros]'" in text
     assert "--direct" in text
