@@ -195,7 +195,7 @@ def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
     world.add_argument("--terrain-size", type=float, nargs="+", metavar="M", help=about)
     about = "relief, lowest to highest point, of a heightmap that does not say"
     world.add_argument("--terrain-height", type=float, metavar="M", help=about)
-    about = "where the rover starts [m] and its heading from +x to +y [rad]; the middle is 0,0"
+    about = "start [m] and heading from +x to +y [rad]; by default at or next to 0,0, the middle"
     world.add_argument("--start", type=_start, metavar="X,Y[,YAW]", help=about)
     _add(world, EPISODE, defaults)
 
