@@ -195,7 +195,7 @@ def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
     world.add_argument("--terrain-size", type=float, nargs="+", metavar="M", help=about)
     about = "relief, lowest to highest point, of a heightmap that does not say"
     world.add_argument("--terrain-height", type=float, metavar="M", help=about)
-    about = "x, y [m] and heading from +x to +y [rad]; default: the terrain's, at 0,0 or near it"
+    about = "start [m] and heading from +x to +y [rad]; default: at or next to 0,0, the middle"
     world.add_argument("--start", type=_start, metavar="X,Y[,YAW]", help=about)
     _add(world, EPISODE, defaults)
 
