@@ -11,7 +11,7 @@ from matplotlib.patches import Rectangle
 from rover_metrics.analysis.metric import Metric
 from rover_metrics.analysis.plots.style import WIDTH
 from rover_metrics.analysis.statistics.correlation import Correlation
-from rover_metrics.analysis.tables import probability
+from rover_metrics.analysis.tables.sheets import probability
 
 _DARK = 0.62  # |rho| beyond which text on the cell must be white
 
