@@ -22,13 +22,13 @@ try:
     from rover_metrics.analysis.logs.log import Log
     from rover_metrics.analysis.logs.reading import read_log
     from rover_metrics.analysis.logs.time_axis import TimeAxis
-    from rover_metrics.analysis.metric import METRICS, Metric
+    from rover_metrics.analysis.metric import METRICS, Metric, printable
     from rover_metrics.analysis.options import parse
     from rover_metrics.analysis.outcome import analyse
     from rover_metrics.analysis.output import prepare_folder, save_outliers, save_plots, save_tables
     from rover_metrics.analysis.pairing import PairingError, Pairs, pair
     from rover_metrics.analysis.result import Result, Skipped
-    from rover_metrics.analysis.study import Member, Options, Study, labels, printable
+    from rover_metrics.analysis.study import Member, Options, Study, labels
     from rover_metrics.analysis.tables.terminal import report
 except ImportError as error:
     needed = "five libraries: pip install matplotlib numpy pandas rich scipy"

@@ -62,6 +62,11 @@ class Metric:
         return (self.column, ROUGH) if self.rough_only else (self.column,)
 
     @property
+    def short(self) -> str:
+        """What it is called where there is little room: its code, or the column's name without a unit."""
+        return self.title if is_other(self.column) else self.code
+
+    @property
     def label(self) -> str:
         """What is reported, with its unit."""
         return f"{self.title} [{self.unit}]" if self.unit else self.title
@@ -123,9 +128,15 @@ def is_other(column: str) -> bool:
 
 def other_metric(column: str) -> Metric:
     """Returns the metric of a column that has no code: of a count its rate, else the values."""
-    title, bracket, rest = column.rpartition(" [")
-    title, unit = (title, rest[:-1]) if bracket and rest.endswith("]") else (column, "")
+    name = printable(column)
+    title, bracket, rest = name.rpartition(" [")
+    title, unit = (title, rest[:-1]) if bracket and rest.endswith("]") else (name, "")
     unit = unit.replace("^2", "²").replace("^3", "³")
     if column in _CUMULATIVE:
-        return Metric(column, column, title, f"{unit or '1'}/min", Kind.COUNTER)
-    return Metric(column, column, title, unit)
+        return Metric(name, column, title, f"{unit or '1'}/min", Kind.COUNTER)
+    return Metric(name, column, title, unit)
+
+
+def printable(text: str) -> str:
+    """Returns a text with a ? for each control character."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text)

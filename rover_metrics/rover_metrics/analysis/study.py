@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rover_metrics.analysis.logs.log import Floats, Log
 from rover_metrics.analysis.logs.time_axis import TimeAxis
-from rover_metrics.analysis.metric import METRICS, Metric
+from rover_metrics.analysis.metric import METRICS, Metric, printable
 from rover_metrics.analysis.pairing import Pairs
 from rover_metrics.analysis.result import Unit
 from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER, Series, metric_series
@@ -74,11 +74,6 @@ def _time_stamp(path: Path) -> str:
 def _shortened(name: str) -> str:
     half = _LONGEST_LABEL // 2
     return name if len(name) <= _LONGEST_LABEL else f"{name[: half - 2]}...{name[-half + 1 :]}"
-
-
-def printable(text: str) -> str:
-    """Returns a text with a ? for each control character."""
-    return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,7 @@
 """Tables for LaTeX, with booktabs: one `table` environment each, to be read by input."""
 
+import re
+
 from rover_metrics.analysis.tables.sheets import Sheet
 
 _SPECIAL = {
@@ -13,6 +15,7 @@ _SPECIAL = {
     "³": r"\textsuperscript{3}",
     "–": "--",  # noqa: RUF001  # an en dash
 }
+_SIGN = re.compile(r"(?<![\w.])([+-])(?=\d)")
 
 
 def latex(sheet: Sheet) -> str:
@@ -45,11 +48,10 @@ def _line(cells: list[str]) -> str:
 
 def _cell(text: str) -> str:
     """Returns a cell; braces keep a bracket at the start of a line from being taken for an option."""
-    minus = text[:1] == "-" and text[1:2].isdigit()
-    whole = escaped(text)
-    return f"$-${whole[1:]}" if minus else f"{{}}{whole}" if text.startswith("[") else whole
+    return f"{{}}{escaped(text)}" if text.startswith("[") else escaped(text)
 
 
 def escaped(text: str) -> str:
-    """Returns a text that LaTeX prints letter by letter."""
-    return "".join(_SPECIAL.get(letter, letter) for letter in text)
+    """Returns a text that LaTeX prints letter by letter, signs of numbers as such and not as hyphens."""
+    plain = "".join(_SPECIAL.get(letter, letter) for letter in text)
+    return _SIGN.sub(r"$\1$", plain)
