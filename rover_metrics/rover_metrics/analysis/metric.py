@@ -63,7 +63,7 @@ class Metric:
 
     @property
     def short(self) -> str:
-        """What it is called where there is little room: its code, or the column's name without a unit."""
+        """What it is called where room is scarce: its code, or the column's name without a unit."""
         return self.title if is_other(self.column) else self.code
 
     @property
