@@ -55,7 +55,7 @@ def read_log(path: Path) -> Log:
     try:
         log = read_metrics_log(path, _METRICS)
     except UnreadableLog as error:
-        raise UsageError(f"{path}: {error}; --realism takes two metrics logs") from error
+        raise UsageError(f"{path}: {error}; --realism takes two logs") from error
     lacking = [column for column in COLUMNS if column not in log.columns]
     if lacking:
         raise UsageError(f"{path} has no column {', '.join(lacking)}")

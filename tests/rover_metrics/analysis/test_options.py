@@ -16,72 +16,27 @@ def test_without_options_every_metric_is_reported_and_one_plot_drawn() -> None:
     assert parse(["a.csv", "-m", "all", "-p"]).plots == []
 
 
-def test_every_spelling_of_robo_terrains_options_is_taken() -> None:
-    """Those that its cli_main.py declares, the long ones and the short ones."""
-    common = [
-        "--iqr-multiplier",
-        "2",
-        "--save-outliers",
-        "--confidence-level",
-        "0.9",
-        "--fixed-interval",
-        "2",
-    ]
-    long = parse(
-        [
-            "a.csv",
-            "b.csv",
-            "--metrics",
-            "TC",
-            "VR",
-            "--plot-types",
-            "time_series",
-            "comparison",
-            "--output-dir",
-            "out",
-            "--normalize",
-            "fixed_interval",
-        ]
-        + common
+@pytest.mark.parametrize(
+    ("metrics", "plots", "output", "axis"),
+    [
+        ("--metrics", "--plot-types", "--output-dir", "--normalize"),
+        ("-m", "-p", "-o", "-n"),
+        ("--metrics", "--plots", "--output", "-n"),
+    ],
+)
+def test_every_spelling_of_robo_terrains_options_is_taken(
+    metrics: str, plots: str, output: str, axis: str
+) -> None:
+    """Those that its cli_main.py declares, the long ones and the short ones, and ours."""
+    line = (
+        f"a.csv b.csv {metrics} TC VR {plots} time_series comparison {output} out {axis} fixed_interval "
+        "--iqr-multiplier 2 --save-outliers --confidence-level 0.9 --fixed-interval 2"
     )
-    short = parse(
-        [
-            "a.csv",
-            "b.csv",
-            "-m",
-            "TC",
-            "VR",
-            "-p",
-            "time_series",
-            "comparison",
-            "-o",
-            "out",
-            "-n",
-            "fixed_interval",
-        ]
-        + common
-    )
-    assert long == short
-    assert (long.plots, long.output) == (["time_series", "comparison"], Path("out"))
-    assert (long.iqr_multiplier, long.confidence_level, long.fixed_interval) == (2.0, 0.9, 2.0)
-    own = parse(
-        [
-            "a.csv",
-            "b.csv",
-            "--metrics",
-            "TC",
-            "VR",
-            "--plots",
-            "time_series",
-            "comparison",
-            "--output",
-            "out",
-            "-n",
-            "fixed_interval",
-        ]
-        + common
-    )
-    assert own == long
+    options = parse(line.split())
+    assert (options.logs, options.metrics) == ([Path("a.csv"), Path("b.csv")], ["TC", "VR"])
+    assert (options.plots, options.output) == (["time_series", "comparison"], Path("out"))
+    assert (options.normalize, options.fixed_interval) == ("fixed_interval", 2.0)
+    assert (options.iqr_multiplier, options.confidence_level, options.save_outliers) == (2.0, 0.9, True)
 
 
 def test_short_options_are_options_of_their_own_joined_to_their_values_too() -> None:

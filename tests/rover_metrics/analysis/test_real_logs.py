@@ -11,8 +11,8 @@ from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analyze import main
 
 SINCE_START = (
-    "Current Smoothness is the mean since the start, as RoboTerrain's node writes it since 2025 (its buffer "
-    "is never trimmed), not of the last 100 samples"
+    "Current Smoothness is the mean since the start, as RoboTerrain's node writes it since 2025 (its "
+    "buffer is never trimmed), not of the last 100 samples"
 )
 WALL = "wall-clock timestamps: the node ran without use_sim_time"
 
