@@ -47,7 +47,7 @@ def draw_correlation(
     _frame(axes, present)
     below = ", Holm-adjusted p below it" if written else ""
     axes.set_title(
-        f"Spearman's rho within logs{below}\nwhite: p of {alpha:.2g} or more, may be chance",
+        f"Spearman's rho within logs{below}\nwhite: p (Holm) of {alpha:.2g} or more, may be chance",
         loc="left",
     )
     scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(-1, 1), "PuOr")

@@ -154,7 +154,7 @@ def metric_grid(
     """
     metrics = [metric for metric in study.options.metrics if study.with_metric(metric)]
     every, places = len(metrics), {code: place for place, code in enumerate(order)}
-    metrics = sorted(metrics, key=lambda metric: places.get(metric.code, 0))[:_MOST_PANELS]
+    metrics = sorted(metrics, key=lambda metric: places.get(metric.code, len(places)))[:_MOST_PANELS]
     remark = f" (the first {len(metrics)} of {every} metrics)" if every > len(metrics) else ""
     columns = min(2, len(metrics))
     lines = -(-len(metrics) // 2)

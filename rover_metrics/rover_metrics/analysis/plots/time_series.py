@@ -23,13 +23,7 @@ _MOST_SMOOTHED = 20_000
 _MOST_NAMED = 12  # logs; more make a legend that nobody reads
 _MOST_WITH_ROWS = 3  # logs; the rows of more hide each other
 _LONGEST_LABEL = 60  # letters beside the axis
-_MARK: Any = {
-    "markersize": 5,
-    "markeredgecolor": "white",
-    "markeredgewidth": 0.6,
-    "zorder": 5,
-    "clip_on": False,
-}
+_MARK: Any = {"s": 25, "edgecolor": "white", "linewidth": 0.6, "zorder": 5, "clip_on": False}
 
 Smoothing = Literal["mean", "median"]
 
@@ -45,7 +39,7 @@ def draw_time_series(study: Study, metric: Metric) -> Figure | None:
     for member in members:
         style = _style(study, member, axes, lowest)
         if member.label in lowest:
-            axes.plot(*lowest[member.label], "v", color=style["color"], **_MARK)
+            axes.scatter(*lowest[member.label], marker="v", color=style["color"], **_MARK)
         for x, y in study.episodes(member, metric):
             at, mean = smoothed(x, y, *_smoothing(metric))
             if show_rows:
