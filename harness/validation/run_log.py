@@ -60,7 +60,7 @@ def read_log(path: Path) -> Log:
     if lacking:
         raise UsageError(f"{path} has no column {', '.join(lacking)}")
     # Back from float32 to the four decimals of the file.
-    values = np.round(np.array([log.columns[column] for column in COLUMNS], np.float64), 4)
+    values: Values = np.array([log.columns[column] for column in COLUMNS], np.float64).round(4)
     return _complete(values.T, str(path))
 
 

@@ -525,7 +525,7 @@ def test_the_lowest_row_of_each_of_several_logs_is_marked(study: Study) -> None:
     marks = [np.asarray(mark.get_offsets())[0].tolist() for mark in axes.collections]
     clearances = [member.log.columns["Obstacle Clearance"] for member in study.members]
     assert marks == [[int(np.argmin(c)), c.min()] for c in clearances]
-    assert [to_hex(mark.get_facecolor()[0]) for mark in axes.collections] == OKABE_ITO[:4]
+    assert [to_hex(np.asarray(mark.get_facecolor())[0]) for mark in axes.collections] == OKABE_ITO[:4]
     alone = replace(ungrouped(study), members=study.members[:1])
     axes = only_axes(draw_time_series(over(alone, TimeAxis("none")), METRICS["OC"]))
     assert not axes.collections

@@ -28,8 +28,7 @@ def rough(flags: Values, levels: Values) -> list[str]:
 
 def test_flags_that_follow_from_their_levels_are_nothing_odd() -> None:
     assert rough([0, 1, 0, 1, np.nan, 0], [14.9, 15.1, 15.0, 15.0, 20, np.nan]) == []
-    near = {"Current_Collision_Status": [1, 0, 1], "Obstacle_Clearance": [0.1, 0.3, 0.2]}
-    assert told(**near) == []
+    assert told(Current_Collision_Status=[1, 0, 1], Obstacle_Clearance=[0.1, 0.3, 0.2]) == []
     assert told(Is_Rough_Terrain=[1], Obstacle_Clearance=[9.0]) == []
 
 
@@ -60,8 +59,8 @@ def test_a_flag_that_contradicts_its_level_is_told_with_what_would_fit(
 
 
 def test_a_collision_is_below_its_threshold_the_one_that_the_log_had() -> None:
-    near = {"Current_Collision_Status": [1, 0], "Obstacle_Clearance": [0.35, 0.5]}
-    (finding,) = told(**near)
+    near: dict[str, Values] = {"Current_Collision_Status": [1, 0], "Obstacle_Clearance": [0.35, 0.5]}
+    (finding,) = told(DEFAULT_THRESHOLDS, **near)
     assert "collision_threshold 0.2 m (line 2, 1 at 0.35)" in finding
     assert finding.endswith("such as one between 0.35 and 0.5")
     assert told(Thresholds(collision_threshold=0.4), **near) == []
