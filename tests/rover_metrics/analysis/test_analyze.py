@@ -201,6 +201,7 @@ def driven(log: Path, seed: int) -> Path:
     """A log with the record of the harness's run that it is of."""
     arguments = {"robot": "leo", "terrain": "rocky", "difficulty": 0.5, "seed": seed}
     log.with_suffix(".json").write_text(json.dumps({"outcome": {}, "arguments": arguments}))
+    log.write_text("".join(log.read_text().splitlines(keepends=True)[:11]))  # too short for a bootstrap
     return log
 
 
@@ -239,7 +240,7 @@ def test_all_columns_are_ranked_by_effect_and_any_is_a_metric(
         *logs_at(write_log, row, "b", [0.5, 0.6, 0.7]),
     ]
     for i, log in enumerate(logs):
-        head, *rows = log.read_text().splitlines()
+        head, *rows = log.read_text().splitlines()[:11]
         jerk = [f"{line},{40 * i + s},Bob,,{s}" for s, line in enumerate(rows)]
         log.write_text("\n".join([f"{head},Peak Jerk [m/s^3],Driver,Slip,Scan Lost", *jerk]) + "\n")
     words = [*logs[:3], "--versus", *logs[3:]]
@@ -256,18 +257,18 @@ def test_all_columns_are_ranked_by_effect_and_any_is_a_metric(
         == result["titles"][ranked[0]].partition(" [")[0]
     )
     assert (
-        "20 cells without a number in Driver (first on line 2, 'Bob'): left out"
+        "10 cells without a number in Driver (first on line 2, 'Bob'): left out"
         in result["logs"][0]["findings"]
     )
     one = as_json(run(logs[0], "-m", "peak jerk", "scan lost", "slip", "--json", "--csv", "--latex"))
     metrics = one["logs"][0]["metrics"]
-    assert metrics["Peak Jerk [m/s^3]"]["mean"] == 9.5
+    assert metrics["Peak Jerk [m/s^3]"]["mean"] == 4.5
     assert metrics["Scan Lost"]["mean"] == 60.0  # a count, so by the minute
     assert list(metrics) == ["Peak Jerk [m/s^3]", "Scan Lost"]
     assert "time_series_Peak_Jerk_m_s_3" in drawn
     logs_csv, log_tex = (Path(name) for name in one["files"][-2:])
     assert (logs_csv.name, log_tex.name) == ("logs.csv", "log_1.tex")
-    assert "Peak Jerk [m/s\\textsuperscript{3}] & 9.500" in log_tex.read_text()
+    assert "Peak Jerk [m/s\\textsuperscript{3}] & 4.500" in log_tex.read_text()
 
 
 def test_columns_whose_names_give_one_file_name_get_files_of_their_own(
@@ -314,8 +315,8 @@ def test_too_few_logs_for_a_verdict_are_told(run: Run, write_log: WriteLog, row:
     b = logs_at(write_log, row, "b", [0.5, 0.6, 0.7])
     told = " ".join(run(*a, "--versus", *b, "-m", "CV", "-p")[1].split())
     assert "So few logs cannot give a p (Holm) below 0.1, whatever they show" in told
-    (note,) = as_json(run(*a, "--versus", *b, "-p", "--json"))["notes"]
-    assert "among 11 metrics" in note
+    (note,) = as_json(run(*a, "--versus", *b, "-m", "CV", "RT", "-p", "--json"))["notes"]
+    assert "among 2 metrics" in note
     alone = run(a[0], "--versus", b[0], "-m", "CV", "-p")[1]
     assert "No test: it needs two logs or more in each group." in alone
 

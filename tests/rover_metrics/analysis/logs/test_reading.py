@@ -56,7 +56,7 @@ def test_a_row_with_any_number_of_fields_too_many_is_left_out_alike(
     write_log: WriteLog, row: Row, monkeypatch: pytest.MonkeyPatch, extra: str, chunk: int
 ) -> None:
     monkeypatch.setattr("rover_metrics.analysis.logs.parsing._CHUNK", chunk)
-    lines = [*map(row, range(3)), row(3) + extra, *map(row, range(4, 7)), row(7, Notes='"a,b,c,d"')]
+    lines = [*map(row, range(3)), row(3) + extra, *map(row, range(4, 7)), row(7, Notes='"a,b"')]
     for end in ("\n", ""):
         log = read_log(write_log(lines=lines, end=end))
         assert list(log.stamps) == [100, 101, 102, 104, 105, 106, 107]
@@ -117,7 +117,9 @@ def test_a_last_line_without_a_line_end_counts_if_it_is_whole(write_log: WriteLo
     assert len(read_log(write_log(lines=5, end=""))) == 5
 
 
-@pytest.mark.parametrize("note", ["", '"Low clearance, rough"', '"Low clearance, ro', 'odd "quote'])
+@pytest.mark.parametrize(
+    "note", ["", '"Low clearance, rough"', '"a, b, c, d"', '"Low clearance, ro', 'odd "quote']
+)
 def test_a_note_may_be_empty_or_hold_commas_and_quotes(write_log: WriteLog, row: Row, note: str) -> None:
     log = read_log(write_log(lines=[row(0), row(1, Notes=note), row(2)]))
     assert len(log) == 3
