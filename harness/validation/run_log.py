@@ -59,8 +59,7 @@ def read_log(path: Path) -> Log:
     lacking = [column for column in COLUMNS if column not in log.columns]
     if lacking:
         raise UsageError(f"{path} has no column {', '.join(lacking)}")
-    # Back from float32 to the four decimals of the file.
-    values: Values = np.array([log.columns[column] for column in COLUMNS], np.float64).round(4)
+    values: Values = np.array([log.columns[column] for column in COLUMNS], np.float64)
     return _complete(values.T, str(path))
 
 
@@ -95,7 +94,8 @@ def drive(config: EpisodeConfig) -> Log:
     episode, session, lidar = Episode(config), MetricsSession(), LidarSpec()
     feed, ranges = SampleFeed(session, lidar), None
     rng = np.random.default_rng([config.seed, AGENT_STREAM])
-    half_size = episode.info.map_size / 2
+    width, depth = episode.info.map_size
+    half_size = width / 2, depth / 2
     agent = RecordedAgent(DriverContext(find_rover(config.robot), half_size, lidar.bearings, rng))
     rows = []
     for batch in episode.batches():

@@ -22,7 +22,7 @@ try:
     from rover_metrics.analysis.logs.log import Log
     from rover_metrics.analysis.logs.reading import read_log
     from rover_metrics.analysis.logs.time_axis import TimeAxis
-    from rover_metrics.analysis.metric import METRICS, Metric, printable
+    from rover_metrics.analysis.metric import METRICS, Metric
     from rover_metrics.analysis.options import parse
     from rover_metrics.analysis.outcome import analyse
     from rover_metrics.analysis.output import prepare_folder, save_outliers, save_plots, save_tables
@@ -35,7 +35,7 @@ except ImportError as error:
     print(f"analyze needs {needed} ({error})", file=sys.stderr)
     raise SystemExit(2) from None
 
-from rover_metrics.errors import RoverMetricsError
+from rover_metrics.errors import printable, run_program
 
 _PRINTED_WIDTH = 160  # columns, where the output is not a terminal
 
@@ -46,10 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns the exit code: 0 if every log was analysed, 1 if any was skipped, 2 after a known mistake.
     """
     try:
-        return _run(parse(arguments))
-    except RoverMetricsError as error:
-        _tell(str(error))
-        return error.exit_code
+        return run_program("analyze", lambda: _run(parse(arguments)))
     except BrokenPipeError:  # piped into head
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0

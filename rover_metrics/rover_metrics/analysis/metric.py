@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
 
+from rover_metrics.errors import printable
 from rover_metrics.extended.metrics import EXTENDED_COLUMNS as _EXTENDED
 
 STAMP = "Timestamp"
@@ -135,8 +136,3 @@ def other_metric(column: str) -> Metric:
     if column in _CUMULATIVE:
         return Metric(name, column, title, f"{unit or '1'}/min", Kind.COUNTER)
     return Metric(name, column, title, unit)
-
-
-def printable(text: str) -> str:
-    """Returns a text with a ? for each control character."""
-    return "".join(letter if letter.isprintable() else "?" for letter in text)

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from rover_metrics.analysis.logs.log import Floats, Log
 from rover_metrics.analysis.logs.time_axis import TimeAxis
-from rover_metrics.analysis.metric import METRICS, Metric, printable
+from rover_metrics.analysis.metric import METRICS, Metric
 from rover_metrics.analysis.pairing import Pairs
 from rover_metrics.analysis.result import Unit
 from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER, Series, metric_series
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
+from rover_metrics.errors import printable
 
 PlotName = Literal["time_series", "correlation", "aggregate", "comparison"]
 PLOTS: tuple[PlotName, ...] = get_args(PlotName)
