@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from harness.errors import Diverged, RunFailed
 from harness.physics.contacts import ContactWatch
+from harness.physics.parking import ParkingHold
 from harness.physics.scene import Scene
 from harness.samples import Quaternion, Vector3
 from harness.sim_time import NANOSECONDS, TICK_NS
@@ -56,6 +57,7 @@ class Simulation:
         self.tick_sum = np.zeros(self.model.nsensordata)
         self.contacts = ContactWatch(self.model, self.data)
         self._wheels = np.array([self.model.actuator(n).id for n in scene.rover.wheel_joints])
+        self._parking = ParkingHold(self.model, scene.rover.wheel_joints)
         self._edge = scene.world.ground.half_size - EDGE_MARGIN
         self._settle()
         # All that the next step depends on, warm start included: it goes on bit for bit.
@@ -109,8 +111,9 @@ class Simulation:
         return self.tick_sum[start : start + size]
 
     def command_wheels(self, speeds: NDArray[np.float64]) -> None:
-        """Sets the wheel speeds [rad/s] in the order of the rover's wheel joints."""
+        """Sets the wheel speeds [rad/s] in the order of the rover's wheel joints; all 0 parks it."""
         self.data.ctrl[self._wheels] = speeds
+        self._parking.hold(not any(speeds.tolist()))
 
     def tick(self) -> None:
         """Advances one clock tick; `tick_sum` then holds the sensor values summed over its steps.
@@ -134,6 +137,7 @@ class Simulation:
     def return_to_start(self) -> None:
         """Puts the rover back to where and how it stood at time zero; time goes on."""
         mujoco.mj_setState(self.model, self.data, self._start, WHOLE_STATE)
+        self.command_wheels(self.data.ctrl[self._wheels])
         self.tick_sum.fill(0.0)
         self.contacts.begin()
 
@@ -159,6 +163,7 @@ class Simulation:
     def _settle(self) -> None:
         """Lets the rover down onto the ground, so that no drop pollutes the first samples."""
         self.data.qpos[2] = self._spawn_height()
+        self.command_wheels(np.zeros(len(self._wheels)))
         for _ in range(SETTLE_LIMIT_NS // TICK_NS):
             for _ in range(self.steps_per_tick):
                 mujoco.mj_step(self.model, self.data)
