@@ -18,6 +18,7 @@ from harness.samples import Quaternion, Vector3
 from harness.sim_time import NANOSECONDS, TICK_NS
 
 SETTLE_LIMIT_NS = 5 * NANOSECONDS
+FREE_NS = 1 * NANOSECONDS  # of that the wheels may roll; held ones would keep rockers from following
 AT_REST_SPEED = 2e-3  # [m/s] and [rad/s]: below it a rover counts as settled
 DROP_HEIGHT = 0.01  # [m] over the highest ground below the footprint
 EDGE_MARGIN = 0.5  # [m] of map that must remain around the rover's origin
@@ -163,13 +164,14 @@ class Simulation:
     def _settle(self) -> None:
         """Lets the rover down onto the ground, so that no drop pollutes the first samples."""
         self.data.qpos[2] = self._spawn_height()
-        self.command_wheels(np.zeros(len(self._wheels)))
-        for _ in range(SETTLE_LIMIT_NS // TICK_NS):
+        for tick in range(SETTLE_LIMIT_NS // TICK_NS):
+            self._parking.hold(tick >= FREE_NS // TICK_NS)
             for _ in range(self.steps_per_tick):
                 mujoco.mj_step(self.model, self.data)
             self._check_health()
             if np.abs(self.data.qvel).max() < AT_REST_SPEED and self.data.ncon:
                 break
+        self._parking.hold(True)
         self.data.time = 0.0
 
     def _spawn_height(self) -> float:

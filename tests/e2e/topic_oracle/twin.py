@@ -61,20 +61,21 @@ class Twin:
         self.carried = np.zeros(4)
         self._dofs = [int(wheel.dofadr[0]) for wheel in self.wheels]
         self._driving = (1.0, self.model.dof_frictionloss[self._dofs], self.model.dof_solimp[self._dofs])
-        self._hold(parked=True)
         self._let_down()
+        self._hold(parked=True)
         self.counts_at_start = self.encoder_counts()
         self._start = copy.copy(self.data)
         self.restless = float(np.abs(self.data.qvel).max())
 
     def _let_down(self) -> None:
-        """From 1 cm above the highest ground below the wheels, until it rests or 5 s have passed."""
+        """From 1 cm above the highest ground below the wheels, until it rests or 5 s have passed; parked from 1 s on."""
         x0, x1, y0, y1 = self.rover.footprint
         grid = self.world.ground.cell / 2
         under = [(x, y) for x in np.arange(x0, x1, grid) for y in np.arange(y0, y1, grid)]
         highest = max(self.world.ground.height_at(x, y) for x, y in under)
         self.data.qpos[2] = highest + self.rover.rest_height + 0.01
-        for _ in range(500):
+        for tick in range(500):
+            self._hold(parked=tick >= 100)
             mujoco.mj_step(self.model, self.data, STEPS_PER_TICK)
             if self.data.ncon and np.abs(self.data.qvel).max() < 2e-3:
                 return
