@@ -1,9 +1,9 @@
 """What keeps a rover where it stands while all its wheels are commanded to stand still.
 
-MuJoCo's friction is regularised: it yields at a speed that grows with the load, and so does a wheel whose
-servo has no integral action; a rover would creep down every slope. While it is parked, friction is
-stiffer and the motors' torque holds the wheels like dry friction in their bearings. What drives is as
-the model says, for both would cost it: stiff friction 4 to 5 % of a step's time, and dry friction speed.
+MuJoCo's friction is regularised: it yields at a speed that grows with the load, and so does a wheel
+whose servo has no integral action; a rover would creep down every slope. While it is parked, friction
+is stiffer and the motors' torque holds the wheels like dry friction in their bearings. What drives is
+as the model says, for both would cost it: stiff friction 4 to 5 % of a step's time, dry friction speed.
 """
 
 import mujoco
@@ -18,7 +18,7 @@ class ParkingHold:
     """Switches a model between driving and parked.
 
     Args:
-        model: Is changed in place.
+        model: Freshly compiled; is changed in place.
         joints: Names of the wheel joints; their motors have the same names.
     """
 
@@ -42,7 +42,8 @@ class ParkingHold:
 
 
 def _holding_torque(model: mujoco.MjModel, joints: tuple[str, ...]) -> NDArray[np.float64]:
-    """The largest torque of each motor [N m]; of one without a limit, ten times the rover's weight in N."""
-    motors = [model.actuator(name) for name in joints]
-    boundless = 10.0 * float(model.body_mass.sum() * np.linalg.norm(model.opt.gravity))
-    return np.array([m.forcerange[1] if model.actuator_forcelimited[m.id] else boundless for m in motors])
+    """The largest torque of each motor [N m]; without a limit, the rover's weight on a lever of 1 m."""
+    motors = [model.actuator(name).id for name in joints]
+    weight = float(model.body_mass.sum() * np.linalg.norm(model.opt.gravity))
+    limited = model.actuator_forcelimited[motors].astype(bool)
+    return np.where(limited, model.actuator_forcerange[motors, 1], weight)

@@ -97,9 +97,9 @@ class ContactChatter:
     """Wheels whose contacts break and close from one physics step to the next, as meshes in Gazebo do.
 
     A reading that falls into a disturbed step finds the rover carried by more or less than its weight,
-    between free fall and several g, the mean being its weight. A tyre that slides pushes it sideways as
-    well, by no more than the load times a coefficient along each axis: the engine's friction pyramid. How
-    many readings are disturbed or slide grows with the speed of the wheels v, as 1 - exp(-v / v0).
+    between free fall and several g, the mean being its weight. A tyre that slides pushes it sideways
+    as well, by no more than the load times a coefficient along each axis: the engine's friction pyramid.
+    How many readings are disturbed or slide grows with the wheels' speed v, as 1 - exp(-v / v0).
 
     Attributes:
         speed: v0 of the disturbed ones [m/s].

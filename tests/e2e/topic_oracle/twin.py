@@ -68,7 +68,7 @@ class Twin:
         self.restless = float(np.abs(self.data.qvel).max())
 
     def _let_down(self) -> None:
-        """From 1 cm above the highest ground below the wheels, until it rests or 5 s have passed; parked from 1 s on."""
+        """From 1 cm above the highest ground below, until it rests, at most 5 s; parked after 1 s."""
         x0, x1, y0, y1 = self.rover.footprint
         grid = self.world.ground.cell / 2
         under = [(x, y) for x in np.arange(x0, x1, grid) for y in np.arange(y0, y1, grid)]
