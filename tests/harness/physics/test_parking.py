@@ -64,7 +64,7 @@ def test_what_drives_again_is_to_the_bit_as_it_was(rover: RoverSpec, simulate: M
     assert friction_of(simulation.model) == parked
 
 
-@pytest.mark.parametrize(("torque", "holds"), [(4.0, True), (0.1, False), (None, True)])
+@pytest.mark.parametrize(("torque", "holds"), [(4.0, True), (0.2, True), (0.1, False), (None, True)])
 def test_wheels_hold_with_the_torque_of_their_motors(
     torque: float | None, holds: bool, simulate: MakeSimulation
 ) -> None:
