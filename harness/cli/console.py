@@ -98,7 +98,7 @@ def _metrics_table(run: result.RunResult) -> Table:
         ("collisions", _metric(row, "Total Collisions", " scans"), hits),
         ("clearance", _metric(row, "Obstacle Clearance", " m"), ""),
         ("velocity", _metric(row, "Current Velocity", " m/s"), ""),
-        ("wheel slip", "", f"{truth.mean_slip:.2f}"),
+        ("slip of moving wheels", "", f"{truth.mean_slip:.2f}"),
         ("on rocks", "", f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s"),
         ("scraping the ground", "", f"{truth.scrapes} times, {truth.scrape_s:.2f} s"),
         ("largest tilt", "", f"{math.degrees(truth.largest_tilt):.0f} deg{tipped}"),

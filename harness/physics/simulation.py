@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from harness.errors import Diverged, RunFailed
 from harness.physics.contacts import ContactWatch
+from harness.physics.parking import ParkingHold
 from harness.physics.scene import Scene
 from harness.physics.start import spawn_pose
 from harness.samples import Quaternion, Vector3
@@ -19,6 +20,7 @@ from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.world.world import EDGE_MARGIN
 
 SETTLE_LIMIT_NS = 5 * NANOSECONDS
+FREE_NS = 1 * NANOSECONDS  # of that the wheels may roll; held ones would keep rockers from following
 AT_REST_SPEED = 2e-3  # [m/s] and [rad/s]: below it a rover counts as settled
 
 WHOLE_STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
@@ -56,6 +58,7 @@ class Simulation:
         self.tick_sum = np.zeros(self.model.nsensordata)
         self.contacts = ContactWatch(self.model, self.data)
         self._wheels = np.array([self.model.actuator(n).id for n in scene.rover.wheel_joints])
+        self._parking = ParkingHold(self.model, scene.rover.wheel_joints)
         self._edge_x, self._edge_y = (half - EDGE_MARGIN for half in scene.world.ground.half_size)
         self._settle()
         # All that the next step depends on, warm start included: it goes on bit for bit.
@@ -109,8 +112,9 @@ class Simulation:
         return self.tick_sum[start : start + size]
 
     def command_wheels(self, speeds: NDArray[np.float64]) -> None:
-        """Sets the wheel speeds [rad/s] in the order of the rover's wheel joints."""
+        """Sets the wheel speeds [rad/s] in the order of the rover's wheel joints; all 0 parks it."""
         self.data.ctrl[self._wheels] = speeds
+        self._parking.hold(not any(speeds.tolist()))
 
     def tick(self) -> None:
         """Advances one clock tick; `tick_sum` then holds the sensor values summed over its steps.
@@ -134,6 +138,7 @@ class Simulation:
     def return_to_start(self) -> None:
         """Puts the rover back to where and how it stood at time zero; time goes on."""
         mujoco.mj_setState(self.model, self.data, self._start, WHOLE_STATE)
+        self.command_wheels(self.data.ctrl[self._wheels])
         self.tick_sum.fill(0.0)
         self.contacts.begin()
 
@@ -159,12 +164,14 @@ class Simulation:
     def _settle(self) -> None:
         """Lets the rover down onto the ground, so that no drop pollutes the first samples."""
         self.data.qpos[:7] = spawn_pose(self.scene)
-        for _ in range(SETTLE_LIMIT_NS // TICK_NS):
+        for tick in range(SETTLE_LIMIT_NS // TICK_NS):
+            self._parking.hold(tick >= FREE_NS // TICK_NS)
             for _ in range(self.steps_per_tick):
                 mujoco.mj_step(self.model, self.data)
             self._check_health()
             if np.abs(self.data.qvel).max() < AT_REST_SPEED and self.data.ncon:
                 break
+        self._parking.hold(True)
         self.data.time = 0.0
 
 

@@ -66,7 +66,7 @@ def test_metrics_stand_beside_the_truth() -> None:
     assert told["collisions"] == ["6 scans", "2 contacts, 0.25 s"]
     assert told["clearance"] == ["1.25 m", ""]
     assert told["velocity"] == ["0.31 m/s", ""]
-    assert told["wheel slip"] == ["", "0.13"]
+    assert told["slip of moving wheels"] == ["", "0.13"]
     assert told["on rocks"] == ["", "5 contacts, 1.50 s"]
     assert told["scraping the ground"] == ["", "7 times, 0.75 s"]
     assert told["largest tilt"] == ["", "81 deg, tipped over"]
