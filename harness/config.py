@@ -125,6 +125,14 @@ class EpisodeConfig:
         if self.terrain_size is not None or self.terrain_height is not None:
             raise UsageError("--terrain-size and --terrain-height apply to terrains from files only")
 
+    def _validate_faults(self) -> None:
+        for spec, fault in zip(self.faults, parse_faults(self.faults), strict=True):
+            if fault.start_ns > self.total_ticks * TICK_NS:
+                raise UsageError(
+                    f"fault '{spec}' begins after the end of the run at {self.duration:g} s; "
+                    "begin it earlier, or give a longer --duration"
+                )
+
     def validate(self) -> None:
         """Checks every value that can be checked without building the world.
 
@@ -136,10 +144,10 @@ class EpisodeConfig:
         find_driver(self.driver)
         parse_timestep(self.timestep)
         period_ticks(self.imu_rate)
-        parse_faults(self.faults)
         if self.noise is not None:
             find_named("noise preset", self.noise, PRESETS)
         check_duration(self.duration)
+        self._validate_faults()
         if self.start is not None:
             check_start(self.start)
         if self.seed < 0:

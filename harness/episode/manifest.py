@@ -43,6 +43,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
             "log": None if result.log_path is None else str(result.log_path),
             "last_row": result.last_row,
             "thresholds": asdict(result.thresholds),
+            "params": None if result.params is None else str(result.params),
             # What the metrics node says of its session, as it would in a record of its own.
             "node": None
             if result.reception is None

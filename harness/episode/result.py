@@ -48,6 +48,7 @@ class RunResult:
         segments: How often its time began anew, plus one; None without one.
         recording: The MCAP file; None without one.
         report: The page that was asked for; None if none was.
+        params: The parameter file of the metrics that was given; None without.
     """
 
     config: EpisodeConfig
@@ -69,6 +70,7 @@ class RunResult:
     segments: int | None = None
     recording: Path | None = None
     report: Path | None = None
+    params: Path | None = None
 
     @property
     def simulated_s(self) -> float:

@@ -17,7 +17,6 @@ from typing import Any, Protocol
 
 from geometry_msgs.msg import Twist
 from rclpy.context import Context
-from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 
@@ -27,6 +26,7 @@ from harness.robots import RoverSpec
 from harness.ros import messages
 from harness.sensors import table
 from harness.sensors.lidar_spec import LidarSpec
+from rover_metrics.ros.guarded_node import GuardedNode
 from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE
 from rover_metrics.ros.subscriptions import keep_last
 
@@ -75,7 +75,7 @@ class Channel:
         self.published += 1
 
 
-class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
+class Bridge(GuardedNode):
     """Publishes ticks.
 
     Args:

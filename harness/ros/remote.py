@@ -79,9 +79,12 @@ class RemoteNode:
         future = self._counts.call_async(Trigger.Request())
         if not spin_until(self._executor, future.done, patience):
             return {}
-        told = json.loads(future.result().message)
         published = self._bridge.published()
-        return {topic: count for topic, count in told.items() if topic in published}
+        try:
+            told = json.loads(future.result().message)
+            return {topic: int(count) for topic, count in told.items() if topic in published}
+        except (ValueError, TypeError, AttributeError):  # a service of that name, no MetricsNode's
+            return {}
 
     def _not_found(self) -> str:
         others = sorted(

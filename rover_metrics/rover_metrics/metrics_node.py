@@ -14,21 +14,22 @@ from rover_metrics.errors import ParameterError, RoverMetricsError, missing_ros
 try:
     from rcl_interfaces.msg import SetParametersResult
     from rclpy.context import Context
-    from rclpy.node import Node
     from rclpy.parameter import Parameter
     from std_srvs.srv import Trigger
 
+    from rover_metrics.ros.guarded_node import GuardedNode
     from rover_metrics.ros.metrics_publisher import MetricsPublisher
-    from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_type
+    from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_name_or_type
     from rover_metrics.ros.program import run_node
     from rover_metrics.ros.row_timer import RowTimer
     from rover_metrics.ros.subscriptions import subscribe
 except ImportError as error:
     raise missing_ros(error, is_program=__name__ == "__main__") from None
 
+from rover_metrics.extended.settings import check_name
 from rover_metrics.extended.traffic_columns import POSE, SCAN, Topic
 from rover_metrics.health.live_view import LiveView, Status
-from rover_metrics.health.reception import LOST, Reception
+from rover_metrics.health.reception import LOST
 from rover_metrics.health.rejections import NO_POSE
 from rover_metrics.log.buffered_log import BufferedLog
 from rover_metrics.log.session_record import SessionRecord
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 LOG_PERIOD = 1.0  # seconds of ROS time
 
 
-class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
+class MetricsNode(GuardedNode):
     """Logs the traversal metrics of a rover once per second of ROS time.
 
     Args:
@@ -72,8 +73,9 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         now: Callable[[], datetime] = datetime.now,
     ) -> None:
         super().__init__("metrics_node", context=context, parameter_overrides=parameter_overrides)
-        self.reception = Reception(self._tell)
         try:
+            for name in self._parameter_overrides:  # rclpy ignores one that nobody declares
+                check_name(name, may_be_others=True)
             self.settings = declare_settings(self)
             extended = self.settings.extended if self.settings.extended_columns else None
             self.session = MetricsSession(self.settings.thresholds, extended)
@@ -146,7 +148,7 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
         """Sets all of the parameters or none; also what ros2 param set comes down to."""
-        reason = wrong_type(self, parameter_list)
+        reason = wrong_name_or_type(self, parameter_list)
         if reason is not None:
             return SetParametersResult(successful=False, reason=reason)
         return super().set_parameters_atomically(parameter_list)
@@ -186,9 +188,6 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         assert self.last_row is not None  # noqa: S101 - a row comes first
         states = self.reception.states()
         return self._view.statuses(self.last_row, states, self.settings.thresholds, now_ns)
-
-    def _tell(self, line: str) -> None:
-        self.get_logger().warning(line)
 
     def _debug(self, source: Source, topic: str) -> None:
         if self.received[topic] % self.settings.debug_interval:

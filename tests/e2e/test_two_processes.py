@@ -133,12 +133,3 @@ def rows(log_dir: Path) -> list[dict[str, str]]:
         return []
     with only_log(log_dir).open(newline="") as file:
         return [row for row in csv.DictReader(file) if row["Notes"] is not None]
-
-
-@pytest.mark.usefixtures("ros_domain")
-def test_waiting_for_a_node_on_wall_time_is_refused_with_the_mend(tmp_path: Path) -> None:
-    with started([*METRICS_NODE, "--ros-args", "-p", f"log_dir:={tmp_path}"], tmp_path):
-        with started([*HARNESS, "--terrain", "flat", "--duration", "1"], tmp_path) as harness:
-            told = finished(harness)
-        assert harness.returncode == 2
-    assert "/metrics_node runs on wall time; start it with -p use_sim_time:=true" in told

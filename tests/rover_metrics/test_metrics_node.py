@@ -273,6 +273,14 @@ def test_a_launch_with_a_value_that_is_not_valid_says_what_is(
     assert list(rig.folder.iterdir()) == []
 
 
+@pytest.mark.parametrize(("name", "meant"), [("sim_time", "use_sim_time"), ("fsinc", "fsync")])
+def test_a_launch_that_misspells_a_parameter_is_told_the_nearest(
+    rig: "Rig", name: str, meant: str
+) -> None:
+    with pytest.raises(ParameterError, match=rf"^there is no parameter {name}; did you mean {meant}\?$"):
+        rig.start(**{name: True, "qos_overrides./scan.x": "y", "of_another_node": 3})
+
+
 def test_a_threshold_changed_by_another_node_holds_for_the_next_message(rig: "Rig") -> None:
     node = rig.start()
     node.take(SCAN, rig.scan(0.5))
@@ -323,6 +331,8 @@ def test_parameters_that_are_not_the_nodes_own_can_still_be_set(rig: "Rig") -> N
         ("lidar_pose", [0.0], "give x and y in metres, yaw in radians"),
         ("lidar_pose", [0, 0, 3], "a list of three numbers with decimal points"),
         ("footprint_threshold", 1, "a number with a decimal point"),
+        ("colision_threshold", 0.3, "there is no parameter colision_threshold; did you mean coll"),
+        ("", 0.3, "there is no parameter "),
     ],
 )
 def test_a_change_that_is_not_valid_is_rejected_with_the_reason(

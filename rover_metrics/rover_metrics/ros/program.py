@@ -9,6 +9,7 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
 from rover_metrics.errors import RoverMetricsError, StartError
+from rover_metrics.ros.arguments import complaint, refusal
 
 
 def run_node(name: str, make_node: Callable[[], Node], args: list[str] | None) -> int:
@@ -34,10 +35,13 @@ def run_node(name: str, make_node: Callable[[], Node], args: list[str] | None) -
 
 def _run(make_node: Callable[[], Node], args: list[str] | None) -> None:
     with ExitStack() as at_end:
+        wrong = complaint(sys.argv if args is None else args)
+        if wrong is not None:
+            raise StartError(wrong)
         try:
             rclpy.init(args=args)
         except RuntimeError as error:
-            raise StartError(" ".join(str(error).split())) from error
+            raise StartError(refusal(error)) from error
         at_end.callback(rclpy.try_shutdown)
         try:
             executor = SingleThreadedExecutor()

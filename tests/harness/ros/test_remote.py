@@ -138,3 +138,12 @@ def test_a_node_that_does_not_count_or_hangs_has_received_nothing_known(rig: Rig
     assert node.received() == {}
     rig.answers, rig.counts = True, False
     assert node.received() == {}
+
+
+@pytest.mark.parametrize("told", [["/scan"], "text", {"/scan": "many"}, {"/scan": None}])
+def test_a_service_of_that_name_that_is_another_ones_has_received_nothing_known(
+    rig: Rig,
+    told: Any,  # noqa: ANN401 - not what a MetricsNode tells
+) -> None:
+    rig.received = told
+    assert rig.node().received() == {}

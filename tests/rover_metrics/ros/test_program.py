@@ -115,3 +115,12 @@ def test_arguments_that_ros_refuses_are_one_line_and_two(
     assert stage.run() == 2
     assert stage.events == UP
     assert capsys.readouterr() == ("", "metrics_node: Couldn't parse rule: 'x'\n")
+
+
+def test_an_option_behind_ros_args_that_ros_does_not_know_is_told_before_ros_is_up(
+    stage: Stage, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert program.run_node("metrics_node", stage.make_node, ["--ros-args", "--parms-file", "x"]) == 2
+    assert stage.events == []
+    told = "metrics_node: --ros-args knows no '--parms-file'; did you mean --params-file?\n"
+    assert capsys.readouterr() == ("", told)
