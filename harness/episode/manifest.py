@@ -33,6 +33,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
             "simulated_s": result.simulated_s,
             "wall_s": result.wall_s,
             "paused_s": result.paused_s,
+            "waited_s": result.waited_s,
             "real_time_factor": result.real_time_factor,
             "first_row_s": result.first_row_s,
             "topics": {topic: asdict(count) for topic, count in result.topics.items()},

@@ -40,6 +40,7 @@ class RunResult:
         failure: Why the run did not come to its end; None if it did or was interrupted.
         interrupted: The signal's name if somebody stopped it.
         topics: Counts by topic name.
+        waited_s: Wall time for which an answer of a node in lock-step was awaited, by its name [s].
         log_path: The metrics CSV; None without one.
         last_row: Its last row by column name.
         thresholds: Those that the metrics had at the end.
@@ -60,6 +61,7 @@ class RunResult:
     failure: str | None = None
     interrupted: str | None = None
     topics: dict[str, TopicCount] = field(default_factory=dict)
+    waited_s: dict[str, float] = field(default_factory=dict)
     rows: int = 0
     log_path: Path | None = None
     last_row: dict[str, int | float | str] | None = None

@@ -41,8 +41,8 @@ SECOND_PUBLISHER = (
 class Listener(Protocol):
     """Somebody who must have handled everything before time goes on."""
 
-    def wait_for_samples(self) -> None:
-        """Returns when every published sample has been handled."""
+    def wait_for_samples(self, channels: Sequence["Channel"]) -> None:
+        """Returns when every sample has been handled that went out on these channels, and before."""
         ...
 
     def wait_for_clock(self, stamp_ns: int) -> None:
@@ -131,11 +131,13 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         """
         self.time_ns = tick.stamp_ns
         for burst in _bursts(sent.samples):
+            channels: list[Channel] = []
             for sample in burst:
                 for channel in self.channels_of[type(sample)]:
                     channel.publish(sample)
+                channels += self.channels_of[type(sample)]
             for listener in listeners:
-                listener.wait_for_samples()
+                listener.wait_for_samples(channels)
         if sent.tells_time:
             self.clock_channel.publish(sent)
             for listener in listeners:

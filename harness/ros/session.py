@@ -22,7 +22,7 @@ from harness.ros.context import make_executor, ros_context
 from harness.ros.controls import Controls
 from harness.ros.hosted import HostedMetrics, metrics_node
 from harness.ros.recorder import Recorder
-from harness.ros.remote import ANSWER_PATIENCE, RemoteNode
+from harness.ros.remote import ANSWER_PATIENCE, RemoteNode, RemoteNodes
 from harness.sensors.lidar_spec import LidarSpec
 
 
@@ -78,7 +78,8 @@ class _Run:
             self._executor.add_node(node)
             self._hosted = HostedMetrics(self.bridge, node)
             self._hosted.await_match()
-        self._remotes = [RemoteNode(name, self.bridge) for name in options.wait_for]
+        jumps = self._faults.disturbs_time
+        self._remotes = [RemoteNode(name, self.bridge, time_jumps=jumps) for name in options.wait_for]
 
     def drive(
         self,
@@ -104,8 +105,9 @@ class _Run:
             with stop.deferred():
                 self._controls.hold(stop)
                 pacer = Pacer(self._options.rate, sleep=stop.sleep)
-                hosted = (self._hosted,) if self._hosted else ()
-                sink = partial(self.bridge.advance, listeners=(*hosted, *self._remotes))
+                remotes = (RemoteNodes(self._remotes, self.bridge),) if self._remotes else ()
+                hosted = (self._hosted,) if self._hosted else ()  # has its turns while others answer
+                sink = partial(self.bridge.advance, listeners=(*remotes, *hosted))
                 batches, watching = self._source.batches(), (*observers, account)
                 for tick in drive(batches, self._faults, sink, watching, stop):
                     pacer.postpone(self._controls.hold(stop))
@@ -135,15 +137,16 @@ class _Run:
                 topics[topic] = replace(topics[topic], received=received, lost=self._hosted.lost[topic])
         patience = ANSWER_PATIENCE if result.interrupted is None else GRACE
         for remote in self._remotes:
-            for topic, received in remote.received(patience).items():
+            for topic, received in remote.release(patience).items():
                 lost = max(topics[topic].lost, topics[topic].published - received)
                 topics[topic] = replace(topics[topic], received=received, lost=lost)
+        waited = {remote.name: remote.waited_s for remote in self._remotes}
         failure = result.failure
         foreign = [topic for topic, count in topics.items() if count.published < (count.received or 0)]
         if failure is None and foreign:
             failure = f"{foreign[0]} {SECOND_PUBLISHER}"
         recording = self._options.record if any(c.published for c in topics.values()) else None
-        result = replace(result, topics=topics, recording=recording, failure=failure)
+        result = replace(result, topics=topics, recording=recording, failure=failure, waited_s=waited)
         if self._hosted is None:
             return result
         node = self._hosted.node

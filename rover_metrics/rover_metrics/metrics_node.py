@@ -16,7 +16,7 @@ try:
     from rclpy.context import Context
     from rclpy.node import Node
     from rclpy.parameter import Parameter
-    from std_srvs.srv import Trigger
+    from std_srvs.srv import SetBool, Trigger
 
     from rover_metrics.ros.metrics_publisher import MetricsPublisher
     from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_type
@@ -58,6 +58,7 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         topics: The resolved name of each topic that is listened to.
         timer: Fires when a row is due.
         last_row: The latest row, written or not; None before the first.
+        in_lock_step: Whether a simulator waits until this node has handled what it sent.
 
     Raises:
         ParameterError: A parameter was given a value that is not valid.
@@ -90,6 +91,7 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
             super().destroy_node()
             raise
         self.last_row: Row | None = None
+        self.in_lock_step = False
         self.record = SessionRecord(self.get_fully_qualified_name(), now, self._tell)
         self.record.begin(self.log.path)
         self._view = LiveView()
@@ -97,6 +99,7 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         self.timer = RowTimer(self, LOG_PERIOD, self._each_second, self._tell, self.settings.stale_after)
         self.add_on_set_parameters_callback(self._use_parameters)
         self.create_service(Trigger, "~/received", self._report_received)
+        self.create_service(SetBool, "~/lock_step", self._set_lock_step)
         self.get_logger().info(f"logging to: {self.log.path.parent}/")
 
     @property
@@ -221,6 +224,11 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         counts = {"remarks": remarks, "rows": self.rows, "lost_rows": self.lost_rows}
         response.success = True
         response.message = json.dumps({**self.received, **counts, "log": str(self.log.path)})
+        return response
+
+    def _set_lock_step(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        """Answers ~/lock_step: a simulator begins to wait for this node, or does so no more."""
+        self.in_lock_step, response.success = request.data, True
         return response
 
 

@@ -1,5 +1,6 @@
 """In which order ticks go out, and who is asked before time goes on; and who else may publish."""
 
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -29,8 +30,8 @@ class Noted:
         bridge: Any = self
         Bridge.advance(bridge, Tick(5, ()), tick, listeners=listeners)
 
-    def wait_for_samples(self) -> None:
-        self.said.append("samples")
+    def wait_for_samples(self, channels: Sequence[object]) -> None:
+        self.said.append(("samples", len(channels)))
 
     def wait_for_clock(self, stamp_ns: int) -> None:
         self.said.append(("clock", stamp_ns))
@@ -43,8 +44,8 @@ class Noted:
 def test_samples_of_one_kind_go_out_one_by_one_then_the_clock_if_it_tells_time(tells_time: bool) -> None:
     noted = Noted()
     noted.advance(Tick(7, (POSE, POSE, IMU, POSE), tells_time), noted, noted)
-    waits = ["samples", "samples"]
-    bursts = [POSE, IMU, *waits, POSE, *waits, POSE, *waits]
+    both, one = 2 * [("samples", 2)], 2 * [("samples", 1)]
+    bursts = [POSE, IMU, *both, POSE, *one, POSE, *one]
     assert noted.said == bursts + [7, ("clock", 7), ("clock", 7)] * tells_time
 
 
