@@ -20,6 +20,7 @@ from harness.world.heightmap.dem import TerrainFile, file_world, is_terrain_file
 from harness.world.terrains import TERRAINS
 from harness.world.world import DEFAULT_DIFFICULTY, World, build_world
 
+CMD_VEL_TYPES = ("auto", "twist", "stamped")
 LIDAR_BEAMS, IMU_RATE = 640, 20
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
 FEWEST_BEAMS, MOST_BEAMS = 2, 100_000
@@ -49,6 +50,7 @@ class EpisodeConfig:
     noise: str | None = None  # a preset's name; None for exact sensors
     lidar_beams: int = LIDAR_BEAMS
     imu_rate: int = IMU_RATE
+    cmd_vel_timeout: float | None = None  # [s] of simulation time after which a command ends
     faults: tuple[str, ...] = ()  # on the way to listeners; the episode itself does not see them
 
     @property
@@ -85,6 +87,15 @@ class EpisodeConfig:
         if self.terrain_size is not None or self.terrain_height is not None:
             raise UsageError("--terrain-size and --terrain-height apply to terrains from files only")
 
+    def _validate_timeout(self) -> None:
+        timeout = self.cmd_vel_timeout
+        if timeout is None:
+            return
+        if not CONTROL_PERIOD_NS / NANOSECONDS <= timeout < math.inf:
+            raise UsageError(f"command timeout {timeout:g} s is not valid; give 0.05 or more")
+        if self.driver != "cmd_vel":
+            raise UsageError("--cmd-vel-timeout is for --driver cmd_vel only; other drivers go on")
+
     def validate(self) -> None:
         """Checks every value that can be checked without building the world.
 
@@ -100,6 +111,7 @@ class EpisodeConfig:
         if self.noise is not None:
             find_named("noise preset", self.noise, PRESETS)
         check_duration(self.duration)
+        self._validate_timeout()
         if self.seed < 0:
             raise UsageError(f"seed {self.seed} is not valid; give a whole number from 0 up")
         if not 0.0 <= self.difficulty <= 1.0:
@@ -120,6 +132,7 @@ class RosOptions:
         wait_for: Names of nodes elsewhere to keep in lock-step.
         rate: Simulated seconds per wall second; None is as fast as possible.
         ros_args: Arguments from `--ros-args` on.
+        cmd_vel: How commands come; one of CMD_VEL_TYPES.
         record: MCAP file to record every published message into.
     """
 
@@ -128,4 +141,5 @@ class RosOptions:
     wait_for: tuple[str, ...] = ()
     rate: float | None = None
     ros_args: tuple[str, ...] = ()
+    cmd_vel: str = "auto"
     record: Path | None = None

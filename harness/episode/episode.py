@@ -74,14 +74,16 @@ class Episode:
         self._drive = DiffDrive(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
         scene, (rng, *_) = self.simulation.scene, _generators(self.config.seed, 3)
         reach, obstacles = scene.world.ground.half_size, scene.world.obstacles
-        context = DriverContext(scene.rover, reach, self._bearings, rng, obstacles)
+        seconds = self.config.cmd_vel_timeout
+        timeout_ns = None if seconds is None else round(seconds * NANOSECONDS)
+        context = DriverContext(scene.rover, reach, self._bearings, rng, obstacles, timeout_ns)
         self._driver: Driver = find_driver(self.config.driver)(context)
         self._last_scan: LaserScan | None = None
 
     def command(self, twist: Twist) -> None:
         """Hands a command to the cmd_vel driver; other drivers make their own."""
         if isinstance(self._driver, CmdVel):
-            self._driver.latest = twist
+            self._driver.obey(twist)
 
     def reset(self) -> None:
         """Puts the rover back to its start, between two batches; time and duration go on.

@@ -38,6 +38,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
             "first_row_s": result.first_row_s,
             "topics": {topic: asdict(count) for topic, count in result.topics.items()},
             "lost": result.lost,
+            "commands": asdict(result.commands),
             "rows": result.rows,
             "log": None if result.log_path is None else str(result.log_path),
             "last_row": result.last_row,

@@ -54,7 +54,8 @@ class EpisodeProcess:
                 self._process.join()
             raise
         remote.close()
-        self._latest, self._reset = Twist(), False
+        self._command: Twist | None = None
+        self._reset = False
         self._ordered = 0
         for _ in range(0 if self._obeys else AHEAD):
             self._order()
@@ -76,8 +77,8 @@ class EpisodeProcess:
         return info
 
     def command(self, twist: Twist) -> None:
-        """Sets the command of the next control periods (cmd_vel driver)."""
-        self._latest = twist
+        """Sets the command from the next control period on (cmd_vel driver)."""
+        self._command = twist
 
     def reset(self) -> int | None:
         """Puts the rover back to its start, as `Episode.reset`; a command in force is forgotten.
@@ -87,7 +88,7 @@ class EpisodeProcess:
         """
         if self._ordered == self._config.total_periods:
             return None
-        self._latest, self._reset = Twist(), True
+        self._command, self._reset = None, True
         return self._ordered * CONTROL_PERIOD_NS
 
     def batches(self) -> Iterator[Batch]:
@@ -104,11 +105,11 @@ class EpisodeProcess:
     def _order(self) -> None:
         if self._ordered == self._config.total_periods:
             return
-        special = self._obeys or self._reset
-        order = _Order(self._latest if self._obeys else None, self._reset) if special else None
+        command = self._command if self._obeys else None
+        order = _Order(command, self._reset) if self._reset or command is not None else None
         with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # the next receipt tells why
             self._connection.send(order)
-        self._ordered, self._reset = self._ordered + 1, False
+        self._ordered, self._command, self._reset = self._ordered + 1, None, False
 
     def _receive(self) -> Any:  # noqa: ANN401 - see the module
         try:

@@ -18,12 +18,15 @@ from harness.faults.spec import parse_faults
 from harness.interrupt import GRACE, Overdue, StopRequest
 from harness.robots import find_rover
 from harness.ros.bridge import SECOND_PUBLISHER, Bridge
-from harness.ros.context import make_executor, ros_context
+from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.controls import Controls
 from harness.ros.hosted import HostedMetrics, metrics_node
 from harness.ros.recorder import Recorder
-from harness.ros.remote import ANSWER_PATIENCE, RemoteNode, RemoteNodes
+from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, RemoteNodes
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sim_time import NANOSECONDS
+
+LOOK_PERIOD_NS = NANOSECONDS // 10  # of simulation time, for publishers that have turned up
 
 
 def run_through_ros(
@@ -64,7 +67,8 @@ class _Run:
         self._config, self._options, self._source = config, options, source
         self._context = context = at_end.enter_context(ros_context(options.ros_args))
         rover, lidar = find_rover(config.robot), LidarSpec(beams=config.lidar_beams)
-        self.bridge = Bridge(rover, lidar, context=context, on_command=source.command)
+        obey, kind = source.command, options.cmd_vel
+        self.bridge = Bridge(rover, lidar, context=context, on_command=obey, cmd_vel=kind)
         at_end.callback(self.bridge.destroy_node)
         self._faults = FaultInjector(parse_faults(config.faults), config.seed)
         executor = make_executor(context, time_jumps=self._faults.disturbs_time)
@@ -79,7 +83,12 @@ class _Run:
             self._hosted = HostedMetrics(self.bridge, node)
             self._hosted.await_match()
         jumps = self._faults.disturbs_time
-        self._remotes = [RemoteNode(name, self.bridge, time_jumps=jumps) for name in options.wait_for]
+        remote = partial(RemoteNode, bridge=self.bridge, time_jumps=jumps)
+        self._remotes = [remote(name) for name in options.wait_for]
+        heard = self.bridge.commands.heard
+        spin_until(self._executor, self.bridge.commands.look_around, DISCOVERY_PATIENCE)
+        if self.bridge.commands.heard != heard:  # the nodes know of it when new clients are answered
+            self._remotes = [remote(name) for name in options.wait_for]
 
     def drive(
         self,
@@ -112,6 +121,8 @@ class _Run:
                 for tick in drive(batches, self._faults, sink, watching, stop):
                     pacer.postpone(self._controls.hold(stop))
                     pacer.wait_until(tick.stamp_ns)
+                    if tick.stamp_ns % LOOK_PERIOD_NS == 0:
+                        self.bridge.commands.look_around()
             interrupted = stop.name
         except RunFailed as error:
             failure = str(error)
@@ -146,7 +157,14 @@ class _Run:
         if failure is None and foreign:
             failure = f"{foreign[0]} {SECOND_PUBLISHER}"
         recording = self._options.record if any(c.published for c in topics.values()) else None
-        result = replace(result, topics=topics, recording=recording, failure=failure, waited_s=waited)
+        result = replace(
+            result,
+            topics=topics,
+            recording=recording,
+            failure=failure,
+            waited_s=waited,
+            commands=self.bridge.commands.count,
+        )
         if self._hosted is None:
             return result
         node = self._hosted.node

@@ -153,7 +153,12 @@ def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         lidar_beams=BEAMS,
         model=write_model(spec, folder),
     )
-    options = RosOptions(log_dir=folder, host_metrics=spec.name == "leo", record=folder / "drive.mcap")
+    options = RosOptions(
+        log_dir=folder,
+        host_metrics=spec.name == "leo",
+        record=folder / "drive.mcap",
+        cmd_vel="twist",  # the listener's, which is sent from within this context
+    )
     take, refuse = EpisodeProcess.command, Bridge.refuse_other_publishers
 
     def join(bridge: Bridge, names: tuple[str, ...]) -> None:

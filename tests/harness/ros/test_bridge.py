@@ -23,6 +23,7 @@ class Noted:
         self.said: list[object] = []
         self.executor = self
         self.clock_channel: Any = SimpleNamespace(publish=lambda tick: self.said.append(tick.stamp_ns))
+        self.commands = SimpleNamespace(told_ns=0)
         channel = SimpleNamespace(publish=self.said.append)
         self.channels_of = {Pose: [channel], Imu: [channel]}
 
@@ -47,6 +48,7 @@ def test_samples_of_one_kind_go_out_one_by_one_then_the_clock_if_it_tells_time(t
     both, one = 2 * [("samples", 2)], 2 * [("samples", 1)]
     bursts = [POSE, IMU, *both, POSE, *one, POSE, *one]
     assert noted.said == bursts + [7, ("clock", 7), ("clock", 7)] * tells_time
+    assert noted.commands.told_ns == 7 * tells_time
 
 
 def test_without_listeners_commands_are_served_once_a_tick_without_waiting() -> None:
