@@ -135,7 +135,7 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         (bool(ros_args), "--ros-args"),
         (bool(options.namespace), "--namespace"),
         (options.record is not None, "--record"),
-        (options.driver == "cmd_vel", "--driver cmd_vel"),
+        (options.driver in ("cmd_vel", "goal"), f"--driver {options.driver}"),
     ):
         if given:
             raise UsageError(f"{flag} needs ROS; leave out --direct")

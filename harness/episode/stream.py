@@ -23,17 +23,25 @@ from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import HarnessError, RunFailed
 from harness.interrupt import HANDLED
-from harness.samples import Twist
+from harness.samples import Place, Twist
 
 AHEAD = 10  # batches: 0.5 s of simulated time
 EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
 
 
 class _Order(NamedTuple):
-    """What a batch that is not just the next one begins with: a reset, a command (cmd_vel), or both."""
+    """What a batch begins with, in this order, that is not just the next one.
 
-    command: Twist | None
-    reset: bool
+    Attributes:
+        reset: Whether the rover goes back to its start, or to `place`.
+        command: Of the driver cmd_vel.
+        goal: Of the driver goal.
+    """
+
+    reset: bool = False
+    place: Place | None = None
+    command: Twist | None = None
+    goal: Place | None = None
 
 
 class EpisodeProcess:
@@ -54,8 +62,7 @@ class EpisodeProcess:
                 self._process.join()
             raise
         remote.close()
-        self._command: Twist | None = None
-        self._reset = False
+        self._next = _Order()
         self._ordered = 0
         for _ in range(0 if self._obeys else AHEAD):
             self._order()
@@ -78,7 +85,8 @@ class EpisodeProcess:
 
     def command(self, twist: Twist) -> None:
         """Sets the command from the next control period on (cmd_vel driver)."""
-        self._command = twist
+        if self._obeys:
+            self._next = self._next._replace(command=twist)
 
     def reset(self) -> int | None:
         """Puts the rover back to its start, as `Episode.reset`; a command in force is forgotten.
@@ -86,10 +94,19 @@ class EpisodeProcess:
         Returns:
             The simulation time [ns] at which that happens; None if the episode ends before.
         """
-        if self._ordered == self._config.total_periods:
-            return None
-        self._command, self._reset = None, True
-        return self._ordered * CONTROL_PERIOD_NS
+        return self._note(_Order(reset=True))
+
+    def put(self, place: Place) -> int | None:
+        """Puts the rover somewhere else; all else is as in `reset`."""
+        return self._note(_Order(reset=True, place=place))
+
+    def head_for(self, goal: Place) -> int | None:
+        """Gives the driver `goal` its next goal.
+
+        Returns:
+            The simulation time [ns] from which on it holds; None if the episode ends before.
+        """
+        return self._note(self._next._replace(goal=goal))
 
     def batches(self) -> Iterator[Batch]:
         """Yields the episode's batches, in order.
@@ -105,11 +122,17 @@ class EpisodeProcess:
     def _order(self) -> None:
         if self._ordered == self._config.total_periods:
             return
-        command = self._command if self._obeys else None
-        order = _Order(command, self._reset) if self._reset or command is not None else None
+        order = None if self._next == _Order() else self._next
         with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # the next receipt tells why
             self._connection.send(order)
-        self._ordered, self._command, self._reset = self._ordered + 1, None, False
+        self._ordered, self._next = self._ordered + 1, _Order()
+
+    def _note(self, order: _Order) -> int | None:
+        """Makes that the next order; returns when it comes into effect."""
+        if self._ordered == self._config.total_periods:
+            return None
+        self._next = order
+        return self._ordered * CONTROL_PERIOD_NS
 
     def _receive(self) -> Any:  # noqa: ANN401 - see the module
         try:
@@ -155,9 +178,11 @@ def _stream(config: EpisodeConfig, connection: Connection) -> None:
     for _ in range(config.total_periods):
         order: _Order | None = connection.recv()
         if order is not None and order.reset:
-            episode.reset()
+            episode.reset(order.place)
         if order is not None and order.command is not None:
             episode.command(order.command)
+        if order is not None and order.goal is not None:
+            episode.head_for(order.goal)
         connection.send(next(batches))
     next(batches, None)  # raises what the last of them failed of
     connection.send(None)

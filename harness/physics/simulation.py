@@ -15,11 +15,11 @@ from harness.physics.contacts import ContactWatch
 from harness.physics.scene import Scene
 from harness.samples import Quaternion, Vector3
 from harness.sim_time import NANOSECONDS, TICK_NS
+from harness.world.world import EDGE_MARGIN
 
 SETTLE_LIMIT_NS = 5 * NANOSECONDS
 AT_REST_SPEED = 2e-3  # [m/s] and [rad/s]: below it a rover counts as settled
 DROP_HEIGHT = 0.01  # [m] over the highest ground below the footprint
-EDGE_MARGIN = 0.5  # [m] of map that must remain around the rover's origin
 
 WHOLE_STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
 HEALTH_WARNINGS = {
@@ -137,6 +137,23 @@ class Simulation:
         self.tick_sum.fill(0.0)
         self.contacts.begin()
 
+    def put(self, x: float, y: float, yaw: float) -> None:
+        """Puts the rover onto the ground somewhere else, where it settles; time goes on.
+
+        Args:
+            x: Position of the model frame in the world [m]; likewise `y`.
+            y: See `x`.
+            yaw: Its heading [rad].
+
+        Raises:
+            Diverged: It cannot stand there.
+        """
+        self.return_to_start()
+        self.data.qvel[:] = 0.0
+        self.data.qpos[:2] = x, y
+        self.data.qpos[3:7] = math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)
+        self._settle(x, y, yaw)
+
     def _check_health(self) -> None:
         if not any(self._warnings.tolist()):  # a third of the time of numpy's any
             return
@@ -156,9 +173,9 @@ class Simulation:
                 f"(x = {x:.2f} m, y = {y:.2f} m)"
             )
 
-    def _settle(self) -> None:
+    def _settle(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> None:
         """Lets the rover down onto the ground, so that no drop pollutes the first samples."""
-        self.data.qpos[2] = self._spawn_height()
+        self.data.qpos[2] = self._spawn_height(x, y, yaw)
         for _ in range(SETTLE_LIMIT_NS // TICK_NS):
             for _ in range(self.steps_per_tick):
                 mujoco.mj_step(self.model, self.data)
@@ -167,13 +184,14 @@ class Simulation:
                 break
         self.data.time = 0.0
 
-    def _spawn_height(self) -> float:
+    def _spawn_height(self, x: float, y: float, yaw: float) -> float:
         x_min, x_max, y_min, y_max = self.scene.rover.footprint
         ground = self.scene.world.ground
+        cos, sin = math.cos(yaw), math.sin(yaw)
         highest = max(
-            ground.height_at(float(x), float(y))
-            for x in np.arange(x_min, x_max, ground.cell / 2)
-            for y in np.arange(y_min, y_max, ground.cell / 2)
+            ground.height_at(float(x + cos * ahead - sin * left), float(y + sin * ahead + cos * left))
+            for ahead in np.arange(x_min, x_max, ground.cell / 2)
+            for left in np.arange(y_min, y_max, ground.cell / 2)
         )
         return highest + self.scene.rover.rest_height + DROP_HEIGHT
 

@@ -19,7 +19,7 @@ from rosbags.typesys.store import Typestore
 
 from harness import __version__
 from harness.errors import RunFailed, UsageError
-from harness.ros.bridge import Bridge
+from harness.ros.bridge import Bridge, Channel
 from harness.ros.messages import Message
 from harness.sim_time import NANOSECONDS
 
@@ -93,13 +93,13 @@ class Recorder:
         if not self._messages:  # the run did not come to its first message
             self._path.unlink(missing_ok=True)
 
-    def tap(self, bridge: Bridge) -> None:
+    def tap(self, bridge: Bridge, *others: Channel) -> None:
         """Records everything that the bridge publishes from now on, under the time of its tick.
 
         A message's own stamp may differ from that where a fault delays it or disturbs the clock.
         """
         self._bridge = bridge
-        for channel in bridge.channels:
+        for channel in (*bridge.channels, *others):
             publisher, kind = channel.publisher, channel.publisher.msg_type
             name = f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
             identifier = self._register(channel.topic, name, publisher.qos_profile)

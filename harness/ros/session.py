@@ -21,6 +21,7 @@ from harness.ros.bridge import SECOND_PUBLISHER, Bridge
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.controls import Controls
 from harness.ros.hosted import HostedMetrics, metrics_node
+from harness.ros.navigation import Navigation
 from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, RemoteNodes
 from harness.sensors.lidar_spec import LidarSpec
@@ -54,7 +55,7 @@ def run_through_ros(
         source = at_end.enter_context(EpisodeProcess(config))
         run = _Run(config, options, source, at_end)
         if recorder is not None:
-            recorder.tap(run.bridge)
+            recorder.tap(run.bridge, run.navigation.map)
         return run.drive(stop, show, observers, started)
 
 
@@ -74,6 +75,7 @@ class _Run:
         executor = make_executor(context, time_jumps=self._faults.disturbs_time)
         self._executor = at_end.enter_context(executor)
         self._executor.add_node(self.bridge)
+        self.navigation = Navigation(self.bridge, config, source)
         self._controls = Controls(self.bridge, source.reset)
         self._hosted: HostedMetrics | None = None
         if options.host_metrics:
@@ -123,6 +125,7 @@ class _Run:
                     pacer.wait_until(tick.stamp_ns)
                     if tick.stamp_ns % LOOK_PERIOD_NS == 0:
                         self.bridge.commands.look_around()
+                        self.navigation.look_around()
             interrupted = stop.name
         except RunFailed as error:
             failure = str(error)

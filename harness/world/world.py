@@ -10,6 +10,7 @@ from harness.world.obstacles import Obstacle
 from harness.world.terrains import TERRAINS
 
 DEFAULT_DIFFICULTY = 0.5
+EDGE_MARGIN = 0.5  # [m] of map that must remain around the rover's origin
 
 
 @dataclass(frozen=True, eq=False)

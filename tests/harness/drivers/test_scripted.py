@@ -19,6 +19,7 @@ NAMES = [
     "spin",
     "figure8",
     "cmd_vel",
+    "goal",
     "roam",
     "ram",
     "reverse_into",
