@@ -41,8 +41,13 @@ SECOND_PUBLISHER = (
 class Listener(Protocol):
     """Somebody who must have handled everything before time goes on."""
 
-    def wait_for_samples(self, channels: Sequence["Channel"]) -> None:
-        """Returns when every sample has been handled that went out on these channels, and before."""
+    def wait_for_samples(self, channels: Sequence["Channel"], *, clock_follows: bool) -> None:
+        """Returns when what went out up to now is handled, or sure to be before a /clock that follows.
+
+        Args:
+            channels: On which samples have just gone out.
+            clock_follows: Whether the next message is that of /clock.
+        """
         ...
 
     def wait_for_clock(self, stamp_ns: int) -> None:
@@ -133,14 +138,16 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
             listeners: Are waited for.
         """
         self.time_ns = tick.stamp_ns
-        for burst in _bursts(sent.samples):
+        bursts = _bursts(sent.samples)
+        for burst in bursts:
             channels: list[Channel] = []
             for sample in burst:
                 for channel in self.channels_of[type(sample)]:
                     channel.publish(sample)
                 channels += self.channels_of[type(sample)]
+            clock_follows = sent.tells_time and burst is bursts[-1]
             for listener in listeners:
-                listener.wait_for_samples(channels)
+                listener.wait_for_samples(channels, clock_follows=clock_follows)
         if sent.tells_time:
             self.clock_channel.publish(sent)
             self.commands.told_ns = sent.stamp_ns

@@ -5,7 +5,8 @@ that arrived before it. All publishers exist before the parameter client, and di
 in that order: a node that answers has therefore matched every topic, best-effort ones included.
 
 Nodes are asked at the same time, so the slowest of them sets the pace and not their sum. After samples
-only those are asked that listen to one of their topics; after /clock all are, since all follow it.
+only those are asked that listen to one of their topics; after /clock all are, since all follow it. A
+node that has promised to handle what arrives in its order is not asked between samples and /clock.
 """
 
 import json
@@ -22,6 +23,7 @@ from harness.errors import RunFailed, UsageError
 from harness.ros.bridge import Bridge, Channel
 from harness.ros.context import spin_until
 from harness.sim_time import NANOSECONDS
+from rover_metrics.metrics_node import KEEPS_ORDER
 
 DISCOVERY_PATIENCE = 15.0  # [s] for a node to be found, or for DDS to match topics
 ANSWER_PATIENCE = 30.0  # [s] for one answer; a debugger or a loaded machine may be slow
@@ -39,6 +41,7 @@ class RemoteNode:
 
     Attributes:
         name: The full name.
+        keeps_order: Whether it has promised to handle everything in the order of its arrival.
         waited_s: Wall time from asking to its answer, over the whole run [s].
 
     Raises:
@@ -56,8 +59,10 @@ class RemoteNode:
         if not self._runs_on_sim_time():
             raise UsageError(f"{self.name} runs on wall time; start it with -p use_sim_time:=true")
         spin_until(self._executor, self._topics_match, DISCOVERY_PATIENCE)
+        self.keeps_order = False
         if not time_jumps:
-            self._call(self._lock_step, SetBool.Request(data=True), ANSWER_PATIENCE)
+            promise = self._call(self._lock_step, SetBool.Request(data=True), ANSWER_PATIENCE)
+            self.keeps_order = promise is not None and promise.message == KEEPS_ORDER
         self._received_before = self._ask_received()
         self.waited_s = 0.0
 
@@ -131,13 +136,22 @@ class RemoteNodes:
         self._nodes, self._bridge = {node.name: node for node in nodes}, bridge
         self._listening: dict[str, tuple[int, list[RemoteNode]]] = {}
 
-    def wait_for_samples(self, channels: Sequence[Channel]) -> None:
+    def wait_for_samples(self, channels: Sequence[Channel], *, clock_follows: bool) -> None:
         """Returns when the nodes that listen to one of these channels have handled their queues.
+
+        Args:
+            channels: On which samples have just gone out.
+            clock_follows: Whether nodes that keep order need not be asked yet.
 
         Raises:
             RunFailed: One of them does not answer.
         """
-        listening = {node.name: node for channel in channels for node in self._listeners(channel)}
+        listening = {
+            node.name: node
+            for channel in channels
+            for node in self._listeners(channel)
+            if not (clock_follows and node.keeps_order)
+        }
         wait_for_answers(listening.values(), self._bridge.executor)
 
     def wait_for_clock(self, stamp_ns: int) -> None:

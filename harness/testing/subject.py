@@ -34,7 +34,12 @@ class Subject(RemoteNode):
         super().__init__(name, bridge)
         self.node = node
 
-    def wait_for_samples(self, channels: Sequence[Channel] = ()) -> None:  # noqa: ARG002
+    def wait_for_samples(
+        self,
+        channels: Sequence[Channel] = (),  # noqa: ARG002
+        *,
+        clock_follows: bool = False,  # noqa: ARG002
+    ) -> None:
         """Returns when it has handled its queue, whatever it listens to: other nodes may feed it too."""
         wait_for_answers((self,), self._executor)
 

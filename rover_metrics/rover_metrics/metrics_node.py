@@ -20,7 +20,7 @@ try:
 
     from rover_metrics.ros.metrics_publisher import MetricsPublisher
     from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_type
-    from rover_metrics.ros.program import run_node
+    from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR, run_node
     from rover_metrics.ros.row_timer import RowTimer
     from rover_metrics.ros.subscriptions import subscribe
 except ImportError as error:
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from rover_metrics.core.row import Row
 
 LOG_PERIOD = 1.0  # seconds of ROS time
+KEEPS_ORDER = "handles everything in the order of its arrival"
 
 
 class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
@@ -229,6 +230,7 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def _set_lock_step(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         """Answers ~/lock_step: a simulator begins to wait for this node, or does so no more."""
         self.in_lock_step, response.success = request.data, True
+        response.message = KEEPS_ORDER if request.data and HAS_EVENTS_EXECUTOR else ""
         return response
 
 

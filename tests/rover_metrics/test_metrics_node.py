@@ -36,7 +36,8 @@ from rover_metrics.extended.truth_columns import TRAVERSAL
 from rover_metrics.health import rejections
 from rover_metrics.health.reception import Reception
 from rover_metrics.health.watches import STANDS_STILL
-from rover_metrics.metrics_node import MetricsNode
+from rover_metrics.metrics_node import KEEPS_ORDER, MetricsNode
+from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR
 from rover_metrics.session import MetricsSession
 from rover_metrics.topics import SENSORS, TRUTH, Source
 
@@ -226,6 +227,7 @@ def test_a_simulator_tells_whether_it_waits_for_this_node(rig: "Rig") -> None:
         future = client.call_async(SetBool.Request(data=waits))
         rig.spin_until(future.done)
         assert (future.result().success, node.in_lock_step) == (True, waits)
+        assert (future.result().message == KEEPS_ORDER) is (waits and HAS_EVENTS_EXECUTOR)
 
 
 # Parameters

@@ -1,8 +1,8 @@
 """A ROS node as a program: one line for a known mistake, a clean end on SIGINT and SIGTERM.
 
 While a simulator keeps lock-step with the node, EventsExecutor spins it, which handles a message in a
-third of the time. Its ROS-time timers miscount where /clock floods it or goes back, so that it is only
-for a simulator that waits and has said so.
+third of the time, and in the order of its arrival. Its ROS-time timers miscount where /clock floods it
+or goes back, so that it is only for a simulator that waits and has said so.
 """
 
 import sys
@@ -20,6 +20,7 @@ except ImportError:  # Humble, Jazzy
 
 from rover_metrics.errors import RoverMetricsError, StartError
 
+HAS_EVENTS_EXECUTOR = EventsExecutor is not SingleThreadedExecutor
 SPIN_TIMEOUT = 0.2  # [s]: EventsExecutor notices a signal only between two spins
 
 

@@ -16,6 +16,7 @@ from harness.errors import RunFailed, UsageError
 from harness.ros import remote
 from harness.ros.remote import RemoteNode, RemoteNodes
 from harness.sim_time import NANOSECONDS, TICK_NS
+from rover_metrics.metrics_node import KEEPS_ORDER
 
 
 class Rig:
@@ -23,6 +24,7 @@ class Rig:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.found = self.sim_time = self.is_metrics_node = True
+        self.promise = ""
         self.silent = ""  # the service that does not answer
         self.received: dict[str, int] = {"/scan": 3, "/stranger": 9}
         self.asked: list[str] = []
@@ -71,7 +73,8 @@ class Rig:
             self.asked.append(name if data is None else f"{name} {data}")
             future: Any = Future()
             answer = SimpleNamespace(
-                values=[SimpleNamespace(bool_value=self.sim_time)], message=json.dumps(self.received)
+                values=[SimpleNamespace(bool_value=self.sim_time)],
+                message=self.promise if name.endswith("lock_step") else json.dumps(self.received),
             )
             if name != self.silent:
                 self._waiting.append((future, answer))
@@ -160,12 +163,27 @@ def test_after_samples_only_those_are_asked_that_listen_to_them(rig: Rig) -> Non
     rig.readers = [("/", "a"), ("/rover1", "b"), ("/", "stranger")]
     nodes = rig.nodes("/a", "b", "/c")
     rig.matched = 3
-    nodes.wait_for_samples([rig.scan])
+    nodes.wait_for_samples([rig.scan], clock_follows=True)
     assert rig.asked_now() == ["/a", "/rover1/b"]
     rig.matched = 1
     rig.readers = [("/", "stranger")]
-    nodes.wait_for_samples([rig.scan])
+    nodes.wait_for_samples([rig.scan], clock_follows=True)
     assert rig.asked_now() == []
+
+
+def test_who_keeps_order_is_not_asked_between_samples_and_the_clock_that_follows_them(rig: Rig) -> None:
+    rig.promise = KEEPS_ORDER
+    ordered = rig.node("/a")
+    rig.promise = ""
+    nodes = RemoteNodes([ordered, rig.node("/b")], rig.bridge)
+    rig.readers, rig.matched = [("/", "a"), ("/", "b")], 2
+    rig.asked.clear()
+    for clock_follows, asked in ((True, ["/b"]), (False, ["/a", "/b"])):
+        rig.matched = 2
+        nodes.wait_for_samples([rig.scan], clock_follows=clock_follows)
+        assert rig.asked_now() == asked
+    nodes.wait_for_clock(TICK_NS)
+    assert rig.asked_now() == ["/a", "/b"]
 
 
 @pytest.mark.parametrize("unknown", ["not in the graph", "_NODE_NAME_UNKNOWN_"])
@@ -175,10 +193,10 @@ def test_all_are_asked_as_long_as_a_reader_may_be_anybodys(rig: Rig, unknown: st
     rig.readers = [("/", "a"), ("/", unknown)][: 1 if unknown == "not in the graph" else 2]
     for _ in range(2):
         rig.matched = 2
-        nodes.wait_for_samples([rig.scan])
+        nodes.wait_for_samples([rig.scan], clock_follows=True)
         assert rig.asked_now() == ["/a", "/b"]
     rig.readers, rig.matched = [("/", "a"), ("/", "x")], 2
-    nodes.wait_for_samples([rig.scan])
+    nodes.wait_for_samples([rig.scan], clock_follows=True)
     assert rig.asked_now() == ["/a"]
 
 
@@ -187,7 +205,7 @@ def test_a_reader_that_takes_anothers_place_is_known_a_second_later(rig: Rig) ->
     rig.matched = 1
     for reader, until_ns, asked in (("a", TICK_NS, "/a"), ("b", NANOSECONDS, "/a"), ("b", 0, "/b")):
         rig.readers, rig.matched = [("/", reader)], 1
-        nodes.wait_for_samples([rig.scan])
+        nodes.wait_for_samples([rig.scan], clock_follows=True)
         assert rig.asked_now() == [asked]
         nodes.wait_for_clock(until_ns)
         rig.asked_now()
