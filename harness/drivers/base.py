@@ -40,7 +40,7 @@ class DriverContext:
 
     Attributes:
         rover: The rover to drive.
-        half_size: Half the side length of the map [m].
+        half_size: Half the lengths of the map along x and y [m].
         bearings: Direction [rad] of each lidar beam in the rover's frame, 0 ahead, left positive.
         rng: The driver's own source of randomness.
         command_timeout_ns: After which a command of /cmd_vel ends; None for never.
@@ -48,7 +48,7 @@ class DriverContext:
     """
 
     rover: RoverSpec
-    half_size: float
+    half_size: tuple[float, float]
     bearings: NDArray[np.float64]
     rng: np.random.Generator
     obstacles: tuple[Obstacle, ...] = ()

@@ -160,6 +160,12 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         """Returns the messages published so far, by resolved topic name."""
         return {channel.topic: channel.published for channel in self.channels}
 
+    def stop_recording(self) -> None:
+        """Lets messages go out as they are, again."""
+        self.record_command = None
+        for channel in self.channels:
+            channel.record = None
+
     def refuse_other_publishers(self, topics: Iterable[str]) -> None:
         """Another harness or simulator would mix into the log; what starts later is caught in lock-step.
 

@@ -26,6 +26,10 @@ KINDS = {"twist": Twist, "stamped": TwistStamped}
 TYPES = {"twist": "geometry_msgs/msg/Twist", "stamped": "geometry_msgs/msg/TwistStamped"}
 
 
+# Given the topic and its subscription, returns what records a message of it.
+Recording = Callable[[str, Any], Callable[[Any], object]]
+
+
 class Commands:
     """Hears commands and hands on those that the rover can follow.
 
@@ -52,6 +56,8 @@ class Commands:
         self.count, self.told_ns = CommandCount(), 0
         self._is_auto, self._has_complained = kind == "auto", False
         self._heard: dict[str, Any] = {}
+        self._recording: Recording | None = None
+        self._recorders: dict[str, Callable[[Any], object]] = {}
         first, second = ("stamped", "twist") if STAMPED_BY_DEFAULT else ("twist", "stamped")
         self._wanted = first if self._is_auto else kind
         self._hear(self._wanted)
@@ -79,6 +85,12 @@ class Commands:
             self._look_at_strangers(alone=not matched)
         return bool(self._heard)
 
+    def record(self, recording: Recording) -> None:
+        """Has every message recorded from now on, also those that are refused."""
+        self._recording = recording
+        for kind, subscription in self._heard.items():
+            self._recorders[kind] = recording(self.topic, subscription)
+
     def _look_at_strangers(self, *, alone: bool) -> None:
         sent = {each.topic_type for each in self._node.get_publishers_info_by_topic(self.topic)}
         missed = [kind for kind, name in TYPES.items() if name in sent and kind not in self._heard]
@@ -100,9 +112,17 @@ class Commands:
             )
 
     def _hear(self, kind: str) -> None:
-        receive = {"twist": self._receive, "stamped": self._receive_stamped}[kind]
+        take = {"twist": self._receive, "stamped": self._receive_stamped}[kind]
+
+        def receive(message: Any) -> None:  # noqa: ANN401 - rclpy's classes have no types
+            if kind in self._recorders:
+                self._recorders[kind](message)
+            take(message)
+
         subscription = self._node.create_subscription(KINDS[kind], "cmd_vel", receive, keep_last(10))
         self._heard[kind] = subscription
+        if self._recording is not None and kind not in self._recorders:
+            self._recorders[kind] = self._recording(self.topic, subscription)
 
     def _receive(self, twist: Twist) -> bool:
         linear, angular = twist.linear.x, twist.angular.z

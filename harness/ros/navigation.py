@@ -72,7 +72,8 @@ class Navigation:
             stamp.sec, stamp.nanosec = seconds, nanoseconds
         message.info.resolution = float(grid.resolution)
         message.info.height, message.info.width = grid.cells.shape
-        message.info.origin.position.x = message.info.origin.position.y = -float(grid.half_size)
+        corner = message.info.origin.position
+        corner.x, corner.y = (-float(half) for half in grid.half_size)
         message.data = array("b", grid.cells.tobytes())
         return message
 
@@ -102,11 +103,12 @@ class Navigation:
             self._refuse(topic, reason or "the run ends before it would come into effect")
 
     def _objection(self, frame: str, place: Place) -> str | None:
-        where, bound = f"({place.x:.2f}, {place.y:.2f}) m", self.occupancy.half_size - EDGE_MARGIN
+        where = f"({place.x:.2f}, {place.y:.2f}) m"
+        most_x, most_y = (half - EDGE_MARGIN for half in self.occupancy.half_size)
         if frame and frame.rpartition("/")[2] not in FRAMES:
             return f"it is in the frame '{frame}'; give one of {', '.join(FRAMES)}, or none"
-        if not (abs(place.x) < bound and abs(place.y) < bound and math.isfinite(place.yaw)):  # no NaN
-            return f"{where} is off the map; give x and y between -{bound:g} and {bound:g} m"
+        if not (abs(place.x) < most_x and abs(place.y) < most_y and math.isfinite(place.yaw)):  # no NaN
+            return f"{where} is off the map; give |x| below {most_x:g} m and |y| below {most_y:g} m"
         if not self.occupancy.is_free(place.x, place.y, find_rover(self._config.robot).width / 2):
             return f"{where} is occupied on /map: the rover cannot stand there"
         return None

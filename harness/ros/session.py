@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from functools import partial
 
@@ -26,6 +26,7 @@ from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, RemoteNodes
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
+from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
 LOOK_PERIOD_NS = NANOSECONDS // 10  # of simulation time, for publishers that have turned up
 
@@ -51,11 +52,12 @@ def run_through_ros(
     """
     started = time.monotonic()
     with ExitStack() as at_end:
-        recorder = at_end.enter_context(Recorder(options.record)) if options.record else None
+        recorder = Recorder(options.record, overwrite=options.overwrite) if options.record else None
+        at_end.enter_context(recorder or nullcontext())
         source = at_end.enter_context(EpisodeProcess(config))
         run = _Run(config, options, source, at_end)
         if recorder is not None:
-            recorder.tap(run.bridge, run.navigation.map)
+            recorder.tap(run.bridge, run.metrics, [run.navigation.map])
         return run.drive(stop, show, observers, started)
 
 
@@ -138,6 +140,11 @@ class _Run:
             self._remotes = []
             failure = "ROS 2 was shut down from outside this run"
         return self._counted(account.ended(failure=failure, interrupted=interrupted))
+
+    @property
+    def metrics(self) -> MetricsPublisher | None:
+        """What the hosted metrics_node publishes with."""
+        return None if self._hosted is None else self._hosted.node.publisher
 
     def _mode(self) -> str:
         hosted = "hosted metrics_node" if self._hosted else "no metrics_node"

@@ -20,6 +20,7 @@ RESOLUTION = 0.05  # [m], Nav2's default of its costmaps
 FREE, OCCUPIED = 0, 100
 
 Mask = NDArray[np.bool_]
+Places = NDArray[np.float64]  # the middles of rows or of columns of cells [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,14 +28,14 @@ class OccupancyMap:
     """Cells in rows with +y and columns with +x, as nav_msgs/OccupancyGrid orders them.
 
     Attributes:
-        cells: FREE or OCCUPIED, int8, shape (n, n).
+        cells: FREE or OCCUPIED, int8, shape (rows, columns).
         resolution: Side length of a cell [m].
-        half_size: Half the side length of the map, whose middle is the world's origin [m].
+        half_size: Half the lengths of the map along x and y; its middle is the world's origin [m].
     """
 
     cells: NDArray[np.int8]
     resolution: float
-    half_size: float
+    half_size: tuple[float, float]
 
     def is_free(self, x: float, y: float, radius: float = 0.0) -> bool:
         """Returns whether no cell is occupied whose middle lies in a disc, nor the one at its middle.
@@ -44,11 +45,12 @@ class OccupancyMap:
             y: See `x`.
             radius: Of the disc [m].
         """
-        if not (abs(x) < self.half_size and abs(y) < self.half_size):  # so that NaN is not
+        half_x, half_y = self.half_size
+        if not (abs(x) < half_x and abs(y) < half_y):  # so that NaN is not
             return False
-        row, column = (int((value + self.half_size) / self.resolution) for value in (y, x))
-        middles = _middles(len(self.cells), self.resolution, self.half_size)
-        inside = np.hypot(middles[:, None] - y, middles - x) <= radius
+        row, column = int((y + half_y) / self.resolution), int((x + half_x) / self.resolution)
+        middles_x, middles_y = (_middles(half, self.resolution) for half in self.half_size)
+        inside = np.hypot(middles_y[:, None] - y, middles_x - x) <= radius
         inside[row, column] = True
         return bool((self.cells[inside] == FREE).all())
 
@@ -65,21 +67,24 @@ def occupancy(
         resolution: Side length of a cell [m].
     """
     ground = world.ground
-    count = math.ceil(2 * ground.half_size / resolution - 1e-9)
-    middles = _middles(count, resolution, ground.half_size)
+    middles = _middles(ground.half_size[0], resolution), _middles(ground.half_size[1], resolution)
     blocked = _on_cells(_impassable(ground, slope_limit, step_limit), ground, middles, resolution)
     for obstacle in world.obstacles:
         x, y, _ = obstacle.position
         height = top(obstacle) - ground.height_at(x, y)
         if obstacle.kind is ObstacleKind.HAZARD or height > step_limit:
             _cover(blocked, obstacle, middles, resolution)
-    at_edge = np.abs(middles) > ground.half_size - EDGE_MARGIN
-    blocked |= at_edge | at_edge[:, None]
+    at_edge_x, at_edge_y = (
+        np.abs(places) > half - EDGE_MARGIN
+        for places, half in zip(middles, ground.half_size, strict=True)
+    )
+    blocked |= at_edge_x | at_edge_y[:, None]
     cells = np.where(blocked, OCCUPIED, FREE).astype(np.int8)
     return OccupancyMap(cells, resolution, ground.half_size)
 
 
-def _middles(count: int, resolution: float, half_size: float) -> NDArray[np.float64]:
+def _middles(half_size: float, resolution: float) -> Places:
+    count = math.ceil(2 * half_size / resolution - 1e-9)
     return np.asarray((np.arange(count) + 0.5) * resolution - half_size)
 
 
@@ -101,27 +106,32 @@ def _impassable(ground: Heightfield, slope_limit: float, step_limit: float) -> M
 
 
 def _on_cells(
-    vertices: Mask, ground: Heightfield, middles: NDArray[np.float64], resolution: float
+    vertices: Mask, ground: Heightfield, middles: tuple[Places, Places], resolution: float
 ) -> Mask:
     """Cells whose nearest vertex is marked, or in which a marked one lies."""
-    nearest = np.rint((middles + ground.half_size) / ground.cell).astype(int)
-    nearest = nearest.clip(0, len(vertices) - 1)
-    cells: Mask = vertices[np.ix_(nearest, nearest)]
+    nearest_x, nearest_y = (
+        np.rint((places + half) / ground.cell).astype(int).clip(0, most - 1)
+        for places, half, most in zip(middles, ground.half_size, vertices.T.shape, strict=True)
+    )
+    cells: Mask = vertices[np.ix_(nearest_y, nearest_x)]
     own = (np.nonzero(vertices)[axis] * (ground.cell / resolution) for axis in (0, 1))
-    rows, columns = ((place + 1e-9).astype(int).clip(0, len(middles) - 1) for place in own)
+    rows, columns = (
+        (place + 1e-9).astype(int).clip(0, most - 1)
+        for place, most in zip(own, cells.shape, strict=True)
+    )
     cells[rows, columns] = True
     return cells
 
 
-def _cover(blocked: Mask, obstacle: Obstacle, middles: NDArray[np.float64], resolution: float) -> None:
+def _cover(blocked: Mask, obstacle: Obstacle, middles: tuple[Places, Places], resolution: float) -> None:
     """Marks the cells that an obstacle's outline overlaps: no axis separates the two convex shapes."""
     corners = outline(obstacle)
     low, high = corners.min(axis=0) - resolution / 2, corners.max(axis=0) + resolution / 2
-    columns, rows = (np.nonzero((low[i] <= middles) & (middles <= high[i]))[0] for i in (0, 1))
+    columns, rows = (np.nonzero((low[i] <= middles[i]) & (middles[i] <= high[i]))[0] for i in (0, 1))
     overlaps = np.ones((len(rows), len(columns)), dtype=bool)
     for corner, edge in zip(corners, np.roll(corners, -1, axis=0) - corners, strict=True):
         outward = np.array([edge[1], -edge[0]])  # the corners go round counter-clockwise
         reach_of_cell = np.abs(outward).sum() * resolution / 2
-        x, y = middles[columns] - corner[0], middles[rows] - corner[1]
+        x, y = middles[0][columns] - corner[0], middles[1][rows] - corner[1]
         overlaps &= outward[0] * x + outward[1] * y[:, None] <= reach_of_cell
     blocked[np.ix_(rows, columns)] |= overlaps

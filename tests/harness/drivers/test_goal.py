@@ -14,7 +14,7 @@ from tests.support.rovers import LEO
 
 
 def driver() -> Goal:
-    return Goal(DriverContext(LEO, 20.0, np.zeros(1), np.random.default_rng(0)))
+    return Goal(DriverContext(LEO, (20.0, 20.0), np.zeros(1), np.random.default_rng(0)))
 
 
 HERE = Observation(0, 1.0, 2.0, 0.5, None)

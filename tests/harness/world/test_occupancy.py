@@ -133,3 +133,15 @@ def test_a_coarse_map_keeps_what_fine_ground_shows() -> None:
     grid = occupancy(world(heights), SLOPE, STEP, resolution=0.5)
     assert not grid.is_free(0.1, 0.1)
     assert grid.is_free(1.1, 1.1)
+
+
+def test_an_oblong_map_has_more_columns_than_rows_and_its_own_edges() -> None:
+    heights = np.zeros((41, 81))  # 4 m along y, 8 m along x
+    heights[20, 70] = 1.0  # x = 3, y = 0
+    grid = occupancy(World("made", Heightfield(heights, CELL), (), 0, 0.5), SLOPE, STEP)
+    assert grid.cells.shape == (80, 160)
+    free = {
+        place: grid.is_free(*place)
+        for place in ((3.0, 0.0), (0.0, 1.4), (3.4, 1.0), (0.0, 1.6), (3.6, 0.9))
+    }
+    assert list(free.values()) == [False, True, True, False, False], free
