@@ -8,6 +8,7 @@ over when only the other one is sent. Nav2 and the base controllers send TwistSt
 import math
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from importlib.util import find_spec
 from typing import Any
 
@@ -112,17 +113,17 @@ class Commands:
             )
 
     def _hear(self, kind: str) -> None:
-        take = {"twist": self._receive, "stamped": self._receive_stamped}[kind]
-
-        def receive(message: Any) -> None:  # noqa: ANN401 - rclpy's classes have no types
-            if kind in self._recorders:
-                self._recorders[kind](message)
-            take(message)
-
+        receive = partial(self.receive, kind)
         subscription = self._node.create_subscription(KINDS[kind], "cmd_vel", receive, keep_last(10))
         self._heard[kind] = subscription
         if self._recording is not None and kind not in self._recorders:
             self._recorders[kind] = self._recording(self.topic, subscription)
+
+    def receive(self, kind: str, message: Any) -> None:  # noqa: ANN401 - rclpy's classes have no types
+        """Takes a message of that kind, as it arrives."""
+        if kind in self._recorders:
+            self._recorders[kind](message)
+        {"twist": self._receive, "stamped": self._receive_stamped}[kind](message)
 
     def _receive(self, twist: Twist) -> bool:
         linear, angular = twist.linear.x, twist.angular.z

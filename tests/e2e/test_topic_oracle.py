@@ -54,6 +54,7 @@ from tests.e2e.topic_oracle.twin import TICK_NS, Twin
 PATIENCE = 20.0  # [s]; reached only when a test fails
 TICKS_PER_BATCH = 5
 TABLE = {topic.name: topic for topic in topics()}
+UNHEARD = ("/map", "/cmd_vel", "/rover/metrics")  # are recorded too, and tested elsewhere
 KINDS = {name: message_class(topic.kind) for name, topic in TABLE.items()}
 
 Arrived = tuple[str, bytes]
@@ -227,12 +228,13 @@ def test_the_recording_holds_what_was_heard_at_its_time(drive: Drive) -> None:
     with drive.recording.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
         recorded = list(reader.iter_messages(log_time_order=False))
-    kept = [entry for entry in recorded if entry[1].topic != "/map"]
+    kept = [entry for entry in recorded if entry[1].topic not in UNHEARD]
     (grid,) = [message for _, channel, message in recorded if channel.topic == "/map"]
     kinds = {channel.topic: schema.name for schema, channel, _ in kept if schema}
     with AnyReader([drive.recording]) as bag:
         qos = {c.topic: c.ext.offered_qos_profiles[0] for c in bag.connections}  # type: ignore[union-attr]
-    latched = qos.pop("/map")
+    latched, *_ = [qos.pop(topic, None) for topic in UNHEARD]
+    assert latched is not None
     assert (latched.depth, latched.durability.name) == (1, "TRANSIENT_LOCAL")
     check_map(deserialize_message(grid.data, OccupancyGrid))
     assert [(c.topic, m.data) for _, c, m in kept] == drive.listener.heard

@@ -77,14 +77,10 @@ def test_what_the_rover_cannot_do_is_refused_in_one_line_with_the_mend(topic: st
     rig = Rig()
     post = next(o for o in CONFIG.world().obstacles if o.kind is ObstacleKind.HAZARD)
     px, py, _ = post.position
+    off = "m is off the map; give |x| below 19.5 m and |y| below 19.5 m"
     for x, y, frame, reason in (
-        (19.5, 0.0, "map", "(19.50, 0.00) m is off the map; give |x| below 19.5 m and |y| below 19.5 m"),
-        (
-            0.0,
-            math.nan,
-            "map",
-            "(0.00, nan) m is off the map; give |x| below 19.5 m and |y| below 19.5 m",
-        ),
+        (19.5, 0.0, "map", f"(19.50, 0.00) {off}"),
+        (0.0, math.nan, "map", f"(0.00, nan) {off}"),
         (px, py, "map", f"({px:.2f}, {py:.2f}) m is occupied on /map: the rover cannot stand there"),
         (
             px + 0.2,
