@@ -28,6 +28,7 @@ from harness.world.world import (
     starting_at,
 )
 
+CMD_VEL_TYPES = ("auto", "twist", "stamped")
 LIDAR_BEAMS, IMU_RATE = 640, 20
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
 FEWEST_BEAMS, MOST_BEAMS = 2, 100_000
@@ -58,6 +59,7 @@ class EpisodeConfig:
     noise: str | None = None  # a preset's name; None for exact sensors
     lidar_beams: int = LIDAR_BEAMS
     imu_rate: int = IMU_RATE
+    cmd_vel_timeout: float | None = None  # [s] of simulation time after which a command ends
     faults: tuple[str, ...] = ()  # on the way to listeners; the episode itself does not see them
 
     def __post_init__(self) -> None:
@@ -133,6 +135,15 @@ class EpisodeConfig:
                     "begin it earlier, or give a longer --duration"
                 )
 
+    def _validate_timeout(self) -> None:
+        timeout = self.cmd_vel_timeout
+        if timeout is None:
+            return
+        if not CONTROL_PERIOD_NS / NANOSECONDS <= timeout < math.inf:
+            raise UsageError(f"command timeout {timeout:g} s is not valid; give 0.05 or more")
+        if self.driver != "cmd_vel":
+            raise UsageError("--cmd-vel-timeout is for --driver cmd_vel only; other drivers go on")
+
     def validate(self) -> None:
         """Checks every value that can be checked without building the world.
 
@@ -148,6 +159,7 @@ class EpisodeConfig:
             find_named("noise preset", self.noise, PRESETS)
         check_duration(self.duration)
         self._validate_faults()
+        self._validate_timeout()
         if self.start is not None:
             check_start(self.start)
         if self.seed < 0:
@@ -170,6 +182,7 @@ class RosOptions:
         wait_for: Names of nodes elsewhere to keep in lock-step.
         rate: Simulated seconds per wall second; None is as fast as possible.
         ros_args: Arguments from `--ros-args` on.
+        cmd_vel: How commands come; one of CMD_VEL_TYPES.
         record: MCAP file to record every message into.
         overwrite: Whether that file may exist.
     """
@@ -179,5 +192,6 @@ class RosOptions:
     wait_for: tuple[str, ...] = ()
     rate: float | None = None
     ros_args: tuple[str, ...] = ()
+    cmd_vel: str = "auto"
     record: Path | None = None
     overwrite: bool = False

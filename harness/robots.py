@@ -5,6 +5,7 @@ gives its conventions and the source of every number. rover.yaml has the control
 measures and what the manoeuvres of harness.validate are to show. Nothing is compiled, without MuJoCo.
 """
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -42,6 +43,7 @@ class RoverSpec:
         cruise_speed: What the scripted drivers command; `cruise_yaw_rate` likewise.
         encoder_ticks: Encoder resolution per wheel revolution.
         lidar_height: Above flat ground, as is `clearance`, that of the underside.
+        slope_limit: Steepest slope that it climbs; `step_limit` is the highest step.
         expected: What harness.validation.check reads.
     """
 
@@ -70,6 +72,8 @@ class RoverSpec:
     odometry_rate: int
     lidar_height: float
     clearance: float
+    slope_limit: float = math.radians(40.0)
+    step_limit: float = 0.07
     expected: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property

@@ -56,6 +56,15 @@ class Twist:
 
 
 @plain_value
+class Place:
+    """A position [m] and heading [rad] in the world, seen from above."""
+
+    x: float
+    y: float
+    yaw: float
+
+
+@plain_value
 class LaserScan:
     """One lidar revolution in lidar_link; `ranges` is float32, beam 0 at -pi, REP-117 coded."""
 

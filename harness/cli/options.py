@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from harness import __version__
-from harness.config import EpisodeConfig, RosOptions
+from harness.config import CMD_VEL_TYPES, EpisodeConfig, RosOptions
 from harness.drivers import DRIVERS
 from harness.episode.metrics_feed import extended_ros_args, extended_settings, parameter_words
 from harness.errors import UsageError
@@ -34,6 +34,9 @@ EPISODE: tuple[Option, ...] = (
     ("--duration", float, "S", "simulated seconds"),
     ("--difficulty", float, "D", "0 to 1"),
     ("--timestep", float, "S", "physics step"),
+)
+COMMANDS: tuple[Option, ...] = (
+    ("--cmd-vel-timeout", float, "S", "stop S simulated seconds after the last command; off by default"),
 )
 SENSORS: tuple[Option, ...] = (
     ("--lidar-beams", int, "N", "beams of the lidar, all around"),
@@ -177,7 +180,7 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         (bool(ros_args), "--ros-args"),
         (bool(options.namespace), "--namespace"),
         (options.record is not None, "--record"),
-        (options.driver == "cmd_vel", "--driver cmd_vel"),
+        (options.driver in ("cmd_vel", "goal"), f"--driver {options.driver}"),
     ):
         if given:
             raise UsageError(f"{flag} needs ROS; leave out --direct")
@@ -200,6 +203,10 @@ def run_parser() -> argparse.ArgumentParser:
     faults = parser.add_argument_group("faults", describe_faults())
     faults.add_argument("--fault", action="append", default=[], metavar="SPEC", help=about)
     _add_run(parser.add_argument_group("run"))
+    commands = parser.add_argument_group("commands of --driver cmd_vel")
+    about = "type of /cmd_vel; auto: as it is sent, TwistStamped from Kilted on until something is"
+    commands.add_argument("--cmd-vel", choices=CMD_VEL_TYPES, default="auto", help=about)
+    _add(commands, COMMANDS)
     pictures = parser.add_argument_group("pictures")
     _add(pictures, PICTURES)
     pictures.add_argument(
