@@ -12,6 +12,7 @@ from harness.drivers import find_driver
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.errors import UsageError, find_named
 from harness.faults.spec import parse_faults
+from harness.frames.options import FrameOptions
 from harness.robots import find_rover
 from harness.sensors.base import period_ticks
 from harness.sensors.noise import PRESETS
@@ -121,6 +122,7 @@ class RosOptions:
         rate: Simulated seconds per wall second; None is as fast as possible.
         ros_args: Arguments from `--ros-args` on.
         record: MCAP file to record every published message into.
+        frames: Which transforms are published.
     """
 
     log_dir: Path
@@ -129,3 +131,4 @@ class RosOptions:
     rate: float | None = None
     ros_args: tuple[str, ...] = ()
     record: Path | None = None
+    frames: FrameOptions = FrameOptions()

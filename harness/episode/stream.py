@@ -5,7 +5,7 @@ consumer; the stream itself is the episode's, bit for bit. Each batch has an ord
 one for each that it has taken, so what it orders comes into effect after the batches that are ordered
 already, at a time that it knows. With the cmd_vel driver the child waits for each command instead.
 
-The child sends the episode's info, its batches and None, or instead of any of these the error that it
+The child sends the episode's info and description, its batches and None, or instead of any of these the error that it
 failed of.
 """
 
@@ -22,6 +22,8 @@ from harness.config import EpisodeConfig
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import HarnessError, RunFailed
+from harness.frames.options import FrameOptions
+from harness.frames.tree import Description
 from harness.interrupt import HANDLED
 from harness.samples import Twist
 
@@ -39,12 +41,12 @@ class _Order(NamedTuple):
 class EpisodeProcess:
     """Runs an episode in a child; a context manager that leaves no process behind."""
 
-    def __init__(self, config: EpisodeConfig) -> None:
+    def __init__(self, config: EpisodeConfig, frame_options: FrameOptions | None = None) -> None:
         self._config = config
         self._obeys = config.driver == "cmd_vel"
         context = multiprocessing.get_context("spawn")
         self._connection, remote = context.Pipe()
-        self._process = context.Process(target=_simulate, args=(config, remote), daemon=True)
+        self._process = context.Process(target=_simulate, args=(config, frame_options, remote), daemon=True)
         try:
             with _interrupts_held_back():
                 self._process.start()
@@ -74,6 +76,12 @@ class EpisodeProcess:
         """What the episode was made of; waits until the world is built. Ask once, first."""
         info: EpisodeInfo = self._receive()
         return info
+
+    @property
+    def description(self) -> Description | None:
+        """What its transforms are of; None without any. Ask once, second."""
+        description: Description | None = self._receive()
+        return description
 
     def command(self, twist: Twist) -> None:
         """Sets the command of the next control periods (cmd_vel driver)."""
@@ -132,11 +140,13 @@ def _interrupts_held_back() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, previous)
 
 
-def _simulate(config: EpisodeConfig, connection: Connection) -> None:
+def _simulate(
+    config: EpisodeConfig, frame_options: FrameOptions | None, connection: Connection
+) -> None:
     """The child: builds the episode, then streams it until its end or until nobody listens."""
     with contextlib.suppress(BrokenPipeError, ConnectionResetError, EOFError):
         try:
-            _stream(config, connection)
+            _stream(config, frame_options, connection)
         except HarnessError as error:
             connection.send(error)
         except Exception:  # noqa: BLE001 - a bug: its trace must reach the parent
@@ -144,12 +154,15 @@ def _simulate(config: EpisodeConfig, connection: Connection) -> None:
             connection.send(RuntimeError(f"the simulation process failed:\n{trace}"))
 
 
-def _stream(config: EpisodeConfig, connection: Connection) -> None:
+def _stream(
+    config: EpisodeConfig, frame_options: FrameOptions | None, connection: Connection
+) -> None:
     # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
     from harness.episode.episode import Episode  # noqa: PLC0415
 
-    episode = Episode(config)
+    episode = Episode(config, frame_options)
     connection.send(episode.info)
+    connection.send(episode.description)
     batches = episode.batches()
     for _ in range(config.total_periods):
         order: _Order | None = connection.recv()

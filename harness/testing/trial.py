@@ -18,6 +18,7 @@ from harness.episode.loop import drive as drive_loop
 from harness.errors import RunFailed, UsageError
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
+from harness.frames.options import FrameOptions
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.context import make_executor, spin_until
@@ -44,6 +45,7 @@ class Trial:
     Args:
         config: The world, the rover, its driver and faults. Driver "cmd_vel" obeys `drive` and
             /cmd_vel, whichever spoke last.
+        frames: Which transforms are published.
 
     Attributes:
         domain: The ROS domain while it is entered.
@@ -54,9 +56,9 @@ class Trial:
         UsageError: The configuration is not valid.
     """
 
-    def __init__(self, config: EpisodeConfig) -> None:
+    def __init__(self, config: EpisodeConfig, frames: FrameOptions = FrameOptions()) -> None:  # noqa: B008 - frozen
         config.validate()
-        self.config = config
+        self.config, self._frames = config, frames
         self.truth = Truth()
         self.domain = 0
         self._at_end = ExitStack()
@@ -78,7 +80,7 @@ class Trial:
             raise UsageError("rclpy is initialised already; a trial does that itself, in its own domain")
         stay_local()
         self.domain = at_end.enter_context(reserved_domain())
-        self._episode = Episode(self.config)
+        self._episode = Episode(self.config, self._frames)
         injector = FaultInjector(parse_faults(self.config.faults), self.config.seed)
         self._ticks = drive_loop(self._batches(), injector, self._take)
         no_handlers, args = SignalHandlerOptions.NO, list(ON_SIMULATED_TIME)
@@ -87,6 +89,8 @@ class Trial:
         lidar = LidarSpec(beams=self.config.lidar_beams)
         self._bridge = Bridge(find_rover(self.config.robot), lidar, on_command=self._episode.command)
         at_end.callback(self._bridge.destroy_node)
+        if self._episode.description is not None:
+            self._bridge.describe(self._episode.description)
         self._bridge.set_parameters([Parameter("use_sim_time", value=False)])  # it makes the time
         context = rclpy.get_default_context()
         executor = make_executor(context, time_jumps=injector.disturbs_time)
