@@ -4,7 +4,7 @@ Light to import: the process that only publishes an episode needs neither MuJoCo
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
@@ -131,4 +131,4 @@ class RosOptions:
     rate: float | None = None
     ros_args: tuple[str, ...] = ()
     record: Path | None = None
-    frames: FrameOptions = FrameOptions()
+    frames: FrameOptions = field(default_factory=FrameOptions)

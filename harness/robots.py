@@ -30,7 +30,7 @@ class FrameRow:
     Attributes:
         body: The model's body that it belongs to, whose mass and shapes its link gets in the URDF, or
             `site`: a site of the model; with neither it is fixed to `parent`.
-        xyz: Its origin [m] and `rpy` its roll, pitch, yaw [rad] in that body or site, else in the parent.
+        xyz: Its origin [m] and `rpy` its roll, pitch, yaw [rad] there, else in the parent.
     """
 
     parent: str

@@ -15,7 +15,6 @@ from harness.errors import RunFailed
 from harness.frames.options import FrameOptions
 from harness.frames.rover_frames import rover_frames
 from harness.frames.transforms import describe
-from harness.frames.tree import Description
 from harness.physics.diff_drive import DiffDrive
 from harness.physics.scene import HAZARD_CONTACT, build_scene, model_hash
 from harness.physics.simulation import Simulation
@@ -69,7 +68,7 @@ class Episode:
             "recorder": self._recorder,
             "sensors": sensors,
         }
-        self.description: Description | None = None
+        self.description = None
         if frame_options is not None:
             frames = rover_frames(rover)
             self.description = describe(frames, frame_options)

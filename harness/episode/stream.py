@@ -5,8 +5,8 @@ consumer; the stream itself is the episode's, bit for bit. Each batch has an ord
 one for each that it has taken, so what it orders comes into effect after the batches that are ordered
 already, at a time that it knows. With the cmd_vel driver the child waits for each command instead.
 
-The child sends the episode's info and description, its batches and None, or instead of any of these the error that it
-failed of.
+The child sends the episode's info and description, its batches and None, or instead of any of these
+the error that it failed of.
 """
 
 import contextlib
@@ -46,7 +46,9 @@ class EpisodeProcess:
         self._obeys = config.driver == "cmd_vel"
         context = multiprocessing.get_context("spawn")
         self._connection, remote = context.Pipe()
-        self._process = context.Process(target=_simulate, args=(config, frame_options, remote), daemon=True)
+        self._process = context.Process(
+            target=_simulate, args=(config, frame_options, remote), daemon=True
+        )
         try:
             with _interrupts_held_back():
                 self._process.start()
@@ -140,9 +142,7 @@ def _interrupts_held_back() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, previous)
 
 
-def _simulate(
-    config: EpisodeConfig, frame_options: FrameOptions | None, connection: Connection
-) -> None:
+def _simulate(config: EpisodeConfig, frame_options: FrameOptions | None, connection: Connection) -> None:
     """The child: builds the episode, then streams it until its end or until nobody listens."""
     with contextlib.suppress(BrokenPipeError, ConnectionResetError, EOFError):
         try:
@@ -154,9 +154,7 @@ def _simulate(
             connection.send(RuntimeError(f"the simulation process failed:\n{trace}"))
 
 
-def _stream(
-    config: EpisodeConfig, frame_options: FrameOptions | None, connection: Connection
-) -> None:
+def _stream(config: EpisodeConfig, frame_options: FrameOptions | None, connection: Connection) -> None:
     # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
     from harness.episode.episode import Episode  # noqa: PLC0415
 

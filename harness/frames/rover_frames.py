@@ -1,7 +1,7 @@
 """The frames of a rover: from the bodies, joints and sites of its compiled model, and rover.yaml.
 
 The model alone is compiled, at the origin and with all joints at 0: there the pose of each frame is
-asked of MuJoCo. Matrices are homogeneous, shape (4, 4), and T_a_b is the pose of b in a.
+asked of MuJoCo. Poses are homogeneous matrices, shape (4, 4).
 """
 
 from collections.abc import Iterator
@@ -33,7 +33,7 @@ class Link:
         parent: Empty for the base.
         body: Of the model, to which it is fixed.
         carries: Whether its link has the body's mass and shapes.
-        T_base_link: Where it is while all joints are at 0.
+        in_base: Where it is while all joints are at 0.
         joint: The model's joint by which it moves in its parent; -1 if it is fixed there.
     """
 
@@ -41,7 +41,7 @@ class Link:
     parent: str
     body: int
     carries: bool
-    T_base_link: Matrix
+    in_base: Matrix
     joint: int
 
 
@@ -72,17 +72,17 @@ class RoverFrames:
 
     def edge(self, link: Link) -> Edge:
         """Returns a frame in its parent while the joint between them is at 0."""
-        translation, rotation = pose_of(self.T_parent_link(link))
+        translation, rotation = pose_of(self.in_parent(link))
         return Edge(link.parent, link.name, translation, rotation)
 
-    def T_parent_link(self, link: Link) -> Matrix:  # noqa: N802 - of frames, as everywhere
+    def in_parent(self, link: Link) -> Matrix:
         """Returns the pose of a frame in its parent while the joint between them is at 0."""
         (parent,) = (other for other in self.links if other.name == link.parent)
-        return np.linalg.inv(parent.T_base_link) @ link.T_base_link
+        return np.linalg.inv(parent.in_base) @ link.in_base
 
     def axis(self, link: Link) -> Matrix:
         """Returns the axis of a frame's joint in its own axes, shape (3,)."""
-        turned: Matrix = self.data.xaxis[link.joint] @ link.T_base_link[:3, :3]
+        turned: Matrix = self.data.xaxis[link.joint] @ link.in_base[:3, :3]
         return turned
 
 
@@ -145,14 +145,14 @@ def _link(
         body = int(model.site_bodyid[site])
         pose = homogeneous(data.site_xpos[site], data.site_xmat[site]) @ offset
     else:
-        body, pose = parent.body, parent.T_base_link @ offset
+        body, pose = parent.body, parent.in_base @ offset
     joint = _joint_between(row, parent.body, body, model, where)
     if joint >= 0 and model.jnt_type[joint] == HINGE:
         aside = np.cross(pose[:3, 3] - data.xanchor[joint], data.xaxis[joint])
         if np.linalg.norm(aside) > ON_AXIS:
             raise UsageError(
-                f"{where}: frame '{row.child}' is {np.linalg.norm(aside):.3g} m off the axis of its joint "
-                f"'{model.joint(joint).name}'; give an xyz on it, in the body '{row.body}'"
+                f"{where}: frame '{row.child}' is {np.linalg.norm(aside):.3g} m off the axis of its "
+                f"joint '{model.joint(joint).name}'; give an xyz on it, in the body '{row.body}'"
             )
     return Link(row.child, row.parent, body, bool(row.body), pose, joint)
 
@@ -171,8 +171,8 @@ def _joint_between(row: FrameRow, above: int, body: int, model: mujoco.MjModel, 
     joint = int(model.body_jntadr[body])
     if model.body_jntnum[body] != 1 or model.jnt_type[joint] not in (HINGE, SLIDE):
         raise UsageError(
-            f"{where}: the body '{name}' must hang on one hinge or slide for frame '{row.child}' to move "
-            "with it; give each joint a body of its own"
+            f"{where}: the body '{name}' must hang on one hinge or slide for frame '{row.child}' to "
+            "move with it; give each joint a body of its own"
         )
     return joint
 
@@ -195,9 +195,9 @@ def pose_of(matrix: Matrix) -> tuple[Vector3, Quaternion]:
     """Returns translation and quaternion (x, y, z, w) of a homogeneous matrix."""
     quaternion = np.empty(4)
     mujoco.mju_mat2Quat(quaternion, matrix[:3, :3].ravel())
-    w, *xyz = quaternion.tolist()
+    w, qx, qy, qz = quaternion.tolist()
     x, y, z = matrix[:3, 3].tolist()
-    return (x, y, z), (*xyz, w)
+    return (x, y, z), (qx, qy, qz, w)
 
 
 def _of_angles(rpy: Vector3) -> Matrix:

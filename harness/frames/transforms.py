@@ -7,7 +7,7 @@ otherwise (its publish_frequency).
 
 import math
 from collections.abc import Mapping
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 import mujoco
 import numpy as np
@@ -20,8 +20,10 @@ from harness.frames.urdf import write_urdf
 from harness.physics.simulation import Simulation
 from harness.samples import Odometry, Quaternion, Sample, Transforms, Vector3
 from harness.sensors.base import Sensor, period_ticks
-from harness.sensors.odometry import WheelOdometry
 from harness.sim_time import TICK_NS
+
+if TYPE_CHECKING:
+    from harness.sensors.odometry import WheelOdometry
 
 JOINT_TICKS = period_ticks(20)
 

@@ -54,7 +54,9 @@ def check_tree(root: str, edges: Iterable[tuple[str, str]], where: object) -> No
             one, two = parent_of[child], parent
             raise UsageError(f"{where}: frame '{child}' has two parents, {one} and {two}; leave one out")
         if child == root:
-            raise UsageError(f"{where}: frame '{root}' is the base and has no parent; leave out {parent}")
+            raise UsageError(
+                f"{where}: frame '{root}' is the base and has no parent; leave out {parent}"
+            )
         parent_of[child] = parent
     known = (root, *parent_of)
     for child, parent in parent_of.items():

@@ -21,7 +21,7 @@ BOX, CYLINDER, SPHERE, CAPSULE, MESH = (
 )
 GIMBAL_LOCK = 1e-9
 
-Shape = tuple[str, dict[str, str], Matrix]  # element, its attributes, T_geom_shape
+Shape = tuple[str, dict[str, str], Matrix]  # element, its attributes, shape_in_geom
 
 
 def write_urdf(frames: RoverFrames) -> str:
@@ -55,15 +55,17 @@ def _add_inertial(element: ET.Element, link: Link, frames: RoverFrames) -> None:
     model, data, body = frames.model, frames.data, link.body
     if not model.body_mass[body]:
         return
-    T_link_inertia = np.linalg.inv(link.T_base_link) @ homogeneous(data.xipos[body], data.ximat[body])
-    turn, centre = T_link_inertia[:3, :3], np.eye(4)
-    centre[:3, 3] = T_link_inertia[:3, 3]
+    in_link = np.linalg.inv(link.in_base) @ homogeneous(data.xipos[body], data.ximat[body])
+    turn, centre = in_link[:3, :3], np.eye(4)
+    centre[:3, 3] = in_link[:3, 3]
     inertia = turn @ np.diag(model.body_inertia[body]) @ turn.T
     inertial = ET.SubElement(element, "inertial")
     _add_origin(inertial, centre)
     ET.SubElement(inertial, "mass", value=_text([model.body_mass[body]]))
     rows, columns = np.triu_indices(3)
-    named = {f"i{'xyz'[i]}{'xyz'[j]}": _text([inertia[i, j]]) for i, j in zip(rows, columns, strict=True)}
+    named = {
+        f"i{'xyz'[i]}{'xyz'[j]}": _text([inertia[i, j]]) for i, j in zip(rows, columns, strict=True)
+    }
     ET.SubElement(inertial, "inertia", named)
 
 
@@ -72,11 +74,11 @@ def _add_visuals(element: ET.Element, link: Link, frames: RoverFrames) -> None:
     model, data = frames.model, frames.data
     of_body = np.flatnonzero((model.geom_bodyid == link.body) & (model.geom_group == VISUAL_GROUP))
     for geom in of_body.tolist():
-        T_base_geom = homogeneous(data.geom_xpos[geom], data.geom_xmat[geom])
-        T_link_geom = np.linalg.inv(link.T_base_link) @ T_base_geom
-        for shape, attributes, T_geom_shape in _shapes(model, geom):
+        geom_in_base = homogeneous(data.geom_xpos[geom], data.geom_xmat[geom])
+        geom_in_link = np.linalg.inv(link.in_base) @ geom_in_base
+        for shape, attributes, shape_in_geom in _shapes(model, geom):
             visual = ET.SubElement(element, "visual")
-            _add_origin(visual, T_link_geom @ T_geom_shape)
+            _add_origin(visual, geom_in_link @ shape_in_geom)
             ET.SubElement(ET.SubElement(visual, "geometry"), shape, attributes)
             if model.geom_matid[geom] >= 0:
                 ET.SubElement(visual, "material", name=model.mat(model.geom_matid[geom]).name)
@@ -108,7 +110,8 @@ def _mesh(model: mujoco.MjModel, mesh: int) -> Shape:
     mujoco.mju_quat2Mat(rotation, model.mesh_quat[mesh])
     path = Path(bytes(model.paths[model.mesh_pathadr[mesh] :]).split(b"\0")[0].decode())
     attributes = {"filename": path.resolve().as_uri(), "scale": _text(model.mesh_scale[mesh])}
-    return "mesh", attributes, np.linalg.inv(homogeneous(model.mesh_pos[mesh], rotation))
+    mesh_in_file = homogeneous(model.mesh_pos[mesh], rotation)
+    return "mesh", attributes, np.asarray(np.linalg.inv(mesh_in_file))
 
 
 def _add_joint(robot: ET.Element, link: Link, frames: RoverFrames) -> None:
@@ -118,7 +121,7 @@ def _add_joint(robot: ET.Element, link: Link, frames: RoverFrames) -> None:
     element = ET.SubElement(robot, "joint", name=name, type=_joint_type(model, joint))
     ET.SubElement(element, "parent", link=link.parent)
     ET.SubElement(element, "child", link=link.name)
-    _add_origin(element, frames.T_parent_link(link))
+    _add_origin(element, frames.in_parent(link))
     if joint < 0:
         return
     ET.SubElement(element, "axis", xyz=_text(frames.axis(link)))

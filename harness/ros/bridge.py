@@ -24,7 +24,7 @@ from harness.errors import UsageError
 from harness.frames.tree import Description
 from harness.robots import RoverSpec
 from harness.ros import messages
-from harness.ros.channel import Channel, Fill, open_channel
+from harness.ros.channel import Channel, open_channel
 from harness.ros.frames import FrameTopics
 from harness.sensors import table
 from harness.sensors.lidar_spec import LidarSpec
@@ -80,20 +80,16 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         self.frames = FrameTopics(self)
         self.channels_of = {
             row.sample: [
-                self._channel(topic, messages.filler(row, topic, rover, lidar)) for topic in row.topics
+                open_channel(self, topic, messages.filler(row, topic, rover, lidar))
+                for topic in row.topics
             ]
             for row in table.SENSORS
             if row.sample is not samples.Transforms
         } | {samples.Transforms: self.frames.moving}
         # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.
-        self.clock_channel = self._channel(CLOCK, messages.by_names(Clock(), samples.Tick))
+        self.clock_channel = open_channel(self, CLOCK, messages.by_names(Clock(), samples.Tick))
         self._on_command = on_command
         self._commands = self.create_subscription(Twist, "cmd_vel", self._receive, keep_last(10))
-
-    def _channel(self, topic: table.Topic, fill: Fill) -> Channel:
-        channel = open_channel(self, topic, fill)
-        assert channel is not None, f"{topic.message_type} is not installed"
-        return channel
 
     @property
     def channels(self) -> tuple[Channel, ...]:

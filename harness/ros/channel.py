@@ -7,6 +7,7 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
+from harness.errors import UsageError
 from harness.ros.foreign_type import forget_missing_definition, message_type
 from harness.sensors.table import Topic
 from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE
@@ -41,17 +42,20 @@ class Channel:
         self.published += 1
 
 
-def open_channel(node: Node, topic: Topic, fill: Fill) -> Channel | None:
-    """Returns a topic of a node; None where its type is not to be had.
+def open_channel(node: Node, topic: Topic, fill: Fill) -> Channel:
+    """Returns a topic of a node.
 
     Args:
         node: Who publishes.
         topic: Name, type and QoS.
         fill: Makes its messages.
+
+    Raises:
+        UsageError: Its type is not to be had.
     """
     kind = message_type(topic.message_type)
     if kind is None:
-        return None
+        raise UsageError(f"/{topic.name} needs {topic.message_type}, which is not installed")
     reliability = BEST_EFFORT if topic.best_effort else RELIABLE
     qos = keep_last(topic.depth, reliability, latched=topic.latched)
     publisher = node.create_publisher(kind, topic.name, qos)

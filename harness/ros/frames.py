@@ -15,7 +15,7 @@ from std_msgs.msg import String
 from harness.errors import RunFailed
 from harness.frames.tree import ODOM, Description, Edge
 from harness.ros.channel import open_channel
-from harness.ros.foreign_type import FAST_DDS, forget_missing_definition, typestore
+from harness.ros.foreign_type import FAST_DDS, forget_missing_definition, message_type, typestore
 from harness.samples import Transforms
 from harness.sensors.table import SENSORS, Topic
 from harness.sim_time import NANOSECONDS
@@ -37,7 +37,7 @@ def transforms_bytes(edges: Sequence[Edge]) -> bytes:
     """Returns a TFMessage of frames in their parents, with stamp 0."""
     types = typestore().types
 
-    def made(name: str, *values: object) -> Any:  # noqa: ANN401 - rosbags makes its classes
+    def made(name: str, *values: Any) -> Any:  # noqa: ANN401 - rosbags makes its classes
         return types[name](*values)
 
     stamp = made("builtin_interfaces/msg/Time", 0, 0)
@@ -106,13 +106,14 @@ class FrameTopics:
     def __init__(self, node: Node) -> None:
         self._node = node
         (tf,) = (row for row in SENSORS if row.sample is Transforms)
-        self.moving = [c for topic in tf.topics if (c := open_channel(node, topic, self._fill))]
-        self._static = open_channel(node, STATIC, transforms_bytes)
-        self._urdf = open_channel(node, DESCRIPTION, lambda urdf: String(data=urdf))
-        self.fixed = [channel for channel in (self._static, self._urdf) if channel is not None]
-        if not self.moving:
+        told = message_type(TF_MESSAGE) is not None
+        if not told:
             node.get_logger().warning(NO_TYPE)
-        self._description: Description | None = None
+        self.moving = [open_channel(node, topic, self._fill) for topic in tf.topics if told]
+        self._static = [open_channel(node, STATIC, transforms_bytes)] if told else []
+        self._urdf = open_channel(node, DESCRIPTION, lambda urdf: String(data=urdf))
+        self.fixed = [*self._static, self._urdf]
+        self._description = Description((), (), owns_odom=False, urdf="")
         self._fills: dict[int, TransformFill] = {}
         self._sent: deque[bytes] = deque(maxlen=RECENT)
         self._watched = False
@@ -121,14 +122,12 @@ class FrameTopics:
     def describe(self, description: Description) -> None:
         """Publishes what is fixed; the samples to come are of what moves."""
         self._description, self._fills = description, {}
-        if self._static is not None:
-            self._static.publish(description.fixed)
-        if self._urdf is not None:
-            self._urdf.publish(description.urdf)
+        for channel in self._static:
+            channel.publish(description.fixed)
+        self._urdf.publish(description.urdf)
 
     def _fill(self, sample: Transforms) -> bytes:
         """The message for a sample of the description's frames, or of the first of them."""
-        assert self._description is not None, "describe the rover before its first tick"
         count = len(sample.translation) // 3
         if count not in self._fills:
             self._fills[count] = TransformFill(self._description.moving[:count])
@@ -154,8 +153,6 @@ class FrameTopics:
     def _owned(self) -> dict[str, str]:
         """The frames of whose parent only this run may tell, and what to give where another shall."""
         description = self._description
-        if description is None:
-            return {}
         owned = {description.moving[0][1]: "--odom-tf none"} if description.owns_odom else {}
         mapped = any(edge.child == ODOM for edge in description.fixed)
         return owned | ({ODOM: "no --map-tf"} if mapped else {})
@@ -169,7 +166,7 @@ class FrameTopics:
             parent, child = transform.header.frame_id, transform.child_frame_id
             if child in owned:
                 self._rival = (
-                    f"has {parent} -> {child} from {self._others()} too, and a frame can have one owner: "
+                    f"has {parent} -> {child} from {self._others()} too, and a frame has one owner: "
                     f"stop it there, or give {owned[child]} here"
                 )
 

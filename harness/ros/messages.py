@@ -30,7 +30,6 @@ from rover_metrics.extended.truth_columns import TRAVERSAL
 GROUND_TRUTH_POSE_VARIANCE = 0.01  # on the diagonal, as RoboTerrain's PoseConverterNode says
 
 
-
 def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> Fill:
     """Returns what makes messages of a sensor's samples: one of FILLERS, or `by_names`.
 

@@ -45,7 +45,7 @@ class Trial:
     Args:
         config: The world, the rover, its driver and faults. Driver "cmd_vel" obeys `drive` and
             /cmd_vel, whichever spoke last.
-        frames: Which transforms are published.
+        frames: Which transforms are published; None for those of a run.
 
     Attributes:
         domain: The ROS domain while it is entered.
@@ -56,9 +56,9 @@ class Trial:
         UsageError: The configuration is not valid.
     """
 
-    def __init__(self, config: EpisodeConfig, frames: FrameOptions = FrameOptions()) -> None:  # noqa: B008 - frozen
+    def __init__(self, config: EpisodeConfig, frames: FrameOptions | None = None) -> None:
         config.validate()
-        self.config, self._frames = config, frames
+        self.config, self._frames = config, frames or FrameOptions()
         self.truth = Truth()
         self.domain = 0
         self._at_end = ExitStack()
