@@ -21,7 +21,7 @@ from harness.physics.simulation import Simulation
 from harness.robots import find_rover
 from harness.samples import Imu, LaserScan, Sample, Tick, Twist
 from harness.sensors import table
-from harness.sensors.base import Sensor
+from harness.sensors.base import HIGHEST_RATE, Sensor
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import PRESETS, SensorNoise
@@ -78,6 +78,8 @@ class Episode:
             if parts.keys() >= set(row.parts):
                 sensors[row.sample] = row.make(parts, rates.get(row.sample, row.rate_on(rover)))
         self._sensors = tuple(sensors.values())
+        # Periods divide a second: what is due in one is due in each.
+        self._due = [[s for s in self._sensors if s.due(n or HIGHEST_RATE)] for n in range(HIGHEST_RATE)]
         self._observing = [s for s in self._sensors if type(s).observe is not Sensor.observe]
         _, scan_rng, imu_rng = _generators(config.seed, 3)
         limits = (lidar_spec.range_min, lidar_spec.range_max)
@@ -152,7 +154,7 @@ class Episode:
         self._recorder.observe()
         for sensor in self._observing:
             sensor.observe()
-        samples = tuple(self._read(sensor) for sensor in self._sensors if sensor.due(index))
+        samples = tuple(self._read(sensor) for sensor in self._due[index % HIGHEST_RATE])
         return Tick(self.simulation.time_ns, samples)
 
     def _read(self, sensor: Sensor) -> Sample:

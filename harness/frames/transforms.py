@@ -97,44 +97,58 @@ class TransformSensor(Sensor):
 
 
 class _Joints:
-    """The poses that joints give to frames, all at once.
+    """The poses that joints give to frames.
 
     A hinge turns a frame from the attitude q, at 0, to q cos(angle / 2) + (q * axis) sin(angle / 2); a
-    slide moves its origin along the axis.
+    slide moves its origin along the axis. Plain floats: six joints are too few for arrays to be faster.
     """
 
     def __init__(self, simulation: Simulation, frames: RoverFrames) -> None:
         links, model = frames.moving, frames.model
-        joints = [simulation.model.joint(model.joint(link.joint).name) for link in links]
         self._qpos = simulation.data.qpos
-        self._address = np.array([int(joint.qposadr[0]) for joint in joints])
-        hinges = np.array([[model.jnt_type[link.joint] == HINGE] for link in links])
-        at_zero = [frames.edge(link) for link in links]
-        self._origin = np.array([edge.translation for edge in at_zero])
-        self._attitude = np.array([edge.rotation for edge in at_zero])
-        axes = [(edge, frames.axis(link)) for edge, link in zip(at_zero, links, strict=True)]
-        self._along = np.array([_turned(edge.rotation, axis) for edge, axis in axes]) * ~hinges
-        self._about = np.array([_about(edge.rotation, axis) for edge, axis in axes])
-        self._half = hinges / 2
+        names = [model.joint(link.joint).name for link in links]
+        self._address = np.array([int(simulation.model.joint(name).qposadr[0]) for name in names])
+        self._hinges = [model.jnt_type[link.joint] == HINGE for link in links]
+        edges = [frames.edge(link) for link in links]
+        self._at_zero = [(edge.translation, edge.rotation) for edge in edges]
+        axes = [(edge.rotation, frames.axis(link)) for edge, link in zip(edges, links, strict=True)]
+        self._along = [_turned(rotation, axis) for rotation, axis in axes]
+        self._about = [_about(rotation, axis) for rotation, axis in axes]
 
     def poses(self) -> tuple[list[float], list[float]]:
         """Returns translations and rotations of all frames, one after the other."""
-        position = self._qpos[self._address, None]
-        angle = position * self._half
-        rotation = np.cos(angle) * self._attitude + np.sin(angle) * self._about
-        translation = self._origin + position * self._along
-        return translation.ravel().tolist(), rotation.ravel().tolist()
+        translation: list[float] = []
+        rotation: list[float] = []
+        positions = self._qpos[self._address].tolist()
+        for index, position in enumerate(positions):
+            origin, (qx, qy, qz, qw) = self._at_zero[index]
+            if self._hinges[index]:
+                translation += origin
+                cosine, sine = math.cos(position / 2), math.sin(position / 2)
+                x, y, z, w = self._about[index]
+                rotation += (
+                    cosine * qx + sine * x,
+                    cosine * qy + sine * y,
+                    cosine * qz + sine * z,
+                    cosine * qw + sine * w,
+                )
+            else:
+                along = self._along[index]
+                translation += [o + position * a for o, a in zip(origin, along, strict=True)]
+                rotation += (qx, qy, qz, qw)
+        return translation, rotation
 
 
-def _turned(rotation: Quaternion, axis: Values) -> Values:
+def _turned(rotation: Quaternion, axis: Values) -> list[float]:
     """An axis of the frame, at 0, in the parent's axes."""
     turned, (x, y, z, w) = np.empty(3), rotation
     mujoco.mju_rotVecQuat(turned, axis, np.array([w, x, y, z]))
-    return turned
+    return turned.tolist()
 
 
-def _about(rotation: Quaternion, axis: Values) -> Values:
+def _about(rotation: Quaternion, axis: Values) -> list[float]:
     """The product q * axis of quaternions, as (x, y, z, w)."""
     product, (x, y, z, w) = np.empty(4), rotation
     mujoco.mju_mulQuat(product, np.array([w, x, y, z]), np.array([0.0, *axis]))
-    return np.roll(product, -1)
+    w, x, y, z = product.tolist()
+    return [x, y, z, w]
