@@ -43,6 +43,7 @@ class EpisodeProcess:
 
     def __init__(self, config: EpisodeConfig, frame_options: FrameOptions | None = None) -> None:
         self._config = config
+        self._describes = frame_options is not None
         self._obeys = config.driver == "cmd_vel"
         context = multiprocessing.get_context("spawn")
         self._connection, remote = context.Pipe()
@@ -82,8 +83,7 @@ class EpisodeProcess:
     @property
     def description(self) -> Description | None:
         """What its transforms are of; None without any. Ask once, second."""
-        description: Description | None = self._receive()
-        return description
+        return self._receive() if self._describes else None  # type: ignore[no-any-return]
 
     def command(self, twist: Twist) -> None:
         """Sets the command of the next control periods (cmd_vel driver)."""
@@ -160,7 +160,8 @@ def _stream(config: EpisodeConfig, frame_options: FrameOptions | None, connectio
 
     episode = Episode(config, frame_options)
     connection.send(episode.info)
-    connection.send(episode.description)
+    if episode.description is not None:
+        connection.send(episode.description)
     batches = episode.batches()
     for _ in range(config.total_periods):
         order: _Order | None = connection.recv()

@@ -23,6 +23,7 @@ class Noted:
         self.executor = self
         self.clock_channel: Any = SimpleNamespace(publish=lambda tick: self.said.append(tick.stamp_ns))
         channel = SimpleNamespace(publish=self.said.append)
+        self.frames: Any = SimpleNamespace(refuse_rivals=lambda: self.said.append("rivals"))
         self.channels_of = {Pose: [channel], Imu: [channel]}
 
     def advance(self, tick: Tick, *listeners: "Noted") -> None:
