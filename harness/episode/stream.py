@@ -83,7 +83,7 @@ class EpisodeProcess:
     @property
     def description(self) -> Description | None:
         """What its transforms are of; None without any. Ask once, second."""
-        return self._receive() if self._describes else None  # type: ignore[no-any-return]
+        return self._receive() if self._describes else None
 
     def command(self, twist: Twist) -> None:
         """Sets the command of the next control periods (cmd_vel driver)."""

@@ -112,7 +112,7 @@ class FrameTopics:
         self.moving = [open_channel(node, topic, self._fill) for topic in tf.topics if told]
         self._static = [open_channel(node, STATIC, transforms_bytes)] if told else []
         self._urdf = open_channel(node, DESCRIPTION, lambda urdf: String(data=urdf))
-        self.fixed = [*self._static, self._urdf]
+        self.fixed = [self._urdf, *self._static]
         self._description = Description((), (), owns_odom=False, urdf="")
         self._fills: dict[int, TransformFill] = {}
         self._sent: deque[bytes] = deque(maxlen=RECENT)
@@ -122,9 +122,9 @@ class FrameTopics:
     def describe(self, description: Description) -> None:
         """Publishes what is fixed; the samples to come are of what moves."""
         self._description, self._fills = description, {}
+        self._urdf.publish(description.urdf)
         for channel in self._static:
             channel.publish(description.fixed)
-        self._urdf.publish(description.urdf)
 
     def _fill(self, sample: Transforms) -> bytes:
         """The message for a sample of the description's frames, or of the first of them."""

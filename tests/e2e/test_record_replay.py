@@ -119,7 +119,7 @@ def beams(scan: Any) -> Values:  # noqa: ANN401 - rosbags makes its classes
     angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
     hits = np.isfinite(scan.ranges)
     across = np.stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))], axis=1)
-    points: Values = (scan.ranges[:, None] * across)[hits]
+    points: Values = scan.ranges[hits, None] * across[hits]
     return points
 
 

@@ -213,7 +213,7 @@ PI = math.pi
 # Parent, child, x y z [m] and roll pitch yaw [rad] of what does not move, and of what does at rest; the
 # joint of the latter and the sense in which it turns about the y axis of its frame. Leo: macros.xacro,
 # RoboTerrain's lidar; rover_zero4wd: rover_4wd.urdf and accessories, RoboTerrain's SDF.
-FIXED = {
+FIXED: dict[str, list[tuple[Any, ...]]] = {
     "leo": [
         ("base_footprint", "base_link", (0, 0, 0.19783), (0, 0, 0)),
         ("base_link", "lidar_link", (0.174, 0, 0.6), (0, 0, PI)),
@@ -230,7 +230,7 @@ FIXED = {
         ("base_link", "camera_link", (0.2, 0, 0.3), (0, 0, 0)),
     ],
 }
-MOVING = {
+MOVING: dict[str, list[tuple[Any, ...]]] = {
     "leo": [
         ("base_link", "rocker_L_link", (0.00263, 0.14167, -0.04731), PI, "rocker_L_joint", -1),
         ("base_link", "rocker_R_link", (0.00263, -0.14167, -0.04731), 0, "rocker_R_joint", 1),
@@ -367,7 +367,6 @@ def topics() -> tuple[Topic, ...]:
     tf2 = "tf2_msgs/msg/TFMessage"
     moving = 50, 20  # whenever anything else is told
     return (
-        Topic("/tf_static", tf2, ((), ()), tf_static, depth=1, latched=True),
         Topic(
             "/robot_description",
             "std_msgs/msg/String",
@@ -376,6 +375,7 @@ def topics() -> tuple[Topic, ...]:
             depth=1,
             latched=True,
         ),
+        Topic("/tf_static", tf2, ((), ()), tf_static, depth=1, latched=True),
         Topic("/tf", tf2, (moving, moving), tf, depth=100),
         Topic("/scan", "sensor_msgs/msg/LaserScan", (20, 20), scan, tolerance=1e-5),
         Topic("/imu/data", "sensor_msgs/msg/Imu", (20, 20), imu),

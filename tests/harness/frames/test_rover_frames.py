@@ -15,7 +15,7 @@ from tests.support.rovers import LEO, ROVER_ZERO4WD
 PI = math.pi
 # Parent and child, x y z [m] and roll pitch yaw [rad] of the child in it, at rest. Leo: macros.xacro
 # 1.2.1 and RoboTerrain's lidar; rover_zero4wd: rover_4wd.urdf, its accessories and RoboTerrain's SDF.
-REAL = {
+REAL: dict[str, dict[tuple[str, str], tuple[float, ...]]] = {
     "leo": {
         ("base_footprint", "base_link"): (0, 0, 0.19783, 0, 0, 0),
         ("base_link", "rocker_L_link"): (0.00263, 0.14167, -0.04731, 0, 0, PI),

@@ -128,11 +128,7 @@ def test_a_second_owner_of_the_base_is_named_with_the_mend_and_no_other_publishe
         (OWN, Edge("map", "base_footprint"), "give --odom-tf none here"),
         (Description((), (WHEEL,), owns_odom=False, urdf=""), Edge(*BASE), None),
         (OWN, Edge("map", "odom"), None),
-        (
-            Description((Edge("map", "odom"),), (WHEEL,), False, ""),
-            Edge("map", "odom"),
-            "no --map-tf here",
-        ),
+        (MAPPED, Edge("map", "odom"), "give no --map-tf here"),
         (OWN, Edge("base_footprint", "base_link"), None),
     ],
 )
