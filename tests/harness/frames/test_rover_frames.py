@@ -8,7 +8,7 @@ import pytest
 
 from harness.errors import UsageError
 from harness.frames.rover_frames import rover_frames
-from harness.robots import FrameRow, RoverSpec
+from harness.robots import MODELS_DIR, FrameRow, RoverSpec
 from tests.harness.frames.made_rover import made_rover
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
@@ -78,6 +78,12 @@ def test_a_rover_yaml_without_frames_has_those_of_its_model() -> None:
     sensors = {"lidar_link": "base_footprint", "imu_frame": "base_footprint"}
     assert links == {"base_footprint": "", **rockers, **wheels, **sensors}
     assert frames.edge(frames.links[-2]).translation == pytest.approx((0.174, 0.0, 0.79783))
+
+
+@pytest.mark.parametrize("rover", [LEO, ROVER_ZERO4WD], ids=lambda rover: rover.name)
+def test_every_frame_is_in_the_docs(rover: RoverSpec) -> None:
+    page = (MODELS_DIR.parent / "docs" / "frames.md").read_text()
+    assert all(link.name in page for link in rover_frames(rover).links)
 
 
 def row(parent: str, child: str, **where: object) -> FrameRow:
