@@ -11,6 +11,7 @@ import ctypes
 from contextlib import suppress
 from functools import cache
 from importlib import import_module
+from importlib.metadata import version
 from typing import Any
 
 from geometry_msgs.msg import PoseArray
@@ -20,6 +21,8 @@ from rosbags.typesys.store import Typestore
 
 FAST_DDS = "rmw_fastrtps_cpp"
 TYPE_SUPPORT = b"rosidl_typesupport_fastrtps_c"
+DEFINITION = b"rosidl_typesupport_introspection_c"
+FORMER = int(version("rclpy").split(".")[0]) < 9  # before Kilted
 DONOR = PoseArray  # of no fixed size, as a TFMessage
 
 
@@ -121,6 +124,10 @@ def _capsule(namespace: bytes, name: bytes, digest: bytes) -> object:
     callbacks.message_namespace, callbacks.message_name = namespace, name
     type_hash = _Hash(1, (ctypes.c_uint8 * 32)(*digest))
     support.data = ctypes.pointer(callbacks)
+    if FORMER:  # creates nothing without a definition, and sends none
+        fields = whole.find(address, DEFINITION)
+        found = {TYPE_SUPPORT: ctypes.addressof(support), DEFINITION: fields}
+        support.find = _Find(lambda _, identifier: found.get(identifier))
     support.get_type_hash = _GetHash(lambda _: ctypes.addressof(type_hash))
     _kept.extend((support, callbacks, type_hash, label))
     capsule: object = _python.PyCapsule_New(ctypes.c_void_p(ctypes.addressof(support)), label, None)
