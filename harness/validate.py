@@ -11,9 +11,14 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from harness.cli.edge import begin_program, run_program
+
+if __name__ == "__main__":
+    begin_program("harness.validate")
+
 from rich.console import Console
 
-from harness.errors import HarnessError, UsageError
+from harness.errors import UsageError
 from harness.robots import MODELS_DIR, ROVERS, find_rover
 from harness.validation.realism import compare, print_comparison
 from harness.validation.suite import as_markdown, print_table, validate, write_between_markers
@@ -25,13 +30,12 @@ README = MODELS_DIR / "README.md"
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code: 0, 1 after a miss, 2 for bad arguments."""
     options = _parser().parse_args(arguments)
-    console = Console()
-    try:
-        _check(options)
-        misses = _realism(options, console) if options.realism else _suite(options, console)
-    except HarnessError as error:
-        print(f"harness.validate: {error}", file=sys.stderr)
-        return error.exit_code
+    return run_program("harness.validate", lambda: _validate(options, Console()))
+
+
+def _validate(options: argparse.Namespace, console: Console) -> int:
+    _check(options)
+    misses = _realism(options, console) if options.realism else _suite(options, console)
     if misses:
         print(f"harness.validate: missed {'; '.join(misses)}", file=sys.stderr)
     return 1 if misses else 0
@@ -41,7 +45,8 @@ def _suite(options: argparse.Namespace, console: Console) -> Sequence[str]:
     rovers = ROVERS.values() if options.robot is None else [find_rover(options.robot)]
     results = {}
     for rover in rovers:
-        results[rover.name] = validate(rover, options.seed)
+        with console.status(f"driving {rover.name}"):
+            results[rover.name] = validate(rover, options.seed)
         print_table(console, rover.name, results[rover.name])
     if options.write:
         write_between_markers(README, as_markdown(results))
@@ -50,7 +55,8 @@ def _suite(options: argparse.Namespace, console: Console) -> Sequence[str]:
 
 
 def _realism(options: argparse.Namespace, console: Console) -> Sequence[str]:
-    comparison = compare(options.realism, options.robot, options.seed)
+    with console.status(f"driving {options.robot} for ten minutes"):
+        comparison = compare(options.realism, options.robot, options.seed)
     print_comparison(console, comparison)
     return comparison.missed
 
@@ -71,7 +77,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="python -m harness.validate",
         description="Drives standard manoeuvres and compares the rovers with their sources.",
     )
-    parser.add_argument("--robot", metavar="NAME", help=f"{', '.join(ROVERS)}; all by default")
+    parser.add_argument("--robot", metavar="NAME", help=f"{', '.join(ROVERS)}; default: all")
     parser.add_argument(
         "--seed", type=int, default=0, metavar="N", help="headings and the unevenness of the floor"
     )

@@ -15,6 +15,7 @@ from harness.faults.spec import FORM, describe_faults
 from harness.frames.options import ODOM_SOURCES, FrameOptions
 from harness.robots import ROVERS, find_rover
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
+from harness.world.world import Start
 from rover_metrics.errors import OneLineParser
 from rover_metrics.extended.settings import Settings
 
@@ -23,19 +24,23 @@ SLOWEST_RATE = 0.01
 
 T = TypeVar("T")
 
-Option = tuple[str, Callable[[str], Any], str, str | None]  # flag, type, metavar, help
+Option = tuple[str, Callable[[str], Any], str, str]  # flag, type, metavar, help
 
 EPISODE: tuple[Option, ...] = (
     ("--robot", str, "NAME", ", ".join(ROVERS)),
     ("--driver", str, "NAME", ", ".join(DRIVERS)),
-    ("--seed", int, "N", None),
+    ("--seed", int, "N", "of everything random"),
     ("--duration", float, "S", "simulated seconds"),
     ("--difficulty", float, "D", "0 to 1"),
     ("--timestep", float, "S", "physics step"),
 )
-SENSORS: tuple[Option, ...] = (("--lidar-beams", int, "N", None), ("--imu-rate", int, "HZ", None))
+SENSORS: tuple[Option, ...] = (
+    ("--lidar-beams", int, "N", "beams of the lidar, all around"),
+    ("--imu-rate", int, "HZ", "samples of the IMU a second"),
+)
 RECORD_HELP = (
-    "record every published topic; a killed run's file is read by rover_metrics.replay as it is, and "
+    "record every topic, /cmd_vel and /rover/metrics too; a killed run's file is read by "
+    "rover_metrics.replay as it is, and "
     "mended by: mcap recover FILE.mcap -o MENDED.mcap"
 )
 FILES: tuple[Option, ...] = (
@@ -45,7 +50,7 @@ FILES: tuple[Option, ...] = (
 )
 PICTURES: tuple[Option, ...] = (
     ("--picture", Path, "FILE.png", "draw the rover at the end of its path"),
-    ("--video", Path, "FILE.mp4", "draw the run in at most 10 s (extra [video])"),
+    ("--video", Path, "FILE.mp4", "draw the run in at most 10 s, with time and speed (extra [video])"),
 )
 Group = argparse._ArgumentGroup  # noqa: SLF001 - what add_argument_group gives has no public name
 
@@ -91,6 +96,7 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         UsageError: Two options exclude each other; the message names the mend.
     """
     words, ros_args = split_ros_args(arguments)
+    words = _joined("--start", words)  # argparse takes -3,4 for an option
     parser = run_parser()
     given = parser.parse_args(words)
     if given.terrain_size is not None:
@@ -115,6 +121,15 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
     return _filled(RunOptions, given, config=config, ros=ros)
 
 
+def _joined(flag: str, words: Sequence[str]) -> list[str]:
+    """The same words, with `flag value` as `flag=value`."""
+    words = list(words)
+    while flag in words[:-1]:
+        place = words.index(flag)
+        words[place : place + 2] = [f"{flag}={words[place + 1]}"]
+    return words
+
+
 def _filled(cls: type[T], given: argparse.Namespace, **others: object) -> T:
     """A dataclass of the options of its fields' names, and of others."""
     names = [item.name for item in fields(cls)]  # type: ignore[arg-type]  # a dataclass
@@ -126,6 +141,8 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         raise UsageError(
             "--extended is for the hosted metrics_node; start yours with -p extended_columns:=true"
         )
+    if options.overwrite and options.record is None:
+        raise UsageError("--overwrite is for the file of --record; name one, or leave it out")
     if not options.direct:
         return
     for given, flag in (
@@ -150,11 +167,10 @@ def run_parser() -> argparse.ArgumentParser:
         description="Drives a rover over rough terrain, publishes its sensors as ROS 2 topics and "
         "logs traversal metrics to CSV.",
         epilog="Arguments after --ros-args go to ROS, e.g. --ros-args -r scan:=front/scan.",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     _add_episode(parser.add_argument_group("episode"), EpisodeConfig())
     sensors = parser.add_argument_group("sensors")
-    about = f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_PRESET} if not named"
+    about = f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_PRESET} if not named; default: none"
     sensors.add_argument("--noise", nargs="?", const=DEFAULT_PRESET, metavar="NAME", help=about)
     _add(sensors, SENSORS, EpisodeConfig())
     about = f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable"
@@ -164,7 +180,9 @@ def run_parser() -> argparse.ArgumentParser:
     _add_frames(parser.add_argument_group("frames"), FrameOptions())
     pictures = parser.add_argument_group("pictures")
     _add(pictures, PICTURES)
-    pictures.add_argument("--picture-lidar", action="store_true", help="show the lidar's beams in them")
+    pictures.add_argument(
+        "--picture-lidar", action="store_true", help="show the lidar's hits and some of its beams"
+    )
     parser.add_argument("--list", action="store_true", help="print terrains, robots and drivers")
     parser.add_argument("--version", action="version", version=f"rover-harness {__version__}")
     return parser
@@ -177,18 +195,21 @@ def _add(group: Group, options: Sequence[Option], defaults: object = None) -> No
 
 
 def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
-    about = "see --list, or a heightmap: GeoTIFF, TIFF, PNG, .npy"
+    about = "see --list, or a heightmap: GeoTIFF, TIFF, PNG, .npy (docs/worlds.md: axes, units)"
     world.add_argument("--terrain", default=defaults.terrain, metavar="NAME|FILE", help=about)
-    about = "side length, or width and depth, of a heightmap that does not say"
+    about = "length along x and y, or of both, of a heightmap that does not say"
     world.add_argument("--terrain-size", type=float, nargs="+", metavar="M", help=about)
     about = "relief, lowest to highest point, of a heightmap that does not say"
     world.add_argument("--terrain-height", type=float, metavar="M", help=about)
+    about = "start [m] and heading from +x to +y [rad]; default: at or next to 0,0, the middle"
+    world.add_argument("--start", type=_start, metavar="X,Y[,YAW]", help=about)
     _add(world, EPISODE, defaults)
 
 
 def _add_run(run: Group) -> None:
-    run.add_argument("--rate", type=_rate, metavar="R|max", help="times real time; max by default")
-    run.add_argument("--log-dir", type=Path, default=DEFAULT_LOG_DIR, metavar="DIR")
+    run.add_argument("--rate", type=_rate, metavar="R|max", help="times real time; default: max")
+    about = "folder for the log and its manifest"
+    run.add_argument("--log-dir", type=Path, default=DEFAULT_LOG_DIR, metavar="DIR", help=about)
     run.add_argument(
         "--namespace", default="", metavar="NAME", help="of all topics but /clock, e.g. rover1"
     )
@@ -199,6 +220,17 @@ def _add_run(run: Group) -> None:
     about = "keep lock-step with a node in another process; repeatable"
     run.add_argument("--wait-for", action="append", default=[], metavar="NODE", help=about)
     _add(run, FILES)
+    run.add_argument("--overwrite", action="store_true", help="let --record replace a file")
+
+
+def _start(text: str) -> Start:
+    words = text.split(",")
+    try:
+        x, y, yaw = map(float, words if len(words) == 3 else [*words, "0"])
+    except ValueError:
+        message = f"'{text}' is not valid; give X,Y or X,Y,YAW in metres and radians"
+        raise argparse.ArgumentTypeError(message) from None
+    return x, y, yaw
 
 
 def _add_frames(frames: Group, defaults: FrameOptions) -> None:

@@ -2,9 +2,12 @@
 
 import importlib.util
 import os
+import platform
+import re
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack, closing
 from functools import cache
 from pathlib import Path
@@ -15,9 +18,11 @@ from harness.errors import HarnessError, UsageError
 from harness.files import check_target
 from harness.view.states import StateWriter
 
-BACKENDS = ("egl", "osmesa")  # of MuJoCo, in the order in which they are tried
+# Of MuJoCo, by system, in the order in which they are tried.
+BACKENDS = {"Linux": ("egl", "osmesa"), "Darwin": ("cgl", "glfw"), "Windows": ("glfw",)}
 SUFFIXES = {"--picture": ".png", "--video": ".mp4"}
-PACKAGES = "libegl1 libgl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"
+FRAMES = re.compile(r"(\d+)/(\d+)\n")  # how many are drawn of how many, as harness.view.picture says it
+MENDS = {"Linux": "install libegl1 libgl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"}
 
 
 @cache
@@ -77,7 +82,7 @@ class Drawing(AbstractContextManager["Drawing"]):
         for flag, path in self._targets.items():
             check_target(flag, path, SUFFIXES[flag])
         if "--video" in self._targets and importlib.util.find_spec("av") is None:
-            raise UsageError("--video needs PyAV; install it with pip install -e '.[video]'")
+            raise UsageError("--video needs PyAV; install it with pip install 'rover-harness[video]'")
         self._environment = _working_environment(self._backend)
         folder = self._at_end.enter_context(tempfile.TemporaryDirectory(prefix="rover-harness-"))
         writer = StateWriter(Path(folder) / "states", config)
@@ -88,8 +93,11 @@ class Drawing(AbstractContextManager["Drawing"]):
         if self._writer is not None:
             self._writer.take(batch)
 
-    def finish(self) -> list[Path]:
+    def finish(self, show: Callable[[int, int], None]) -> list[Path]:
         """Draws in a process of its own; returns the files written.
+
+        Args:
+            show: Told how many frames are drawn, and of how many; of a picture there is one.
 
         Raises:
             DrawingFailed: They could not be drawn.
@@ -99,19 +107,37 @@ class Drawing(AbstractContextManager["Drawing"]):
         self._writer.close()
         words = [word for flag, path in self._targets.items() for word in (flag, str(path))]
         lidar = ["--lidar"] if self._lidar else []
-        _call([str(self._writer.path), *words, *lidar], self._environment)
+        _call([str(self._writer.path), *words, *lidar], self._environment, show)
         return list(self._targets.values())
 
 
-def _call(words: list[str], environment: dict[str, str]) -> None:
+def _call(
+    words: list[str], environment: dict[str, str], show: Callable[[int, int], None] = lambda *_: None
+) -> None:
     """Runs harness.view.picture, apart from Ctrl-C in this terminal, which stops it by its caller."""
     command = [sys.executable, "-m", "harness.view.picture", *words]
-    done = subprocess.run(
-        command, env=environment, capture_output=True, text=True, check=False, start_new_session=True
-    )
-    if done.returncode:
-        last = next(iter(done.stderr.strip().splitlines()[-1:]), f"exit code {done.returncode}")
-        raise DrawingFailed(f"nothing was drawn: {last}")
+    with (
+        tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as said,
+        subprocess.Popen(
+            command,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=said,
+            text=True,
+            start_new_session=True,
+        ) as process,
+    ):
+        try:
+            for line in process.stdout or ():
+                if told := FRAMES.fullmatch(line):
+                    show(int(told[1]), int(told[2]))
+        except BaseException:
+            process.kill()
+            raise
+        if process.wait():
+            said.seek(0)
+            last = next(iter(said.read().strip().splitlines()[-1:]), f"exit code {process.returncode}")
+            raise DrawingFailed(f"nothing was drawn: {last}")
 
 
 def _working_environment(chosen: str) -> dict[str, str]:
@@ -120,12 +146,15 @@ def _working_environment(chosen: str) -> dict[str, str]:
     Raises:
         UsageError: There is none; the message names the system's packages.
     """
-    for backend in (chosen,) if chosen else BACKENDS:
+    system = platform.system()
+    known = BACKENDS.get(system, BACKENDS["Linux"])
+    for backend in (chosen,) if chosen else known:
         environment = os.environ | {"MUJOCO_GL": backend}
         try:
             _call([], environment)
         except DrawingFailed:
             continue
         return environment
-    tried = f"MUJOCO_GL={chosen} does not work" if chosen else "neither EGL nor OSMesa works"
-    raise UsageError(f"pictures need OpenGL, but {tried} here; install {PACKAGES}")
+    tried = chosen or " or ".join(known)
+    mend = MENDS.get(system, "start it where a window could be opened")
+    raise UsageError(f"pictures need OpenGL, but MUJOCO_GL={tried} does not work here; {mend}")

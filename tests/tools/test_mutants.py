@@ -10,17 +10,18 @@ import pytest
 
 from tools.mutants import __main__ as command
 from tools.mutants import mutations, survivors
+from tools.mutants.journal import Journal, Outcome
 from tools.mutants.mutations import Mutant, mutants_of
 from tools.mutants.scope import PACKAGES, ROOT, Package, changed_since, modules_of
 from tools.mutants.survivors import LISTED, SCORES, TABLE, Score, complaints, listed, record, recorded
-from tools.mutants.trial import Outcome
 
 CODE = '''"""Tanks."""
 
 from dataclasses import dataclass
 from functools import cache
 
-FULL = 7.5  # l
+_HALF = 3.75  # l
+FULL = _HALF + _HALF
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,9 @@ def unseen(a: float) -> float:
         raise ValueError("too much: " + str(a + 1))
     return a * 2
 '''
-TESTS = """import pytest
+TESTS = """import sys
+
+import pytest
 from tank import FULL, Tank, countdown, lack
 
 
@@ -79,6 +82,10 @@ def test_weak():
 
 def test_that_always_fails():
     assert not lack(Tank())
+
+
+def test_that_fails_unless_its_lines_are_traced():
+    assert lack(Tank()) and sys.gettrace()
 """
 TRY = """
 import json, sys
@@ -122,7 +129,11 @@ def fates(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], str
     [
         ("lack", "return FULL + tank.litres", "test_lack"),  # wrapped by a decorator
         ("Tank.is_low", "return self.litres <= 1.0", "test_other_user_does"),  # a property
-        ("", "FULL = 9.375 # l", "test_lack"),  # a constant that others have imported
+        (
+            "",
+            "_HALF = 4.6875 # l",
+            "test_lack",
+        ),  # another constant, which others have imported, is made of it
         ("Tank", "litres: float = 3.75", ""),  # a default that only the weak test looks at
         ("countdown", "n -= 2", "test_other_user_does"),  # by way of a fixture that another used first
         ("countdown", "n -= 0", "time-out or crash"),
@@ -137,7 +148,16 @@ def test_mutant_dies_of_the_test_that_notices_it(
 
 
 def test_a_test_that_fails_anyway_kills_nothing(fates: dict[tuple[str, str], str]) -> None:
-    assert not any("always_fails" in killer for killer in fates.values())
+    assert not any("that_" in killer for killer in fates.values())
+
+
+def test_what_was_found_before_an_interruption_is_not_tried_again(tmp_path: Path) -> None:
+    one, other = mutants_of("a.py", "def f(a):\n    return a + 1\n\n\ndef g(a):\n    return a > 1\n")[:2]
+    journal = Journal(tmp_path / "kept/journal")
+    assert journal.outcomes([one]) == []
+    for killer in ("test_flaky", ""):
+        journal.write(Outcome(one, killer, ("test_flaky", "test_a")))
+    assert journal.outcomes([other, one]) == [Outcome(one, "", ("test_flaky", "test_a"))]
 
 
 def test_docstrings_annotations_messages_and_words_are_left_alone() -> None:

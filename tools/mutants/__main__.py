@@ -7,10 +7,11 @@ import zlib
 from collections import Counter
 
 from tools.mutants import survivors
+from tools.mutants.journal import Outcome
 from tools.mutants.mutations import Mutant, mutants_of
 from tools.mutants.scope import ROOT, SOURCES, TESTS, Package, changed_since
 from tools.mutants.survivors import LISTED, Key, Score
-from tools.mutants.trial import Outcome, Trial
+from tools.mutants.trial import Trial
 
 KEPT = ROOT / "build/mutants"
 TOLD = 5  # tests of a survivor

@@ -4,13 +4,15 @@ import ast
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable
+from itertools import accumulate
 from pathlib import Path
 
 from tools.mutants.mutations import Mutant
 from tools.mutants.session import Trace
 
-SLOW = 3.0  # [s]; a slower test is used only for what no other covers
-BUDGET = 6.0  # [s] of tests for one mutant
+SLOW = 3.0  # [s]; a slower test comes last
+BUDGET = 6.0  # [s] of quick tests for one mutant
+LAST_BUDGET = 15.0  # [s] of all other tests, for one that has survived these
 
 Timed = list[tuple[str, float]]  # tests and the seconds that each may take
 
@@ -28,10 +30,12 @@ class Chooser:
     def __init__(
         self, root: Path, trace: Trace, at_import: dict[str, set[int]], patience: float = 1.0
     ) -> None:
-        self.trace, self._slow, self._budget = trace, SLOW * patience, BUDGET * patience
+        self.trace, self._slow = trace, SLOW * patience
+        self._budget, self._last_budget = BUDGET * patience, LAST_BUDGET * patience
         self._root, self._at_import = root, at_import
         self._statements: dict[str, dict[int, tuple[range, set[str]]]] = {}
         self._killers: Counter[tuple[str, str, str]] = Counter()
+        self._distrusted: set[str] = set()
         self._words: dict[str, set[str]] = defaultdict(set)
         for file, lines in trace.lines.items():
             texts = Path(file).read_text().splitlines()
@@ -59,6 +63,8 @@ class Chooser:
         tests = set().union(*(covered.get(line, ()) for line in lines))
         if self.runs_at_import(mutant):
             tests = tests.union(*(self._words.get(name, ()) for name in names))
+            tests = tests or set().union(*covered.values())
+        tests -= self._distrusted
         costs = self.trace.costs
         quick = {test for test in tests if costs[test] <= self._slow} - self.trace.slow
         mirror = f"test_{Path(mutant.file).stem}.py"
@@ -70,14 +76,19 @@ class Chooser:
                 costs[test],
             )
 
-        chosen: list[str] = []
-        total = 0.0
-        for test in sorted(quick, key=rank) or sorted(tests, key=costs.__getitem__)[:3]:
-            total += costs[test]
-            if chosen and total > self._budget:
-                break
-            chosen.append(test)
-        return self.limits(chosen)
+        chosen = self._within(self._budget, sorted(quick, key=rank))
+        others = sorted(tests - set(chosen) - self.trace.slow, key=costs.__getitem__)
+        chosen += self._within(self._last_budget, others)
+        return self.limits(chosen or sorted(tests, key=costs.__getitem__)[:3])
+
+    def _within(self, budget: float, tests: list[str]) -> list[str]:
+        """The first tests, one at least, that take no longer together."""
+        totals = accumulate(self.trace.costs[test] for test in tests)
+        return [
+            test
+            for n, (test, total) in enumerate(zip(tests, totals, strict=True))
+            if not n or total <= budget
+        ]
 
     def limits(self, tests: Iterable[str]) -> Timed:
         """Tests with the seconds that each may take."""
@@ -87,8 +98,12 @@ class Chooser:
         """What has noticed a mutant is likely to notice the next one of the same function."""
         self._killers[mutant.file, mutant.function, killer] += 1
 
+    def distrust(self, test: str) -> None:
+        """Gives a test to no mutant any more."""
+        self._distrusted.add(test)
+
     def _statement(self, mutant: Mutant) -> tuple[range, set[str]]:
-        """The lines of the statement around a mutant, but not of its body, and the names it defines."""
+        """Lines of the statement around a mutant, without its body, and names that depend on it."""
         if mutant.file not in self._statements:
             self._statements[mutant.file] = _statements((self._root / mutant.file).read_text())
         default = range(mutant.number, mutant.number + 1), {mutant.function.rpartition(".")[2]}
@@ -96,14 +111,40 @@ class Chooser:
 
 
 def _statements(source: str) -> dict[int, tuple[range, set[str]]]:
+    """The lines of each line's statement, and the names that depend on it at import."""
     found: dict[int, tuple[range, set[str]]] = {}
+    gives: list[tuple[set[str], set[str]]] = []  # names that a statement needs, and those it defines
     for node in ast.walk(ast.parse(source)):  # outer ones first
         if isinstance(node, ast.stmt):
             body = getattr(node, "body", None)
             last = body[0].lineno - 1 if body else node.end_lineno or node.lineno
-            targets = getattr(node, "targets", [getattr(node, "target", None)])
-            names = {n.id for t in targets if t for n in ast.walk(t) if isinstance(n, ast.Name)}
-            names |= {node.name} if isinstance(node, ast.FunctionDef | ast.ClassDef) else set()
-            lines = range(node.lineno, max(last, node.lineno) + 1)
+            lines, names = range(node.lineno, max(last, node.lineno) + 1), _defined(node)
             found |= dict.fromkeys(lines, (lines, names))
-    return found
+            gives.append((_needed(node), names))
+    return {line: (lines, _given(names, gives)) for line, (lines, names) in found.items()}
+
+
+def _defined(node: ast.stmt) -> set[str]:
+    if isinstance(node, ast.FunctionDef | ast.ClassDef):
+        return {node.name}
+    targets = getattr(node, "targets", [getattr(node, "target", None)])
+    return {n.id for t in targets if t for n in ast.walk(t) if isinstance(n, ast.Name)}
+
+
+def _needed(node: ast.stmt) -> set[str]:
+    """Names that a statement reads where it stands, so not those in the body of a function."""
+    parts: list[ast.AST] = [node]
+    if isinstance(node, ast.FunctionDef):
+        parts = [*node.decorator_list, node.args]
+    elif isinstance(node, ast.ClassDef):
+        parts = [*node.decorator_list, *node.bases]
+    return {n.id for part in parts for n in ast.walk(part) if isinstance(n, ast.Name)}
+
+
+def _given(names: set[str], gives: list[tuple[set[str], set[str]]]) -> set[str]:
+    """Names, and all that are made of them."""
+    while True:
+        more = names.union(*(defined for needed, defined in gives if needed & names))
+        if more == names:
+            return names
+        names = more

@@ -17,12 +17,14 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import coverage
 
 from tools.mutants.chooser import Chooser, Timed
 from tools.mutants.forks import in_forks
+from tools.mutants.journal import Journal, Outcome
 from tools.mutants.mutations import Mutant
 from tools.mutants.session import DIED, Session, Trace
 from tools.mutants.swap import Importer, functions_of, swap
@@ -35,21 +37,6 @@ Choice = tuple[Mutant | None, Timed]  # a mutant and its tests; None for the cod
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What became of a mutant.
-
-    Attributes:
-        mutant: The mutant.
-        killer: The test that failed, or how the process ended; empty if it survived.
-        tests: The tests that were to notice it.
-    """
-
-    mutant: Mutant
-    killer: str
-    tests: tuple[str, ...]
-
-
-@dataclass(frozen=True)
 class Trial:
     """Mutants of one tree and the tests that are to notice them.
 
@@ -58,7 +45,7 @@ class Trial:
         sources: Folders with the code, from the root.
         tests: Files and folders with tests, likewise.
         plain: Whether numba compiles nothing.
-        kept: A folder for what tests cover, for the next time.
+        kept: A folder for what tests cover and for outcomes, for the next time.
         tell: Is told each outcome as it comes.
     """
 
@@ -75,10 +62,22 @@ class Trial:
         Raises:
             RuntimeError: A test fails without a mutant, or the tests cannot be run.
         """
-        ((_, outcomes),) = in_forks([mutants], self._judge, at_once=1, quiet=False)
+        known = self._journal.outcomes(mutants)
+        for outcome in known:
+            self.tell(outcome)
+        tried = {outcome.mutant for outcome in known}
+        new = [mutant for mutant in mutants if mutant not in tried]
+        if not new:
+            return known
+        ((_, outcomes),) = in_forks([new], self._judge, at_once=1, quiet=False)
         if outcomes is None:
             raise RuntimeError("the process that runs the tests died")
-        return outcomes
+        return known + outcomes
+
+    @cached_property
+    def _journal(self) -> Journal:
+        """Of the code and the tests as they stand."""
+        return Journal(self.kept / f"outcomes-{self._digest(every=True)}.jsonl")
 
     def _judge(self, mutants: list[Mutant]) -> list[Outcome]:
         if self.plain:
@@ -90,20 +89,35 @@ class Trial:
         for name in imported if left else ():
             with contextlib.suppress(Exception):
                 importlib.import_module(name)
-        # Unchanged, each module must pass in the same way.
-        controls: dict[str, Choice] = {mutant.file: (None, tests) for mutant, tests in left}
-        for (mutant, tests), killer in in_forks(
-            [*controls.values(), *left], self._imported, at_once=AT_ONCE
-        ):
-            if mutant is not None:
-                outcomes.append(self._outcome(mutant, tests, killer))
-            elif killer != "":
-                message = f"without a mutant fails {killer or DIED}"
-                raise RuntimeError(message)
+        failing = self._fail_when_imported([tests for _, tests in left])
+        sound = [(mutant, [one for one in tests if one[0] not in failing]) for mutant, tests in left]
+        for (mutant, tests), killer in in_forks(sound, self._imported, at_once=AT_ONCE):
+            outcomes.append(self._outcome(mutant, tests, killer))
         return outcomes
+
+    def _fail_when_imported(self, choices: list[Timed]) -> set[str]:
+        """Tests that do not pass without a mutant where everything is imported anew."""
+        failing: set[str] = set()
+        files: dict[str, Timed] = defaultdict(list)
+        for timed in {one[0]: one for tests in choices for one in tests}.values():
+            files[timed[0].partition("::")[0]].append(timed)
+        while files:
+            again: dict[str, Timed] = {}
+            for (_, tests), killer in in_forks(
+                [(None, tests) for tests in files.values()], self._imported, at_once=AT_ONCE
+            ):
+                bad = {killer} if killer in dict(tests) else {name for name, _ in tests if killer != ""}
+                failing |= bad
+                if bad and (rest := [one for one in tests if one[0] not in bad]):
+                    again[rest[0][0].partition("::")[0]] = rest
+            files = again
+        for test in sorted(failing):
+            sys.stderr.write(f"{test} fails without a mutant and is left out\n")
+        return failing
 
     def _outcome(self, mutant: Mutant, tests: Timed, killer: str | None) -> Outcome:
         outcome = Outcome(mutant, DIED if killer is None else killer, tuple(test for test, _ in tests))
+        self._journal.write(outcome)
         self.tell(outcome)
         return outcome
 
@@ -126,8 +140,11 @@ class Trial:
             at_import = {file: set(data.lines(file) or ()) for file in data.measured_files()}
             patience = PLAIN_PATIENCE if self.plain else 1.0
             chooser = Chooser(self.root, self._trace(session, include), at_import, patience)
-            self._swapped(session, mutants, chooser, outcomes, left)
-            _control(session, outcomes, chooser)
+            again = mutants
+            while again:
+                outcomes.extend(self._swapped(session, again, chooser, left))
+                again = _unsound(session, outcomes, chooser)
+                outcomes[:] = [one for one in outcomes if one.mutant not in again]
 
         with Path(os.devnull).open("w") as nothing, contextlib.redirect_stdout(nothing):
             Session(serve).run(
@@ -159,11 +176,11 @@ class Trial:
         sys.stderr.write(f"{len(trace.costs)} tests pass, {len(new)} files run, {seconds:.0f} s\n")
         return trace
 
-    def _digest(self, file: str = "", common: str = "") -> str:
-        """A hash of one test file; of all other code, if none is named."""
+    def _digest(self, file: str = "", common: str = "", *, every: bool = False) -> str:
+        """A hash of one test file; if none is named, of all code but test files, or of these too."""
         folders = [self.root / folder for folder in (*self.sources, *self.tests)]
         paths = [self.root / file] if file else sorted(p for f in folders for p in f.rglob("*.py"))
-        used = [path for path in paths if file or not path.name.startswith("test_")]
+        used = [path for path in paths if file or every or not path.name.startswith("test_")]
         texts = (path.read_bytes() for path in used)
         return hashlib.sha256(f"{common}{file}{self.plain}".encode() + b"".join(texts)).hexdigest()[:24]
 
@@ -172,10 +189,10 @@ class Trial:
         session: Session,
         mutants: list[Mutant],
         chooser: Chooser,
-        outcomes: list[Outcome],
         left: list[tuple[Mutant, Timed]],
-    ) -> None:
+    ) -> list[Outcome]:
         """Tries the mutants of functions; puts the others aside."""
+        outcomes: list[Outcome] = []
         functions = functions_of({str(self.root / mutant.file) for mutant in mutants})
         gc.freeze()  # forks share what no collector touches
 
@@ -200,6 +217,7 @@ class Trial:
             else:
                 outcomes.append(self._outcome(mutant, tests, killer))
                 chooser.remember(mutant, killer or "")
+        return outcomes
 
     def _imported(self, choice: Choice) -> str:
         """The first test that fails where a mutant is imported from the start."""
@@ -216,15 +234,18 @@ class Trial:
         return failure[0]
 
 
-def _control(session: Session, outcomes: list[Outcome], chooser: Chooser) -> None:
-    """Each test that noticed a mutant must pass without one."""
+def _unsound(session: Session, outcomes: list[Outcome], chooser: Chooser) -> list[Mutant]:
+    """Mutants noticed by a test that fails without one, too; such a test is not used any more."""
     killers = sorted({outcome.killer for outcome in outcomes} & chooser.trace.costs.keys())
+    failing = set()
     for killer, failed in in_forks(
         killers, lambda test: session.first_failure(chooser.limits([test])), at_once=AT_ONCE
     ):
         if failed != "":
-            message = f"without a mutant fails {killer}"
-            raise RuntimeError(message)
+            sys.stderr.write(f"{killer} fails without a mutant and is left out\n")
+            chooser.distrust(killer)
+            failing.add(killer)
+    return [outcome.mutant for outcome in outcomes if outcome.killer in failing]
 
 
 def _others() -> list[str]:

@@ -28,6 +28,7 @@ class TruthColumns:
             formula=f"A new event begins with a contact after {CONTACT_PAUSE} messages or more without "
             "(0.5 s at 20 Hz).",
             source=_CONTACT,
+            cumulative=True,
         ),
         Column(
             name="True Contact Share",

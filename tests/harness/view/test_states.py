@@ -1,12 +1,14 @@
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.errors import UsageError
-from harness.view.states import StateWriter, read_states
+from harness.view.states import States, StateWriter, read_states
 from tests.harness.view.recorded import CONFIG, recorded
 from tests.support.rovers import LEO
 
@@ -24,6 +26,22 @@ def test_states_are_those_of_the_episode(tmp_path: Path) -> None:
     assert states.joints.shape == (50, len(LEO.joints))
 
 
+def test_speed_is_the_path_over_half_a_second_around_a_state() -> None:
+    kept = np.delete(np.arange(1, 101), slice(40, 43))  # a fault took three states
+    times = np.asarray(kept * 0.04, dtype=np.float64)
+    angle, climb = 0.5 * times, 0.3 * times  # a helix of radius 2 m: sqrt(1 + 0.09) m/s
+    path = np.column_stack([2.0 * np.cos(angle), 2.0 * np.sin(angle), climb])
+    states = States(CONFIG, times, path, np.tile([1.0, 0, 0, 0], (97, 1)), np.zeros((97, 4)))
+    np.testing.assert_allclose(states.speed, np.sqrt(1.09), rtol=1e-3)
+    stands = np.where(times[:, None] < 2.0, path, path[times >= 2.0][0])
+    speed = replace(states, path=stands).speed  # it stops at 2 s
+    assert (speed[times > 2.3] == 0.0).all()
+    np.testing.assert_allclose(speed[times < 1.7], np.sqrt(1.09), rtol=1e-3)
+    assert 0.3 < speed[np.argmin(abs(times - 2.0))] < 0.7
+    first = States(CONFIG, times[:1], path[:1], states.orientations[:1], states.joints[:1])
+    assert first.speed.tolist() == [0.0]
+
+
 def test_half_a_state_at_the_end_is_left_out(tmp_path: Path) -> None:
     recorded(tmp_path / "states")
     (tmp_path / "states").write_bytes((tmp_path / "states").read_bytes()[:-5])
@@ -34,3 +52,15 @@ def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
     (tmp_path / "states").write_text("no recording\n")
     with pytest.raises(UsageError, match="is no recording of an episode"):
         read_states(tmp_path / "states")
+
+
+def test_the_scene_is_made_from_the_same_place_of_the_same_file(tmp_path: Path) -> None:
+    """The whole of it is too steep to stand on: only with its start it is a world."""
+    np.save(tmp_path / "a.npy", np.tile(0.2 * np.arange(101.0), (101, 1)))
+    config = EpisodeConfig(
+        terrain=str(tmp_path / "a.npy"), terrain_size=(20.0, 20.0), start=(1.0, 2.0, 0.5)
+    )
+    with closing(StateWriter(tmp_path / "states", config)) as writer:
+        writer._file.write(np.ones(8 + len(LEO.joints)).tobytes())
+    again = read_states(tmp_path / "states").config
+    assert (again.world().start, again.world().ground.half_size) == ((1.0, 2.0, 0.5), (10.0, 10.0))
