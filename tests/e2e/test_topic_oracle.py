@@ -183,7 +183,7 @@ def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
 
 
 def order(arrived: Arrived) -> tuple[bool, str]:
-    """What is told once, before the first tick, comes when it will; all else in the order of its coming."""
+    """What is told once, before the first tick, comes when it will; all else in its order."""
     latched = TABLE[arrived[0]].latched
     return not latched, arrived[0] if latched else ""
 
