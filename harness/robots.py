@@ -5,6 +5,7 @@ gives its conventions and the source of every number. rover.yaml has the control
 measures and what the manoeuvres of harness.validate are to show. Nothing is compiled, without MuJoCo.
 """
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -61,6 +62,7 @@ class RoverSpec:
         encoder_ticks: Encoder resolution per wheel revolution.
         lidar_height: Above flat ground, as is `clearance`, that of the underside.
         frames: Of /tf and the URDF; harness.frames adds those of the model that are not named here.
+        slope_limit: Steepest slope that it climbs; `step_limit` is the highest step.
         expected: What harness.validation.check reads.
     """
 
@@ -90,6 +92,8 @@ class RoverSpec:
     lidar_height: float
     clearance: float
     frames: tuple[FrameRow, ...] = ()
+    slope_limit: float = math.radians(40.0)
+    step_limit: float = 0.07
     expected: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from harness.config import TICKS_PER_CONTROL, EpisodeConfig
-from harness.drivers import CmdVel, Driver, DriverContext, Observation, find_driver
+from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, find_driver
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import RunFailed
 from harness.frames.options import FrameOptions
@@ -20,7 +20,7 @@ from harness.physics.scene import HAZARD_CONTACT, build_scene, model_hash
 from harness.physics.simulation import Simulation
 from harness.physics.start import check_start
 from harness.robots import find_rover
-from harness.samples import Imu, LaserScan, Sample, Tick, Twist
+from harness.samples import Imu, LaserScan, Place, Sample, Tick, Twist
 from harness.sensors import table
 from harness.sensors.base import HIGHEST_RATE, Sensor
 from harness.sensors.lidar import Lidar
@@ -100,25 +100,41 @@ class Episode:
         self._drive = DiffDrive(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
         scene, (rng, *_) = self.simulation.scene, _generators(self.config.seed, 3)
         half_size, obstacles = scene.world.ground.half_size, scene.world.obstacles
-        context = DriverContext(scene.rover, half_size, self._bearings, rng, obstacles)
+        seconds = self.config.cmd_vel_timeout
+        timeout_ns = None if seconds is None else round(seconds * NANOSECONDS)
+        context = DriverContext(scene.rover, half_size, self._bearings, rng, obstacles, timeout_ns)
         self._driver: Driver = find_driver(self.config.driver)(context)
         self._last_scan: LaserScan | None = None
 
     def command(self, twist: Twist) -> None:
         """Hands a command to the cmd_vel driver; other drivers make their own."""
         if isinstance(self._driver, CmdVel):
-            self._driver.latest = twist
+            self._driver.obey(twist)
 
-    def reset(self) -> None:
-        """Puts the rover back to its start, between two batches; time and duration go on.
+    def head_for(self, place: Place) -> None:
+        """Gives the driver `goal` its next goal; other drivers choose their own."""
+        if isinstance(self._driver, Goal):
+            self._driver.head_for(place.x, place.y, place.yaw)
+
+    def reset(self, place: Place | None = None) -> None:
+        """Puts the rover back to its start, or elsewhere, between two batches; time and duration go on.
 
         From then on it drives as it did at first, step for step. The IMU begins a new window. Wheel
         odometry goes on without a jump, as that of Gazebo's DiffDrive after a set_pose, and so do the
         biases of noise. Joints stand as they stood.
+
+        Args:
+            place: Where to, onto the ground; None for the start.
+
+        Raises:
+            Diverged: It cannot stand there.
         """
         for sensor in self._sensors:
             sensor.before_reset()
-        self.simulation.return_to_start()
+        if place is None:
+            self.simulation.return_to_start()
+        else:
+            self.simulation.put(place.x, place.y, place.yaw)
         for sensor in self._sensors:
             sensor.after_reset()
         self._recorder.carried_away()

@@ -23,17 +23,25 @@ from harness.errors import HarnessError, RunFailed
 from harness.frames.options import FrameOptions
 from harness.frames.tree import Description
 from harness.interrupt import held_back
-from harness.samples import Twist
+from harness.samples import Place, Twist
 
 AHEAD = 10  # batches: 0.5 s of simulated time
 EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
 
 
 class _Order(NamedTuple):
-    """What a batch that is not just the next one begins with: a reset, a command (cmd_vel), or both."""
+    """What a batch begins with, in this order, that is not just the next one.
 
-    command: Twist | None
-    reset: bool
+    Attributes:
+        reset: Whether the rover goes back to its start, or to `place`.
+        command: Of the driver cmd_vel.
+        goal: Of the driver goal.
+    """
+
+    reset: bool = False
+    place: Place | None = None
+    command: Twist | None = None
+    goal: Place | None = None
 
 
 class EpisodeProcess:
@@ -57,7 +65,7 @@ class EpisodeProcess:
                 self._process.join()
             raise
         remote.close()
-        self._latest, self._reset = Twist(), False
+        self._next = _Order()
         self._ordered = 0
         for _ in range(0 if self._obeys else AHEAD):
             self._order()
@@ -84,8 +92,9 @@ class EpisodeProcess:
         return self._receive() if self._describes else None
 
     def command(self, twist: Twist) -> None:
-        """Sets the command of the next control periods (cmd_vel driver)."""
-        self._latest = twist
+        """Sets the command from the next control period on (cmd_vel driver)."""
+        if self._obeys:
+            self._next = self._next._replace(command=twist)
 
     def reset(self) -> int | None:
         """Puts the rover back to its start, as `Episode.reset`; a command in force is forgotten.
@@ -93,10 +102,19 @@ class EpisodeProcess:
         Returns:
             The simulation time [ns] at which that happens; None if the episode ends before.
         """
-        if self._ordered == self._config.total_periods:
-            return None
-        self._latest, self._reset = Twist(), True
-        return self._ordered * CONTROL_PERIOD_NS
+        return self._note(_Order(reset=True))
+
+    def put(self, place: Place) -> int | None:
+        """Puts the rover somewhere else; all else is as in `reset`."""
+        return self._note(_Order(reset=True, place=place))
+
+    def head_for(self, goal: Place) -> int | None:
+        """Gives the driver `goal` its next goal.
+
+        Returns:
+            The simulation time [ns] from which on it holds; None if the episode ends before.
+        """
+        return self._note(self._next._replace(goal=goal))
 
     def batches(self) -> Iterator[Batch]:
         """Yields the episode's batches, in order.
@@ -112,11 +130,17 @@ class EpisodeProcess:
     def _order(self) -> None:
         if self._ordered == self._config.total_periods:
             return
-        special = self._obeys or self._reset
-        order = _Order(self._latest if self._obeys else None, self._reset) if special else None
+        order = None if self._next == _Order() else self._next
         with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # the next receipt tells why
             self._connection.send(order)
-        self._ordered, self._reset = self._ordered + 1, False
+        self._ordered, self._next = self._ordered + 1, _Order()
+
+    def _note(self, order: _Order) -> int | None:
+        """Makes that the next order; returns when it comes into effect."""
+        if self._ordered == self._config.total_periods:
+            return None
+        self._next = order
+        return self._ordered * CONTROL_PERIOD_NS
 
     def _receive(self) -> Any:  # noqa: ANN401 - see the module
         try:
@@ -153,9 +177,11 @@ def _stream(config: EpisodeConfig, frame_options: FrameOptions | None, connectio
     for _ in range(config.total_periods):
         order: _Order | None = connection.recv()
         if order is not None and order.reset:
-            episode.reset()
+            episode.reset(order.place)
         if order is not None and order.command is not None:
             episode.command(order.command)
+        if order is not None and order.goal is not None:
+            episode.head_for(order.goal)
         connection.send(next(batches))
     next(batches, None)  # raises what the last of them failed of
     connection.send(None)

@@ -8,7 +8,7 @@ system every simulated second (or MiB), so a killed run loses less than its last
 a file lacks its end, which `mcap recover FILE -o MENDED` writes. rover_metrics.replay reads either.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 from typing import Self
@@ -24,7 +24,7 @@ from harness import __version__
 from harness.errors import RunFailed, UsageError
 from harness.files import check_target
 from harness.ros.bridge import Bridge
-from harness.ros.channel import Message
+from harness.ros.channel import Channel, Message
 from harness.ros.foreign_type import typestore
 from harness.sim_time import NANOSECONDS
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
@@ -106,7 +106,9 @@ class Recorder:
         if not self._messages:  # the run did not come to its first message
             self._made.unlink(missing_ok=True)
 
-    def tap(self, bridge: Bridge, metrics: MetricsPublisher | None = None) -> None:
+    def tap(
+        self, bridge: Bridge, metrics: MetricsPublisher | None = None, others: Iterable[Channel] = ()
+    ) -> None:
         """Records all that the bridge publishes and hears from now on, under the time of its tick.
 
         A message's own stamp may differ from that where a fault delays it or disturbs the clock.
@@ -114,13 +116,13 @@ class Recorder:
         Args:
             bridge: The node of the run.
             metrics: Of the hosted metrics_node, if there is one; it then publishes for nobody too.
+            others: Topics of the run that are not the bridge's own.
         """
         self._bridge = bridge
-        for channel in bridge.channels:
+        for channel in (*bridge.channels, *others):
             # A channel's messages of one length differ in nothing else: their padding is the same.
             channel.record = self._recording(channel.topic, channel.publisher, {})
-        heard = bridge.commands
-        bridge.record_command = self._recording(heard.topic_name, heard, {})
+        bridge.commands.record(lambda topic, heard: self._recording(topic, heard, {}))
         if metrics is not None and metrics.publisher is not None:
             metrics.record = self._recording(metrics.publisher.topic_name, metrics.publisher, None)
 

@@ -20,6 +20,7 @@ rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]
 from geometry_msgs.msg import Twist as TwistMessage
 from geometry_msgs.msg import Vector3
 from mcap.reader import make_reader
+from nav_msgs.msg import OccupancyGrid
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
@@ -54,6 +55,7 @@ from tests.e2e.topic_oracle.twin import TICK_NS, Twin
 PATIENCE = 20.0  # [s]; reached only when a test fails
 TICKS_PER_BATCH = 5
 TABLE = {topic.name: topic for topic in topics()}
+UNHEARD = ("/map", "/cmd_vel", "/rover/metrics")  # are recorded too, and tested elsewhere
 KINDS = {name: message_class(topic.kind) for name, topic in TABLE.items()}
 
 RELIABILITY = (ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE)
@@ -155,7 +157,12 @@ def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         lidar_beams=BEAMS,
         model=write_model(spec, folder),
     )
-    options = RosOptions(log_dir=folder, host_metrics=spec.name == "leo", record=folder / "drive.mcap")
+    options = RosOptions(
+        log_dir=folder,
+        host_metrics=spec.name == "leo",
+        record=folder / "drive.mcap",
+        cmd_vel="twist",  # the listener's, which is sent from within this context
+    )
     take, refuse = EpisodeProcess.command, Bridge.refuse_other_publishers
 
     def join(bridge: Bridge, names: tuple[str, ...]) -> None:
@@ -236,10 +243,16 @@ def test_every_field_of_every_message_is_what_mujocos_raw_state_says(drive: Driv
 def test_the_recording_holds_what_was_heard_at_its_time(drive: Drive) -> None:
     with drive.recording.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
-        kept = list(reader.iter_messages(log_time_order=False))
+        recorded = list(reader.iter_messages(log_time_order=False))
+    kept = [entry for entry in recorded if entry[1].topic not in UNHEARD]
+    (grid,) = [message for _, channel, message in recorded if channel.topic == "/map"]
     kinds = {channel.topic: schema.name for schema, channel, _ in kept if schema}
     with AnyReader([drive.recording]) as bag:
         qos = {c.topic: c.ext.offered_qos_profiles[0] for c in bag.connections}  # type: ignore[union-attr]
+    latched, *_ = [qos.pop(topic, None) for topic in UNHEARD]
+    assert latched is not None
+    assert (latched.depth, latched.durability.name) == (1, "TRANSIENT_LOCAL")
+    check_map(deserialize_message(grid.data, OccupancyGrid))
     assert [(c.topic, m.data) for _, c, m in kept] == drive.listener.heard
     times = [time_ns for time_ns, _, _ in drive.due]
     assert [m.log_time for *_, m in kept] == [m.publish_time for *_, m in kept] == times
@@ -252,6 +265,17 @@ def test_the_recording_holds_what_was_heard_at_its_time(drive: Drive) -> None:
         name: ("KEEP_LAST", topic.depth, "TRANSIENT_LOCAL" if topic.latched else "VOLATILE")
         for name, topic in TABLE.items()
     }
+
+
+def check_map(grid: OccupancyGrid) -> None:
+    """On the stage: the wall and the edge are occupied, start and hillside are free."""
+    cells = np.array(grid.data).reshape(grid.info.height, grid.info.width)
+    corner, side = grid.info.origin.position, grid.info.resolution
+    told = {
+        (x, y): int(cells[int((y - corner.y) / side), int((x - corner.x) / side)])
+        for x, y in ((0.95, -0.1), (0.93, 0.35), (0.0, 2.9), (-2.9, 0.0), (0.0, 0.0), (-1.5, 1.5))
+    }
+    assert list(told.values()) == [100, 100, 100, 100, 0, 0], told
 
 
 def test_commands_are_the_finite_ones_and_the_services_say_when(drive: Drive) -> None:

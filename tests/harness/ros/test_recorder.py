@@ -208,7 +208,7 @@ def test_commands_and_the_nodes_metrics_are_recorded_at_the_time_of_the_tick(
         for name, message in names:
             status = Status(Level.WARN, name, message, (("key", "1.5"),))
             metrics.publish(0, lambda status=status: [status])  # type: ignore[misc]
-        bridge._receive(Twist(linear=Vector3(x=0.25)))
+        bridge.commands.receive("twist", Twist(linear=Vector3(x=0.25)))
     assert told == []
     store = get_typestore(Stores.LATEST)
     with AnyReader([tmp_path / "bag.mcap"]) as bag:
