@@ -4,7 +4,7 @@ Light to import: the process that only publishes an episode needs neither MuJoCo
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.drivers.staged import StagedEncounter
 from harness.errors import UsageError, find_named
 from harness.faults.spec import parse_faults
+from harness.frames.options import FrameOptions
 from harness.robots import find_rover
 from harness.sensors.base import period_ticks
 from harness.sensors.noise import PRESETS
@@ -185,6 +186,7 @@ class RosOptions:
         cmd_vel: How commands come; one of CMD_VEL_TYPES.
         record: MCAP file to record every message into.
         overwrite: Whether that file may exist.
+        frames: Which transforms are published.
     """
 
     log_dir: Path
@@ -195,3 +197,4 @@ class RosOptions:
     cmd_vel: str = "auto"
     record: Path | None = None
     overwrite: bool = False
+    frames: FrameOptions = field(default_factory=FrameOptions)

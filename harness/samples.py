@@ -126,6 +126,20 @@ class JointStates:
 
 
 @plain_value
+class Transforms:
+    """Poses of frames in their parents, in the order that harness.frames.tree.Description tells.
+
+    Attributes:
+        translation: x, y, z of each frame [m], one after the other.
+        rotation: Quaternion (x, y, z, w) of each frame, one after the other.
+    """
+
+    stamp_ns: int
+    translation: tuple[float, ...]
+    rotation: tuple[float, ...]
+
+
+@plain_value
 class TruthState:
     """What only the simulator knows, now and in the 50 ms since the last one; faults leave it alone.
 

@@ -5,8 +5,8 @@ consumer; the stream itself is the episode's, bit for bit. Each batch has an ord
 one for each that it has taken, so what it orders comes into effect after the batches that are ordered
 already, at a time that it knows. With the cmd_vel driver the child waits for each command instead.
 
-The child sends the episode's info, its batches and None, or instead of any of these the error that it
-failed of.
+The child sends the episode's info and description, its batches and None, or instead of any of these
+the error that it failed of.
 """
 
 import contextlib
@@ -20,6 +20,8 @@ from harness.config import EpisodeConfig
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import HarnessError, RunFailed
+from harness.frames.options import FrameOptions
+from harness.frames.tree import Description
 from harness.interrupt import held_back
 from harness.samples import Place, Twist
 
@@ -45,12 +47,15 @@ class _Order(NamedTuple):
 class EpisodeProcess:
     """Runs an episode in a child; a context manager that leaves no process behind."""
 
-    def __init__(self, config: EpisodeConfig) -> None:
+    def __init__(self, config: EpisodeConfig, frame_options: FrameOptions | None = None) -> None:
         self._config = config
+        self._describes = frame_options is not None
         self._obeys = config.driver == "cmd_vel"
         context = multiprocessing.get_context("spawn")
         self._connection, remote = context.Pipe()
-        self._process = context.Process(target=_simulate, args=(config, remote), daemon=True)
+        self._process = context.Process(
+            target=_simulate, args=(config, frame_options, remote), daemon=True
+        )
         try:
             with held_back():
                 self._process.start()
@@ -80,6 +85,11 @@ class EpisodeProcess:
         """What the episode was made of; waits until the world is built. Ask once, first."""
         info: EpisodeInfo = self._receive()
         return info
+
+    @property
+    def description(self) -> Description | None:
+        """What its transforms are of; None without any. Ask once, second."""
+        return self._receive() if self._describes else None
 
     def command(self, twist: Twist) -> None:
         """Sets the command from the next control period on (cmd_vel driver)."""
@@ -143,11 +153,11 @@ class EpisodeProcess:
         return received
 
 
-def _simulate(config: EpisodeConfig, connection: Connection) -> None:
+def _simulate(config: EpisodeConfig, frame_options: FrameOptions | None, connection: Connection) -> None:
     """The child: builds the episode, then streams it until its end or until nobody listens."""
     with contextlib.suppress(BrokenPipeError, ConnectionResetError, EOFError):
         try:
-            _stream(config, connection)
+            _stream(config, frame_options, connection)
         except HarnessError as error:
             connection.send(error)
         except Exception:  # noqa: BLE001 - a bug: its trace must reach the parent
@@ -155,12 +165,14 @@ def _simulate(config: EpisodeConfig, connection: Connection) -> None:
             connection.send(RuntimeError(f"the simulation process failed:\n{trace}"))
 
 
-def _stream(config: EpisodeConfig, connection: Connection) -> None:
+def _stream(config: EpisodeConfig, frame_options: FrameOptions | None, connection: Connection) -> None:
     # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
     from harness.episode.episode import Episode  # noqa: PLC0415
 
-    episode = Episode(config)
+    episode = Episode(config, frame_options)
     connection.send(episode.info)
+    if episode.description is not None:
+        connection.send(episode.description)
     batches = episode.batches()
     for _ in range(config.total_periods):
         order: _Order | None = connection.recv()

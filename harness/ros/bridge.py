@@ -10,24 +10,24 @@ triggers.
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from itertools import chain
-from typing import Any, Protocol
+from typing import Protocol
 
 from rclpy.context import Context
-from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 
 from harness import samples
 from harness.errors import UsageError
+from harness.frames.tree import Description
 from harness.robots import RoverSpec
 from harness.ros import messages
+from harness.ros.channel import Channel, open_channel
 from harness.ros.commands import Commands
+from harness.ros.frames import FrameTopics
 from harness.sensors import table
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sim_time import NANOSECONDS
 from rover_metrics.ros.guarded_node import GuardedNode
-from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE
-from rover_metrics.ros.subscriptions import keep_last
 
 CLOCK = table.Topic("/clock", "rosgraph_msgs/msg/Clock")
 BASE_FRAMES = ("base_link", "base_footprint")  # their axes are those of the rover
@@ -55,31 +55,6 @@ class Listener(Protocol):
         ...
 
 
-@dataclass(slots=True)
-class Channel:
-    """One topic.
-
-    Attributes:
-        publisher: Of the topic.
-        fill: Makes a message of a sample.
-        topic: The resolved name, which a publisher forgets at shutdown.
-        published: How many messages have been.
-        record: Takes each message and returns the bytes to publish for it; None while nobody records.
-    """
-
-    publisher: Publisher
-    fill: messages.Fill
-    topic: str
-    published: int = 0
-    record: Callable[[messages.Message], bytes] | None = None
-
-    def publish(self, sample: Any) -> None:  # noqa: ANN401 - the kind of sample that `fill` takes
-        """Sends one sample."""
-        message = self.fill(sample)
-        self.publisher.publish(message if self.record is None else self.record(message))
-        self.published += 1
-
-
 class Bridge(GuardedNode):
     """Publishes ticks.
 
@@ -92,6 +67,7 @@ class Bridge(GuardedNode):
 
     Attributes:
         channels_of: The topics of each kind of sample, in publishing order.
+        frames: /tf, /tf_static and /robot_description.
         clock_channel: /clock.
         commands: /cmd_vel.
         time_ns: Simulation time of the tick that goes out now, whatever a fault tells of it.
@@ -108,26 +84,29 @@ class Bridge(GuardedNode):
     ) -> None:
         super().__init__("harness", context=context)
         self.time_ns = 0
+        self.frames = FrameTopics(self)
         self.channels_of = {
             row.sample: [
-                self._channel(topic, messages.filler(row, topic, rover, lidar)) for topic in row.topics
+                open_channel(self, topic, messages.filler(row, topic, rover, lidar))
+                for topic in row.topics
             ]
             for row in table.SENSORS
-        }
+            if row.sample is not samples.Transforms
+        } | {samples.Transforms: self.frames.moving}
         # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.
-        self.clock_channel = self._channel(CLOCK, messages.by_names(Clock(), samples.Tick))
+        self.clock_channel = open_channel(self, CLOCK, messages.by_names(Clock(), samples.Tick))
         frames = dict.fromkeys((rover.odometry_child_frame, *BASE_FRAMES))
         self.commands = Commands(self, cmd_vel, tuple(frames), on_command)
 
-    def _channel(self, topic: table.Topic, fill: messages.Fill) -> Channel:
-        qos = keep_last(10, BEST_EFFORT if topic.best_effort else RELIABLE)
-        publisher = self.create_publisher(messages.message_class(topic), topic.name, qos)
-        return Channel(publisher, fill, publisher.topic_name)
-
     @property
     def channels(self) -> tuple[Channel, ...]:
-        """Returns every topic, in publishing order; /clock is the last."""
-        return (*chain.from_iterable(self.channels_of.values()), self.clock_channel)
+        """Returns every topic; /clock is the last."""
+        samples_ = chain.from_iterable(self.channels_of.values())
+        return (*self.frames.fixed, *samples_, self.clock_channel)
+
+    def describe(self, description: Description) -> None:
+        """Tells of a rover what is fixed, and of what the transforms of its ticks are."""
+        self.frames.describe(description)
 
     def advance(self, tick: samples.Tick, sent: samples.Tick, *, listeners: Sequence[Listener]) -> None:
         """Publishes one tick; returns when all listeners have handled it.
@@ -138,6 +117,8 @@ class Bridge(GuardedNode):
             listeners: Are waited for.
         """
         self.time_ns = tick.stamp_ns
+        if tick.stamp_ns % NANOSECONDS == 0:
+            self.frames.refuse_rivals()
         bursts = _bursts(sent.samples)
         for burst in bursts:
             channels: list[Channel] = []

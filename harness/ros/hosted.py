@@ -8,7 +8,8 @@ from rclpy.context import Context
 from rclpy.parameter import Parameter
 
 from harness.errors import RunFailed, UsageError
-from harness.ros.bridge import SECOND_PUBLISHER, Bridge, Channel
+from harness.ros.bridge import SECOND_PUBLISHER, Bridge
+from harness.ros.channel import Channel
 from harness.ros.context import SPIN_TIMEOUT, spin_until, timer_is_due
 from harness.ros.remote import DISCOVERY_PATIENCE
 from rover_metrics.errors import RoverMetricsError

@@ -19,7 +19,8 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from harness.config import EpisodeConfig
 from harness.episode.stream import EpisodeProcess
 from harness.robots import find_rover
-from harness.ros.bridge import Bridge, Channel
+from harness.ros.bridge import Bridge
+from harness.ros.channel import Channel
 from harness.samples import Place
 from harness.sim_time import NANOSECONDS
 from harness.world.occupancy import OccupancyMap, occupancy

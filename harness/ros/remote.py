@@ -20,7 +20,8 @@ from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
 from harness.errors import RunFailed, UsageError
-from harness.ros.bridge import Bridge, Channel
+from harness.ros.bridge import Bridge
+from harness.ros.channel import Channel
 from harness.ros.context import spin_until
 from harness.sim_time import NANOSECONDS
 from rover_metrics.metrics_node import KEEPS_ORDER

@@ -54,7 +54,7 @@ def run_through_ros(
     with ExitStack() as at_end:
         recorder = Recorder(options.record, overwrite=options.overwrite) if options.record else None
         at_end.enter_context(recorder or nullcontext())
-        source = at_end.enter_context(EpisodeProcess(config))
+        source = at_end.enter_context(EpisodeProcess(config, options.frames))
         run = _Run(config, options, source, at_end)
         if recorder is not None:
             recorder.tap(run.bridge, run.metrics, [run.navigation.map])
@@ -105,6 +105,8 @@ class _Run:
         info = self._source.info  # waits for the world: other runs are discovered by then
         self._executor.spin_once(timeout_sec=0.0)
         self.bridge.refuse_other_publishers(self._hosted.topics if self._hosted else ())
+        if (description := self._source.description) is not None:
+            self.bridge.describe(description)
         account = RunAccount(
             RunResult(config=self._config, mode=self._mode(), info=info),
             started,

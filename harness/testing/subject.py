@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
-from harness.ros.bridge import Bridge, Channel
+from harness.ros.bridge import Bridge
+from harness.ros.channel import Channel
 from harness.ros.context import SPIN_TIMEOUT, timer_is_due
 from harness.ros.remote import RemoteNode, wait_for_answers
 

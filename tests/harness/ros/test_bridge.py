@@ -25,6 +25,7 @@ class Noted:
         self.clock_channel: Any = SimpleNamespace(publish=lambda tick: self.said.append(tick.stamp_ns))
         self.commands = SimpleNamespace(told_ns=0)
         channel = SimpleNamespace(publish=self.said.append)
+        self.frames: Any = SimpleNamespace(refuse_rivals=lambda: self.said.append("rivals"))
         self.channels_of = {Pose: [channel], Imu: [channel]}
 
     def advance(self, tick: Tick, *listeners: "Noted") -> None:
