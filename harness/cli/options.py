@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from harness import __version__
-from harness.config import EpisodeConfig, RosOptions
+from harness.config import CMD_VEL_TYPES, EpisodeConfig, RosOptions
 from harness.drivers import DRIVERS
 from harness.episode.metrics_feed import extended_ros_args, extended_settings, parameter_words
 from harness.errors import UsageError
 from harness.faults.spec import FORM, describe_faults
+from harness.frames.options import ODOM_SOURCES, FrameOptions
 from harness.robots import ROVERS, find_rover
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
 from harness.world.world import Start
@@ -34,6 +35,9 @@ EPISODE: tuple[Option, ...] = (
     ("--duration", float, "S", "simulated seconds"),
     ("--difficulty", float, "D", "0 to 1"),
     ("--timestep", float, "S", "physics step"),
+)
+COMMANDS: tuple[Option, ...] = (
+    ("--cmd-vel-timeout", float, "S", "stop S simulated seconds after the last command; off by default"),
 )
 SENSORS: tuple[Option, ...] = (
     ("--lidar-beams", int, "N", "beams of the lidar, all around"),
@@ -127,6 +131,7 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         host_metrics=not given.no_metrics,
         wait_for=tuple(given.wait_for),
         ros_args=(*namespace_args, *extended_args, *parameter_words(values), *ros_args),
+        frames=_filled(FrameOptions, given),
     )
     return _filled(RunOptions, given, config=config, ros=ros, settings=settings.updated(values))
 
@@ -177,7 +182,10 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         (bool(ros_args), "--ros-args"),
         (bool(options.namespace), "--namespace"),
         (options.record is not None, "--record"),
-        (options.driver == "cmd_vel", "--driver cmd_vel"),
+        (options.odom_tf != FrameOptions.odom_tf, "--odom-tf"),
+        (options.odom_tf_3d, "--odom-tf-3d"),
+        (options.map_tf, "--map-tf"),
+        (options.driver in ("cmd_vel", "goal"), f"--driver {options.driver}"),
     ):
         if given:
             raise UsageError(f"{flag} needs ROS; leave out --direct")
@@ -200,6 +208,11 @@ def run_parser() -> argparse.ArgumentParser:
     faults = parser.add_argument_group("faults", describe_faults())
     faults.add_argument("--fault", action="append", default=[], metavar="SPEC", help=about)
     _add_run(parser.add_argument_group("run"))
+    _add_frames(parser.add_argument_group("frames"), FrameOptions())
+    commands = parser.add_argument_group("commands of --driver cmd_vel")
+    about = "type of /cmd_vel; auto: as it is sent, TwistStamped from Kilted on until something is"
+    commands.add_argument("--cmd-vel", choices=CMD_VEL_TYPES, default="auto", help=about)
+    _add(commands, COMMANDS)
     pictures = parser.add_argument_group("pictures")
     _add(pictures, PICTURES)
     pictures.add_argument(
@@ -223,7 +236,7 @@ def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
     world.add_argument("--terrain-size", type=float, nargs="+", metavar="M", help=about)
     about = "relief, lowest to highest point, of a heightmap that does not say"
     world.add_argument("--terrain-height", type=float, metavar="M", help=about)
-    about = "x, y [m] and heading from +x to +y [rad]; default: the terrain's, at 0,0 or near it"
+    about = "start [m] and heading from +x to +y [rad]; default: at or next to 0,0, the middle"
     world.add_argument("--start", type=_start, metavar="X,Y[,YAW]", help=about)
     _add(world, EPISODE, defaults)
 
@@ -255,6 +268,14 @@ def _start(text: str) -> Start:
         message = f"'{text}' is not valid; give X,Y or X,Y,YAW in metres and radians"
         raise argparse.ArgumentTypeError(message) from None
     return x, y, yaw
+
+
+def _add_frames(frames: Group, defaults: FrameOptions) -> None:
+    about = "who owns odom -> base on /tf; none where an EKF does"
+    frames.add_argument("--odom-tf", choices=ODOM_SOURCES, default=defaults.odom_tf, help=about)
+    about = "with the true height, roll and pitch; else the pose from above"
+    frames.add_argument("--odom-tf-3d", action="store_true", help=about)
+    frames.add_argument("--map-tf", action="store_true", help="tell map -> odom too, as the identity")
 
 
 def _rate(text: str) -> float | None:

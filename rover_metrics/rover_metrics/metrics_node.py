@@ -15,12 +15,12 @@ try:
     from rcl_interfaces.msg import SetParametersResult
     from rclpy.context import Context
     from rclpy.parameter import Parameter
-    from std_srvs.srv import Trigger
+    from std_srvs.srv import SetBool, Trigger
 
     from rover_metrics.ros.guarded_node import GuardedNode
     from rover_metrics.ros.metrics_publisher import MetricsPublisher
     from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_name_or_type
-    from rover_metrics.ros.program import run_node
+    from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR, run_node
     from rover_metrics.ros.row_timer import RowTimer
     from rover_metrics.ros.subscriptions import subscribe
 except ImportError as error:
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from rover_metrics.core.row import Row
 
 LOG_PERIOD = 1.0  # seconds of ROS time
+KEEPS_ORDER = "handles everything in the order of its arrival"
 
 
 class MetricsNode(GuardedNode):
@@ -59,6 +60,7 @@ class MetricsNode(GuardedNode):
         topics: The resolved name of each topic that is listened to.
         timer: Fires when a row is due.
         last_row: The latest row, written or not; None before the first.
+        in_lock_step: Whether a simulator waits until this node has handled what it sent.
 
     Raises:
         ParameterError: A parameter was given a value that is not valid.
@@ -92,6 +94,7 @@ class MetricsNode(GuardedNode):
             super().destroy_node()
             raise
         self.last_row: Row | None = None
+        self.in_lock_step = False
         self.record = SessionRecord(self.get_fully_qualified_name(), now, self._tell)
         self.record.begin(self.log.path)
         self._view = LiveView()
@@ -99,6 +102,7 @@ class MetricsNode(GuardedNode):
         self.timer = RowTimer(self, LOG_PERIOD, self._each_second, self._tell, self.settings.stale_after)
         self.add_on_set_parameters_callback(self._use_parameters)
         self.create_service(Trigger, "~/received", self._report_received)
+        self.create_service(SetBool, "~/lock_step", self._set_lock_step)
         self.get_logger().info(f"logging to: {self.log.path.parent}/")
 
     @property
@@ -220,6 +224,12 @@ class MetricsNode(GuardedNode):
         counts = {"remarks": remarks, "rows": self.rows, "lost_rows": self.lost_rows}
         response.success = True
         response.message = json.dumps({**self.received, **counts, "log": str(self.log.path)})
+        return response
+
+    def _set_lock_step(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        """Answers ~/lock_step: a simulator begins to wait for this node, or does so no more."""
+        self.in_lock_step, response.success = request.data, True
+        response.message = KEEPS_ORDER if request.data and HAS_EVENTS_EXECUTOR else ""
         return response
 
 

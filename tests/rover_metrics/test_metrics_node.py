@@ -25,7 +25,7 @@ from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Bool, Float64MultiArray
-from std_srvs.srv import Trigger
+from std_srvs.srv import SetBool, Trigger
 
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.core.row import Row
@@ -36,7 +36,8 @@ from rover_metrics.extended.truth_columns import TRAVERSAL
 from rover_metrics.health import rejections
 from rover_metrics.health.reception import Reception
 from rover_metrics.health.watches import STANDS_STILL
-from rover_metrics.metrics_node import MetricsNode
+from rover_metrics.metrics_node import KEEPS_ORDER, MetricsNode
+from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR
 from rover_metrics.session import MetricsSession
 from rover_metrics.topics import SENSORS, TRUTH, Source
 
@@ -215,6 +216,18 @@ def test_the_received_service_tells_what_arrived_and_what_was_written(rig: "Rig"
         "log": str(node.log.path),
     }
     assert node.rows >= 1
+
+
+def test_a_simulator_tells_whether_it_waits_for_this_node(rig: "Rig") -> None:
+    node = rig.start()
+    assert not node.in_lock_step
+    client = rig.simulator.create_client(SetBool, "/metrics_node/lock_step")
+    rig.spin_until(client.service_is_ready)
+    for waits in (True, False):
+        future = client.call_async(SetBool.Request(data=waits))
+        rig.spin_until(future.done)
+        assert (future.result().success, node.in_lock_step) == (True, waits)
+        assert (future.result().message == KEEPS_ORDER) is (waits and HAS_EVENTS_EXECUTOR)
 
 
 # Parameters
