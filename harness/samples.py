@@ -56,6 +56,15 @@ class Twist:
 
 
 @plain_value
+class Place:
+    """A position [m] and heading [rad] in the world, seen from above."""
+
+    x: float
+    y: float
+    yaw: float
+
+
+@plain_value
 class LaserScan:
     """One lidar revolution in lidar_link; `ranges` is float32, beam 0 at -pi, REP-117 coded."""
 
@@ -114,6 +123,20 @@ class JointStates:
     position: tuple[float, ...]
     velocity: tuple[float, ...]
     effort: tuple[float, ...]
+
+
+@plain_value
+class Transforms:
+    """Poses of frames in their parents, in the order that harness.frames.tree.Description tells.
+
+    Attributes:
+        translation: x, y, z of each frame [m], one after the other.
+        rotation: Quaternion (x, y, z, w) of each frame, one after the other.
+    """
+
+    stamp_ns: int
+    translation: tuple[float, ...]
+    rotation: tuple[float, ...]
 
 
 @plain_value

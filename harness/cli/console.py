@@ -73,6 +73,13 @@ def print_summary(console: Console, run: result.RunResult) -> None:
         f"[bold]{run.real_time_factor:.1f}x real time[/], "
         f"{run.messages:,} messages, [bold]{run.lost} lost[/]"
     )
+    if run.commands != result.CommandCount():
+        count = run.commands
+        older, refused = f"{count.older:,} of them older than the present", f"{count.refused:,} refused"
+        console.print(f"{count.taken:,} commands, {older}; {refused}", highlight=False)
+    for node, waited_s in run.waited_s.items():
+        share = f"{waited_s / run.wall_s:.0%}" if run.wall_s > 0 else "all"
+        console.print(f"{node}: {share} of the run waited for it", soft_wrap=True, highlight=False)
     if run.log_path is not None:
         console.print(f"{run.rows} rows in {run.log_path}", soft_wrap=True, highlight=False)
 

@@ -17,7 +17,7 @@ from harness.physics.scene import Scene
 from harness.physics.start import spawn_pose
 from harness.samples import Quaternion, Vector3
 from harness.sim_time import NANOSECONDS, TICK_NS
-from harness.world.world import EDGE_MARGIN
+from harness.world.world import EDGE_MARGIN, Start
 
 SETTLE_LIMIT_NS = 5 * NANOSECONDS
 FREE_NS = 1 * NANOSECONDS  # of that the wheels may roll; held ones would keep rockers from following
@@ -60,7 +60,7 @@ class Simulation:
         self._wheels = np.array([self.model.actuator(n).id for n in scene.rover.wheel_joints])
         self._parking = ParkingHold(self.model, scene.rover.wheel_joints)
         self._edge_x, self._edge_y = (half - EDGE_MARGIN for half in scene.world.ground.half_size)
-        self._settle()
+        self._settle(scene.world.start)
         # All that the next step depends on, warm start included: it goes on bit for bit.
         self._start = np.empty(mujoco.mj_stateSize(self.model, WHOLE_STATE))
         mujoco.mj_getState(self.model, self.data, self._start, WHOLE_STATE)
@@ -142,6 +142,21 @@ class Simulation:
         self.tick_sum.fill(0.0)
         self.contacts.begin()
 
+    def put(self, x: float, y: float, yaw: float) -> None:
+        """Puts the rover onto the ground somewhere else, where it settles; time goes on.
+
+        Args:
+            x: Position of the model frame in the world [m]; likewise `y`.
+            y: See `x`.
+            yaw: Its heading [rad].
+
+        Raises:
+            Diverged: It cannot stand there.
+        """
+        self.return_to_start()
+        self.data.qvel[:] = 0.0
+        self._settle((x, y, yaw))
+
     def _check_health(self) -> None:
         if not any(self._warnings.tolist()):  # a third of the time of numpy's any
             return
@@ -161,9 +176,9 @@ class Simulation:
                 f"(x = {x:.2f} m, y = {y:.2f} m)"
             )
 
-    def _settle(self) -> None:
+    def _settle(self, start: Start) -> None:
         """Lets the rover down onto the ground, so that no drop pollutes the first samples."""
-        self.data.qpos[:7] = spawn_pose(self.scene)
+        self.data.qpos[:7] = spawn_pose(self.scene, start)
         for tick in range(SETTLE_LIMIT_NS // TICK_NS):
             self._parking.hold(tick >= FREE_NS // TICK_NS)
             for _ in range(self.steps_per_tick):

@@ -289,3 +289,24 @@ def test_after_a_reset_nothing_is_felt_of_the_tick_before_it() -> None:
     assert standing.contacts.strongest == {}
     assert not standing.tick_sum.any()
     assert standing.time_ns == 40 * 10_000_000
+
+
+@pytest.mark.parametrize("robot", ROVERS)
+def test_a_rover_that_is_put_elsewhere_stands_there_on_the_ground_with_its_heading(robot: str) -> None:
+    world = EpisodeConfig(terrain="rolling", seed=2).world()
+    simulation = Simulation(build_scene(world, ROVERS[robot], 0.0025), 2_500_000)
+    rest = simulation.position[2] - world.ground.height_at(*simulation.position[:2])
+    for _ in range(3):
+        simulation.command_wheels(SPEEDS)
+        simulation.tick()
+    steps = simulation.step_count
+    simulation.put(3.0, -4.0, 2.0)
+    x, y, z = simulation.position
+    assert math.dist((x, y), (3.0, -4.0)) < 0.1
+    assert math.remainder(simulation.yaw - 2.0, math.tau) == pytest.approx(0.0, abs=0.15)
+    assert z - world.ground.height_at(x, y) == pytest.approx(rest, abs=0.08)
+    assert np.abs(simulation.data.qvel[:6]).max() < 0.02
+    assert simulation.step_count == steps
+    assert not simulation.tick_sum.any()
+    simulation.return_to_start()
+    assert simulation.position[:2] == pytest.approx((0.0, 0.0), abs=0.1)

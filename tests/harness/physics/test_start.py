@@ -34,7 +34,7 @@ def test_a_rover_is_set_down_over_the_highest_ground_below_its_turned_footprint(
     x, y = np.meshgrid(np.arange(-400, 401) * FINE, np.arange(-200, 201) * FINE)
     scene = scene_of(0 * X, (3.0, -1.5, yaw))
     world = replace(scene.world, ground=Heightfield(0.1 * x + 0.2 * y, FINE))
-    pose = spawn_pose(replace(scene, world=world))
+    pose = spawn_pose(replace(scene, world=world), world.start)
     x_min, x_max, y_min, y_max = ROVER_ZERO4WD.footprint
     corners = [
         0.1 * (3.0 + math.cos(yaw) * x - math.sin(yaw) * y)
