@@ -27,7 +27,7 @@ from harness.world.occupancy import occupancy
 from tests.support.nav2_client import CACHE_NS, PATIENCE, TF, XY_TOLERANCE, Buffer, Nav2Client
 
 GOALS = [(0.6, 0.15), (1.1, 0.15), (1.6, -0.1)]
-CONFIG = EpisodeConfig(terrain="rocky", driver="cmd_vel", duration=4.5, lidar_beams=45)
+CONFIG = EpisodeConfig(terrain="rocky", driver="cmd_vel", duration=5.5, lidar_beams=45)
 Drive = Any  # a client, a Bystander and the run's result
 JOINS_LATE = 3 * 10**9  # [ns]
 

@@ -76,7 +76,7 @@ class TransformStamped(IdlStruct, typename="geometry_msgs::msg::dds_::TransformS
 
 @dataclass
 class TFMessage(IdlStruct, typename="tf2_msgs::msg::dds_::TFMessage_"):
-    transforms: sequence[TransformStamped]
+    transforms: sequence[TransformStamped]  # type: ignore[type-arg]
 
 
 @dataclass
@@ -103,7 +103,7 @@ class MapMetaData(IdlStruct, typename="nav_msgs::msg::dds_::MapMetaData_"):
 class OccupancyGrid(IdlStruct, typename="nav_msgs::msg::dds_::OccupancyGrid_"):
     header: Header
     info: MapMetaData
-    data: sequence[int8]
+    data: sequence[int8]  # type: ignore[type-arg]
 
 
 LATCHED = {"rt/tf_static": TFMessage, "rt/robot_description": String, "rt/map": OccupancyGrid}
