@@ -40,6 +40,11 @@ class Buffer:
         self._fixed: dict[str, Pose] = {}
         self._moving: dict[str, dict[int, Pose]] = {}
 
+    @property
+    def is_connected(self) -> bool:
+        """Whether both topics have been heard."""
+        return bool(self._fixed and self._moving)
+
     def take(self, data: bytes, *, fixed: bool) -> None:
         """Keeps what a TFMessage says."""
         message: Any = typestore().deserialize_cdr(data, TF)
@@ -109,7 +114,7 @@ class Nav2Client:
 
     Attributes:
         reached: The stamp [ns] of the transform by which it found itself at each goal.
-        scans: How many came; `late_transforms`: how many could not be transformed when they came.
+        scans: How many came; `late_transforms`: how many of them could not be transformed when they did.
         hits: What they saw, in odom [m], shape (n, 3) each.
         told: How many commands it sent.
         grid: /map.
@@ -181,7 +186,7 @@ class Nav2Client:
         stamp_ns = scan.header.stamp.sec * 10**9 + scan.header.stamp.nanosec
         pose = self.buffer.look_up("odom", scan.header.frame_id, stamp_ns)
         if pose is None:
-            self.late_transforms += 1
+            self.late_transforms += self.buffer.is_connected  # else discovery has not ended
             return
         ranges = np.array(scan.ranges)
         angles = scan.angle_min + scan.angle_increment * np.flatnonzero(np.isfinite(ranges))
