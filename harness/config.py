@@ -50,6 +50,8 @@ class EpisodeConfig:
     lidar_beams: int = LIDAR_BEAMS
     imu_rate: int = IMU_RATE
     faults: tuple[str, ...] = ()  # on the way to listeners; the episode itself does not see them
+    commands: tuple[tuple[float, float, float], ...] = ()  # to driver cmd_vel: when [s], m/s, rad/s
+    resets: tuple[float, ...] = ()  # when the rover is put back to its start [s]
 
     @property
     def total_ticks(self) -> int:

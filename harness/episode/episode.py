@@ -5,6 +5,7 @@ in batches of one control period, either in this process or through harness.epis
 """
 
 from collections.abc import Iterator
+from operator import itemgetter
 
 import numpy as np
 
@@ -66,6 +67,12 @@ class Episode:
         if config.noise is not None:
             self._noise = SensorNoise(PRESETS[config.noise], limits, scan_rng, imu_rng)
         self._bearings = lidar_spec.bearings
+        self._planned = sorted(
+            [(t, Twist(linear, angular)) for t, linear, angular in config.commands]
+            + [(t, None) for t in config.resets],
+            key=itemgetter(0),
+            reverse=True,
+        )
         self._begin()
 
     def _begin(self) -> None:
@@ -107,6 +114,7 @@ class Episode:
         """
         for start in range(0, self.config.total_ticks, TICKS_PER_CONTROL):
             stop = min(start + TICKS_PER_CONTROL, self.config.total_ticks)
+            self._act(start)
             self._drive.command(self._driver.command(self._observe()))
             ticks: list[Tick] = []
             failure: RunFailed | None = None
@@ -120,6 +128,15 @@ class Episode:
             yield Batch(tuple(ticks), self._recorder.truth(), events.take_closed(), events.open)
             if failure is not None:
                 raise failure
+
+    def _act(self, tick: int) -> None:
+        """Does what is planned up to a tick; the latest comes last in the list."""
+        while self._planned and round(self._planned[-1][0] * NANOSECONDS) <= tick * TICK_NS:
+            _, twist = self._planned.pop()
+            if twist is None:
+                self.reset()
+            else:
+                self.command(twist)
 
     def _observe(self) -> Observation:
         simulation, (x, y, _) = self.simulation, self.simulation.position
