@@ -13,6 +13,11 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from harness.cli.edge import begin_program, run_program
+
+if __name__ == "__main__":
+    begin_program("harness.check")
+
 from rich.console import Console
 from rich.table import Column, Table
 from rich.text import Text
@@ -20,7 +25,7 @@ from rich.text import Text
 from harness.config import EpisodeConfig
 from harness.episode.direct import run_direct
 from harness.episode.fingerprint import Fingerprint, direct_in_fresh_process, fingerprint
-from harness.errors import HarnessError, UsageError
+from harness.errors import INSTALL_ROS, UsageError
 from harness.interrupt import StopRequest
 from harness.robots import ROVERS
 from harness.sensors.noise import DEFAULT_PRESET
@@ -50,14 +55,13 @@ class Finding:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = _parser().parse_args(arguments)
-    console = Console()
-    try:
-        config = _config(options)
-        with StopRequest() as stop:
-            findings = list(_check(config, stop, console, with_ros=not options.no_ros))
-    except HarnessError as error:
-        print(f"harness.check: {error}", file=sys.stderr)
-        return error.exit_code
+    return run_program("harness.check", lambda: _prove(options, Console()))
+
+
+def _prove(options: argparse.Namespace, console: Console) -> int:
+    config = _config(options)
+    with StopRequest() as stop:
+        findings = list(_check(config, stop, console, with_ros=not options.no_ros))
     console.print(_table(config, findings))
     return _exit_code(findings, ros_was_asked_for=not options.no_ros)
 
@@ -133,8 +137,8 @@ def _exit_code(findings: Sequence[Finding], *, ros_was_asked_for: bool) -> int:
         return 1
     if ros_was_asked_for and any(finding.found is None for finding in findings):
         print(
-            "harness.check: the run through ROS was not checked; install the extra with "
-            "pip install -e '.[ros]', source a ROS 2 installation, or leave it out with --no-ros",
+            f"harness.check: the run through ROS was not checked; {INSTALL_ROS}, "
+            "or leave it out with --no-ros",
             file=sys.stderr,
         )
         return UsageError.exit_code

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from harness.drivers import find_driver
 from harness.drivers.base import CONTROL_PERIOD_NS
+from harness.drivers.staged import StagedEncounter
 from harness.errors import UsageError, find_named
 from harness.faults.spec import parse_faults
 from harness.robots import find_rover
@@ -18,7 +19,14 @@ from harness.sensors.noise import PRESETS
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
 from harness.world.heightmap.dem import TerrainFile, file_world, is_terrain_file
 from harness.world.terrains import TERRAINS
-from harness.world.world import DEFAULT_DIFFICULTY, World, build_world
+from harness.world.world import (
+    DEFAULT_DIFFICULTY,
+    Start,
+    World,
+    build_world,
+    check_start,
+    starting_at,
+)
 
 LIDAR_BEAMS, IMU_RATE = 640, 20
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
@@ -45,6 +53,7 @@ class EpisodeConfig:
     difficulty: float = DEFAULT_DIFFICULTY
     terrain_size: tuple[float, float] | None = None  # [m] along x and y, of a terrain from a file
     terrain_height: float | None = None  # [m] of relief, likewise
+    start: Start | None = None  # x, y [m], yaw [rad] in the world; None: where the terrain has it
     timestep: float = DEFAULT_TIMESTEP_NS / NANOSECONDS
     noise: str | None = None  # a preset's name; None for exact sensors
     lidar_beams: int = LIDAR_BEAMS
@@ -52,6 +61,12 @@ class EpisodeConfig:
     faults: tuple[str, ...] = ()  # on the way to listeners; the episode itself does not see them
     commands: tuple[tuple[float, float, float], ...] = ()  # to driver cmd_vel: when [s], m/s, rad/s
     resets: tuple[float, ...] = ()  # when the rover is put back to its start [s]
+
+    def __post_init__(self) -> None:
+        """Takes lists for tuples, as JSON gives them back."""
+        for name in ("terrain_size", "start", "faults"):
+            if isinstance(value := getattr(self, name), list):
+                object.__setattr__(self, name, tuple(value))
 
     @property
     def total_ticks(self) -> int:
@@ -67,15 +82,40 @@ class EpisodeConfig:
         """Returns the world, which is built once and then shared: nobody changes one.
 
         Raises:
-            UsageError: The terrain's file is not usable.
+            UsageError: The terrain's file is not usable, or the start is off the map.
         """
+        world = self._terrain_world()
+        return world if self.start is None else starting_at(world, self.start)
+
+    def check_world(self) -> None:
+        """Checks what depends on the world, which is built only where something does.
+
+        Raises:
+            UsageError: The start is off the map, or there is nothing for the driver to meet.
+        """
+        driver = find_driver(self.driver)
+        if issubclass(driver, StagedEncounter):
+            world = self.world()
+            try:
+                driver.hazards(world.obstacles, world.ground.half_size)
+            except UsageError as error:
+                raise UsageError(f"driver '{self.driver}' on {self.terrain}: {error}") from error
+        elif self.start is not None:
+            self.world()
+
+    def _terrain_world(self) -> World:
         if not is_terrain_file(self.terrain):
             return _world(self.terrain, self.seed, self.difficulty)
         file = self._terrain_file()
         return _file_world(file, self.seed, file.path.stat().st_mtime_ns if file.path.exists() else 0)
 
     def _terrain_file(self) -> TerrainFile:
-        return TerrainFile(path=Path(self.terrain), size=self.terrain_size, relief=self.terrain_height)
+        return TerrainFile(
+            path=Path(self.terrain),
+            size=self.terrain_size,
+            relief=self.terrain_height,
+            needs_start=self.start is None,
+        )
 
     def _validate_terrain(self) -> None:
         if is_terrain_file(self.terrain):
@@ -102,6 +142,8 @@ class EpisodeConfig:
         if self.noise is not None:
             find_named("noise preset", self.noise, PRESETS)
         check_duration(self.duration)
+        if self.start is not None:
+            check_start(self.start)
         if self.seed < 0:
             raise UsageError(f"seed {self.seed} is not valid; give a whole number from 0 up")
         if not 0.0 <= self.difficulty <= 1.0:
@@ -122,7 +164,8 @@ class RosOptions:
         wait_for: Names of nodes elsewhere to keep in lock-step.
         rate: Simulated seconds per wall second; None is as fast as possible.
         ros_args: Arguments from `--ros-args` on.
-        record: MCAP file to record every published message into.
+        record: MCAP file to record every message into.
+        overwrite: Whether that file may exist.
     """
 
     log_dir: Path
@@ -131,3 +174,4 @@ class RosOptions:
     rate: float | None = None
     ros_args: tuple[str, ...] = ()
     record: Path | None = None
+    overwrite: bool = False

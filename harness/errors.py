@@ -3,10 +3,14 @@
 from collections.abc import Mapping
 from typing import TypeVar
 
+from rover_metrics.errors import KnownError
+
+INSTALL_ROS = "pip install 'rover-harness[ros]', source a ROS 2 installation"
+
 T = TypeVar("T")
 
 
-class HarnessError(Exception):
+class HarnessError(KnownError):
     """Base of everything that this project raises on purpose."""
 
     exit_code = 1

@@ -2,20 +2,27 @@
 
 A run that drives must neither tear a row nor lose its summary, so its loop asks for the request. While
 worlds are built and nodes are searched for, there is nothing to lose and the signal ends the command.
-So does a request that the loop has not answered within GRACE, because a listener hangs.
+So does a request that the loop has not answered within GRACE, because a listener hangs; where there
+are no alarms (Windows), a second Ctrl-C does.
 """
 
 import os
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 from types import FrameType
 from typing import Any, Self
 
 from harness.errors import HarnessError
 
-HANDLED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+# Windows knows neither SIGHUP nor alarms nor masks of signals.
+HANDLED = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+)
+FROM_TERMINALS = tuple(number for number in HANDLED if number is not signal.SIGTERM)
+HANGUP = "SIGHUP"
 GRACE = 0.5  # [s] for a loop that drives to answer a request
 NAP = 0.1  # [s]: how long a sleeper may miss a request
 STANDARD_OUTPUTS = (1, 2)
@@ -51,7 +58,7 @@ class StopRequest:
     def __enter__(self) -> Self:
         self._terminals = [fd for fd in STANDARD_OUTPUTS if os.isatty(fd)]
         for number in HANDLED:
-            if number is signal.SIGHUP and signal.getsignal(number) is signal.SIG_IGN:
+            if number.name == HANGUP and signal.getsignal(number) is signal.SIG_IGN:
                 continue  # nohup
             self._previous[number] = signal.signal(number, self._handle)
         return self
@@ -72,7 +79,7 @@ class StopRequest:
         finally:
             self._deferring = False
             if self.signal is not None:
-                signal.setitimer(signal.ITIMER_REAL, 0.0)
+                _alarm(0.0)
 
     def sleep(self, seconds: float) -> None:
         """Sleeps, but not on after a request."""
@@ -93,18 +100,44 @@ class StopRequest:
     def _handle(self, number: int, _: FrameType | None) -> None:
         again = self.signal is not None
         self.signal = signal.Signals(number)
-        if self.signal is signal.SIGHUP:
+        if self.signal.name == HANGUP:
             _let_go_of(self._terminals)
         if again or not self._deferring:
             self._raised = Interrupted(self.signal)
             raise self._raised
-        self._previous.setdefault(signal.SIGALRM, signal.signal(signal.SIGALRM, self._expire))
-        signal.setitimer(signal.ITIMER_REAL, GRACE, GRACE)  # again and again: bindings may swallow it
+        if hasattr(signal, "SIGALRM"):
+            self._previous.setdefault(signal.SIGALRM, signal.signal(signal.SIGALRM, self._expire))
+        _alarm(GRACE)
 
     def _expire(self, _: int, __: FrameType | None) -> None:
         if self._deferring and self.signal is not None:
             self._raised = Overdue(self.signal)
             raise self._raised
+
+
+def _alarm(seconds: float) -> None:
+    """Sends SIGALRM again and again, for bindings may swallow it; 0 ends that."""
+    if hasattr(signal, "setitimer"):
+        signal.setitimer(signal.ITIMER_REAL, seconds, seconds)
+
+
+@contextmanager
+def held_back(signals: Sequence[signal.Signals] = HANDLED) -> Iterator[None]:
+    """Lets processes that start within inherit blocked signals, where there are masks of signals.
+
+    A terminal's signals go to every process in it, but are the parent's to answer; what arrives here
+    meanwhile is delivered afterwards.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    # Its keeper of semaphores unblocks signals when it starts, so it starts before.
+    resource_tracker.ensure_running()
+    previous = signal.pthread_sigmask(signal.SIG_BLOCK, signals)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, previous)
 
 
 def _let_go_of(terminals: list[int]) -> None:

@@ -7,15 +7,16 @@ Parses, calls, prints; the work is in harness.ros.session (through ROS) and harn
 """
 
 import importlib
-import signal
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-if __name__ == "__main__":  # what follows takes a second to load; Ctrl-C must not show where it was
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+from harness.cli.edge import begin_program, run_program
+
+if __name__ == "__main__":
+    begin_program("harness.run")
 
 from rich.console import Console
 
@@ -23,9 +24,9 @@ from harness.cli.console import RunProgress, print_choices, print_summary
 from harness.cli.options import RunOptions, parse_run
 from harness.episode.manifest import write_manifest
 from harness.episode.result import Run, RunResult
-from harness.errors import HarnessError, UsageError
+from harness.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.files import check_target, write_whole
-from harness.interrupt import StopRequest
+from harness.interrupt import HANGUP, StopRequest
 from harness.report.recorder import RunRecorder
 from harness.view.drawing import Drawing, keep_opengl_out
 from harness.world.heightmap.dem import is_terrain_file
@@ -33,16 +34,16 @@ from harness.world.heightmap.dem import is_terrain_file
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
+    return run_program("harness.run", lambda: _main(sys.argv[1:] if arguments is None else arguments))
+
+
+def _main(arguments: Sequence[str]) -> int:
     console = Console()
-    try:
-        options = parse_run(sys.argv[1:] if arguments is None else arguments)
-        if options is None:
-            print_choices(console)
-            return 0
-        return _command(options, console)
-    except HarnessError as error:
-        print(f"harness.run: {error}", file=sys.stderr)
-        return error.exit_code
+    options = parse_run(arguments)
+    if options is None:
+        print_choices(console)
+        return 0
+    return _command(options, console)
 
 
 def _command(options: RunOptions, console: Console) -> int:
@@ -83,8 +84,7 @@ def _loaded(options: RunOptions) -> Run:
         from harness.ros.session import run_through_ros  # noqa: PLC0415
     except ImportError as error:
         raise UsageError(
-            f"ROS 2 is not importable ({error}); install the extra with pip install -e '.[ros]', "
-            "source a ROS 2 installation, or run with --direct, which needs none"
+            f"ROS 2 is not importable ({error}); {INSTALL_ROS}, or run with --direct, which needs none"
         ) from error
     return run_through_ros
 
@@ -103,6 +103,7 @@ def _run(
             check_target(flag, path)
     for note in config.world().notes if is_terrain_file(config.terrain) else ():
         console.print(f"{config.terrain}: {note}", soft_wrap=True, highlight=False)
+    config.check_world()
     drawing.prepare(config)
     with RunProgress(console, f"{config.robot} on {config.terrain}", config.duration) as bar:
         observers = (drawing, recorder) if options.report is not None else (drawing,)
@@ -129,8 +130,8 @@ def _report(result: RunResult, summary: Path | None, stop: StopRequest, console:
 
 def _draw(drawing: Drawing, stop: StopRequest, console: Console) -> None:
     """Draws, which takes its time: whoever ended the run from outside is not kept waiting."""
-    if drawing.wanted and stop.signal in (signal.SIGTERM, signal.SIGHUP):
-        print(f"harness.run: nothing was drawn: stopped by {stop.signal.name}", file=sys.stderr)
+    if drawing.wanted and stop.name in ("SIGTERM", HANGUP):
+        print(f"harness.run: nothing was drawn: stopped by {stop.name}", file=sys.stderr)
         return
     if drawing.wanted and stop.signal is not None:
         console.print("drawing what there is; Ctrl-C again leaves it out", highlight=False)

@@ -15,10 +15,15 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from harness.cli.edge import begin_program, run_program
+
+if __name__ == "__main__":
+    begin_program("harness.topics")
+
 from rich.console import Console
 from rich.live import Live
 
-from harness.errors import HarnessError, UsageError
+from harness.errors import INSTALL_ROS, UsageError
 from harness.interrupt import Overdue, StopRequest
 from rover_metrics.errors import OneLineParser
 
@@ -34,23 +39,17 @@ SPIN_TIMEOUT = 0.1  # [s]: how long Ctrl-C may wait
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = _parser().parse_args(arguments)
-    try:
-        with StopRequest() as stop:
-            _look(options, stop, Console())
-    except HarnessError as error:
-        print(f"harness.topics: {error}", file=sys.stderr)
-        return error.exit_code
-    return 0
+    return run_program("harness.topics", lambda: _look(options, Console()))
 
 
-def _look(options: argparse.Namespace, stop: StopRequest, console: Console) -> None:
+def _look(options: argparse.Namespace, console: Console) -> int:
     try:  # as in harness.run: whoever has no ROS shall read one line
         from harness.ros.topic_monitor import topic_monitor  # noqa: PLC0415
     except ImportError as error:
-        message = f"ROS 2 is not importable ({error}); pip install -e '.[ros]' or source a ROS 2"
-        raise UsageError(message) from error
-    with topic_monitor(options.namespace) as (monitor, executor):
+        raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}") from error
+    with StopRequest() as stop, topic_monitor(options.namespace) as (monitor, executor):
         _watch(monitor, executor, options.seconds, stop, console)
+    return 0
 
 
 def _watch(

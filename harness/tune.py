@@ -6,17 +6,17 @@ Parses, calls, prints; the work is in harness.tuning.
 """
 
 import argparse
-import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-if __name__ == "__main__":  # what follows takes a second to load; Ctrl-C must not show where it was
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+from harness.cli.edge import begin_program, run_program
+
+if __name__ == "__main__":
+    begin_program("harness.tune")
 
 from rich.console import Console
 
-from harness.errors import HarnessError
 from harness.interrupt import Interrupted, StopRequest
 from harness.robots import ROVERS, find_rover
 from harness.tuning.backend import BACKENDS, backend_of
@@ -33,15 +33,16 @@ EPISODES, DURATION, OUT = 64, 90.0, Path("tuning")
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code: 1 where the data do not support a threshold."""
     options = _parser().parse_args(arguments)
-    console = Console()
+    return run_program("harness.tune", lambda: _interruptible(options))
+
+
+def _interruptible(options: argparse.Namespace) -> int:
     try:
         with StopRequest():
-            return _tune(options, console)
-    except HarnessError as error:
-        goes_on = f"; the same command goes on with the episodes in {options.out}"
-        told = f"{error}{goes_on if isinstance(error, Interrupted) else ''}"
-        print(f"harness.tune: {told}", file=sys.stderr)
-        return error.exit_code
+            return _tune(options, Console())
+    except Interrupted as error:
+        error.args = (f"{error}; the same command goes on with the episodes in {options.out}",)
+        raise
 
 
 def _tune(options: argparse.Namespace, console: Console) -> int:

@@ -11,9 +11,14 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from harness.cli.edge import begin_program, run_program
+
+if __name__ == "__main__":
+    begin_program("harness.validate")
+
 from rich.console import Console
 
-from harness.errors import HarnessError, UsageError
+from harness.errors import UsageError
 from harness.robots import MODELS_DIR, ROVERS, find_rover
 from harness.validation.realism import compare, print_comparison
 from harness.validation.suite import as_markdown, print_table, validate, write_between_markers
@@ -25,13 +30,12 @@ README = MODELS_DIR / "README.md"
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code: 0, 1 after a miss, 2 for bad arguments."""
     options = _parser().parse_args(arguments)
-    console = Console()
-    try:
-        _check(options)
-        misses = _realism(options, console) if options.realism else _suite(options, console)
-    except HarnessError as error:
-        print(f"harness.validate: {error}", file=sys.stderr)
-        return error.exit_code
+    return run_program("harness.validate", lambda: _validate(options, Console()))
+
+
+def _validate(options: argparse.Namespace, console: Console) -> int:
+    _check(options)
+    misses = _realism(options, console) if options.realism else _suite(options, console)
     if misses:
         print(f"harness.validate: missed {'; '.join(misses)}", file=sys.stderr)
     return 1 if misses else 0

@@ -13,6 +13,10 @@ usable() {
     "$1" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' >/dev/null 2>&1
 }
 
+version_of() {
+    "$1" --version 2>/dev/null || echo none
+}
+
 find_python() {
     for candidate in ${PYTHON:-python3 python3.12 python3.13 python3.11}; do
         if usable "$candidate"; then
@@ -23,7 +27,8 @@ find_python() {
     return 1
 }
 
-python=$(find_python) || fail "needs Python 3.11, 3.12 or 3.13, found $(python3 --version 2>/dev/null || echo none).
+asked=${PYTHON:-python3}
+python=$(find_python) || fail "needs Python 3.11, 3.12 or 3.13, found $(version_of "$asked") ($asked).
 Install one (Debian, Ubuntu: apt install python3.12 python3.12-venv; macOS: brew install python@3.12)
 or name it: make PYTHON=/path/to/python3.12"
 

@@ -14,6 +14,7 @@ from harness.errors import UsageError
 from harness.faults.spec import FORM, describe_faults
 from harness.robots import ROVERS, find_rover
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
+from harness.world.world import Start
 from rover_metrics.errors import OneLineParser
 from rover_metrics.extended.settings import Settings
 
@@ -34,7 +35,8 @@ EPISODE: tuple[Option, ...] = (
 )
 SENSORS: tuple[Option, ...] = (("--lidar-beams", int, "N", None), ("--imu-rate", int, "HZ", None))
 RECORD_HELP = (
-    "record every published topic; a killed run's file is read by rover_metrics.replay as it is, and "
+    "record every topic, /cmd_vel and /rover/metrics too; a killed run's file is read by "
+    "rover_metrics.replay as it is, and "
     "mended by: mcap recover FILE.mcap -o MENDED.mcap"
 )
 FILES: tuple[Option, ...] = (
@@ -90,6 +92,7 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         UsageError: Two options exclude each other; the message names the mend.
     """
     words, ros_args = split_ros_args(arguments)
+    words = _joined("--start", words)  # argparse takes -3,4 for an option
     parser = run_parser()
     given = parser.parse_args(words)
     if given.terrain_size is not None:
@@ -113,6 +116,15 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
     return _filled(RunOptions, given, config=config, ros=ros)
 
 
+def _joined(flag: str, words: Sequence[str]) -> list[str]:
+    """The same words, with `flag value` as `flag=value`."""
+    words = list(words)
+    while flag in words[:-1]:
+        place = words.index(flag)
+        words[place : place + 2] = [f"{flag}={words[place + 1]}"]
+    return words
+
+
 def _filled(cls: type[T], given: argparse.Namespace, **others: object) -> T:
     """A dataclass of the options of its fields' names, and of others."""
     names = [item.name for item in fields(cls)]  # type: ignore[arg-type]  # a dataclass
@@ -124,6 +136,8 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         raise UsageError(
             "--extended is for the hosted metrics_node; start yours with -p extended_columns:=true"
         )
+    if options.overwrite and options.record is None:
+        raise UsageError("--overwrite is for the file of --record; name one, or leave it out")
     if not options.direct:
         return
     for given, flag in (
@@ -171,12 +185,14 @@ def _add(group: Group, options: Sequence[Option], defaults: object = None) -> No
 
 
 def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
-    about = "see --list, or a heightmap: GeoTIFF, TIFF, PNG, .npy"
+    about = "see --list, or a heightmap: GeoTIFF, TIFF, PNG, .npy (docs/worlds.md: axes, units)"
     world.add_argument("--terrain", default=defaults.terrain, metavar="NAME|FILE", help=about)
-    about = "side length, or width and depth, of a heightmap that does not say"
+    about = "length along x and y, or of both, of a heightmap that does not say"
     world.add_argument("--terrain-size", type=float, nargs="+", metavar="M", help=about)
     about = "relief, lowest to highest point, of a heightmap that does not say"
     world.add_argument("--terrain-height", type=float, metavar="M", help=about)
+    about = "where the rover starts [m] and its heading from +x to +y [rad]; the middle is 0,0"
+    world.add_argument("--start", type=_start, metavar="X,Y[,YAW]", help=about)
     _add(world, EPISODE, defaults)
 
 
@@ -193,6 +209,17 @@ def _add_run(run: Group) -> None:
     about = "keep lock-step with a node in another process; repeatable"
     run.add_argument("--wait-for", action="append", default=[], metavar="NODE", help=about)
     _add(run, FILES)
+    run.add_argument("--overwrite", action="store_true", help="let --record replace a file")
+
+
+def _start(text: str) -> Start:
+    words = text.split(",")
+    try:
+        x, y, yaw = map(float, words if len(words) == 3 else [*words, "0"])
+    except ValueError:
+        message = f"'{text}' is not valid; give X,Y or X,Y,YAW in metres and radians"
+        raise argparse.ArgumentTypeError(message) from None
+    return x, y, yaw
 
 
 def _rate(text: str) -> float | None:

@@ -40,14 +40,14 @@ class DriverContext:
 
     Attributes:
         rover: The rover to drive.
-        half_size: Half the side length of the map [m].
+        half_size: Half the lengths of the map along x and y [m].
         bearings: Direction [rad] of each lidar beam in the rover's frame, 0 ahead, left positive.
         rng: The driver's own source of randomness.
         obstacles: What stands in the world; only a driver that stages encounters may look.
     """
 
     rover: RoverSpec
-    half_size: float
+    half_size: tuple[float, float]
     bearings: NDArray[np.float64]
     rng: np.random.Generator
     obstacles: tuple[Obstacle, ...] = ()

@@ -6,13 +6,15 @@ of every kind for `harness.tune`, not to drive well.
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 from harness.drivers.base import CONTROL_PERIOD, DriverContext, Observation
+from harness.errors import UsageError
 from harness.samples import Twist
 from harness.world.obstacles import Obstacle, ObstacleKind, half_extent
+from harness.world.terrains import WITH_HAZARDS
 
 Point = tuple[float, float]
 
@@ -68,21 +70,37 @@ class Meeting:
 class StagedEncounter(ABC):
     """Goes from hazard to hazard; a subclass says how each is met.
 
-    Without hazards it stands still.
+    Raises:
+        UsageError: There is none to visit.
     """
 
     summary: ClassVar[str]
 
     def __init__(self, context: DriverContext) -> None:
         self.rover, self.rng = context.rover, context.rng
-        reach = context.half_size - BORDER
-        self._hazards = [
-            o
-            for o in context.obstacles
-            if o.kind is ObstacleKind.HAZARD and max(map(abs, o.position[:2])) < reach
-        ]
+        self._hazards = self.hazards(context.obstacles, context.half_size)
         self._now = Observation(time_ns=0, x=0.0, y=0.0, yaw=0.0, ranges=None)
         self._script = self._visits()
+
+    @classmethod
+    def hazards(cls, obstacles: Sequence[Obstacle], half_size: tuple[float, float]) -> list[Obstacle]:
+        """Returns those that it visits.
+
+        Args:
+            obstacles: What stands in the world.
+            half_size: Half the lengths of the map along x and y [m].
+
+        Raises:
+            UsageError: There is none; the message names terrains that have some.
+        """
+        reach_x, reach_y = (half - BORDER for half in half_size)
+        within = [o for o in obstacles if abs(o.position[0]) < reach_x and abs(o.position[1]) < reach_y]
+        if hazards := [o for o in within if o.kind is ObstacleKind.HAZARD]:
+            return hazards
+        raise UsageError(
+            f"it {cls.summary.partition(' (')[0]}, and none stands {BORDER:g} m or more from the edge; "
+            f"terrains with hazards: {', '.join(WITH_HAZARDS)}"
+        )
 
     @abstractmethod
     def offset(self, width: float) -> float:
@@ -103,7 +121,7 @@ class StagedEncounter(ABC):
     def command(self, observation: Observation) -> Twist:
         """Returns the next twist of the script."""
         self._now = observation
-        return next(self._script, Twist())
+        return next(self._script)
 
     @property
     def here(self) -> Point:
@@ -137,7 +155,7 @@ class StagedEncounter(ABC):
 
     def _visits(self) -> Iterator[Twist]:
         last: Obstacle | None = None
-        while self._hazards:
+        while True:
             hazard = last = self._next_hazard(last)
             x, y, _ = hazard.position
             here = self.here

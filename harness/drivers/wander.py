@@ -38,8 +38,8 @@ class Wander:
 
     def __init__(self, context: DriverContext) -> None:
         self._rover = context.rover
-        self._reach = context.half_size - BORDER
-        self._turn_back = context.half_size - TURN_BACK_BORDER
+        self._reach_x, self._reach_y = (half - BORDER for half in context.half_size)
+        self._turn_back_x, self._turn_back_y = (half - TURN_BACK_BORDER for half in context.half_size)
         self._rng = context.rng
         self._bearings = context.bearings
         self._corridors = _corridors(context.bearings, context.rover.track / 2 + MARGIN)
@@ -61,7 +61,7 @@ class Wander:
         return self._steer(error, free)
 
     def _bearing_to_goal(self, observation: Observation) -> float:
-        if max(abs(observation.x), abs(observation.y)) > self._turn_back:
+        if abs(observation.x) > self._turn_back_x or abs(observation.y) > self._turn_back_y:
             self._goal = (0.0, 0.0)
         here, waited_ns = (observation.x, observation.y), observation.time_ns - self._goal_since_ns
         is_late = waited_ns > GOAL_PATIENCE_NS
@@ -76,8 +76,8 @@ class Wander:
         bearing = self._rng.uniform(-math.pi, math.pi)
         x = observation.x + distance * math.cos(bearing)
         y = observation.y + distance * math.sin(bearing)
-        reach = self._reach
-        return max(-reach, min(reach, x)), max(-reach, min(reach, y))
+        reach_x, reach_y = self._reach_x, self._reach_y
+        return max(-reach_x, min(reach_x, x)), max(-reach_y, min(reach_y, y))
 
     def _free_ranges(self, observation: Observation) -> NDArray[np.float64]:
         """Free range [m] of each candidate heading, shape (48,)."""

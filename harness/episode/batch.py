@@ -1,9 +1,10 @@
 """What an episode yields, batch by batch, and what it was made of: values, no physics."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from harness.samples import Tick, plain_value
 from harness.truth.traversal import ContactEvent, Truth
+from harness.world.world import Start
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,14 +14,16 @@ class EpisodeInfo:
     Attributes:
         model_hash: SHA-256 of the rover's model file; `terrain_hash` is that of heights and obstacles.
         obstacles: How many there are.
-        map_size: Side length [m].
-        notes: What was done to a heightmap file to make this map of it.
+        map_size: Its lengths along x and y [m].
+        start: Where the rover started: x, y [m], yaw [rad] of its model frame in the world.
+        notes: What a heightmap file holds, and what was done to it to make this map of it.
     """
 
     model_hash: str
     terrain_hash: str
     obstacles: int
-    map_size: float
+    map_size: tuple[float, float]
+    start: Start
     notes: tuple[str, ...] = ()
 
 
@@ -37,3 +40,27 @@ class Batch:
     truth: Truth
     events: tuple[ContactEvent, ...] = ()
     open_events: tuple[ContactEvent, ...] = ()
+
+
+def later(batch: Batch, by_ns: int) -> Batch:
+    """Returns the batch as of an episode that began so much later [ns]."""
+    if not by_ns:
+        return batch
+
+    def moved(event: ContactEvent) -> ContactEvent:
+        return replace(event, start_ns=event.start_ns + by_ns, end_ns=event.end_ns + by_ns)
+
+    ticks = (
+        Tick(
+            tick.stamp_ns + by_ns,
+            tuple(replace(sample, stamp_ns=sample.stamp_ns + by_ns) for sample in tick.samples),
+            tick.tells_time,
+        )
+        for tick in batch.ticks
+    )
+    return Batch(
+        tuple(ticks),
+        replace(batch.truth, time_ns=batch.truth.time_ns + by_ns),
+        tuple(map(moved, batch.events)),
+        tuple(map(moved, batch.open_events)),
+    )

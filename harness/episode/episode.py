@@ -16,6 +16,7 @@ from harness.errors import RunFailed
 from harness.physics.diff_drive import DiffDrive
 from harness.physics.scene import HAZARD_CONTACT, build_scene, model_hash
 from harness.physics.simulation import Simulation
+from harness.physics.start import check_start
 from harness.robots import find_rover
 from harness.samples import Imu, LaserScan, Sample, Tick, Twist
 from harness.sensors import table
@@ -35,6 +36,7 @@ class Episode:
 
     def __init__(self, config: EpisodeConfig) -> None:
         config.validate()
+        config.check_world()
         self.config = config
         rover = find_rover(config.robot)
         world = config.world()
@@ -44,10 +46,13 @@ class Episode:
             model_hash=model_hash(rover),
             terrain_hash=terrain_hash(world),
             obstacles=len(world.obstacles),
-            map_size=2 * world.ground.half_size,
+            map_size=(2 * world.ground.half_size[0], 2 * world.ground.half_size[1]),
+            start=world.start,
             notes=world.notes,
         )
         self.simulation = Simulation(scene, timestep_ns)
+        if config.start is not None:
+            check_start(scene, self.simulation.data)
         self._recorder = TruthRecorder(self.simulation)
         self._hazard_contact = self.simulation.summed(HAZARD_CONTACT)
         lidar_spec = LidarSpec(beams=config.lidar_beams)
@@ -80,8 +85,8 @@ class Episode:
         self._began_ns = self.simulation.time_ns
         self._drive = DiffDrive(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
         scene, (rng, *_) = self.simulation.scene, _generators(self.config.seed, 3)
-        reach, obstacles = scene.world.ground.half_size, scene.world.obstacles
-        context = DriverContext(scene.rover, reach, self._bearings, rng, obstacles)
+        half_size, obstacles = scene.world.ground.half_size, scene.world.obstacles
+        context = DriverContext(scene.rover, half_size, self._bearings, rng, obstacles)
         self._driver: Driver = find_driver(self.config.driver)(context)
         self._last_scan: LaserScan | None = None
 

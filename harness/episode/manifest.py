@@ -10,11 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from harness import __version__
+from harness.config import EpisodeConfig
 from harness.episode.result import RunResult
 from harness.errors import UsageError
 from harness.files import write_whole
 from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import ContactEvent
+from harness.world.heightmap.dem import is_terrain_file
 from rover_metrics.log.files import json_safe
 
 FLAT_LIST = re.compile(r"\[[^\[\]{}\"]+\]")  # of numbers: one line for each is too much
@@ -25,7 +27,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
     """Returns the run as JSON values; infinite numbers become null."""
     values: dict[str, Any] = json_safe(
         {
-            "arguments": asdict(result.config),
+            "arguments": _arguments(result.config),
             "mode": result.mode,
             "versions": _versions(),
             "world": None if result.info is None else asdict(result.info),
@@ -62,6 +64,14 @@ def write_manifest(result: RunResult, path: Path) -> None:
     text = json.dumps(manifest(result), indent=2, allow_nan=False) + "\n"
     text = FLAT_LIST.sub(lambda found: re.sub(r"\s+", " ", found[0]), text)
     write_whole(path, text, "the summary", UsageError)
+
+
+def _arguments(config: EpisodeConfig) -> dict[str, Any]:
+    """What repeats the run; a heightmap has no difficulty."""
+    arguments = asdict(config)
+    if is_terrain_file(config.terrain):
+        del arguments["difficulty"]
+    return arguments
 
 
 def _outcome(result: RunResult) -> dict[str, str | None]:

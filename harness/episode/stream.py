@@ -11,10 +11,8 @@ failed of.
 
 import contextlib
 import multiprocessing
-import signal
 import traceback
 from collections.abc import Iterator
-from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from typing import Any, NamedTuple, Self
 
@@ -22,7 +20,7 @@ from harness.config import EpisodeConfig
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import HarnessError, RunFailed
-from harness.interrupt import HANDLED
+from harness.interrupt import held_back
 from harness.samples import Twist
 
 AHEAD = 10  # batches: 0.5 s of simulated time
@@ -46,7 +44,7 @@ class EpisodeProcess:
         self._connection, remote = context.Pipe()
         self._process = context.Process(target=_simulate, args=(config, remote), daemon=True)
         try:
-            with _interrupts_held_back():
+            with held_back():
                 self._process.start()
         except BaseException:  # a signal arrived meanwhile, and nobody will leave this context
             if self._process.pid is not None:
@@ -119,17 +117,6 @@ class EpisodeProcess:
         if isinstance(received, Exception):
             raise received
         return received
-
-
-@contextlib.contextmanager
-def _interrupts_held_back() -> Iterator[None]:
-    """Lets a child inherit blocked signals: a terminal's go to the whole group, but are the parent's."""
-    resource_tracker.ensure_running()  # else the child's start would start it, and that unblocks
-    previous = signal.pthread_sigmask(signal.SIG_BLOCK, HANDLED)
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, previous)
 
 
 def _simulate(config: EpisodeConfig, connection: Connection) -> None:

@@ -45,6 +45,7 @@ class Kind(Generic[A]):
         takes: What may stand behind the '='; None for nothing.
         momentary: Whether it happens at one time, instead of lasting.
         own: The only sensors that can have it; empty if all can.
+        of_values: Whether it changes values, which attitudes have too.
     """
 
     name: str
@@ -53,6 +54,7 @@ class Kind(Generic[A]):
     takes: Value | None = None
     momentary: bool = False
     own: tuple[str, ...] = ()
+    of_values: bool = False
 
 
 @dataclass(frozen=True)

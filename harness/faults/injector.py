@@ -31,8 +31,12 @@ class FaultInjector:
         clock_faults = [(fault, rng) for fault, rng in drawn if fault.sensor == CLOCK]
         self._faulty, self.disturbs_time = bool(drawn), bool(clock_faults)
         self._clock = FaultyClock(clock_faults)
+
+        def of(fault: Fault[Any]) -> str:
+            return fault.sensor.removesuffix(table.ATTITUDE)
+
         self._effects = {
-            row.sample: [fault.kind.act(fault, rng) for fault, rng in drawn if fault.sensor == name]
+            row.sample: [fault.kind.act(fault, rng) for fault, rng in drawn if of(fault) == name]
             for name, row in table.by_fault_name().items()
         }
 

@@ -28,12 +28,14 @@ OF_SENSORS: tuple[Kind[SensorAct], ...] = (
     Kind("latency", "messages come late, in order, with the stamp of the reading", late, DELAY),
     Kind("duplicate", "each message is sent N times", each(lambda r, n, _: (r,) * int(n)), COPIES),
     Kind("freeze", "the last reading again and again, with new stamps", frozen(repeat)),
-    Kind("stuck", "every value is X", measured(lambda v, x, _: np.full_like(v, x)), ANY),
-    Kind("zero", "values are 0", becomes(0.0), SHARE),
-    Kind("nan", "values are NaN", becomes(math.nan), SHARE),
-    Kind("inf", "values are infinite", becomes(math.inf), SHARE),
-    Kind("huge", "values are 1e30", becomes(1e30), SHARE),  # fits float32; its square fits float64
-    Kind("spike", "one value in ten, at random, is off by SIZE", measured(spike), SIZE),
+    Kind("stuck", "every value is X", measured(lambda v, x, _: np.full_like(v, x)), ANY, of_values=True),
+    Kind("zero", "values are 0", becomes(0.0), SHARE, of_values=True),
+    Kind("nan", "values are NaN", becomes(math.nan), SHARE, of_values=True),
+    Kind("inf", "values are infinite", becomes(math.inf), SHARE, of_values=True),
+    Kind(
+        "huge", "values are 1e30", becomes(1e30), SHARE, of_values=True
+    ),  # fits float32; its square fits float64
+    Kind("spike", "one value in ten, at random, is off by SIZE", measured(spike), SIZE, of_values=True),
     Kind("stamp-shift", "stamps are off by S", each(lambda r, s, _: shift(r, s)), SHIFT),
     Kind("stamp-freeze", "stamps stand still", frozen(lambda last, now: repeat(now, last))),
     Kind("empty", "a message without readings", each(lambda r, *_: empty(r)), own=EMPTY),

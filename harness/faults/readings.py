@@ -34,14 +34,20 @@ def each(change: Change) -> SensorAct:
 
 
 def measured(hit: Hit) -> SensorAct:
-    """Returns the act of a fault of all that a sensor measures."""
+    """Returns the act of a fault of all that a sensor measures, or of its attitude."""
 
-    def change(reading: Sample, value: float, rng: np.random.Generator) -> Readings:
-        (names,) = (row.measured for row in table.SENSORS if row.sample is type(reading))
-        changed = {n: _changed(getattr(reading, n), lambda v: hit(v, value, rng)) for n in names}
-        return (replace(reading, **changed),)
+    def act(fault: Fault[SensorAct], rng: np.random.Generator) -> Effect:
+        fields = "attitude" if fault.sensor.endswith(table.ATTITUDE) else "measured"
 
-    return each(change)
+        def change(reading: Sample, value: float, rng: np.random.Generator) -> Readings:
+            (row,) = (row for row in table.SENSORS if row.sample is type(reading))
+            names = getattr(row, fields)
+            changed = {n: _changed(getattr(reading, n), lambda v: hit(v, value, rng)) for n in names}
+            return (replace(reading, **changed),)
+
+        return each(change)(fault, rng)
+
+    return act
 
 
 def becomes(wrong: float) -> SensorAct:

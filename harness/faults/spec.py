@@ -14,6 +14,7 @@ from harness.faults.base import LONGEST, Fault, Kind
 from harness.faults.clock import CLOCK
 from harness.faults.kinds import OF_SENSORS, OF_THE_CLOCK
 from harness.sensors import table
+from harness.sensors.table import ATTITUDE
 from harness.sim_time import NANOSECONDS
 
 FORM = "SENSOR:FAULT[=VALUE][@START[+LENGTH]]"
@@ -25,12 +26,15 @@ _SPEC = re.compile(
 
 def sensors() -> tuple[str, ...]:
     """Returns the names of all sensors that can have faults; the clock is the last."""
-    return (*table.by_fault_name(), CLOCK)
+    rows = table.by_fault_name()
+    return (*rows, *(name + ATTITUDE for name, row in rows.items() if row.attitude), CLOCK)
 
 
 def faults_of(sensor: str) -> dict[str, Kind[Any]]:
     """Returns the faults that a sensor or the clock can have, by name."""
     kinds: tuple[Kind[Any], ...] = OF_THE_CLOCK if sensor == CLOCK else OF_SENSORS
+    if sensor.endswith(ATTITUDE):
+        return {kind.name: kind for kind in kinds if kind.of_values}
     return {kind.name: kind for kind in kinds if not kind.own or sensor in kind.own}
 
 
@@ -100,7 +104,7 @@ def _number(text: str) -> float | None:
 
 def describe_faults() -> str:
     """Returns sensors and faults for a command's help."""
-    lines = [f"sensors: {', '.join(sensors())}"]
+    lines = [f"sensors: {', '.join(sensors())}; attitudes have those of values"]
     lines += ["each sensor:", *(_described(kind) for kind in OF_SENSORS if not kind.own)]
     for sensor in sensors():
         own = [_described(kind) for kind in faults_of(sensor).values() if kind.own or sensor == CLOCK]

@@ -81,13 +81,13 @@ def _keep_constraints_soft(spec: mujoco.MjSpec, timestep: float) -> None:
 
 
 def _add_terrain(spec: mujoco.MjSpec, world: World) -> None:
-    heights, half_size = world.ground.heights, world.ground.half_size
+    heights = world.ground.heights
     lowest = float(heights.min())
     # The compiler normalises to 0..1 and wants a positive range, even for a flat map.
     relief = max(float(np.ptp(heights)), 1e-3)
     spec.add_hfield(
         name="terrain",
-        size=[half_size, half_size, relief, BASE_THICKNESS],
+        size=[*world.ground.half_size, relief, BASE_THICKNESS],
         nrow=heights.shape[0],
         ncol=heights.shape[1],
         userdata=((heights - lowest) / relief).ravel().tolist(),

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from harness.errors import Diverged, RunFailed
 from harness.physics.contacts import ContactWatch
 from harness.physics.scene import Scene
+from harness.physics.start import spawn_pose
 from harness.samples import Quaternion, Vector3
 from harness.sim_time import NANOSECONDS, TICK_NS
+from harness.world.world import EDGE_MARGIN
 
 SETTLE_LIMIT_NS = 5 * NANOSECONDS
 AT_REST_SPEED = 2e-3  # [m/s] and [rad/s]: below it a rover counts as settled
-DROP_HEIGHT = 0.01  # [m] over the highest ground below the footprint
-EDGE_MARGIN = 0.5  # [m] of map that must remain around the rover's origin
 
 WHOLE_STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
 HEALTH_WARNINGS = {
@@ -56,7 +56,7 @@ class Simulation:
         self.tick_sum = np.zeros(self.model.nsensordata)
         self.contacts = ContactWatch(self.model, self.data)
         self._wheels = np.array([self.model.actuator(n).id for n in scene.rover.wheel_joints])
-        self._edge = scene.world.ground.half_size - EDGE_MARGIN
+        self._edge_x, self._edge_y = (half - EDGE_MARGIN for half in scene.world.ground.half_size)
         self._settle()
         # All that the next step depends on, warm start included: it goes on bit for bit.
         self._start = np.empty(mujoco.mj_stateSize(self.model, WHOLE_STATE))
@@ -150,7 +150,7 @@ class Simulation:
 
     def _check_edge(self) -> None:
         x, y = self.data.qpos[0], self.data.qpos[1]
-        if not (abs(x) < self._edge and abs(y) < self._edge):
+        if not (abs(x) < self._edge_x and abs(y) < self._edge_y):
             raise RunFailed(
                 f"the rover reached the edge of the map at t = {self.time_ns / NANOSECONDS:.2f} s "
                 f"(x = {x:.2f} m, y = {y:.2f} m)"
@@ -158,7 +158,7 @@ class Simulation:
 
     def _settle(self) -> None:
         """Lets the rover down onto the ground, so that no drop pollutes the first samples."""
-        self.data.qpos[2] = self._spawn_height()
+        self.data.qpos[:7] = spawn_pose(self.scene)
         for _ in range(SETTLE_LIMIT_NS // TICK_NS):
             for _ in range(self.steps_per_tick):
                 mujoco.mj_step(self.model, self.data)
@@ -166,16 +166,6 @@ class Simulation:
             if np.abs(self.data.qvel).max() < AT_REST_SPEED and self.data.ncon:
                 break
         self.data.time = 0.0
-
-    def _spawn_height(self) -> float:
-        x_min, x_max, y_min, y_max = self.scene.rover.footprint
-        ground = self.scene.world.ground
-        highest = max(
-            ground.height_at(float(x), float(y))
-            for x in np.arange(x_min, x_max, ground.cell / 2)
-            for y in np.arange(y_min, y_max, ground.cell / 2)
-        )
-        return highest + self.scene.rover.rest_height + DROP_HEIGHT
 
 
 def _rounded(values: NDArray[np.float64]) -> list[float]:

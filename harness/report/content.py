@@ -29,6 +29,7 @@ def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
     return {
         "result": result,
         "heading": f"{result.config.robot} on {result.config.terrain}",
+        "arguments": values["arguments"],
         "outcome": values["outcome"],
         "written": datetime.now().astimezone().isoformat(sep=" ", timespec="seconds"),
         "key_figures": key_figures(result),
@@ -47,6 +48,8 @@ def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
     config, track = result.config, recorder.track
     world = config.world()
     hillshade, heights = shade(world.ground), world.ground.heights
+    half_x, half_y = world.ground.half_size
+    x, y, yaw = (_signed(value) for value in world.start)
     collided, touched = collisions(log, track), contacts(track)
     placed = recorder.last_scan
     rover = find_rover(config.robot)
@@ -64,16 +67,18 @@ def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
         f"counted collisions and {len(touched)} where the rover touched a hazard."
     )
     caption = (
-        f"{2 * world.ground.half_size:g} m {TIMES} {2 * world.ground.half_size:g} m, heights "
-        f"{_signed(heights.min())} to {_signed(heights.max())} m, lit from the north-west with slopes "
+        f"{2 * half_x:g} m {TIMES} {2 * half_y:g} m, heights {_signed(heights.min())} to "
+        f"{_signed(heights.max())} m. +x is right and +y is up (a heightmap's first row is on top), "
+        f"the origin is the middle; the rover starts at x {x} m, y {y} m, heading {yaw} rad from +x "
+        "towards +y. Lit from the north-west, up being north, with slopes "
         f"{hillshade.exaggeration:.1f} times as steep. A point of the path is the largest "
         f"||a| {MINUS} g| within {recorder.stretch_s:g} s; outlines include what is below the ground."
     )
     return Plot("map", summary, figure, "Map", caption)
 
 
-def _signed(height: float) -> str:
-    return f"{height:.2f}".replace("-", MINUS)
+def _signed(value: float) -> str:
+    return f"{value:.2f}".replace("-", MINUS)
 
 
 def _series(result: RunResult, recorder: RunRecorder, log: Log) -> list[Plot]:

@@ -26,17 +26,18 @@ MOST_PIXELS = 600  # along a side: the picture is most of the page, and few scre
 
 @dataclass(frozen=True, eq=False)
 class Hillshade:
-    """A shaded relief, a square of pixels with row 0 in the north.
+    """A shaded relief, pixels with row 0 in the north.
 
     Attributes:
-        west: x of its left edge [m]; `north` is y of its upper edge [m], `side` the length of each.
+        west: x of its left edge [m]; `north` is y of its upper edge [m].
+        size: Its lengths along x and y [m].
         exaggeration: By what the heights were multiplied before the light fell on them.
     """
 
     pixels: NDArray[np.uint8]
     west: float
     north: float
-    side: float
+    size: tuple[float, float]
     exaggeration: float
 
     def data_uri(self) -> str:
@@ -48,7 +49,7 @@ class Hillshade:
 
 def shade(ground: Heightfield) -> Hillshade:
     """Returns the relief of a ground, a large one at fewer points."""
-    stride = -(-len(ground.heights) // MOST_PIXELS)
+    stride = -(-max(ground.heights.shape) // MOST_PIXELS)
     heights, cell = ground.heights[::stride, ::stride], ground.cell * stride
     slope_y, slope_x = np.gradient(heights, cell)
     steepness = float(np.percentile(np.hypot(slope_x, slope_y), 95.0))
@@ -58,16 +59,17 @@ def shade(ground: Heightfield) -> Hillshade:
     light = facing / np.sqrt(1.0 + exaggeration**2 * (slope_x**2 + slope_y**2))
     grey = DARKEST + (BRIGHTEST - DARKEST) * np.clip(light, 0.0, 1.0)
     # A pixel lies around its vertex, so the picture reaches half a pixel beyond the outermost.
-    west, side = -ground.half_size - 0.5 * cell, cell * len(heights)
+    west, south = (-half - 0.5 * cell for half in ground.half_size)
+    depth, width = (cell * count for count in heights.shape)
     pixels = np.flipud(grey.round().astype(np.uint8))
-    return Hillshade(pixels, west, west + side, side, exaggeration)
+    return Hillshade(pixels, west, south + depth, (width, depth), exaggeration)
 
 
-def map_layout(half_size: float, hillshade: Hillshade, track: Sequence[Stretch]) -> Layout:
+def map_layout(half_size: tuple[float, float], hillshade: Hillshade, track: Sequence[Stretch]) -> Layout:
     """Returns axes of one scale over the terrain as a picture.
 
     Args:
-        half_size: Of the square terrain, from -half_size on both axes [m].
+        half_size: Of the terrain along x and y, from -half_size on [m].
         hillshade: Its picture.
         track: What the axes show at first.
     """
@@ -78,8 +80,8 @@ def map_layout(half_size: float, hillshade: Hillshade, track: Sequence[Stretch])
         "yref": "y",
         "x": hillshade.west,
         "y": hillshade.north,
-        "sizex": hillshade.side,
-        "sizey": hillshade.side,
+        "sizex": hillshade.size[0],
+        "sizey": hillshade.size[1],
         "sizing": "stretch",
         "opacity": "--ground-opacity",
         "layer": "below",
@@ -94,13 +96,13 @@ def map_layout(half_size: float, hillshade: Hillshade, track: Sequence[Stretch])
     )
 
 
-def _view(track: Sequence[Stretch], half_size: float) -> tuple[list[float], list[float]]:
-    """A square around the path, no larger than the map."""
+def _view(track: Sequence[Stretch], half_size: tuple[float, float]) -> list[list[float]]:
+    """A square around the path, or what there is of it on the map: ranges of x and y."""
     if not track:
-        return [-half_size, half_size], [-half_size, half_size]
+        return [[-half, half] for half in half_size]
     places = np.array([stretch.position[:2] for stretch in track])
     middle, extent = (places.min(axis=0) + places.max(axis=0)) / 2, np.ptp(places, axis=0).max()
-    half = min(max(extent / 2 + MARGIN, SHORTEST_SIDE / 2), half_size)
+    half = np.minimum(max(extent / 2 + MARGIN, SHORTEST_SIDE / 2), half_size)
     middle = np.clip(middle, half - half_size, half_size - half)
-    x, y = ([round(m - half, 2), round(m + half, 2)] for m in middle.tolist())
-    return x, y
+    ranges: list[list[float]] = np.column_stack([middle - half, middle + half]).round(2).tolist()
+    return ranges

@@ -88,6 +88,8 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         channels_of: The topics of each kind of sample, in publishing order.
         clock_channel: /clock.
         time_ns: Simulation time of the tick that goes out now, whatever a fault tells of it.
+        commands: The subscription to /cmd_vel.
+        record_command: Takes each message of it; None while nobody records.
     """
 
     def __init__(
@@ -109,7 +111,8 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.
         self.clock_channel = self._channel(CLOCK, messages.by_names(Clock(), samples.Tick))
         self._on_command = on_command
-        self._commands = self.create_subscription(Twist, "cmd_vel", self._receive, keep_last(10))
+        self.commands = self.create_subscription(Twist, "cmd_vel", self._receive, keep_last(10))
+        self.record_command: Callable[[messages.Message], bytes] | None = None
 
     def _channel(self, topic: table.Topic, fill: messages.Fill) -> Channel:
         qos = keep_last(10, BEST_EFFORT if topic.best_effort else RELIABLE)
@@ -147,6 +150,12 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         """Returns the messages published so far, by resolved topic name."""
         return {channel.topic: channel.published for channel in self.channels}
 
+    def stop_recording(self) -> None:
+        """Lets messages go out as they are, again."""
+        self.record_command = None
+        for channel in self.channels:
+            channel.record = None
+
     def refuse_other_publishers(self, topics: Iterable[str]) -> None:
         """Another harness or simulator would mix into the log; what starts later is caught in lock-step.
 
@@ -158,10 +167,12 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
                 raise UsageError(f"{topic} {SECOND_PUBLISHER}")
 
     def _receive(self, message: Twist) -> None:
+        if self.record_command is not None:
+            self.record_command(message)
         linear, angular = message.linear.x, message.angular.z
         if not (math.isfinite(linear) and math.isfinite(angular)):
             self.get_logger().warning(
-                f"ignored a non-finite command on {self._commands.topic_name}: "
+                f"ignored a non-finite command on {self.commands.topic_name}: "
                 f"linear.x = {linear}, angular.z = {angular}",
                 throttle_duration_sec=1.0,
             )

@@ -136,7 +136,8 @@ def _pose_array(message: PoseArray, _: RoverSpec, __: LidarSpec) -> Fill:
 
 def _planar(sample: samples.Odometry | samples.GroundTruth) -> samples.Quaternion:
     """The attitude of a sample that has a yaw only."""
-    return 0.0, 0.0, float(np.sin(sample.yaw / 2)), float(np.cos(sample.yaw / 2))
+    with np.errstate(invalid="ignore"):  # a fault's infinite yaw
+        return 0.0, 0.0, float(np.sin(sample.yaw / 2)), float(np.cos(sample.yaw / 2))
 
 
 PLANAR_POSE: Mapping[str, Callable[[Any], object]] = {

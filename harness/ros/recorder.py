@@ -1,27 +1,34 @@
-"""Records what the bridge publishes into an MCAP file, as `ros2 bag` would, on simulation time.
+"""Records a run's topics into an MCAP file, as `ros2 bag` would, on simulation time.
 
-The recorder stands between a channel's filler and its publisher: it serialises each message once, so
-the file holds exactly the published bytes and no subscriber has to be waited for. The file depends on
+What the bridge and the hosted metrics_node publish, and the commands that the bridge hears. The recorder
+stands before the publishers: it serialises each message once, so the file holds exactly the published
+bytes and no subscriber has to be waited for. The file depends on
 nothing but the episode: no wall time, no leftover memory in the padding. A chunk goes to the operating
 system every simulated second (or MiB), so a killed run loses less than its last simulated second; such
 a file lacks its end, which `mcap recover FILE -o MENDED` writes. rover_metrics.replay reads either.
 """
 
+from collections.abc import Callable
 from functools import cache, partial
 from pathlib import Path
 from typing import Self
+from uuid import uuid4
 
 from mcap.writer import CompressionType, Writer
+from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
+from rclpy.subscription import Subscription
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
 from harness import __version__
 from harness.errors import RunFailed, UsageError
+from harness.files import check_target
 from harness.ros.bridge import Bridge
 from harness.ros.messages import Message
 from harness.sim_time import NANOSECONDS
+from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
 CHUNK_SIZE = 1024 * 1024  # [B]
 SEPARATOR = "=" * 80 + "\n"
@@ -60,18 +67,25 @@ class Recorder:
     """One recording; a context manager that finishes the file.
 
     Args:
-        path: The file to create, never one that exists.
+        path: The file to create.
+        overwrite: Whether it may exist: then it is replaced with the first message.
 
     Raises:
         UsageError: It cannot be created.
     """
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
+    def __init__(self, path: Path, *, overwrite: bool = False) -> None:
+        check_target("--record", path, ".mcap")
+        self._path = self._made = path
+        if overwrite and (path.exists() or path.is_symlink()):
+            self._made = path.with_name(f".{path.stem}-{uuid4().hex}.part")
         try:
-            self._file = path.open("xb")
-        except OSError as error:
-            raise UsageError(_refusal(path, error)) from error
+            self._file = self._made.open("xb")
+        except FileExistsError as error:
+            message = (
+                f"--record {path} exists already, not overwriting; name another file or --overwrite"
+            )
+            raise UsageError(message) from error
         self._writer = Writer(self._file, chunk_size=CHUNK_SIZE, compression=CompressionType.LZ4)
         self._schemas: dict[str, int] = {}
         self._next_flush_ns = 0
@@ -91,20 +105,34 @@ class Recorder:
             if not self._failed:
                 raise self._failure(full) from full
         if not self._messages:  # the run did not come to its first message
-            self._path.unlink(missing_ok=True)
+            self._made.unlink(missing_ok=True)
 
-    def tap(self, bridge: Bridge) -> None:
-        """Records everything that the bridge publishes from now on, under the time of its tick.
+    def tap(self, bridge: Bridge, metrics: MetricsPublisher | None = None) -> None:
+        """Records all that the bridge publishes and hears from now on, under the time of its tick.
 
         A message's own stamp may differ from that where a fault delays it or disturbs the clock.
+
+        Args:
+            bridge: The node of the run.
+            metrics: Of the hosted metrics_node, if there is one; it then publishes for nobody too.
         """
         self._bridge = bridge
         for channel in bridge.channels:
-            publisher, kind = channel.publisher, channel.publisher.msg_type
-            name = f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
-            identifier = self._register(channel.topic, name, publisher.qos_profile)
             # A channel's messages of one length differ in nothing else: their padding is the same.
-            channel.record = partial(self._record, identifier, name, {})
+            channel.record = self._recording(channel.topic, channel.publisher, {})
+        heard = bridge.commands
+        bridge.record_command = self._recording(heard.topic_name, heard, {})
+        if metrics is not None and metrics.publisher is not None:
+            metrics.record = self._recording(metrics.publisher.topic_name, metrics.publisher, None)
+
+    def _recording(
+        self, topic: str, endpoint: Publisher | Subscription, padding: dict[int, list[int]] | None
+    ) -> Callable[[Message], bytes]:
+        """What records messages of a topic; `padding` keeps where it is in those of each length."""
+        kind = endpoint.msg_type
+        name = f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
+        identifier = self._register(topic, name, endpoint.qos_profile)
+        return partial(self._record, identifier, name, padding)
 
     def _register(self, topic: str, name: str, qos: QoSProfile) -> int:
         if name not in _store().types:
@@ -118,13 +146,15 @@ class Recorder:
         return self._writer.register_channel(topic, "cdr", self._schemas[name], metadata)
 
     def _record(
-        self, identifier: int, name: str, padding: dict[int, list[int]], message: Message
+        self, identifier: int, name: str, padding: dict[int, list[int]] | None, message: Message
     ) -> bytes:
         """Records a message and returns its bytes."""
         buffer, now_ns = bytearray(serialize_message(message)), self._bridge.time_ns
-        if len(buffer) not in padding:
-            padding[len(buffer)] = padding_of(bytes(buffer), name)
-        for position in padding[len(buffer)]:
+        known = None if padding is None else padding.get(len(buffer))
+        positions = padding_of(bytes(buffer), name) if known is None else known
+        if padding is not None:
+            padding[len(buffer)] = positions
+        for position in positions:
             buffer[position] = 0
         data = bytes(buffer)
         try:
@@ -132,6 +162,8 @@ class Recorder:
                 self._writer.flush()  # type: ignore[no-untyped-call]
                 self._next_flush_ns = (now_ns // NANOSECONDS + 1) * NANOSECONDS
             self._writer.add_message(identifier, now_ns, data, publish_time=now_ns)
+            if not self._messages and self._made != self._path:
+                self._made.replace(self._path)
         except OSError as error:
             raise self._failure(error) from error
         self._messages += 1
@@ -172,11 +204,3 @@ def full_definition(type_name: str) -> str:
 @cache  # it takes a while to build
 def _store() -> Typestore:
     return get_typestore(Stores.LATEST)
-
-
-def _refusal(path: Path, error: OSError) -> str:
-    if isinstance(error, FileExistsError):
-        return f"--record {path} exists already, not overwriting; name another file"
-    if not path.parent.is_dir():
-        return f"--record {path}: there is no folder {path.parent}; create it first"
-    return f"--record {path} cannot be created: {error.strerror}"

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from functools import partial
 
@@ -24,6 +24,7 @@ from harness.ros.hosted import HostedMetrics, metrics_node
 from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, RemoteNode
 from harness.sensors.lidar_spec import LidarSpec
+from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
 
 def run_through_ros(
@@ -47,11 +48,12 @@ def run_through_ros(
     """
     started = time.monotonic()
     with ExitStack() as at_end:
-        recorder = at_end.enter_context(Recorder(options.record)) if options.record else None
+        recorder = Recorder(options.record, overwrite=options.overwrite) if options.record else None
+        at_end.enter_context(recorder or nullcontext())
         source = at_end.enter_context(EpisodeProcess(config))
         run = _Run(config, options, source, at_end)
         if recorder is not None:
-            recorder.tap(run.bridge)
+            recorder.tap(run.bridge, run.metrics)
         return run.drive(stop, show, observers, started)
 
 
@@ -122,6 +124,11 @@ class _Run:
             self._remotes = []
             failure = "ROS 2 was shut down from outside this run"
         return self._counted(account.ended(failure=failure, interrupted=interrupted))
+
+    @property
+    def metrics(self) -> MetricsPublisher | None:
+        """What the hosted metrics_node publishes with."""
+        return None if self._hosted is None else self._hosted.node.publisher
 
     def _mode(self) -> str:
         hosted = "hosted metrics_node" if self._hosted else "no metrics_node"

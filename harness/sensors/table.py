@@ -14,6 +14,8 @@ from harness.robots import RoverSpec
 from harness.samples import GroundTruth, Imu, JointStates, LaserScan, Odometry, Pose, Sample, TruthState
 from harness.sensors.base import Sensor, period_ticks
 
+ATTITUDE = ".attitude"  # behind a sensor's name in --fault: its attitude, not what it measures
+
 
 @dataclass(frozen=True)
 class Topic:
@@ -43,8 +45,8 @@ class SensorRow:
         rate: Samples a second of simulation time, of every rover or by rover [Hz].
         frame: Of the messages' headers, of every rover or by rover.
         fault: Its name in --fault; None if no fault touches it.
-        measured: The fields of the sample that faults of values change. Attitudes are left alone: a
-            quaternion has no single value that is off.
+        measured: The fields of the sample that faults of values change.
+        attitude: Those that they change if they are told to, with ATTITUDE behind the fault's name.
     """
 
     sample: type[Sample]
@@ -55,6 +57,7 @@ class SensorRow:
     frame: str | Callable[[RoverSpec], str] = ""
     fault: str | None = None
     measured: tuple[str, ...] = ()
+    attitude: tuple[str, ...] = ()
 
     def rate_on(self, rover: RoverSpec) -> int:
         """Returns the default rate on that rover [Hz]."""
@@ -98,6 +101,7 @@ SENSORS: tuple[SensorRow, ...] = (
         frame=attrgetter("imu_frame"),
         fault="imu",
         measured=("angular_velocity", "linear_acceleration"),
+        attitude=("orientation",),
     ),
     SensorRow(
         sample=Pose,
@@ -107,6 +111,7 @@ SENSORS: tuple[SensorRow, ...] = (
         frame="world",
         fault="pose",
         measured=("position",),
+        attitude=("orientation",),
     ),
     SensorRow(
         sample=Odometry,
@@ -116,6 +121,7 @@ SENSORS: tuple[SensorRow, ...] = (
         frame="odom",
         fault="odometry",
         measured=("x", "y", "twist"),
+        attitude=("yaw",),
     ),
     SensorRow(
         sample=GroundTruth,
@@ -125,6 +131,7 @@ SENSORS: tuple[SensorRow, ...] = (
         frame="odom",
         fault="ground_truth",
         measured=("x", "y", "linear_velocity", "angular_velocity"),
+        attitude=("yaw",),
     ),
     SensorRow(
         sample=JointStates,

@@ -1,16 +1,59 @@
-"""The pytest fixture; `pytest_plugins = ["harness.testing.plugin"]` in conftest.py makes it known."""
+"""The pytest fixture; `pytest_plugins = ["harness.testing.plugin"]` in conftest.py makes it known.
 
-from collections.abc import Callable, Iterator
+A test that fails leaves the recording and the page of its trials, and its report says where.
+"""
+
+import re
+from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from harness.config import EpisodeConfig
 from harness.testing.trial import Trial
 
+TRIALS = pytest.StashKey[list[Trial]]()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Adds --rover-artifacts."""
+    parser.getgroup("rover").addoption(
+        "--rover-artifacts",
+        type=Path,
+        metavar="DIR",
+        help="keep recordings and pages of failed trials there, not in pytest's temporary folder",
+    )
+
 
 @pytest.fixture
-def start_trial() -> Iterator[Callable[[EpisodeConfig], Trial]]:
+def start_trial(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Callable[[EpisodeConfig], Trial]]:
     """Starts a trial that ends with the test; one at a time."""
+    folder = request.config.getoption("--rover-artifacts") or tmp_path_factory.getbasetemp() / "rover"
+    name = re.sub(r"[^\w.-]+", "_", request.node.nodeid).strip("_")
+    trials = request.node.stash.setdefault(TRIALS, [])
     with ExitStack() as at_end:
-        yield lambda config: at_end.enter_context(Trial(config))
+
+        def start(config: EpisodeConfig) -> Trial:
+            number = f"-{len(trials) + 1}" if trials else ""
+            trial = Trial(config, folder.absolute() / f"{name}{number}")
+            trials.append(trial)
+            return at_end.enter_context(trial)
+
+        yield start
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, Any, None]:
+    """Keeps the evidence of the trials of a test that has failed; they have not ended yet."""
+    outcome = yield
+    report = outcome.get_result()
+    if report.when == "call" and report.failed and call.excinfo is not None:
+        reason = call.excinfo.exconly()
+        kept = [trial.keep_evidence(reason) for trial in item.stash.get(TRIALS, [])]
+        report.sections.append(("rover trial", "\n".join(filter(None, kept))))

@@ -53,20 +53,32 @@ def stop(process: "subprocess.Popen[bytes]") -> None:
 
 @dataclass(eq=False)
 class Heard(Generic[Message]):
-    """The messages of one topic, in the order in which they arrived.
+    """The messages of one topic, in the order in which they arrived; its length counts them all.
 
     Attributes:
         topic: Its resolved name.
-        messages: All of them.
-        times: Simulated seconds at which each arrived.
+        most: How many are kept.
+        messages: The latest of them.
+        times: Simulated seconds at which each of these arrived.
+        count: How many have arrived.
     """
 
     topic: str
+    most: int
     messages: list[Message] = field(default_factory=list)
     times: list[float] = field(default_factory=list)
+    count: int = 0
 
     def __len__(self) -> int:
-        return len(self.messages)
+        return self.count
+
+    def take(self, message: Message, time: float) -> None:
+        """Keeps a message that arrived at a simulated second, and forgets the oldest above `most`."""
+        self.count += 1
+        self.messages.append(message)
+        self.times.append(time)
+        if len(self.messages) > self.most:
+            del self.messages[0], self.times[0]
 
     @property
     def latest(self) -> Message:

@@ -2,8 +2,11 @@
 
 import os
 import subprocess
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
 from typing import Any, Self, TypeVar
 
 import rclpy
@@ -12,7 +15,7 @@ from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
 from harness.config import EpisodeConfig
-from harness.episode.batch import Batch
+from harness.episode.batch import Batch, later
 from harness.episode.episode import Episode
 from harness.episode.loop import drive as drive_loop
 from harness.errors import RunFailed, UsageError
@@ -26,16 +29,19 @@ from harness.ros.remote import DISCOVERY_PATIENCE
 from harness.samples import GroundTruth, Tick, Twist
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS, TICK_NS
+from harness.testing.evidence import Evidence
 from harness.testing.subject import Heard, Message, Subject, stop
 from harness.truth.traversal import Truth
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 
+MOST = 10_000  # messages of a topic that are kept: over three minutes at 50 Hz
 ON_SIMULATED_TIME = ("--ros-args", "-p", "use_sim_time:=true")
 # Hears reliable publishers and best-effort ones; in lock-step nothing is lost.
 ANYTHING = keep_last(1000, BEST_EFFORT)
 
 Node = TypeVar("Node")
+Start = tuple[float, float, float]
 
 
 class Trial:
@@ -44,8 +50,10 @@ class Trial:
     Args:
         config: The world, the rover, its driver and faults. Driver "cmd_vel" obeys `drive` and
             /cmd_vel, whichever spoke last.
+        artifacts: Folder for a recording and a page, if an exception ends the trial; None for none.
 
     Attributes:
+        config: As it was given, or as `reset` has changed it.
         domain: The ROS domain while it is entered.
         speed: True forward speed of the rover [m/s].
         truth: What only the simulator knows, at the end of the present control period of 50 ms.
@@ -54,9 +62,11 @@ class Trial:
         UsageError: The configuration is not valid.
     """
 
-    def __init__(self, config: EpisodeConfig) -> None:
+    def __init__(self, config: EpisodeConfig, artifacts: Path | None = None) -> None:
         config.validate()
         self.config = config
+        self._artifacts = artifacts
+        self._evidence: Evidence | None = None
         self.truth = Truth()
         self.domain = 0
         self._at_end = ExitStack()
@@ -70,8 +80,24 @@ class Trial:
             self._at_end = at_end.pop_all()
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self._at_end.close()
+    def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
+        with self._at_end:
+            if error is not None:
+                print(self.keep_evidence(f"{type(error).__name__}: {error}"), file=sys.stderr)
+
+    def keep_evidence(self, reason: str) -> str:
+        """Ends the recording and writes recording and page to `artifacts`.
+
+        Args:
+            reason: Why the trial has failed; its first line is told on the page.
+
+        Returns:
+            Where they are, in a line each; nothing if nothing is recorded, or it was kept already.
+        """
+        evidence, self._evidence = self._evidence, None
+        if evidence is None or self._artifacts is None:
+            return ""
+        return evidence.keep(self._artifacts, next(iter(reason.splitlines()), "an exception"))
 
     def _start(self, at_end: ExitStack) -> None:
         if rclpy.ok():
@@ -80,13 +106,16 @@ class Trial:
         self.domain = at_end.enter_context(reserved_domain())
         self._episode = Episode(self.config)
         injector = FaultInjector(parse_faults(self.config.faults), self.config.seed)
-        self._ticks = drive_loop(self._batches(), injector, self._take)
+        self._ticks = drive_loop(self._batches(), injector, self._take, (self,))
         no_handlers, args = SignalHandlerOptions.NO, list(ON_SIMULATED_TIME)
         rclpy.init(args=args, domain_id=self.domain, signal_handler_options=no_handlers)
         at_end.callback(rclpy.try_shutdown)
         lidar = LidarSpec(beams=self.config.lidar_beams)
-        self._bridge = Bridge(find_rover(self.config.robot), lidar, on_command=self._episode.command)
+        self._bridge = Bridge(find_rover(self.config.robot), lidar, on_command=self._command)
         at_end.callback(self._bridge.destroy_node)
+        if self._artifacts is not None:
+            self._evidence = at_end.enter_context(Evidence(self._bridge))
+            self._evidence.begin(self.config, self._episode.info)
         self._bridge.set_parameters([Parameter("use_sim_time", value=False)])  # it makes the time
         context = rclpy.get_default_context()
         executor = make_executor(context, time_jumps=injector.disturbs_time)
@@ -137,7 +166,7 @@ class Trial:
         self._keep_in_step(node)
 
     def collect(
-        self, message_type: type[Message], topic: str, qos: QoSProfile = ANYTHING
+        self, message_type: type[Message], topic: str, qos: QoSProfile = ANYTHING, most: int = MOST
     ) -> Heard[Message]:
         """Listens to a topic from now on.
 
@@ -145,12 +174,12 @@ class Trial:
             message_type: Of the topic.
             topic: Its name.
             qos: Of the subscription.
+            most: How many messages are kept, the latest ones; all are counted.
         """
-        heard: Heard[Message] = Heard(self._bridge.resolve_topic_name(topic))
+        heard: Heard[Message] = Heard(self._bridge.resolve_topic_name(topic), most)
 
         def take(message: Message) -> None:
-            heard.messages.append(message)
-            heard.times.append(self.time)
+            heard.take(message, self.time)
 
         self._bridge.create_subscription(message_type, topic, take, qos)
         self._subjects = [Subject(known.name, self._bridge, known.node) for known in self._subjects]
@@ -165,14 +194,30 @@ class Trial:
         """
         if self.config.driver != "cmd_vel":
             raise UsageError(f'driver "{self.config.driver}" drives by itself; choose "cmd_vel"')
-        self._episode.command(Twist(linear, angular))
+        self._command(Twist(linear, angular))
 
-    def reset(self) -> None:
+    def reset(self, *, seed: int | None = None, start: Start | None = None) -> None:
         """Puts the rover back to its start, at the end of the present control period of 50 ms.
 
-        Time goes on. It drives again as it did at first; with driver "cmd_vel" it stands.
+        Time goes on. It drives again as it did at first; with driver "cmd_vel" it stands. With a seed or
+        a start another episode begins, as that of a new trial would: its world, its noise, its whole
+        duration, odometry and `truth` from 0. Nodes, /clock and the times of faults go on.
+
+        Args:
+            seed: Of the new episode; that of the last one if None.
+            start: Where it starts: x, y [m] and yaw [rad] in the world; as before if None.
+
+        Raises:
+            UsageError: One of them is not valid; the present episode goes on.
         """
-        self._episode.reset()
+        given = {"seed": seed, "start": start}
+        changes: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+        if not changes:
+            self._episode.reset()
+            return
+        config = replace(self.config, **changes)
+        self._episode = Episode(config)
+        self.config = config
 
     def step(self, seconds: float) -> None:
         """Lets simulated time go on; returns when every node has handled everything up to then.
@@ -210,10 +255,26 @@ class Trial:
             if isinstance(sample, GroundTruth):
                 self.speed = sample.linear_velocity[0]
 
+    def take(self, batch: Batch) -> None:
+        """Takes account of a batch whose ticks have been published; what `drive_loop` calls."""
+        if self._evidence is not None:
+            self._evidence.take(batch)
+
+    def _command(self, twist: Twist) -> None:
+        self._episode.command(twist)
+
     def _batches(self) -> Iterator[Batch]:
-        for batch in self._episode.batches():
+        """The batches of one episode after the other, on one time."""
+        episode, began_ns = self._episode, 0
+        batches = episode.batches()
+        while (batch := next(batches, None)) is not None:
             self.truth = batch.truth
-            yield batch
+            yield later(batch, began_ns)
+            if episode is not self._episode:
+                episode, began_ns = self._episode, self._now_ns
+                batches = episode.batches()
+                if self._evidence is not None:
+                    self._evidence.begin(self.config, episode.info)
 
     def _keep_in_step(self, name: str, node: object = None) -> None:
         self._subjects.append(Subject(name, self._bridge, node))

@@ -92,7 +92,8 @@ def drive(config: EpisodeConfig) -> Log:
     episode, session, lidar = Episode(config), MetricsSession(), LidarSpec()
     feed, ranges = SampleFeed(session, lidar), None
     rng = np.random.default_rng([config.seed, AGENT_STREAM])
-    half_size = episode.info.map_size / 2
+    width, depth = episode.info.map_size
+    half_size = width / 2, depth / 2
     agent = RecordedAgent(DriverContext(find_rover(config.robot), half_size, lidar.bearings, rng))
     rows = []
     for batch in episode.batches():

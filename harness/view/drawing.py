@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import platform
 import subprocess
 import sys
 import tempfile
@@ -15,9 +16,10 @@ from harness.errors import HarnessError, UsageError
 from harness.files import check_target
 from harness.view.states import StateWriter
 
-BACKENDS = ("egl", "osmesa")  # of MuJoCo, in the order in which they are tried
+# Of MuJoCo, by system, in the order in which they are tried.
+BACKENDS = {"Linux": ("egl", "osmesa"), "Darwin": ("cgl", "glfw"), "Windows": ("glfw",)}
 SUFFIXES = {"--picture": ".png", "--video": ".mp4"}
-PACKAGES = "libegl1 libgl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"
+MENDS = {"Linux": "install libegl1 libgl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"}
 
 
 @cache
@@ -77,7 +79,7 @@ class Drawing(AbstractContextManager["Drawing"]):
         for flag, path in self._targets.items():
             check_target(flag, path, SUFFIXES[flag])
         if "--video" in self._targets and importlib.util.find_spec("av") is None:
-            raise UsageError("--video needs PyAV; install it with pip install -e '.[video]'")
+            raise UsageError("--video needs PyAV; install it with pip install 'rover-harness[video]'")
         self._environment = _working_environment(self._backend)
         folder = self._at_end.enter_context(tempfile.TemporaryDirectory(prefix="rover-harness-"))
         writer = StateWriter(Path(folder) / "states", config)
@@ -120,12 +122,15 @@ def _working_environment(chosen: str) -> dict[str, str]:
     Raises:
         UsageError: There is none; the message names the system's packages.
     """
-    for backend in (chosen,) if chosen else BACKENDS:
+    system = platform.system()
+    known = BACKENDS.get(system, BACKENDS["Linux"])
+    for backend in (chosen,) if chosen else known:
         environment = os.environ | {"MUJOCO_GL": backend}
         try:
             _call([], environment)
         except DrawingFailed:
             continue
         return environment
-    tried = f"MUJOCO_GL={chosen} does not work" if chosen else "neither EGL nor OSMesa works"
-    raise UsageError(f"pictures need OpenGL, but {tried} here; install {PACKAGES}")
+    tried = chosen or " or ".join(known)
+    mend = MENDS.get(system, "start it where a window could be opened")
+    raise UsageError(f"pictures need OpenGL, but MUJOCO_GL={tried} does not work here; {mend}")

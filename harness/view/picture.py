@@ -11,6 +11,7 @@ import math
 import sys
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
+from dataclasses import replace
 from functools import partial
 from itertools import accumulate
 from pathlib import Path
@@ -27,6 +28,7 @@ from harness.robots import find_rover
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.view.camera import View, best_view, chase_view
+from harness.view.ground import drawn
 from harness.view.marks import Mark, add_marks, beam_marks, path_marks, track_marks
 from harness.view.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
 from harness.view.states import States, read_states
@@ -55,6 +57,7 @@ class Studio(AbstractContextManager["Studio"]):
         self.recording = read_states(path)
         config = self.recording.config
         rover, world = find_rover(config.robot), config.world()
+        world = replace(world, ground=drawn(world.ground))
         self.model = build_scene(world, rover, config.timestep, partial(dress, quality=quality)).model
         self.data = mujoco.MjData(self.model)
         self._joints = [int(self.model.joint(name).qposadr[0]) for name in rover.joints]
@@ -155,7 +158,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m harness.view.picture",
         description="Draws a recorded episode; without a recording, only tries out OpenGL.",
-        epilog="MUJOCO_GL=egl or osmesa chooses OpenGL without a display.",
+        epilog="MUJOCO_GL=egl or osmesa (macOS: cgl) chooses OpenGL without a display.",
     )
     parser.add_argument("recording", type=Path, nargs="?")
     parser.add_argument("--picture", type=Path, metavar="FILE.png")

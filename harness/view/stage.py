@@ -21,7 +21,7 @@ OBSTACLE_COLORS = {  # RGBA, darker than the ground
     ObstacleKind.HAZARD: [0.4216, 0.204, 0.136, 1.0],
 }
 FIELD_OF_VIEW = 38.0  # [deg], vertical
-SOIL_PIXELS = 1024
+SOIL_PIXELS, SOIL_TILE = 1024, 2.0  # [pixels], [m] along a side of what repeats
 DARK_SOIL, LIGHT_SOIL = (128.0, 82.0, 54.0), (226.0, 168.0, 122.0)  # RGB, 0..255
 SKY = (224, 208, 188)  # RGB, 0..255
 
@@ -108,7 +108,9 @@ def _add_soil(spec: mujoco.MjSpec) -> None:
         nchannel=3,
     )
     texture.data = (dark + (light - dark) * shade).astype(np.uint8).tobytes()
-    material = spec.add_material(name="ground", texrepeat=[20, 20], specular=0.0, reflectance=0.0)
+    half_x, half_y, *_ = spec.hfield(TERRAIN).size
+    repeat = [2 * half_x / SOIL_TILE, 2 * half_y / SOIL_TILE]
+    material = spec.add_material(name="ground", texrepeat=repeat, specular=0.0, reflectance=0.0)
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "ground"
     spec.geom(TERRAIN).material = "ground"
 

@@ -22,7 +22,7 @@ from harness.sim_time import NANOSECONDS
 PERIOD_NS = 40_000_000  # 25 states a second, as a video shows them
 POSE_SIZE = 7
 SCENE = (  # of the configuration
-    *("terrain", "terrain_size", "terrain_height", "difficulty", "seed"),
+    *("terrain", "terrain_size", "terrain_height", "start", "difficulty", "seed"),
     *("robot", "timestep", "lidar_beams"),
 )
 

@@ -1,8 +1,8 @@
-"""Heights in metres over a square grid: the surface of a terrain, and what terrains are built from.
+"""Heights in metres over a rectangular grid: the surface of a terrain, and what terrains are built from.
 
 The grid is centred on the world's origin. Row index runs with +y and column index with +x, the vertices
-stand at the ends, and each cell is two triangles split along (row, col)-(row+1, col+1): exactly MuJoCo's
-heightfield.
+stand at the ends, and each square cell is two triangles split along (row, col)-(row+1, col+1): exactly
+MuJoCo's heightfield.
 """
 
 import math
@@ -19,22 +19,24 @@ FFT_MULTIPLE = 48  # transforms of multiples of 2^4 * 3 are fast
 
 @dataclass(frozen=True, eq=False)
 class Heightfield:
-    """Heights in metres, shape (n, n), `cell` metres apart."""
+    """Heights in metres, shape (rows, columns), `cell` metres apart."""
 
     heights: Field
     cell: float
 
     @property
-    def half_size(self) -> float:
-        """Half the side length of the map [m]."""
-        return 0.5 * self.cell * (len(self.heights) - 1)
+    def half_size(self) -> tuple[float, float]:
+        """Half the lengths of the map along x and y [m]."""
+        rows, columns = self.heights.shape
+        return 0.5 * self.cell * (columns - 1), 0.5 * self.cell * (rows - 1)
 
     def height_at(self, x: float, y: float) -> float:
         """Returns the height of the surface [m] at a point, which is clamped to the map."""
-        n = self.heights.shape[0]
-        u = min(max((x + self.half_size) / self.cell, 0.0), n - 1.0)
-        v = min(max((y + self.half_size) / self.cell, 0.0), n - 1.0)
-        col, row = min(int(u), n - 2), min(int(v), n - 2)
+        rows, columns = self.heights.shape
+        half_x, half_y = self.half_size
+        u = min(max((x + half_x) / self.cell, 0.0), columns - 1.0)
+        v = min(max((y + half_y) / self.cell, 0.0), rows - 1.0)
+        col, row = min(int(u), columns - 2), min(int(v), rows - 2)
         du, dv = u - col, v - row
         near, far = self.heights[row, col], self.heights[row + 1, col + 1]
         corner = self.heights[row, col + 1] if du >= dv else self.heights[row + 1, col]
@@ -103,24 +105,24 @@ def filled(values: Field) -> Field:
     return np.where(missing, _bilinear(coarse, (0.5, 0.5), (-0.25, -0.25), values.shape), values)
 
 
-def resampled(values: Field, step: tuple[float, float], count: int) -> Field:
-    """Returns values on a square grid in the middle of another one.
+def resampled(values: Field, step: tuple[float, float], shape: tuple[int, int]) -> Field:
+    """Returns values on a grid in the middle of another one.
 
     Where the new grid is coarser, means are taken first, so that no roughness turns into hills.
 
     Args:
         values: Shape (rows, columns).
         step: Distance of the new points in rows and in columns.
-        count: New points along each side.
+        shape: New rows and columns.
     """
     from scipy.ndimage import uniform_filter  # noqa: PLC0415 - 0.1 s that named terrains save
 
     widths = [2 * (round(stride) // 2) + 1 for stride in step]  # odd
     first = [
         0.5 * (size - 1) - 0.5 * stride * (count - 1)
-        for size, stride in zip(values.shape, step, strict=True)
+        for size, stride, count in zip(values.shape, step, shape, strict=True)
     ]
-    return _bilinear(uniform_filter(values, widths, mode="nearest"), step, first, (count, count))
+    return _bilinear(uniform_filter(values, widths, mode="nearest"), step, first, shape)
 
 
 def _bilinear(

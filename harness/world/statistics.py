@@ -86,10 +86,11 @@ class RoughnessMap:
         inset = reach(ground, WINDOW)
         squares = box_means(residuals(ground, WINDOW) ** 2, inset)
         self._squares = np.pad(squares, 2 * inset, mode="edge")
-        self._half_size, self._vertices_per_metre = ground.half_size, 1.0 / ground.cell
+        self._half_x, self._half_y = ground.half_size
+        self._vertices_per_metre = 1.0 / ground.cell
 
     def mean_square(self, x: float, y: float) -> float:
         """Returns the mean square residual [m^2] at the vertex nearest to a point of the map [m]."""
-        row = round((y + self._half_size) * self._vertices_per_metre)
-        column = round((x + self._half_size) * self._vertices_per_metre)
+        row = round((y + self._half_y) * self._vertices_per_metre)
+        column = round((x + self._half_x) * self._vertices_per_metre)
         return float(self._squares[row, column])

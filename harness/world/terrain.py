@@ -54,6 +54,7 @@ class Terrain(ABC):
     summary: ClassVar[str]
     promise: ClassVar[Promise]
     has_level_spawn: ClassVar[bool] = True
+    has_hazards: ClassVar[bool] = False  # whatever seed and difficulty
 
     size: float = constant(40.0, "m")
     cell: float = constant(0.1, "m")

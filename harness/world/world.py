@@ -1,31 +1,39 @@
 """Name + seed + difficulty -> a world: the ground and what stands on it, as plain values."""
 
 import hashlib
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from harness.errors import UsageError
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle
 from harness.world.terrains import TERRAINS
 
 DEFAULT_DIFFICULTY = 0.5
+EDGE_MARGIN = 0.5  # [m] of map that must remain around the rover's origin
+
+Start = tuple[float, float, float]  # x, y [m], yaw [rad] of the rover's model frame in the world
 
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """A ground with its obstacles, centred on the origin, where the rover starts.
+    """A ground with its obstacles, centred on the origin.
 
     Attributes:
-        notes: What was done to a heightmap file to make this of it.
+        difficulty: None of a heightmap file, which has none.
+        notes: What a heightmap file holds, and what was done to it to make this of it.
+        start: Where the rover starts.
     """
 
     name: str
     ground: Heightfield
     obstacles: tuple[Obstacle, ...]
     seed: int
-    difficulty: float
+    difficulty: float | None
     notes: tuple[str, ...] = ()
+    start: Start = (0.0, 0.0, 0.0)
 
 
 def build_world(name: str, seed: int, difficulty: float = DEFAULT_DIFFICULTY) -> World:
@@ -43,6 +51,34 @@ def build_world(name: str, seed: int, difficulty: float = DEFAULT_DIFFICULTY) ->
     ground = terrain.ground(ground_rng)
     obstacles = terrain.obstacles(ground, obstacle_rng)
     return World(name, ground, obstacles, seed, difficulty)
+
+
+def check_start(start: Start) -> None:
+    """Checks the numbers of a start by themselves.
+
+    Raises:
+        UsageError: They are none; or a heading of more than a turn, which was meant in degrees.
+    """
+    if len(start) != 3 or not all(map(math.isfinite, start)) or abs(start[2]) > math.tau:
+        text = ",".join(f"{value:g}" for value in start)
+        raise UsageError(
+            f"start {text} is not valid; give x and y in metres, and yaw in radians from -6.28 to 6.28"
+        )
+
+
+def starting_at(world: World, start: Start) -> World:
+    """Returns the same world with another start.
+
+    Raises:
+        UsageError: It is not on the map; the message tells where that is.
+    """
+    (x, y, _), (reach_x, reach_y) = start, (half - EDGE_MARGIN for half in world.ground.half_size)
+    if not (abs(x) < reach_x and abs(y) < reach_y):
+        raise UsageError(
+            f"start {x:g},{y:g} is off the map or at its edge; give x between {-reach_x:g} and "
+            f"{reach_x:g} m, y between {-reach_y:g} and {reach_y:g} m"
+        )
+    return replace(world, start=start)
 
 
 def terrain_hash(world: World) -> str:

@@ -2,11 +2,15 @@
 
 import sys
 
-from rover_metrics.errors import MissingRosError
+from rover_metrics.errors import MissingRosError, run_program
 
 
 def main() -> int:
     """Returns the exit code of metrics_node."""
+    return run_program("metrics_node", _run)
+
+
+def _run() -> int:
     try:
         from rover_metrics.metrics_node import main as run  # noqa: PLC0415 - needs ROS 2
     except MissingRosError as error:

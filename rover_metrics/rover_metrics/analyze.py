@@ -24,14 +24,14 @@ try:
     from rover_metrics.analysis.outcome import analyse
     from rover_metrics.analysis.output import prepare_folder, save_outliers, save_plots
     from rover_metrics.analysis.result import Result, Skipped
-    from rover_metrics.analysis.study import Member, Options, Study, labels, printable
+    from rover_metrics.analysis.study import Member, Options, Study, labels
     from rover_metrics.analysis.tables import report
 except ImportError as error:
     needed = "five libraries: pip install matplotlib numpy pandas rich scipy"
     print(f"analyze needs {needed} ({error})", file=sys.stderr)
     raise SystemExit(2) from None
 
-from rover_metrics.errors import RoverMetricsError
+from rover_metrics.errors import printable, run_program
 
 _PRINTED_WIDTH = 160  # columns, where the output is not a terminal
 
@@ -42,10 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns the exit code: 0 if every log was analysed, 1 if any was skipped, 2 after a known mistake.
     """
     try:
-        return _run(parse(arguments))
-    except RoverMetricsError as error:
-        _tell(str(error))
-        return error.exit_code
+        return run_program("analyze", lambda: _run(parse(arguments)))
     except BrokenPipeError:  # piped into head
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0

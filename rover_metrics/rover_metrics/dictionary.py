@@ -8,6 +8,11 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from rover_metrics.errors import begin_program, run_program
+
+if __name__ == "__main__":
+    begin_program("dictionary")
+
 from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 from rover_metrics.extended.metrics import EXTENDED_COLUMNS
@@ -42,14 +47,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m rover_metrics.dictionary", description=__doc__)
     parser.add_argument("--write", type=Path, metavar="FILE", help="write it there, not to stdout")
     options = parser.parse_args(arguments)
-    if options.write is None:
+    return run_program("dictionary", lambda: _write(options.write))
+
+
+def _write(target: Path | None) -> int:
+    if target is None:
         print(dictionary(), end="")
-        return 0
-    try:
-        options.write.write_text(dictionary(), encoding="utf-8")
-    except OSError as error:
-        print(f"dictionary: cannot write {options.write}: {error.strerror}", file=sys.stderr)
-        return 2
+    else:
+        target.write_text(dictionary(), encoding="utf-8")
     return 0
 
 

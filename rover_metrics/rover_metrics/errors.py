@@ -1,14 +1,29 @@
-"""What can go wrong, as types, and how commands tell it: in one line, with an exit code."""
+"""What can go wrong, as types, and how commands tell it: in one line, with an exit code.
+
+The edge of every program is here: `begin_program` before it loads its libraries, `run_program` around
+its work. Needs Python alone, since what is missing is told from here.
+"""
 
 import argparse
+import signal
 import sys
+from collections.abc import Callable
+from functools import partial
+from types import TracebackType
 from typing import NoReturn
 
+EXTRAS = {"rclpy": "[ros]", "joblib": "[tune]", "sklearn": "[tune]"}  # by what they bring
+OWN = ("harness", "rover_metrics")
 
-class RoverMetricsError(Exception):
+
+class KnownError(Exception):
     """A known mistake; its message is one line that names the valid choices or the mend."""
 
     exit_code = 2
+
+
+class RoverMetricsError(KnownError):
+    """What this package raises on purpose."""
 
 
 class ParameterError(RoverMetricsError):
@@ -43,6 +58,65 @@ def missing_ros(error: ImportError, *, is_program: bool) -> BaseException:
         return MissingRosError(message)
     print(message, file=sys.stderr)
     return SystemExit(MissingRosError.exit_code)
+
+
+def begin_program(name: str) -> None:
+    """Prepares a program for loading its libraries, which takes a second.
+
+    Ctrl-C then ends it without showing where it was, and what it cannot load is one line.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    sys.excepthook = partial(_end_with_a_line, name)
+
+
+def run_program(name: str, work: Callable[[], int]) -> int:
+    """Does a program's work; what is known to go wrong is one line on stderr, a bug goes on as it is.
+
+    Args:
+        name: The program's, before the line.
+        work: Gives the exit code.
+
+    Returns:
+        The exit code: that of the work or of the KnownError that ended it; 2 where a file cannot be
+        used or a library is missing.
+    """
+    try:
+        return work()
+    except (KnownError, ImportError, OSError) as error:
+        line = _told(error)
+        if line is None:
+            raise
+        print(f"{name}: {printable(line)}", file=sys.stderr)
+        return getattr(error, "exit_code", KnownError.exit_code)
+
+
+def _end_with_a_line(
+    name: str, kind: type[BaseException], error: BaseException, trace: TracebackType | None
+) -> None:
+    line = _told(error)
+    if line is None:
+        sys.__excepthook__(kind, error, trace)
+        return
+    print(f"{name}: {printable(line)}", file=sys.stderr)
+    raise SystemExit(getattr(error, "exit_code", KnownError.exit_code))
+
+
+def _told(error: BaseException) -> str | None:
+    """What there is to say of an error that is no bug of this project; None of one that is."""
+    if isinstance(error, KnownError):
+        return str(error)
+    module = (getattr(error, "name", None) or "").partition(".")[0]
+    if isinstance(error, ImportError) and module not in OWN:
+        here = f"Python {sys.version.split()[0]}, {sys.executable}"
+        return f"{error} ({here}); pip install 'rover-harness{EXTRAS.get(module, '')}'"
+    if isinstance(error, OSError) and error.filename is not None:
+        return f"cannot use {error.filename}: {error.strerror}; name another place"
+    return None
+
+
+def printable(text: str) -> str:
+    """Returns a text with a ? for each control character: a file's name cannot make two lines."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
 def is_worth_a_line(before: int, now: int) -> bool:

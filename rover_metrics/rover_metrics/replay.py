@@ -2,8 +2,9 @@
 
     python -m rover_metrics.replay BAG [-o CSV] [--params FILE]
 
-Needs no ROS. Exit code 0: everything was there; 1: the CSV is partial, stderr says why; 2: nothing
-could be done with these arguments.
+Needs no ROS. Exit code 0: the recording is whole, stderr warns of what it lacks; 1: it was killed, cut
+off or damaged, or lacks something and --require-all was given; 2: nothing could be done with these
+arguments.
 """
 
 import argparse
@@ -22,7 +23,7 @@ except ImportError as error:
     print(f"replay needs two libraries: pip install rosbags mcap ({error})", file=sys.stderr)
     raise SystemExit(2) from None
 
-from rover_metrics.errors import LogError, RoverMetricsError
+from rover_metrics.errors import LogError, run_program
 from rover_metrics.extended.settings import Settings
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.session import MetricsSession
@@ -34,10 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = parser().parse_args(arguments)
     try:
-        return _replay(options)
-    except RoverMetricsError as error:
-        print(f"replay: {error}", file=sys.stderr)
-        return error.exit_code
+        return run_program("replay", lambda: _replay(options))
     except KeyboardInterrupt:
         print("replay: stopped by SIGINT", file=sys.stderr)
         return INTERRUPTED
@@ -58,10 +56,11 @@ def _replay(options: argparse.Namespace) -> int:
                 bag.problems.append("stopped by SIGINT; the rows so far are kept")
                 code = INTERRUPTED
     _print_summary(playback, log)
-    problems = _problems(playback, bag)
-    for line in (*(f"note: {note}" for note in playback.notes), *problems):
+    warnings, problems = _warnings(playback), _problems(playback, bag)
+    labelled = (*(f"note: {note}" for note in playback.notes), *(f"warning: {w}" for w in warnings))
+    for line in (*labelled, *problems):
         print(f"replay: {line}", file=sys.stderr)
-    return code or int(bool(problems))
+    return code or int(bool(problems or (options.require_all and warnings)))
 
 
 @contextmanager
@@ -99,17 +98,22 @@ def _print_summary(playback: Playback, log: CsvLog) -> None:
     print(f"{log.rows} rows in {log.path}")
 
 
+def _warnings(playback: Playback) -> list[str]:
+    """What a whole recording does not have; a line each."""
+    return [f"{reason}; name another with --remap" for reason in playback.missing] + [
+        f"{topic}: {count.rejected} messages are empty, not finite or impossible, left out"
+        for topic, count in playback.counts.items()
+        if count.rejected
+    ]
+
+
 def _problems(playback: Playback, bag: Bag) -> list[str]:
-    """Why the rows are not all that they could be; a line each."""
-    problems = [f"{reason}; name another with --remap" for reason in playback.missing] + bag.problems
-    for topic, count in playback.counts.items():
-        if count.unreadable:
-            problems.append(f"{topic}: {count.unreadable} messages are not readable, left out")
-        if count.rejected:
-            problems.append(
-                f"{topic}: {count.rejected} messages are empty, not finite or impossible, left out"
-            )
-    return problems
+    """How the recording itself is damaged; a line each."""
+    return bag.problems + [
+        f"{topic}: {count.unreadable} messages are not readable, left out"
+        for topic, count in playback.counts.items()
+        if count.unreadable
+    ]
 
 
 if __name__ == "__main__":

@@ -1,9 +1,11 @@
 """What determines an episode: defaults, edges of what is valid, counts of ticks, its world."""
 
+import json
 import math
 import os
 import subprocess
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,7 @@ import pytest
 
 from harness.config import TICKS_PER_CONTROL, EpisodeConfig
 from harness.errors import UsageError
+from harness.world.world import terrain_hash
 
 
 def test_the_process_that_publishes_an_episode_loads_neither_mujoco_nor_compiled_kernels() -> None:
@@ -32,6 +35,7 @@ def test_the_defaults_are_those_of_the_command_line() -> None:
         difficulty=0.5,
         terrain_size=None,
         terrain_height=None,
+        start=None,
         timestep=0.0025,
         noise=None,
         lidar_beams=640,
@@ -72,6 +76,8 @@ def test_an_episode_has_a_tick_each_10_ms_and_a_batch_each_50_ms_or_part_of_it(
         {"noise": "white"},
         {"noise": "hardware"},
         {"faults": ("imu:nan",)},
+        {"start": (1.0, -2.0, math.tau)},
+        {"start": (1.0, -2.0, -math.tau)},
         {"terrain": "no/such.npy", "terrain_size": (10.0, 50_000.0), "terrain_height": 0.0},
     ],
     ids=str,
@@ -96,6 +102,9 @@ def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object
         ({"noise": "loud"}, "'loud' does not exist; available: white, hardware, gazebo"),
         ({"noise": ""}, "'' does not exist; available: white, hardware, gazebo"),
         ({"faults": ("imu:gone",)}, "gone"),
+        ({"start": (0.0, math.nan, 0.0)}, "start 0,nan,0 is not valid; give x and y in metres"),
+        ({"start": (0.0, 0.0, 90.0)}, "start 0,0,90 is not valid"),
+        ({"start": (0.0, 0.0)}, "start 0,0 is not valid"),
         ({"robot": "r2d2"}, "robot 'r2d2' does not exist"),
         ({"driver": "drunk"}, "driver 'drunk' does not exist"),
         ({"terrain": "moon"}, "terrain 'moon' does not exist; available: flat, slope, rolling, gravel"),
@@ -133,7 +142,7 @@ def test_a_file_becomes_a_world_of_the_size_and_height_given(tmp_path: Path) -> 
     np.save(tmp_path / "ramp.npy", heights)
     path = str(tmp_path / "ramp.npy")
     world = EpisodeConfig(terrain=path, terrain_size=(20.0, 20.0), terrain_height=0.5, seed=3).world()
-    assert (world.ground.half_size, world.seed) == (10.0, 3)
+    assert (world.ground.half_size, world.seed) == ((10.0, 10.0), 3)
     assert np.ptp(world.ground.heights) == pytest.approx(0.5, abs=1e-6)
 
 
@@ -147,3 +156,18 @@ def test_a_file_that_has_been_written_anew_is_another_world(tmp_path: Path) -> N
         reliefs.append(np.ptp(config.world().ground.heights))
     assert reliefs == pytest.approx([1.0, 2.0])
     assert config.world() is config.world()
+
+
+def test_a_manifest_s_arguments_make_the_same_episode_again() -> None:
+    config = EpisodeConfig(
+        terrain="a.npy", terrain_size=(20.0, 30.0), start=(1.0, 2.0, 0.5), faults=("imu:nan",)
+    )
+    again = EpisodeConfig(**json.loads(json.dumps(asdict(config))))
+    assert again == config
+    assert hash(again) == hash(config)
+
+
+def test_the_start_changes_nothing_else_of_the_world() -> None:
+    given, world = (EpisodeConfig(terrain="posts", start=s).world() for s in ((3.0, -4.0, 1.0), None))
+    assert (given.start, world.start) == ((3.0, -4.0, 1.0), (0.0, 0.0, 0.0))
+    assert terrain_hash(given) == terrain_hash(world)

@@ -123,5 +123,5 @@ def test_missing_rclpy_names_the_extra_and_direct(
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, "rclpy", None)
     text = complaint(["--terrain", "flat", "--log-dir", str(tmp_path)], capsys)
-    assert "pip install -e '.[ros]'" in text
+    assert "pip install 'rover-harness[ros]'" in text
     assert "--direct" in text

@@ -30,5 +30,5 @@ def test_every_column_is_in_it_once_and_no_two_share_a_name(capsys: pytest.Captu
 def test_a_place_that_cannot_be_written_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--write", "/nowhere/metrics.md"]) == 2
     assert capsys.readouterr().err == (
-        "dictionary: cannot write /nowhere/metrics.md: No such file or directory\n"
+        "dictionary: cannot use /nowhere/metrics.md: No such file or directory; name another place\n"
     )

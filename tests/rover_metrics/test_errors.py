@@ -1,7 +1,23 @@
+import errno
+import subprocess
+import sys
+from pathlib import Path
+from unittest.mock import Mock
+
 import pytest
 
 from rover_metrics import errors
-from rover_metrics.errors import MissingRosError, RoverMetricsError, is_worth_a_line, missing_ros
+from rover_metrics.errors import (
+    KnownError,
+    LogError,
+    MissingRosError,
+    RoverMetricsError,
+    is_worth_a_line,
+    missing_ros,
+    run_program,
+)
+
+PACKAGE = Path(__file__).parents[2] / "rover_metrics"
 
 NO_ROS = ImportError("No module named 'rclpy'")
 TOLD = (
@@ -32,8 +48,76 @@ def test_without_ros_a_library_user_is_given_an_import_error(
 
 def test_every_known_mistake_can_be_caught_as_one_and_ends_a_program_with_two() -> None:
     kinds = [kind for name, kind in vars(errors).items() if name.endswith("Error")]
-    assert len(kinds) == 5
-    assert all(issubclass(kind, RoverMetricsError) and kind.exit_code == 2 for kind in kinds)
+    assert len(kinds) == 6
+    assert all(issubclass(kind, KnownError) and kind.exit_code == 2 for kind in kinds)
+    assert [kind for kind in kinds if not issubclass(kind, RoverMetricsError)] == [KnownError]
+
+
+class Failed(KnownError):
+    exit_code = 1
+
+
+HERE = f"(Python {sys.version.split()[0]}, {sys.executable})"
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "line"),
+    [
+        (Failed("it left the map"), 1, "it left the map"),
+        (LogError("a\nb"), 2, "a?b"),
+        (
+            PermissionError(errno.EACCES, "Permission denied", "/locked/bag"),
+            2,
+            "cannot use /locked/bag: Permission denied; name another place",
+        ),
+        (ImportError("no rich", name="rich.table"), 2, f"no rich {HERE}; pip install 'rover-harness'"),
+        (ImportError("no x", name="sklearn"), 2, f"no x {HERE}; pip install 'rover-harness[tune]'"),
+        (ImportError("no x", name="joblib"), 2, f"no x {HERE}; pip install 'rover-harness[tune]'"),
+        (ImportError("no x", name="rclpy.node"), 2, f"no x {HERE}; pip install 'rover-harness[ros]'"),
+        (ImportError("no x"), 2, f"no x {HERE}; pip install 'rover-harness'"),
+    ],
+)
+def test_what_is_known_to_go_wrong_ends_a_program_in_one_line(
+    error: Exception, code: int, line: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_program("name", Mock(side_effect=error)) == code
+    assert capsys.readouterr() == ("", f"name: {line}\n")
+
+
+@pytest.mark.parametrize(
+    "bug",
+    [
+        ValueError("x"),
+        OSError(errno.EIO, "no file is named"),
+        ImportError("cannot import name", name="harness.run"),
+        ImportError("cannot import name", name="rover_metrics"),
+    ],
+)
+def test_a_bug_keeps_its_trace(bug: Exception) -> None:
+    with pytest.raises(type(bug)) as caught:
+        run_program("name", Mock(side_effect=bug))
+    assert caught.value is bug
+
+
+@pytest.mark.parametrize(
+    ("then", "code", "told"),
+    [
+        ("import no_such_library", 2, "name: No module named 'no_such_library' (Python "),
+        ("raise errors.LogError('full')", 2, "name: full\n"),
+        ("1 / 0", 1, "Traceback"),
+    ],
+)
+def test_what_a_program_cannot_load_is_one_line(then: str, code: int, told: str) -> None:
+    source = f"from rover_metrics import errors; errors.begin_program('name'); {then}"
+    command = [sys.executable, "-S", "-c", source]
+    run = subprocess.run(command, cwd=PACKAGE, capture_output=True, text=True, check=False)
+    assert run.returncode == code
+    assert run.stderr.startswith(told)
+    assert run.stderr.count("\n") == 1 or code == 1
+
+
+def test_a_program_that_works_ends_with_its_own_code() -> None:
+    assert run_program("name", lambda: 3) == 3
 
 
 def test_a_count_is_worth_a_line_when_it_reaches_or_leaps_over_a_power_of_two() -> None:

@@ -202,13 +202,14 @@ def test_real_bag_gives_its_path_length_and_names_what_it_lacks(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     output = tmp_path / "rows.csv"
-    assert main([str(REAL_BAG), "-o", str(output)]) == 1
+    assert main([str(REAL_BAG), "-o", str(output)]) == 0
     with output.open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert float(rows[-1]["Distance Traveled"]) == pytest.approx(30.5, abs=0.05)
     assert [int(row["Timestamp"]) for row in rows] == list(range(1735179281, 1735179357))
     told = capsys.readouterr().err.splitlines()
-    assert [line.split()[1] for line in told] == ["/scan", "/imu/data", "/odometry/wheels"]
+    expected = ["/scan", "/imu/data", "/odometry/wheels"]
+    assert [line.split()[1:3] for line in told] == [["warning:", topic] for topic in expected]
 
 
 @pytest.mark.parametrize("storage", StoragePlugin)
@@ -274,12 +275,16 @@ def test_missing_topics_are_named_and_the_others_go_on(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     messages = [m for m in drive() if m[0] not in {"/scan", "/imu/data"}]
-    rows = replay(write_mcap(tmp_path / "bag.mcap", messages), code=1)
+    bag = write_mcap(tmp_path / "bag.mcap", messages)
+    rows = replay(bag)
     assert [row[6:8] for row in rows] == [row[6:8] for row in cells(expected_rows())]
     told = capsys.readouterr().err
-    assert "/scan is missing" in told
-    assert "/imu/data is missing" in told
-    assert "/odometry" not in told
+    assert told.splitlines() == [
+        f"replay: warning: {topic} is missing; name another with --remap"
+        for topic in ("/scan", "/imu/data")
+    ]
+    assert replay(bag, "--require-all", code=1) == rows
+    assert replay(write_mcap(tmp_path / "whole.mcap", drive()), "--require-all") != rows
 
 
 def test_topic_of_another_type_is_left_out_by_name(
@@ -288,7 +293,7 @@ def test_topic_of_another_type_is_left_out_by_name(
     messages = [("/scan" if topic == CLOCK else topic, t, d) for topic, t, d in drive()]
     messages = [m for m in messages if m[0] != "/scan" or len(m[2]) < 20]  # the clocks in its place
     bag = write_folder(tmp_path / "bag", messages, types=TYPES | {"/scan": TYPES[CLOCK]})
-    assert [row[5] for row in replay(bag, code=1)] == ["inf"] * 4
+    assert [row[5] for row in replay(bag)] == ["inf"] * 4
     told = capsys.readouterr().err
     assert "/scan is rosgraph_msgs/msg/Clock, not sensor_msgs/msg/LaserScan" in told
 
@@ -451,7 +456,12 @@ def test_place_without_a_recording_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert "does not exist" in refused(capsys, str(tmp_path / "nothing"))
-    assert "holds no .mcap and no .db3" in refused(capsys, str(tmp_path))
+    assert refused(capsys, str(tmp_path)).endswith("holds no .mcap and no .db3 file\n")
+    for name in ("a", "b", "deep/down", "empty"):
+        (tmp_path / "runs" / name).mkdir(parents=True)
+    for name in ("a/a.mcap", "b/b.db3", "deep/down/no.mcap"):
+        (tmp_path / "runs" / name).touch()
+    assert refused(capsys, str(tmp_path / "runs")).endswith("; bags in it: a, b\n")
     bag = write_mcap(tmp_path / "bag.mcap", drive(1.0), encoding="json")
     assert "/scan is json-encoded" in refused(capsys, str(bag))
 
@@ -494,7 +504,7 @@ def test_parameters_and_recorded_truth_give_the_extended_columns(
         "    footprint_threshold: 0.35\n"
     )
     words = [str(bag), "-o", str(output), "--time", "header", "--remap", f"odom_ground_truth:={truth}"]
-    assert main([*words, "--params", str(file)]) == 1
+    assert main([*words, "--params", str(file)]) == 0
     with output.open(newline="") as rows:
         first, *_, final = csv.DictReader(rows)
     assert list(first) == list(EXTENDED_HEADER)
@@ -512,8 +522,15 @@ def test_parameters_and_recorded_truth_give_the_extended_columns(
     ]
     assert told.out.splitlines()[0] == "rows follow header time"
     assert told.out.splitlines()[7:] == ["0.00 m travelled, 4 collisions", f"4 rows in {output}"]
-    assert told.err == (f"replay: {truth}: 1 messages are empty, not finite or impossible, left out\n")
-    with_switch = ["--extended", "--remap", f"odom_ground_truth:={truth}", "--overwrite"]
+    left_out = f"{truth}: 1 messages are empty, not finite or impossible, left out"
+    assert told.err == f"replay: warning: {left_out}\n"
+    with_switch = [
+        "--extended",
+        "--remap",
+        f"odom_ground_truth:={truth}",
+        "--overwrite",
+        "--require-all",
+    ]
     assert main([str(bag), "-o", str(output), *with_switch]) == 1
     assert output.read_text().startswith(",".join(EXTENDED_HEADER))
 

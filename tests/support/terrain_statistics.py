@@ -1,5 +1,6 @@
 """What a world measures: the figures of which every terrain makes a promise."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +29,7 @@ def measure(ground: Heightfield, obstacles: tuple[Obstacle, ...] = ()) -> Terrai
         slope_p95=float(p95),
         rms_1m=residual_rms(ground, 1.0),
         rms_03m=residual_rms(ground, 0.3),
-        obstacle_density=len(obstacles) / (2.0 * ground.half_size) ** 2,
+        obstacle_density=len(obstacles) / (4.0 * math.prod(ground.half_size)),
     )
 
 

@@ -4,13 +4,15 @@ import ast
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable
+from itertools import accumulate
 from pathlib import Path
 
 from tools.mutants.mutations import Mutant
 from tools.mutants.session import Trace
 
-SLOW = 3.0  # [s]; a slower test is used only for what no other covers
-BUDGET = 6.0  # [s] of tests for one mutant
+SLOW = 3.0  # [s]; a slower test comes last
+BUDGET = 6.0  # [s] of quick tests for one mutant
+LAST_BUDGET = 15.0  # [s] of all other tests, for one that has survived these
 
 Timed = list[tuple[str, float]]  # tests and the seconds that each may take
 
@@ -28,7 +30,8 @@ class Chooser:
     def __init__(
         self, root: Path, trace: Trace, at_import: dict[str, set[int]], patience: float = 1.0
     ) -> None:
-        self.trace, self._slow, self._budget = trace, SLOW * patience, BUDGET * patience
+        self.trace, self._slow = trace, SLOW * patience
+        self._budget, self._last_budget = BUDGET * patience, LAST_BUDGET * patience
         self._root, self._at_import = root, at_import
         self._statements: dict[str, dict[int, tuple[range, set[str]]]] = {}
         self._killers: Counter[tuple[str, str, str]] = Counter()
@@ -73,14 +76,19 @@ class Chooser:
                 costs[test],
             )
 
-        chosen: list[str] = []
-        total = 0.0
-        for test in sorted(quick, key=rank) or sorted(tests, key=costs.__getitem__)[:3]:
-            total += costs[test]
-            if chosen and total > self._budget:
-                break
-            chosen.append(test)
-        return self.limits(chosen)
+        chosen = self._within(self._budget, sorted(quick, key=rank))
+        others = sorted(tests - set(chosen) - self.trace.slow, key=costs.__getitem__)
+        chosen += self._within(self._last_budget, others)
+        return self.limits(chosen or sorted(tests, key=costs.__getitem__)[:3])
+
+    def _within(self, budget: float, tests: list[str]) -> list[str]:
+        """The first tests, one at least, that take no longer together."""
+        totals = accumulate(self.trace.costs[test] for test in tests)
+        return [
+            test
+            for n, (test, total) in enumerate(zip(tests, totals, strict=True))
+            if not n or total <= budget
+        ]
 
     def limits(self, tests: Iterable[str]) -> Timed:
         """Tests with the seconds that each may take."""

@@ -1,21 +1,19 @@
 """Processes of this machine: joblib's loky."""
 
 import os
-import signal
 import threading
 import time
 import warnings
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager
-from multiprocessing import resource_tracker
 
 from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky import get_reusable_executor
 
+from harness.interrupt import FROM_TERMINALS, held_back
 from harness.tuning.backend.base import Backend, Item, Outcome, WorkerLost
 
-TERMINAL_SIGNALS = {signal.SIGINT, signal.SIGHUP}
 WARNINGS = "PYTHONWARNINGS"
 WATCH = 1.0  # [s] between two looks at whether the process that gives work is still there
 
@@ -57,22 +55,18 @@ class LocalBackend(Backend):
 def _quiet_children() -> Iterator[None]:
     """Processes that start within leave Ctrl-C to this one, and loky's keeper of semaphores is silent.
 
-    Ctrl-C reaches every process of a terminal. They inherit blocked signals, as does the thread that
-    starts them anew; what arrives here meanwhile is delivered afterwards. Then the keeper cleans up
-    what an executor had no time to, which is its purpose and no news.
+    So does the thread that starts them anew. The keeper cleans up what an executor had no time to,
+    which is its purpose and no news.
     """
-    signals = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
     filters = os.environ.get(WARNINGS)
     os.environ[WARNINGS] = ",".join(filter(None, (filters, "ignore:resource_tracker:UserWarning")))
     try:
-        resource_tracker.ensure_running()  # which unblocks SIGINT when it starts, so not later
-        signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
-        yield
+        with held_back(FROM_TERMINALS):
+            yield
     finally:
         os.environ.pop(WARNINGS)
         if filters is not None:
             os.environ[WARNINGS] = filters
-        signal.pthread_sigmask(signal.SIG_SETMASK, signals)
 
 
 def _leave_with(parent: int) -> None:

@@ -1,7 +1,7 @@
-"""A world from a heightmap file: square, without gaps, with a start on which a rover can stand.
+"""A world from a heightmap file: the whole of it, without gaps, with a start on which a rover can stand.
 
-The data are not altered where they need not be: pixels between 5 cm and the map's limit become vertices
-as they are. Whatever is done (filled, cropped, resampled, scaled) is told in a note.
+The data are not altered where they need not be: square pixels between 5 cm and the map's limit become
+vertices as they are. Whatever is done (filled, resampled, scaled) and what came of it is told in a note.
 """
 
 import math
@@ -17,17 +17,19 @@ from harness.world.heightmap.raster import Raster, read_raster
 from harness.world.statistics import slopes
 from harness.world.terrain import HEIGHT_DECIMALS
 from harness.world.terrains import TERRAINS
-from harness.world.world import DEFAULT_DIFFICULTY, World
+from harness.world.world import Start, World
 
 SUFFIXES = (".tif", ".tiff", ".png", ".npy")
+MIDDLE: Start = (0.0, 0.0, 0.0)
 FINEST_CELL = 0.05  # [m]: a step costs more the smaller the cells under a wheel are
-MOST_VERTICES = 1500  # along a side
+MOST_VERTICES = 1500 * 1500
 SMALLEST_MAP, LARGEST_MAP = 10.0, 50_000.0  # [m] along a side
 LARGEST_RELIEF = 10_000.0  # [m]
 MOST_MISSING = 0.5  # share of heights that may be filled in
 STEEPEST_START = 15.0  # [deg]
+SMALLEST_LOSS = 0.01  # of a cell, at the edges, that is told
 START_REACH = 0.4  # [m] around the start that must not be steeper
-START_SEARCH = 0.25  # of the map's side, from its middle
+START_SEARCH = 0.25  # of the map's shorter side, from its middle
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,11 +40,13 @@ class TerrainFile:
         path: The file.
         size: Length of the map along x and y [m]; None as the file says.
         relief: From the lowest to the highest point [m]; None as the file says.
+        needs_start: Whether a place to start from is to be looked for.
     """
 
     path: Path
     size: tuple[float, float] | None = None
     relief: float | None = None
+    needs_start: bool = True
 
     def check(self) -> None:
         """Checks the two numbers.
@@ -76,23 +80,28 @@ def file_world(file: TerrainFile, seed: int) -> World:
     """
     raster = read_raster(file.path)
     try:
-        ground, notes = _ground(raster, file)
+        notes = list(raster.notes)
+        ground = _ground(raster, file, notes)
+        start = _start(ground, notes) if file.needs_start else MIDDLE
     except UsageError as error:
         raise UsageError(f"terrain {file.path}: {error}") from error
-    return World(file.path.name, ground, (), seed, DEFAULT_DIFFICULTY, notes=notes)
+    return World(file.path.name, ground, (), seed, None, tuple(notes), start)
 
 
-def _ground(raster: Raster, file: TerrainFile) -> tuple[Heightfield, tuple[str, ...]]:
-    notes: list[str] = []
+def _ground(raster: Raster, file: TerrainFile, notes: list[str]) -> Heightfield:
     pixel = _pixel(raster, file)
-    values = _cropped(raster.values, pixel, notes)
-    values = _complete(values, notes)
+    values = _complete(raster.values, notes)
     heights = _in_metres(values, raster, file.relief, notes)
     heights, cell = _on_cells(heights, pixel, notes)
-    row, column = _start(heights, cell)
-    heights = _centred(heights, row, column, cell, notes)
     heights = np.round(heights - heights.min(), HEIGHT_DECIMALS) + 0.0
-    return Heightfield(np.ascontiguousarray(heights[::-1]), cell), tuple(notes)
+    ground = Heightfield(np.ascontiguousarray(heights[::-1]), cell)
+    width, depth = (2 * half for half in ground.half_size)
+    rows, columns = heights.shape
+    notes.append(
+        f"{width:.4g} m along x, {depth:.4g} m along y, {columns} x {rows} heights {cell:.4g} m apart, "
+        f"relief {np.ptp(heights):.4g} m"
+    )
+    return ground
 
 
 def _pixel(raster: Raster, file: TerrainFile) -> tuple[float, float]:
@@ -116,19 +125,6 @@ def _extent(values: Field, pixel: tuple[float, float]) -> tuple[float, float]:
     return pixel[0] * (columns - 1), pixel[1] * (rows - 1)
 
 
-def _cropped(values: Field, pixel: tuple[float, float], notes: list[str]) -> Field:
-    """The largest square in metres around the middle."""
-    width, depth = _extent(values, pixel)
-    side = min(width, depth)
-    kept = [math.floor(side / step + 1e-6) + 1 for step in reversed(pixel)]
-    spare = [max(0, count - keep) for count, keep in zip(values.shape, kept, strict=True)]
-    if not any(spare):
-        return values
-    notes.append(f"{width:.4g} x {depth:.4g} m cropped to the middle {side:.4g} m")
-    row, column = (count // 2 for count in spare)
-    return values[row : row + kept[0], column : column + kept[1]]
-
-
 def _complete(values: Field, notes: list[str]) -> Field:
     missing = int(np.isnan(values).sum())
     if not missing:
@@ -146,7 +142,10 @@ def _in_metres(values: Field, raster: Raster, relief: float | None, notes: list[
     lowest, extent = float(values.min()), float(np.ptp(values))
     if relief is None:
         if not raster.in_metres:
-            raise UsageError("its values are no metres; give --terrain-height, lowest to highest point")
+            raise UsageError(
+                "it does not say that its values are metres; give --terrain-height, lowest to highest "
+                "point"
+            )
         if extent > LARGEST_RELIEF:
             raise UsageError(f"its relief is {extent:g} m; give --terrain-height if that is no metres")
         return values
@@ -156,16 +155,19 @@ def _in_metres(values: Field, raster: Raster, relief: float | None, notes: list[
 
 def _on_cells(heights: Field, pixel: tuple[float, float], notes: list[str]) -> tuple[Field, float]:
     """Heights on square cells of a size that can be simulated, and that size [m]."""
-    side = min(_extent(heights, pixel))
-    cell = max(min(pixel), FINEST_CELL, side / (MOST_VERTICES - 1))
-    count = math.floor(side / cell + 1e-6) + 1
-    if heights.shape == (count, count) and math.isclose(pixel[0], pixel[1], rel_tol=1e-9):
+    width, depth = _extent(heights, pixel)
+    cell = max(min(pixel), FINEST_CELL, math.sqrt(width * depth) / (math.sqrt(MOST_VERTICES) - 1))
+    if math.isclose(pixel[0], pixel[1], rel_tol=1e-9) and cell <= pixel[0] * (1 + 1e-9):
         return heights, pixel[0]
-    notes.append(f"pixels of {pixel[0]:.4g} x {pixel[1]:.4g} m resampled to cells of {cell:.4g} m")
-    return resampled(heights, (cell / pixel[1], cell / pixel[0]), count), cell
+    rows, columns = (math.floor(length / cell + 1e-6) + 1 for length in (depth, width))
+    lost_x, lost_y = (max(0.0, w - (n - 1) * cell) for w, n in ((width, columns), (depth, rows)))
+    note = f"pixels of {pixel[0]:.4g} x {pixel[1]:.4g} m resampled to cells of {cell:.4g} m"
+    cut = f", {lost_x:.2g} m along x and {lost_y:.2g} m along y cut off at the edges"
+    notes.append(note + (cut if max(lost_x, lost_y) > SMALLEST_LOSS * cell else ""))
+    return resampled(heights, (cell / pixel[1], cell / pixel[0]), (rows, columns)), cell
 
 
-def _start(heights: Field, cell: float) -> tuple[int, int]:
+def _start(ground: Heightfield, notes: list[str]) -> Start:
     """The vertex next to the middle around which the ground is gentle.
 
     Raises:
@@ -173,31 +175,24 @@ def _start(heights: Field, cell: float) -> tuple[int, int]:
     """
     from scipy.ndimage import maximum_filter  # noqa: PLC0415 - 0.1 s that named terrains save
 
-    middle, reach = (len(heights) - 1) / 2, math.ceil(START_REACH / cell)
-    steepest = maximum_filter(slopes(Heightfield(heights, cell)), 2 * reach + 1, mode="nearest")
-    axis = np.arange(len(heights)) - middle
-    distance = np.hypot(axis[:, None], axis[None, :])
-    searched = distance <= START_SEARCH * len(heights)
+    (half_x, half_y), cell = ground.half_size, ground.cell
+    rows, columns = ground.heights.shape
+    steepest = maximum_filter(slopes(ground), 2 * math.ceil(START_REACH / cell) + 1, mode="nearest")
+    x, y = cell * np.arange(columns) - half_x, cell * np.arange(rows) - half_y
+    distance = np.hypot(y[:, None], x[None, :])
+    radius = START_SEARCH * cell * min(rows, columns)
+    searched = distance <= radius
     fit = searched & (steepest <= STEEPEST_START)
     if not fit.any():
-        radius, gentlest = START_SEARCH * len(heights) * cell, steepest[searched].min()
+        gentlest = steepest[searched].min()
         raise UsageError(
             f"no rover can stand within {radius:.3g} m of its middle: the gentlest place is "
-            f"{gentlest:.0f} deg steep, not {STEEPEST_START:g}; check --terrain-size and -height"
+            f"{gentlest:.0f} deg steep, not {STEEPEST_START:g}; check --terrain-size and -height, or "
+            "choose a --start"
         )
-    row, column = np.unravel_index(np.argmin(np.where(fit, distance, np.inf)), heights.shape)
-    return int(row), int(column)
-
-
-def _centred(heights: Field, row: int, column: int, cell: float, notes: list[str]) -> Field:
-    """The largest square with the start in its middle, where a rover is set down."""
-    last = len(heights) - 1
-    middle = last / 2
-    if max(abs(row - middle), abs(column - middle)) <= 0.5:
-        return heights
-    reach = min(row, column, last - row, last - column)
-    moved = math.hypot(row - middle, column - middle) * cell
-    notes.append(
-        f"starts {moved:.3g} m off its middle, on gentle ground; {2 * reach * cell:.4g} m remain"
-    )
-    return heights[row - reach : row + reach + 1, column - reach : column + reach + 1]
+    row, column = np.unravel_index(np.argmin(np.where(fit, distance, np.inf)), fit.shape)
+    if distance[row, column] < cell:  # as near as a vertex can be
+        return MIDDLE
+    start = round(float(x[column]), 3), round(float(y[row]), 3), 0.0
+    notes.append(f"starts at {start[0]:g},{start[1]:g}: in its middle, 0,0, the ground is too steep")
+    return start

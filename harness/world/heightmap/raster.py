@@ -1,12 +1,11 @@
 """Heights from a file: TIFF and GeoTIFF, PNG, .npy, told apart by their first bytes.
 
 Nothing in a file is trusted: sizes are checked before anything is decoded, pickles are never loaded. A
-raster's first row is the north edge (largest y), as in every image and GeoTIFF.
+raster's first row is the north edge (largest y), its first column the west edge, as in every image.
 """
 
 import logging
 import warnings
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,17 +15,15 @@ from PIL import Image
 
 from harness.errors import UsageError
 from harness.world.heightfield import Field
+from harness.world.heightmap.geotiff import SIZE_UNKNOWN, read_grid
+from harness.world.heightmap.packed import READABLE, unpacked
 
 MOST_PIXELS = 4096 * 4096  # 128 MiB as float64
 FEWEST_PIXELS = 8  # along either side
 LARGEST_HEIGHT = 20_000.0  # [m]; beyond it a value marks missing data
 NODATA_TAG = 42113  # GDAL's
-DEFLATE = (8, 32946)  # TIFF's two numbers for it
-METRE = 9001  # EPSG's number for the unit
-GEOGRAPHIC = 2  # GeoTIFF's model type of longitude and latitude
 FORMATS = {b"\x93NUMPY": "npy", b"\x89PNG": "png", b"II": "tiff", b"MM": "tiff"}
 GREY_MODES = ("1", "L", "I", "F")  # Pillow's, beside those of 16 bits
-SIZE_UNKNOWN = "it does not say how large it is"
 REWRITE = "gdal_translate -ot Float32 -co COMPRESS=NONE rewrites it"
 
 
@@ -38,11 +35,13 @@ class Raster:
         values: Shape (rows, columns), NaN where there are none.
         pixel: Distance of two columns and of two rows [m]; or why it is unknown, as a sentence starts.
         in_metres: Whether the values are heights in metres; else they only are proportional to them.
+        notes: What its file says of it that a reader should know.
     """
 
     values: Field
     pixel: tuple[float, float] | str
     in_metres: bool
+    notes: tuple[str, ...] = ()
 
 
 def read_raster(path: Path) -> Raster:
@@ -84,13 +83,13 @@ def _kind(path: Path) -> str:
     raise UsageError(f"terrain {path} is not a heightmap; readable are TIFF, PNG and .npy")
 
 
-def _check_size(columns: int, rows: int) -> None:
+def _check_size(columns: int, rows: int, fewest: int = FEWEST_PIXELS) -> None:
     if columns * rows > MOST_PIXELS:
         raise UsageError(
             f"{columns} x {rows} pixels are too many; at most {MOST_PIXELS / 1e6:.0f} million are read"
         )
-    if min(columns, rows) < FEWEST_PIXELS:
-        raise UsageError(f"{columns} x {rows} pixels are too few; a side needs {FEWEST_PIXELS} or more")
+    if min(columns, rows) < fewest:
+        raise UsageError(f"{columns} x {rows} pixels are too few; a side needs {fewest} or more")
 
 
 def _read_npy(path: Path) -> Raster:
@@ -124,50 +123,28 @@ def _read_tiff(path: Path) -> Raster:
     with tifffile.TiffFile(path) as file:
         page = file.pages.first
         if len(page.shape) != 2:
-            raise UsageError(f"its shape is {page.shape}; a heightmap has one band")
+            raise UsageError(
+                f"it has {page.samplesperpixel} bands; a heightmap has one "
+                "(gdal_translate -b 1 takes the first)"
+            )
         _check_size(page.shape[1], page.shape[0])
-        georeference = file.geotiff_metadata or {}
-        values = _tiff_values(path, page)
+        values, grid = _tiff_values(page), read_grid(page)
         nodata = page.tags.valueof(NODATA_TAG)
-        kind = "" if page.dtype is None else page.dtype.kind
+        is_float = page.dtype is not None and page.dtype.kind == "f"
     if nodata is not None:
         values[np.isclose(values, float(nodata), rtol=1e-6, atol=0.0)] = np.nan
-    in_metres = kind == "f" or "ModelPixelScale" in georeference
-    return Raster(values, _pixel(georeference), in_metres)
+    unit = 1.0 if is_float and isinstance(grid.pixel, str) else grid.height_unit
+    values = grid.north_up(values) * (1.0 if unit is None else unit)
+    return Raster(values, grid.pixel, unit is not None, grid.notes)
 
 
-def _tiff_values(path: Path, page: tifffile.TiffPage) -> Field:
+def _tiff_values(page: tifffile.TiffPage) -> Field:
     if page.dtype is not None and page.dtype.kind in "fiu":
         if page.compression == tifffile.COMPRESSION.NONE:
             return page.asarray().astype(np.float64)
-        if page.compression in DEFLATE and page.predictor <= tifffile.PREDICTOR.HORIZONTAL:
-            _refuse_bombs(page)
-            return page.asarray().astype(np.float64)
-        if page.dtype.itemsize < 8:
-            with Image.open(path, formats=("TIFF",)) as image:  # libtiff knows the rest
-                return _grey_values(image)
+        if page.compression in READABLE:
+            height, width = page.chunks
+            _check_size(width, height, fewest=1)
+            return unpacked(page).astype(np.float64)
     compression = tifffile.COMPRESSION(page.compression).name
     raise UsageError(f"{page.dtype} values with {compression} compression are not read; {REWRITE}")
-
-
-def _refuse_bombs(page: tifffile.TiffPage) -> None:
-    """Unpacks every segment up to the size that it should have, as the decoder has no limit."""
-    assert page.dtype is not None  # noqa: S101 - the caller has looked
-    expected = int(np.prod(page.chunks)) * page.dtype.itemsize
-    file = page.parent.filehandle
-    for offset, count in zip(page.dataoffsets, page.databytecounts, strict=True):
-        file.seek(offset)
-        if len(zlib.decompressobj().decompress(file.read(count), expected + 1)) > expected:
-            raise UsageError("a part of it unpacks to more than its size")
-
-
-def _pixel(georeference: dict[str, object]) -> tuple[float, float] | str:
-    """Size of a pixel [m] by a GeoTIFF's tags, or why it is unknown."""
-    if georeference.get("GTModelTypeGeoKey") == GEOGRAPHIC:
-        return "its pixels are degrees (gdalwarp -t_srs EPSG:... gives metres)"
-    if georeference.get("ProjLinearUnitsGeoKey", METRE) != METRE:
-        return "its unit is not the metre (gdalwarp -t_srs EPSG:... gives metres)"
-    scale = georeference.get("ModelPixelScale")
-    if not isinstance(scale, list | tuple) or len(scale) < 2 or not (scale[0] > 0 and scale[1] > 0):
-        return SIZE_UNKNOWN
-    return float(scale[0]), float(scale[1])

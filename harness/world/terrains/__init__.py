@@ -11,3 +11,4 @@ TERRAINS: dict[str, type[Terrain]] = {
     terrain.name: terrain
     for terrain in (Flat, Slope, Rolling, Gravel, Rocky, Washboard, Dunes, Posts, Maze, Marsyard)
 }
+WITH_HAZARDS = tuple(name for name, terrain in TERRAINS.items() if terrain.has_hazards)

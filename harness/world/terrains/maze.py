@@ -37,6 +37,7 @@ class Maze(Flat):
 
     name = "maze"
     summary = "20 x 20 m arena with walls of 1 m and passages of 2 m, level"
+    has_hazards = True
     promise = Promise(obstacle_density=(0.04, 0.065))
 
     size: float = constant(24.0, "m")

@@ -30,6 +30,7 @@ class Posts(Terrain):
 
     name = "posts"
     summary = "nearly level, with posts 3 m high and cubes of 0.5 m to be avoided"
+    has_hazards = True
     promise = Promise(
         slope_p50=(1.5, 2.3),
         slope_p95=(3.2, 4.6),
@@ -51,7 +52,7 @@ class Posts(Terrain):
         points = scatter(
             rng,
             self.posts + self.cubes,
-            reach=ground.half_size - EDGE_CLEARANCE - REACH,
+            reach=min(ground.half_size) - EDGE_CLEARANCE - REACH,
             spacing=SPACING,
             keep_out=SPAWN_CLEARANCE + REACH,
         )

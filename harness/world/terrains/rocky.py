@@ -27,6 +27,7 @@ class Rocky(Terrain):
 
     name = "rocky"
     summary = "rolling ground, drivable rocks of 4-15 cm and a few boulders (default)"
+    has_hazards = True
     promise = Promise(
         slope_p50=(4.0, 6.0),
         slope_p95=(8.5, 12.0),
@@ -49,7 +50,7 @@ class Rocky(Terrain):
     def obstacles(self, ground: Heightfield, rng: np.random.Generator, /) -> tuple[Obstacle, ...]:
         """Returns boulders first, then the rocks between them."""
         boulder_rng, rock_rng = rng.spawn(2)
-        reach = ground.half_size - EDGE_CLEARANCE
+        reach = min(ground.half_size) - EDGE_CLEARANCE
         boulders = scatter(
             boulder_rng,
             self.boulders,

@@ -16,6 +16,7 @@ from rover_metrics.analysis.metric import METRICS, Metric
 from rover_metrics.analysis.result import Unit
 from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER, Series, metric_series
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
+from rover_metrics.errors import printable
 
 PlotName = Literal["time_series", "correlation", "aggregate", "comparison"]
 PLOTS: tuple[PlotName, ...] = get_args(PlotName)
@@ -46,11 +47,6 @@ def labels(paths: Sequence[Path]) -> list[str]:
 def _shortened(name: str) -> str:
     half = _LONGEST_LABEL // 2
     return name if len(name) <= _LONGEST_LABEL else f"{name[: half - 2]}...{name[-half + 1 :]}"
-
-
-def printable(text: str) -> str:
-    """Returns a text with a ? for each control character."""
-    return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ import sqlite3
 import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import ExitStack, closing
+from itertools import islice
 from pathlib import Path, PurePath
-from urllib.parse import quote
 
 import zstandard
 from ruamel.yaml import YAML
@@ -22,6 +22,7 @@ from ruamel.yaml.error import YAMLError
 from rover_metrics.bag.mcap_stream import BagError, McapFile, Message
 
 LARGEST_SKIP = 2**32  # rows
+MOST_NAMED = 5  # bags, where the folder that holds them was given
 SUFFIXES = (".mcap", ".db3", ".mcap.zstd", ".db3.zstd")
 MCAP_MAGIC = b"\x89MCAP0\r\n"
 SQLITE_MAGIC = b"SQLite format 3\0"
@@ -81,7 +82,7 @@ class SqliteFile:
         """Opens for reading; nothing is written, unless a write-ahead log has to be taken in."""
         wal = self._path.with_name(f"{self._path.name}-wal")
         mode = "mode=ro" if wal.exists() else "mode=ro&immutable=1"
-        database = sqlite3.connect(f"file:{quote(str(self._path.absolute()))}?{mode}", uri=True)
+        database = sqlite3.connect(f"{self._path.absolute().as_uri()}?{mode}", uri=True)
         # Lets SQLite open a file that is shorter than its header says.
         database.execute("PRAGMA writable_schema=ON")
         return database
@@ -123,7 +124,9 @@ class Bag(ExitStack):
             return [self.path]
         there = sorted((p for p in self.path.iterdir() if p.name.endswith(SUFFIXES)), key=_natural)
         if not there:
-            raise BagError(f"{self.path} is no bag: the folder holds no .mcap and no .db3 file")
+            below = _bags_below(self.path)
+            told = f"; bags in it: {', '.join(below)}" if below else ""
+            raise BagError(f"{self.path} is no bag: the folder holds no .mcap and no .db3 file{told}")
         return self._listed_paths() or there
 
     def _listed_paths(self) -> list[Path]:
@@ -187,6 +190,19 @@ class Bag(ExitStack):
         except zstandard.ZstdError:
             data = b""  # counts as an unreadable message of its topic
         return message._replace(data=data)
+
+
+def _bags_below(folder: Path) -> list[str]:
+    """Names of bags among the folders in this one, a few; nothing deeper is looked at."""
+    bags = (each.name for each in folder.iterdir() if _holds_a_recording(each))
+    return sorted(islice(bags, MOST_NAMED))
+
+
+def _holds_a_recording(folder: Path) -> bool:
+    try:
+        return any(path.name.endswith(SUFFIXES) for path in folder.iterdir())
+    except OSError:
+        return False  # no folder, or somebody else's
 
 
 def _first_bytes(path: Path) -> bytes:

@@ -34,7 +34,8 @@ def parser() -> argparse.ArgumentParser:
         prog="python -m rover_metrics.replay",
         description="Computes the traversal metrics of a recorded drive, as metrics_node would have.",
         epilog="A row holds everything up to and including its full second. Recordings that were "
-        "killed, cut off or damaged are read as far as they go; the exit code is then 1.",
+        "killed, cut off or damaged are read as far as they go; the exit code is then 1. A topic that a "
+        "whole recording lacks is a warning.",
     )
     parser.add_argument("bag", type=Path, metavar="BAG", help="rosbag2 folder, .mcap or .db3 file")
     parser.add_argument(
@@ -45,6 +46,11 @@ def parser() -> argparse.ArgumentParser:
         help=f"file, or folder for a metrics_log_*.csv; default: {DEFAULT_LOG_DIR}/",
     )
     parser.add_argument("--overwrite", action="store_true", help="replace the file of -o")
+    parser.add_argument(
+        "--require-all",
+        action="store_true",
+        help="exit with 1 too if a topic is missing or a message was left out",
+    )
     parser.add_argument("--params", type=Path, metavar="FILE", help="ROS parameter file (YAML)")
     parser.add_argument(
         "--extended",

@@ -25,6 +25,8 @@ class MetricsPublisher:
 
     Attributes:
         enabled: Whether to publish; may be changed at any time.
+        publisher: Of the topic; None without diagnostic_msgs.
+        record: Takes each message, also those for nobody; None while nobody records.
     """
 
     def __init__(self, node: Node, tell: Callable[[str], None], *, enabled: bool) -> None:
@@ -32,25 +34,29 @@ class MetricsPublisher:
         self._tell, self._failures = tell, 0
         self._name = node.get_name()
         self._hardware = node.get_namespace().strip("/") or "rover"
-        self._publisher = None
+        self.publisher = None
+        self.record: Callable[[DiagnosticArray], object] | None = None
         if DiagnosticArray is not None:
-            self._publisher = node.create_publisher(DiagnosticArray, TOPIC, keep_last(10))
+            self.publisher = node.create_publisher(DiagnosticArray, TOPIC, keep_last(10))
         elif enabled:
             tell(f"{TOPIC} is not published: diagnostic_msgs is not installed; the log is written")
 
     @property
     def listeners(self) -> int:
         """How many subscriptions there are."""
-        return 0 if self._publisher is None else int(self._publisher.get_subscription_count())
+        return 0 if self.publisher is None else int(self.publisher.get_subscription_count())
 
     def publish(self, now_ns: int, statuses: Callable[[], Iterable[Status]]) -> None:
         """Publishes statuses, computed only if somebody listens; what goes wrong is told, no more."""
-        publisher = self._publisher
+        publisher, record = self.publisher, self.record
         if not self.enabled or publisher is None:
             return
         try:
-            if self.listeners:
-                publisher.publish(self._message(now_ns, statuses()))
+            if self.listeners or record is not None:
+                message = self._message(now_ns, statuses())
+                publisher.publish(message)
+                if record is not None:
+                    record(message)
         except Exception as error:  # noqa: BLE001 - whatever it is, the next row must be written
             self._failures += 1
             if is_worth_a_line(self._failures - 1, self._failures):

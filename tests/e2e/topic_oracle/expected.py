@@ -224,7 +224,7 @@ def roughness(twin: Twin, data: mujoco.MjData, bodies: list[int]) -> float:
     width = 2 * int(0.3 / 2 / ground.cell) + 1
     above = ground.heights - uniform_filter(ground.heights, width)
     squares = uniform_filter(above**2, width)
-    columns, rows = np.rint((data.xpos[bodies, :2].T + ground.half_size) / ground.cell).astype(int)
+    columns, rows = np.rint((data.xpos[bodies, :2] + ground.half_size).T / ground.cell).astype(int)
     return math.sqrt(squares[rows, columns].mean())
 
 

@@ -47,8 +47,8 @@ def test_without_words_all_options_are_the_default_ones() -> None:
 def test_every_word_about_the_episode_reaches_it() -> None:
     words = (
         "--terrain posts --robot rover_zero4wd --seed 4 --duration 7 --driver spin --difficulty 0.25 "
-        "--terrain-size 3 4 --terrain-height 5 --timestep 0.005 --noise hardware --lidar-beams 90 "
-        "--imu-rate 50 --fault imu:nan@1 --fault scan:empty"
+        "--terrain-size 3 4 --terrain-height 5 --start -1.5,2,0.25 --timestep 0.005 "
+        "--noise hardware --lidar-beams 90 --imu-rate 50 --fault imu:nan@1 --fault scan:empty"
     )
     assert parsed(words).config == EpisodeConfig(
         terrain="posts",
@@ -59,6 +59,7 @@ def test_every_word_about_the_episode_reaches_it() -> None:
         difficulty=0.25,
         terrain_size=(3.0, 4.0),
         terrain_height=5.0,
+        start=(-1.5, 2.0, 0.25),
         timestep=0.005,
         noise="hardware",
         lidar_beams=90,
@@ -71,6 +72,8 @@ def test_every_word_about_the_episode_reaches_it() -> None:
     ("words", "name", "value"),
     [
         ("--terrain-size 3", "config.terrain_size", (3.0, 3.0)),
+        ("--start -3,4", "config.start", (-3.0, 4.0, 0.0)),
+        ("--start=-3,-4,-1", "config.start", (-3.0, -4.0, -1.0)),
         ("--noise", "config.noise", "white"),
         ("--rate max", "ros.rate", None),
         ("--rate 0.01", "ros.rate", 0.01),
@@ -78,6 +81,7 @@ def test_every_word_about_the_episode_reaches_it() -> None:
         ("--no-metrics", "ros.host_metrics", False),
         ("--wait-for /a --wait-for /b", "ros.wait_for", ("/a", "/b")),
         ("--record a.mcap", "ros.record", Path("a.mcap")),
+        ("--record a.mcap --overwrite", "ros.overwrite", True),
         ("--log-dir logs", "ros.log_dir", Path("logs")),
         ("--direct", "direct", True),
         ("--extended", "extended", True),
@@ -102,6 +106,11 @@ def test_the_list_of_choices_is_no_run_whatever_else_is_asked_for() -> None:
         ("--rate 0.0099", "give 'max' or a number from 0.01 up"),
         ("--rate fast", "'fast' is not valid"),
         ("--terrain-size 1 2 3", "give one or two numbers"),
+        ("--start 1", "'1' is not valid; give X,Y or X,Y,YAW in metres and radians"),
+        ("--start 1,2,3,4", "'1,2,3,4' is not valid"),
+        ("--start 1,north", "'1,north' is not valid"),
+        ("--start --seed 1", "'--seed' is not valid"),
+        ("--seed 1 --start", "expected one argument"),
     ],
 )
 def test_a_wrong_word_is_one_line_and_exit_code_2(
@@ -145,6 +154,11 @@ def test_what_needs_ros_is_refused_without_it_alone(words: str, flag: str) -> No
     parsed(f"{words} --ros-args --")
     with pytest.raises(UsageError, match=rf"^{flag} needs ROS; leave out --direct"):
         parse_run(["--direct", *words.split()])
+
+
+def test_overwrite_is_for_the_recording_alone() -> None:
+    with pytest.raises(UsageError, match="--overwrite is for the file of --record; name one"):
+        parse_run(["--overwrite"])
 
 
 def test_extended_columns_need_the_hosted_node() -> None:

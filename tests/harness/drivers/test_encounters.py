@@ -16,6 +16,7 @@ from harness.drivers import find_driver
 from harness.drivers.base import DriverContext, Observation
 from harness.drivers.staged import Meeting, StagedEncounter
 from harness.episode.episode import Episode
+from harness.errors import UsageError
 from harness.robots import ROVERS, RoverSpec
 from harness.samples import Twist
 from harness.truth.traversal import Truth
@@ -84,19 +85,21 @@ def post(x: float, y: float, kind: ObstacleKind = ObstacleKind.HAZARD) -> Obstac
 def made(
     driver: str, rng: np.random.Generator, *obstacles: Obstacle, rover: RoverSpec = LEO
 ) -> StagedEncounter:
-    context = DriverContext(rover, 20.0, np.zeros(2), rng, obstacles)
+    context = DriverContext(rover, (20.0, 20.0), np.zeros(2), rng, obstacles or (post(5.0, 0.0),))
     encounter = find_driver(driver)(context)
     assert isinstance(encounter, StagedEncounter)
     return encounter
 
 
 @pytest.mark.parametrize("driver", MEETING)
-def test_without_a_hazard_on_the_inner_map_it_stands_still(driver: str) -> None:
+def test_without_a_hazard_on_the_inner_map_it_is_refused(driver: str) -> None:
     outside = post(18.01, 0.0), post(0.0, -18.01), post(5.0, 0.0, ObstacleKind.ROCK)
-    for obstacles in ((), outside):
-        encounter = made(driver, np.random.default_rng(0), *obstacles)
-        commands = [encounter.command(Observation(0, 0.0, 0.0, 0.0, None)) for _ in range(3)]
-        assert commands == [Twist()] * 3
+    for obstacles in (outside[2:], outside):
+        with pytest.raises(
+            UsageError,
+            match=r"hazards.*, and none stands 2 m .*; terrains with hazards: rocky, posts, maze$",
+        ):
+            made(driver, np.random.default_rng(0), *obstacles)
     within = made(driver, np.random.default_rng(0), post(17.9, -17.9))
     assert within.command(Observation(0, 0.0, 0.0, 0.0, None)) != Twist()
 

@@ -29,7 +29,7 @@ NAMES = [
 
 
 def context(rover: RoverSpec = LEO) -> DriverContext:
-    return DriverContext(rover, 20.0, np.zeros(1), np.random.default_rng(0))
+    return DriverContext(rover, (20.0, 20.0), np.zeros(1), np.random.default_rng(0))
 
 
 def at(yaw: float) -> Observation:

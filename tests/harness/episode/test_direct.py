@@ -24,7 +24,7 @@ from harness.truth.traversal import ContactEvent, Truth
 
 TICK_NS, BATCH_NS = 10_000_000, 50_000_000
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
-INFO = EpisodeInfo("model", "terrain", 3, 40.0)
+INFO = EpisodeInfo("model", "terrain", 3, (40.0, 40.0), (0.0, 0.0, 0.0))
 EVENT = ContactEvent("rock", 0, TICK_NS, "wheel_FL", "rock_1", 5.0, (0.1, 0.2, 0.0))
 
 

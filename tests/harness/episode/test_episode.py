@@ -366,7 +366,19 @@ def test_an_episode_says_what_it_is_made_of() -> None:
     assert info.terrain_hash == terrain_hash(world)
     assert info.model_hash == hashlib.sha256(LEO.model_path.read_bytes()).hexdigest()
     assert (info.obstacles, info.notes) == (len(world.obstacles), world.notes)
-    assert info.map_size == pytest.approx(40.0)
+    assert (*info.map_size, *info.start) == pytest.approx((40.0, 40.0, 0.0, 0.0, 0.0))
+
+
+def test_an_episode_begins_where_it_is_told_and_comes_back_there() -> None:
+    episode = Episode(config(start=(-7.0, 5.0, 2.0), duration=0.5))
+    assert episode.info.start == (-7.0, 5.0, 2.0)
+    begun = episode.simulation.position, episode.simulation.yaw
+    assert (*begun[0][:2], begun[1]) == pytest.approx((-7.0, 5.0, 2.0), abs=0.01)
+    poses = [s for b in episode.batches() for t in b.ticks for s in t.samples if isinstance(s, Pose)]
+    way = np.array(poses[-1].position) - poses[0].position
+    assert math.atan2(way[1], way[0]) == pytest.approx(2.0, abs=0.05)
+    episode.reset()
+    assert (episode.simulation.position, episode.simulation.yaw) == begun
 
 
 def test_divergence_is_reported_with_time_and_state(
@@ -388,6 +400,12 @@ def test_divergence_is_reported_with_time_and_state(
         ({"terrain": "moon"}, "terrain 'moon' does not exist; available: flat, "),
         ({"robot": "r2d2"}, "robot 'r2d2' does not exist; available: leo, rover_zero4wd"),
         ({"driver": "drunk"}, "driver 'drunk' does not exist; available: wander, "),
+        (
+            {"driver": "ram"},
+            "driver 'ram' on flat: it drives into hazards head on, and none .*: rocky, posts, maze",
+        ),
+        ({"start": (25.0, 0.0, 0.0)}, "start 25,0 is off the map"),
+        ({"terrain": "maze", "start": (10.1, 3.0, 0.0)}, "start 10.1,3,0 is inside hazard_"),
         ({"duration": -1.0}, "duration -1 s is not valid"),
         ({"duration": math.nan}, "duration nan s is not valid"),
         ({"duration": math.inf}, "duration inf s is not valid"),

@@ -40,6 +40,13 @@ def test_written_manifest_is_valid_json_with_infinities_as_null(tmp_path: Path) 
     assert [path.name for path in tmp_path.iterdir()] == ["run.json"]
 
 
+def test_a_heightmap_has_no_difficulty() -> None:
+    named, file = (manifest(result(config=EpisodeConfig(terrain=t))) for t in ("rocky", "a.npy"))
+    assert named["arguments"]["difficulty"] == 0.5
+    assert "difficulty" not in file["arguments"]
+    assert EpisodeConfig(**file["arguments"]) == EpisodeConfig(terrain="a.npy")
+
+
 def test_truth_tells_what_happened_where_and_how_hard(tmp_path: Path) -> None:
     point = (0.2, 0.1, 0.05)
     event = ContactEvent("hazard", 1_500_000_000, 1_520_000_000, "wheel_FL", "hazard_3", 41.5, point)
@@ -101,7 +108,7 @@ def test_every_figure_of_a_run_stands_in_its_manifest() -> None:
     told = manifest(
         result(
             truth=replace(truth, largest_tilt=1.5, tipped_over=True, resets=8),
-            info=EpisodeInfo("model", "terrain", 3, 40.0, ("cut",)),
+            info=EpisodeInfo("model", "terrain", 3, (40.0, 30.0), (1.0, 2.0, 0.5), ("cut",)),
             paused_s=9.0,
             first_row_s=0.25,
             rows=2,
@@ -119,7 +126,8 @@ def test_every_figure_of_a_run_stands_in_its_manifest() -> None:
         "model_hash": "model",
         "terrain_hash": "terrain",
         "obstacles": 3,
-        "map_size": 40.0,
+        "map_size": [40.0, 30.0],
+        "start": [1.0, 2.0, 0.5],
         "notes": ["cut"],
     }
     expected = {

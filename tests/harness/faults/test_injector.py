@@ -31,7 +31,7 @@ def test_every_fault_of_every_sensor_changes_what_is_sent_in_its_time_and_nothin
 ) -> None:
     clean = [repr(one) for one in sent(seconds=0.6)]
     for name, kind in faults_of(sensor).items():
-        value = "" if kind.takes is None or kind.takes.default is not None else "=0.5"
+        value = "" if kind.takes is None or kind.takes.default is not None else "=0.4"
         value = "=5" if name in ("beams", "rate") else value
         faulty = [repr(one) for one in sent(f"{sensor}:{name}{value}@0.3", seconds=0.6)]
         assert faulty[:29] == clean[:29], name

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness.faults.injector import FaultInjector
-from harness.faults.spec import parse_faults
+from harness.faults.spec import faults_of, parse_faults, sensors
 from harness.samples import (
     GroundTruth,
     Imu,
@@ -79,6 +79,28 @@ def test_dropout_rate_is_the_share_that_is_not_sent() -> None:
 def test_everything_measured_is_hit_and_no_attitude(sensor: str, expected: Sample) -> None:
     (found,) = readings(sent(f"{sensor}:stuck=7", seconds=0.01), type(expected))
     assert found == expected
+
+
+@pytest.mark.parametrize(
+    ("sensor", "expected"),
+    [
+        ("imu", Imu(TICK, (7.0,) * 4, (1.0,) * 3, (1.0,) * 3)),
+        ("pose", Pose(TICK, (1.0,) * 3, (7.0,) * 4)),
+        ("odometry", Odometry(TICK, 1.0, 1.0, 7.0, Twist(1.0, 1.0))),
+        ("ground_truth", GroundTruth(TICK, 1.0, 1.0, 7.0, (1.0,) * 3, (1.0,) * 3)),
+    ],
+)
+def test_an_attitude_is_hit_if_it_is_named_and_nothing_else(sensor: str, expected: Sample) -> None:
+    specs = (f"{sensor}.attitude:stuck=7", f"{sensor}.attitude:nan@3")
+    (found,) = readings(sent(*specs, seconds=0.01), type(expected))
+    assert found == expected
+
+
+def test_an_attitude_has_the_faults_of_values_alone() -> None:
+    kinds = {"stuck", "zero", "nan", "inf", "huge", "spike"}
+    attitudes = {name for name in sensors() if name.endswith(".attitude")}
+    assert attitudes == {f"{name}.attitude" for name in ("imu", "pose", "odometry", "ground_truth")}
+    assert all(set(faults_of(name)) == kinds for name in attitudes)
 
 
 def test_a_twist_keeps_its_axes() -> None:

@@ -31,6 +31,8 @@ def test_start_and_length_are_the_nearest_nanoseconds() -> None:
         ("", "not of the form"),
         ("imu:nan@", "not of the form"),
         ("sonar:nan", "there is no sensor 'sonar'; available: scan, imu, pose, .*clock"),
+        ("scan.attitude:nan", "there is no sensor 'scan.attitude'; available: .*imu.attitude"),
+        ("imu.attitude:dropout", "imu.attitude has no fault 'dropout'; available: stuck, zero, nan"),
         ("imu:jump@3", "imu has no fault 'jump'; available: dropout, .*nan"),
         ("clock:nan", "clock has no fault 'nan'; available: jump, reset"),
         ("scan:latency", "needs =S: seconds above 0"),

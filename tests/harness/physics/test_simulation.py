@@ -235,13 +235,14 @@ def test_a_warning_of_another_kind_is_no_divergence(simulation: Simulation) -> N
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_half_a_metre_before_the_edge_of_the_map_the_run_ends(
-    axis: int, side: float, simulation: Simulation
+    axis: int, side: float, make_simulation: Make
 ) -> None:
-    simulation.data.qpos[axis] = 1.48 * side
+    simulation, edge = make_simulation(heights=np.zeros((41, 61))), (2.5, 1.5)[axis]
+    simulation.data.qpos[axis] = (edge - 0.02) * side
     simulation.tick()
-    simulation.data.qpos[axis] = 1.52 * side
+    simulation.data.qpos[axis] = (edge + 0.02) * side
     place = ["0.00", "0.00"]
-    place[axis] = f"{1.52 * side:.2f}"
+    place[axis] = f"{(edge + 0.02) * side:.2f}"
     with pytest.raises(
         RunFailed, match=rf"edge .* t = 0\.02 s \(x = -?{place[0]} m, y = -?{place[1]} m\)"
     ):

@@ -3,13 +3,16 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from importlib.resources import files
 from itertools import pairwise
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.direct import run_direct
 from harness.episode.result import RunResult, TopicCount
 from harness.interrupt import StopRequest
+from harness.page.figure import MINUS, TIMES
 from harness.report.content import render
 from harness.report.recorder import RunRecorder
 from harness.truth.traversal import ContactEvent
@@ -88,6 +91,24 @@ def test_page_tells_arguments_versions_hashes_and_truth(run: tuple[RunResult, Ru
     assert re.search(r"mujoco</th><td>\d", page)
     assert re.search(r"timestep</th><td>0.0025 s<", page)
     assert f"{result.truth.path_length:.2f} m" in page
+
+
+def test_page_tells_which_way_the_map_lies_and_where_the_rover_starts(
+    run: tuple[RunResult, RunRecorder], tmp_path: Path
+) -> None:
+    result, recorder = run
+    page = without_plotly(render(result, recorder))
+    assert f"40 m {TIMES} 40 m, heights" in page
+    assert "starts at x 0.00 m, y 0.00 m, heading 0.00 rad from +x" in page
+    assert "Seed 0, difficulty 0.5," in page
+    np.save(tmp_path / "a.npy", np.zeros((21, 41)))
+    config = replace(
+        result.config, terrain=str(tmp_path / "a.npy"), terrain_size=(40.0, 20.0), start=(-3.0, 4.0, 1.5)
+    )
+    page = without_plotly(render(replace(result, config=config), recorder))
+    assert f"40 m {TIMES} 20 m, heights 0.00 to 0.00 m. +x is right and +y is up" in page
+    assert f"starts at x {MINUS}3.00 m, y 4.00 m, heading 1.50 rad" in page
+    assert "difficulty" not in page
 
 
 def test_page_lists_contacts_and_says_how_many_there_are_more(

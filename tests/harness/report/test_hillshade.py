@@ -69,9 +69,10 @@ def test_hillshade_is_a_png_whose_pixels_lie_around_the_vertices() -> None:
 
 
 def test_a_large_terrain_becomes_a_picture_of_bounded_size() -> None:
-    hillshade = shade(Heightfield(heights=np.zeros((2501, 2501)), cell=0.1))
-    assert len(hillshade.pixels) == 501
-    assert hillshade.side == pytest.approx(501 * 0.5)
+    hillshade = shade(Heightfield(heights=np.zeros((501, 2501)), cell=0.1))
+    assert hillshade.pixels.shape == (101, 501)
+    assert hillshade.size == pytest.approx((501 * 0.5, 101 * 0.5))
+    assert (hillshade.west, hillshade.north) == pytest.approx((-125.25, 25.25))
 
 
 @pytest.mark.parametrize(
@@ -88,7 +89,23 @@ def test_the_map_shows_a_square_around_the_path(
 ) -> None:
     track = [Stretch(1.0, (*place, 0.0), 0.0) for place in places]
     hillshade = shade(Heightfield(np.zeros((5, 5)), cell=10.0))
-    layout = map_layout(20.0, hillshade, track)
+    layout = map_layout((20.0, 20.0), hillshade, track)
     assert (layout["xaxis"]["range"], layout["yaxis"]["range"]) == (x, y)
     (picture,) = layout["images"]
     assert [picture[name] for name in ("x", "y", "sizex", "sizey")] == [-25.0, 25.0, 50.0, 50.0]
+
+
+@pytest.mark.parametrize(
+    ("places", "x", "y"),
+    [
+        ([], [-30.0, 30.0], [-5.0, 5.0]),
+        ([(0.0, 0.0), (20.0, 4.0)], [-2.0, 22.0], [-5.0, 5.0]),
+        ([(29.0, 4.0)], [22.0, 30.0], [-3.0, 5.0]),
+    ],
+)
+def test_of_an_oblong_map_no_more_is_shown_than_there_is(
+    places: list[tuple[float, float]], x: list[float], y: list[float]
+) -> None:
+    track = [Stretch(1.0, (*place, 0.0), 0.0) for place in places]
+    layout = map_layout((30.0, 5.0), shade(Heightfield(np.zeros((11, 61)), cell=1.0)), track)
+    assert (layout["xaxis"]["range"], layout["yaxis"]["range"]) == (x, y)

@@ -11,6 +11,7 @@ import pytest
 
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
+from geometry_msgs.msg import Twist, Vector3
 from mcap.exceptions import EndOfFile
 from mcap.reader import make_reader
 from mcap.records import Message
@@ -27,6 +28,8 @@ from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.recorder import Recorder, full_definition, padding_of
 from harness.sensors.lidar_spec import LidarSpec
+from rover_metrics.health.live_view import Level, Status
+from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
 BEAMS = 16
 STEP_NS = 50_000_000
@@ -41,6 +44,7 @@ TOPICS = {
     "/rover/truth/traversal": "std_msgs/msg/Float64MultiArray",
     "/clock": "rosgraph_msgs/msg/Clock",
 }
+HEARD = {"/cmd_vel": "geometry_msgs/msg/Twist"}
 
 
 @pytest.fixture
@@ -96,7 +100,7 @@ def test_the_file_is_one_that_rosbag2_and_rosbags_read_without_another(
     store = get_typestore(Stores.LATEST)
     for channel in summary.channels.values():
         assert channel.message_encoding == "cdr"
-        kind = TOPICS[channel.topic]
+        kind = (TOPICS | HEARD)[channel.topic]
         assert summary.schemas[channel.schema_id].name == kind
         assert channel.metadata["topic_type_hash"] == store.hash_rihs01(kind)
     with AnyReader([tmp_path / "bag.mcap"]) as bag:
@@ -146,6 +150,78 @@ def test_existing_file_is_not_overwritten(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"bag\.mcap exists already, not overwriting"):
         Recorder(path)
     assert path.read_text() == "precious"
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("bag.db3", "--record '.*bag.db3': name a file that ends in .mcap"),
+        ("no/bag.mcap", "there is no folder .*no; create it first"),
+        ("file/bag.mcap", "there is no folder .*file; create it first"),
+        ("folder.mcap", "folder.mcap is a folder; name a file"),
+    ],
+)
+def test_impossible_file_is_refused(name: str, told: str, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    (tmp_path / "folder.mcap").mkdir()
+    with pytest.raises(UsageError, match=told):
+        Recorder(tmp_path / name, overwrite=True)
+
+
+@pytest.mark.parametrize("is_link", [False, True])
+def test_existing_file_is_replaced_on_request_once_there_is_a_message(
+    bridge: Bridge, tmp_path: Path, *, is_link: bool
+) -> None:
+    path, outside = tmp_path / "bag.mcap", tmp_path / "outside"
+    outside.write_text("precious")
+    if is_link:
+        path.symlink_to(outside)
+    else:
+        path.write_text("precious")
+    with pytest.raises(UsageError), Recorder(path, overwrite=True):
+        raise UsageError
+    assert path.read_text() == "precious"
+    with Recorder(path, overwrite=True) as recorder:
+        recorder.tap(bridge)
+        assert path.read_text() == "precious"
+        publish(bridge, 1)
+        assert path.read_bytes().startswith(b"\x89MCAP")
+    assert {each.name for each in tmp_path.iterdir()} == {"bag.mcap", "outside"}
+    assert outside.read_text() == "precious"
+    with AnyReader([path]) as bag:
+        assert bag.message_count == len(TOPICS)
+
+
+def test_commands_and_the_nodes_metrics_are_recorded_at_the_time_of_the_tick(
+    bridge: Bridge, tmp_path: Path
+) -> None:
+    told: list[str] = []
+    metrics = MetricsPublisher(bridge, told.append, enabled=True)
+    # As long as each other, with their padding elsewhere.
+    names = (("a", "abcde"), ("abcde", "a"))
+    with Recorder(tmp_path / "bag.mcap") as recorder:
+        recorder.tap(bridge, metrics)
+        publish(bridge, 1)
+        for name, message in names:
+            status = Status(Level.WARN, name, message, (("key", "1.5"),))
+            metrics.publish(0, lambda status=status: [status])  # type: ignore[misc]
+        bridge._receive(Twist(linear=Vector3(x=0.25)))
+    assert told == []
+    store = get_typestore(Stores.LATEST)
+    with AnyReader([tmp_path / "bag.mcap"]) as bag:
+        found = [(c.topic, t, c.msgtype, d) for c, t, d in bag.messages() if c.topic not in TOPICS]
+    assert [(topic, time_ns) for topic, time_ns, _, _ in found] == [
+        ("/rover/metrics", STEP_NS),
+        ("/rover/metrics", STEP_NS),
+        ("/cmd_vel", STEP_NS),
+    ]
+    first, second, command = (store.deserialize_cdr(data, kind) for _, _, kind, data in found)
+    assert [(m.status[0].name, m.status[0].message) for m in (first, second)] == [  # type: ignore[attr-defined]
+        (f"harness: {name}", message) for name, message in names
+    ]
+    assert command.linear.x == 0.25  # type: ignore[attr-defined]
+    for one, (_, _, kind, data) in zip((first, second, command), found, strict=True):
+        assert bytes(store.serialize_cdr(one, kind)) == data  # what aligns is zero
 
 
 def test_run_that_never_starts_leaves_no_file(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 import math
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -12,7 +13,9 @@ import pytest
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from geometry_msgs.msg import PoseArray, Twist
+from nav_msgs.msg import Odometry
 from rclpy.node import Node
+from rosbags.highlevel import AnyReader
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Float64
@@ -141,6 +144,85 @@ def test_condition_that_does_not_come_true_fails_the_test_in_simulated_time() ->
         assert one.time == pytest.approx(0.2)
 
 
+def test_all_is_counted_and_the_latest_is_kept() -> None:
+    with trial() as one:
+        scans = one.collect(LaserScan, "scan", most=3)
+        one.step(0.5)
+        assert len(scans) == 10
+        assert scans.times == pytest.approx([0.4, 0.45, 0.5])
+        assert [m.header.stamp.nanosec for m in scans.messages] == [400000000, 450000000, 500000000]
+        assert scans.latest is scans.messages[-1]
+
+
+def test_reset_with_a_seed_is_a_new_trial_whose_time_goes_on() -> None:
+    config = {"terrain": "rocky", "driver": "wander", "noise": "white", "lidar_beams": 8}
+
+    def drive(one: Trial) -> list[tuple[float, ...]]:
+        imus = one.collect(Imu, "imu/data")
+        one.step(1.0)
+        stamps = [m.header.stamp.sec + m.header.stamp.nanosec / 1e9 for m in imus.messages]
+        assert stamps == pytest.approx(imus.times)
+        return [(a.x, a.y, a.z) for a in (m.linear_acceleration for m in imus.messages)]
+
+    with trial(seed=7, **config) as fresh:
+        expected, truth = drive(fresh), fresh.truth
+    with trial(seed=3, duration=1.5, **config) as one:
+        one.step(0.52)
+        one.reset(seed=7)
+        one.step(0.03)  # the present period of 50 ms ends
+        assert one.config.seed == 7
+        assert drive(one) == expected
+        assert one.time == pytest.approx(1.55)  # beyond the first duration
+        assert one.truth == truth
+        with pytest.raises(UsageError, match="seed -1 is not valid"):
+            one.reset(seed=-1)
+        one.step(0.45)
+        assert one.config.seed == 7
+        with pytest.raises(UsageError, match=r"the episode is over after 2\.05 s"):
+            one.step(0.1)
+
+
+@pytest.mark.skipif("start" not in EpisodeConfig.__dataclass_fields__, reason="no start can be chosen")
+def test_reset_to_a_start_places_the_rover_there() -> None:
+    with trial() as one:
+        truths = one.collect(Odometry, "odom_ground_truth")
+        one.drive(0.4)
+        one.step(0.5)
+        one.reset(start=(2.0, -1.0, math.pi / 2))
+        one.step(0.1)
+        assert one.truth.position[:2] == pytest.approx((2.0, -1.0), abs=0.01)
+        assert abs(one.speed) < 0.01
+        assert truths.latest.pose.pose.orientation.z == pytest.approx(math.sin(math.pi / 4), abs=1e-2)
+        with pytest.raises(UsageError):
+            one.reset(start=(1e3, 0.0, 0.0))
+
+
+def test_an_exception_leaves_recording_and_page_and_says_where(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    config = EpisodeConfig(terrain="flat", driver="cmd_vel", lidar_beams=8)
+
+    def drive(folder: Path, *, fails: bool) -> None:
+        with Trial(config, folder) as one:
+            one.step(0.1)
+            one.reset(seed=1)
+            one.step(0.22)  # the page shows whole control periods of 50 ms
+            assert not fails
+
+    drive(tmp_path / "kept", fails=False)
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(AssertionError):
+        drive(tmp_path / "kept", fails=True)
+    page, recording = tmp_path / "kept/trial.html", tmp_path / "kept/trial.mcap"
+    assert capfd.readouterr().err == f"kept: {page}\nkept: {recording}\n"
+    assert set((tmp_path / "kept").iterdir()) == {page, recording}
+    assert "after 0.3 of 60.0" in re.sub(r"\s+", " ", page.read_text())
+    (tmp_path / "file").touch()
+    with pytest.raises(AssertionError):
+        drive(tmp_path / "file", fails=True)
+    assert capfd.readouterr().err.startswith("nothing could be kept of this trial: ")
+
+
 def test_nothing_heard_is_an_assertion_too() -> None:
     with trial() as one, pytest.raises(AssertionError, match="nothing has been heard on /answer"):
         _ = one.collect(Float64, "answer").latest
@@ -212,12 +294,35 @@ def test_no_two_trials_share_a_domain() -> None:
         assert one != other
 
 
+FAILING = """
+import pytest
+from harness.config import EpisodeConfig
+
+@pytest.mark.parametrize("name", ["a/b"])
+def test_it(name, start_trial):
+    trial = start_trial(EpisodeConfig(terrain="flat", driver="cmd_vel", lidar_beams=8))
+    trial.step(0.2)
+    raise AssertionError("0.2 s < 0")
+"""
+
+
 def test_worked_example_passes_as_a_user_runs_it(tmp_path: Path) -> None:
     copy = shutil.copytree(EXAMPLES, tmp_path / "examples", ignore=shutil.ignore_patterns("__pycache__"))
+    (copy / "test_failing.py").write_text(FAILING)
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(copy)]
+    command += ["--rover-artifacts", str(tmp_path / "kept")]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     done = subprocess.run(
         command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False, timeout=120
     )
-    assert done.returncode == 0, done.stdout
-    assert "5 passed" in done.stdout
+    assert done.returncode == 1, done.stdout
+    assert "1 failed, 5 passed" in done.stdout
+    (folder,) = (tmp_path / "kept").iterdir()
+    assert folder.name.endswith("test_failing.py_test_it_a_b")
+    page, recording = folder / "trial.html", folder / "trial.mcap"
+    assert f"- rover trial -\nkept: {page}\nkept: {recording}\n" in re.sub("-+", "-", done.stdout)
+    assert "AssertionError: 0.2 s &lt; 0" in page.read_text()
+    with AnyReader([recording]) as bag:
+        counts = {c.topic: c.msgcount for c in bag.connections}
+        assert bag.duration == 190_000_000 + 1
+    assert (counts["/clock"], counts["/scan"], counts["/cmd_vel"]) == (20, 4, 0)

@@ -35,7 +35,7 @@ def test_a_floor_is_as_even_as_good_concrete(seed: int) -> None:
     ground = floor(seed).world.ground
 
     assert ground.heights.std() == pytest.approx(0.0005)
-    assert ground.half_size == pytest.approx(6.0)
+    assert ground.half_size == pytest.approx((6.0, 6.0))
     assert ground.cell == 0.1
 
 

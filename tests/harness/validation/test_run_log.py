@@ -67,7 +67,7 @@ def test_the_agent_drives_as_its_driver_at_speeds_that_it_holds_for_six_to_fourt
         return SimpleNamespace(command=lambda _: Twist(0.5, 0.3))
 
     monkeypatch.setattr(wander, "Wander", driver)
-    context = DriverContext(ROVER_ZERO4WD, 9.0, np.empty(0), np.random.default_rng(0))
+    context = DriverContext(ROVER_ZERO4WD, (9.0, 9.0), np.empty(0), np.random.default_rng(0))
     ours = RecordedAgent(context)
     twists = [ours.command(Observation(n * 100_000_000, 0.0, 0.0, 0.0, None)) for n in range(3000 * 10)]
 
@@ -89,7 +89,7 @@ class ToldEpisode:
     scan = LaserScan(0, np.array([np.inf, 2.5], np.float32))
 
     def __init__(self, _: EpisodeConfig) -> None:
-        self.info = SimpleNamespace(map_size=40.0)
+        self.info = SimpleNamespace(map_size=(40.0, 30.0))
         self.simulation = SimpleNamespace(position=(1.0, 2.0, 3.0), time_ns=5, yaw=0.5)
         self.commands = ToldEpisode.commands = []
 

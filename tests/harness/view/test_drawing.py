@@ -10,7 +10,7 @@ from PIL import Image
 
 from harness.errors import UsageError
 from harness.run import main
-from harness.view.drawing import Drawing
+from harness.view.drawing import Drawing, DrawingFailed
 from tests.harness.view.recorded import CONFIG
 
 RUN = ["--direct", "--terrain", "flat", "--duration", "1"]
@@ -61,6 +61,33 @@ def test_folder_named_like_a_picture_is_refused(
     (tmp_path / "a.png").mkdir()
     assert main([*RUN, "--picture", str(tmp_path / "a.png")]) == 2
     assert "is a folder; name a file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("system", "asked", "tried", "mend"),
+    [
+        ("Linux", "", ["egl", "osmesa"], "MUJOCO_GL=egl or osmesa does not work here; install libegl1"),
+        ("Darwin", "", ["cgl", "glfw"], "MUJOCO_GL=cgl or glfw does not work here; start it where a wi"),
+        ("Darwin", "cgl", ["cgl"], "MUJOCO_GL=cgl does not work here; start it where a window"),
+        ("Windows", "", ["glfw"], "MUJOCO_GL=glfw does not work here; start it where a window"),
+        ("FreeBSD", "", ["egl", "osmesa"], "MUJOCO_GL=egl or osmesa does not work here; start it"),
+    ],
+)
+def test_each_system_has_its_opengl(
+    system: str, asked: str, tried: list[str], mend: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    called: list[str] = []
+
+    def fails(_: object, environment: dict[str, str]) -> None:
+        called.append(environment["MUJOCO_GL"])
+        raise DrawingFailed("no")
+
+    monkeypatch.setattr("harness.view.drawing.platform.system", lambda: system)
+    monkeypatch.setattr("harness.view.drawing._call", fails)
+    drawing = Drawing(Path("x.png"), None, lidar=False, backend=asked)
+    with drawing, pytest.raises(UsageError, match=mend):
+        drawing.prepare(CONFIG)
+    assert called == tried
 
 
 TWO_RUNS = """

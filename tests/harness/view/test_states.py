@@ -4,6 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.errors import UsageError
 from harness.view.states import StateWriter, read_states
@@ -34,3 +35,15 @@ def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
     (tmp_path / "states").write_text("no recording\n")
     with pytest.raises(UsageError, match="is no recording of an episode"):
         read_states(tmp_path / "states")
+
+
+def test_the_scene_is_made_from_the_same_place_of_the_same_file(tmp_path: Path) -> None:
+    """The whole of it is too steep to stand on: only with its start it is a world."""
+    np.save(tmp_path / "a.npy", np.tile(0.2 * np.arange(101.0), (101, 1)))
+    config = EpisodeConfig(
+        terrain=str(tmp_path / "a.npy"), terrain_size=(20.0, 20.0), start=(1.0, 2.0, 0.5)
+    )
+    with closing(StateWriter(tmp_path / "states", config)) as writer:
+        writer._file.write(np.ones(8 + len(LEO.joints)).tobytes())
+    again = read_states(tmp_path / "states").config
+    assert (again.world().start, again.world().ground.half_size) == ((1.0, 2.0, 0.5), (10.0, 10.0))

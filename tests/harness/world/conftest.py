@@ -21,11 +21,11 @@ TopAt = Callable[[float, float], float]
 def _compile(world: World, *, ground: bool) -> tuple[mujoco.MjModel, mujoco.MjData]:
     spec = mujoco.MjSpec()
     if ground:
-        heights, half_size = world.ground.heights, world.ground.half_size
+        heights = world.ground.heights
         lowest, relief = float(heights.min()), max(float(np.ptp(heights)), 1e-3)
         spec.add_hfield(
             name="terrain",
-            size=[half_size, half_size, relief, 1.0],
+            size=[*world.ground.half_size, relief, 1.0],
             nrow=heights.shape[0],
             ncol=heights.shape[1],
             userdata=((heights - lowest) / relief).ravel().tolist(),

@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +16,9 @@ def test_height_at_agrees_with_mujoco_between_the_vertices(
     name: str, ground_top: Callable[[World], TopAt]
 ) -> None:
     world = build_world(name, 3)
-    top_at, reach = ground_top(world), world.ground.half_size - 0.01
+    rectangle = Heightfield(world.ground.heights[60:, 20:-13], world.ground.cell)
+    world = replace(world, ground=rectangle)
+    top_at, reach = ground_top(world), np.array(world.ground.half_size) - 0.01
     points = np.random.default_rng(0).uniform(-reach, reach, (300, 2))
     ours = [world.ground.height_at(x, y) for x, y in points]
     theirs = [top_at(x, y) for x, y in points]
@@ -31,9 +34,10 @@ def test_rows_run_with_y_and_columns_with_x(ground_top: Callable[[World], TopAt]
 
 
 def test_points_beyond_the_map_have_the_height_of_its_edge() -> None:
-    ground = Heightfield(np.arange(9.0).reshape(3, 3), cell=0.5)
-    assert ground.half_size == 0.5
-    assert ground.height_at(99.0, 99.0) == 8.0
+    ground = Heightfield(np.arange(12.0).reshape(3, 4), cell=0.5)
+    assert ground.half_size == (0.75, 0.5)
+    assert ground.height_at(99.0, 99.0) == 11.0
+    assert ground.height_at(0.75, -99.0) == 3.0
     assert ground.height_at(-99.0, -99.0) == 0.0
 
 

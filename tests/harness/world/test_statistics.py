@@ -112,12 +112,11 @@ def mean_square(heights: np.ndarray, row: int, column: int, reach: int) -> float
 
 @pytest.mark.parametrize(("cell", "reach"), [(0.05, 3), (0.1, 1), (0.5, 1)])
 def test_it_is_the_mean_square_residual_around_the_nearest_vertex(cell: float, reach: int) -> None:
-    heights = np.random.default_rng(0).normal(0.0, 0.01, (41, 41))
+    heights = np.random.default_rng(0).normal(0.0, 0.01, (41, 51))
     rough = RoughnessMap(ground(heights, cell))
-    half = 20 * cell
-    for row, column in ((20, 20), (12, 30), (2 * reach, 40 - 2 * reach)):
+    for row, column in ((20, 20), (12, 30), (2 * reach, 50 - 2 * reach)):
         expected = pytest.approx(mean_square(heights, row, column, reach))
-        x, y = column * cell - half, row * cell - half
+        x, y = (column - 25) * cell, (row - 20) * cell
         assert rough.mean_square(x, y) == expected
         assert rough.mean_square(x + 0.49 * cell, y - 0.49 * cell) == expected
         assert rough.mean_square(x - 0.49 * cell, y + 0.49 * cell) == expected

@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from rover_metrics.analysis.logs.header import UnreadableLog, shown
-from rover_metrics.analysis.metric import COUNTERS, EXTENDED_COLUMNS, METRIC_COLUMNS, NOTES, STAMP
+from rover_metrics.analysis.metric import EXTENDED_COLUMNS, METRIC_COLUMNS, NOTES, STAMP
 
 _CHUNK = 200_000  # rows
 _LONGEST_LINE = 1 << 16  # bytes
@@ -71,8 +71,8 @@ def read_table(path: Path, header: Sequence[str], wanted: Sequence[str]) -> Tabl
     Args:
         path: The file.
         header: Its column names.
-        wanted: Columns to keep, all of them in the header: counters as float64, for they grow
-            large, the others as float32.
+        wanted: Columns to keep, all of them in the header, as float64: what is told of a log are
+            its own numbers (2.4998), not their neighbours in float32 (2.4998000860).
 
     Raises:
         UnreadableLog: The file cannot be read as lines of fields.
@@ -144,8 +144,7 @@ def _usable(chunk: pd.DataFrame, table: Table) -> pd.DataFrame:
     numbers = numbers.loc[keep, [STAMP, *table.cells]]
     for name in table.cells:
         _tally_cells(chunk[name][keep], numbers[name], table)
-    single = {name: np.float32 for name in table.cells if name not in COUNTERS}
-    finite: pd.DataFrame = numbers.where(np.isfinite(numbers)).astype(single)
+    finite: pd.DataFrame = numbers.where(np.isfinite(numbers))
     return finite
 
 

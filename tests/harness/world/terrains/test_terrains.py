@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from harness.world.obstacles import ObstacleKind
 from harness.world.statistics import slopes
 from harness.world.terrain import SPAWN_CLEARANCE, SPAWN_RADIUS, Terrain
 from harness.world.terrains import TERRAINS
@@ -62,14 +63,14 @@ def test_no_statistic_falls_with_difficulty_and_one_rises_unless_it_is_flat(name
 def test_the_ground_is_finite_and_as_large_as_it_says(name: str, difficulty: float) -> None:
     ground = world_of(name, 1, difficulty).ground
     assert np.isfinite(ground.heights).all()
-    assert 2.0 * ground.half_size == pytest.approx(TERRAINS[name]().size)
+    assert ground.half_size == pytest.approx((TERRAINS[name]().size / 2,) * 2)
 
 
 @ALL
 @DIFFICULTIES
 def test_the_spawn_is_gentle(name: str, difficulty: float) -> None:
     terrain, ground = TERRAINS[name], world_of(name, 1, difficulty).ground
-    axis = np.linspace(-ground.half_size, ground.half_size, len(ground.heights))
+    axis = np.linspace(-ground.half_size[0], ground.half_size[0], len(ground.heights))
     near = np.hypot(*np.meshgrid(axis, axis)) <= SPAWN_RADIUS - ground.cell
     steepest = slopes(ground)[near].max()
     assert steepest == 0.0 if terrain.has_level_spawn else steepest < 24.0
@@ -91,11 +92,13 @@ def test_no_obstacle_stands_near_the_spawn(
 @DIFFICULTIES
 def test_obstacles_stand_inside_the_map(name: str, difficulty: float) -> None:
     world = world_of(name, 1, difficulty)
+    kinds = {obstacle.kind for obstacle in world.obstacles}
+    assert (ObstacleKind.HAZARD in kinds) is TERRAINS[name].has_hazards
     for obstacle in world.obstacles:
         axis_aligned = obstacle.quaternion == (1.0, 0.0, 0.0, 0.0)
         half = np.array(obstacle.half_size[:2])
         reach = np.abs(obstacle.position[:2]) + (half if axis_aligned else np.linalg.norm(half))
-        assert reach.max() < world.ground.half_size - 0.5
+        assert reach.max() < min(world.ground.half_size) - 0.5
 
 
 @ALL

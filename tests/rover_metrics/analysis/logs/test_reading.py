@@ -33,12 +33,11 @@ def test_a_good_log_has_all_columns_and_nothing_odd(write_log: WriteLog) -> None
     assert log.columns["Distance Traveled"][-1] == 14.5
 
 
-def test_only_the_columns_asked_for_and_the_counters_are_kept_small(write_log: WriteLog) -> None:
+def test_only_the_columns_asked_for_and_the_counters_are_kept(write_log: WriteLog) -> None:
     log = read_log(write_log(), [METRICS["CV"]])
     counters = {"Total Collisions", "Smoothness Metric", "Distance Traveled"}
     assert set(log.columns) == {*counters, "Current Velocity"}
-    assert log.columns["Current Velocity"].dtype == np.float32
-    assert {log.columns[name].dtype for name in counters} == {np.dtype(np.float64)}
+    assert {column.dtype for column in log.columns.values()} == {np.dtype(np.float64)}
 
 
 def test_a_row_with_a_field_too_many_shifts_nothing(write_log: WriteLog, row: Row) -> None:

@@ -1,0 +1,131 @@
+"""Command: call a service of this machine, as `ros2 service call` would, where there is no ros2.
+
+    python -m harness.call                          # which services there are
+    python -m harness.call /harness/pause true
+
+Calls services of std_srvs: Trigger and Empty, which ask nothing, and SetBool, which asks true or false.
+"""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from harness.cli.edge import begin_program, run_program
+
+if __name__ == "__main__":
+    begin_program("harness.call")
+
+from harness.errors import INSTALL_ROS, RunFailed, UsageError
+from harness.interrupt import StopRequest
+from rover_metrics.errors import OneLineParser
+
+if TYPE_CHECKING:
+    from rclpy.executors import Executor
+    from rclpy.node import Node
+
+PATIENCE = 5.0  # [s] for services to be found, and for an answer
+LOOK = 1.0  # [s] for finding out which there are
+TYPES = ("std_srvs/srv/Trigger", "std_srvs/srv/Empty", "std_srvs/srv/SetBool")
+SET_BOOL = TYPES[-1]
+BOOLS = {"true": True, "false": False}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command; returns its exit code: 1 if the service says no or nothing."""
+    options = _parser().parse_args(arguments)
+    return run_program("harness.call", lambda: _main(options))
+
+
+def _main(options: argparse.Namespace) -> int:
+    try:  # as in harness.run: whoever has no ROS shall read one line
+        import rclpy  # noqa: PLC0415
+
+        from harness.ros.context import make_executor, ros_context  # noqa: PLC0415
+    except ImportError as error:
+        raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}") from error
+    with StopRequest(), ros_context([]) as context, make_executor(context) as executor:
+        node = rclpy.create_node(f"call_{os.getpid()}", context=context, enable_rosout=False)
+        executor.add_node(node)
+        if options.service is None:
+            return _list(node, executor)
+        return _call(node, executor, options)
+
+
+def _list(node: "Node", executor: "Executor") -> int:
+    found = _found(node, executor, None)
+    for name, kind in sorted(found.items()):
+        print(f"{name}  {kind}")
+    if not found:
+        raise RunFailed("no services: does anything run with this ROS_DOMAIN_ID and discovery range?")
+    return 0
+
+
+def _call(node: "Node", executor: "Executor", options: argparse.Namespace) -> int:
+    from harness.ros.context import spin_until  # noqa: PLC0415 - see `_main`
+
+    name = f"/{options.service.lstrip('/')}"
+    found = _found(node, executor, name)
+    if name not in found:
+        raise UsageError(f"there is no service {name}; available: {', '.join(sorted(found)) or 'none'}")
+    kind, request = _request(found[name], name, options.value)
+    client = node.create_client(kind, name)
+    future = None
+    if spin_until(executor, client.service_is_ready, PATIENCE):
+        future = client.call_async(request)
+        spin_until(executor, future.done, PATIENCE)
+    if future is None or not future.done():
+        raise RunFailed(f"{name} did not answer within {PATIENCE:g} s")
+    answer = future.result()
+    print(getattr(answer, "message", "") or "done")
+    return 0 if getattr(answer, "success", True) else 1
+
+
+def _found(node: "Node", executor: "Executor", wanted: str | None) -> dict[str, str]:
+    """The services that can be called, by name; waits for the wanted one, or for any."""
+    from harness.ros.context import spin_until  # noqa: PLC0415 - see `_main`
+
+    found: dict[str, str] = {}
+
+    def look() -> bool:
+        services = node.get_service_names_and_types()
+        found.update((name, kinds[0]) for name, kinds in services if kinds[0] in TYPES)
+        return wanted in found if wanted else bool(found)
+
+    if wanted is None:
+        spin_until(
+            executor, lambda: not look() and False, LOOK
+        )  # others may answer later than the first
+    spin_until(executor, look, PATIENCE)
+    return found
+
+
+def _request(kind: str, name: str, value: str | None) -> tuple[Any, Any]:
+    """The class of a service, and what is asked of it."""
+    import std_srvs.srv  # noqa: PLC0415 - see `_main`
+
+    service = getattr(std_srvs.srv, kind.rpartition("/")[2])
+    if kind != SET_BOOL:
+        if value is not None:
+            raise UsageError(f"{name} asks nothing; leave out '{value}'")
+        return service, service.Request()
+    if value not in BOOLS:
+        raise UsageError(f"{name} asks true or false: python -m harness.call {name} true")
+    return service, service.Request(data=BOOLS[value])
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = OneLineParser(
+        prog="python -m harness.call",
+        description="Calls a service of std_srvs (Trigger, Empty, SetBool) and prints its answer; "
+        "without a name, prints which there are.",
+        epilog="Exit code 0: it says yes. 1: no, or nothing. 2: there is no such service.",
+    )
+    parser.add_argument("service", nargs="?", metavar="SERVICE", help="e.g. /harness/reset")
+    parser.add_argument("value", nargs="?", metavar="true|false", help="what SetBool asks for")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

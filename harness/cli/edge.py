@@ -1,0 +1,15 @@
+"""Loaded by each command before all else: the edge of a program, where a known mistake is one line."""
+
+import sys
+
+try:
+    from rover_metrics.errors import begin_program, run_program
+except ImportError:  # the sources are here, what they need is not
+    print(
+        f"harness: rover-harness is not installed in this Python ({sys.version.split()[0]}, "
+        f"{sys.executable}); use .venv/bin/python after make setup, or pip install rover-harness",
+        file=sys.stderr,
+    )
+    sys.exit(2)
+
+__all__ = ["begin_program", "run_program"]

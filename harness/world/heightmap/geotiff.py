@@ -1,0 +1,144 @@
+"""Where the pixels of a GeoTIFF lie, by its tags: how large they are, which way is east, which north.
+
+ModelPixelScale with a tie point or ModelTransformation places them, whether there are GeoKeys or not;
+those name the units (OGC GeoTIFF 1.1). Without them the unit is taken to be the metre.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import tifffile
+from numpy.typing import NDArray
+
+from harness.errors import UsageError
+
+PIXEL_SCALE, TIE_POINTS, TRANSFORMATION = 33550, 33922, 34264  # tags
+GEOGRAPHIC, GEOCENTRIC = 2, 3  # model types
+PIXEL_IS_POINT = 2  # raster type: the tie point is the middle of a pixel, not its corner
+METRE = 9001
+UNITS = {  # EPSG's numbers: name, length [m]
+    METRE: ("metre", 1.0),
+    9002: ("foot", 0.3048),
+    9003: ("US survey foot", 1200.0 / 3937.0),
+    9036: ("kilometre", 1000.0),
+}
+MOST_SKEW = math.radians(0.5)  # of rows and columns that count as at right angles
+SMALLEST_TURN = 0.05  # [deg] that is told
+SIZE_UNKNOWN = "it does not say how large it is"
+Affine = NDArray[np.float64]  # (2, 3): columns, rows, 1 -> coordinates
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """The pixels of a file in the world.
+
+    Attributes:
+        pixel: Distance of two columns and of two rows, once north is up [m]; or why it is unknown, as
+            a sentence starts.
+        height_unit: Of the values [m]; None if the file does not place its pixels or does not say.
+        transposed: Whether what it stores as rows are columns; then `mirrored`, whether these run
+            west, and `upside_down`, whether rows run north.
+        notes: What of this a reader should know.
+    """
+
+    pixel: tuple[float, float] | str = SIZE_UNKNOWN
+    height_unit: float | None = None
+    transposed: bool = False
+    mirrored: bool = False
+    upside_down: bool = False
+    notes: tuple[str, ...] = ()
+
+    def north_up(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Returns the pixels with the first row in the north and the first column in the west."""
+        values = values.T if self.transposed else values
+        return values[:: -1 if self.upside_down else 1, :: -1 if self.mirrored else 1]
+
+
+def read_grid(page: tifffile.TiffPage) -> Grid:
+    """Returns what the tags of a page say.
+
+    Raises:
+        UsageError: Rows and columns are not at right angles.
+    """
+    keys: Mapping[str, Any] = page.geotiff_tags or {}
+    affine = _affine(page)
+    if keys.get("GTModelTypeGeoKey") == GEOGRAPHIC:
+        return Grid("its pixels are degrees (gdalwarp -t_srs EPSG:... gives metres)", 1.0)
+    if keys.get("GTModelTypeGeoKey") == GEOCENTRIC:
+        return Grid("its coordinates are geocentric (gdalwarp -t_srs EPSG:... gives metres)")
+    number = keys.get("ProjLinearUnitsGeoKey", METRE)
+    if number not in UNITS:
+        return Grid(f"its unit {number} is not known (gdalwarp -t_srs EPSG:... gives metres)")
+    if affine is None:
+        return Grid()
+    return _placed(affine, keys, page)
+
+
+def _affine(page: tifffile.TiffPage) -> Affine | None:
+    """From columns and rows, counted from the corner of the first pixel, to coordinates."""
+    scale, full = _numbers(page, PIXEL_SCALE, 2), _numbers(page, TRANSFORMATION, 16)
+    if scale is not None:
+        # A negative depth is a writer's mistake, says GDAL: rows run south all the same.
+        width, depth = abs(scale[0]), abs(scale[1])
+        column, row, _, x, y, _ = _numbers(page, TIE_POINTS, 6) or (0.0,) * 6
+        affine = np.array([[width, 0.0, x - width * column], [0.0, -depth, y + depth * row]])
+    elif full is not None:
+        affine = np.array(full, np.float64).reshape(4, 4)[:2, [0, 1, 3]]
+    else:
+        return None
+    usable = np.isfinite(affine).all() and np.abs(affine[:, :2]).max(axis=0).all()
+    return affine if usable else None
+
+
+def _numbers(page: tifffile.TiffPage, tag: int, count: int) -> tuple[float, ...] | None:
+    """The first of a tag's numbers; None if it has fewer."""
+    numbers = page.tags.valueof(tag)
+    return numbers[:count] if isinstance(numbers, tuple) and len(numbers) >= count else None
+
+
+def _placed(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) -> Grid:
+    (east_column, east_row), (north_column, north_row) = affine[:, :2].tolist()
+    columns, rows = (math.hypot(*step) for step in affine[:, :2].T.tolist())
+    if abs(east_column * east_row + north_column * north_row) > math.sin(MOST_SKEW) * columns * rows:
+        raise UsageError("its rows and columns are not at right angles (gdalwarp straightens them)")
+    if transposed := abs(east_column) < abs(east_row):
+        columns, rows = rows, columns
+        east_column, north_column, north_row = east_row, north_row, north_column
+    mirrored, upside_down = east_column < 0.0, north_row > 0.0
+    turn = math.degrees(math.atan2(-north_column if mirrored else north_column, abs(east_column)))
+    name, metres = UNITS[keys.get("ProjLinearUnitsGeoKey", METRE)]
+    notes = []
+    if not keys:
+        notes.append("names no coordinate system: its pixels are taken to be metres")
+    if metres != 1.0:
+        notes.append(f"its unit is the {name}, {metres:.6g} m")
+    if transposed or mirrored or upside_down:
+        notes.append("rows do not run from west to east, from north to south: turned so that they do")
+    if abs(turn) > SMALLEST_TURN:
+        notes.append(f"+x is {turn:.1f} deg north of its coordinates' east")
+    notes.append(_middle(affine, keys, page))
+    return Grid(
+        pixel=(columns * metres, rows * metres),
+        height_unit=_height_unit(keys, metres),
+        transposed=transposed,
+        mirrored=mirrored,
+        upside_down=upside_down,
+        notes=tuple(notes),
+    )
+
+
+def _middle(affine: Affine, keys: Mapping[str, Any], page: tifffile.TiffPage) -> str:
+    outer = 1 if keys.get("GTRasterTypeGeoKey") == PIXEL_IS_POINT else 0
+    rows, columns = page.shape
+    x, y = (affine @ ((columns - outer) / 2, (rows - outer) / 2, 1.0)).tolist()
+    return f"its middle, the origin, is {x:.10g}, {y:.10g} in its coordinates"
+
+
+def _height_unit(keys: Mapping[str, Any], horizontal: float) -> float | None:
+    """Length of a unit of height [m]; None if the ground is in another unit and it does not say."""
+    if "VerticalUnitsGeoKey" in keys:
+        return UNITS.get(keys["VerticalUnitsGeoKey"], ("", None))[1]
+    return 1.0 if horizontal == 1.0 else None

@@ -1,0 +1,100 @@
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.physics.scene import Scene, build_scene
+from harness.physics.simulation import Simulation
+from harness.physics.start import DROP_HEIGHT, check_start, spawn_pose
+from harness.world.heightfield import Field, Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.world import Start, World
+from tests.support.rovers import ROVER_ZERO4WD
+
+CELL, TIMESTEP_NS = 0.2, 5_000_000
+X, Y = np.meshgrid(np.arange(-40, 41) * CELL, np.arange(-20, 21) * CELL)  # 16 x 8 m
+BOULDER = Obstacle(
+    kind=ObstacleKind.HAZARD, shape="ellipsoid", half_size=(0.5,) * 3, position=(5.0, -2.0, 0.3)
+)
+ROCK = Obstacle(
+    kind=ObstacleKind.ROCK, shape="box", half_size=(0.1, 0.1, 0.1), position=(-5.0, 2.0, 0.1)
+)
+
+
+def scene_of(heights: Field, start: Start) -> Scene:
+    world = World("bench", Heightfield(heights, CELL), (ROCK, BOULDER), 0, None, start=start)
+    return build_scene(world, ROVER_ZERO4WD, TIMESTEP_NS / 1e9)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5])
+def test_a_rover_is_set_down_over_the_highest_ground_below_its_turned_footprint(yaw: float) -> None:
+    pose = spawn_pose(scene_of(0.1 * X + 0.2 * Y, (3.0, -1.5, yaw)))
+    x_min, x_max, y_min, y_max = ROVER_ZERO4WD.footprint
+    corners = [
+        0.1 * (3.0 + math.cos(yaw) * x - math.sin(yaw) * y)
+        + 0.2 * (-1.5 + math.sin(yaw) * x + math.cos(yaw) * y)
+        for x in (x_min, x_max)
+        for y in (y_min, y_max)
+    ]
+    assert pose[:2].tolist() == [3.0, -1.5]
+    expected = max(corners) + ROVER_ZERO4WD.rest_height + DROP_HEIGHT
+    assert pose[2] == pytest.approx(expected, abs=0.3 * CELL / 2 * 2)  # sampled each half cell
+    assert pose[3:] == pytest.approx((math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)))
+
+
+def test_it_settles_there_with_its_heading_and_a_reset_brings_it_back() -> None:
+    simulation = Simulation(scene_of(0.05 * X, (-6.5, 3.0, 2.0)), TIMESTEP_NS)
+    x, y, z = simulation.position
+    assert (x, y, simulation.yaw) == pytest.approx((-6.5, 3.0, 2.0), abs=0.02)
+    assert z == pytest.approx(0.05 * -6.5 + ROVER_ZERO4WD.rest_height, abs=0.03)
+    check_start(simulation.scene, simulation.data)
+    simulation.command_wheels(np.full(4, 5.0))
+    for _ in range(20):
+        simulation.tick()
+    simulation.return_to_start()
+    assert simulation.position == (x, y, z)
+
+
+@pytest.mark.parametrize(
+    ("start", "name"),
+    [
+        ((5.0, -2.0, 0.0), "hazard_1"),
+        ((4.3, -2.0, 1.0), "hazard_1"),
+        ((-5.0, 2.3, math.pi / 2), "rock_0"),
+        ((4.0, -2.0, 0.0), None),
+        ((-5.0, 2.6, math.pi), None),
+    ],
+)
+def test_a_start_inside_an_obstacle_is_refused_by_its_name(start: Start, name: str | None) -> None:
+    scene = scene_of(np.zeros_like(X), start)
+    settled = Simulation(replace(scene, world=replace(scene.world, start=(0.0, 0.0, 0.0))), TIMESTEP_NS)
+    settled.data.qpos[:2] = start[:2]  # as if it stood there
+    if name is None:
+        check_start(scene, settled.data)
+        return
+    with pytest.raises(UsageError, match=rf"start .* is inside {name}; choose another --start"):
+        check_start(scene, settled.data)
+
+
+@pytest.mark.parametrize(
+    ("moved", "roll", "told"),
+    [
+        (0.49, 59.0, None),
+        (0.51, 0.0, "it slid 0.5 m and leans by 0 deg"),
+        (0.0, 61.0, "leans by 61 deg"),
+    ],
+)
+def test_a_start_where_it_slides_or_tips_over_is_refused(
+    moved: float, roll: float, told: str | None, make_simulation: Callable[..., Simulation]
+) -> None:
+    simulation = make_simulation()
+    half = math.radians(roll) / 2
+    simulation.data.qpos[:7] = (moved, 0.0, 0.2, math.cos(half), math.sin(half), 0.0, 0.0)
+    if told is None:
+        check_start(simulation.scene, simulation.data)
+        return
+    with pytest.raises(UsageError, match=f"no rover can stand at start 0,0,0: .*{told}"):
+        check_start(simulation.scene, simulation.data)

@@ -1,0 +1,160 @@
+import itertools
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import tifffile
+
+from harness.errors import UsageError
+from harness.world.heightmap.raster import Raster, read_raster
+
+PIXEL_SCALE, TIE_POINTS, TRANSFORMATION, GEO_KEYS = 33550, 33922, 34264, 34735
+MODEL_TYPE, RASTER_TYPE, LINEAR_UNIT, VERTICAL_UNIT = 1024, 1025, 3076, 4099  # GeoKeys
+METRES = {MODEL_TYPE: 1, LINEAR_UNIT: 9001}
+VALUES = np.arange(90, dtype=np.float32).reshape(9, 10)
+
+
+def read(
+    folder: Path,
+    *,
+    scale: Sequence[float] | None = None,
+    tie: Sequence[float] | None = None,
+    matrix: Sequence[float] | None = None,
+    keys: dict[int, int] | None = None,
+    values: np.ndarray = VALUES,
+) -> Raster:
+    tags: list[tuple[int, str, int, Any, bool]] = [
+        (tag, "d", len(numbers), tuple(numbers), True)
+        for tag, numbers in ((PIXEL_SCALE, scale), (TIE_POINTS, tie), (TRANSFORMATION, matrix))
+        if numbers is not None
+    ]
+    if keys is not None:
+        flat = (1, 1, 0, len(keys), *(n for key, value in keys.items() for n in (key, 0, 1, value)))
+        tags.append((GEO_KEYS, "H", len(flat), flat, True))
+    tifffile.imwrite(folder / "a.tif", values, extratags=tags)
+    return read_raster(folder / "a.tif")
+
+
+def turned(degrees: float, column: float, row: float) -> tuple[float, ...]:
+    """A transformation: columns run `column` m at an angle to east, rows `row` m at 90 deg to it."""
+    cos, sin = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    return (cos * column, sin * row, 0, 100, sin * column, -cos * row, 0, 200, *(0,) * 7, 1)
+
+
+def test_pixel_scale_and_tie_point_are_read_without_geokeys(tmp_path: Path) -> None:
+    raster = read(tmp_path, scale=(0.2, 0.3, 0.0), tie=(1.0, 2.0, 0.0, 500.0, 900.0, 0.0))
+    assert raster.pixel == (0.2, 0.3)
+    assert raster.in_metres
+    np.testing.assert_array_equal(raster.values, VALUES)
+    assert raster.notes == (
+        "names no coordinate system: its pixels are taken to be metres",
+        # 10 x 9 pixels; the corner of pixel 1,2 is at 500,900
+        "its middle, the origin, is 500.8, 899.25 in its coordinates",
+    )
+
+
+def test_whole_numbers_of_such_a_file_are_metres(tmp_path: Path) -> None:
+    assert read(tmp_path, scale=(1, 1, 0), values=VALUES.astype(np.uint16)).in_metres
+
+
+def test_where_the_pixel_is_a_point_the_tie_point_is_its_middle(tmp_path: Path) -> None:
+    raster = read(tmp_path, scale=(2, 2, 0), tie=(0, 0, 0, 10, 50, 0), keys={**METRES, RASTER_TYPE: 2})
+    assert raster.notes == ("its middle, the origin, is 19, 42 in its coordinates",)
+
+
+@pytest.mark.parametrize(("mirrored", "up", "swapped"), [*itertools.product((False, True), repeat=3)])
+def test_a_transformation_may_run_anywhere_and_north_is_up_all_the_same(
+    tmp_path: Path, *, mirrored: bool, up: bool, swapped: bool
+) -> None:
+    """Pixels stored in any of the eight orders, placed where they belong by the matrix."""
+    stored, east, north = VALUES, (0.5, 0.0), (0.0, -0.25)  # m per column and per row
+    if mirrored:
+        stored, east = stored[:, ::-1], (-0.5, 0.0)
+    if up:
+        stored, north = stored[::-1], (0.0, 0.25)
+    if swapped:
+        stored, east, north = stored.T, north, east
+    matrix = (east[0], north[0], 0, 7, east[1], north[1], 0, 8, *(0,) * 7, 1)
+    raster = read(tmp_path, matrix=matrix, keys=METRES, values=np.ascontiguousarray(stored))
+    np.testing.assert_array_equal(raster.values, VALUES)
+    assert raster.pixel == (0.5, 0.25)
+    assert any("turned so that they do" in note for note in raster.notes) is (mirrored or up or swapped)
+
+
+@pytest.mark.parametrize("degrees", [-40.0, 0.0, 12.5])
+def test_a_turned_grid_keeps_its_size_and_tells_its_angle(tmp_path: Path, degrees: float) -> None:
+    raster = read(tmp_path, matrix=turned(degrees, 0.5, 0.25), keys=METRES)
+    assert raster.pixel == pytest.approx((0.5, 0.25))
+    np.testing.assert_array_equal(raster.values, VALUES)
+    told = (f"+x is {degrees:.1f} deg north of its coordinates' east",) if degrees else ()
+    assert raster.notes[:-1] == told
+
+
+def test_rows_and_columns_aslant_are_refused(tmp_path: Path) -> None:
+    matrix = (1, 0.5, 0, 0, 0, -1, 0, 0, *(0,) * 7, 1)
+    with pytest.raises(UsageError, match="not at right angles"):
+        read(tmp_path, matrix=matrix, keys=METRES)
+
+
+def test_a_negative_scale_is_a_size_as_for_gdal(tmp_path: Path) -> None:
+    raster = read(tmp_path, scale=(0.2, -0.3, 0), keys=METRES)
+    assert raster.pixel == (0.2, 0.3)
+    np.testing.assert_array_equal(raster.values, VALUES)
+
+
+@pytest.mark.parametrize(
+    "tags",
+    [
+        {},
+        {"tie": (0, 0, 0, 5, 5, 0)},
+        {"scale": (0.0, 0.2, 0.0)},
+        {"scale": (0.2, 0.0, 0.0)},
+        {"scale": (math.nan, 0.2, 0.0)},
+        {"scale": (math.inf, 0.2, 0.0)},
+        {"matrix": (0,) * 16},
+    ],
+)
+def test_without_a_usable_place_the_size_is_unknown(tmp_path: Path, tags: dict[str, Any]) -> None:
+    for keys in (None, METRES):
+        raster = read(tmp_path, **tags, keys=keys)
+        assert raster.pixel == "it does not say how large it is"
+        assert raster.in_metres  # floats
+        assert not read(tmp_path, **tags, keys=keys, values=VALUES.astype(np.uint8)).in_metres
+
+
+@pytest.mark.parametrize("tags", [{"scale": (0.2,)}, {"matrix": (1, 0, 0)}])
+def test_tags_with_too_few_numbers_say_nothing(tmp_path: Path, tags: dict[str, Any]) -> None:
+    assert read(tmp_path, **tags).pixel == "it does not say how large it is"
+
+
+@pytest.mark.parametrize(
+    ("unit", "metres", "name"),
+    [(9002, 0.3048, "foot"), (9003, 12 / 39.37, "US survey foot"), (9036, 1000.0, "kilometre")],
+)
+def test_feet_and_kilometres_become_metres(tmp_path: Path, unit: int, metres: float, name: str) -> None:
+    keys = {MODEL_TYPE: 1, LINEAR_UNIT: unit}
+    raster = read(tmp_path, scale=(2, 3, 0), keys=keys)
+    assert raster.pixel == pytest.approx((2 * metres, 3 * metres))
+    assert not raster.in_metres  # it may measure its heights in either
+    assert any(name in note for note in raster.notes)
+    for vertical, height_unit in ((9001, 1.0), (9002, 0.3048)):
+        raster = read(tmp_path, scale=(2, 3, 0), keys={**keys, VERTICAL_UNIT: vertical})
+        assert raster.in_metres
+        np.testing.assert_allclose(raster.values, VALUES * height_unit)
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({MODEL_TYPE: 2}, "its pixels are degrees (gdalwarp"),
+        ({MODEL_TYPE: 3}, "its coordinates are geocentric (gdalwarp"),
+        ({MODEL_TYPE: 1, LINEAR_UNIT: 9030}, "its unit 9030 is not known (gdalwarp"),
+    ],
+)
+def test_degrees_and_unknown_units_are_named(tmp_path: Path, keys: dict[int, int], said: str) -> None:
+    pixel = read(tmp_path, scale=(1e-5, 1e-5, 0), keys=keys).pixel
+    assert isinstance(pixel, str)
+    assert pixel.startswith(said)
