@@ -72,7 +72,9 @@ def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(
         prog="python -m benchmarks", description="Measures, side by side, and prints ratios."
     )
-    parser.add_argument("names", nargs="*", type=_name, metavar="name", help=", ".join(BENCHMARKS))
+    parser.add_argument(
+        "names", nargs="*", type=_name, metavar="name", help=f"{', '.join(BENCHMARKS)}; default: all"
+    )
     parser.add_argument("--hour", action="store_true", help="memory over a simulated hour, too")
     parser.add_argument("--quick", action="store_true", help="a smoke test: the figures mean nothing")
     parser.add_argument("--write", action="store_true", help="everything, into benchmarks/README.md")

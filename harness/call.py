@@ -122,7 +122,9 @@ def _parser() -> argparse.ArgumentParser:
         "without a name, prints which there are.",
         epilog="Exit code 0: it says yes. 1: no, or nothing. 2: there is no such service.",
     )
-    parser.add_argument("service", nargs="?", metavar="SERVICE", help="e.g. /harness/reset")
+    parser.add_argument(
+        "service", nargs="?", metavar="SERVICE", help="e.g. /harness/reset; default: list"
+    )
     parser.add_argument("value", nargs="?", metavar="true|false", help="what SetBool asks for")
     return parser
 

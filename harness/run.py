@@ -20,7 +20,7 @@ if __name__ == "__main__":
 
 from rich.console import Console
 
-from harness.cli.console import RunProgress, print_choices, print_summary
+from harness.cli.console import RunProgress, counted, print_choices, print_summary
 from harness.cli.options import RunOptions, parse_run
 from harness.episode.manifest import write_manifest
 from harness.episode.result import Run, RunResult
@@ -58,7 +58,8 @@ def _command(options: RunOptions, console: Console) -> int:
         if options.report is not None:
             from harness.report.content import render  # noqa: PLC0415 - see `_loaded`
 
-            write_whole(options.report, render(result, recorder), "the report")
+            with console.status("drawing the page"):
+                write_whole(options.report, render(result, recorder), "the report")
             console.print(f"report: {options.report}", soft_wrap=True, highlight=False)
         _draw(drawing, stop, console)
     return exit_code
@@ -135,7 +136,11 @@ def _draw(drawing: Drawing, stop: StopRequest, console: Console) -> None:
         return
     if drawing.wanted and stop.signal is not None:
         console.print("drawing what there is; Ctrl-C again leaves it out", highlight=False)
-    for path in drawing.finish():
+    if not drawing.wanted:
+        return
+    with counted(console, "drawing") as show:
+        drawn = drawing.finish(show)
+    for path in drawn:
         console.print(f"drawn: {path}", soft_wrap=True, highlight=False)
 
 

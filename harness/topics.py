@@ -86,7 +86,11 @@ def _parser() -> argparse.ArgumentParser:
         "parameter events.",
     )
     parser.add_argument(
-        "--seconds", type=_seconds, default=math.inf, metavar="S", help="look so long, print, end"
+        "--seconds",
+        type=_seconds,
+        default=math.inf,
+        metavar="S",
+        help="look so long, print, end; default: until Ctrl-C",
     )
     parser.add_argument("--namespace", default="", metavar="NS", help="topics below it, and /clock")
     return parser

@@ -17,13 +17,14 @@ if __name__ == "__main__":
 
 from rich.console import Console
 
+from harness.cli.console import counted
 from harness.interrupt import Interrupted, StopRequest
 from harness.robots import ROVERS, find_rover
 from harness.tuning.backend import BACKENDS, backend_of
 from harness.tuning.episodes.plan import plan
 from harness.tuning.episodes.store import Store
 from harness.tuning.episodes.sweep import sweep
-from harness.tuning.output import print_studies, sweep_progress, write_results
+from harness.tuning.output import print_studies, write_results
 from harness.tuning.scoring.study import study
 from rover_metrics.errors import OneLineParser
 
@@ -52,12 +53,16 @@ def _tune(options: argparse.Namespace, console: Console) -> int:
     planned = plan(robots, options.episodes, options.seed, options.duration)
     with backend_of(options.backend, options.address, options.jobs) as backend:
         store = Store(options.out, planned)
-        with sweep_progress(console, planned) as show:
-            records = sweep(planned, store, backend, show)
-    studies = [study(robot, records, options.seed) for robot in robots]
+        with counted(console, f"driving {options.duration:g} s episodes") as show:
+            records = sweep(planned, store, backend, lambda done: show(done, len(planned)))
+    studies = []
+    for robot in robots:
+        with console.status(f"scoring the thresholds of {robot}"):
+            studies.append(study(robot, records, options.seed))
     print_studies(console, studies)
-    for path in write_results(options.out, studies, records, _command(robots, options)):
-        console.print(f"written: {path}", soft_wrap=True, highlight=False)
+    with console.status("drawing the page"):
+        for path in write_results(options.out, studies, records, _command(robots, options)):
+            console.print(f"written: {path}", soft_wrap=True, highlight=False)
     verdicts = [(each.robot, verdict) for each in studies for verdict in each.verdicts]
     lacks = [(robot, verdict) for robot, verdict in verdicts if verdict.lack is not None]
     for robot, verdict in lacks:
@@ -85,7 +90,7 @@ def _parser() -> argparse.ArgumentParser:
         "--robot",
         action="append",
         metavar="NAME",
-        help=f"{', '.join(ROVERS)}; repeatable, all by default",
+        help=f"{', '.join(ROVERS)}; repeatable; default: all",
     )
     parser.add_argument(
         "--episodes", type=int, default=EPISODES, metavar="N", help="worlds; each robot drives in all"
@@ -93,15 +98,14 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--duration", type=float, default=DURATION, metavar="S", help="simulated seconds of each episode"
     )
-    parser.add_argument("--seed", type=int, default=0, metavar="N")
-    parser.add_argument(
-        "--jobs", type=int, metavar="N", help="processes; by default as many as there are CPUs"
-    )
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the worlds and drives")
+    parser.add_argument("--jobs", type=int, metavar="N", help="processes; default: one per CPU")
     parser.add_argument(
         "--backend", default="local", metavar="NAME", help=f"who drives: {', '.join(BACKENDS)}"
     )
     parser.add_argument("--address", metavar="URL", help="of the Ray or Dask cluster")
-    parser.add_argument("--out", type=Path, default=OUT, metavar="DIR")
+    about = "folder for episodes and results"
+    parser.add_argument("--out", type=Path, default=OUT, metavar="DIR", help=about)
     return parser
 
 

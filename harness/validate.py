@@ -45,7 +45,8 @@ def _suite(options: argparse.Namespace, console: Console) -> Sequence[str]:
     rovers = ROVERS.values() if options.robot is None else [find_rover(options.robot)]
     results = {}
     for rover in rovers:
-        results[rover.name] = validate(rover, options.seed)
+        with console.status(f"driving {rover.name}"):
+            results[rover.name] = validate(rover, options.seed)
         print_table(console, rover.name, results[rover.name])
     if options.write:
         write_between_markers(README, as_markdown(results))
@@ -54,7 +55,8 @@ def _suite(options: argparse.Namespace, console: Console) -> Sequence[str]:
 
 
 def _realism(options: argparse.Namespace, console: Console) -> Sequence[str]:
-    comparison = compare(options.realism, options.robot, options.seed)
+    with console.status(f"driving {options.robot} for ten minutes"):
+        comparison = compare(options.realism, options.robot, options.seed)
     print_comparison(console, comparison)
     return comparison.missed
 
@@ -75,7 +77,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="python -m harness.validate",
         description="Drives standard manoeuvres and compares the rovers with their sources.",
     )
-    parser.add_argument("--robot", metavar="NAME", help=f"{', '.join(ROVERS)}; all by default")
+    parser.add_argument("--robot", metavar="NAME", help=f"{', '.join(ROVERS)}; default: all")
     parser.add_argument(
         "--seed", type=int, default=0, metavar="N", help="headings and the unevenness of the floor"
     )

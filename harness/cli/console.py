@@ -1,10 +1,12 @@
-"""What a run shows on the terminal: a live progress line, then its summary; and what can be chosen."""
+"""What commands show on the terminal: live progress, the summary of a run, and what can be chosen."""
 
 import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Self
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Column, Table
 
 from harness.drivers import DRIVERS
@@ -44,6 +46,22 @@ class RunProgress(Progress):
             distance=run.truth.path_length,
             messages=run.messages,
         )
+
+
+@contextmanager
+def counted(console: Console, title: str) -> Iterator[Callable[[int, int], None]]:
+    """Yields what moves a bar, told how much of how much is done; silent where there is no terminal."""
+    bar = Progress(
+        TextColumn(f"[bold]{title}"),
+        BarColumn(bar_width=None),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=console,
+        disable=not console.is_terminal,
+    )
+    with bar:
+        task = bar.add_task("", total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def print_summary(console: Console, run: result.RunResult) -> None:

@@ -23,17 +23,20 @@ SLOWEST_RATE = 0.01
 
 T = TypeVar("T")
 
-Option = tuple[str, Callable[[str], Any], str, str | None]  # flag, type, metavar, help
+Option = tuple[str, Callable[[str], Any], str, str]  # flag, type, metavar, help
 
 EPISODE: tuple[Option, ...] = (
     ("--robot", str, "NAME", ", ".join(ROVERS)),
     ("--driver", str, "NAME", ", ".join(DRIVERS)),
-    ("--seed", int, "N", None),
+    ("--seed", int, "N", "of everything random"),
     ("--duration", float, "S", "simulated seconds"),
     ("--difficulty", float, "D", "0 to 1"),
     ("--timestep", float, "S", "physics step"),
 )
-SENSORS: tuple[Option, ...] = (("--lidar-beams", int, "N", None), ("--imu-rate", int, "HZ", None))
+SENSORS: tuple[Option, ...] = (
+    ("--lidar-beams", int, "N", "beams of the lidar, all around"),
+    ("--imu-rate", int, "HZ", "samples of the IMU a second"),
+)
 RECORD_HELP = (
     "record every topic, /cmd_vel and /rover/metrics too; a killed run's file is read by "
     "rover_metrics.replay as it is, and "
@@ -46,7 +49,7 @@ FILES: tuple[Option, ...] = (
 )
 PICTURES: tuple[Option, ...] = (
     ("--picture", Path, "FILE.png", "draw the rover at the end of its path"),
-    ("--video", Path, "FILE.mp4", "draw the run in at most 10 s (extra [video])"),
+    ("--video", Path, "FILE.mp4", "draw the run in at most 10 s, with time and speed (extra [video])"),
 )
 Group = argparse._ArgumentGroup  # noqa: SLF001 - what add_argument_group gives has no public name
 
@@ -159,11 +162,10 @@ def run_parser() -> argparse.ArgumentParser:
         description="Drives a rover over rough terrain, publishes its sensors as ROS 2 topics and "
         "logs traversal metrics to CSV.",
         epilog="Arguments after --ros-args go to ROS, e.g. --ros-args -r scan:=front/scan.",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     _add_episode(parser.add_argument_group("episode"), EpisodeConfig())
     sensors = parser.add_argument_group("sensors")
-    about = f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_PRESET} if not named"
+    about = f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_PRESET} if not named; default: none"
     sensors.add_argument("--noise", nargs="?", const=DEFAULT_PRESET, metavar="NAME", help=about)
     _add(sensors, SENSORS, EpisodeConfig())
     about = f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable"
@@ -172,7 +174,9 @@ def run_parser() -> argparse.ArgumentParser:
     _add_run(parser.add_argument_group("run"))
     pictures = parser.add_argument_group("pictures")
     _add(pictures, PICTURES)
-    pictures.add_argument("--picture-lidar", action="store_true", help="show the lidar's beams in them")
+    pictures.add_argument(
+        "--picture-lidar", action="store_true", help="show the lidar's hits and some of its beams"
+    )
     parser.add_argument("--list", action="store_true", help="print terrains, robots and drivers")
     parser.add_argument("--version", action="version", version=f"rover-harness {__version__}")
     return parser
@@ -197,8 +201,9 @@ def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
 
 
 def _add_run(run: Group) -> None:
-    run.add_argument("--rate", type=_rate, metavar="R|max", help="times real time; max by default")
-    run.add_argument("--log-dir", type=Path, default=DEFAULT_LOG_DIR, metavar="DIR")
+    run.add_argument("--rate", type=_rate, metavar="R|max", help="times real time; default: max")
+    about = "folder for the log and its manifest"
+    run.add_argument("--log-dir", type=Path, default=DEFAULT_LOG_DIR, metavar="DIR", help=about)
     run.add_argument(
         "--namespace", default="", metavar="NAME", help="of all topics but /clock, e.g. rover1"
     )

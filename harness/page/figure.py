@@ -58,8 +58,8 @@ def titled(text: str, **values: object) -> Layout:
 
 
 def spelled(unit: str) -> str:
-    """Returns a unit with a true exponent."""
-    return unit.replace("^2", "²")
+    """Returns a unit, or a formula, with true exponents."""
+    return unit.replace("^2", "²").replace("^3", "³")
 
 
 def numbers(values: ArrayLike, decimals: int = 3) -> list[float | None]:

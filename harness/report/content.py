@@ -2,6 +2,7 @@
 
 import math
 from datetime import datetime
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,10 @@ from harness.episode.result import RunResult
 from harness.page.figure import MINUS, TIMES, Plot, named
 from harness.page.shell import fill
 from harness.report.hillshade import shade
-from harness.report.log import Log, collisions, contacts, describe, read_log
+from harness.report.log import Log, caption, collisions, contacts, describe, read_log
 from harness.report.recorder import RunRecorder
-from harness.report.series import MOST_ROWS, series_figure
-from harness.report.tables import comparisons, contact_rows, facts, key_figures
+from harness.report.series import MOST_ROWS, series_figure, varies
+from harness.report.tables import comparisons, contact_rows, facts, key_figures, steady_text
 from harness.report.terrain_map import map_figure
 from harness.robots import find_rover
 from harness.sensors.lidar_spec import scan_points
@@ -25,10 +26,12 @@ LISTED = ("arguments", "versions", "world")  # parts of the manifest that are ta
 def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
     """Returns what the template shows of a run."""
     log, values = read_log(result.log_path), manifest(result)
-    terrain_map, series = _map(result, recorder, log), _series(result, recorder, log)
+    terrain_map, plots = _map(result, recorder, log), _series(result, recorder, log)
+    series = [plot for plot in plots if varies(plot.figure, log.columns[plot.heading])]
+    steady = [plot for plot in plots if plot not in series]
     return {
         "result": result,
-        "heading": f"{result.config.robot} on {result.config.terrain}",
+        "heading": f"{result.config.robot} on {Path(result.config.terrain).name}",
         "arguments": values["arguments"],
         "outcome": values["outcome"],
         "written": datetime.now().astimezone().isoformat(sep=" ", timespec="seconds"),
@@ -37,6 +40,10 @@ def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
         "comparisons": comparisons(result, log),
         "contacts": contact_rows(result),
         "series": series,
+        "steady": [
+            (plot.heading, steady_text(plot.heading, log.columns[plot.heading]), plot.caption)
+            for plot in steady
+        ],
         "notes": log.notes,
         "figures": named((terrain_map, *series)),
         "thinned_to": MOST_ROWS if len(log.time_s) > MOST_ROWS else None,
@@ -88,7 +95,7 @@ def _series(result: RunResult, recorder: RunRecorder, log: Log) -> list[Plot]:
         Plot(
             name=f"series-{number}",
             heading=name,
-            caption=describe(name).meaning,
+            caption=caption(name),
             summary=_summary(name, values),
             figure=series_figure(name, log, result.thresholds, track, touched, gravity),
         )

@@ -10,9 +10,12 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 
+from harness.page.figure import spelled
 from harness.report.recorder import Stretch
 from harness.samples import Vector3
+from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.core.row import COLUMNS
+from rover_metrics.extended.metrics import EXTENDED_COLUMNS
 
 TIME_COLUMN, NOTES_COLUMN = COLUMNS[0], COLUMNS[-1]
 COUNTER = "Total Collisions"
@@ -20,67 +23,33 @@ LONGEST_GAP = 0.5  # [s] in what is still one event, as in harness.truth.contact
 MOST_NOTES = 20  # kinds
 
 
-@dataclass(frozen=True)
-class Column:
-    """How a column of the log is drawn.
-
-    Attributes:
-        meaning: The caption.
-        unit: Of its values; empty for a number without one.
-        thresholds: Names of the thresholds that its values are compared with.
-        is_flag: Whether it is 0 or 1.
-        shows_gravity: Whether gravity is in its values.
-    """
-
-    meaning: str
-    unit: str = ""
-    thresholds: tuple[str, ...] = ()
-    is_flag: bool = False
-    shows_gravity: bool = False
-
-
-KNOWN_COLUMNS = {
-    "Total Collisions": Column(
-        "Scans so far whose nearest range was below collision_threshold.", "scans"
-    ),
-    "Current Collision Status": Column(
-        "1 while the windowed clearance is below collision_threshold.", is_flag=True
-    ),
-    "Smoothness Metric": Column("Sum of |a| + |ω| over all IMU samples so far.", "m/s² + rad/s"),
-    "Current Smoothness": Column(
-        "Mean of |a| + |ω| over the last 100 IMU samples.",
-        "m/s² + rad/s",
-        thresholds=("smoothness_threshold",),
-    ),
-    "Obstacle Clearance": Column(
-        "Mean of the last 100 nearest ranges; a gap where nothing was ever in range (inf).",
-        "m",
-        thresholds=("collision_threshold", "min_safe_clearance"),
-    ),
-    "Distance Traveled": Column(
-        "Path length so far, steps of distance_threshold or more left out.", "m"
-    ),
-    "Current Velocity": Column("Mean of the last 100 wheel odometry speeds.", "m/s"),
-    "IMU Acceleration Magnitude": Column(
-        "|a| of the latest IMU sample of each second, gravity included.",
-        "m/s²",
-        thresholds=("rough_terrain_threshold",),
-        shows_gravity=True,
-    ),
-    "Is Rough Terrain": Column(
-        "1 if |a| of that sample is above rough_terrain_threshold.", is_flag=True
-    ),
-    "Vertical Roughness": Column(
-        "|az| of the latest IMU sample of each second, gravity included.", "m/s²", shows_gravity=True
-    ),
+# The thresholds that the values of a column are compared with.
+THRESHOLDS = {
+    "Current Smoothness": ("smoothness_threshold",),
+    "Obstacle Clearance": ("collision_threshold", "min_safe_clearance"),
+    "IMU Acceleration Magnitude": ("rough_terrain_threshold",),
+}
+FLAGS = ("Current Collision Status", "Is Rough Terrain")
+WITH_GRAVITY = ("Current Smoothness", "IMU Acceleration Magnitude", "Vertical Roughness")
+DICTIONARY = {column.name: column for column in ROBOTERRAIN_COLUMNS} | {
+    column.header: column for column in EXTENDED_COLUMNS
 }
 
 
 def describe(name: str) -> Column:
-    """Returns what is known of a column; an unknown one has the unit in its name's brackets."""
+    """Returns the entry of the data dictionary; what it does not know has the unit in its name."""
     unit = re.search(r"\[(.+)\]$", name)
-    unknown = Column("A column beyond RoboTerrain's twelve.", unit[1] if unit else "")
-    return KNOWN_COLUMNS.get(name, unknown)
+    meaning = "The data dictionary does not know this column."
+    unknown = Column(
+        name=name, unit=unit[1] if unit else "", meaning=meaning, formula="", source="the log"
+    )
+    return DICTIONARY.get(name, unknown)
+
+
+def caption(name: str) -> str:
+    """Returns what a column is and how it is computed."""
+    column = describe(name)
+    return spelled(f"{column.meaning} {column.formula}".strip())
 
 
 @dataclass(frozen=True)

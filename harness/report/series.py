@@ -1,16 +1,21 @@
 """Time series of a metrics log: a figure for each column, with its thresholds and the truth."""
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 
 from harness.page import figure as fig
-from harness.report.log import Column, Event, Log, describe
+from harness.report.log import FLAGS, THRESHOLDS, WITH_GRAVITY, Event, Log, describe
 from harness.report.recorder import Stretch
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 
 MOST_ROWS = 4000  # of a plot
+ABOVE_AXIS = {"x": 0.0, "xref": "container", "yref": "paper", "y": 1.0, "yanchor": "bottom"} | {
+    "font": {"size": 12},
+    "pad": {"l": 4, "b": 6},
+}
 EVERY_SAMPLE = "all samples, as simulated"
 
 Series = tuple[list[float], list[float]]  # times [s], values
@@ -52,25 +57,41 @@ def series_figure(
         contacts: When the rover touched a hazard.
         gravity: Of the run [m/s^2].
     """
-    column = describe(name)
-    data = [*_samples(name, track), _logged(name, column, log), *_truth(name, track)]
+    unit = fig.spelled(describe(name).unit)
+    data = [*_samples(name, track), _logged(name, unit, log), *_truth(name, track)]
     end_s = max([*log.time_s[-1:], *(stretch.time_s for stretch in track[-1:])], default=1.0)
     layout = fig.common_layout(
         # Fixed margins, so that the time axes of all plots are in line.
         xaxis=fig.titled("simulated time [s]", automargin=False, range=[0.0, round(end_s, 2)]),
-        yaxis=fig.titled(f"[{column.unit}]" if column.unit else "", automargin=False, **_range(column)),
-        shapes=[*map(_contact, contacts), *_levels(column, thresholds, gravity)],
+        yaxis=fig.AXIS | {"automargin": False, **_range(name, log.columns[name])},
+        shapes=[*map(_contact, contacts), *_levels(name, thresholds, gravity)],
         hovermode="x",
+        # Above the axis: beside it, long numbers would run into it.
+        title={"text": f"[{unit}]" if unit else "", **ABOVE_AXIS},
     )
     return {"data": data, "layout": layout}
 
 
-def _logged(name: str, column: Column, log: Log) -> fig.Trace:
+def varies(figure: fig.Figure, values: Sequence[float]) -> bool:
+    """Returns whether a column of the log, or what is drawn beside it, has more than one value."""
+    drawn = {y for trace in figure["data"] for y in trace["y"] if y is not None}
+    return len(drawn.union(value for value in values if not math.isnan(value))) > 1
+
+
+def _logged(name: str, unit: str, log: Log) -> fig.Trace:
     times, values = thinned(log.time_s, log.columns[name])
-    unit = f" {column.unit}" if column.unit else ""
-    shape = "hv" if column.is_flag else "linear"
-    drawn = fig.line("log", times, values, shape=shape, hover=f"%{{x:.2f}} s: %{{y}}{unit}")
-    return drawn | {"mode": "lines+markers" if len(times) < 3 else "lines"}
+    shape = "hv" if name in FLAGS else "linear"
+    drawn = fig.line("log", times, values, shape=shape, hover=f"%{{x:.2f}} s: %{{y}} {unit}".rstrip())
+    return drawn | {"mode": "lines+markers" if _has_lone_point(values) else "lines"}
+
+
+def _has_lone_point(values: Sequence[float]) -> bool:
+    """Whether a value has none beside it, so that a line does not show it."""
+    there = [False, *map(math.isfinite, values), False]
+    return any(
+        here and not (before or after)
+        for before, here, after in zip(there, there[1:], there[2:], strict=False)
+    )
 
 
 def _samples(name: str, track: Sequence[Stretch]) -> list[fig.Trace]:
@@ -94,23 +115,24 @@ def _truth(name: str, track: Sequence[Stretch]) -> list[fig.Trace]:
     return [fig.line("truth", times, values, fig.TRUTH, dash="dot", width=1.5, hover="truth %{y:.3f}")]
 
 
-def _range(column: Column) -> fig.Layout:
-    if column.is_flag:
+def _range(name: str, values: Sequence[float]) -> fig.Layout:
+    if name in FLAGS:
         return {"range": [-0.1, 1.1], "tickvals": [0, 1]}
-    from_zero = {} if column.shows_gravity else {"rangemode": "tozero"}
+    from_zero = {} if name in WITH_GRAVITY else {"rangemode": "tozero"}
+    is_count = all(value == round(value) for value in values if math.isfinite(value))
     # Else a count of 0 has ticks of 0.2.
-    return from_zero | ({"autorangeoptions": {"include": [0, 4]}} if column.unit == "scans" else {})
+    return from_zero | ({"autorangeoptions": {"include": [0, 4]}} if is_count else {})
 
 
-def _levels(column: Column, thresholds: Thresholds, gravity: float) -> list[fig.Layout]:
-    values = {name: getattr(thresholds, name) for name in column.thresholds}
-    units = {name: fig.spelled(THRESHOLD_INFO[name].unit) for name in values}
-    drawn = [(f"{name} = {value:g} {units[name]}", value) for name, value in values.items()]
+def _levels(name: str, thresholds: Thresholds, gravity: float) -> list[fig.Layout]:
+    values = {each: getattr(thresholds, each) for each in THRESHOLDS.get(name, ())}
+    units = {each: fig.spelled(THRESHOLD_INFO[each].unit) for each in values}
+    drawn = [(f"{each} = {value:g} {units[each]}", value) for each, value in values.items()]
     dashed = [(*one, dash) for one, dash in zip(drawn, ("dash", "dashdot"), strict=False)]
-    if column.shows_gravity:
+    if name in WITH_GRAVITY:
         dashed.append((f"g = {gravity} m/s²", gravity, "dot"))
     across = {"xref": "paper", "x0": 0.0, "x1": 1.0}
-    return [fig.level(name, {**across, "y0": value, "y1": value}, dash) for name, value, dash in dashed]
+    return [fig.level(text, {**across, "y0": value, "y1": value}, dash) for text, value, dash in dashed]
 
 
 def _contact(event: Event) -> fig.Layout:

@@ -1,14 +1,14 @@
 """The report's tables as rows of text: metrics against truth, and the manifest."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from harness.episode.result import RunResult
-from harness.page.figure import DASH, MINUS, TIMES
-from harness.report.log import Log
+from harness.page.figure import DASH, MINUS, TIMES, spelled
+from harness.report.log import Log, describe
 from harness.sim_time import NANOSECONDS
 
 MOST_CONTACTS = 50
@@ -62,6 +62,15 @@ def contact_rows(result: RunResult) -> list[tuple[str, str, str, str]]:
         )
         for event in result.along.events[:MOST_CONTACTS]
     ]
+
+
+def steady_text(name: str, values: Sequence[float]) -> str:
+    """Returns the one value that a column has, and in how many of its rows if not in all."""
+    known = [value for value in values if not math.isnan(value)]
+    if not known:
+        return "empty"
+    text = f"{known[0]:g} {spelled(describe(name).unit)}".rstrip()
+    return text if len(known) == len(values) else f"{text} in {len(known)} of {len(values)} rows"
 
 
 def key_figures(result: RunResult) -> list[tuple[str, str]]:

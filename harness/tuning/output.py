@@ -1,14 +1,12 @@
 """What a sweep shows on the terminal, and the files it leaves behind: same sweep, same bytes."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Column, Table
 
 from harness import __version__
@@ -17,27 +15,12 @@ from harness.tuning.episodes.plan import Part, Planned
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.page.page import render
 from harness.tuning.parameter_file import parameter_file
-from harness.tuning.scoring.result import Candidate
+from harness.tuning.scoring.result import Candidate, Verdict
 from harness.tuning.scoring.study import RobotStudy, conclusions
 from rover_metrics.log.files import json_safe
 
 SCORES, REPORT = "scores.json", "report.html"
 DIGITS = 6  # of a score
-
-
-@contextmanager
-def sweep_progress(console: Console, planned: Sequence[Planned]) -> Iterator[Callable[[int], None]]:
-    """Yields what moves a bar, told how many episodes are done; silent where there is no terminal."""
-    with Progress(
-        TextColumn(f"[bold]driving {planned[0].config.duration:g} s episodes"),
-        BarColumn(bar_width=None),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-        console=console,
-        disable=not console.is_terminal,
-    ) as bar:
-        task = bar.add_task("", total=len(planned))
-        yield lambda done: bar.update(task, completed=done)
 
 
 def print_studies(console: Console, studies: Sequence[RobotStudy]) -> None:
@@ -62,16 +45,16 @@ def _table(study: RobotStudy) -> Table:
         box=SIMPLE_HEAD,
     )
     for verdict in study.verdicts:
-        tuned = "stays" if verdict.value is None else _scored(verdict.tuned, verdict.measure)
-        table.add_row(verdict.name, verdict.measure, _scored(verdict.default, verdict.measure), tuned)
+        tuned = "stays" if verdict.value is None else _scored(verdict, verdict.tuned)
+        table.add_row(verdict.name, verdict.measure, _scored(verdict, verdict.default), tuned)
     return table
 
 
-def _scored(candidate: Candidate | None, measure: str) -> str:
+def _scored(verdict: Verdict, candidate: Candidate | None) -> str:
     if candidate is None:
         return "-"
-    score = candidate.scores[Part.TEST][measure].text().replace(" (", "\n(")
-    return f"{candidate.value:g}: {score}"
+    score = candidate.scores[Part.TEST][verdict.measure].text(verdict.digits).replace(" (", "\n(")
+    return f"{verdict.told(candidate)}: {score}"
 
 
 def write_results(

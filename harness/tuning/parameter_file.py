@@ -13,7 +13,6 @@ from harness.tuning.scoring.result import Candidate, Verdict
 from harness.tuning.scoring.study import RobotStudy
 
 INDENT = 4  # of a parameter in the file
-FOOTPRINT_DETECTOR = "footprint clearance, near returns count"
 FOOTPRINT_UNITS = {
     "footprint": "corners x, y [m]; read with extended_columns:=true",
     "lidar_pose": "x, y [m], yaw [rad]",
@@ -30,8 +29,7 @@ def parameter_file(study: RobotStudy, command: str) -> str:
     for verdict in study.verdicts:
         if verdict.value is None or verdict.tuned is None:
             why = verdict.lack or "no value is proven to be better on unseen seeds"
-            default = f"{verdict.default.value:g} {verdict.unit}"
-            left_out.append(f"{verdict.name} stays at {default}: {why}")
+            left_out.append(f"{verdict.name} stays at {verdict.told(verdict.default)}: {why}")
         else:
             parameters[verdict.name] = verdict.value
             _comment(parameters, verdict, verdict.tuned)
@@ -53,25 +51,18 @@ def _comment(parameters: CommentedMap, verdict: Verdict, tuned: Candidate) -> No
     score = tuned.scores[Part.TEST][verdict.measure]
     default = verdict.default.scores[Part.TEST][verdict.measure]
     scores = (
-        f"{verdict.measure} on unseen seeds {score.text()}; with the default, "
-        f"{verdict.default.value:g}: {default.text()}"
+        f"{verdict.measure} on unseen seeds {score.text(verdict.digits)}; with the default, "
+        f"{verdict.told(verdict.default)}: {default.text(verdict.digits)}"
     )
     lines = "\n".join(filter(None, (scores, verdict.note)))
     parameters.yaml_set_comment_before_after_key(verdict.name, lines, indent=INDENT)
-    parameters.yaml_add_eol_comment(verdict.unit, verdict.name)
+    if verdict.unit:
+        parameters.yaml_add_eol_comment(verdict.unit, verdict.name)
 
 
 def _add_footprint(parameters: CommentedMap, study: RobotStudy) -> None:
-    """What the columns of the footprint need, which come with extended_columns:=true."""
+    """What the columns of the footprint need: of the model, not tuned."""
     for name, values in outline_parameters(find_rover(study.robot)).items():
         parameters[name] = CommentedSeq(round(value, 5) for value in values)
         parameters[name].fa.set_flow_style()
         parameters.yaml_add_eol_comment(FOOTPRINT_UNITS[name], name)
-    tuned = next((d for d in study.collision.detectors if d.name == FOOTPRINT_DETECTOR), None)
-    if tuned is None:
-        return
-    parameters["near_returns_as_contact"] = True
-    parameters["footprint_threshold"] = tuned.events.value
-    score = f"F1 on unseen seeds {tuned.events.scores[Part.TEST]['F1'].text()}"
-    parameters.yaml_set_comment_before_after_key("footprint_threshold", score, indent=INDENT)
-    parameters.yaml_add_eol_comment("m", "footprint_threshold")

@@ -3,9 +3,11 @@
 import importlib.util
 import os
 import platform
+import re
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack, closing
 from functools import cache
 from pathlib import Path
@@ -19,6 +21,7 @@ from harness.view.states import StateWriter
 # Of MuJoCo, by system, in the order in which they are tried.
 BACKENDS = {"Linux": ("egl", "osmesa"), "Darwin": ("cgl", "glfw"), "Windows": ("glfw",)}
 SUFFIXES = {"--picture": ".png", "--video": ".mp4"}
+FRAMES = re.compile(r"(\d+)/(\d+)\n")  # how many are drawn of how many, as harness.view.picture says it
 MENDS = {"Linux": "install libegl1 libgl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"}
 
 
@@ -90,8 +93,11 @@ class Drawing(AbstractContextManager["Drawing"]):
         if self._writer is not None:
             self._writer.take(batch)
 
-    def finish(self) -> list[Path]:
+    def finish(self, show: Callable[[int, int], None]) -> list[Path]:
         """Draws in a process of its own; returns the files written.
+
+        Args:
+            show: Told how many frames are drawn, and of how many; of a picture there is one.
 
         Raises:
             DrawingFailed: They could not be drawn.
@@ -101,19 +107,37 @@ class Drawing(AbstractContextManager["Drawing"]):
         self._writer.close()
         words = [word for flag, path in self._targets.items() for word in (flag, str(path))]
         lidar = ["--lidar"] if self._lidar else []
-        _call([str(self._writer.path), *words, *lidar], self._environment)
+        _call([str(self._writer.path), *words, *lidar], self._environment, show)
         return list(self._targets.values())
 
 
-def _call(words: list[str], environment: dict[str, str]) -> None:
+def _call(
+    words: list[str], environment: dict[str, str], show: Callable[[int, int], None] = lambda *_: None
+) -> None:
     """Runs harness.view.picture, apart from Ctrl-C in this terminal, which stops it by its caller."""
     command = [sys.executable, "-m", "harness.view.picture", *words]
-    done = subprocess.run(
-        command, env=environment, capture_output=True, text=True, check=False, start_new_session=True
-    )
-    if done.returncode:
-        last = next(iter(done.stderr.strip().splitlines()[-1:]), f"exit code {done.returncode}")
-        raise DrawingFailed(f"nothing was drawn: {last}")
+    with (
+        tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as said,
+        subprocess.Popen(
+            command,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=said,
+            text=True,
+            start_new_session=True,
+        ) as process,
+    ):
+        try:
+            for line in process.stdout or ():
+                if told := FRAMES.fullmatch(line):
+                    show(int(told[1]), int(told[2]))
+        except BaseException:
+            process.kill()
+            raise
+        if process.wait():
+            said.seek(0)
+            last = next(iter(said.read().strip().splitlines()[-1:]), f"exit code {process.returncode}")
+            raise DrawingFailed(f"nothing was drawn: {last}")
 
 
 def _working_environment(chosen: str) -> dict[str, str]:

@@ -16,15 +16,16 @@ Vector = NDArray[np.float64]
 
 PATH_COLOR = (0.05, 0.78, 0.86, 0.98)  # a hint of transparency: MuJoCo then casts no shadow of it
 TRACK_COLOR = (0.27, 0.18, 0.12, 1.0)
-BEAM_COLOR = (1.0, 0.25, 0.15, 0.2)
+BEAM_COLOR = (1.0, 0.25, 0.15, 0.35)
 HIT_COLOR = (1.0, 0.12, 0.08, 0.98)
 PATH_RADIUS, PATH_SUNK = 0.017, 0.006  # [m]
 PATH_SPACING, TRACK_SPACING = 0.06, 0.05  # [m] between marks
 MOST_PATH_MARKS = 4000  # beyond, they stand further apart
 TRACK_LENGTH = 40.0  # [m] of the path's end that shows the tracks of the wheels
 TRACK_HALF_LENGTH, TRACK_HALF_HEIGHT = 0.012, 0.003  # [m] of each lug's imprint
-BEAM_WIDTH = 3.0  # [pixels]
-HIT_RADIUS = 0.022  # [m]
+BEAM_WIDTH = 2.0  # [pixels]
+MOST_BEAMS = 72  # all around: a line for each of hundreds would hide rover and ground behind a red fan
+HIT_RADIUS = 0.018  # [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +106,7 @@ def track_marks(recording: States, ground: Heightfield, rover: RoverSpec) -> lis
 
 
 def beam_marks(origin: Vector, directions: Vector, ranges: NDArray[np.float32]) -> list[Mark]:
-    """Returns the beams that hit something, and where.
+    """Returns every place that was hit, and of at most MOST_BEAMS beams, evenly spread, the line to it.
 
     Args:
         origin: Where the lidar is [m].
@@ -114,12 +115,13 @@ def beam_marks(origin: Vector, directions: Vector, ranges: NDArray[np.float32]) 
     """
     # A line, unlike a thin capsule, casts no shadow.
     line, sphere = mujoco.mjtGeom.mjGEOM_LINE, mujoco.mjtGeom.mjGEOM_SPHERE
+    stride = -(-len(ranges) // MOST_BEAMS)
     marks = []
-    for direction, distance in zip(directions, ranges.astype(float), strict=True):
-        if math.isfinite(distance):
-            hit = origin + distance * direction
+    for beam in np.flatnonzero(np.isfinite(ranges)).tolist():
+        hit = origin + float(ranges[beam]) * directions[beam]
+        marks.append(Mark(sphere, (HIT_RADIUS,) * 3, hit, HIT_COLOR, glow=0.8))
+        if beam % stride == 0:
             marks.append(Mark(line, (BEAM_WIDTH,) * 3, origin, BEAM_COLOR, end=hit, glow=1.0))
-            marks.append(Mark(sphere, (HIT_RADIUS,) * 3, hit, HIT_COLOR, glow=0.8))
     return marks
 
 

@@ -28,10 +28,12 @@ from harness.robots import find_rover
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.view.camera import View, best_view, chase_view
+from harness.view.caption import captioned
 from harness.view.ground import drawn
 from harness.view.marks import Mark, add_marks, beam_marks, path_marks, track_marks
 from harness.view.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
 from harness.view.states import States, read_states
+from rover_metrics.errors import OneLineParser
 
 SCALE = 2  # a picture of 1280 x 640 is drawn twice as large: edges and shadows get smooth
 QUALITY = Quality(width=SCALE * 1280, height=SCALE * 640, samples=4, shadow_map=8192, slices=28)
@@ -101,8 +103,14 @@ class Studio(AbstractContextManager["Studio"]):
         return beam_marks(site.xpos, directions, self._lidar.scan(self.data))
 
 
+def _tell(done: int, total: int) -> None:
+    """Tells harness.view.drawing how many frames are drawn, and of how many."""
+    print(f"{done}/{total}", flush=True)
+
+
 def _draw_picture(recording: Path, target: Path, *, lidar: bool) -> None:
     """Draws the end of a recording with the path that led there, as PNG."""
+    _tell(0, 1)
     with Studio(recording, QUALITY, lidar=lidar) as studio:
         states = studio.recording
         studio.pose(-1)
@@ -110,6 +118,7 @@ def _draw_picture(recording: Path, target: Path, *, lidar: bool) -> None:
         image = Image.fromarray(studio.image(-1, view)).reduce(SCALE)
     with whole_file(target) as part:
         image.point(lambda value: value & KEPT_BITS).save(part, format="PNG", optimize=True)
+    _tell(1, 1)
 
 
 def _draw_video(recording: Path, target: Path, *, lidar: bool) -> None:
@@ -119,15 +128,18 @@ def _draw_video(recording: Path, target: Path, *, lidar: bool) -> None:
     with Studio(recording, VIDEO_QUALITY, lidar=lidar) as studio, whole_file(target) as part:
         count = len(studio.recording.times)
         frames = range(0, count, -(-count // MOST_FRAMES))
-        views = _chase(studio.recording)
+        views, times, speeds = _chase(studio.recording), studio.recording.times, studio.recording.speed
         with av.open(str(part), "w", format="mp4") as container:
             stream = container.add_stream("libx264", rate=FRAME_RATE, options={"crf": "23"})
             stream.width, stream.height = VIDEO_QUALITY.width, VIDEO_QUALITY.height
             stream.pix_fmt = "yuv420p"
-            for index in frames:
-                image = av.VideoFrame.from_ndarray(studio.image(index, views[index]), format="rgb24")
-                container.mux(stream.encode(image))
+            for done, index in enumerate(frames):
+                _tell(done, len(frames))
+                drawn = studio.image(index, views[index])
+                drawn = captioned(drawn, times[index], speeds[index], frames.step)
+                container.mux(stream.encode(av.VideoFrame.from_ndarray(drawn, format="rgb24")))
             container.mux(stream.encode())
+        _tell(len(frames), len(frames))
 
 
 def _chase(recording: States) -> list[View]:
@@ -155,14 +167,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = OneLineParser(
         prog="python -m harness.view.picture",
         description="Draws a recorded episode; without a recording, only tries out OpenGL.",
         epilog="MUJOCO_GL=egl or osmesa (macOS: cgl) chooses OpenGL without a display.",
     )
-    parser.add_argument("recording", type=Path, nargs="?")
-    parser.add_argument("--picture", type=Path, metavar="FILE.png")
-    parser.add_argument("--video", type=Path, metavar="FILE.mp4")
+    parser.add_argument(
+        "recording", type=Path, nargs="?", help="states, as harness.view.states has them"
+    )
+    parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw its end")
+    parser.add_argument("--video", type=Path, metavar="FILE.mp4", help="draw all of it")
     parser.add_argument("--lidar", action="store_true", help="show the beams that hit something")
     return parser
 

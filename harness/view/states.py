@@ -21,6 +21,7 @@ from harness.sim_time import NANOSECONDS
 
 PERIOD_NS = 40_000_000  # 25 states a second, as a video shows them
 POSE_SIZE = 7
+HALF_WINDOW = 0.25  # [s] of a speed that can be read
 SCENE = (  # of the configuration
     *("terrain", "terrain_size", "terrain_height", "start", "difficulty", "seed"),
     *("robot", "timestep", "lidar_beams"),
@@ -77,6 +78,16 @@ class States:
         """Heading at those times [rad], continuous, shape (n,)."""
         w, x, y, z = self.orientations.T
         return np.unwrap(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+
+    @property
+    def speed(self) -> NDArray[np.float64]:
+        """Path over time, from HALF_WINDOW before to HALF_WINDOW after each state [m/s], shape (n,)."""
+        steps = np.linalg.norm(np.diff(self.path, axis=0), axis=1)
+        length = np.concatenate(([0.0], np.cumsum(steps)))
+        early = np.maximum(self.times - HALF_WINDOW, self.times[0])
+        late = np.minimum(self.times + HALF_WINDOW, self.times[-1])
+        driven = np.interp(late, self.times, length) - np.interp(early, self.times, length)
+        return np.asarray(driven / np.maximum(late - early, PERIOD_NS / NANOSECONDS))
 
 
 def read_states(path: Path) -> States:

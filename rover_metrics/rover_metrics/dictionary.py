@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from rover_metrics.errors import begin_program, run_program
+from rover_metrics.errors import OneLineParser, begin_program, run_program
 
 if __name__ == "__main__":
     begin_program("dictionary")
@@ -44,9 +44,7 @@ THRESHOLDS_HEAD = """Parameters of `metrics_node`, which can be changed while it
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    parser = argparse.ArgumentParser(prog="python -m rover_metrics.dictionary", description=__doc__)
-    parser.add_argument("--write", type=Path, metavar="FILE", help="write it there, not to stdout")
-    options = parser.parse_args(arguments)
+    options = _parser().parse_args(arguments)
     return run_program("dictionary", lambda: _write(options.write))
 
 
@@ -56,6 +54,15 @@ def _write(target: Path | None) -> int:
     else:
         target.write_text(dictionary(), encoding="utf-8")
     return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = OneLineParser(
+        prog="python -m rover_metrics.dictionary",
+        description="Prints what the columns of a log and the thresholds mean, as Markdown.",
+    )
+    parser.add_argument("--write", type=Path, metavar="FILE", help="write there; default: stdout")
+    return parser
 
 
 def dictionary() -> str:

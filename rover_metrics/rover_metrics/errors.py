@@ -7,10 +7,10 @@ its work. Needs Python alone, since what is missing is told from here.
 import argparse
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from types import TracebackType
-from typing import NoReturn
+from typing import Any, NoReturn
 
 EXTRAS = {"rclpy": "[ros]", "joblib": "[tune]", "sklearn": "[tune]"}  # by what they bring
 OWN = ("harness", "rover_metrics")
@@ -124,8 +124,35 @@ def is_worth_a_line(before: int, now: int) -> bool:
     return now.bit_length() > before.bit_length()
 
 
+class HelpWithDefaults(argparse.HelpFormatter):
+    """Help with the default of each option that has one; text of several lines stays as it is."""
+
+    def _get_help_string(self, action: argparse.Action) -> str:
+        text, default = action.help or "", action.default
+        has_none = default is None or default is argparse.SUPPRESS or default in ("", [])
+        if has_none or action.nargs == 0 or "default" in text:
+            return text
+        return f"{text}; default: {_as_typed(default)}".replace("%", "%%")
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        if "\n" not in text:
+            return super()._fill_text(text, width, indent)
+        return "".join(indent + line for line in text.splitlines(keepends=True))
+
+
+def _as_typed(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, Iterable) and not isinstance(value, str):
+        return " ".join(map(_as_typed, value))
+    return str(value)
+
+
 class OneLineParser(argparse.ArgumentParser):
     """A parser of command lines whose errors are one line that begins with the command's name."""
+
+    def __init__(self, **options: Any) -> None:  # noqa: ANN401 - argparse's
+        super().__init__(**{"formatter_class": HelpWithDefaults} | options)
 
     def error(self, message: str) -> NoReturn:
         """Prints the message and leaves with exit code 2."""

@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -263,7 +263,8 @@ class SlowDrawing(Drawing):
     def take(self, batch: Batch) -> None:  # noqa: ARG002 - as the real one
         self.signalled()
 
-    def finish(self) -> list[Path]:
+    def finish(self, show: Callable[[int, int], None]) -> list[Path]:
+        show(0, 1)
         self.signalled()
         return [Path("drawn.mp4")]
 

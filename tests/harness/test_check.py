@@ -1,5 +1,6 @@
 """harness.check: what it compares, what it concludes, and that it leaves nothing behind."""
 
+import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -48,6 +49,10 @@ def test_check_passes_here_through_ros_and_leaves_no_file(
     told = capfd.readouterr()
     assert told.out.count("equal") == 3
     assert told.out.count("different") == 1
+    assert told.out.splitlines()[-1].startswith(
+        "proven for leo on flat: seed 0 gives the same samples and the same CSV bytes in 4 runs (this "
+        "process, again, fresh process, through ROS 2), seed 1 gives others, and none of "
+    )
     assert told.err == ""
     assert list(tmp_path.iterdir()) == []
 
@@ -60,6 +65,13 @@ def test_check_without_ros_on_request_says_so_and_passes(
     told = capsys.readouterr().out
     assert "skipped" in told
     assert told.count("equal") == 2
+    counts = [int(n.replace(",", "")) for n in re.findall(r"│ +([\d,]+) │ +5 │ +0 │", told)]
+    assert told.splitlines()[-1] == (
+        "proven for leo on flat, not through ROS 2: seed 0 gives the same samples and the same CSV "
+        "bytes in 3 runs (this process, again, fresh process), seed 1 gives others, and none of "
+        f"{sum(counts):,} samples was lost"
+    )
+    assert len(counts) == 4
 
 
 def test_missing_ros_that_nobody_left_out_is_neither_proof_nor_disproof(
@@ -80,7 +92,9 @@ def test_drifting_run_fails_the_check(
 ) -> None:
     monkeypatch.setattr(check, "direct_in_fresh_process", lambda _: REFERENCE)
     assert main(NO_ROS) == 1
-    assert "fresh process: DIFFERENT" in capsys.readouterr().err
+    told = capsys.readouterr()
+    assert "fresh process: DIFFERENT" in told.err
+    assert "proven" not in told.out
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ def test_data_that_support_nothing_give_no_value_and_say_why(
         "harness.tune: leo: no value for collision_threshold, "
         "0 contacts with hazards in the train episodes; 10 are needed"
     )
-    assert len(complaints) == 5
+    assert len(complaints) == 7
     text = (folder / "leo.yaml").read_text()
     assert "collision_threshold:" not in text
     assert "collision_threshold stays at 0.2 m: 0 contacts" in text

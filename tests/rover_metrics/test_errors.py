@@ -11,6 +11,7 @@ from rover_metrics.errors import (
     KnownError,
     LogError,
     MissingRosError,
+    OneLineParser,
     RoverMetricsError,
     is_worth_a_line,
     missing_ros,
@@ -124,3 +125,37 @@ def test_a_count_is_worth_a_line_when_it_reaches_or_leaps_over_a_power_of_two() 
     assert [now for now in range(1, 100) if is_worth_a_line(now - 1, now)] == [1, 2, 4, 8, 16, 32, 64]
     assert [now for now in range(5, 20) if is_worth_a_line(5, now)] == list(range(8, 20))
     assert not is_worth_a_line(4, 4)
+
+
+def test_help_tells_the_default_of_each_option_as_it_would_be_typed() -> None:
+    parser = OneLineParser(prog="x", description="One line.", epilog="Several\n  lines.")
+    for flag, default in (
+        ("--zero", 0),
+        ("--tenth", 0.1),
+        ("--whole", 90.0),
+        ("--name", "50%"),
+        ("--folder", Path("a/b")),
+        ("--list", ["p", "q"]),
+        ("--nothing", None),
+        ("--empty", ""),
+        ("--none", []),
+    ):
+        parser.add_argument(flag, default=default, metavar="V", help="text")
+    parser.add_argument("--told", default=3, metavar="V", help="by default three")
+    parser.add_argument("--switch", action="store_true", help="text")
+    lines = parser.format_help().splitlines()
+    told = {line.split()[0]: line.partition("text")[2] for line in lines if line.startswith("  --")}
+    assert told == {
+        "--zero": "; default: 0",
+        "--tenth": "; default: 0.1",
+        "--whole": "; default: 90",
+        "--name": "; default: 50%",
+        "--folder": f"; default: {Path('a/b')}",
+        "--list": "; default: p q",
+        "--nothing": "",
+        "--empty": "",
+        "--none": "",
+        "--told": "",
+        "--switch": "",
+    }
+    assert lines[-2:] == ["Several", "  lines."]

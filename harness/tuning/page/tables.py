@@ -6,7 +6,7 @@ from harness.page.figure import DASH, MINUS, spelled
 from harness.tuning.episodes.plan import Part
 from harness.tuning.page.subject import chosen
 from harness.tuning.scoring.collision import CollisionStudy
-from harness.tuning.scoring.estimate import Estimate
+from harness.tuning.scoring.estimate import FEWEST_DIGITS, Estimate, digits_for
 from harness.tuning.scoring.ground import GroundStudy
 from harness.tuning.scoring.result import Candidate, Verdict
 from harness.tuning.scoring.study import RobotStudy
@@ -23,7 +23,7 @@ def thresholds(study: RobotStudy) -> Table:
             verdict.measure,
             *_candidate(verdict, verdict.default),
             *_candidate(verdict, verdict.tuned),
-            _text(verdict.gain[verdict.measure], sign="+") if verdict.tuned else DASH,
+            _text(verdict.gain[verdict.measure], verdict.digits, "+") if verdict.tuned else DASH,
             _standing(verdict),
         )
         for verdict in study.verdicts
@@ -34,8 +34,8 @@ def thresholds(study: RobotStudy) -> Table:
 def _candidate(verdict: Verdict, candidate: Candidate | None) -> tuple[str, str, str]:
     if candidate is None:
         return DASH, DASH, DASH
-    train, test = (_text(candidate.scores[part][verdict.measure]) for part in Part)
-    return f"{candidate.value:g} {spelled(verdict.unit)}", train, test
+    train, test = (_text(candidate.scores[part][verdict.measure], verdict.digits) for part in Part)
+    return spelled(verdict.told(candidate)), train, test
 
 
 def _standing(verdict: Verdict) -> str:
@@ -58,8 +58,9 @@ def measures(verdict: Verdict) -> Table:
     if verdict.tuned is not None:
         columns["gain, test"] = verdict.gain, "+"
     rows = (
-        (name, *(_text(scores[name], sign=sign) for scores, sign in columns.values()))
+        (name, *(_text(scores[name], digits, sign) for scores, sign in columns.values()))
         for name in verdict.default.scores[Part.TEST]
+        for digits in [digits_for(verdict.gain[name]) if verdict.gain else FEWEST_DIGITS]
     )
     return [("Measure", *columns), *rows]
 
@@ -143,7 +144,7 @@ def driven(study: RobotStudy) -> Table:
     ]
 
 
-def _text(score: Estimate, digits: int = 2, sign: str = "") -> str:
+def _text(score: Estimate, digits: int = FEWEST_DIGITS, sign: str = "") -> str:
     """A score with its interval, short enough for a cell; `sign` is "+" where positive ones have one."""
     if math.isnan(score.value):
         return DASH

@@ -11,7 +11,7 @@ from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EpisodeRecord
 from harness.tuning.scoring.estimate import Counts, Measure, estimate
 from harness.tuning.scoring.result import Candidate, Scores, Verdict
-from rover_metrics.core.thresholds import THRESHOLD_INFO
+from rover_metrics.extended.settings import PARAMETERS
 
 Records = Mapping[Part, Sequence[EpisodeRecord]]
 # Of episodes for thresholds, shape (thresholds, episodes, kinds).
@@ -89,7 +89,7 @@ def judged(
         value: One that was found by other means; the best of the grid on the training half if None.
         note: What the value holds for, or is made of.
     """
-    info = THRESHOLD_INFO[parameter]
+    info = PARAMETERS[parameter]
     default = scoring.candidate(records, info.default)
     verdict = Verdict(
         name=parameter, unit=info.unit, measure=scoring.objective, default=default, lack=lack

@@ -4,12 +4,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.tuning.episodes.plan import Part
 from harness.tuning.episodes.record import EVENT, EpisodeRecord, Sight, Table, Zone
 from harness.tuning.scoring.alarms import (
     DETECTORS,
     EVENT_MEASURES,
+    FOOTPRINT_CLEARANCE,
     NEAREST_RANGE,
     SCAN_MEASURES,
     Detector,
@@ -20,14 +22,22 @@ from harness.tuning.scoring.alarms import (
     scan_counts,
 )
 from harness.tuning.scoring.choose import Records, Scoring, judged, lack_of
+from harness.tuning.scoring.estimate import Counts
 from harness.tuning.scoring.result import Candidate, Scores, Verdict
+from rover_metrics.extended.settings import PARAMETERS
 
 PARAMETER = "collision_threshold"
+NEAR_RETURNS, FOOTPRINT_THRESHOLD = "near_returns_as_contact", "footprint_threshold"
 GRID = np.round(np.arange(0.02, 1.001, 0.01), 2)  # [m]
 SCORINGS = {
     name: Scoring(event_counts(detector), EVENT_MEASURES, "F1", GRID)
     for name, detector in DETECTORS.items()
 }
+FOOTPRINT_DETECTORS = {  # by near_returns_as_contact
+    False: FOOTPRINT_CLEARANCE,
+    True: f"{FOOTPRINT_CLEARANCE}, near returns count",
+}
+NOTE = "read with extended_columns:=true"
 FEWEST_CONTACTS = 10  # of each part: fewer do not support a threshold
 
 
@@ -75,6 +85,7 @@ class CollisionStudy:
 
     Attributes:
         verdict: On RoboTerrain's detector.
+        footprint: On the two parameters of the footprint's collisions.
         default: RoboTerrain's detector at the default.
         detectors: RoboTerrain's and those that the metrics node offers beside it, each at its best;
             empty where the data support none.
@@ -84,6 +95,7 @@ class CollisionStudy:
     """
 
     verdict: Verdict
+    footprint: tuple[Verdict, Verdict]
     default: DetectorStudy
     detectors: tuple[DetectorStudy, ...]
     zones: tuple[ZoneRow, ...]
@@ -106,12 +118,27 @@ def study_collisions(records: Records) -> CollisionStudy:
     thresholds = {name: (DETECTORS[study.name], study.events.value) for name, study in told.items()}
     return CollisionStudy(
         verdict=verdict,
+        footprint=_footprint_verdicts(records, lack),
         default=default,
         detectors=tuple(detectors),
         zones=zone_rows(test, thresholds),
         unseen_contacts=unseen_contacts(test),
         contacts=len(_events(test)),
     )
+
+
+def _footprint_verdicts(records: Records, lack: str | None) -> tuple[Verdict, Verdict]:
+    """Judges near returns at the default threshold, then the threshold with what that comes to."""
+    default = np.array([PARAMETERS[FOOTPRINT_THRESHOLD].default])
+
+    def count(some: Sequence[EpisodeRecord], switch: NDArray[np.float64]) -> Counts:
+        names = (FOOTPRINT_DETECTORS[bool(on)] for on in switch)
+        return np.concatenate([SCORINGS[name].count(some, default) for name in names])
+
+    switch = Scoring(count, EVENT_MEASURES, "F1", np.empty(0))
+    near = judged(NEAR_RETURNS, switch, records, lack=lack, value=True, note=NOTE)
+    scoring = SCORINGS[FOOTPRINT_DETECTORS[near.value is not None]]
+    return near, judged(FOOTPRINT_THRESHOLD, scoring, records, lack=lack, note=NOTE)
 
 
 def zone_rows(

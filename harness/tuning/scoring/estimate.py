@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 RESAMPLES, LEVEL = 2000, 0.95
 FEWEST_EPISODES = 8  # that have what is counted; with fewer, resampling means little
+FEWEST_DIGITS, MOST_DIGITS = 2, 3  # of what is told
 TP, FP, FN, TN = range(4)  # of `confusion`
 COLLAPSED = "other"  # strata of a single episode, together
 
@@ -33,13 +34,19 @@ class Estimate:
     low: float | None = None
     high: float | None = None
 
-    def text(self, digits: int = 2) -> str:
+    def text(self, digits: int = FEWEST_DIGITS) -> str:
         """Returns it as '0.93 (0.88 to 0.97)'."""
         if math.isnan(self.value):
             return "undefined"
         if self.low is None or self.high is None:
             return f"{self.value:.{digits}f} (too few episodes for an interval)"
         return f"{self.value:.{digits}f} ({self.low:.{digits}f} to {self.high:.{digits}f})"
+
+
+def digits_for(gain: Estimate) -> int:
+    """Returns how many digits show a difference and its interval: 3 where 2 would make one of them 0."""
+    told = (each for each in (gain.value, gain.low, gain.high) if each is not None)
+    return MOST_DIGITS if any(0.0 < abs(each) < 0.01 for each in told) else FEWEST_DIGITS
 
 
 def estimate(counts: Counts, measure: Measure, strata: Sequence[str]) -> Estimate:

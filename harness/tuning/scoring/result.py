@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from harness.tuning.episodes.plan import Part
-from harness.tuning.scoring.estimate import Estimate
+from harness.tuning.scoring.estimate import FEWEST_DIGITS, MOST_DIGITS, Estimate, digits_for
 
 Scores = Mapping[str, Estimate]  # by measure
 
@@ -14,6 +14,7 @@ class Candidate:
     """One value of a threshold with how it did.
 
     Attributes:
+        value: A bool if the parameter is a switch.
         scores: By part of the plan; the part on which it was chosen flatters it.
     """
 
@@ -49,12 +50,22 @@ class Verdict:
         """What a parameter file should say: None where the default stays.
 
         Only a value that beats the default on episodes on which it was not chosen is supported, by more
-        than resampling both together explains.
+        than resampling both together explains, and by more than the digits that are told hide.
         """
         if self.tuned is None:
             return None
         low = self.gain[self.measure].low
-        return self.tuned.value if low is not None and low > 0.0 else None
+        return self.tuned.value if low is not None and round(low, MOST_DIGITS) > 0.0 else None
+
+    @property
+    def digits(self) -> int:
+        """How many digits its scores need, so that tuned and default do not look the same."""
+        return FEWEST_DIGITS if self.tuned is None else digits_for(self.gain[self.measure])
+
+    def told(self, candidate: Candidate) -> str:
+        """Returns a value with its unit."""
+        value = candidate.value
+        return str(value).lower() if isinstance(value, bool) else f"{value:g} {self.unit}"
 
     @property
     def is_proven(self) -> bool:

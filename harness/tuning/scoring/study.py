@@ -11,6 +11,7 @@ from harness.tuning.scoring.choose import Records
 from harness.tuning.scoring.clearance import ClearanceStudy, study_clearance
 from harness.tuning.scoring.collision import CollisionStudy, study_collisions
 from harness.tuning.scoring.distance import DistanceStudy, study_distance
+from harness.tuning.scoring.estimate import Estimate
 from harness.tuning.scoring.ground import GroundStudy, study_ground
 from harness.tuning.scoring.imu_events import SIGNALS
 from harness.tuning.scoring.result import Verdict
@@ -52,6 +53,7 @@ class RobotStudy:
     def verdicts(self) -> Iterator[Verdict]:
         """Of all thresholds."""
         yield self.collision.verdict
+        yield from self.collision.footprint
         yield self.clearance.verdict
         yield from (ground.verdict for ground in self.grounds)
         yield self.distance.verdict
@@ -105,26 +107,37 @@ def conclusions(study: RobotStudy) -> Iterator[str]:
 
 def judgement(robot: str, verdict: Verdict) -> str:
     """Returns whether the default of a threshold suits a robot."""
-    default = f"{verdict.name}: the default {verdict.default.value:g} {verdict.unit}"
+    default = f"{verdict.name}: the default {verdict.told(verdict.default)}"
     if verdict.tuned is None:
         return f"{default} stays for {robot}, because the data support no value: {verdict.lack}."
-    tuned = f"{verdict.tuned.value:g} {verdict.unit}"
+    tuned, digits = verdict.told(verdict.tuned), verdict.digits
     was = verdict.default.scores[Part.TEST][verdict.measure]
     becomes = verdict.tuned.scores[Part.TEST][verdict.measure]
     gain = verdict.gain[verdict.measure]
     note = f" ({verdict.note})" if verdict.note else ""
     scores = (
-        f"{verdict.measure} {was.text()} against {becomes.text()} with {tuned}{note} on unseen seeds"
+        f"{verdict.measure} {was.text(digits)} against {becomes.text(digits)} with {tuned}{note} on "
+        "unseen seeds"
     )
     if verdict.value is None:
-        return f"{default} stays for {robot}, for nothing better is proven: {scores}."
+        return (
+            f"{default} stays for {robot}, for nothing better is proven: {scores}; on the same episodes "
+            f"the difference is {gain.text(digits)}."
+        )
     if verdict.is_proven:
-        how = "is wrong" if gain.value >= MATERIAL else "is a little worse than it could be"
-        return f"{default} {how} for {robot}: {scores}; the intervals do not overlap."
+        return f"{default} is {_how_bad(gain)} for {robot}: {scores}; the intervals do not overlap."
     return (
         f"{default} is worse than {tuned} for {robot}: {scores}; the intervals overlap, but on the same "
-        f"episodes the difference is {gain.text()}."
+        f"episodes the difference is {gain.text(digits)}."
     )
+
+
+def _how_bad(gain: Estimate) -> str:
+    """What the whole interval of a difference says of the default, not its middle alone."""
+    if gain.low is not None and gain.low >= MATERIAL:
+        return "wrong"
+    little = "a little " if gain.high is not None and gain.high < MATERIAL else ""
+    return f"{little}worse than it could be"
 
 
 def unreachable(study: CollisionStudy) -> str:

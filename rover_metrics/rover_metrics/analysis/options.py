@@ -13,7 +13,7 @@ from rover_metrics.analysis.logs.time_axis import AXES
 from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER
 from rover_metrics.analysis.study import PLOTS
-from rover_metrics.errors import RoverMetricsError
+from rover_metrics.errors import OneLineParser, RoverMetricsError
 
 DEFAULT_INTERVAL = 1.0  # s
 
@@ -22,7 +22,7 @@ class UsageError(RoverMetricsError):
     """A wrong command line."""
 
 
-class _Parser(argparse.ArgumentParser):
+class _Parser(OneLineParser):
     def error(self, message: str) -> NoReturn:
         raise UsageError(" ".join(message.split()))
 

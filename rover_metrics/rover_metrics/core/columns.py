@@ -122,7 +122,7 @@ ROBOTERRAIN_COLUMNS = (
     Column(
         name="Vertical Roughness",
         unit="m/s^2",
-        meaning="The same along the IMU's z axis, gravity included: about 9.8 at rest.",
+        meaning="How hard it was shaken just now along the IMU's z axis; about 9.8 at rest.",
         formula="|az| of the latest sample; 0 before the first.",
         source=_ACCELERATION,
         rate_invariant=_LATEST,

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from harness.cli.console import RunProgress, print_summary
+from harness.cli.console import RunProgress, counted, print_summary
 from harness.config import EpisodeConfig
 from harness.episode.result import RunResult, TopicCount
 from harness.truth.traversal import Truth
@@ -99,3 +99,13 @@ def test_progress_is_shown_on_a_terminal_only(terminal: bool) -> None:
         assert "5.0 / 20.0 s 2.5x real time 1.2 m 4,567 messages" in text
     else:
         assert text.strip() == ""
+
+
+@pytest.mark.parametrize("is_terminal", [True, False])
+def test_a_bar_counts_on_a_terminal_and_is_silent_elsewhere(*, is_terminal: bool) -> None:
+    shown = io.StringIO()
+    console = Console(file=shown, force_terminal=is_terminal, width=80)
+    with counted(console, "drawing") as show:
+        show(3, 7)
+    assert ("drawing" in shown.getvalue() and "3/7" in shown.getvalue()) is is_terminal
+    assert bool(shown.getvalue()) is is_terminal

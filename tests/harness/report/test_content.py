@@ -1,3 +1,4 @@
+import csv
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -13,10 +14,11 @@ from harness.episode.direct import run_direct
 from harness.episode.result import RunResult, TopicCount
 from harness.interrupt import StopRequest
 from harness.page.figure import MINUS, TIMES
-from harness.report.content import render
+from harness.report.content import content, render
 from harness.report.recorder import RunRecorder
 from harness.truth.traversal import ContactEvent
 from rover_metrics.core.row import COLUMNS
+from rover_metrics.extended.metrics import EXTENDED_HEADER
 
 
 class Outline(HTMLParser):
@@ -62,16 +64,65 @@ def without_plotly(page: str) -> str:
     return page.replace(bundle.read_text(encoding="utf-8"), "")
 
 
-def test_page_has_a_plot_for_every_column_that_is_a_number(run: tuple[RunResult, RunRecorder]) -> None:
+def test_page_has_a_plot_for_every_column_that_changes_and_a_line_for_every_other(
+    run: tuple[RunResult, RunRecorder],
+) -> None:
     page = without_plotly(render(*run))
     outline = Outline(page)
     assert outline.open == []
+    assert run[0].log_path is not None
+    with run[0].log_path.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    steady = [name for name in COLUMNS[1:-1] if len({row[name] for row in rows}) == 1]
+    steady = [name for name in steady if name != "IMU Acceleration Magnitude"]  # has a band beside it
+    assert "Current Collision Status" in steady
     h3 = [text for tag, text in outline.headings if tag == "h3"]
-    assert [name for name in h3 if name in COLUMNS] == list(COLUMNS[1:-1])
+    changing = [name for name in COLUMNS[1:-1] if name not in steady]
+    assert [name for name in h3 if name in COLUMNS] == changing
     plots = [attributes for tag, attributes in outline.tags if attributes.get("class") == "plot"]
-    assert len(plots) == 1 + len(COLUMNS[1:-1])
+    assert len(plots) == 1 + len(changing)
     assert all(attributes["role"] == "img" and attributes["aria-label"] for attributes in plots)
+    folded = page[page.index("<details") : page.index("</details>")]
+    assert re.findall(r'<th scope="row">([^<]+)</th>', folded) == steady
+    assert '"row">Current Collision Status</th><td>0</td><td>1 while things have been near' in folded
     assert "Normal operation” in 5 rows" in page
+
+
+def test_every_column_has_the_caption_of_the_data_dictionary(
+    run: tuple[RunResult, RunRecorder], tmp_path: Path
+) -> None:
+    result, recorder = run
+    log = tmp_path / "extended.csv"
+    headers = [name for name in EXTENDED_HEADER if name != COLUMNS[-1]]
+    rows = (",".join([str(row)] * len(headers)) for row in (1, 2))  # so that every column changes
+    log.write_text("\n".join([",".join(headers), *rows]))
+    plots = content(replace(result, log_path=log), recorder)["series"]
+    captions = {plot.heading: plot.caption for plot in plots}
+    assert list(captions) == headers[1:]
+    dictionary = (Path(__file__).parents[3] / "docs" / "metrics.md").read_text(encoding="utf-8")
+    for line in re.findall(r"^\| `.+", dictionary, re.MULTILINE):
+        header, _, meaning, formula, *_ = re.split(r" (?<!\\)\| ", line.removeprefix("| "))
+        if header.strip("`") in captions:
+            entry = f"{meaning} {formula}".replace("\\|", "|").replace("^2", "²").replace("^3", "³")
+            assert captions.pop(header.strip("`")) == entry
+    assert captions == {}
+
+
+def test_no_folder_of_whoever_ran_it_is_in_the_titles_or_the_name_of_the_log(
+    run: tuple[RunResult, RunRecorder], tmp_path: Path
+) -> None:
+    heights = tmp_path / "private" / "yard.npy"
+    heights.parent.mkdir()
+    np.save(heights, np.zeros((20, 20)))
+    config = EpisodeConfig(terrain=str(heights), terrain_size=(10.0, 10.0), terrain_height=1.0)
+    outline = Outline(page := without_plotly(render(replace(run[0], config=config), run[1])))
+    assert [text for tag, text in outline.headings if tag in ("title", "h1")] == [
+        "leo on yard.npy, seed 0: complete",
+        "leo on yard.npy",
+    ]
+    assert page.count("private") == 1  # among the arguments, as they were given
+    assert run[0].log_path is not None
+    assert f"5 rows in {run[0].log_path.name}" in page
 
 
 def test_page_has_one_title_and_headings_in_order(run: tuple[RunResult, RunRecorder]) -> None:
@@ -91,6 +142,7 @@ def test_page_tells_arguments_versions_hashes_and_truth(run: tuple[RunResult, Ru
     assert re.search(r"mujoco</th><td>\d", page)
     assert re.search(r"timestep</th><td>0.0025 s<", page)
     assert f"{result.truth.path_length:.2f} m" in page
+    assert "g = 9.8 m/s²" in page  # of the rover's model, not the standard's
 
 
 def test_page_tells_which_way_the_map_lies_and_where_the_rover_starts(

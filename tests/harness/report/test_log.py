@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.report.log import Log, collisions, contacts, describe, read_log
+from harness.report.log import Log, caption, collisions, contacts, describe, read_log
 from harness.report.recorder import Stretch
 from tests.harness.report.stretches import stretches
 
@@ -24,9 +24,9 @@ def test_a_log_is_read_back_as_numbers_and_counted_notes(tmp_path: Path) -> None
     assert read_log(None) == read_log(tmp_path / "absent.csv") == Log()
 
 
-def test_a_column_beyond_the_twelve_has_the_unit_in_its_name() -> None:
+def test_a_column_that_nobody_knows_has_the_unit_in_its_name() -> None:
     assert (describe("Heat [K]").unit, describe("Heat").unit) == ("K", "")
-    assert describe("Obstacle Clearance").thresholds == ("collision_threshold", "min_safe_clearance")
+    assert caption("Heat [K]") == "The data dictionary does not know this column."
 
 
 def test_contacts_with_short_gaps_are_one_event() -> None:

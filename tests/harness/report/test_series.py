@@ -1,9 +1,11 @@
 import math
 
+import pytest
+
 from harness.page.figure import keys
 from harness.report.log import Event, Log
 from harness.report.recorder import Stretch
-from harness.report.series import series_figure, thinned
+from harness.report.series import series_figure, thinned, varies
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 from tests.harness.report.stretches import stretches
 
@@ -76,12 +78,74 @@ def test_contacts_are_bands_and_flags_are_steps() -> None:
     )
     assert counted["layout"]["yaxis"]["rangemode"] == "tozero"
     assert counted["layout"]["yaxis"]["autorangeoptions"] == {"include": [0, 4]}
+    measured = series_figure("Slip", Log([1.0], {"Slip": [0.1]}), *_NOTHING, gravity=9.8)
+    assert "autorangeoptions" not in measured["layout"]["yaxis"]
 
 
 def test_an_unknown_column_is_drawn_with_the_unit_in_its_name() -> None:
     log = Log([1.0], {"Wheel Heat [K]": [300.0]})
     figure = series_figure("Wheel Heat [K]", log, DEFAULT_THRESHOLDS, [], [], gravity=9.8)
-    assert figure["layout"]["yaxis"]["title"] == {"text": "[K]"}
+    assert figure["layout"]["title"]["text"] == "[K]"
+    assert "title" not in figure["layout"]["yaxis"]  # where long numbers would run into it
+
+
+NAN, INF = math.nan, math.inf
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "track", "shown"),
+    [
+        ("VORT [m/s]", [NAN, NAN, NAN], [], False),
+        ("Slip", [0.5, 0.5, 0.5], [], False),
+        ("Slip", [0.5, NAN, 0.5], [], False),
+        ("Slip", [0.5, 0.5, 0.4], [], True),
+        ("Obstacle Clearance", [INF, INF, INF], [], False),
+        ("Obstacle Clearance", [INF, 3.0, 3.0], [], True),
+        ("Distance Traveled", [0.0, 0.0, 0.0], [0.0, 1.0], True),  # and the truth moves
+        ("Distance Traveled", [0.0, 0.0, 0.0], [0.0, 0.0], False),
+    ],
+)
+def test_a_column_is_worth_a_plot_if_anything_changes_in_it(
+    name: str, values: list[float], track: list[float], *, shown: bool
+) -> None:
+    driven = [Stretch(time + 1.0, (0.0,) * 3, length) for time, length in enumerate(track)]
+    log = Log([1.0, 2.0, 3.0], {name: values})
+    figure = series_figure(name, log, DEFAULT_THRESHOLDS, driven, [], gravity=9.8)
+    assert varies(figure, values) is shown
+
+
+@pytest.mark.parametrize(
+    ("values", "mode"),
+    [
+        ([0.1], "lines+markers"),
+        ([NAN, 0.1, NAN, 0.2, 0.3], "lines+markers"),
+        ([0.1, 0.2, NAN, 0.2, 0.3], "lines"),
+        ([0.1, 0.2, NAN, 0.2], "lines+markers"),
+    ],
+)
+def test_a_value_between_gaps_is_seen(values: list[float], mode: str) -> None:
+    log = Log([float(n) for n in range(len(values))], {"Slip": values})
+    (drawn,) = series_figure("Slip", log, *_NOTHING, gravity=9.8)["data"]
+    assert drawn["mode"] == mode
+
+
+@pytest.mark.parametrize(
+    ("name", "from_zero"),
+    [
+        ("Current Smoothness", False),
+        ("IMU Acceleration Magnitude", False),
+        ("Vertical Roughness", False),
+        ("Smoothness Metric", True),
+        ("Obstacle Clearance", True),
+    ],
+)
+def test_where_gravity_is_in_the_values_its_level_is_drawn_and_the_axis_leaves_zero_out(
+    name: str, *, from_zero: bool
+) -> None:
+    figure = series_figure(name, Log([1.0, 2.0], {name: [9.5, 9.9]}), *_NOTHING, gravity=3.71)
+    levels = {shape["name"]: shape["y0"] for shape in figure["layout"]["shapes"]}
+    assert ("rangemode" in figure["layout"]["yaxis"]) is from_zero
+    assert (levels.get("g = 3.71 m/s²") == 3.71) is not from_zero
 
 
 def test_a_gap_does_not_hide_the_peak_beside_it() -> None:

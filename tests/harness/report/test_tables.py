@@ -3,11 +3,20 @@
 import math
 from dataclasses import replace
 
+import pytest
+
 from harness.config import EpisodeConfig
 from harness.episode.result import RunResult, TopicCount
 from harness.episode.truth_account import TruthAlong
 from harness.report.log import Log
-from harness.report.tables import Comparison, comparisons, contact_rows, facts, key_figures
+from harness.report.tables import (
+    Comparison,
+    comparisons,
+    contact_rows,
+    facts,
+    key_figures,
+    steady_text,
+)
 from harness.truth.traversal import ContactEvent, Truth
 from rover_metrics.core.thresholds import Thresholds
 
@@ -100,3 +109,19 @@ def test_nested_values_become_flat_pairs_with_their_units() -> None:
         *(("a.b", "yes"), ("a.timestep", "0.0025 s")),
         *(("empty", "\N{EN DASH}"), ("none", "\N{EN DASH}"), ("sizes", "1.5, 2")),
     ]
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "text"),
+    [
+        ("VORT [m/s]", [math.nan, math.nan], "empty"),
+        ("VORT [m/s]", [math.nan, 0.25, 0.25], "0.25 m/s in 2 of 3 rows"),
+        ("Vertical Roughness", [9.8, 9.8], "9.8 m/s²"),
+        ("Scan Lost", [0.0, 0.0], "0"),
+        ("Obstacle Clearance", [math.inf], "inf m"),
+    ],
+)
+def test_a_column_that_stays_the_same_is_told_by_its_value(
+    name: str, values: list[float], text: str
+) -> None:
+    assert steady_text(name, values) == text

@@ -1,6 +1,7 @@
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -136,13 +137,25 @@ def test_run_draws_its_picture_and_its_bytes_stay_the_same(tmp_path: Path) -> No
 
 
 @pytest.mark.usefixtures("_opengl")
-def test_run_draws_its_video(tmp_path: Path) -> None:
+def test_run_draws_its_video_with_a_caption_and_tells_how_far_it_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     av = pytest.importorskip("av", reason="the extra [video] is not installed")
     video = tmp_path / "a.mp4"
     words = ["--direct", "--terrain", "flat", "--duration", "0.12", "--log-dir", str(tmp_path)]
+    shown: list[tuple[int, int]] = []
+    finish = Drawing.finish
+
+    def told(drawing: Drawing, show: Callable[[int, int], None]) -> list[Path]:
+        show(0, 1)  # what the bar takes
+        return finish(drawing, lambda done, total: shown.append((done, total)))
+
+    monkeypatch.setattr(Drawing, "finish", told)
     assert main([*words, "--video", str(video)]) == 0
+    assert shown == [(0, 3), (1, 3), (2, 3), (3, 3)]
     with av.open(str(video)) as container:
         frames = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
     assert len(frames) == 3
     assert frames[0].shape == (480, 960, 3)
     assert 60 < np.mean(frames[-1]) < 200
+    assert (frames[-1][435:465, 20:220] > 190).all(axis=2).sum() > 100  # white text in the corner

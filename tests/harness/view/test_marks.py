@@ -29,5 +29,18 @@ def test_tracks_are_as_far_apart_as_the_wheels(tmp_path: Path) -> None:
 def test_only_beams_that_hit_are_drawn() -> None:
     directions = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
     marks = beam_marks(np.zeros(3), directions, np.array([2.0, np.inf, -np.inf], np.float32))
-    assert len(marks) == 2  # the line and its end
-    np.testing.assert_allclose(marks[1].position, (2.0, 0.0, 0.0))
+    hit, beam = marks
+    np.testing.assert_allclose(hit.position, (2.0, 0.0, 0.0))
+    assert beam.end is not None
+    np.testing.assert_allclose([*beam.position, *beam.end], (0.0, 0.0, 0.0, 2.0, 0.0, 0.0))
+
+
+def test_many_beams_hide_nothing_every_hit_is_shown_and_few_lines() -> None:
+    angles = np.linspace(-np.pi, np.pi, 640, endpoint=False)
+    directions = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(640)])
+    marks = beam_marks(np.zeros(3), directions, np.full(640, 3.0, np.float32))
+    ends = np.array([mark.end for mark in marks if mark.end is not None])
+    assert len(marks) - len(ends) == 640
+    assert 36 <= len(ends) <= 72
+    bearings = np.arctan2(ends[:, 1], ends[:, 0])
+    np.testing.assert_allclose(np.diff(bearings), np.diff(bearings)[0], atol=1e-6)  # evenly spread

@@ -1,4 +1,5 @@
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.errors import UsageError
-from harness.view.states import StateWriter, read_states
+from harness.view.states import States, StateWriter, read_states
 from tests.harness.view.recorded import CONFIG, recorded
 from tests.support.rovers import LEO
 
@@ -23,6 +24,22 @@ def test_states_are_those_of_the_episode(tmp_path: Path) -> None:
     np.testing.assert_array_equal(states.orientations[-1], episode.simulation.data.qpos[3:7])
     assert states.config.terrain == "rocky"
     assert states.joints.shape == (50, len(LEO.joints))
+
+
+def test_speed_is_the_path_over_half_a_second_around_a_state() -> None:
+    kept = np.delete(np.arange(1, 101), slice(40, 43))  # a fault took three states
+    times = np.asarray(kept * 0.04, dtype=np.float64)
+    angle, climb = 0.5 * times, 0.3 * times  # a helix of radius 2 m: sqrt(1 + 0.09) m/s
+    path = np.column_stack([2.0 * np.cos(angle), 2.0 * np.sin(angle), climb])
+    states = States(CONFIG, times, path, np.tile([1.0, 0, 0, 0], (97, 1)), np.zeros((97, 4)))
+    np.testing.assert_allclose(states.speed, np.sqrt(1.09), rtol=1e-3)
+    stands = np.where(times[:, None] < 2.0, path, path[times >= 2.0][0])
+    speed = replace(states, path=stands).speed  # it stops at 2 s
+    assert (speed[times > 2.3] == 0.0).all()
+    np.testing.assert_allclose(speed[times < 1.7], np.sqrt(1.09), rtol=1e-3)
+    assert 0.3 < speed[np.argmin(abs(times - 2.0))] < 0.7
+    first = States(CONFIG, times[:1], path[:1], states.orientations[:1], states.joints[:1])
+    assert first.speed.tolist() == [0.0]
 
 
 def test_half_a_state_at_the_end_is_left_out(tmp_path: Path) -> None:

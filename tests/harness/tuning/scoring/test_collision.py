@@ -45,6 +45,36 @@ def test_it_finds_the_distance_that_separates_touching_from_passing(at: AtDistan
     assert "is wrong for rover" in judgement("rover", study.verdict)
 
 
+@pytest.mark.parametrize(
+    ("footprint", "near", "switch", "threshold"),
+    [
+        (0.5, 1, True, None),  # only near returns tell the touch: no threshold adds to them
+        (0.1, 0, None, 0.15),  # the default of 0.05 m is too small, and nothing is too near
+        (0.04, 0, None, None),  # the defaults tell everything
+        (0.04, -1, None, None),  # and near returns, of what is passed, would only be false alarms
+    ],
+)
+def test_near_returns_and_footprint_threshold_are_each_compared_with_their_default(
+    at: AtDistance, footprint: float, near: int, switch: bool | None, threshold: float | None
+) -> None:
+    touching, passing = at(0.225, touches=True), at(0.35, touches=False)
+    for record in touching:
+        record.scans["footprint"] = 0.6
+        record.scans["footprint"][38:42] = footprint
+        record.scans["near_returns"][38:42] = near > 0
+    for record in passing:
+        record.scans["footprint"] = 0.6
+        record.scans["footprint"][38:42] = 0.2
+        record.scans["near_returns"][38:42] = near < 0
+    switched, tuned = study_collisions(both([*touching, *passing])).footprint
+
+    assert (switched.name, switched.default.value) == ("near_returns_as_contact", False)
+    assert (tuned.name, tuned.default.value, tuned.unit) == ("footprint_threshold", 0.05, "m")
+    assert (switched.value, tuned.value) == (switch, threshold)
+    at_default = 1.0 if near > 0 or footprint < 0.05 else 0.0
+    assert tuned.default.scores[Part.TEST]["F1"].value == at_default
+
+
 def test_every_detector_is_judged_at_its_own_best_where_it_was_not_chosen(at: AtDistance) -> None:
     chosen_on = [*at(0.225, touches=True), *at(0.35, touches=False)]
     checked_on = [*at(0.225, touches=True), *at(0.265, touches=True), *at(0.35, touches=False, count=5)]

@@ -30,7 +30,10 @@ def verdict(gain: Estimate, tuned: Estimate, default: Estimate) -> Verdict:
 SOME = Estimate(0.5, 0.4, 0.6)
 
 
-@pytest.mark.parametrize(("low", "value"), [(0.001, 0.3), (0.0, None), (-0.001, None), (None, None)])
+@pytest.mark.parametrize(
+    ("low", "value"),
+    [(0.001, 0.3), (0.0006, 0.3), (0.0004, None), (0.0, None), (-0.001, None), (None, None)],
+)
 def test_a_value_is_given_only_if_the_whole_interval_of_its_gain_is_above_zero(
     low: float | None, value: float | None
 ) -> None:
@@ -48,3 +51,26 @@ def test_it_is_proven_only_if_the_intervals_are_apart(
 
     assert verdict(SOME, tuned, default).is_proven is proven
     assert not verdict(SOME, default, tuned).is_proven
+
+
+@pytest.mark.parametrize(
+    ("gain", "digits"),
+    [
+        (Estimate(0.2, 0.1, 0.3), 2),
+        (Estimate(0.01, 0.01, 0.01), 2),
+        (Estimate(0.0086, 0.0068, 0.0108), 3),  # 0.987 to 0.996, not 0.99 to 1.00
+        (Estimate(0.02, 0.0002, 0.04), 3),
+        (Estimate(-0.02, -0.04, -0.0099), 3),
+        (Estimate(0.0, -0.1, 0.1), 2),  # what is 0 is told as 0
+        (Estimate(0.02), 2),
+        (Estimate(float("nan")), 2),
+    ],
+)
+def test_scores_have_a_third_digit_where_two_hide_the_difference(gain: Estimate, digits: int) -> None:
+    assert verdict(gain, SOME, SOME).digits == digits
+
+
+def test_a_value_is_told_as_it_is_written() -> None:
+    some = verdict(SOME, SOME, SOME)
+    assert some.told(candidate(0.30, SOME)) == "0.3 m"
+    assert [some.told(candidate(value, SOME)) for value in (True, False)] == ["true", "false"]

@@ -89,21 +89,29 @@ BETTER, CLOSER = "0.70 (0.65 to 0.80)", "0.70 (0.55 to 0.80)"
             verdict(APART, Estimate(0.2, -0.1, 0.3), "a note"),
             (
                 f"{BEGIN} stays for leo, for nothing better is proven: {WAS} against {BETTER} with "
-                "0.3 m (a note) on unseen seeds."
+                "0.3 m (a note) on unseen seeds; on the same episodes the difference is "
+                "0.20 (-0.10 to 0.30)."
             ),
         ),
         (
-            verdict(APART, Estimate(0.05, 0.01, 0.3)),
+            verdict(APART, Estimate(0.2, 0.05, 0.3)),
             (
                 f"{BEGIN} is wrong for leo: {WAS} against {BETTER} with 0.3 m on unseen seeds; the "
                 "intervals do not overlap."
             ),
         ),
         (
-            verdict(APART, Estimate(0.049, 0.01, 0.3)),
+            verdict(APART, Estimate(0.2, 0.049, 0.3)),
             (
-                f"{BEGIN} is a little worse than it could be for leo: {WAS} against {BETTER} with "
-                "0.3 m on unseen seeds; the intervals do not overlap."
+                f"{BEGIN} is worse than it could be for leo: {WAS} against {BETTER} with 0.3 m on "
+                "unseen seeds; the intervals do not overlap."
+            ),
+        ),
+        (
+            verdict(APART, Estimate(0.02, 0.004, 0.049)),
+            (
+                f"{BEGIN} is a little worse than it could be for leo: F1 0.500 (0.400 to 0.600) against "
+                "0.700 (0.650 to 0.800) with 0.3 m on unseen seeds; the intervals do not overlap."
             ),
         ),
         (
@@ -127,6 +135,7 @@ def collision(
     default = DetectorStudy(name="nearest range", events=found.default, scans={}, lead_s=None)
     return CollisionStudy(
         verdict=found,
+        footprint=(found, found),
         default=default,
         detectors=detectors,
         zones=(),
