@@ -29,6 +29,7 @@ from harness.world.world import (
 )
 
 LIDAR_BEAMS, IMU_RATE = 640, 20
+CMD_VEL = "cmd_vel"  # the driver that obeys commands
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
 FEWEST_BEAMS, MOST_BEAMS = 2, 100_000
 
@@ -64,9 +65,10 @@ class EpisodeConfig:
 
     def __post_init__(self) -> None:
         """Takes lists for tuples, as JSON gives them back."""
-        for name in ("terrain_size", "start", "faults"):
+        for name in ("terrain_size", "start", "faults", "commands", "resets"):
             if isinstance(value := getattr(self, name), list):
-                object.__setattr__(self, name, tuple(value))
+                inner = (tuple(v) if isinstance(v, list) else v for v in value)
+                object.__setattr__(self, name, tuple(inner))
 
     @property
     def total_ticks(self) -> int:
@@ -127,6 +129,17 @@ class EpisodeConfig:
         if self.terrain_size is not None or self.terrain_height is not None:
             raise UsageError("--terrain-size and --terrain-height apply to terrains from files only")
 
+    def _validate_plan(self) -> None:
+        if self.commands and self.driver != CMD_VEL:
+            raise UsageError(f"driver '{self.driver}' drives by itself; commands need '{CMD_VEL}'")
+        if not all(math.isfinite(v) for command in self.commands for v in command[1:]):
+            raise UsageError("a command is not valid; give its time [s], m/s and rad/s as finite numbers")
+        for time_s in (*(command[0] for command in self.commands), *self.resets):
+            if not 0.0 <= time_s < self.duration:
+                raise UsageError(
+                    f"a command or reset at {time_s:g} s is outside the run; give 0 to {self.duration:g} s"
+                )
+
     def validate(self) -> None:
         """Checks every value that can be checked without building the world.
 
@@ -142,6 +155,7 @@ class EpisodeConfig:
         if self.noise is not None:
             find_named("noise preset", self.noise, PRESETS)
         check_duration(self.duration)
+        self._validate_plan()
         if self.start is not None:
             check_start(self.start)
         if self.seed < 0:

@@ -1,7 +1,9 @@
 """One run of a scenario: driven, judged, and what came of it."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -9,22 +11,23 @@ from harness.config import RosOptions
 from harness.episode.direct import run_direct
 from harness.episode.result import RunResult
 from harness.errors import HarnessError
-from harness.interrupt import StopRequest
+from harness.interrupt import Interrupted, StopRequest
 from harness.report.log import read_log
+from harness.report.recorder import RunRecorder
+from harness.scenario.baseline import (
+    Recorded,
+    check_comparable,
+    first_difference,
+    key_of,
+    read_baseline,
+    record,
+)
 from harness.scenario.case import Case
-from harness.scenario.judge import Breach, judge
+from harness.scenario.contact import contact_of
+from harness.scenario.evidence import keep_evidence
+from harness.scenario.judge import judge, judge_against
 from harness.scenario.quantities import LOG, QUANTITIES, RUN, Series, TruthSeries
-from harness.sim_time import NANOSECONDS
 from rover_metrics.core.row import COLUMNS
-
-_CORNERS = {
-    "FL": "front left",
-    "FR": "front right",
-    "RL": "rear left",
-    "RR": "rear right",
-    "L": "left",
-    "R": "right",
-}
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,8 @@ class Attempt:
         error: Why it could not be run; None if it could.
         simulated_s: Simulated time [s]; likewise `wall_s`.
         model_hash: Of the rover's model; likewise `terrain_hash`.
+        recorded: What a baseline keeps of it; None if it has none.
+        kept: What is left of a run that did not pass.
     """
 
     case: Case
@@ -46,6 +51,8 @@ class Attempt:
     wall_s: float = 0.0
     model_hash: str = ""
     terrain_hash: str = ""
+    recorded: Recorded | None = None
+    kept: tuple[Path, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -53,41 +60,82 @@ class Attempt:
         return not self.breaches and self.error is None
 
 
-def attempt(case: Case, folder: Path) -> Attempt:
+def attempt(case: Case, folder: Path, *, compare: bool = True) -> Attempt:
     """Drives and judges a run.
 
     Args:
         case: The run.
-        folder: For its log; it is created.
+        folder: Gets log, manifest and page of a run that does not pass.
+        compare: Whether it is compared with its baseline, if it has one.
     """
-    names = case.scenario.expect
-    goal = case.scenario.goal
-    watch = TruthSeries(
-        [name for name in names if name in QUANTITIES], None if goal is None else (*goal.at, goal.radius)
-    )
-    extended = any(name.startswith(LOG) and name.removeprefix(LOG) not in COLUMNS for name in names)
     try:
-        result = run_direct(
-            case.config, RosOptions(log_dir=folder), StopRequest(), None, (watch,), extended=extended
-        )
+        return _attempt(case, folder, compare=compare)
+    except Interrupted:
+        raise
     except HarnessError as error:
         return Attempt(case, error=str(error))
-    series = watch.series() | _logged(result) | _of_the_run(result)
-    breaches = [] if result.failure is None else [f"run: {result.failure}"]
-    for name, bound in case.scenario.bounds:
-        breach = judge(name, bound, series[name])
-        if breach is not None:
-            breaches.append(breach.reason + _contact(name, breach, result))
+
+
+def _attempt(case: Case, folder: Path, *, compare: bool) -> Attempt:
+    baseline = read_baseline(case) if case.scenario.has_baseline and compare else None
+    watch, page = _watch(case), RunRecorder()
+    with TemporaryDirectory(prefix="rover-scenario-") as own:
+        options = RosOptions(log_dir=Path(own))
+        observers, extended = (watch, page), _needs_extended(case)
+        result = run_direct(case.config, options, StopRequest(), None, observers, extended=extended)
+        series = watch.series() | _logged(result) | _of_the_run(result)
+        recorded = record(case, result, series) if case.scenario.has_baseline else None
+        if baseline is not None and recorded is not None:
+            check_comparable(recorded, baseline)
+        breaches = tuple(_breaches(case, result, series, recorded, baseline))
+        kept = keep_evidence(result, page, folder, breaches[0]) if breaches else ()
     info = result.info
     return Attempt(
         case,
-        tuple(breaches),
-        None,
-        result.simulated_s,
-        result.wall_s,
-        info.model_hash if info else "",
-        info.terrain_hash if info else "",
+        breaches,
+        simulated_s=result.simulated_s,
+        wall_s=result.wall_s,
+        model_hash=info.model_hash if info else "",
+        terrain_hash=info.terrain_hash if info else "",
+        recorded=recorded,
+        kept=kept,
     )
+
+
+def _watch(case: Case) -> TruthSeries:
+    goal = case.scenario.goal
+    names = [name for name in case.scenario.expect if name in QUANTITIES]
+    return TruthSeries(names, None if goal is None else (*goal.at, goal.radius))
+
+
+def _needs_extended(case: Case) -> bool:
+    names = case.scenario.expect
+    return any(name.startswith(LOG) and name.removeprefix(LOG) not in COLUMNS for name in names)
+
+
+def _breaches(
+    case: Case,
+    result: RunResult,
+    series: dict[str, Series],
+    recorded: Recorded | None,
+    baseline: Recorded | None,
+) -> Iterator[str]:
+    """What was not as expected, each in a line."""
+    if result.failure is not None:
+        yield f"run: {result.failure}"
+    for name, bound in case.scenario.bounds:
+        if not bound.has_baseline:
+            breach = judge(name, bound, series[name])
+        elif baseline is not None:
+            breach = judge_against(name, bound, series[name], baseline.values.get(key_of(name, bound)))
+        else:
+            continue
+        if breach is not None:
+            yield breach.reason + contact_of(name, breach, result.along.events)
+    if case.scenario.same_bytes and recorded is not None and baseline is not None:
+        difference = first_difference(recorded, baseline)
+        if difference is not None:
+            yield difference
 
 
 def _logged(result: RunResult) -> dict[str, Series]:
@@ -101,22 +149,3 @@ def _of_the_run(result: RunResult) -> dict[str, Series]:
     end = np.array([result.simulated_s])
     values = (result.lost, result.rows)
     return {name: Series(end, np.array([float(v)])) for name, v in zip(RUN, values, strict=True)}
-
-
-def _contact(name: str, breach: Breach, result: RunResult) -> str:
-    """What touched what, if a quantity counts contacts: the first at the time of the breach."""
-    kind = QUANTITIES[name].contact if name in QUANTITIES else None
-    if kind is None or breach.time_s is None:
-        return ""
-    of_kind = [event for event in result.along.events if event.kind == kind]
-    meant = [event for event in of_kind if event.end_ns / NANOSECONDS >= breach.time_s - 0.05]
-    if not meant:
-        return ""
-    event = min(meant, key=lambda e: e.start_ns)
-    return f": {_part(event.part)} against {event.other}"
-
-
-def _part(name: str) -> str:
-    """A part of a rover in words: "wheel_FL" is the front left wheel."""
-    kind, _, corner = name.partition("_")
-    return f"{_CORNERS[corner]} {kind}" if corner in _CORNERS else name

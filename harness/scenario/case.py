@@ -1,5 +1,6 @@
 """A scenario's runs: every combination of its matrix with every seed."""
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -8,10 +9,14 @@ from typing import Any
 
 from harness.config import EpisodeConfig
 from harness.errors import UsageError
-from harness.scenario.quantities import check_names
-from harness.scenario.spec import CommandEvent, ExpectedFailure, FaultEvent, ResetEvent, Scenario
+from harness.scenario.events import CommandEvent, FaultEvent, ResetEvent
+from harness.scenario.spec import ExpectedFailure, Scenario
 
-_PASSED_ON = ("difficulty", "noise", "lidar_beams", "imu_rate")  # left to EpisodeConfig if left out
+# Left to EpisodeConfig where they are left out.
+_PASSED_ON = (
+    *("terrain_size", "terrain_height", "difficulty", "start"),
+    *("noise", "lidar_beams", "imu_rate"),
+)
 
 
 @dataclass(frozen=True)
@@ -39,16 +44,24 @@ class Case:
     @property
     def command(self) -> str:
         """Returns what repeats this run alone."""
-        only = "".join(f" --only {name}={value}" for name, value in self.cell)
-        return f"python -m harness.scenario {self.path} --seed {self.config.seed}{only}"
+        only = [word for name, value in self.cell for word in ("--only", f"{name}={value}")]
+        words = [str(self.path), "--seed", str(self.config.seed), *only]
+        return f"python -m harness.scenario {shlex.join(words)}"
 
     @property
     def expected_failure(self) -> ExpectedFailure | None:
         """Returns why this run is known to fail, or None."""
+        terrain = Path(self.config.terrain).name
         for known in self.scenario.expected_to_fail:
-            if known.robot in (None, self.config.robot) and known.terrain in (None, self.config.terrain):
+            if known.robot in (None, self.config.robot) and known.terrain in (None, terrain):
                 return known
         return None
+
+    @property
+    def folder(self) -> Path:
+        """Returns where its evidence goes, below a folder for that of all."""
+        inside = [part for part in self.path.parent.parts if part not in ("..", self.path.anchor)]
+        return Path(*inside, self.name)
 
 
 def scenario_name(path: Path) -> str:
@@ -70,7 +83,6 @@ def cases_of(path: Path, scenario: Scenario, seeds: Sequence[int] | None = None)
     lists = {name: values for name, values in scenario.matrix if values}
     cells = [tuple(zip(lists, values, strict=True)) for values in product(*lists.values())]
     try:
-        check_names(scenario.expect)
         cases = [
             Case(path, scenario, cell, _config(path, scenario, dict(cell), seed))
             for cell in cells

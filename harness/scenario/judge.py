@@ -48,13 +48,48 @@ def judge(name: str, bound: Bound, series: Series) -> Breach | None:
     if bound.over == "share":
         return _judge_share(name, bound, values)
     if bound.over == "always":
-        return _judge_always(name, bound, times, values, series.unit)
-    value = {"end": values[-1], "mean": values.mean(), "p95": np.percentile(values, 95)}[bound.over]
+        return _judge_always(name, bound, Series(times, values, series.unit))
+    value = _summed_up(bound, values)
     for limit in _limits(bound, np.array([value])):
         if limit.broken[0]:
-            told, allowed = _told(value, series.unit), _told(limit.value, series.unit)
+            told, allowed = _apart(float(value), limit.value, series)
             return Breach(f"{name}: {_WORDS[bound.over]}{told} {limit.sign} {allowed}{_window(bound)}")
     return None
+
+
+def judge_against(name: str, bound: Bound, series: Series, baseline: float | None) -> Breach | None:
+    """Returns what is wrong with a quantity that is to be near its baseline, None if nothing is.
+
+    Args:
+        name: Of the quantity.
+        bound: What it must keep.
+        series: What it was.
+        baseline: What `value_of` gave when the baseline was recorded.
+    """
+    value, allowed = value_of(bound, series), ""
+    if value == baseline:
+        return None
+    if value is not None and baseline is not None:
+        tolerance = bound.tolerance(baseline)
+        if abs(value - baseline) <= tolerance:
+            return None
+        allowed = f", allowed +- {tolerance:.4g}{_unit(series)}"
+    was, recorded = _apart(value, baseline, series)
+    words = _WORDS[bound.over]
+    return Breach(f"{name}: {words}{was}, baseline {recorded}{allowed}{_window(bound)}")
+
+
+def value_of(bound: Bound, series: Series) -> float | None:
+    """Returns what a bound over one value compares; None where there is no finite one."""
+    _, values = _within(bound, series)
+    value = float(_summed_up(bound, values)) if len(values) else math.nan
+    return value if math.isfinite(value) else None
+
+
+def _summed_up(bound: Bound, values: NDArray[np.float64]) -> np.float64:
+    if bound.over == "p95":  # a value that was there: between two infinite ones is none
+        return np.float64(np.percentile(values, 95, method="inverted_cdf"))
+    return np.float64(values.mean() if bound.over == "mean" else values[-1])
 
 
 def _within(bound: Bound, series: Series) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -67,22 +102,20 @@ def _within(bound: Bound, series: Series) -> tuple[NDArray[np.float64], NDArray[
 def _limits(bound: Bound, values: NDArray[np.float64]) -> list[_Limit]:
     limits = []
     if bound.min is not None:
-        limits.append(_Limit("<", bound.min, values < bound.min))
+        limits.append(_Limit("<", bound.min, ~(values >= bound.min)))
     if bound.max is not None:
-        limits.append(_Limit(">", bound.max, values > bound.max))
+        limits.append(_Limit(">", bound.max, ~(values <= bound.max)))
     return limits
 
 
-def _judge_always(
-    name: str, bound: Bound, times: NDArray[np.float64], values: NDArray[np.float64], unit: str
-) -> Breach | None:
+def _judge_always(name: str, bound: Bound, series: Series) -> Breach | None:
     """The worst value is told, and when the bound was first broken; the lower one is looked at first."""
-    for limit in _limits(bound, values):
+    for limit in _limits(bound, series.values):
         if limit.broken.any():
-            worst = values.min() if limit.sign == "<" else values.max()
-            first = float(times[limit.broken.argmax()])
-            told = f"{name}: {_told(worst, unit)} {limit.sign} {_told(limit.value, unit)}"
-            return Breach(f"{told}, first at {first:g} s", first)
+            worst = series.values.min() if limit.sign == "<" else series.values.max()
+            first = float(series.times[limit.broken.argmax()])
+            told, allowed = _apart(float(worst), limit.value, series)
+            return Breach(f"{name}: {told} {limit.sign} {allowed}, first at {first:g} s", first)
     return None
 
 
@@ -96,8 +129,19 @@ def _judge_share(name: str, bound: Bound, values: NDArray[np.float64]) -> Breach
     return Breach(f"{told}, {100 * bound.share:g} % expected{_window(bound)}")
 
 
-def _told(value: float, unit: str) -> str:
-    return f"{value:.4g}" + (f" {unit}" if unit else "")
+def _apart(value: float | None, other: float | None, series: Series) -> tuple[str, str]:
+    """Two unequal values in as few digits as tell them apart."""
+    for digits in (4, 7, 17):
+        texts = [f"{v:.{digits}g}" for v in (value, other) if v is not None]
+        if len(set(texts)) == len(texts):
+            break
+    told = iter(texts)
+    first, second = ("no value" if v is None else next(told) + _unit(series) for v in (value, other))
+    return first, second
+
+
+def _unit(series: Series) -> str:
+    return f" {series.unit}" if series.unit else ""
 
 
 def _window(bound: Bound) -> str:

@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.episode.batch import Batch
-from harness.errors import UsageError
+from harness.errors import unknown
+from harness.report.log import NOTES_COLUMN, TIME_COLUMN
 from harness.samples import ContactKind, Pose, TruthState, Vector3
-from harness.scenario.reading import unknown
 from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import Truth
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 
+SAMPLED = 0.05  # [s] between two values of the truth
 STILL = TruthState(0, False, False, False, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0, 0.0), 0.0)
 
 
@@ -103,20 +104,20 @@ QUANTITIES: dict[str, Quantity] = {
 }
 
 
+GOAL = "truth.goal"  # how the names of those begin that need a goal
 LOG = "log."  # and the name of a column
 RUN = {"run.lost_messages": "Messages given up.", "run.rows": "Rows of the log."}
 
 
-def check_names(names: Iterable[str]) -> None:
-    """Checks that quantities exist.
+def names() -> tuple[str, ...]:
+    """Returns all quantities; those of the log are its columns with numbers, also the extended ones."""
+    columns = [f"{LOG}{name}" for name in EXTENDED_HEADER if name not in (TIME_COLUMN, NOTES_COLUMN)]
+    return (*QUANTITIES, *RUN, *columns)
 
-    Raises:
-        UsageError: One does not; the message names the nearest.
-    """
-    valid = (*QUANTITIES, *RUN, *(f"{LOG}{column}" for column in EXTENDED_HEADER))
-    for name in names:
-        if name not in valid:
-            raise UsageError(f"expect: {unknown('quantity', name, valid)}")
+
+def check_name(name: str) -> str | None:
+    """Returns what to tell of a quantity that does not exist, None of one that does."""
+    return None if name in names() else unknown("quantity", name, names())
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,7 @@
 """A file to a Scenario. A mistake is one line with file, line and column, and what would be valid."""
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
-from difflib import get_close_matches
+from collections.abc import Mapping
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -12,8 +11,8 @@ from pydantic_core import ErrorDetails
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
-from harness.errors import UsageError
-from harness.scenario import spec
+from harness.errors import UsageError, unknown
+from harness.scenario import bound, events, spec
 from harness.scenario.spec import Scenario
 
 SUFFIX = ".scenario.yaml"
@@ -24,10 +23,10 @@ _KEYS: dict[str, type[BaseModel]] = {  # whose keys are valid in which part of a
     "": Scenario,
     "matrix": spec.Matrix,
     "goal": spec.Goal,
-    "expect": spec.Bound,
-    "fault": spec.FaultEvent,
-    "command": spec.CommandEvent,
-    "reset": spec.ResetEvent,
+    "expect": bound.Bound,
+    "fault": events.FaultEvent,
+    "command": events.CommandEvent,
+    "reset": events.ResetEvent,
     "expected_to_fail": spec.ExpectedFailure,
     "pass_rate": spec.PassRate,
 }
@@ -104,17 +103,3 @@ def _mistake(error: ErrorDetails, keys: str) -> str:
 def _short(value: object) -> str:
     text = json.dumps(value, default=str)
     return text if len(text) <= 60 else text[:57] + "..."
-
-
-def unknown(kind: str, name: str, valid: Iterable[str]) -> str:
-    """Returns what to tell of a name that does not exist: the nearest that does, or all.
-
-    Args:
-        kind: What it is.
-        name: As it was given.
-        valid: All names that there are.
-    """
-    names: Sequence[str] = list(valid)
-    near = get_close_matches(name, names, 1)
-    hint = f"did you mean '{near[0]}'?" if near else f"available: {', '.join(names)}"
-    return f"{kind} '{name}' does not exist; {hint}"

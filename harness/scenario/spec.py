@@ -1,121 +1,17 @@
 """What a *.scenario.yaml says: values that are checked as they are read, and their JSON schema."""
 
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Iterator
+from typing import Annotated, Any, Self
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Discriminator,
-    Field,
-    FiniteFloat,
-    StringConstraints,
-    Tag,
-    model_validator,
-)
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
-Over = Literal["always", "end", "mean", "p95", "share"]
+from harness.scenario.bound import Bound, Length, Part, Point, Share, Text
+from harness.scenario.events import CommandEvent, Event
+from harness.scenario.quantities import GOAL, check_name, names
+
 Seed = Annotated[int, Field(ge=0)]
-Seconds = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-Length = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-Share = Annotated[float, Field(gt=0.0, le=1.0)]
-Text = Annotated[str, StringConstraints(min_length=1, strip_whitespace=True)]
-Point = tuple[FiniteFloat, FiniteFloat]
-
-
-class Part(BaseModel):
-    """A part of a scenario; it cannot be changed, and a key that it does not know is refused."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Bound(Part):
-    """What a quantity must keep.
-
-    Attributes:
-        min: Smallest allowed value; no limit if left out. Likewise `max`.
-        over: What is compared: every value, the last one, the mean, the 95th percentile, or the share
-            of values between min and max.
-        share: With `over: share`, the smallest allowed share of values.
-        window: First and last second that count; the whole run if left out.
-    """
-
-    min: float | None = Field(None, allow_inf_nan=False)
-    max: float | None = Field(None, allow_inf_nan=False)
-    over: Over = "always"
-    share: Share | None = None
-    window: tuple[Seconds, Seconds] | None = None
-
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        if self.min is None and self.max is None:
-            raise ValueError("neither min nor max is given: nothing is expected")
-        if self.min is not None and self.max is not None and self.min > self.max:
-            raise ValueError(f"min {self.min:g} is above max {self.max:g}: no value can be right")
-        if (self.over == "share") != (self.share is not None):
-            raise ValueError("'over: share' and 'share: 0 to 1' belong together")
-        if self.window is not None and not self.window[0] < self.window[1]:
-            raise ValueError(f"window {list(self.window)} does not begin before it ends")
-        return self
-
-
-class Goal(Part):
-    """Where the rover is to arrive.
-
-    Attributes:
-        at: x and y in the world [m].
-        radius: How near is near enough [m].
-    """
-
-    at: Point
-    radius: Length = 0.5
-
-
-class FaultEvent(Part):
-    """A sensor fault, e.g. `{at: 5, fault: "scan:dropout", for: 3}`.
-
-    Attributes:
-        at: When it begins [s].
-        fault: SENSOR:FAULT[=VALUE].
-        length: How long it lasts [s], in the file `for`; to the end if left out.
-    """
-
-    at: Seconds
-    fault: Annotated[str, StringConstraints(pattern=r"^[^@+]+$")]
-    length: Length | None = Field(None, alias="for")
-
-    @property
-    def spec(self) -> str:
-        """Returns the fault as `--fault` takes it."""
-        return f"{self.fault}@{self.at!r}" + ("" if self.length is None else f"+{self.length!r}")
-
-
-class CommandEvent(Part):
-    """A command for `driver: cmd_vel`: speed [m/s] and yaw rate [rad/s] from a time on."""
-
-    at: Seconds
-    command: Point
-
-
-class ResetEvent(Part):
-    """The rover is put back to its start."""
-
-    at: Seconds
-    reset: Literal[True]
-
-
-def _kind(event: Any) -> str | None:  # noqa: ANN401 - anything that stands in a file
-    """Which event it is: the mistakes that are told are those of that one alone."""
-    names = event if isinstance(event, dict) else type(event).model_fields
-    return next((name for name in ("fault", "command", "reset") if name in names), None)
-
-
-Event = Annotated[
-    Annotated[FaultEvent, Tag("fault")]
-    | Annotated[CommandEvent, Tag("command")]
-    | Annotated[ResetEvent, Tag("reset")],
-    Discriminator(_kind),
-]
+SCHEMA = {"propertyNames": {"enum": list(names())}}
 
 
 def _plural(value: object) -> str:
@@ -131,6 +27,26 @@ Seeds = Annotated[
     | Annotated[tuple[Seed, ...], Tag("list"), Field(min_length=1)],
     Discriminator(_plural),
 ]
+
+
+def _known(expect: dict[str, Any]) -> dict[str, Any]:
+    for name in expect:
+        problem = check_name(name)
+        if problem is not None:
+            raise _mistake(("expect", name), problem)
+    return expect
+
+
+class Goal(Part):
+    """Where the rover is to arrive.
+
+    Attributes:
+        at: x and y in the world [m].
+        radius: How near is near enough [m].
+    """
+
+    at: Point
+    radius: Length = 0.5
 
 
 class ExpectedFailure(Part):
@@ -168,12 +84,16 @@ class Scenario(Part):
     Attributes:
         about: What is checked, in a sentence.
         robot: See `python -m harness.run --list`; likewise `terrain` (or a file) and `driver`.
+        terrain_size: Along x and y [m], of a terrain from a file that does not say it.
+        terrain_height: Of the relief [m], likewise.
+        start: x and y in the world [m], and the heading [rad]; where the terrain has it if left out.
         matrix: Instead of single values of those, lists.
         seed: Of the run; `seeds` is a number of seeds from 0 on, or a list.
         noise: Errors of the sensors; none if left out.
         goal: Where the rover is to arrive; see the quantity truth.goal_s.
         events: What happens on the way.
         expect: A bound, or a list of them, for each quantity.
+        same_bytes: Whether the log must be that of the baseline, byte for byte.
         expected_to_fail: Why runs are known to fail.
         pass_rate: How many of the runs must pass.
     """
@@ -181,7 +101,10 @@ class Scenario(Part):
     about: Text
     robot: str = "leo"
     terrain: str = "rocky"
+    terrain_size: tuple[Length, Length] | None = None
+    terrain_height: Length | None = None
     difficulty: float | None = None
+    start: tuple[float, float, float] | None = None
     driver: str = "wander"
     duration: float = 30.0
     matrix: Matrix = Matrix()
@@ -192,7 +115,10 @@ class Scenario(Part):
     imu_rate: int | None = None
     goal: Goal | None = None
     events: tuple[Event, ...] = ()
-    expect: dict[str, Bounds] = Field(min_length=1)
+    expect: Annotated[dict[str, Bounds], AfterValidator(_known)] = Field(
+        min_length=1, json_schema_extra=SCHEMA
+    )
+    same_bytes: bool = False
     expected_to_fail: tuple[ExpectedFailure, ...] = ()
     pass_rate: PassRate | None = None
 
@@ -212,24 +138,35 @@ class Scenario(Part):
             for bound in (some if isinstance(some, tuple) else (some,))
         )
 
+    @property
+    def has_baseline(self) -> bool:
+        """Whether runs are compared with recorded ones."""
+        return self.same_bytes or any(bound.has_baseline for _, bound in self.bounds)
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        length = f"after the run of {self.duration:g} s"
+        for problem in self._problems():
+            raise problem
+        return self
+
+    def _problems(self) -> Iterator[PydanticCustomError]:
+        late = f"after the run of {self.duration:g} s"
+        for name in sorted(self.matrix.model_fields_set & self.model_fields_set):
+            yield _mistake((name,), f"give one of {name} and matrix: {name}")
+        if self.seeds is not None and "seed" in self.model_fields_set:
+            yield _mistake(("seed",), "give one of seed and seeds")
         for name, bound in self.bounds:
-            if bound.window is not None and bound.window[0] >= self.duration:
-                raise _mistake(
-                    ("expect", name), f"a window from {bound.window[0]:g} s on begins {length}"
-                )
-            if name.startswith("truth.goal") and self.goal is None:
-                raise _mistake(("expect", name), "needs a goal, e.g. goal: {at: [5, 0]}")
+            if bound.window is not None and bound.window[1] > self.duration:
+                yield _mistake(("expect", name), f"a window to {bound.window[1]:g} s ends {late}")
+            if name.startswith(GOAL) and self.goal is None:
+                yield _mistake(("expect", name), "it needs a goal, e.g. goal: {at: [5, 0]}")
         for index, event in enumerate(self.events):
             if event.at >= self.duration:
-                raise _mistake(("events", index), f"an event at {event.at:g} s is {length}")
-            if isinstance(event, CommandEvent) and {self.driver, *self.matrix.driver} != {"cmd_vel"}:
-                raise _mistake(
-                    ("events", index), "commands need 'driver: cmd_vel'; others drive by themselves"
-                )
-        return self
+                yield _mistake(("events", index), f"an event at {event.at:g} s is {late}")
+            drivers = self.matrix.driver or (self.driver,)
+            if isinstance(event, CommandEvent) and set(drivers) != {"cmd_vel"}:
+                text = "commands need 'driver: cmd_vel'; others drive by themselves"
+                yield _mistake(("events", index), text)
 
 
 def _mistake(place: tuple[str | int, ...], message: str) -> PydanticCustomError:

@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
-from shutil import rmtree
 
 from harness.errors import RunFailed, UsageError
 from harness.scenario.attempt import Attempt, attempt
@@ -55,21 +54,27 @@ def plan(files: Iterable[Path], seeds: Sequence[int] | None = None, only: Select
 
 
 def run_all(
-    cases: Sequence[Case], backend: Backend, folder: Path, show: Callable[[int], None]
+    cases: Sequence[Case],
+    backend: Backend,
+    folder: Path,
+    show: Callable[[int], None],
+    *,
+    compare: bool = True,
 ) -> list[Attempt]:
     """Runs all, and returns the attempts in the order of the cases.
 
     Args:
         cases: What to run.
         backend: Who runs it.
-        folder: For the logs of runs that did not pass; those of others are removed.
+        folder: For what runs leave that do not pass.
         show: Told how many are done.
+        compare: Whether they are compared with their baselines.
 
     Raises:
         RunFailed: A worker died.
     """
     done: dict[int, Attempt] = {}
-    work = partial(_one, folder=folder)
+    work = partial(_one, folder=folder, compare=compare)
     try:
         with closing(backend.map(work, list(enumerate(cases)))) as outcomes:
             for index, outcome in outcomes:
@@ -80,10 +85,6 @@ def run_all(
     return [done[index] for index in range(len(cases))]
 
 
-def _one(numbered: tuple[int, Case], folder: Path) -> tuple[int, Attempt]:
+def _one(numbered: tuple[int, Case], *, folder: Path, compare: bool) -> tuple[int, Attempt]:
     index, case = numbered
-    own = folder / case.name
-    outcome = attempt(case, own)
-    if outcome.passed:
-        rmtree(own, ignore_errors=True)
-    return index, outcome
+    return index, attempt(case, folder / case.folder, compare=compare)

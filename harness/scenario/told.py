@@ -8,7 +8,7 @@ from rich.progress import Progress
 
 from harness.scenario.attempt import Attempt
 from harness.scenario.case import scenario_name
-from harness.scenario.verdict import Outcome, Verdict, outcome_of
+from harness.scenario.verdict import Outcome, Verdict, outcome_of, reasons_of
 
 _STYLES = {
     Outcome.PASSED: "green",
@@ -50,13 +50,14 @@ def _rate(verdict: Verdict) -> str:
 
 
 def _tell_run(console: Console, attempt: Attempt) -> None:
-    outcome, known = outcome_of(attempt), attempt.case.expected_failure
-    because = f" ({known.reason})" if known else ""
-    _line(console, outcome, attempt.case.name + because, indent="  ")
-    for reason in attempt.breaches if attempt.error is None else (attempt.error,):
+    outcome = outcome_of(attempt)
+    _line(console, outcome, attempt.case.name, indent="  ")
+    for reason in reasons_of(attempt):
         _plain(console, f"    {reason}")
     if not outcome.is_good:
         _plain(console, f"    again: {attempt.case.command}")
+    for path in attempt.kept[:1]:
+        _plain(console, f"    see:   {path}")
 
 
 def _line(console: Console, outcome: Outcome, text: str, indent: str = "") -> None:

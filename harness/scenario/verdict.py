@@ -36,6 +36,18 @@ def outcome_of(attempt: Attempt) -> Outcome:
     return Outcome.UNEXPECTED if attempt.passed else Outcome.EXPECTED
 
 
+def reasons_of(attempt: Attempt) -> tuple[str, ...]:
+    """Returns why an outcome is not PASSED, each in a line."""
+    if attempt.error is not None:
+        return (attempt.error,)
+    known = attempt.case.expected_failure
+    if known is None:
+        return attempt.breaches
+    if attempt.passed:
+        return (f"passed, but was expected to fail: {known.reason}",)
+    return (f"failed as expected: {known.reason}", *attempt.breaches)
+
+
 @dataclass(frozen=True)
 class Verdict:
     """What is said of a scenario.

@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-pytest.importorskip("joblib", reason="needs the extra [tune]")
 
 from harness.errors import UsageError
 from harness.tuning.backend import WorkerLost
