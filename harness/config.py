@@ -133,11 +133,11 @@ class EpisodeConfig:
         if self.commands and self.driver != CMD_VEL:
             raise UsageError(f"driver '{self.driver}' drives by itself; commands need '{CMD_VEL}'")
         if not all(math.isfinite(v) for command in self.commands for v in command[1:]):
-            raise UsageError("a command is not valid; give its time [s], m/s and rad/s as finite numbers")
+            raise UsageError("a command is not valid; give its time, m/s and rad/s as numbers")
         for time_s in (*(command[0] for command in self.commands), *self.resets):
             if not 0.0 <= time_s < self.duration:
                 raise UsageError(
-                    f"a command or reset at {time_s:g} s is outside the run; give 0 to {self.duration:g} s"
+                    f"a command or reset at {time_s:g} s is not in the run of {self.duration:g} s"
                 )
 
     def validate(self) -> None:

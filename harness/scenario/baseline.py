@@ -51,7 +51,7 @@ def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded
     info = result.info
     hashes = {} if info is None else {"model": info.model_hash, "terrain's hash": info.terrain_hash}
     bounds = [(name, bound) for name, bound in case.scenario.bounds if bound.has_baseline]
-    log = ()
+    log: tuple[str, ...] = ()
     if case.scenario.same_bytes and result.log_path is not None:
         log = tuple(result.log_path.read_bytes().decode().split("\r\n"))
     return Recorded(
@@ -92,13 +92,13 @@ def check_comparable(now: Recorded, baseline: Recorded) -> None:
 
 
 def first_difference(now: Recorded, baseline: Recorded) -> str | None:
-    """Returns where the log leaves that of the baseline, e.g. "log, row 3: Distance Traveled ..."."""
+    """Returns where the log leaves that of the baseline, e.g. "same_bytes: row 3: ..."."""
     header = baseline.log[0].split(",") if baseline.log else []
     for row, (is_now, was) in enumerate(zip_longest(now.log, baseline.log, fillvalue="")):
         if is_now != was:
-            cells = zip_longest(header, is_now.split(","), was.split(","), fillvalue="nothing")
+            cells = zip_longest(header, is_now.split(","), was.split(","), fillvalue="")
             name, left, right = next(cell for cell in cells if cell[1] != cell[2])
-            return f"same_bytes: log, row {row}: {name} is {left or 'nothing'}, baseline {right or 'nothing'}"
+            return f"same_bytes: row {row}: {name} is {left or 'nothing'}, baseline {right or 'nothing'}"
     return None
 
 

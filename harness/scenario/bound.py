@@ -57,7 +57,7 @@ class Bound(Part):
             self._check_baseline()
         elif self.min is None and self.max is None:
             raise ValueError(
-                "nothing is expected; give min, max, or a tolerance about the baseline (relative, absolute)"
+                "nothing is expected; give min, max, or relative or absolute (to the baseline)"
             )
         if self.min is not None and self.max is not None and self.min > self.max:
             raise ValueError(f"min {self.min:g} is above max {self.max:g}: no value can be right")
@@ -69,6 +69,8 @@ class Bound(Part):
 
     def _check_baseline(self) -> None:
         if self.min is not None or self.max is not None:
-            raise ValueError("limits and a tolerance about the baseline are two bounds; give a list of them")
+            raise ValueError(
+                "limits and a tolerance about the baseline are two bounds; give a list of them"
+            )
         if self.over not in OF_ONE_VALUE:
             raise ValueError(f"a baseline holds one value; give over: {', '.join(OF_ONE_VALUE)}")

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from junitparser import Error, Failure, JUnitXml, Skipped, TestCase, TestSuite
+from junitparser import Error, Failure, Skipped
+from junitparser.xunit2 import JUnitXml, TestCase, TestSuite
 
 from harness import __version__
 from harness.files import write_whole
@@ -33,7 +34,8 @@ def junit_of(verdicts: Sequence[Verdict]) -> str:
         forgiven = verdict.outcome is Outcome.PASSED
         suite.add_testcases([_case(attempt, forgiven=forgiven) for attempt in verdict.attempts])
         xml.add_testsuite(suite)
-    return str(xml.tostring().decode())
+    text: bytes = xml.tostring()  # type: ignore[no-untyped-call]  # of junitparser
+    return text.decode()
 
 
 def properties_of(attempt: Attempt) -> dict[str, str]:
@@ -57,7 +59,7 @@ def _case(attempt: Attempt, *, forgiven: bool) -> TestCase:
     outcome, lines = outcome_of(attempt), reasons_of(attempt)
     if outcome is Outcome.PASSED:
         return case
-    kind = Error if outcome is Outcome.ERROR else Failure
+    kind: type[Error | Failure | Skipped] = Error if outcome is Outcome.ERROR else Failure
     if outcome is Outcome.EXPECTED or (forgiven and kind is Failure):
         kind = Skipped
     case.result = [kind(lines[0], outcome.value)]

@@ -5,13 +5,14 @@ scenario with a pass_rate is one test. Artefacts go where --rover-artifacts of h
 says, if that is in use, else below pytest's temporary folder.
 """
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from _pytest._code.code import TerminalRepr
 
     from harness.scenario.attempt import Attempt
@@ -49,7 +50,9 @@ class ScenarioFile(pytest.File):
 
         count = self.config.getoption("rover_seeds")
         shown = self.path
-        if shown.is_relative_to(self.config.invocation_params.dir):  # short, and it can be repeated there
+        if shown.is_relative_to(
+            self.config.invocation_params.dir
+        ):  # short, and it can be repeated there
             shown = shown.relative_to(self.config.invocation_params.dir)
         try:
             cases = plan([shown], None if count is None else range(count))
@@ -101,7 +104,9 @@ class ScenarioRun(pytest.Item):
             pytest.xfail(known.reason if known else "")
 
     def repr_failure(
-        self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None  # noqa: ANN401 - pytest's
+        self,
+        excinfo: pytest.ExceptionInfo[BaseException],
+        style: Any = None,  # noqa: ANN401 - pytest's
     ) -> "str | TerminalRepr":
         """Returns what a person needs: no traceback where a run is at fault."""
         from harness.errors import HarnessError  # noqa: PLC0415 - see above

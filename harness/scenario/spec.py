@@ -11,7 +11,7 @@ from harness.scenario.events import CommandEvent, Event
 from harness.scenario.quantities import GOAL, check_name, names
 
 Seed = Annotated[int, Field(ge=0)]
-SCHEMA = {"propertyNames": {"enum": list(names())}}
+SCHEMA: dict[str, Any] = {"propertyNames": {"enum": list(names())}}
 
 
 def _plural(value: object) -> str:

@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-
 from harness.errors import UsageError
 from harness.tuning.backend import WorkerLost
 from harness.tuning.backend.cluster import ClusterBackend, _work_elsewhere, versions

@@ -12,7 +12,6 @@ from types import ModuleType
 
 import pytest
 
-
 from harness.tuning.backend import WorkerLost, backend_of
 from harness.tuning.backend.local import LocalBackend
 
