@@ -67,6 +67,8 @@ def _load(path: Path) -> Any:  # noqa: ANN401 - whatever a file holds
 def _found(content: Any, location: Location) -> tuple[str, str]:  # noqa: ANN401 - nodes of ruamel
     """The keys of a location that stand in the file, joined, and `:LINE:COLUMN` of the innermost."""
     keys, place = [], ""
+    if location[:1] == ("events",):  # after the index pydantic says which kind it is, as keys do too
+        location = (*location[:2], *location[3:])
     for step in location:
         if isinstance(content, Mapping) and step in content:
             line, column = content.lc.key(step)  # type: ignore[attr-defined]  # of a CommentedMap
@@ -87,6 +89,8 @@ def _mistake(error: ErrorDetails, keys: str) -> str:
             part = next((str(s) for s in reversed(location[:-1]) if s in _KEYS), "")
             fields = _KEYS[part].model_fields.items()
             return unknown("key", str(location[-1]), [field.alias or name for name, field in fields])
+        case "missing" if isinstance(location[-1], int):
+            return f"{keys} has too few values; see docs/scenarios.md"
         case "missing":
             return f"the key '{location[-1]}' is missing"
         case "union_tag_not_found":
