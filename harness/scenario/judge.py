@@ -44,7 +44,7 @@ def judge(name: str, bound: Bound, series: Series) -> Breach | None:
     """
     times, values = _within(bound, series)
     if not len(values):
-        return Breach(f"{name}: there is no value{_window(bound)}")
+        return Breach(f"{name}: {series.nothing}{_window(bound)}")
     if bound.over == "share":
         return _judge_share(name, bound, values)
     if bound.over == "always":

@@ -13,11 +13,8 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from _pytest._code.code import TerminalRepr
-
     from harness.scenario.attempt import Attempt
     from harness.scenario.case import Case
-    from harness.scenario.verdict import Verdict
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -36,10 +33,6 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> "ScenarioF
     return None
 
 
-class ScenarioFailed(Exception):
-    """An expectation was not met; its message says which, and how to see it again."""
-
-
 class ScenarioFile(pytest.File):
     """A scenario's runs."""
 
@@ -48,20 +41,17 @@ class ScenarioFile(pytest.File):
         from harness.errors import UsageError  # noqa: PLC0415 - see above
         from harness.scenario.suite import plan  # noqa: PLC0415
 
-        count = self.config.getoption("rover_seeds")
-        shown = self.path
-        if shown.is_relative_to(
-            self.config.invocation_params.dir
-        ):  # short, and it can be repeated there
-            shown = shown.relative_to(self.config.invocation_params.dir)
+        count, here = self.config.getoption("rover_seeds"), self.config.invocation_params.dir
+        path = self.path.relative_to(here) if self.path.is_relative_to(here) else self.path
         try:
-            cases = plan([shown], None if count is None else range(count))
+            cases = plan([path], None if count is None else range(count))
         except UsageError as error:
             raise self.CollectError(str(error)) from error
-        groups = [[case] for case in cases] if cases[0].scenario.pass_rate is None else [cases]
-        for group in groups:
-            name = group[0].name if len(group) == 1 else group[0].name.partition("[")[0]
-            yield ScenarioRun.from_parent(self, name=name, cases=group)
+        if cases[0].scenario.pass_rate is not None:
+            yield ScenarioRun.from_parent(self, name=cases[0].name.partition("[")[0], cases=cases)
+            return
+        for case in cases:
+            yield ScenarioRun.from_parent(self, name=case.name, cases=[case])
 
 
 class ScenarioRun(pytest.Item):
@@ -70,50 +60,32 @@ class ScenarioRun(pytest.Item):
     def __init__(self, *, cases: "list[Case]", **rest: Any) -> None:  # noqa: ANN401 - pytest's own
         super().__init__(**rest)
         self.cases = cases
+        self._attempts: list[Attempt] = []
 
     def setup(self) -> None:
-        """Drives the rover."""
-        from harness.errors import RunFailed  # noqa: PLC0415 - see above
-        from harness.scenario.attempt import attempt  # noqa: PLC0415
+        """Drives the rover; what cannot be run is an error of the test."""
+        from harness.scenario.attempt import attempt  # noqa: PLC0415 - see above
         from harness.scenario.junit import properties_of  # noqa: PLC0415
-        from harness.scenario.verdict import verdicts_of  # noqa: PLC0415
 
         folder = self._folder()
-        attempts = [attempt(case, folder / case.folder) for case in self.cases]
-        for one in attempts:
+        self._attempts = [attempt(case, folder / case.folder) for case in self.cases]
+        for one in self._attempts:
             self.user_properties += properties_of(one).items()
-        errors = [one.error for one in attempts if one.error is not None]
-        if errors:
-            raise RunFailed(f"{self.name} could not run: {errors[0]}; again: {attempts[0].case.command}")
-        (self._verdict,) = verdicts_of(attempts)
+            if one.error is not None:
+                told = f"{one.case.name} could not run: {one.error}\nagain: {one.case.command}"
+                pytest.fail(told, pytrace=False)
 
     def runtest(self) -> None:
-        """Passes, fails, or fails as expected.
+        """Passes, fails, or fails as expected."""
+        from harness.scenario.verdict import Outcome, outcome_of, verdicts_of  # noqa: PLC0415 - see above
 
-        Raises:
-            ScenarioFailed: Something was not as expected.
-        """
-        from harness.scenario.verdict import Outcome, outcome_of  # noqa: PLC0415 - see above
-
-        verdict: Verdict = self._verdict
-        attempts = verdict.attempts
+        (verdict,) = verdicts_of(self._attempts)
         if verdict.outcome is not Outcome.PASSED:
-            raise ScenarioFailed("\n".join(_told(attempt) for attempt in attempts))
-        if all(outcome_of(attempt) is Outcome.EXPECTED for attempt in attempts):
-            known = attempts[0].case.expected_failure
-            pytest.xfail(known.reason if known else "")
-
-    def repr_failure(
-        self,
-        excinfo: pytest.ExceptionInfo[BaseException],
-        style: Any = None,  # noqa: ANN401 - pytest's
-    ) -> "str | TerminalRepr":
-        """Returns what a person needs: no traceback where a run is at fault."""
-        from harness.errors import HarnessError  # noqa: PLC0415 - see above
-
-        if isinstance(excinfo.value, ScenarioFailed | HarnessError):
-            return str(excinfo.value)
-        return super().repr_failure(excinfo, style)
+            bad = [one for one in self._attempts if not outcome_of(one).is_good]
+            pytest.fail("\n".join(_told(one) for one in bad), pytrace=False)
+        known = self.cases[0].expected_failure
+        if known is not None and outcome_of(self._attempts[0]) is Outcome.EXPECTED:
+            pytest.xfail(known.reason)
 
     def reportinfo(self) -> tuple[Path, int | None, str]:
         """Returns where it stands and its name."""
@@ -121,14 +93,14 @@ class ScenarioRun(pytest.Item):
 
     def _folder(self) -> Path:
         given = self.config.getoption("--rover-artifacts", default=None)
+        if given is not None:
+            return Path(given)
         factory = self.config._tmp_path_factory  # type: ignore[attr-defined]  # noqa: SLF001 - no fixture here
-        return Path(given or factory.getbasetemp() / "rover")
+        return Path(factory.getbasetemp() / "rover")
 
 
 def _told(attempt: "Attempt") -> str:
-    from harness.scenario.verdict import Outcome, outcome_of, reasons_of  # noqa: PLC0415 - see above
+    from harness.scenario.verdict import reasons_of  # noqa: PLC0415 - see above
 
-    if outcome_of(attempt) in (Outcome.PASSED, Outcome.EXPECTED):
-        return f"{attempt.case.name}: {outcome_of(attempt).value}"
-    lines = [*reasons_of(attempt), f"again: {attempt.case.command}", *map(str, attempt.kept[:1])]
-    return "\n".join(lines)
+    see = [f"see:   {path}" for path in attempt.kept[:1]]
+    return "\n".join([*reasons_of(attempt), f"again: {attempt.case.command}", *see])

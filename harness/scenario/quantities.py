@@ -16,6 +16,7 @@ from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import Truth
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 
+NO_VALUE = "there is no value"
 SAMPLED = 0.05  # [s] between two values of the truth
 STILL = TruthState(0, False, False, False, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0, 0.0), 0.0)
 
@@ -47,12 +48,14 @@ class Quantity:
         meaning: In a sentence.
         value: Takes it out of a moment.
         contact: The contacts that it counts.
+        nothing: What is told where it never had a value.
     """
 
     unit: str
     meaning: str
     value: Callable[[Moment], float]
     contact: ContactKind | None = None
+    nothing: str = NO_VALUE
 
 
 _WHEELS = ("front_left", "rear_left", "front_right", "rear_right")
@@ -100,7 +103,12 @@ QUANTITIES: dict[str, Quantity] = {
         for i, wheel in enumerate(_WHEELS)
     },
     "truth.goal_distance": Quantity("m", "To the goal, in the plane.", lambda m: m.goal_distance),
-    "truth.goal_s": Quantity("s", "When the goal was reached; no value before.", lambda m: m.goal_s),
+    "truth.goal_s": Quantity(
+        "s",
+        "When the goal was reached; no value before.",
+        lambda m: m.goal_s,
+        nothing="the goal was not reached",
+    ),
 }
 
 
@@ -128,11 +136,13 @@ class Series:
         times: Seconds from the start, ascending.
         values: As many; NaN where there was none.
         unit: Of the values.
+        nothing: What is told where there is no value at all.
     """
 
     times: NDArray[np.float64]
     values: NDArray[np.float64]
     unit: str = ""
+    nothing: str = NO_VALUE
 
 
 class TruthSeries:
@@ -178,7 +188,7 @@ class TruthSeries:
         times = np.array(self._times)
         values = np.array(self._values, dtype=float).reshape(len(times), len(self._quantities))
         pairs = zip(self._quantities.items(), values.T, strict=True)
-        return {name: Series(times, column, quantity.unit) for (name, quantity), column in pairs}
+        return {name: Series(times, column, q.unit, q.nothing) for (name, q), column in pairs}
 
 
 def _tilt(pose: Pose) -> float:

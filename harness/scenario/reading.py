@@ -89,10 +89,11 @@ def _mistake(error: ErrorDetails, keys: str) -> str:
             part = next((str(s) for s in reversed(location[:-1]) if s in _KEYS), "")
             fields = _KEYS[part].model_fields.items()
             return unknown("key", str(location[-1]), [field.alias or name for name, field in fields])
-        case "missing" if isinstance(location[-1], int):
-            return f"{keys} has too few values; see docs/scenarios.md"
         case "missing":
-            return f"the key '{location[-1]}' is missing"
+            key = location[-1]
+            return (
+                f"the key '{key}' is missing" if isinstance(key, str) else f"{keys} has too few values"
+            )
         case "union_tag_not_found":
             return f"{keys}: an event needs one of the keys fault, command, reset"
         case "value_error" | "beside":

@@ -164,6 +164,23 @@ def test_cmd_vel_driver_stands_until_commanded() -> None:
     assert path[-1] > 0.4
 
 
+def test_what_is_planned_happens_at_the_next_control_period() -> None:
+    commands = ((0.31, 0.0, 0.5), (0.0, 0.4, 0.0), (0.6, 0.3, 0.0))
+    planned = Episode(config(driver="cmd_vel", duration=0.75, commands=commands, resets=(0.6, 0.4)))
+    by_hand = Episode(config(driver="cmd_vel", duration=0.75))
+    at_tick = {0: (0.4, 0.0), 35: (0.0, 0.5), 60: (0.3, 0.0)}
+    batches = by_hand.batches()
+    for index, batch in enumerate(planned.batches()):
+        if index * 5 in (40, 60):
+            by_hand.reset()
+        if index * 5 in at_tick:
+            by_hand.command(Twist(*at_tick[index * 5]))
+        expected = next(batches)
+        assert repr(batch.ticks) == repr(expected.ticks)
+        assert batch.truth == expected.truth
+    assert batch.truth.resets == 2
+
+
 @pytest.mark.parametrize("robot", ROVERS)
 def test_after_a_reset_the_rover_drives_as_it_did_at_first(robot: str) -> None:
     episode = Episode(config(robot=robot, terrain="rocky", driver="wander", duration=2.1, seed=3))

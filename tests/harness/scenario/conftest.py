@@ -17,7 +17,9 @@ from harness.truth.traversal import ContactEvent, Truth
 
 BATCH_NS = 50_000_000
 INFO = EpisodeInfo("model", "terrain", 3, (40.0, 40.0), (0.0, 0.0, 0.0))
-TOUCH = ContactEvent("hazard", 1_020_000_000, 1_040_000_000, "wheel_FL", "hazard_3", 5.0, (0.1, 0.2, 0.0))
+TOUCH = ContactEvent(
+    "hazard", 1_020_000_000, 1_040_000_000, "wheel_FL", "hazard_3", 5.0, (0.1, 0.2, 0.0)
+)
 SPEED = 0.5  # [m/s] along x
 TILT = math.radians(30.0)  # of the last pose
 

@@ -44,6 +44,8 @@ def test_a_run_that_is_as_expected_leaves_nothing(make_cases: MakeCases, tmp_pat
 def test_a_run_that_fails_says_what_touched_what_and_leaves_its_evidence(
     make_cases: MakeCases, tmp_path: Path
 ) -> None:
+    far = one(make_cases, tmp_path / "far", "{truth.goal_s: {over: end, max: 9}}", "goal: {at: [9, 9]}")
+    assert far.breaches == ("truth.goal_s: the goal was not reached",)
     for _ in range(2):  # the second replaces what the first has left
         done = one(make_cases, tmp_path / "out", "{truth.hazard_contacts: {max: 0}}")
     told = "truth.hazard_contacts: 1 > 0, first at 1.05 s: front left wheel against hazard_3"
@@ -51,7 +53,7 @@ def test_a_run_that_fails_says_what_touched_what_and_leaves_its_evidence(
     page, log, manifest = done.kept
     assert {path.parent for path in done.kept} == {tmp_path / "out"}
     assert sorted(page.parent.iterdir()) == sorted(done.kept)
-    assert told.split(":")[0] in page.read_text()
+    assert told.partition(":")[0] in page.read_text()
     assert len(log.read_text().splitlines()) == 3
     outcome = json.loads(manifest.read_text())
     assert outcome["outcome"] == {"status": "failed", "reason": told}
@@ -110,9 +112,7 @@ def test_the_contact_of_a_breach_is_that_of_its_time_and_kind(
     assert contact_of(name, Breach("", time_s), EVENTS) == told
 
 
-def test_a_baseline_is_kept_until_something_differs(
-    make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_baseline_is_kept_until_something_differs(make_cases: MakeCases, tmp_path: Path) -> None:
     expect = "{truth.path_length: {over: end, relative: 0.1}}"
     (case,) = make_cases(expect, "same_bytes: true")
     path = tmp_path / "two.baseline.json"
@@ -142,7 +142,9 @@ def test_a_baseline_is_kept_until_something_differs(
     assert told == "same_bytes: row 2: Timestamp is 2, baseline nothing"
     for name, value in (("mujoco", "3.9"), ("model", "other"), ("duration", 9.0)):
         told = str(changed(of=recorded["of"] | {name: value}).error)
-        assert re.match(rf"the baseline is of {name} {value}, this run of .+; .*--update-baseline$", told)
+        assert re.match(
+            rf"the baseline is of {name} {value}, this run of .+; .*--update-baseline$", told
+        )
     path.write_text("[")
     assert str(attempt(case, tmp_path).error).startswith(f"cannot read the baseline {path}: ")
     path.write_text("[]")

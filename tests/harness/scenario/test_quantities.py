@@ -54,12 +54,23 @@ def test_every_quantity_of_the_truth_comes_from_its_own_value() -> None:
     watch.take(batch(1, state, **totals, **counts, **times))
     found = {name: float(series.values[0]) for name, series in watch.series().items()}
     expected = {f"truth.{name}": value for name, value in {**counts, **times}.items()} | {
-        **{"truth.contact_force": 11.0, "truth.speed": 0.12, "truth.roughness": 0.013},
-        **{"truth.path_length": 14.0, "truth.x": 15.0, "truth.y": 16.0, "truth.z": 17.0},
-        **{"truth.tipped_over": 1.0, "truth.resets": 2.0, "truth.tilt_deg": 0.0, "truth.slip": 0.25},
-        **{"truth.slip.front_left": 0.1, "truth.slip.rear_left": -0.2},
-        **{"truth.slip.front_right": 0.3, "truth.slip.rear_right": -0.4},
-        **{"truth.goal_distance": math.nan, "truth.goal_s": math.nan},
+        "truth.contact_force": 11.0,
+        "truth.speed": 0.12,
+        "truth.roughness": 0.013,
+        "truth.path_length": 14.0,
+        "truth.x": 15.0,
+        "truth.y": 16.0,
+        "truth.z": 17.0,
+        "truth.tipped_over": 1.0,
+        "truth.resets": 2.0,
+        "truth.tilt_deg": 0.0,
+        "truth.slip": 0.25,
+        "truth.slip.front_left": 0.1,
+        "truth.slip.rear_left": -0.2,
+        "truth.slip.front_right": 0.3,
+        "truth.slip.rear_right": -0.4,
+        "truth.goal_distance": math.nan,
+        "truth.goal_s": math.nan,
     }
     assert found.keys() == expected.keys()
     assert [found[name] for name in expected] == pytest.approx([*expected.values()], nan_ok=True)

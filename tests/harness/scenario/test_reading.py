@@ -30,7 +30,10 @@ def read(text: str, folder: Path) -> object:
         (HEAD + "expect: {}\n", ":3:1: expect is empty; give one or more"),
         (HEAD + EXPECT + "sed: 4\n", ":4:1: key 'sed' does not exist; did you mean 'seed'?"),
         (HEAD + EXPECT + "seed: -1\n", ":4:1: seed = -1 is not valid: input should be greater than or"),
-        (HEAD + EXPECT + "seed: '1'\n", ':4:1: seed = "1" is not valid: input should be a valid integer'),
+        (
+            HEAD + EXPECT + "seed: '1'\n",
+            ':4:1: seed = "1" is not valid: input should be a valid integer',
+        ),
         (HEAD + EXPECT + "seed: 1\nseeds: 2\n", ":4:1: seed: give one of seed and seeds"),
         (HEAD + EXPECT + "seeds: []\n", ":4:1: seeds is empty; give one or more"),
         (HEAD + EXPECT + "start: [1, 2]\n", ":4:1: start has too few values"),

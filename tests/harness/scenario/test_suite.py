@@ -28,14 +28,12 @@ MATRIX = "matrix: {robot: [leo, rover_zero4wd], difficulty: [0, 1.0]}\nseeds: [4
 class Backwards(Backend):
     """Gives outcomes from the last to the first."""
 
-    def map(
-        self, work: Callable[[Any], Any], items: Sequence[Any]
-    ) -> Generator[Any, None, None]:
+    def map(self, work: Callable[[Any], Any], items: Sequence[Any]) -> Generator[Any, None, None]:
         yield from [work(item) for item in reversed(items)]
 
 
 class Dying(Backend):
-    def map(self, *_: Any) -> Generator[Any, None, None]:
+    def map(self, *_: object) -> Generator[Any, None, None]:
         yield from ()
         raise WorkerLost("a worker process was killed")
 
@@ -60,7 +58,9 @@ def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
 
 
 def test_a_file_becomes_the_configuration_that_it_describes(make_cases: MakeCases) -> None:
-    events = '[{at: 0.5, command: [0.3, 0]}, {at: 1, reset: true}, {at: 1.5, fault: "scan:nan", for: 0.2}]'
+    events = (
+        '[{at: 0.5, command: [0.3, 0]}, {at: 1, reset: true}, {at: 1.5, fault: "scan:nan", for: 0.2}]'
+    )
     more = f"driver: cmd_vel\nevents: {events}\nstart: [1, 2, 0.5]\nnoise: white\nlidar_beams: 8"
     (case,) = make_cases(SPEED, more)
     assert case.config == EpisodeConfig(
