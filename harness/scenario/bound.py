@@ -34,8 +34,8 @@ class Bound(Part):
             in the unit of the quantity; with both, the larger one counts.
     """
 
-    min: float | None = Field(None, allow_inf_nan=False)
-    max: float | None = Field(None, allow_inf_nan=False)
+    min: float | None = Field(default=None, allow_inf_nan=False)
+    max: float | None = Field(default=None, allow_inf_nan=False)
     over: Over = "always"
     share: Share | None = None
     window: tuple[Seconds, Seconds] | None = None

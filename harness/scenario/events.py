@@ -18,7 +18,7 @@ class FaultEvent(Part):
 
     at: Seconds
     fault: Annotated[str, StringConstraints(pattern=r"^[^@+]+$")]
-    length: Length | None = Field(None, alias="for")
+    length: Length | None = Field(default=None, alias="for")
 
     @property
     def spec(self) -> str:

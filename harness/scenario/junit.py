@@ -26,7 +26,7 @@ def junit_of(verdicts: Sequence[Verdict]) -> str:
     """Returns verdicts as JUnit XML, a suite a scenario."""
     xml = JUnitXml()
     for verdict in verdicts:
-        suite = TestSuite(scenario_name(verdict.path))
+        suite = TestSuite(scenario_name(verdict.path))  # type: ignore[no-untyped-call]  # of junitparser
         suite.add_property("file", str(verdict.path))
         suite.add_property("pass rate", f"{verdict.rate:.3g}")
         suite.add_property("interval", " to ".join(f"{limit:.3g}" for limit in verdict.interval))

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from harness.episode import direct
 from harness.errors import RunFailed
 from harness.interrupt import Interrupted
-from harness.scenario import attempt as attempts
 from harness.scenario.attempt import Attempt, attempt
 from harness.scenario.baseline import write_baselines
 from harness.scenario.contact import contact_of
@@ -18,6 +18,7 @@ from harness.scenario.judge import Breach
 from harness.truth.traversal import ContactEvent
 from tests.harness.scenario.conftest import MakeCases
 
+USED = "harness.scenario.attempt.run_direct"
 pytestmark = pytest.mark.usefixtures("driven")
 
 
@@ -64,9 +65,9 @@ def test_a_run_that_ends_early_is_a_failure_and_what_stops_the_command_is_none(
     make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (case,) = make_cases("{truth.hazard_contacts: {max: 1}}")
-    run = attempts.run_direct
+    run = direct.run_direct
     failed = "the rover left the map at 1.9 s"
-    monkeypatch.setattr(attempts, "run_direct", lambda *a, **k: replace(run(*a, **k), failure=failed))
+    monkeypatch.setattr(USED, lambda *a, **k: replace(run(*a, **k), failure=failed))
     assert attempt(case, tmp_path).breaches == (f"run: {failed}",)
 
     def stop(*_: object, **__: object) -> None:
@@ -75,9 +76,9 @@ def test_a_run_that_ends_early_is_a_failure_and_what_stops_the_command_is_none(
     def refuse(*_: object, **__: object) -> None:
         raise RunFailed("no")
 
-    monkeypatch.setattr(attempts, "run_direct", refuse)
+    monkeypatch.setattr(USED, refuse)
     assert attempt(case, tmp_path) == Attempt(case, error="no")
-    monkeypatch.setattr(attempts, "run_direct", stop)
+    monkeypatch.setattr(USED, stop)
     with pytest.raises(Interrupted):
         attempt(case, tmp_path)
 
