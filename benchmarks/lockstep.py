@@ -1,30 +1,47 @@
-"""Lock-step with a MetricsNode in this process and with one in a process of its own."""
+"""Lock-step with a MetricsNode in this process, and with one and three in processes of their own."""
+
+import statistics
+from contextlib import ExitStack
+from functools import partial
 
 from benchmarks import ros_runs
 from benchmarks.measuring import Effort, Rounds, Table
 from harness.config import EpisodeConfig
 from harness.episode.result import RunResult
 
-TARGETS = {"in this process": ">= 10", "across processes (--wait-for)": ">= 8"}
+HERE = "one, in this process"
+ELSEWHERE = {"one, in its process (--wait-for)": 1, "three, each in its process": 3}
+TARGETS = dict(zip((HERE, *ELSEWHERE), (">= 10", ">= 20, aim 25", ">= 12"), strict=True))
 
 
 def measure(effort: Effort) -> Table:
-    """Speed, throughput and losses of both."""
+    """Speed, throughput, losses, and how long the slowest node was waited for."""
     config = EpisodeConfig(duration=effort.seconds)
     results: dict[str, list[RunResult]] = {way: [] for way in TARGETS}
 
     def here() -> float:
-        return _kept(results["in this process"], ros_runs.run(config))
+        return _kept(results[HERE], ros_runs.run(config))
 
-    def across() -> float:
-        with ros_runs.metrics_node():
-            result = ros_runs.run(config, wait_for=(ros_runs.NODE,))
-        return _kept(results["across processes (--wait-for)"], result)
+    def across(way: str) -> float:
+        names = tuple(f"metrics_node_{i}" for i in range(ELSEWHERE[way]))
+        with ExitStack() as at_end:
+            for name in names:
+                at_end.enter_context(ros_runs.metrics_node(name))
+            return _kept(results[way], ros_runs.run(config, wait_for=names))
 
-    rounds = Rounds(dict(zip(TARGETS, (here, across), strict=True)), effort.rounds)
+    contestants = {HERE: here} | {way: partial(across, way) for way in ELSEWHERE}
+    rounds = Rounds(contestants, effort.rounds)
     return Table(
         title=f"Lock-step, {effort.seconds:g} simulated seconds of {config.robot} on {config.terrain}",
-        columns=("metrics_node", "times real time", "target", "messages per second", "messages", "lost"),
+        columns=(
+            "metrics_node",
+            "times real time",
+            "target",
+            "messages per second",
+            "messages",
+            "lost",
+            "waited for",
+        ),
         rows=tuple(
             (
                 way,
@@ -33,6 +50,7 @@ def measure(effort: Effort) -> Table:
                 f"{results[way][0].messages / rounds.median(way):,.0f}",
                 f"{sum(r.messages for r in results[way]):,}",
                 str(sum(r.lost for r in results[way])),
+                _waited(results[way]),
             )
             for way, target in TARGETS.items()
         ),
@@ -43,3 +61,9 @@ def _kept(results: list[RunResult], result: RunResult) -> float:
     assert any(count.received for count in result.topics.values()), "nothing arrived"
     results.append(result)
     return result.wall_s
+
+
+def _waited(results: list[RunResult]) -> str:
+    """The share of the runs in which the slowest node's answer was awaited."""
+    shares = [max(r.waited_s.values()) / r.wall_s for r in results if r.waited_s]
+    return f"{statistics.median(shares):.0%}" if shares else "-"

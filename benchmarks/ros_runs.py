@@ -30,10 +30,10 @@ def run(config: EpisodeConfig, wait_for: tuple[str, ...] = ()) -> RunResult:
 
 
 @contextmanager
-def metrics_node() -> Iterator[tuple[int, Path]]:
+def metrics_node(name: str = "metrics_node") -> Iterator[tuple[int, Path]]:
     """A metrics_node in a process of its own; gives its process number and its folder of logs."""
     with TemporaryDirectory(prefix="harness_bench_") as folder:
-        parameters = ("-p", "use_sim_time:=true", "-p", f"log_dir:={folder}")
+        parameters = ("-r", f"__node:={name}", "-p", "use_sim_time:=true", "-p", f"log_dir:={folder}")
         command = [sys.executable, "-m", "rover_metrics.metrics_node", *QUIET, *parameters]
         with subprocess.Popen(command) as process:
             try:

@@ -4,7 +4,7 @@ Light to import: the process that only publishes an episode needs neither MuJoCo
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.drivers.staged import StagedEncounter
 from harness.errors import UsageError, find_named
 from harness.faults.spec import parse_faults
+from harness.frames.options import FrameOptions
 from harness.robots import find_rover
 from harness.sensors.base import period_ticks
 from harness.sensors.noise import PRESETS
@@ -28,6 +29,7 @@ from harness.world.world import (
     starting_at,
 )
 
+CMD_VEL_TYPES = ("auto", "twist", "stamped")
 LIDAR_BEAMS, IMU_RATE = 640, 20
 CMD_VEL = "cmd_vel"  # the driver that obeys commands
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
@@ -59,6 +61,7 @@ class EpisodeConfig:
     noise: str | None = None  # a preset's name; None for exact sensors
     lidar_beams: int = LIDAR_BEAMS
     imu_rate: int = IMU_RATE
+    cmd_vel_timeout: float | None = None  # [s] of simulation time after which a command ends
     faults: tuple[str, ...] = ()  # on the way to listeners; the episode itself does not see them
     commands: tuple[tuple[float, float, float], ...] = ()  # to driver cmd_vel: when [s], m/s, rad/s
     resets: tuple[float, ...] = ()  # when the rover is put back to its start [s]
@@ -140,6 +143,23 @@ class EpisodeConfig:
                     f"a command or reset at {time_s:g} s is not in the run of {self.duration:g} s"
                 )
 
+    def _validate_faults(self) -> None:
+        for spec, fault in zip(self.faults, parse_faults(self.faults), strict=True):
+            if fault.start_ns > self.total_ticks * TICK_NS:
+                raise UsageError(
+                    f"fault '{spec}' begins after the end of the run at {self.duration:g} s; "
+                    "begin it earlier, or give a longer --duration"
+                )
+
+    def _validate_timeout(self) -> None:
+        timeout = self.cmd_vel_timeout
+        if timeout is None:
+            return
+        if not CONTROL_PERIOD_NS / NANOSECONDS <= timeout < math.inf:
+            raise UsageError(f"command timeout {timeout:g} s is not valid; give 0.05 or more")
+        if self.driver != CMD_VEL:
+            raise UsageError("--cmd-vel-timeout is for --driver cmd_vel only; other drivers go on")
+
     def validate(self) -> None:
         """Checks every value that can be checked without building the world.
 
@@ -151,11 +171,12 @@ class EpisodeConfig:
         find_driver(self.driver)
         parse_timestep(self.timestep)
         period_ticks(self.imu_rate)
-        parse_faults(self.faults)
         if self.noise is not None:
             find_named("noise preset", self.noise, PRESETS)
         check_duration(self.duration)
         self._validate_plan()
+        self._validate_faults()
+        self._validate_timeout()
         if self.start is not None:
             check_start(self.start)
         if self.seed < 0:
@@ -178,8 +199,10 @@ class RosOptions:
         wait_for: Names of nodes elsewhere to keep in lock-step.
         rate: Simulated seconds per wall second; None is as fast as possible.
         ros_args: Arguments from `--ros-args` on.
+        cmd_vel: How commands come; one of CMD_VEL_TYPES.
         record: MCAP file to record every message into.
         overwrite: Whether that file may exist.
+        frames: Which transforms are published.
     """
 
     log_dir: Path
@@ -187,5 +210,7 @@ class RosOptions:
     wait_for: tuple[str, ...] = ()
     rate: float | None = None
     ros_args: tuple[str, ...] = ()
+    cmd_vel: str = "auto"
     record: Path | None = None
     overwrite: bool = False
+    frames: FrameOptions = field(default_factory=FrameOptions)

@@ -5,6 +5,7 @@ gives its conventions and the source of every number. rover.yaml has the control
 measures and what the manoeuvres of harness.validate are to show. Nothing is compiled, without MuJoCo.
 """
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -21,6 +22,24 @@ MODELS_DIR = next(
     if folder.is_dir()
 )
 MAY_BE_ZERO = ("rest_height", "lidar_x")  # or negative
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrameRow:
+    """One frame of rover.yaml: where `child` is, in what is named.
+
+    Attributes:
+        body: The model's body that it belongs to, whose mass and shapes its link gets in the URDF, or
+            `site`: a site of the model; with neither it is fixed to `parent`.
+        xyz: Its origin [m] and `rpy` its roll, pitch, yaw [rad] there, else in the parent.
+    """
+
+    parent: str
+    child: str
+    body: str = ""
+    site: str = ""
+    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +61,8 @@ class RoverSpec:
         cruise_speed: What the scripted drivers command; `cruise_yaw_rate` likewise.
         encoder_ticks: Encoder resolution per wheel revolution.
         lidar_height: Above flat ground, as is `clearance`, that of the underside.
+        frames: Of /tf and the URDF; harness.frames adds those of the model that are not named here.
+        slope_limit: Steepest slope that it climbs; `step_limit` is the highest step.
         expected: What harness.validation.check reads.
     """
 
@@ -70,6 +91,9 @@ class RoverSpec:
     odometry_rate: int
     lidar_height: float
     clearance: float
+    frames: tuple[FrameRow, ...] = ()
+    slope_limit: float = math.radians(40.0)
+    step_limit: float = 0.07
     expected: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property

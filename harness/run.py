@@ -53,7 +53,8 @@ def _command(options: RunOptions, console: Console) -> int:
     recorder = RunRecorder()
     run = _loaded(options)
     with StopRequest() as stop, drawing:
-        result = replace(_run(run, options, stop, console, drawing, recorder), report=options.report)
+        result = _run(run, options, stop, console, drawing, recorder)
+        result = replace(result, report=options.report, params=options.params)
         exit_code = _report(result, options.summary, stop, console)
         if options.report is not None:
             from harness.report.content import render  # noqa: PLC0415 - see `_loaded`
@@ -80,7 +81,7 @@ def _loaded(options: RunOptions) -> Run:
     if options.direct:
         from harness.episode.direct import run_direct  # noqa: PLC0415
 
-        return partial(run_direct, extended=options.extended)
+        return partial(run_direct, settings=options.settings)
     try:
         from harness.ros.session import run_through_ros  # noqa: PLC0415
     except ImportError as error:

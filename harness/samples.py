@@ -56,6 +56,15 @@ class Twist:
 
 
 @plain_value
+class Place:
+    """A position [m] and heading [rad] in the world, seen from above."""
+
+    x: float
+    y: float
+    yaw: float
+
+
+@plain_value
 class LaserScan:
     """One lidar revolution in lidar_link; `ranges` is float32, beam 0 at -pi, REP-117 coded."""
 
@@ -117,6 +126,20 @@ class JointStates:
 
 
 @plain_value
+class Transforms:
+    """Poses of frames in their parents, in the order that harness.frames.tree.Description tells.
+
+    Attributes:
+        translation: x, y, z of each frame [m], one after the other.
+        rotation: Quaternion (x, y, z, w) of each frame, one after the other.
+    """
+
+    stamp_ns: int
+    translation: tuple[float, ...]
+    rotation: tuple[float, ...]
+
+
+@plain_value
 class TruthState:
     """What only the simulator knows, now and in the 50 ms since the last one; faults leave it alone.
 
@@ -127,7 +150,7 @@ class TruthState:
         speed: True forward speed of the model frame, negative backwards [m/s].
         path_length: Of the model frame since the start, in three dimensions [m].
         slip: Slip ratio of each wheel in the order of RoverSpec.wheel_joints, -1..1; positive when it
-            turns faster than it moves (harness.truth.wheels).
+            turns faster than it moves, 0 while it stands (harness.truth.wheels).
         roughness: Of the terrain under the wheels [m]: the root of the mean, over the windows of 0.3 m
             around the four wheels, of the squared height above the mean of the 0.3 m around.
     """

@@ -2,7 +2,8 @@
 
     python -m harness.topics [--seconds S] [--namespace NS]
 
-Without --seconds the table stays and changes until Ctrl-C. It is a look from outside: what a busy
+Without --seconds the table stays and changes until Ctrl-C. Rates are those at which messages were sent,
+right to 2 % unless the command says that the look was too short. It is a look from outside: what a busy
 monitor misses, the others may have received. What it shows in Hz is wall time; where a simulation
 sets /clock, sim Hz is what its listeners see.
 """
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from harness.ros.topic_monitor import TopicMonitor
 
 LOOK_PERIOD = 0.5  # [s] from one look at the graph, and one table, to the next
+LONG_ENOUGH = 8.0  # [s] for DDS to connect and for a rate to be told, of a topic of 1 Hz too
 SPIN_TIMEOUT = 0.1  # [s]: how long Ctrl-C may wait
 
 
@@ -55,7 +57,8 @@ def _look(options: argparse.Namespace, console: Console) -> int:
 def _watch(
     monitor: "TopicMonitor", executor: "Executor", seconds: float, stop: StopRequest, console: Console
 ) -> None:
-    end = time.monotonic() + seconds
+    began = time.monotonic()
+    end = began + seconds
     with Live(console=console, auto_refresh=False) as live:
         with suppress(Overdue), stop.deferred():
             while stop.signal is None and time.monotonic() < end:
@@ -67,6 +70,13 @@ def _watch(
         live.update(monitor.table(), refresh=True)
     if not monitor.types:
         console.print("no topics: does anything run with this ROS_DOMAIN_ID and discovery range?")
+    elif time.monotonic() - began < LONG_ENOUGH and (unsure := monitor.too_short()):
+        console.print(
+            f"too short a look to tell the rates of {', '.join(unsure)}: "
+            f"--seconds {LONG_ENOUGH:g} is enough",
+            soft_wrap=True,
+            highlight=False,
+        )
 
 
 def _seconds(text: str) -> float:

@@ -73,6 +73,13 @@ def print_summary(console: Console, run: result.RunResult) -> None:
         f"[bold]{run.real_time_factor:.1f}x real time[/], "
         f"{run.messages:,} messages, [bold]{run.lost} lost[/]"
     )
+    if run.commands != result.CommandCount():
+        count = run.commands
+        older, refused = f"{count.older:,} of them older than the present", f"{count.refused:,} refused"
+        console.print(f"{count.taken:,} commands, {older}; {refused}", highlight=False)
+    for node, waited_s in run.waited_s.items():
+        share = f"{waited_s / run.wall_s:.0%}" if run.wall_s > 0 else "all"
+        console.print(f"{node}: {share} of the run waited for it", soft_wrap=True, highlight=False)
     if run.log_path is not None:
         console.print(f"{run.rows} rows in {run.log_path}", soft_wrap=True, highlight=False)
 
@@ -98,7 +105,7 @@ def _metrics_table(run: result.RunResult) -> Table:
         ("collisions", _metric(row, "Total Collisions", " scans"), hits),
         ("clearance", _metric(row, "Obstacle Clearance", " m"), ""),
         ("velocity", _metric(row, "Current Velocity", " m/s"), ""),
-        ("wheel slip", "", f"{truth.mean_slip:.2f}"),
+        ("slip of moving wheels", "", f"{truth.mean_slip:.2f}"),
         ("on rocks", "", f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s"),
         ("scraping the ground", "", f"{truth.scrapes} times, {truth.scrape_s:.2f} s"),
         ("largest tilt", "", f"{math.degrees(truth.largest_tilt):.0f} deg{tipped}"),

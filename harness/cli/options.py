@@ -2,21 +2,24 @@
 
 import argparse
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
 from harness import __version__
-from harness.config import EpisodeConfig, RosOptions
+from harness.config import CMD_VEL_TYPES, EpisodeConfig, RosOptions
 from harness.drivers import DRIVERS
-from harness.episode.metrics_feed import extended_ros_args
+from harness.episode.metrics_feed import extended_ros_args, extended_settings, parameter_words
 from harness.errors import UsageError
 from harness.faults.spec import FORM, describe_faults
+from harness.frames.options import ODOM_SOURCES, FrameOptions
 from harness.robots import ROVERS, find_rover
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
 from harness.world.world import Start
-from rover_metrics.errors import OneLineParser
+from rover_metrics.errors import OneLineParser, ParameterError
+from rover_metrics.extended.parameter_file import read_values
 from rover_metrics.extended.settings import Settings
+from rover_metrics.ros.arguments import complaint
 
 DEFAULT_LOG_DIR = Path(Settings().log_dir)
 SLOWEST_RATE = 0.01
@@ -32,6 +35,9 @@ EPISODE: tuple[Option, ...] = (
     ("--duration", float, "S", "simulated seconds"),
     ("--difficulty", float, "D", "0 to 1"),
     ("--timestep", float, "S", "physics step"),
+)
+COMMANDS: tuple[Option, ...] = (
+    ("--cmd-vel-timeout", float, "S", "stop S simulated seconds after the last command; off by default"),
 )
 SENSORS: tuple[Option, ...] = (
     ("--lidar-beams", int, "N", "beams of the lidar, all around"),
@@ -72,7 +78,8 @@ class RunOptions:
         config: The episode, not checked yet.
         ros: How it goes through ROS; `log_dir` and `rate` hold for a run without it too.
         direct: Whether it does without ROS.
-        extended: Whether the extended columns are logged.
+        settings: Of the metrics; the hosted node gets them as parameters.
+        params: The file that they come from; None without.
         report: Page to write about the run; None for none. Likewise `summary`, `picture`, `video`.
         picture_lidar: Whether pictures show the beams.
     """
@@ -80,7 +87,8 @@ class RunOptions:
     config: EpisodeConfig
     ros: RosOptions
     direct: bool
-    extended: bool
+    settings: Settings
+    params: Path | None
     report: Path | None
     summary: Path | None
     picture: Path | None
@@ -97,6 +105,9 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
     words, ros_args = split_ros_args(arguments)
     words = _joined("--start", words)  # argparse takes -3,4 for an option
     parser = run_parser()
+    wrong = complaint(ros_args, parser._option_string_actions)  # noqa: SLF001 - all of its options
+    if wrong is not None:
+        raise UsageError(wrong)
     given = parser.parse_args(words)
     if given.terrain_size is not None:
         if len(given.terrain_size) > 2:
@@ -108,15 +119,33 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
     config = _filled(EpisodeConfig, given, faults=tuple(given.fault))
     namespace = given.namespace.strip("/")
     namespace_args = ("--ros-args", "-r", f"__ns:=/{namespace}", "--") if namespace else ()
+    values = read_parameters(given.params) if given.params else {}
+    settings = Settings()
+    if given.extended:
+        rover = extended_settings(find_rover(config.robot))
+        settings = replace(settings, extended_columns=True, extended=rover)
     extended_args = extended_ros_args(find_rover(config.robot)) if given.extended else ()
     ros = _filled(
         RosOptions,
         given,
         host_metrics=not given.no_metrics,
         wait_for=tuple(given.wait_for),
-        ros_args=(*namespace_args, *extended_args, *ros_args),
+        ros_args=(*namespace_args, *extended_args, *parameter_words(values), *ros_args),
+        frames=_filled(FrameOptions, given),
     )
-    return _filled(RunOptions, given, config=config, ros=ros)
+    return _filled(RunOptions, given, config=config, ros=ros, settings=settings.updated(values))
+
+
+def read_parameters(path: Path) -> dict[str, Any]:
+    """Returns the parameters of metrics_node that a file sets, by name.
+
+    Raises:
+        UsageError: It cannot be read, or something in it is not valid.
+    """
+    try:
+        return read_values(path)
+    except ParameterError as error:
+        raise UsageError(f"--params: {error}") from error
 
 
 def _joined(flag: str, words: Sequence[str]) -> list[str]:
@@ -135,6 +164,10 @@ def _filled(cls: type[T], given: argparse.Namespace, **others: object) -> T:
 
 
 def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> None:
+    if options.params is not None and options.no_metrics:
+        raise UsageError(
+            "--params is for the hosted metrics_node; start yours with --ros-args --params-file FILE"
+        )
     if options.extended and options.no_metrics:
         raise UsageError(
             "--extended is for the hosted metrics_node; start yours with -p extended_columns:=true"
@@ -149,7 +182,10 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         (bool(ros_args), "--ros-args"),
         (bool(options.namespace), "--namespace"),
         (options.record is not None, "--record"),
-        (options.driver == "cmd_vel", "--driver cmd_vel"),
+        (options.odom_tf != FrameOptions.odom_tf, "--odom-tf"),
+        (options.odom_tf_3d, "--odom-tf-3d"),
+        (options.map_tf, "--map-tf"),
+        (options.driver in ("cmd_vel", "goal"), f"--driver {options.driver}"),
     ):
         if given:
             raise UsageError(f"{flag} needs ROS; leave out --direct")
@@ -172,6 +208,11 @@ def run_parser() -> argparse.ArgumentParser:
     faults = parser.add_argument_group("faults", describe_faults())
     faults.add_argument("--fault", action="append", default=[], metavar="SPEC", help=about)
     _add_run(parser.add_argument_group("run"))
+    _add_frames(parser.add_argument_group("frames"), FrameOptions())
+    commands = parser.add_argument_group("commands of --driver cmd_vel")
+    about = "type of /cmd_vel; auto: as it is sent, TwistStamped from Kilted on until something is"
+    commands.add_argument("--cmd-vel", choices=CMD_VEL_TYPES, default="auto", help=about)
+    _add(commands, COMMANDS)
     pictures = parser.add_argument_group("pictures")
     _add(pictures, PICTURES)
     pictures.add_argument(
@@ -195,7 +236,7 @@ def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
     world.add_argument("--terrain-size", type=float, nargs="+", metavar="M", help=about)
     about = "relief, lowest to highest point, of a heightmap that does not say"
     world.add_argument("--terrain-height", type=float, metavar="M", help=about)
-    about = "where the rover starts [m] and its heading from +x to +y [rad]; the middle is 0,0"
+    about = "start [m] and heading from +x to +y [rad]; default: at or next to 0,0, the middle"
     world.add_argument("--start", type=_start, metavar="X,Y[,YAW]", help=about)
     _add(world, EPISODE, defaults)
 
@@ -211,6 +252,8 @@ def _add_run(run: Group) -> None:
     run.add_argument("--direct", action="store_true", help="no ROS: samples go straight to the CSV")
     about = "log the extended columns too (docs/metrics.md), with the rover's footprint"
     run.add_argument("--extended", action="store_true", help=about)
+    about = "ROS parameter file (YAML) of metrics_node, with ROS or without: thresholds, columns"
+    run.add_argument("--params", type=Path, metavar="FILE", help=about)
     about = "keep lock-step with a node in another process; repeatable"
     run.add_argument("--wait-for", action="append", default=[], metavar="NODE", help=about)
     _add(run, FILES)
@@ -225,6 +268,14 @@ def _start(text: str) -> Start:
         message = f"'{text}' is not valid; give X,Y or X,Y,YAW in metres and radians"
         raise argparse.ArgumentTypeError(message) from None
     return x, y, yaw
+
+
+def _add_frames(frames: Group, defaults: FrameOptions) -> None:
+    about = "who owns odom -> base on /tf; none where an EKF does"
+    frames.add_argument("--odom-tf", choices=ODOM_SOURCES, default=defaults.odom_tf, help=about)
+    about = "with the true height, roll and pitch; else the pose from above"
+    frames.add_argument("--odom-tf-3d", action="store_true", help=about)
+    frames.add_argument("--map-tf", action="store_true", help="tell map -> odom too, as the identity")
 
 
 def _rate(text: str) -> float | None:

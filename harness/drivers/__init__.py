@@ -2,11 +2,12 @@
 
 from harness.drivers.base import Driver, DriverContext, Observation
 from harness.drivers.encounters import Graze, PassBy, Ram, ReverseInto, Swing
+from harness.drivers.goal import Goal
 from harness.drivers.scripted import CmdVel, Figure8, Spin, Straight
 from harness.drivers.wander import Roam, Wander
 from harness.errors import find_named
 
-__all__ = ["DRIVERS", "CmdVel", "Driver", "DriverContext", "Observation", "find_driver"]
+__all__ = ["DRIVERS", "CmdVel", "Driver", "DriverContext", "Goal", "Observation", "find_driver"]
 
 DRIVERS: dict[str, type[Driver]] = {
     "wander": Wander,
@@ -14,6 +15,7 @@ DRIVERS: dict[str, type[Driver]] = {
     "spin": Spin,
     "figure8": Figure8,
     "cmd_vel": CmdVel,
+    "goal": Goal,
     "roam": Roam,
     "ram": Ram,
     "reverse_into": ReverseInto,

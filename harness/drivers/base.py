@@ -43,6 +43,7 @@ class DriverContext:
         half_size: Half the lengths of the map along x and y [m].
         bearings: Direction [rad] of each lidar beam in the rover's frame, 0 ahead, left positive.
         rng: The driver's own source of randomness.
+        command_timeout_ns: After which a command of /cmd_vel ends; None for never.
         obstacles: What stands in the world; only a driver that stages encounters may look.
     """
 
@@ -51,6 +52,7 @@ class DriverContext:
     bearings: NDArray[np.float64]
     rng: np.random.Generator
     obstacles: tuple[Obstacle, ...] = ()
+    command_timeout_ns: int | None = None
 
 
 class Driver(Protocol):

@@ -24,13 +24,28 @@ class OpenLoop:
 class CmdVel(OpenLoop):
     """Driven over /cmd_vel by a human, Nav2 or an RL agent; stands still before the first command.
 
-    As in Gazebo's DiffDrive a command holds until the next one.
+    As in Gazebo's DiffDrive a command holds until the next one; with a timeout, as on real base drivers,
+    for so long at most.
     """
 
-    summary: ClassVar[str] = "listens to /cmd_vel (geometry_msgs/Twist)"
+    summary: ClassVar[str] = "listens to /cmd_vel (geometry_msgs/Twist or TwistStamped)"
 
-    def __init__(self, context: DriverContext) -> None:  # noqa: ARG002 - any rover, any map
+    def __init__(self, context: DriverContext) -> None:
         super().__init__(Twist())
+        self._timeout_ns = context.command_timeout_ns
+        self._since_ns: int | None = None
+
+    def obey(self, twist: Twist) -> None:
+        """Takes the next command."""
+        self.latest, self._since_ns = twist, None
+
+    def command(self, observation: Observation) -> Twist:
+        """Returns the twist in force, which stands from the next control period on."""
+        if self._since_ns is None:
+            self._since_ns = observation.time_ns
+        age_ns = observation.time_ns - self._since_ns
+        is_over = self._timeout_ns is not None and age_ns >= self._timeout_ns
+        return Twist() if is_over else self.latest
 
 
 class Straight(OpenLoop):

@@ -13,18 +13,20 @@ from datetime import datetime
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.episode import Episode
 from harness.episode.loop import Observer, Pacer, drive
-from harness.episode.metrics_feed import DirectMetrics, extended_settings
+from harness.episode.metrics_feed import DirectMetrics
 from harness.episode.result import RunAccount, RunResult, TopicCount, cells_of
 from harness.errors import RunFailed, UsageError
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.interrupt import StopRequest
-from harness.robots import find_rover
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.errors import LogError
+from rover_metrics.extended.settings import Settings
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.log.session_record import COMPLETE, Outcome, failed, write_record
 from rover_metrics.session import MetricsSession
+
+DEFAULT_SETTINGS = Settings()
 
 
 def run_direct(
@@ -33,8 +35,7 @@ def run_direct(
     stop: StopRequest,
     show: Callable[[RunResult], None] | None = None,
     observers: Sequence[Observer] = (),
-    *,
-    extended: bool = False,
+    settings: Settings = DEFAULT_SETTINGS,
 ) -> RunResult:
     """Runs an episode without ROS and returns what it came to, also when it failed underway.
 
@@ -44,7 +45,7 @@ def run_direct(
         stop: Ends the run early.
         show: Is told the result up to now after every batch.
         observers: See every batch once it has been taken.
-        extended: Whether to write the extended columns too.
+        settings: Of the metrics.
 
     Raises:
         UsageError: The arguments are not valid or the log cannot be created.
@@ -52,8 +53,8 @@ def run_direct(
     started = time.monotonic()
     episode = Episode(config)
     try:
-        settings = extended_settings(find_rover(config.robot)) if extended else None
-        session = MetricsSession(settings=settings)
+        extended = settings.extended if settings.extended_columns else None
+        session = MetricsSession(settings.thresholds, extended)
         log = CsvLog(options.log_dir, datetime.now(), columns=session.columns)
     except LogError as error:
         raise UsageError(str(error)) from error
@@ -80,7 +81,7 @@ def run_direct(
             failure = str(error)
         _mark(log, COMPLETE if failure is None else failed(failure))
         result = account.ended(failure=failure, interrupted=interrupted)
-        return replace(result, last_row=cells_of(metrics.last_row))
+        return replace(result, last_row=cells_of(metrics.last_row), thresholds=settings.thresholds)
 
 
 def _mark(log: CsvLog, outcome: Outcome | None) -> None:

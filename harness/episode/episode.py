@@ -4,23 +4,27 @@ No ROS and no wall clock: the same configuration gives the same stream, bit for 
 in batches of one control period, either in this process or through harness.episode.stream.
 """
 
+from collections import deque
 from collections.abc import Iterator
 from operator import itemgetter
 
 import numpy as np
 
 from harness.config import TICKS_PER_CONTROL, EpisodeConfig
-from harness.drivers import CmdVel, Driver, DriverContext, Observation, find_driver
+from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, find_driver
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import RunFailed
+from harness.frames.options import FrameOptions
+from harness.frames.rover_frames import rover_frames
+from harness.frames.transforms import describe
 from harness.physics.diff_drive import DiffDrive
 from harness.physics.scene import HAZARD_CONTACT, build_scene, model_hash
 from harness.physics.simulation import Simulation
 from harness.physics.start import check_start
 from harness.robots import find_rover
-from harness.samples import Imu, LaserScan, Sample, Tick, Twist
+from harness.samples import Imu, LaserScan, Place, Sample, Tick, Twist
 from harness.sensors import table
-from harness.sensors.base import Sensor
+from harness.sensors.base import HIGHEST_RATE, Sensor
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import PRESETS, SensorNoise
@@ -32,9 +36,17 @@ RANDOM_STREAM = 10  # keeps the episode's generators apart from those that made 
 
 
 class Episode:
-    """Builds the world on construction; `batches` then drives it once from start to end."""
+    """Builds the world on construction; `batches` then drives it once from start to end.
 
-    def __init__(self, config: EpisodeConfig) -> None:
+    Args:
+        config: What determines it.
+        frame_options: Which transforms are among its samples; None for none at all.
+
+    Attributes:
+        description: What the transforms are of; None without them.
+    """
+
+    def __init__(self, config: EpisodeConfig, frame_options: FrameOptions | None = None) -> None:
         config.validate()
         config.check_world()
         self.config = config
@@ -56,15 +68,25 @@ class Episode:
         self._recorder = TruthRecorder(self.simulation)
         self._hazard_contact = self.simulation.summed(HAZARD_CONTACT)
         lidar_spec = LidarSpec(beams=config.lidar_beams)
-        parts = {
+        sensors: dict[type[Sample], Sensor] = {}
+        parts: dict[str, object] = {
             "simulation": self.simulation,
             "lidar": Lidar(self.simulation.model, lidar_spec),
             "recorder": self._recorder,
+            "sensors": sensors,
         }
+        self.description = None
+        if frame_options is not None:
+            frames = rover_frames(rover)
+            self.description = describe(frames, frame_options)
+            parts |= {"frames": frames, "frame_options": frame_options}
         rates: dict[type[Sample], int] = {Imu: config.imu_rate}
-        self._sensors = tuple(
-            row.make(parts, rates.get(row.sample, row.rate_on(rover))) for row in table.SENSORS
-        )
+        for row in table.SENSORS:
+            if parts.keys() >= set(row.parts):
+                sensors[row.sample] = row.make(parts, rates.get(row.sample, row.rate_on(rover)))
+        self._sensors = tuple(sensors.values())
+        # Periods divide a second: what is due in one is due in each.
+        self._due = [[s for s in self._sensors if s.due(n or HIGHEST_RATE)] for n in range(HIGHEST_RATE)]
         self._observing = [s for s in self._sensors if type(s).observe is not Sensor.observe]
         _, scan_rng, imu_rng = _generators(config.seed, 3)
         limits = (lidar_spec.range_min, lidar_spec.range_max)
@@ -72,12 +94,9 @@ class Episode:
         if config.noise is not None:
             self._noise = SensorNoise(PRESETS[config.noise], limits, scan_rng, imu_rng)
         self._bearings = lidar_spec.bearings
-        self._planned = sorted(
-            [(t, Twist(linear, angular)) for t, linear, angular in config.commands]
-            + [(t, None) for t in config.resets],
-            key=itemgetter(0),
-            reverse=True,
-        )
+        resets = [(time_s, None) for time_s in config.resets]  # before commands of the same time
+        commands = [(time_s, Twist(*twist)) for time_s, *twist in config.commands]
+        self._planned = deque(sorted([*resets, *commands], key=itemgetter(0)))
         self._begin()
 
     def _begin(self) -> None:
@@ -86,25 +105,41 @@ class Episode:
         self._drive = DiffDrive(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
         scene, (rng, *_) = self.simulation.scene, _generators(self.config.seed, 3)
         half_size, obstacles = scene.world.ground.half_size, scene.world.obstacles
-        context = DriverContext(scene.rover, half_size, self._bearings, rng, obstacles)
+        seconds = self.config.cmd_vel_timeout
+        timeout_ns = None if seconds is None else round(seconds * NANOSECONDS)
+        context = DriverContext(scene.rover, half_size, self._bearings, rng, obstacles, timeout_ns)
         self._driver: Driver = find_driver(self.config.driver)(context)
         self._last_scan: LaserScan | None = None
 
     def command(self, twist: Twist) -> None:
         """Hands a command to the cmd_vel driver; other drivers make their own."""
         if isinstance(self._driver, CmdVel):
-            self._driver.latest = twist
+            self._driver.obey(twist)
 
-    def reset(self) -> None:
-        """Puts the rover back to its start, between two batches; time and duration go on.
+    def head_for(self, place: Place) -> None:
+        """Gives the driver `goal` its next goal; other drivers choose their own."""
+        if isinstance(self._driver, Goal):
+            self._driver.head_for(place.x, place.y, place.yaw)
+
+    def reset(self, place: Place | None = None) -> None:
+        """Puts the rover back to its start, or elsewhere, between two batches; time and duration go on.
 
         From then on it drives as it did at first, step for step. The IMU begins a new window. Wheel
         odometry goes on without a jump, as that of Gazebo's DiffDrive after a set_pose, and so do the
         biases of noise. Joints stand as they stood.
+
+        Args:
+            place: Where to, onto the ground; None for the start.
+
+        Raises:
+            Diverged: It cannot stand there.
         """
         for sensor in self._sensors:
             sensor.before_reset()
-        self.simulation.return_to_start()
+        if place is None:
+            self.simulation.return_to_start()
+        else:
+            self.simulation.put(place.x, place.y, place.yaw)
         for sensor in self._sensors:
             sensor.after_reset()
         self._recorder.carried_away()
@@ -135,9 +170,9 @@ class Episode:
                 raise failure
 
     def _act(self, tick: int) -> None:
-        """Does what is planned up to a tick; the latest comes last in the list."""
-        while self._planned and round(self._planned[-1][0] * NANOSECONDS) <= tick * TICK_NS:
-            _, twist = self._planned.pop()
+        """Does what is planned up to a tick."""
+        while self._planned and round(self._planned[0][0] * NANOSECONDS) <= tick * TICK_NS:
+            _, twist = self._planned.popleft()
             if twist is None:
                 self.reset()
             else:
@@ -155,9 +190,7 @@ class Episode:
         self._recorder.observe()
         for sensor in self._observing:
             sensor.observe()
-        samples = tuple(
-            self._read(sensor) for sensor in self._sensors if index % sensor.period_ticks == 0
-        )
+        samples = tuple(self._read(sensor) for sensor in self._due[index % HIGHEST_RATE])
         return Tick(self.simulation.time_ns, samples)
 
     def _read(self, sensor: Sensor) -> Sample:

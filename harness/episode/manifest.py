@@ -35,14 +35,17 @@ def manifest(result: RunResult) -> dict[str, Any]:
             "simulated_s": result.simulated_s,
             "wall_s": result.wall_s,
             "paused_s": result.paused_s,
+            "waited_s": result.waited_s,
             "real_time_factor": result.real_time_factor,
             "first_row_s": result.first_row_s,
             "topics": {topic: asdict(count) for topic, count in result.topics.items()},
             "lost": result.lost,
+            "commands": asdict(result.commands),
             "rows": result.rows,
             "log": None if result.log_path is None else str(result.log_path),
             "last_row": result.last_row,
             "thresholds": asdict(result.thresholds),
+            "params": None if result.params is None else str(result.params),
             # What the metrics node says of its session, as it would in a record of its own.
             "node": None
             if result.reception is None

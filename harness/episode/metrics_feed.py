@@ -1,6 +1,9 @@
 """How samples become rows without ROS, and what a run knows of its rover for the extended columns."""
 
+import json
 import math
+from collections.abc import Mapping
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,9 +42,14 @@ def outline_parameters(rover: RoverSpec) -> dict[str, list[float]]:
 
 def extended_ros_args(rover: RoverSpec) -> list[str]:
     """Returns arguments for a metrics_node with extended columns; what follows them wins."""
-    parameters = {"extended_columns": "true"} | outline_parameters(rover) | {"gravity": rover.gravity}
-    words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={value}")]
-    return ["--ros-args", *words, "--"]
+    outline = outline_parameters(rover)
+    return parameter_words({"extended_columns": True} | outline | {"gravity": rover.gravity})
+
+
+def parameter_words(values: Mapping[str, object]) -> list[str]:
+    """Returns arguments that set parameters of a metrics_node; what follows them wins."""
+    pairs = [("-p", f"{name}:={json.dumps(value)}") for name, value in values.items()]
+    return ["--ros-args", *chain.from_iterable(pairs), "--"] if pairs else []
 
 
 class SampleFeed:

@@ -30,6 +30,21 @@ class TopicCount:
     lost: int = 0
 
 
+@dataclass(slots=True)
+class CommandCount:
+    """Commands on /cmd_vel.
+
+    Attributes:
+        taken: How many the rover was given.
+        older: How many of these were stamped before the time that /clock had told.
+        refused: How many were not finite, or in a frame that is not the rover's.
+    """
+
+    taken: int = 0
+    older: int = 0
+    refused: int = 0
+
+
 @dataclass(frozen=True, kw_only=True)
 class RunResult:
     """Everything the summary and the manifest tell of a run.
@@ -40,6 +55,8 @@ class RunResult:
         failure: Why the run did not come to its end; None if it did or was interrupted.
         interrupted: The signal's name if somebody stopped it.
         topics: Counts by topic name.
+        commands: Those of /cmd_vel.
+        waited_s: Wall time for which an answer of a node in lock-step was awaited, by its name [s].
         log_path: The metrics CSV; None without one.
         last_row: Its last row by column name.
         thresholds: Those that the metrics had at the end.
@@ -48,6 +65,7 @@ class RunResult:
         segments: How often its time began anew, plus one; None without one.
         recording: The MCAP file; None without one.
         report: The page that was asked for; None if none was.
+        params: The parameter file of the metrics that was given; None without.
     """
 
     config: EpisodeConfig
@@ -60,6 +78,8 @@ class RunResult:
     failure: str | None = None
     interrupted: str | None = None
     topics: dict[str, TopicCount] = field(default_factory=dict)
+    commands: CommandCount = field(default_factory=CommandCount)
+    waited_s: dict[str, float] = field(default_factory=dict)
     rows: int = 0
     log_path: Path | None = None
     last_row: dict[str, int | float | str] | None = None
@@ -69,6 +89,7 @@ class RunResult:
     segments: int | None = None
     recording: Path | None = None
     report: Path | None = None
+    params: Path | None = None
 
     @property
     def simulated_s(self) -> float:

@@ -5,8 +5,8 @@ consumer; the stream itself is the episode's, bit for bit. Each batch has an ord
 one for each that it has taken, so what it orders comes into effect after the batches that are ordered
 already, at a time that it knows. With the cmd_vel driver the child waits for each command instead.
 
-The child sends the episode's info, its batches and None, or instead of any of these the error that it
-failed of.
+The child sends the episode's info and description, its batches and None, or instead of any of these
+the error that it failed of.
 """
 
 import contextlib
@@ -20,29 +20,42 @@ from harness.config import EpisodeConfig
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import HarnessError, RunFailed
+from harness.frames.options import FrameOptions
+from harness.frames.tree import Description
 from harness.interrupt import held_back
-from harness.samples import Twist
+from harness.samples import Place, Twist
 
 AHEAD = 10  # batches: 0.5 s of simulated time
 EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
 
 
 class _Order(NamedTuple):
-    """What a batch that is not just the next one begins with: a reset, a command (cmd_vel), or both."""
+    """What a batch begins with, in this order, that is not just the next one.
 
-    command: Twist | None
-    reset: bool
+    Attributes:
+        reset: Whether the rover goes back to its start, or to `place`.
+        command: Of the driver cmd_vel.
+        goal: Of the driver goal.
+    """
+
+    reset: bool = False
+    place: Place | None = None
+    command: Twist | None = None
+    goal: Place | None = None
 
 
 class EpisodeProcess:
     """Runs an episode in a child; a context manager that leaves no process behind."""
 
-    def __init__(self, config: EpisodeConfig) -> None:
+    def __init__(self, config: EpisodeConfig, frame_options: FrameOptions | None = None) -> None:
         self._config = config
+        self._describes = frame_options is not None
         self._obeys = config.driver == "cmd_vel"
         context = multiprocessing.get_context("spawn")
         self._connection, remote = context.Pipe()
-        self._process = context.Process(target=_simulate, args=(config, remote), daemon=True)
+        self._process = context.Process(
+            target=_simulate, args=(config, frame_options, remote), daemon=True
+        )
         try:
             with held_back():
                 self._process.start()
@@ -52,7 +65,7 @@ class EpisodeProcess:
                 self._process.join()
             raise
         remote.close()
-        self._latest, self._reset = Twist(), False
+        self._next = _Order()
         self._ordered = 0
         for _ in range(0 if self._obeys else AHEAD):
             self._order()
@@ -73,9 +86,15 @@ class EpisodeProcess:
         info: EpisodeInfo = self._receive()
         return info
 
+    @property
+    def description(self) -> Description | None:
+        """What its transforms are of; None without any. Ask once, second."""
+        return self._receive() if self._describes else None
+
     def command(self, twist: Twist) -> None:
-        """Sets the command of the next control periods (cmd_vel driver)."""
-        self._latest = twist
+        """Sets the command from the next control period on (cmd_vel driver)."""
+        if self._obeys:
+            self._next = self._next._replace(command=twist)
 
     def reset(self) -> int | None:
         """Puts the rover back to its start, as `Episode.reset`; a command in force is forgotten.
@@ -83,10 +102,19 @@ class EpisodeProcess:
         Returns:
             The simulation time [ns] at which that happens; None if the episode ends before.
         """
-        if self._ordered == self._config.total_periods:
-            return None
-        self._latest, self._reset = Twist(), True
-        return self._ordered * CONTROL_PERIOD_NS
+        return self._note(_Order(reset=True))
+
+    def put(self, place: Place) -> int | None:
+        """Puts the rover somewhere else; all else is as in `reset`."""
+        return self._note(_Order(reset=True, place=place))
+
+    def head_for(self, goal: Place) -> int | None:
+        """Gives the driver `goal` its next goal.
+
+        Returns:
+            The simulation time [ns] from which on it holds; None if the episode ends before.
+        """
+        return self._note(self._next._replace(goal=goal))
 
     def batches(self) -> Iterator[Batch]:
         """Yields the episode's batches, in order.
@@ -102,11 +130,17 @@ class EpisodeProcess:
     def _order(self) -> None:
         if self._ordered == self._config.total_periods:
             return
-        special = self._obeys or self._reset
-        order = _Order(self._latest if self._obeys else None, self._reset) if special else None
+        order = None if self._next == _Order() else self._next
         with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # the next receipt tells why
             self._connection.send(order)
-        self._ordered, self._reset = self._ordered + 1, False
+        self._ordered, self._next = self._ordered + 1, _Order()
+
+    def _note(self, order: _Order) -> int | None:
+        """Makes that the next order; returns when it comes into effect."""
+        if self._ordered == self._config.total_periods:
+            return None
+        self._next = order
+        return self._ordered * CONTROL_PERIOD_NS
 
     def _receive(self) -> Any:  # noqa: ANN401 - see the module
         try:
@@ -119,11 +153,11 @@ class EpisodeProcess:
         return received
 
 
-def _simulate(config: EpisodeConfig, connection: Connection) -> None:
+def _simulate(config: EpisodeConfig, frame_options: FrameOptions | None, connection: Connection) -> None:
     """The child: builds the episode, then streams it until its end or until nobody listens."""
     with contextlib.suppress(BrokenPipeError, ConnectionResetError, EOFError):
         try:
-            _stream(config, connection)
+            _stream(config, frame_options, connection)
         except HarnessError as error:
             connection.send(error)
         except Exception:  # noqa: BLE001 - a bug: its trace must reach the parent
@@ -131,19 +165,23 @@ def _simulate(config: EpisodeConfig, connection: Connection) -> None:
             connection.send(RuntimeError(f"the simulation process failed:\n{trace}"))
 
 
-def _stream(config: EpisodeConfig, connection: Connection) -> None:
+def _stream(config: EpisodeConfig, frame_options: FrameOptions | None, connection: Connection) -> None:
     # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
     from harness.episode.episode import Episode  # noqa: PLC0415
 
-    episode = Episode(config)
+    episode = Episode(config, frame_options)
     connection.send(episode.info)
+    if episode.description is not None:
+        connection.send(episode.description)
     batches = episode.batches()
     for _ in range(config.total_periods):
         order: _Order | None = connection.recv()
         if order is not None and order.reset:
-            episode.reset()
+            episode.reset(order.place)
         if order is not None and order.command is not None:
             episode.command(order.command)
+        if order is not None and order.goal is not None:
+            episode.head_for(order.goal)
         connection.send(next(batches))
     next(batches, None)  # raises what the last of them failed of
     connection.send(None)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from harness.errors import UsageError
 from harness.robots import RoverSpec
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
@@ -51,7 +52,7 @@ def build_scene(world: World, rover: RoverSpec, timestep: float, dress: Dress | 
         dress: Adds colours and light to what is to be looked at. Without it, the geoms that are only
             to be seen are left out: a step is 5 % faster, and the physics is the same.
     """
-    spec = mujoco.MjSpec.from_file(str(rover.model_path))
+    spec = read_model(rover)
     spec.option.timestep = timestep
     if dress is None:
         _drop_visuals(spec)
@@ -62,6 +63,21 @@ def build_scene(world: World, rover: RoverSpec, timestep: float, dress: Dress | 
     if dress is not None:
         dress(spec)
     return Scene(model=spec.compile(), world=world, rover=rover)
+
+
+def read_model(rover: RoverSpec) -> mujoco.MjSpec:
+    """Returns a rover's model, not compiled.
+
+    Raises:
+        UsageError: The file of one of its meshes is not there.
+    """
+    spec = mujoco.MjSpec.from_file(str(rover.model_path))
+    for mesh in spec.meshes:
+        file = rover.model_path.parent / spec.meshdir / mesh.file
+        if mesh.file and not file.is_file():
+            message = f"mesh '{mesh.name}' is to be in {file}, which does not exist"
+            raise UsageError(f"{rover.model_path}: {message}; put it there, or mend its name")
+    return spec
 
 
 def model_hash(rover: RoverSpec) -> str:

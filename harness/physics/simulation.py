@@ -12,13 +12,15 @@ from numpy.typing import NDArray
 
 from harness.errors import Diverged, RunFailed
 from harness.physics.contacts import ContactWatch
+from harness.physics.parking import ParkingHold
 from harness.physics.scene import Scene
 from harness.physics.start import spawn_pose
 from harness.samples import Quaternion, Vector3
 from harness.sim_time import NANOSECONDS, TICK_NS
-from harness.world.world import EDGE_MARGIN
+from harness.world.world import EDGE_MARGIN, Start
 
 SETTLE_LIMIT_NS = 5 * NANOSECONDS
+FREE_NS = 1 * NANOSECONDS  # of that the wheels may roll; held ones would keep rockers from following
 AT_REST_SPEED = 2e-3  # [m/s] and [rad/s]: below it a rover counts as settled
 
 WHOLE_STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
@@ -56,8 +58,9 @@ class Simulation:
         self.tick_sum = np.zeros(self.model.nsensordata)
         self.contacts = ContactWatch(self.model, self.data)
         self._wheels = np.array([self.model.actuator(n).id for n in scene.rover.wheel_joints])
+        self._parking = ParkingHold(self.model, scene.rover.wheel_joints)
         self._edge_x, self._edge_y = (half - EDGE_MARGIN for half in scene.world.ground.half_size)
-        self._settle()
+        self._settle(scene.world.start)
         # All that the next step depends on, warm start included: it goes on bit for bit.
         self._start = np.empty(mujoco.mj_stateSize(self.model, WHOLE_STATE))
         mujoco.mj_getState(self.model, self.data, self._start, WHOLE_STATE)
@@ -109,8 +112,9 @@ class Simulation:
         return self.tick_sum[start : start + size]
 
     def command_wheels(self, speeds: NDArray[np.float64]) -> None:
-        """Sets the wheel speeds [rad/s] in the order of the rover's wheel joints."""
+        """Sets the wheel speeds [rad/s] in the order of the rover's wheel joints; all 0 parks it."""
         self.data.ctrl[self._wheels] = speeds
+        self._parking.hold(not any(speeds.tolist()))
 
     def tick(self) -> None:
         """Advances one clock tick; `tick_sum` then holds the sensor values summed over its steps.
@@ -134,8 +138,24 @@ class Simulation:
     def return_to_start(self) -> None:
         """Puts the rover back to where and how it stood at time zero; time goes on."""
         mujoco.mj_setState(self.model, self.data, self._start, WHOLE_STATE)
+        self.command_wheels(self.data.ctrl[self._wheels])
         self.tick_sum.fill(0.0)
         self.contacts.begin()
+
+    def put(self, x: float, y: float, yaw: float) -> None:
+        """Puts the rover onto the ground somewhere else, where it settles; time goes on.
+
+        Args:
+            x: Position of the model frame in the world [m]; likewise `y`.
+            y: See `x`.
+            yaw: Its heading [rad].
+
+        Raises:
+            Diverged: It cannot stand there.
+        """
+        self.return_to_start()
+        self.data.qvel[:] = 0.0
+        self._settle((x, y, yaw))
 
     def _check_health(self) -> None:
         if not any(self._warnings.tolist()):  # a third of the time of numpy's any
@@ -156,15 +176,17 @@ class Simulation:
                 f"(x = {x:.2f} m, y = {y:.2f} m)"
             )
 
-    def _settle(self) -> None:
+    def _settle(self, start: Start) -> None:
         """Lets the rover down onto the ground, so that no drop pollutes the first samples."""
-        self.data.qpos[:7] = spawn_pose(self.scene)
-        for _ in range(SETTLE_LIMIT_NS // TICK_NS):
+        self.data.qpos[:7] = spawn_pose(self.scene, start)
+        for tick in range(SETTLE_LIMIT_NS // TICK_NS):
+            self._parking.hold(tick >= FREE_NS // TICK_NS)
             for _ in range(self.steps_per_tick):
                 mujoco.mj_step(self.model, self.data)
             self._check_health()
             if np.abs(self.data.qvel).max() < AT_REST_SPEED and self.data.ncon:
                 break
+        self._parking.hold(True)
         self.data.time = 0.0
 
 

@@ -8,15 +8,16 @@ from numpy.typing import NDArray
 
 from harness.errors import UsageError
 from harness.physics.scene import OBSTACLE_GROUP, Scene
+from harness.world.world import Start
 
 DROP_HEIGHT = 0.01  # [m] over the highest ground below the footprint
 MOST_SLID = 0.5  # [m] from where it was set down to where it came to rest
 MOST_TILTED = math.radians(60.0)  # at rest: beyond it, it lies on its side
 
 
-def spawn_pose(scene: Scene) -> NDArray[np.float64]:
-    """Returns position [m] and w, x, y, z of an upright rover just over the ground at the start."""
-    x, y, yaw = scene.world.start
+def spawn_pose(scene: Scene, start: Start) -> NDArray[np.float64]:
+    """Returns position [m] and w, x, y, z of an upright rover just over the ground at a start."""
+    x, y, yaw = start
     x_min, x_max, y_min, y_max = scene.rover.footprint
     ground, cos, sin = scene.world.ground, math.cos(yaw), math.sin(yaw)
     highest = max(
@@ -54,7 +55,7 @@ def check_start(scene: Scene, settled: mujoco.MjData) -> None:
 def _in_the_way(scene: Scene) -> list[str]:
     """Names of the obstacles in which the rover would be set down."""
     model, data = scene.model, mujoco.MjData(scene.model)
-    data.qpos[:7] = spawn_pose(scene)
+    data.qpos[:7] = spawn_pose(scene, scene.world.start)
     mujoco.mj_fwdPosition(model, data)
     touched = np.unique(data.contact.geom)
     return [model.geom(geom).name for geom in touched if model.geom_group[geom] == OBSTACLE_GROUP]

@@ -44,7 +44,7 @@ def comparisons(result: RunResult, log: Log) -> list[Comparison]:
         ),
         Comparison("Smallest clearance logged", f"{min(clearances):.2f} m" if clearances else DASH),
         Comparison("Rough terrain", f"{sum(rough):.0f} of {len(rough)} rows" if rough else DASH),
-        Comparison("Wheel slip, mean", truth=f"{truth.mean_slip:.2f}"),
+        Comparison("Wheel slip, mean of moving wheels", truth=f"{truth.mean_slip:.2f}"),
         Comparison("On rocks", truth=f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s"),
         Comparison("Body scraping the ground", truth=f"{truth.scrapes} times, {truth.scrape_s:.2f} s"),
         Comparison("Largest tilt", truth=f"{math.degrees(truth.largest_tilt):.0f}°{tipped}"),
@@ -81,7 +81,7 @@ def key_figures(result: RunResult) -> list[tuple[str, str]]:
         ("true path", f"{truth.path_length:.1f} m"),
         ("hazard contacts", str(truth.hazard_contacts)),
         ("largest tilt", f"{math.degrees(truth.largest_tilt):.0f}°"),
-        ("mean slip", f"{truth.mean_slip:.2f}"),
+        ("mean slip of moving wheels", f"{truth.mean_slip:.2f}"),
         ("messages lost", f"{result.lost} of {result.messages:,}"),
         ("simulation speed", f"{result.real_time_factor:.1f}{TIMES} real time"),
     ]

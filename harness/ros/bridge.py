@@ -8,29 +8,29 @@ tick the samples go out and are handled, then /clock goes out and is handled wit
 triggers.
 """
 
-import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from itertools import chain
-from typing import Any, Protocol
+from typing import Protocol
 
-from geometry_msgs.msg import Twist
 from rclpy.context import Context
-from rclpy.node import Node
-from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 
 from harness import samples
 from harness.errors import UsageError
+from harness.frames.tree import Description
 from harness.robots import RoverSpec
 from harness.ros import messages
+from harness.ros.channel import Channel, open_channel
+from harness.ros.commands import Commands
+from harness.ros.frames import FrameTopics
 from harness.sensors import table
 from harness.sensors.lidar_spec import LidarSpec
-from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE
-from rover_metrics.ros.subscriptions import keep_last
+from harness.sim_time import NANOSECONDS
+from rover_metrics.ros.guarded_node import GuardedNode
 
 CLOCK = table.Topic("/clock", "rosgraph_msgs/msg/Clock")
+BASE_FRAMES = ("base_link", "base_footprint")  # their axes are those of the rover
 SECOND_PUBLISHER = (
     "has a second publisher: what it sends would be logged as this run's; "
     "give each run a ROS_DOMAIN_ID of its own (0 to 101), or names and a clock of its own: "
@@ -41,8 +41,13 @@ SECOND_PUBLISHER = (
 class Listener(Protocol):
     """Somebody who must have handled everything before time goes on."""
 
-    def wait_for_samples(self) -> None:
-        """Returns when every published sample has been handled."""
+    def wait_for_samples(self, channels: Sequence["Channel"], *, clock_follows: bool) -> None:
+        """Returns when what went out up to now is handled, or sure to be before a /clock that follows.
+
+        Args:
+            channels: On which samples have just gone out.
+            clock_follows: Whether the next message is that of /clock.
+        """
         ...
 
     def wait_for_clock(self, stamp_ns: int) -> None:
@@ -50,32 +55,7 @@ class Listener(Protocol):
         ...
 
 
-@dataclass(slots=True)
-class Channel:
-    """One topic.
-
-    Attributes:
-        publisher: Of the topic.
-        fill: Makes a message of a sample.
-        topic: The resolved name, which a publisher forgets at shutdown.
-        published: How many messages have been.
-        record: Takes each message and returns the bytes to publish for it; None while nobody records.
-    """
-
-    publisher: Publisher
-    fill: messages.Fill
-    topic: str
-    published: int = 0
-    record: Callable[[messages.Message], bytes] | None = None
-
-    def publish(self, sample: Any) -> None:  # noqa: ANN401 - the kind of sample that `fill` takes
-        """Sends one sample."""
-        message = self.fill(sample)
-        self.publisher.publish(message if self.record is None else self.record(message))
-        self.published += 1
-
-
-class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
+class Bridge(GuardedNode):
     """Publishes ticks.
 
     Args:
@@ -83,13 +63,14 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         lidar: Gives the geometry of scans.
         context: Of rclpy.
         on_command: Takes each command of /cmd_vel.
+        cmd_vel: How commands come: "twist", "stamped" or "auto".
 
     Attributes:
         channels_of: The topics of each kind of sample, in publishing order.
+        frames: /tf, /tf_static and /robot_description.
         clock_channel: /clock.
+        commands: /cmd_vel.
         time_ns: Simulation time of the tick that goes out now, whatever a fault tells of it.
-        commands: The subscription to /cmd_vel.
-        record_command: Takes each message of it; None while nobody records.
     """
 
     def __init__(
@@ -99,30 +80,33 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         *,
         context: Context | None = None,
         on_command: Callable[[samples.Twist], None] | None = None,
+        cmd_vel: str = "twist",
     ) -> None:
         super().__init__("harness", context=context)
         self.time_ns = 0
+        self.frames = FrameTopics(self)
         self.channels_of = {
             row.sample: [
-                self._channel(topic, messages.filler(row, topic, rover, lidar)) for topic in row.topics
+                open_channel(self, topic, messages.filler(row, topic, rover, lidar))
+                for topic in row.topics
             ]
             for row in table.SENSORS
-        }
+            if row.sample is not samples.Transforms
+        } | {samples.Transforms: self.frames.moving}
         # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.
-        self.clock_channel = self._channel(CLOCK, messages.by_names(Clock(), samples.Tick))
-        self._on_command = on_command
-        self.commands = self.create_subscription(Twist, "cmd_vel", self._receive, keep_last(10))
-        self.record_command: Callable[[messages.Message], bytes] | None = None
-
-    def _channel(self, topic: table.Topic, fill: messages.Fill) -> Channel:
-        qos = keep_last(10, BEST_EFFORT if topic.best_effort else RELIABLE)
-        publisher = self.create_publisher(messages.message_class(topic), topic.name, qos)
-        return Channel(publisher, fill, publisher.topic_name)
+        self.clock_channel = open_channel(self, CLOCK, messages.by_names(Clock(), samples.Tick))
+        frames = dict.fromkeys((rover.odometry_child_frame, *BASE_FRAMES))
+        self.commands = Commands(self, cmd_vel, tuple(frames), on_command)
 
     @property
     def channels(self) -> tuple[Channel, ...]:
-        """Returns every topic, in publishing order; /clock is the last."""
-        return (*chain.from_iterable(self.channels_of.values()), self.clock_channel)
+        """Returns every topic; /clock is the last."""
+        samples_ = chain.from_iterable(self.channels_of.values())
+        return (*self.frames.fixed, *samples_, self.clock_channel)
+
+    def describe(self, description: Description) -> None:
+        """Tells of a rover what is fixed, and of what the transforms of its ticks are."""
+        self.frames.describe(description)
 
     def advance(self, tick: samples.Tick, sent: samples.Tick, *, listeners: Sequence[Listener]) -> None:
         """Publishes one tick; returns when all listeners have handled it.
@@ -133,14 +117,21 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
             listeners: Are waited for.
         """
         self.time_ns = tick.stamp_ns
-        for burst in _bursts(sent.samples):
+        if tick.stamp_ns % NANOSECONDS == 0:
+            self.frames.refuse_rivals()
+        bursts = _bursts(sent.samples)
+        for burst in bursts:
+            channels: list[Channel] = []
             for sample in burst:
                 for channel in self.channels_of[type(sample)]:
                     channel.publish(sample)
+                channels += self.channels_of[type(sample)]
+            clock_follows = sent.tells_time and burst is bursts[-1]
             for listener in listeners:
-                listener.wait_for_samples()
+                listener.wait_for_samples(channels, clock_follows=clock_follows)
         if sent.tells_time:
             self.clock_channel.publish(sent)
+            self.commands.told_ns = sent.stamp_ns
             for listener in listeners:
                 listener.wait_for_clock(sent.stamp_ns)
         if not listeners:
@@ -165,19 +156,6 @@ class Bridge(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         for topic in (*topics, self.clock_channel.topic):
             if self.count_publishers(topic) > 1:
                 raise UsageError(f"{topic} {SECOND_PUBLISHER}")
-
-    def _receive(self, message: Twist) -> None:
-        if self.record_command is not None:
-            self.record_command(message)
-        linear, angular = message.linear.x, message.angular.z
-        if not (math.isfinite(linear) and math.isfinite(angular)):
-            self.get_logger().warning(
-                f"ignored a non-finite command on {self.commands.topic_name}: "
-                f"linear.x = {linear}, angular.z = {angular}",
-                throttle_duration_sec=1.0,
-            )
-        elif self._on_command is not None:
-            self._on_command(samples.Twist(linear, angular))
 
 
 def _bursts(sent: Iterable[samples.Sample]) -> list[list[samples.Sample]]:

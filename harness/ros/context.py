@@ -18,6 +18,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from harness.errors import UsageError
 from harness.ros.network import stay_local
+from rover_metrics.ros.arguments import refusal
 
 try:
     from rclpy.experimental import EventsExecutor
@@ -40,7 +41,7 @@ def ros_context(ros_args: Sequence[str]) -> Iterator[Context]:
     try:
         rclpy.init(args=list(ros_args), context=context, signal_handler_options=no_handlers)
     except RuntimeError as error:
-        raise UsageError(f"ROS 2 refuses to start: {' '.join(str(error).split())}") from error
+        raise UsageError(f"ROS 2 refuses to start: {refusal(error)}") from error
     try:
         yield context
     finally:

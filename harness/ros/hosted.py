@@ -1,6 +1,7 @@
 """The MetricsNode in this process: its callbacks are counted against what was published."""
 
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 from rclpy.context import Context
@@ -8,6 +9,7 @@ from rclpy.parameter import Parameter
 
 from harness.errors import RunFailed, UsageError
 from harness.ros.bridge import SECOND_PUBLISHER, Bridge
+from harness.ros.channel import Channel
 from harness.ros.context import SPIN_TIMEOUT, spin_until, timer_is_due
 from harness.ros.remote import DISCOVERY_PATIENCE
 from rover_metrics.errors import RoverMetricsError
@@ -74,7 +76,12 @@ class HostedMetrics:
         handled = {topic: self.node.received[topic] for topic in self.topics}
         return handled | {self._clock_channel.topic: self._clock_received}
 
-    def wait_for_samples(self) -> None:
+    def wait_for_samples(
+        self,
+        channels: Sequence[Channel] = (),  # noqa: ARG002 - its counts tell
+        *,
+        clock_follows: bool = False,  # noqa: ARG002
+    ) -> None:
         """Spins until the counts agree; gives up what does not come.
 
         Raises:

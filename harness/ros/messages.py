@@ -21,21 +21,13 @@ from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
 from harness import samples
 from harness.robots import RoverSpec
+from harness.ros.channel import Fill, Message
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.table import SensorRow, Topic
 from harness.sim_time import NANOSECONDS
 from rover_metrics.extended.truth_columns import TRAVERSAL
 
 GROUND_TRUTH_POSE_VARIANCE = 0.01  # on the diagonal, as RoboTerrain's PoseConverterNode says
-
-Message = Any  # rclpy's classes have no types
-Fill = Callable[[Any], Message]  # a sample of the topic's kind -> the refilled message
-
-
-def message_class(topic: Topic) -> type:
-    """Returns the class of a topic's messages."""
-    kind: type = resolve_name(topic.message_type.replace("/msg/", ".msg:"))
-    return kind
 
 
 def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> Fill:
@@ -47,7 +39,7 @@ def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> 
         rover: Gives the frames.
         lidar: Gives the geometry of scans.
     """
-    message = message_class(topic)()
+    message = resolve_name(topic.message_type.replace("/msg/", ".msg:"))()
     if hasattr(message, "header"):
         message.header.frame_id = row.frame_on(rover)
     special = FILLERS.get((row.sample, type(message)))

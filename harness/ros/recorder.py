@@ -8,8 +8,8 @@ system every simulated second (or MiB), so a killed run loses less than its last
 a file lacks its end, which `mcap recover FILE -o MENDED` writes. rover_metrics.replay reads either.
 """
 
-from collections.abc import Callable
-from functools import cache, partial
+from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
 from typing import Self
 from uuid import uuid4
@@ -19,14 +19,13 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 from rclpy.subscription import Subscription
-from rosbags.typesys import Stores, get_typestore
-from rosbags.typesys.store import Typestore
 
 from harness import __version__
 from harness.errors import RunFailed, UsageError
 from harness.files import check_target
 from harness.ros.bridge import Bridge
-from harness.ros.messages import Message
+from harness.ros.channel import Channel, Message
+from harness.ros.foreign_type import typestore
 from harness.sim_time import NANOSECONDS
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
@@ -107,7 +106,9 @@ class Recorder:
         if not self._messages:  # the run did not come to its first message
             self._made.unlink(missing_ok=True)
 
-    def tap(self, bridge: Bridge, metrics: MetricsPublisher | None = None) -> None:
+    def tap(
+        self, bridge: Bridge, metrics: MetricsPublisher | None = None, others: Iterable[Channel] = ()
+    ) -> None:
         """Records all that the bridge publishes and hears from now on, under the time of its tick.
 
         A message's own stamp may differ from that where a fault delays it or disturbs the clock.
@@ -115,13 +116,13 @@ class Recorder:
         Args:
             bridge: The node of the run.
             metrics: Of the hosted metrics_node, if there is one; it then publishes for nobody too.
+            others: Topics of the run that are not the bridge's own.
         """
         self._bridge = bridge
-        for channel in bridge.channels:
+        for channel in (*bridge.channels, *others):
             # A channel's messages of one length differ in nothing else: their padding is the same.
             channel.record = self._recording(channel.topic, channel.publisher, {})
-        heard = bridge.commands
-        bridge.record_command = self._recording(heard.topic_name, heard, {})
+        bridge.commands.record(lambda topic, heard: self._recording(topic, heard, {}))
         if metrics is not None and metrics.publisher is not None:
             metrics.record = self._recording(metrics.publisher.topic_name, metrics.publisher, None)
 
@@ -135,21 +136,22 @@ class Recorder:
         return partial(self._record, identifier, name, padding)
 
     def _register(self, topic: str, name: str, qos: QoSProfile) -> int:
-        if name not in _store().types:
+        if name not in typestore().types:
             raise UsageError(f"--record needs the definition of {name}, which rosbags does not know")
         if name not in self._schemas:
             definition = full_definition(name).encode()
             self._schemas[name] = self._writer.register_schema(name, "ros2msg", definition)
         policies = ("history", "depth", "reliability", "durability")
         offered = QOS_PROFILE.format(**{policy: int(getattr(qos, policy)) for policy in policies})
-        metadata = {"offered_qos_profiles": offered, "topic_type_hash": _store().hash_rihs01(name)}
+        metadata = {"offered_qos_profiles": offered, "topic_type_hash": typestore().hash_rihs01(name)}
         return self._writer.register_channel(topic, "cdr", self._schemas[name], metadata)
 
     def _record(
         self, identifier: int, name: str, padding: dict[int, list[int]] | None, message: Message
     ) -> bytes:
         """Records a message and returns its bytes."""
-        buffer, now_ns = bytearray(serialize_message(message)), self._bridge.time_ns
+        written = message if isinstance(message, bytes) else serialize_message(message)
+        buffer, now_ns = bytearray(written), self._bridge.time_ns
         known = None if padding is None else padding.get(len(buffer))
         positions = padding_of(bytes(buffer), name) if known is None else known
         if padding is not None:
@@ -181,12 +183,12 @@ def padding_of(data: bytes, type_name: str) -> list[int]:
     buffer of zeros and into one of ones leaves different; so are the closing zeros of strings, which
     rosbags does not write.
     """
-    message = _store().deserialize_cdr(data, type_name)
-    serialize = _store().get_msgdef(type_name).serialize_cdr_le
+    message = typestore().deserialize_cdr(data, type_name)
+    serialize = typestore().get_msgdef(type_name).serialize_cdr_le
     body = len(data) - 4  # behind the encapsulation header
     buffers = bytearray(body), bytearray(b"\xff" * body)
     for buffer in buffers:
-        serialize(memoryview(buffer), 0, message, _store())
+        serialize(memoryview(buffer), 0, message, typestore())
     return [4 + i for i, (zero, one) in enumerate(zip(*buffers, strict=True)) if zero != one]
 
 
@@ -196,11 +198,6 @@ def full_definition(type_name: str) -> str:
     Args:
         type_name: As in sensor_msgs/msg/LaserScan.
     """
-    text, _ = _store().generate_msgdef(type_name, ros_version=2)
+    text, _ = typestore().generate_msgdef(type_name, ros_version=2)
     definition, *nested = text.split(SEPARATOR)
     return SEPARATOR.join([definition, *sorted(nested)])
-
-
-@cache  # it takes a while to build
-def _store() -> Typestore:
-    return get_typestore(Stores.LATEST)

@@ -1,66 +1,92 @@
-"""Lock-step with a node in another process, through services that every ROS 2 node has.
+"""Lock-step with nodes in other processes, through services that every ROS 2 node has.
 
 A node answers a parameter request from the same executor that runs its callbacks, after the messages
 that arrived before it. All publishers exist before the parameter client, and discovery announces them
 in that order: a node that answers has therefore matched every topic, best-effort ones included.
+
+Nodes are asked at the same time, so the slowest of them sets the pace and not their sum. After samples
+only those are asked that listen to one of their topics; after /clock all are, since all follow it. A
+node that has promised to handle what arrives in its order is not asked between samples and /clock.
 """
 
 import json
+import time
+from collections.abc import Iterable, Sequence
 
-from rclpy.parameter_client import AsyncParameterClient
-from std_srvs.srv import Trigger
+from rcl_interfaces.srv import GetParameters
+from rclpy.client import Client
+from rclpy.executors import Executor
+from rclpy.task import Future
+from std_srvs.srv import SetBool, Trigger
 
 from harness.errors import RunFailed, UsageError
 from harness.ros.bridge import Bridge
+from harness.ros.channel import Channel
 from harness.ros.context import spin_until
+from harness.sim_time import NANOSECONDS
+from rover_metrics.metrics_node import KEEPS_ORDER
 
 DISCOVERY_PATIENCE = 15.0  # [s] for a node to be found, or for DDS to match topics
 ANSWER_PATIENCE = 30.0  # [s] for one answer; a debugger or a loaded machine may be slow
+BARRIER = GetParameters.Request(names=["use_sim_time"])  # not changed by being sent
+UNKNOWN = "_NODE_NAME_UNKNOWN_"  # of a reader whose node the graph does not know (yet)
 
 
 class RemoteNode:
-    """One node of `--wait-for`; a Listener.
+    """One node of `--wait-for`.
+
+    Args:
+        name: Absolute, or below the bridge's namespace.
+        bridge: Publishes to it.
+        time_jumps: Whether the run will set its clock back.
+
+    Attributes:
+        name: The full name.
+        keeps_order: Whether it has promised to handle everything in the order of its arrival.
+        waited_s: Wall time from asking to its answer, over the whole run [s].
 
     Raises:
         UsageError: There is no such node, or it runs on wall time.
     """
 
-    def __init__(self, name: str, bridge: Bridge) -> None:
+    def __init__(self, name: str, bridge: Bridge, *, time_jumps: bool = False) -> None:
         self.name = name if name.startswith("/") else f"{bridge.get_namespace().rstrip('/')}/{name}"
         self._bridge, self._executor = bridge, bridge.executor
-        self._parameters = AsyncParameterClient(bridge, self.name)
+        self._parameters = bridge.create_client(GetParameters, f"{self.name}/get_parameters")
         self._counts = bridge.create_client(Trigger, f"{self.name}/received")
-        if not spin_until(self._executor, self._parameters.services_are_ready, DISCOVERY_PATIENCE):
+        self._lock_step = bridge.create_client(SetBool, f"{self.name}/lock_step")
+        if not spin_until(self._executor, self._parameters.service_is_ready, DISCOVERY_PATIENCE):
             raise UsageError(self._not_found())
-        if not self._ask_sim_time():
+        if not self._runs_on_sim_time():
             raise UsageError(f"{self.name} runs on wall time; start it with -p use_sim_time:=true")
         spin_until(self._executor, self._topics_match, DISCOVERY_PATIENCE)
+        self.keeps_order = False
+        if not time_jumps:
+            promise = self._call(self._lock_step, SetBool.Request(data=True), ANSWER_PATIENCE)
+            self.keeps_order = promise is not None and promise.message == KEEPS_ORDER
         self._received_before = self._ask_received()
+        self.waited_s = 0.0
 
-    def wait_for_samples(self) -> None:
-        """Returns when the node has handled its queue.
+    def ask(self) -> Future:
+        """Returns what is done when the node has handled all that arrived before."""
+        return self._parameters.call_async(BARRIER)
 
-        Raises:
-            RunFailed: It does not answer.
-        """
-        self._ask_sim_time()
-
-    def wait_for_clock(self, stamp_ns: int) -> None:  # noqa: ARG002 - the barrier knows no times
-        """Returns when the node has handled its queue, /clock and timers included."""
-        self._ask_sim_time()
-
-    def received(self, patience: float = ANSWER_PATIENCE) -> dict[str, int]:
-        """Returns messages that a MetricsNode has received since the start, by topic; else empty.
+    def release(self, patience: float = ANSWER_PATIENCE) -> dict[str, int]:
+        """Tells the node that nobody waits for it any more.
 
         Args:
-            patience: How long [s] to wait for its answer.
+            patience: How long [s] to wait for each of its answers.
+
+        Returns:
+            Messages that a MetricsNode has received since the start, by topic; else empty.
         """
         now = self._ask_received(patience)
+        if now:
+            self._call(self._lock_step, SetBool.Request(data=False), patience)
         return {topic: count - self._received_before.get(topic, 0) for topic, count in now.items()}
 
-    def _ask_sim_time(self) -> bool:
-        """Whether the node runs on simulation time; it answers from its own executor."""
-        future = self._parameters.get_parameters(["use_sim_time"])
+    def _runs_on_sim_time(self) -> bool:
+        future = self.ask()
         if not spin_until(self._executor, future.done, ANSWER_PATIENCE):
             raise RunFailed(f"{self.name} stopped answering")
         values = future.result().values
@@ -74,14 +100,24 @@ class RemoteNode:
         )
 
     def _ask_received(self, patience: float = ANSWER_PATIENCE) -> dict[str, int]:
-        if not self._counts.service_is_ready():
+        answer = self._call(self._counts, Trigger.Request(), patience)
+        if answer is None:
             return {}
-        future = self._counts.call_async(Trigger.Request())
-        if not spin_until(self._executor, future.done, patience):
-            return {}
-        told = json.loads(future.result().message)
         published = self._bridge.published()
-        return {topic: count for topic, count in told.items() if topic in published}
+        try:
+            told = json.loads(answer.message)
+            return {topic: int(count) for topic, count in told.items() if topic in published}
+        except (ValueError, TypeError, AttributeError):  # a service of that name, no MetricsNode's
+            return {}
+
+    def _call(
+        self, client: Client, request: SetBool.Request | Trigger.Request, patience: float
+    ) -> SetBool.Response | Trigger.Response | None:
+        """What a service that only a MetricsNode has answers; None without it or without an answer."""
+        if not client.service_is_ready():
+            return None
+        future = client.call_async(request)
+        return future.result() if spin_until(self._executor, future.done, patience) else None
 
     def _not_found(self) -> str:
         others = sorted(
@@ -91,3 +127,76 @@ class RemoteNode:
         )
         running = ", ".join(others) or "none (same ROS_DOMAIN_ID and discovery range?)"
         return f"node {self.name} was not found; running: {running}"
+
+
+class RemoteNodes:
+    """The nodes of `--wait-for`; a Listener.
+
+    Args:
+        nodes: Must have handled everything before time goes on.
+        bridge: Publishes to them.
+    """
+
+    def __init__(self, nodes: Iterable[RemoteNode], bridge: Bridge) -> None:
+        self._nodes, self._bridge = {node.name: node for node in nodes}, bridge
+        self._listening: dict[str, tuple[int, list[RemoteNode]]] = {}
+
+    def wait_for_samples(self, channels: Sequence[Channel], *, clock_follows: bool) -> None:
+        """Returns when the nodes that listen to one of these channels have handled their queues.
+
+        Args:
+            channels: On which samples have just gone out.
+            clock_follows: Whether nodes that keep order need not be asked yet.
+
+        Raises:
+            RunFailed: One of them does not answer.
+        """
+        listening = {
+            node.name: node
+            for channel in channels
+            for node in self._listeners(channel)
+            if not (clock_follows and node.keeps_order)
+        }
+        wait_for_answers(listening.values(), self._bridge.executor)
+
+    def wait_for_clock(self, stamp_ns: int) -> None:
+        """Returns when all nodes have handled their queues, /clock and timers included.
+
+        Raises:
+            RunFailed: One of them does not answer.
+        """
+        if stamp_ns % NANOSECONDS == 0:  # one may have come when another went: counts do not tell
+            self._listening.clear()
+        wait_for_answers(self._nodes.values(), self._bridge.executor)
+
+    def _listeners(self, channel: Channel) -> list[RemoteNode]:
+        """The nodes that listen to a topic; all while the graph does not say whose each reader is."""
+        matched = channel.publisher.get_subscription_count()
+        count, nodes = self._listening.get(channel.topic, (-1, []))
+        if count == matched:
+            return nodes
+        readers = self._bridge.get_subscriptions_info_by_topic(channel.topic)
+        names = {f"{reader.node_namespace.rstrip('/')}/{reader.node_name}" for reader in readers}
+        if len(readers) < matched or any(UNKNOWN in name for name in names):
+            return list(self._nodes.values())
+        nodes = [node for name, node in self._nodes.items() if name in names]
+        self._listening[channel.topic] = matched, nodes
+        return nodes
+
+
+def wait_for_answers(nodes: Iterable[RemoteNode], executor: Executor) -> None:
+    """Asks nodes at the same time; returns when all have answered.
+
+    Raises:
+        RunFailed: One of them does not.
+    """
+    asked = time.monotonic()
+    awaited = {node.ask(): node for node in nodes}
+
+    def all_have_answered() -> bool:
+        for answer in [each for each in awaited if each.done()]:
+            awaited.pop(answer).waited_s += time.monotonic() - asked
+        return not awaited
+
+    if not spin_until(executor, all_have_answered, ANSWER_PATIENCE):
+        raise RunFailed(f"{next(iter(awaited.values())).name} stopped answering")

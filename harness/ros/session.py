@@ -18,13 +18,17 @@ from harness.faults.spec import parse_faults
 from harness.interrupt import GRACE, Overdue, StopRequest
 from harness.robots import find_rover
 from harness.ros.bridge import SECOND_PUBLISHER, Bridge
-from harness.ros.context import make_executor, ros_context
+from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.controls import Controls
 from harness.ros.hosted import HostedMetrics, metrics_node
+from harness.ros.navigation import Navigation
 from harness.ros.recorder import Recorder
-from harness.ros.remote import ANSWER_PATIENCE, RemoteNode
+from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, RemoteNodes
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sim_time import NANOSECONDS
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
+
+LOOK_PERIOD_NS = NANOSECONDS // 10  # of simulation time, for publishers that have turned up
 
 
 def run_through_ros(
@@ -50,10 +54,10 @@ def run_through_ros(
     with ExitStack() as at_end:
         recorder = Recorder(options.record, overwrite=options.overwrite) if options.record else None
         at_end.enter_context(recorder or nullcontext())
-        source = at_end.enter_context(EpisodeProcess(config))
+        source = at_end.enter_context(EpisodeProcess(config, options.frames))
         run = _Run(config, options, source, at_end)
         if recorder is not None:
-            recorder.tap(run.bridge, run.metrics)
+            recorder.tap(run.bridge, run.metrics, [run.navigation.map])
         return run.drive(stop, show, observers, started)
 
 
@@ -66,12 +70,14 @@ class _Run:
         self._config, self._options, self._source = config, options, source
         self._context = context = at_end.enter_context(ros_context(options.ros_args))
         rover, lidar = find_rover(config.robot), LidarSpec(beams=config.lidar_beams)
-        self.bridge = Bridge(rover, lidar, context=context, on_command=source.command)
+        obey, kind = source.command, options.cmd_vel
+        self.bridge = Bridge(rover, lidar, context=context, on_command=obey, cmd_vel=kind)
         at_end.callback(self.bridge.destroy_node)
         self._faults = FaultInjector(parse_faults(config.faults), config.seed)
         executor = make_executor(context, time_jumps=self._faults.disturbs_time)
         self._executor = at_end.enter_context(executor)
         self._executor.add_node(self.bridge)
+        self.navigation = Navigation(self.bridge, config, source)
         self._controls = Controls(self.bridge, source.reset)
         self._hosted: HostedMetrics | None = None
         if options.host_metrics:
@@ -80,7 +86,13 @@ class _Run:
             self._executor.add_node(node)
             self._hosted = HostedMetrics(self.bridge, node)
             self._hosted.await_match()
-        self._remotes = [RemoteNode(name, self.bridge) for name in options.wait_for]
+        jumps = self._faults.disturbs_time
+        remote = partial(RemoteNode, bridge=self.bridge, time_jumps=jumps)
+        self._remotes = [remote(name) for name in options.wait_for]
+        heard = self.bridge.commands.heard
+        spin_until(self._executor, self.bridge.commands.look_around, DISCOVERY_PATIENCE)
+        if self.bridge.commands.heard != heard:  # the nodes know of it when new clients are answered
+            self._remotes = [remote(name) for name in options.wait_for]
 
     def drive(
         self,
@@ -93,6 +105,8 @@ class _Run:
         info = self._source.info  # waits for the world: other runs are discovered by then
         self._executor.spin_once(timeout_sec=0.0)
         self.bridge.refuse_other_publishers(self._hosted.topics if self._hosted else ())
+        if (description := self._source.description) is not None:
+            self.bridge.describe(description)
         account = RunAccount(
             RunResult(config=self._config, mode=self._mode(), info=info),
             started,
@@ -106,12 +120,16 @@ class _Run:
             with stop.deferred():
                 self._controls.hold(stop)
                 pacer = Pacer(self._options.rate, sleep=stop.sleep)
-                hosted = (self._hosted,) if self._hosted else ()
-                sink = partial(self.bridge.advance, listeners=(*hosted, *self._remotes))
+                remotes = (RemoteNodes(self._remotes, self.bridge),) if self._remotes else ()
+                hosted = (self._hosted,) if self._hosted else ()  # has its turns while others answer
+                sink = partial(self.bridge.advance, listeners=(*remotes, *hosted))
                 batches, watching = self._source.batches(), (*observers, account)
                 for tick in drive(batches, self._faults, sink, watching, stop):
                     pacer.postpone(self._controls.hold(stop))
                     pacer.wait_until(tick.stamp_ns)
+                    if tick.stamp_ns % LOOK_PERIOD_NS == 0:
+                        self.bridge.commands.look_around()
+                        self.navigation.look_around()
             interrupted = stop.name
         except RunFailed as error:
             failure = str(error)
@@ -142,15 +160,23 @@ class _Run:
                 topics[topic] = replace(topics[topic], received=received, lost=self._hosted.lost[topic])
         patience = ANSWER_PATIENCE if result.interrupted is None else GRACE
         for remote in self._remotes:
-            for topic, received in remote.received(patience).items():
+            for topic, received in remote.release(patience).items():
                 lost = max(topics[topic].lost, topics[topic].published - received)
                 topics[topic] = replace(topics[topic], received=received, lost=lost)
+        waited = {remote.name: remote.waited_s for remote in self._remotes}
         failure = result.failure
         foreign = [topic for topic, count in topics.items() if count.published < (count.received or 0)]
         if failure is None and foreign:
             failure = f"{foreign[0]} {SECOND_PUBLISHER}"
         recording = self._options.record if any(c.published for c in topics.values()) else None
-        result = replace(result, topics=topics, recording=recording, failure=failure)
+        result = replace(
+            result,
+            topics=topics,
+            recording=recording,
+            failure=failure,
+            waited_s=waited,
+            commands=self.bridge.commands.count,
+        )
         if self._hosted is None:
             return result
         node = self._hosted.node

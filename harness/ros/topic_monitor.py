@@ -18,8 +18,12 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rich.table import Table
 
 from harness.ros.context import make_executor, ros_context
+from harness.ros.foreign_type import forget_missing_definition, message_type
+from harness.ros.frames import TF_MESSAGE
 
 WINDOW = 5.0  # [s] of the past that a rate is taken over
+SHORTEST = 2.0  # [s] that make a rate right to 2 %: a busy publisher jitters by 20 ms at either end
+SAME_CLOCK = 1.0  # [s] by which a publisher's clock may differ from this one's to be the same
 QUEUE = 100  # messages of a topic that may wait for this process
 CLOCK = "/clock"
 PLUMBING = ("/rosout", "/parameter_events")  # every node has them
@@ -48,6 +52,11 @@ class Pace:
         (begin, first), (end, last) = self._points[0], self._points[-1]
         return (last - first) / (end - begin)
 
+    def span(self, now: float) -> float:
+        """Returns the seconds that the rate is taken over; 0 without one."""
+        self._forget(now)
+        return self._points[-1][0] - self._points[0][0] if self._points else 0.0
+
     def age(self, now: float) -> float | None:
         """Returns the seconds since the last value; None before the first."""
         return now - self._points[-1][0] if self._points else None
@@ -63,14 +72,14 @@ class TopicMonitor:
     Args:
         node: Its subscriptions are made on.
         namespace: Topics outside it are left out, but for /clock.
-        now: Wall time [s].
+        now: Wall time, of the clock that publishers stamp messages with [s].
 
     Attributes:
         types: Of each topic; `counts` are its messages so far, `paces` their rates.
         clock: How fast /clock runs.
     """
 
-    def __init__(self, node: Node, namespace: str, now: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, node: Node, namespace: str, now: Callable[[], float] = time.time) -> None:
         self._node, self._now, self._below = node, now, f"/{namespace.strip('/')}/".replace("//", "/")
         self._qos = QoSProfile(depth=QUEUE, reliability=ReliabilityPolicy.BEST_EFFORT)
         self.types: dict[str, str] = {}
@@ -105,17 +114,36 @@ class TopicMonitor:
             table.caption = f"{CLOCK} runs at {speed:.1f}x real time"
         return table
 
+    def too_short(self) -> list[str]:
+        """Returns the topics that are published and not heard for long enough to tell their rate."""
+        now = self._now()
+        return [
+            topic
+            for topic, pace in sorted(self.paces.items())
+            if pace.span(now) < SHORTEST and self._node.count_publishers(topic)
+        ]
+
     def _listen(self, topic: str, kind: type | None) -> None:
         if kind is None:
             return  # a type that is not installed here: shown, not counted
 
-        def received(message: Any) -> None:  # noqa: ANN401 - bytes, or a Clock
+        def received(message: Any, about: Any) -> None:  # noqa: ANN401 - bytes, or a Clock; MessageInfo
             self.counts[topic] += 1
-            self.paces[topic].note(self._now(), self.counts[topic])
+            sent = self._sent(about["source_timestamp"])
+            self.paces[topic].note(sent, self.counts[topic])
             if topic == CLOCK:
-                self.clock.note(self._now(), message.clock.sec + message.clock.nanosec * 1e-9)
+                self.clock.note(sent, message.clock.sec + message.clock.nanosec * 1e-9)
 
         self._node.create_subscription(kind, topic, received, self._qos, raw=topic != CLOCK)
+        forget_missing_definition()
+
+    def _sent(self, stamp_ns: int) -> float:
+        """When a message was sent [s]; when it is handled, where that is not known on this clock.
+
+        This process handles messages late and in heaps, most of all while it finds its topics.
+        """
+        now = self._now()
+        return min(now, stamp_ns * 1e-9) if abs(now - stamp_ns * 1e-9) < SAME_CLOCK else now
 
 
 @contextmanager
@@ -134,8 +162,11 @@ def topic_monitor(namespace: str) -> Iterator[tuple[TopicMonitor, Executor]]:
 def message_class(type_name: str) -> type | None:
     """Returns the class of a type such as sensor_msgs/msg/Imu; None if it is not installed here.
 
-    The name comes from the network: nothing is imported unless it is a package of ROS messages.
+    The name comes from the network: nothing is imported unless it is a package of ROS messages. That of
+    /tf serves raw subscriptions only where it is not installed.
     """
+    if type_name == TF_MESSAGE:
+        return message_type(type_name)  # one that is made where it is not installed
     match = TYPE.fullmatch(type_name)
     spec = find_spec(match[1]) if match else None
     folders = spec.submodule_search_locations if spec else None

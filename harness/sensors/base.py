@@ -19,6 +19,10 @@ class Sensor:
         self._simulation = simulation
         self.period_ticks = period_ticks
 
+    def due(self, tick: int) -> bool:
+        """Returns whether a sample falls on a tick, counted from 1."""
+        return tick % self.period_ticks == 0
+
     def read(self) -> Sample:
         """Returns the reading at the simulation's present time."""
         raise NotImplementedError

@@ -97,18 +97,20 @@ class ContactChatter:
     """Wheels whose contacts break and close from one physics step to the next, as meshes in Gazebo do.
 
     A reading that falls into a disturbed step finds the rover carried by more or less than its weight,
-    between free fall and several g, the mean being its weight; a friction force in a random direction
-    goes with it. How many are disturbed grows with the speed of the wheels.
+    between free fall and several g, the mean being its weight. A tyre that slides pushes it sideways
+    as well, by no more than the load times a coefficient along each axis: the engine's friction pyramid.
+    How many readings are disturbed or slide grows with the wheels' speed v, as 1 - exp(-v / v0).
 
     Attributes:
-        speed: At which 63 % of the readings are disturbed [m/s]; the share is 1 - exp(-v / speed).
+        speed: v0 of the disturbed ones [m/s].
         shape: Of the gamma distribution of the load, whose mean is 1; less is wilder.
-        friction: Standard deviation of the friction along each horizontal axis, over the weight,
-            where all readings are disturbed.
+        sliding_speed: v0 of those that slide [m/s].
+        friction: Bound of the friction along each horizontal axis over the load; evenly distributed.
     """
 
     speed: float
     shape: float
+    sliding_speed: float
     friction: float
 
     def shake(self, force: Vector3, wheel_speed: float, rng: np.random.Generator) -> Vector3:
@@ -119,12 +121,15 @@ class ContactChatter:
             wheel_speed: Speed by the wheels [m/s].
             rng: The IMU's source of randomness.
         """
-        disturbed = -math.expm1(-abs(wheel_speed) / self.speed)
         load = rng.gamma(self.shape, 1.0 / self.shape)
-        along, across = disturbed * self.friction * math.hypot(*force) * rng.standard_normal(2)
-        if rng.random() >= disturbed:
-            load = 1.0
+        along, across = self.friction * math.hypot(*force) * rng.uniform(-1.0, 1.0, 2)
+        disturbed, slides = (
+            rng.random() < -math.expm1(-abs(wheel_speed) / v0) for v0 in (self.speed, self.sliding_speed)
+        )
+        load = load if disturbed else 1.0
         x, y, z = force
+        if not slides:
+            return load * x, load * y, load * z
         return load * (x + along), load * (y + across), load * z
 
 

@@ -67,8 +67,8 @@ GAZEBO = NoisePreset(
     name="gazebo",
     summary="the IMU of RoboTerrain's Gazebo: one step's contacts, which mesh tyres make chatter",
     # Fitted to acceleration and vertical roughness over velocity in the recorded logs of 2025-01-16
-    # (python -m harness.validate --realism); exact apart from that, as its sensors are.
-    chatter=ContactChatter(speed=0.3, shape=1.5, friction=0.6),
+    # (python -m harness.validate --realism), friction to |az| / |a|; exact apart from that.
+    chatter=ContactChatter(speed=0.35, shape=1.5, sliding_speed=0.1, friction=1.0),
 )
 
 PRESETS = {preset.name: preset for preset in (WHITE, HARDWARE, GAZEBO)}

@@ -45,17 +45,28 @@ class WheelOdometry(Sensor):
     def read(self) -> Odometry:
         """Returns the pose integrated to now and the mean twist since the last reading."""
         counts = self._encoders()
+        distance, turn = self._rolled(counts)
+        self._x, self._y, self._yaw = self._moved(distance, turn)
+        self._counts = counts
+        twist = Twist(distance / self._period, turn / self._period)
+        return Odometry(self._simulation.time_ns, self._x, self._y, self._yaw, twist)
+
+    def pose(self) -> tuple[float, float, float]:
+        """Returns x, y [m] and yaw [rad] as a reading now would have them; takes none."""
+        return self._moved(*self._rolled(self._encoders()))
+
+    def _rolled(self, counts: list[int]) -> tuple[float, float]:
+        """The way [m] and the turn [rad] since the last reading."""
         front_left, rear_left, front_right, rear_right = (
             (now - before) * self._metres_per_count
             for now, before in zip(counts, self._counts, strict=True)
         )
-        self._counts = counts
         left, right = (front_left + rear_left) / 2, (front_right + rear_right) / 2
-        distance = (left + right) / 2
-        turn = (right - left) / self._rover.controller_separation
+        return (left + right) / 2, (right - left) / self._rover.controller_separation
+
+    def _moved(self, distance: float, turn: float) -> tuple[float, float, float]:
+        """The pose after a way [m] and a turn [rad] since the last reading."""
         heading = self._yaw + turn / 2
-        self._x += distance * math.cos(heading)
-        self._y += distance * math.sin(heading)
-        self._yaw = math.remainder(self._yaw + turn, math.tau)
-        twist = Twist(distance / self._period, turn / self._period)
-        return Odometry(self._simulation.time_ns, self._x, self._y, self._yaw, twist)
+        x = self._x + distance * math.cos(heading)
+        y = self._y + distance * math.sin(heading)
+        return x, y, math.remainder(self._yaw + turn, math.tau)

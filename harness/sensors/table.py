@@ -11,26 +11,40 @@ from pkgutil import resolve_name
 from typing import cast
 
 from harness.robots import RoverSpec
-from harness.samples import GroundTruth, Imu, JointStates, LaserScan, Odometry, Pose, Sample, TruthState
-from harness.sensors.base import Sensor, period_ticks
+from harness.samples import (
+    GroundTruth,
+    Imu,
+    JointStates,
+    LaserScan,
+    Odometry,
+    Pose,
+    Sample,
+    Transforms,
+    TruthState,
+)
+from harness.sensors.base import HIGHEST_RATE, Sensor, period_ticks
 
 ATTITUDE = ".attitude"  # behind a sensor's name in --fault: its attitude, not what it measures
 
 
 @dataclass(frozen=True)
 class Topic:
-    """Where the samples of a sensor are published; keep-last 10, volatile.
+    """Where the samples of a sensor are published; keep-last.
 
     Attributes:
         name: Relative to the namespace of the run.
         message_type: E.g. "sensor_msgs/msg/Imu". Unless harness.ros.messages has a filler for it, its
             fields are filled from those of the sample that have the same names.
         best_effort: Whether it is offered best effort instead of reliable.
+        depth: How many messages may wait.
+        latched: Whether who comes later gets the last ones too (transient local); else volatile.
     """
 
     name: str
     message_type: str
     best_effort: bool = False
+    depth: int = 10
+    latched: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +54,8 @@ class SensorRow:
     Attributes:
         sample: What it reads: a frozen dataclass with a stamp_ns.
         reader: The Sensor class, as "module:Class"; it is loaded by whoever makes one.
-        parts: What of an episode it is made from; its period follows as the last argument.
+        parts: What of an episode it is made from; its period follows as the last argument. An episode
+            that lacks one does without the sensor.
         topics: Where the sample is published, in this order.
         rate: Samples a second of simulation time, of every rover or by rover [Hz].
         frame: Of the messages' headers, of every rover or by rover.
@@ -83,6 +98,15 @@ class SensorRow:
 
 # In publishing order. Rates, topics and frames are RoboTerrain's.
 SENSORS: tuple[SensorRow, ...] = (
+    SensorRow(  # first: whoever gets another sample can transform it
+        sample=Transforms,
+        reader="harness.frames.transforms:TransformSensor",
+        parts=("simulation", "frames", "frame_options", "sensors"),
+        topics=(Topic("tf", "tf2_msgs/msg/TFMessage", depth=100),),  # tf2_ros's DynamicBroadcasterQoS
+        rate=HIGHEST_RATE,  # at most
+        fault="tf",
+        measured=("translation",),
+    ),
     SensorRow(
         sample=LaserScan,
         reader="harness.sensors.lidar:LidarSensor",

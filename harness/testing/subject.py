@@ -2,12 +2,14 @@
 
 import signal
 import subprocess
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 from harness.ros.bridge import Bridge
+from harness.ros.channel import Channel
 from harness.ros.context import SPIN_TIMEOUT, timer_is_due
-from harness.ros.remote import RemoteNode
+from harness.ros.remote import RemoteNode, wait_for_answers
 
 EXIT_PATIENCE = 5.0  # [s] for a node to leave after SIGINT before it is killed
 
@@ -33,12 +35,21 @@ class Subject(RemoteNode):
         super().__init__(name, bridge)
         self.node = node
 
-    def wait_for_clock(self, stamp_ns: int) -> None:
-        """Returns when its timers have run too."""
-        super().wait_for_clock(stamp_ns)
+    def wait_for_samples(
+        self,
+        channels: Sequence[Channel] = (),  # noqa: ARG002
+        *,
+        clock_follows: bool = False,  # noqa: ARG002
+    ) -> None:
+        """Returns when it has handled its queue, whatever it listens to: other nodes may feed it too."""
+        wait_for_answers((self,), self._executor)
+
+    def wait_for_clock(self, stamp_ns: int) -> None:  # noqa: ARG002 - the barrier knows no times
+        """Returns when it has handled its queue and its timers have run."""
+        self.wait_for_samples()
         while self.node is not None and timer_is_due(self.node):
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
-        super().wait_for_clock(stamp_ns)
+        self.wait_for_samples()
 
 
 def stop(process: "subprocess.Popen[bytes]") -> None:

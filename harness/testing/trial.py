@@ -21,6 +21,7 @@ from harness.episode.loop import drive as drive_loop
 from harness.errors import RunFailed, UsageError
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
+from harness.frames.options import FrameOptions
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.context import make_executor, spin_until
@@ -51,6 +52,7 @@ class Trial:
         config: The world, the rover, its driver and faults. Driver "cmd_vel" obeys `drive` and
             /cmd_vel, whichever spoke last.
         artifacts: Folder for a recording and a page, if an exception ends the trial; None for none.
+        frames: Which transforms are published; None for those of a run.
 
     Attributes:
         config: As it was given, or as `reset` has changed it.
@@ -62,9 +64,14 @@ class Trial:
         UsageError: The configuration is not valid.
     """
 
-    def __init__(self, config: EpisodeConfig, artifacts: Path | None = None) -> None:
+    def __init__(
+        self,
+        config: EpisodeConfig,
+        artifacts: Path | None = None,
+        frames: FrameOptions | None = None,
+    ) -> None:
         config.validate()
-        self.config = config
+        self.config, self._frames = config, frames or FrameOptions()
         self._artifacts = artifacts
         self._evidence: Evidence | None = None
         self.truth = Truth()
@@ -104,7 +111,7 @@ class Trial:
             raise UsageError("rclpy is initialised already; a trial does that itself, in its own domain")
         stay_local()
         self.domain = at_end.enter_context(reserved_domain())
-        self._episode = Episode(self.config)
+        self._episode = Episode(self.config, self._frames)
         injector = FaultInjector(parse_faults(self.config.faults), self.config.seed)
         self._ticks = drive_loop(self._batches(), injector, self._take, (self,))
         no_handlers, args = SignalHandlerOptions.NO, list(ON_SIMULATED_TIME)
@@ -116,6 +123,8 @@ class Trial:
         if self._artifacts is not None:
             self._evidence = at_end.enter_context(Evidence(self._bridge))
             self._evidence.begin(self.config, self._episode.info)
+        if self._episode.description is not None:
+            self._bridge.describe(self._episode.description)
         self._bridge.set_parameters([Parameter("use_sim_time", value=False)])  # it makes the time
         context = rclpy.get_default_context()
         executor = make_executor(context, time_jumps=injector.disturbs_time)
@@ -216,7 +225,7 @@ class Trial:
             self._episode.reset()
             return
         config = replace(self.config, **changes)
-        self._episode = Episode(config)
+        self._episode = Episode(config, self._frames)
         self.config = config
 
     def step(self, seconds: float) -> None:

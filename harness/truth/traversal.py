@@ -39,8 +39,8 @@ class Truth:
         hazard_contacts: Contact events of any rover part with a hazard; likewise `rock_contacts`, and
             `scrapes` of the body along the ground.
         hazard_contact_s: Time in contact with a hazard [s]; likewise `rock_contact_s` and `scrape_s`.
-        wheel_slip: Mean magnitude of each wheel's slip ratio, over the times at which it turns or is
-            moved, 0..1, at 20 Hz; `mean_slip` is that over all wheels.
+        wheel_slip: Mean magnitude of each wheel's slip ratio, over the times at which its rim or
+            its centre moves at 0.05 m/s or more, 0..1, at 20 Hz; `mean_slip` is that over all wheels.
         largest_tilt: Largest angle between the rover's and the world's vertical [rad].
         tipped_over: The rover has lain on its side or roof.
         resets: How often it was put back to its start; the way back is not in `path_length`.

@@ -7,7 +7,7 @@ import mujoco
 
 from harness.physics.simulation import Simulation
 
-SLIP_SPEED = 0.02  # [m/s]: a wheel and a rover both slower than this do not slip, they stand
+SLIP_SPEED = 0.05  # [m/s]: a wheel whose rim and centre are both slower does not slip, it stands
 
 
 class WheelMotion(NamedTuple):

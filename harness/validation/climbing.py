@@ -14,6 +14,7 @@ from harness.validation.stability import WHEEL_FRICTION, Balance, balance, steep
 
 TWIST, OVERTWIST = 0.15, 0.40  # [rad] between rocker and body that a saddle asks for
 ROCKING = 1.5  # [s]
+ROLLING = 1e-6  # [m/s]: wheels that are parked would keep the rockers from following
 POST_AT, POST_SPEED, POST_LIMIT = 0.6, 0.3, 4.5  # [m], [m/s], [s]
 SCATTER = 0.015  # [m] around the stated clearance that is searched
 KERB_AT, KERB_HALF = 0.5, 1.0  # [m] ahead of the origin; half its length and width
@@ -64,6 +65,7 @@ def rocker_checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
 def _twisted(rover: RoverSpec, seed: int, angle: float) -> float:
     """The largest angle of a rocker on a saddle that asks for that [rad]."""
     rig = Rig(rover, saddle(seed, 2 * math.tan(angle) / rover.track))
+    rig.command(ROLLING)
     rig.run(ROCKING)
     return float(np.abs(rig.joint_angles(rover.passive_joints)).max())
 

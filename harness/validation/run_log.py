@@ -4,8 +4,7 @@ The terrain has posts and cubes on nearly level ground, as the inspection world 
 chooses its speeds as they are spread there; the noise is that of Gazebo's IMU.
 """
 
-import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,6 +21,9 @@ from harness.robots import find_rover
 from harness.samples import LaserScan
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
+from rover_metrics.analysis.logs.header import UnreadableLog
+from rover_metrics.analysis.logs.reading import read_log as read_metrics_log
+from rover_metrics.analysis.metric import METRICS
 from rover_metrics.session import MetricsSession
 
 COLUMNS = {  # that tell how a run went, with their units
@@ -30,6 +32,7 @@ COLUMNS = {  # that tell how a run went, with their units
     "Current Velocity": "m/s",
     "Obstacle Clearance": "m",
 }
+_METRICS = [metric for metric in METRICS.values() if metric.column in COLUMNS and not metric.rough_only]
 CONFIG = EpisodeConfig(terrain="posts", difficulty=0.5, driver="cmd_vel", noise="gazebo", duration=600.0)
 
 # Quantiles of Current Velocity in the logs of 2025-01-16 [m/s], evenly spaced from 0 to 1; the slow
@@ -50,19 +53,18 @@ def read_log(path: Path) -> Log:
         UsageError: It cannot be read, or lacks a column or a row.
     """
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            rows = [[float(row[column]) for column in COLUMNS] for row in csv.DictReader(file)]
-    except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror}; --realism takes two logs") from error
-    except (KeyError, TypeError, ValueError) as error:
-        message = f"{path} is no metrics log; it needs numbers in {', '.join(COLUMNS)}"
-        raise UsageError(message) from error
-    return _complete(rows, str(path))
+        log = read_metrics_log(path, _METRICS)
+    except UnreadableLog as error:
+        raise UsageError(f"{path}: {error}; --realism takes two logs") from error
+    lacking = [column for column in COLUMNS if column not in log.columns]
+    if lacking:
+        raise UsageError(f"{path} has no column {', '.join(lacking)}")
+    values: Values = np.array([log.columns[column] for column in COLUMNS], np.float64)
+    return _complete(values.T, str(path))
 
 
-def _complete(rows: Sequence[Sequence[float]], name: str) -> Log:
-    """Rows in the order of COLUMNS as a log, those that are not finite left out."""
-    values = np.array(rows).reshape(-1, len(COLUMNS))
+def _complete(values: Values, name: str) -> Log:
+    """Returns rows in the order of COLUMNS as a log, those that are not finite left out."""
     finite = values[np.isfinite(values).all(axis=1)]
     if not len(finite):
         raise UsageError(f"{name} holds no complete row")
@@ -108,4 +110,4 @@ def drive(config: EpisodeConfig) -> Log:
         x, y, _ = episode.simulation.position
         seen = Observation(episode.simulation.time_ns, x, y, episode.simulation.yaw, ranges)
         episode.command(agent.command(seen))
-    return _complete(rows, "the run")
+    return _complete(np.array(rows).reshape(-1, len(COLUMNS)), "the run")

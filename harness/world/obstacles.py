@@ -119,6 +119,13 @@ def outline(obstacle: Obstacle) -> Points:
     return np.asarray(_support(obstacle, directions) + obstacle.position[:2])
 
 
+def top(obstacle: Obstacle) -> float:
+    """Returns the height of an obstacle's highest point in the world [m]."""
+    rotation = rotation_matrix(obstacle.quaternion)
+    upward = np.array([[0.0, 0.0, 1.0]])
+    return float((_furthest(obstacle, upward @ rotation) @ rotation.T)[0, 2] + obstacle.position[2])
+
+
 def half_extent(obstacle: Obstacle, direction: float) -> float:
     """Returns how far it reaches from its centre in a direction [rad], seen from above [m]."""
     ahead = np.array([[math.cos(direction), math.sin(direction)]])

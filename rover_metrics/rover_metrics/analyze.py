@@ -6,26 +6,30 @@ Parses, calls, prints; the work is in rover_metrics.analysis. Needs no ROS.
 """
 
 import argparse
+import contextlib
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 try:
+    import numpy as np
     from rich.console import Console, Group
 
-    from rover_metrics.analysis.logs.header import UnreadableLog
+    from rover_metrics.analysis.choice import ALL, choose
+    from rover_metrics.analysis.logs.header import UnreadableLog, read_header
     from rover_metrics.analysis.logs.log import Log
     from rover_metrics.analysis.logs.reading import read_log
     from rover_metrics.analysis.logs.time_axis import TimeAxis
     from rover_metrics.analysis.metric import METRICS, Metric
     from rover_metrics.analysis.options import parse
     from rover_metrics.analysis.outcome import analyse
-    from rover_metrics.analysis.output import prepare_folder, save_outliers, save_plots
+    from rover_metrics.analysis.output import prepare_folder, save_outliers, save_plots, save_tables
+    from rover_metrics.analysis.pairing import PairingError, Pairs, pair
     from rover_metrics.analysis.result import Result, Skipped
     from rover_metrics.analysis.study import Member, Options, Study, labels
-    from rover_metrics.analysis.tables import report
+    from rover_metrics.analysis.tables.terminal import report
 except ImportError as error:
     needed = "five libraries: pip install matplotlib numpy pandas rich scipy"
     print(f"analyze needs {needed} ({error})", file=sys.stderr)
@@ -52,10 +56,11 @@ def _run(options: argparse.Namespace) -> int:
     study, skipped = _read(options)
     if not study.members:
         return UnreadableLog.exit_code
-    if options.plots or options.save_outliers:
+    if options.plots or options.save_outliers or options.csv or options.latex:
         prepare_folder(options.output)  # before the work, which may take a while
     result = replace(analyse(study), skipped=tuple(skipped))
     files = save_plots(study, result, options.output)
+    files += save_tables(result, options.output, as_csv=options.csv, as_latex=options.latex)
     if options.save_outliers:
         files.append(save_outliers(study, options.output))
     _show(replace(result, files=tuple(map(str, files))), as_json=options.json)
@@ -64,25 +69,53 @@ def _run(options: argparse.Namespace) -> int:
 
 def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped]]:
     """Reads every log that can be read, and tells which cannot."""
-    metrics = tuple(METRICS[code] for code in options.metrics)
     groups = tuple(options.group_names) if options.versus else ("all logs",)
+    paths = [_unique(options.logs), _unique(options.versus)]
+    metrics = choose(options.metrics, _headers([*paths[0], *paths[1]]))
     members: list[Member] = []
     skipped: list[Skipped] = []
-    for group, paths in zip(groups, (options.logs, options.versus), strict=False):
-        found = (_read_one(path, metrics, options.gap, skipped) for path in _unique(paths))
+    for group, of_group in zip(groups, paths, strict=False):
+        found = (_read_one(path, metrics, options.gap, skipped) for path in of_group)
         members += [Member(log, "", group) for log in found if log is not None]
-    names = labels([member.log.path for member in members])
+    names = labels([member.log for member in members])
     named = (replace(member, label=name) for member, name in zip(members, names, strict=True))
     chosen = Options(
-        metrics=metrics,
+        metrics=tuple(
+            metric for metric in metrics if metric.code in METRICS or _is_told(metric, members)
+        ),
         confidence=options.confidence_level,
         iqr_multiplier=options.iqr_multiplier,
         remove_outliers=options.remove_outliers,
         unit=options.unit,
+        ranked=ALL in map(str.casefold, options.metrics),
         plots=tuple(options.plots),
         axis=TimeAxis(options.normalize, options.fixed_interval),
     )
-    return Study(tuple(named), groups, chosen), skipped
+    return Study(tuple(named), groups, chosen, _pairs(options, members, skipped)), skipped
+
+
+def _headers(paths: Sequence[Path]) -> Iterator[list[str]]:
+    """Yields the column names of the logs that have them; what is odd about others is told later."""
+    for path in paths:
+        with contextlib.suppress(UnreadableLog):
+            yield read_header(path)
+
+
+def _is_told(metric: Metric, members: Sequence[Member]) -> bool:
+    """Whether any log has a number in the column of a metric."""
+    columns = (member.log.columns for member in members)
+    return any(metric.column in each and np.isfinite(each[metric.column]).any() for each in columns)
+
+
+def _pairs(options: argparse.Namespace, members: Sequence[Member], skipped: Sequence[Skipped]) -> Pairs:
+    if not options.versus or options.unit == "episode":
+        return ()
+    if skipped and options.pair_by == "order":
+        raise PairingError(f"--pair-by order: {skipped[0].path} was skipped; leave out its partner too")
+    first, second = (
+        [member.log for member in members if member.group == group] for group in options.group_names
+    )
+    return pair(first, second, options.pair_by)
 
 
 def _read_one(path: Path, metrics: Sequence[Metric], gap: float, skipped: list[Skipped]) -> Log | None:

@@ -14,21 +14,22 @@ from rover_metrics.errors import ParameterError, RoverMetricsError, missing_ros
 try:
     from rcl_interfaces.msg import SetParametersResult
     from rclpy.context import Context
-    from rclpy.node import Node
     from rclpy.parameter import Parameter
-    from std_srvs.srv import Trigger
+    from std_srvs.srv import SetBool, Trigger
 
+    from rover_metrics.ros.guarded_node import GuardedNode
     from rover_metrics.ros.metrics_publisher import MetricsPublisher
-    from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_type
-    from rover_metrics.ros.program import run_node
+    from rover_metrics.ros.parameters import declare_settings, require_same_columns, wrong_name_or_type
+    from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR, run_node
     from rover_metrics.ros.row_timer import RowTimer
     from rover_metrics.ros.subscriptions import subscribe
 except ImportError as error:
     raise missing_ros(error, is_program=__name__ == "__main__") from None
 
+from rover_metrics.extended.settings import check_name
 from rover_metrics.extended.traffic_columns import POSE, SCAN, Topic
 from rover_metrics.health.live_view import LiveView, Status
-from rover_metrics.health.reception import LOST, Reception
+from rover_metrics.health.reception import LOST
 from rover_metrics.health.rejections import NO_POSE
 from rover_metrics.log.buffered_log import BufferedLog
 from rover_metrics.log.session_record import SessionRecord
@@ -40,9 +41,10 @@ if TYPE_CHECKING:
     from rover_metrics.core.row import Row
 
 LOG_PERIOD = 1.0  # seconds of ROS time
+KEEPS_ORDER = "handles everything in the order of its arrival"
 
 
-class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
+class MetricsNode(GuardedNode):
     """Logs the traversal metrics of a rover once per second of ROS time.
 
     Args:
@@ -58,6 +60,7 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         topics: The resolved name of each topic that is listened to.
         timer: Fires when a row is due.
         last_row: The latest row, written or not; None before the first.
+        in_lock_step: Whether a simulator waits until this node has handled what it sent.
 
     Raises:
         ParameterError: A parameter was given a value that is not valid.
@@ -72,8 +75,9 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         now: Callable[[], datetime] = datetime.now,
     ) -> None:
         super().__init__("metrics_node", context=context, parameter_overrides=parameter_overrides)
-        self.reception = Reception(self._tell)
         try:
+            for name in self._parameter_overrides:  # rclpy ignores one that nobody declares
+                check_name(name, may_be_others=True)
             self.settings = declare_settings(self)
             extended = self.settings.extended if self.settings.extended_columns else None
             self.session = MetricsSession(self.settings.thresholds, extended)
@@ -90,6 +94,7 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
             super().destroy_node()
             raise
         self.last_row: Row | None = None
+        self.in_lock_step = False
         self.record = SessionRecord(self.get_fully_qualified_name(), now, self._tell)
         self.record.begin(self.log.path)
         self._view = LiveView()
@@ -97,6 +102,7 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         self.timer = RowTimer(self, LOG_PERIOD, self._each_second, self._tell, self.settings.stale_after)
         self.add_on_set_parameters_callback(self._use_parameters)
         self.create_service(Trigger, "~/received", self._report_received)
+        self.create_service(SetBool, "~/lock_step", self._set_lock_step)
         self.get_logger().info(f"logging to: {self.log.path.parent}/")
 
     @property
@@ -146,7 +152,7 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
         """Sets all of the parameters or none; also what ros2 param set comes down to."""
-        reason = wrong_type(self, parameter_list)
+        reason = wrong_name_or_type(self, parameter_list)
         if reason is not None:
             return SetParametersResult(successful=False, reason=reason)
         return super().set_parameters_atomically(parameter_list)
@@ -187,9 +193,6 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         states = self.reception.states()
         return self._view.statuses(self.last_row, states, self.settings.thresholds, now_ns)
 
-    def _tell(self, line: str) -> None:
-        self.get_logger().warning(line)
-
     def _debug(self, source: Source, topic: str) -> None:
         if self.received[topic] % self.settings.debug_interval:
             return
@@ -221,6 +224,12 @@ class MetricsNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         counts = {"remarks": remarks, "rows": self.rows, "lost_rows": self.lost_rows}
         response.success = True
         response.message = json.dumps({**self.received, **counts, "log": str(self.log.path)})
+        return response
+
+    def _set_lock_step(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        """Answers ~/lock_step: a simulator begins to wait for this node, or does so no more."""
+        self.in_lock_step, response.success = request.data, True
+        response.message = KEEPS_ORDER if request.data and HAS_EVENTS_EXECUTOR else ""
         return response
 
 

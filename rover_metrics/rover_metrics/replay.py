@@ -16,8 +16,9 @@ from pathlib import Path
 
 try:
     from rover_metrics.bag.bag_reader import Bag
-    from rover_metrics.bag.options import DEFAULT_LOG_DIR, parser, read_parameters
+    from rover_metrics.bag.options import DEFAULT_LOG_DIR, parser
     from rover_metrics.bag.playback import Playback
+    from rover_metrics.extended.parameter_file import read_values
     from rover_metrics.timing.recorded_time import TimeSource
 except ImportError as error:
     print(f"replay needs two libraries: pip install rosbags mcap ({error})", file=sys.stderr)
@@ -42,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _replay(options: argparse.Namespace) -> int:
-    parameters = read_parameters(options.params) if options.params else Settings()
+    parameters = Settings().updated(read_values(options.params) if options.params else {})
     is_extended = options.extended or parameters.extended_columns
     session = MetricsSession(parameters.thresholds, parameters.extended if is_extended else None)
     code = 0

@@ -11,6 +11,7 @@ from typing import Any
 from rover_metrics.core.metrics import Vector3
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic
 from rover_metrics.extended.truth_columns import TRAVERSAL
+from rover_metrics.health.rejections import NO_TIME
 from rover_metrics.session import MetricsSession, Remark
 from rover_metrics.timing.clocks import NANOSECONDS
 
@@ -46,6 +47,11 @@ class Source:
 def nanoseconds(time: Message) -> int:
     """Returns a builtin_interfaces/Time in nanoseconds."""
     return int(time.sec) * NANOSECONDS + int(time.nanosec)
+
+
+def is_time(time: Message) -> bool:
+    """Returns whether a builtin_interfaces/Time can be the time of a clock."""
+    return bool(time.sec >= 0 and time.nanosec < NANOSECONDS)
 
 
 def stamp_ns(message: Message) -> int:
@@ -121,5 +127,8 @@ TRUTH = (
     ),
 )
 CLOCK = Source(
-    name="/clock", message_type="rosgraph_msgs/msg/Clock", take=lambda *_: None, has_stamp=False
+    "/clock",
+    "rosgraph_msgs/msg/Clock",
+    lambda _, message, __: None if is_time(message.clock) else Remark(NO_TIME),
+    has_stamp=False,
 )

@@ -22,6 +22,13 @@ CLOCKS = (
     ("clock:reset@2.2", "clock:reset@2.7", "clock:jump=-0.05@5.03", "clock:jump=-0.3@6.2"),
     ("clock:freeze@1+1.2", "clock:dropout=0.7@2.5+1", "clock:speed=2.7@4+1.5", "clock:speed=0.3@6"),
 )
+# Each changes cells of these rows; a tiny number has an exponent on its way through ROS.
+PARAMETERS = """
+"/**":
+  ros__parameters: {collision_threshold: 2.5, distance_threshold: 1.0e-05, gravity: 9.7}
+metrics_node:
+  ros__parameters: {footprint: [1.0, 0.0, 0.0, 1.0, -1.0, -1.0], near_returns_as_contact: true}
+"""
 
 
 def run(log_dir: Path, *arguments: str) -> Path:
@@ -38,12 +45,20 @@ def run(log_dir: Path, *arguments: str) -> Path:
 def test_faulty_run_writes_the_same_rows_through_ros_as_without_and_loses_nothing(
     faults: tuple[str, ...], tmp_path: Path
 ) -> None:
-    words = ["--extended", *(word for fault in faults for word in ("--fault", fault))]
+    file = tmp_path / "params.yaml"
+    file.write_text(PARAMETERS)
+    words = [
+        "--extended",
+        "--params",
+        str(file),
+        *(word for fault in faults for word in ("--fault", fault)),
+    ]
     through_ros = run(tmp_path / "ros", *words)
     direct = run(tmp_path / "direct", *words, "--direct")
     assert through_ros.read_bytes() == direct.read_bytes()
     manifest = json.loads(through_ros.with_suffix(".json").read_text())
     assert manifest["lost"] == 0
+    assert (manifest["params"], manifest["thresholds"]["collision_threshold"]) == (str(file), 2.5)
     assert manifest["arguments"]["faults"] == list(faults)
 
 

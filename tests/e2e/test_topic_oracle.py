@@ -20,7 +20,8 @@ rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]
 from geometry_msgs.msg import Twist as TwistMessage
 from geometry_msgs.msg import Vector3
 from mcap.reader import make_reader
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from nav_msgs.msg import OccupancyGrid
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
 from std_srvs.srv import SetBool, Trigger
@@ -34,6 +35,7 @@ from harness.interrupt import StopRequest
 from harness.robots import ROVERS
 from harness.ros.bridge import Bridge
 from harness.ros.context import spin_until
+from harness.ros.foreign_type import forget_missing_definition, typestore
 from harness.ros.network import reserved_domain
 from harness.ros.session import run_through_ros
 from harness.ros.topic_monitor import message_class
@@ -53,7 +55,10 @@ from tests.e2e.topic_oracle.twin import TICK_NS, Twin
 PATIENCE = 20.0  # [s]; reached only when a test fails
 TICKS_PER_BATCH = 5
 TABLE = {topic.name: topic for topic in topics()}
+UNHEARD = ("/map", "/cmd_vel", "/rover/metrics")  # are recorded too, and tested elsewhere
 KINDS = {name: message_class(topic.kind) for name, topic in TABLE.items()}
+
+RELIABILITY = (ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE)
 
 Arrived = tuple[str, bytes]
 
@@ -65,7 +70,7 @@ class Listener:
     bridge: Any = None
     heard: list[Arrived] = field(default_factory=list)
     taken: list[Twist] = field(default_factory=list)
-    offered: dict[str, tuple[str, bool]] = field(default_factory=dict)
+    offered: dict[str, tuple[str, bool, bool]] = field(default_factory=dict)
     batches: int = 0
     clocks: int = 0
     answer: Any = None
@@ -79,11 +84,9 @@ class Listener:
         node = rclpy.create_node("listener", context=bridge.context, enable_rosout=False)
         bridge.executor.add_node(node)
         for name, kind in KINDS.items():
-            reliability = ReliabilityPolicy.BEST_EFFORT
-            if TABLE[name].reliable:
-                reliability = ReliabilityPolicy.RELIABLE
-            qos = QoSProfile(depth=1000, reliability=reliability)
+            qos = QoSProfile(depth=1000, reliability=RELIABILITY[TABLE[name].reliable])
             node.create_subscription(kind, name, self._note(name), qos, raw=True)
+            forget_missing_definition()
         self.node, self.sender = node, node.create_publisher(TwistMessage, "/cmd_vel", 10)
         self.resetter = node.create_client(Trigger, "/harness/reset")
         self._until(lambda: all(c.publisher.get_subscription_count() for c in bridge.channels))
@@ -94,7 +97,8 @@ class Listener:
         for name in {c.topic for c in bridge.channels}:
             (info,) = node.get_publishers_info_by_topic(name)
             reliable = info.qos_profile.reliability is ReliabilityPolicy.RELIABLE
-            self.offered[name] = (info.topic_type, reliable)
+            latched = info.qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL
+            self.offered[name] = (info.topic_type, reliable, latched)
 
     def take(self, _: Batch) -> None:
         """After a batch: hears all of it, then does what the script says."""
@@ -153,7 +157,12 @@ def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         lidar_beams=BEAMS,
         model=write_model(spec, folder),
     )
-    options = RosOptions(log_dir=folder, host_metrics=spec.name == "leo", record=folder / "drive.mcap")
+    options = RosOptions(
+        log_dir=folder,
+        host_metrics=spec.name == "leo",
+        record=folder / "drive.mcap",
+        cmd_vel="twist",  # the listener's, which is sent from within this context
+    )
     take, refuse = EpisodeProcess.command, Bridge.refuse_other_publishers
 
     def join(bridge: Bridge, names: tuple[str, ...]) -> None:
@@ -173,17 +182,25 @@ def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         patch.setattr(Pacer, "postpone", lambda _, seconds: paced.append(seconds))
         patch.setattr(Pacer, "wait_until", lambda _, time_ns: paced.append(time_ns))
         result = run_through_ros(config, options, StopRequest(), progress.append, [listener])
+    listener.heard.sort(key=order)
     listener.drove_s = time.monotonic() - listener.joined
     twin, due = expectations(config, tuple(ROVERS).index(spec.name))
     assert options.record is not None
     return Drive(listener, result, progress, paced, options.record, twin, due)
 
 
+def order(arrived: Arrived) -> tuple[bool, str]:
+    """What is told once, before the first tick, comes when it will; all else in its order."""
+    latched = TABLE[arrived[0]].latched
+    return not latched, arrived[0] if latched else ""
+
+
 def expectations(config: StagedConfig, rover: int) -> tuple[Twin, list[tuple[int, Topic, Expected]]]:
     """Every message that is due in the drive, in order, with the time at which it is."""
     spec = staged_rover(config)
     twin, table = Twin(spec, stage(spec)), topics()
-    due, command = [], Twist()
+    due = [(0, topic, topic.expect(twin)) for topic in table if not topic.rates[rover]]
+    command = Twist()
     for tick in range(BATCHES * TICKS_PER_BATCH):
         batch, within = divmod(tick, TICKS_PER_BATCH)
         if batch == RESET and within == 0:
@@ -191,13 +208,13 @@ def expectations(config: StagedConfig, rover: int) -> tuple[Twin, list[tuple[int
             command = Twist()
         command = SCRIPT.get(batch, command)
         twin.tick(command)
-        now = [topic for topic in table if (tick + 1) % (100 // topic.rates[rover]) == 0]
+        now = [topic for topic in table if topic.due(tick + 1, rover)]
         due += [(twin.time_ns, topic, topic.expect(twin)) for topic in now]
     return twin, due
 
 
-def test_every_topic_is_offered_with_its_type_and_reliability(drive: Drive) -> None:
-    table = {name: (topic.kind, topic.reliable) for name, topic in TABLE.items()}
+def test_every_topic_is_offered_with_its_type_reliability_and_durability(drive: Drive) -> None:
+    table = {name: (topic.kind, topic.reliable, topic.latched) for name, topic in TABLE.items()}
     assert drive.listener.offered == table
 
 
@@ -208,10 +225,16 @@ def test_every_message_arrives_once_and_in_order_samples_before_their_clock(driv
     assert counted == Counter(topic.name for _, topic, _ in drive.due)
 
 
+def read(name: str, data: bytes) -> Any:  # noqa: ANN401 - of rclpy, or of rosbags what it cannot read
+    if name in ("/tf", "/tf_static"):
+        return typestore().deserialize_cdr(data, TABLE[name].kind)
+    return deserialize_message(data, KINDS[name])
+
+
 def test_every_field_of_every_message_is_what_mujocos_raw_state_says(drive: Drive) -> None:
     wrong: list[str] = []
     for (name, data), (time_ns, topic, expected) in zip(drive.listener.heard, drive.due, strict=True):
-        message = deserialize_message(data, KINDS[name])
+        message = read(name, data)
         found = differences(message, expected, topic.tolerance, name)
         wrong += [f"t = {time_ns / 1e9:.2f} s: {difference}" for difference in found]
     assert not wrong, f"{len(wrong)} fields:\n" + "\n".join(wrong[:20])
@@ -220,10 +243,16 @@ def test_every_field_of_every_message_is_what_mujocos_raw_state_says(drive: Driv
 def test_the_recording_holds_what_was_heard_at_its_time(drive: Drive) -> None:
     with drive.recording.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
-        kept = list(reader.iter_messages(log_time_order=False))
+        recorded = list(reader.iter_messages(log_time_order=False))
+    kept = [entry for entry in recorded if entry[1].topic not in UNHEARD]
+    (grid,) = [message for _, channel, message in recorded if channel.topic == "/map"]
     kinds = {channel.topic: schema.name for schema, channel, _ in kept if schema}
     with AnyReader([drive.recording]) as bag:
         qos = {c.topic: c.ext.offered_qos_profiles[0] for c in bag.connections}  # type: ignore[union-attr]
+    latched, *_ = [qos.pop(topic, None) for topic in UNHEARD]
+    assert latched is not None
+    assert (latched.depth, latched.durability.name) == (1, "TRANSIENT_LOCAL")
+    check_map(deserialize_message(grid.data, OccupancyGrid))
     assert [(c.topic, m.data) for _, c, m in kept] == drive.listener.heard
     times = [time_ns for time_ns, _, _ in drive.due]
     assert [m.log_time for *_, m in kept] == [m.publish_time for *_, m in kept] == times
@@ -231,8 +260,22 @@ def test_the_recording_holds_what_was_heard_at_its_time(drive: Drive) -> None:
     assert {topic: profile.reliability.name == "RELIABLE" for topic, profile in qos.items()} == {
         name: topic.reliable for name, topic in TABLE.items()
     }
-    others = {(q.history.name, q.depth, q.durability.name) for q in qos.values()}
-    assert others == {("KEEP_LAST", 10, "VOLATILE")}
+    others = {t: (q.history.name, q.depth, q.durability.name) for t, q in qos.items()}
+    assert others == {
+        name: ("KEEP_LAST", topic.depth, "TRANSIENT_LOCAL" if topic.latched else "VOLATILE")
+        for name, topic in TABLE.items()
+    }
+
+
+def check_map(grid: OccupancyGrid) -> None:
+    """On the stage: the wall and the edge are occupied, start and hillside are free."""
+    cells = np.array(grid.data).reshape(grid.info.height, grid.info.width)
+    corner, side = grid.info.origin.position, grid.info.resolution
+    told = {
+        (x, y): int(cells[int((y - corner.y) / side), int((x - corner.x) / side)])
+        for x, y in ((0.95, -0.1), (0.93, 0.35), (0.0, 2.9), (-2.9, 0.0), (0.0, 0.0), (-1.5, 1.5))
+    }
+    assert list(told.values()) == [100, 100, 100, 100, 0, 0], told
 
 
 def test_commands_are_the_finite_ones_and_the_services_say_when(drive: Drive) -> None:

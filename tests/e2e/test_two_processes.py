@@ -92,6 +92,7 @@ def test_lock_step_across_processes_writes_the_same_csv_as_without_ros(tmp_path:
     assert "logging to: " in said
     assert "Traceback" not in said + told
     assert re.search(r"│ /scan +│ +200 │ +200 │ +0 │", told)
+    assert re.search(r"(?m)^/metrics_node: [1-9]\d?% of the run waited for it$", told)
     assert main([*words, "--direct", "--log-dir", str(tmp_path / "direct")]) == 0
     assert only_log(tmp_path / "node").read_bytes() == only_log(tmp_path / "direct").read_bytes()
 
@@ -133,12 +134,3 @@ def rows(log_dir: Path) -> list[dict[str, str]]:
         return []
     with only_log(log_dir).open(newline="") as file:
         return [row for row in csv.DictReader(file) if row["Notes"] is not None]
-
-
-@pytest.mark.usefixtures("ros_domain")
-def test_waiting_for_a_node_on_wall_time_is_refused_with_the_mend(tmp_path: Path) -> None:
-    with started([*METRICS_NODE, "--ros-args", "-p", f"log_dir:={tmp_path}"], tmp_path):
-        with started([*HARNESS, "--terrain", "flat", "--duration", "1"], tmp_path) as harness:
-            told = finished(harness)
-        assert harness.returncode == 2
-    assert "/metrics_node runs on wall time; start it with -p use_sim_time:=true" in told

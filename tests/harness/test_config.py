@@ -174,6 +174,19 @@ def test_a_file_that_has_been_written_anew_is_another_world(tmp_path: Path) -> N
     assert config.world() is config.world()
 
 
+@pytest.mark.parametrize("fault", ["imu:nan@{}", "imu:nan@{}+5", "clock:reset@{}"])
+def test_a_fault_may_begin_with_the_last_tick_but_not_after_it(fault: str) -> None:
+    for begin in (0.0, 2.99, 3.0):
+        EpisodeConfig(duration=3.0, faults=(fault.format(begin),)).validate()
+    late = fault.format(3.01)
+    with pytest.raises(UsageError) as refused:
+        EpisodeConfig(duration=3.0, faults=("imu:nan", late)).validate()
+    assert str(refused.value) == (
+        f"fault '{late}' begins after the end of the run at 3 s; begin it earlier, or give a longer "
+        "--duration"
+    )
+
+
 def test_a_manifest_s_arguments_make_the_same_episode_again() -> None:
     config = EpisodeConfig(
         terrain="a.npy", terrain_size=(20.0, 30.0), start=(1.0, 2.0, 0.5), faults=("imu:nan",)

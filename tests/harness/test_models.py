@@ -337,6 +337,14 @@ def test_the_contact_with_the_ground_has_the_rovers_friction(rover: RoverSpec) -
             assert (own if wins else max(own, ground_friction)) == pytest.approx(friction)
 
 
+def test_the_payload_box_stands_where_the_payloads_mass_does() -> None:
+    """2.95 kg of the 7.48592 kg body; the chassis' own centre of mass is at x = 0 (source: payload)."""
+    model = rover_model(ROVER_ZERO4WD)
+    box, body = model.geom("body_payload"), model.body("rover")
+    assert 2.95 * box.pos[0] == pytest.approx(7.48592 * body.ipos[0], abs=1e-4)
+    assert box.pos[1:] == pytest.approx((0.0, 0.125 + 0.096))
+
+
 @BOTH
 def test_at_rest_the_imu_reads_gravity_upward(rover: RoverSpec) -> None:
     drive = Drive(rover)

@@ -93,7 +93,7 @@ def test_list_names_terrains_with_their_promises_robots_drivers_and_noise(
         (["--direct", "--no-metrics"], "--no-metrics needs ROS; leave out --direct"),
         (["--extended", "--no-metrics"], "start yours with -p extended_columns:=true"),
         (["--direct", "--driver", "cmd_vel"], "--driver cmd_vel needs ROS; leave out --direct"),
-        (["--direct", "--ros-args", "-r", "a:=b"], "--ros-args needs ROS; leave out --direct"),
+        (["--direct", "--ros-args", "-r", "a:=b", "--"], "--ros-args needs ROS; leave out --direct"),
         (["--summary", "/nowhere/x.json"], "there is no folder /nowhere; create it first"),
     ],
 )

@@ -1,5 +1,6 @@
 """harness.topics: its rates with a clock of the test's own, its table over real DDS, its ends."""
 
+import math
 import os
 import re
 import signal
@@ -180,6 +181,54 @@ def test_with_a_simulations_clock_the_rate_is_also_given_in_its_time(scene: Scen
     assert scene.monitor.table().title == "1 topics"
 
 
+def test_rates_are_those_of_sending_however_late_and_in_heaps_messages_are_handled(
+    scene: Scene,
+) -> None:
+    received: dict[str, Callable[[object, dict[str, int]], None]] = {}
+    scene.monitor._node = SimpleNamespace(
+        create_subscription=lambda _, topic, callback, *__, **___: received.update({topic: callback}),
+        get_topic_names_and_types=lambda: [("/imu/data", ["sensor_msgs/msg/Imu"])],
+        count_publishers=lambda _: 1,
+    )
+    scene.monitor.look_around()
+    for number in range(61):  # at 20 Hz; handled ten at once
+        scene.now = 1e9 + math.ceil(number / 10) * 0.5
+        received["/imu/data"](b"", {"source_timestamp": 10**18 + number * 50_000_000})
+        pace = scene.monitor.paces["/imu/data"]
+        if number > 1:
+            assert pace.rate(scene.now) == pytest.approx(20.0, rel=1e-5)
+        assert scene.monitor.too_short() == ["/imu/data"] * (number < 40)
+    scene.now += 1.0
+    received["/imu/data"](b"", {"source_timestamp": 0})  # a middleware, or a clock, that does not tell
+    assert pace.age(scene.now) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("seconds", "unsure", "told"),
+    [
+        (0.01, ["/a", "/b"], "too short a look to tell the rates of /a, /b: --seconds 8 is enough\n"),
+        (0.01, [], ""),
+        (9.0, ["/a"], ""),
+    ],
+)
+def test_a_look_says_that_it_was_too_short(
+    seconds: float,
+    unsure: list[str],
+    told: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = iter(range(1_000_000))
+    monkeypatch.setattr(time, "monotonic", lambda: next(now) * 0.01)
+    monitor: Any = SimpleNamespace(
+        types=("/a", "/b"), look_around=lambda: None, table=lambda: "", too_short=lambda: unsure
+    )
+    executor: Any = SimpleNamespace(spin_once=lambda timeout_sec: None)  # noqa: ARG005
+    with StopRequest() as stop:
+        _watch(monitor, executor, seconds, stop, Console(width=200))
+    assert capsys.readouterr().out.lstrip("\n") == told
+
+
 def test_all_topics_but_plumbing_are_heard_whatever_their_quality_and_listed_by_name(
     scene: Scene,
 ) -> None:
@@ -216,6 +265,7 @@ def test_a_namespace_leaves_out_the_others_but_not_the_clock(ros_domain: int) ->
 def test_ctrl_c_ends_a_look_that_hangs_too(capsys: pytest.CaptureFixture[str]) -> None:
     class Hanging:
         types = ("/imu/data",)
+        too_short = list
 
         def look_around(self) -> None:
             signal.raise_signal(signal.SIGINT)

@@ -286,7 +286,7 @@ def travel(history: History, row: int) -> Cells:
     if speeds and now.any():
         wheels = np.mean([speed for _, speed in speeds])
         pose = lengths[now].sum() / steps([(t, None) for _, t, _ in samples])[now].sum()
-        slip = (wheels - pose) / max(wheels, pose) if max(wheels, pose) >= 0.02 else 0.0
+        slip = (wheels - pose) / max(wheels, pose) if wheels >= 0.05 else ""
     return {
         "VORT [m/s]": np.mean(rough) if rough else "",
         "Slip": slip,
@@ -396,12 +396,18 @@ def test_steps_of_up_to_a_second_forward_tell_jerk_and_speed(step: float, told: 
     assert row["Path Efficiency"] == 1.0  # whatever the time
 
 
-@pytest.mark.parametrize(("speed", "slip"), [(0.02, 1.0), (0.0199999, 0.0)])
-def test_wheels_slip_from_two_centimetres_a_second(speed: float, slip: float) -> None:
+@pytest.mark.parametrize(
+    ("wheels", "pose", "slip"),
+    [(0.05, 0.0, 1.0), (0.05, 0.1, -0.5), (0.0499999, 0.0, ""), (0.0, 0.0159, ""), (0.004, 0.04, "")],
+    ids=["spins", "is outrun", "hardly turns", "creeps parked", "turns in place"],
+)
+def test_slip_is_defined_from_five_centimetres_a_second_of_the_wheels(
+    wheels: float, pose: float, slip: object
+) -> None:
     feed = Feed()
     for t in (0.5, 1.0):
-        feed.pose(t, (0.0, 0.0, 0.0))
-        feed.odometry(t, speed)
+        feed.pose(t, (pose * t, 0.0, 0.0))
+        feed.odometry(t, wheels)
     assert feed.row()["Slip"] == slip
 
 

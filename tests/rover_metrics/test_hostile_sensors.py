@@ -1,6 +1,6 @@
 """The node against sensors that are broken, and the fuzz: each message is survived and accounted for.
 
-The fuzz calls the callbacks as the executor does; a thousand more go through real subscriptions.
+The fuzz calls the callbacks as the executor does; tests/e2e/test_hostile_domain.py goes through DDS.
 """
 
 import array
@@ -35,7 +35,7 @@ SCAN, IMU, POSE, ODOMETRY = SENSORS
 LIMITS = (0.15, 10.0)
 NAN, INF = math.nan, math.inf
 ODD_FLOATS = (NAN, INF, -INF, 0.0, -0.0, -1.0, 1e-300, 1e300, -1e308, 1e5, 427.0, 9.8)
-MESSAGES = 100_000
+MESSAGES = 50_000
 
 
 def remarks(node: "MetricsNode", topic: str) -> dict[str, int]:
@@ -215,7 +215,7 @@ class Fuzz:
         return self._odometry
 
 
-def test_a_hundred_thousand_random_messages_do_no_harm_and_leave_nothing_behind(rig: "Rig") -> None:
+def test_fifty_thousand_random_messages_do_no_harm_and_leave_nothing_behind(rig: "Rig") -> None:
     node = rig.start(stale_after=0.0)
     fuzz, sources = Fuzz(7), {source.name: source for source in SENSORS}
 
@@ -242,24 +242,6 @@ def test_a_hundred_thousand_random_messages_do_no_harm_and_leave_nothing_behind(
     assert rejected["/scan"] == 0
     assert len(node.metrics._smoothness) == WINDOW
     assert node.lost_rows == 0
-
-
-def test_random_messages_through_real_subscriptions_are_all_counted(rig: "Rig") -> None:
-    node = rig.start()
-    kinds = {
-        "scan": LaserScan,
-        "imu/data": Imu,
-        "rover/pose_array": PoseArray,
-        "odometry/wheels": Odometry,
-    }
-    publishers = {topic: rig.publisher(kind, topic) for topic, kind in kinds.items()}
-    fuzz = Fuzz(8)
-    for _ in range(1000):
-        topic, message = fuzz.message()
-        before = node.received[f"/{topic}"]
-        publishers[topic].publish(message)
-        rig.spin_until(lambda topic=topic, before=before: node.received[f"/{topic}"] > before)  # type: ignore[misc]
-    assert sum(node.received.values()) == 1000
 
 
 def test_the_account_of_a_broken_sensor_does_not_grow(rig: "Rig") -> None:

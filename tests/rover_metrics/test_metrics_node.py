@@ -25,7 +25,7 @@ from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Bool, Float64MultiArray
-from std_srvs.srv import Trigger
+from std_srvs.srv import SetBool, Trigger
 
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.core.row import Row
@@ -36,7 +36,8 @@ from rover_metrics.extended.truth_columns import TRAVERSAL
 from rover_metrics.health import rejections
 from rover_metrics.health.reception import Reception
 from rover_metrics.health.watches import STANDS_STILL
-from rover_metrics.metrics_node import MetricsNode
+from rover_metrics.metrics_node import KEEPS_ORDER, MetricsNode
+from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR
 from rover_metrics.session import MetricsSession
 from rover_metrics.topics import SENSORS, TRUTH, Source
 
@@ -217,6 +218,18 @@ def test_the_received_service_tells_what_arrived_and_what_was_written(rig: "Rig"
     assert node.rows >= 1
 
 
+def test_a_simulator_tells_whether_it_waits_for_this_node(rig: "Rig") -> None:
+    node = rig.start()
+    assert not node.in_lock_step
+    client = rig.simulator.create_client(SetBool, "/metrics_node/lock_step")
+    rig.spin_until(client.service_is_ready)
+    for waits in (True, False):
+        future = client.call_async(SetBool.Request(data=waits))
+        rig.spin_until(future.done)
+        assert (future.result().success, node.in_lock_step) == (True, waits)
+        assert (future.result().message == KEEPS_ORDER) is (waits and HAS_EVENTS_EXECUTOR)
+
+
 # Parameters
 
 
@@ -273,6 +286,14 @@ def test_a_launch_with_a_value_that_is_not_valid_says_what_is(
     assert list(rig.folder.iterdir()) == []
 
 
+@pytest.mark.parametrize(("name", "meant"), [("sim_time", "use_sim_time"), ("fsinc", "fsync")])
+def test_a_launch_that_misspells_a_parameter_is_told_the_nearest(
+    rig: "Rig", name: str, meant: str
+) -> None:
+    with pytest.raises(ParameterError, match=rf"^there is no parameter {name}; did you mean {meant}\?$"):
+        rig.start(**{name: True, "qos_overrides./scan.x": "y", "of_another_node": 3})
+
+
 def test_a_threshold_changed_by_another_node_holds_for_the_next_message(rig: "Rig") -> None:
     node = rig.start()
     node.take(SCAN, rig.scan(0.5))
@@ -323,6 +344,8 @@ def test_parameters_that_are_not_the_nodes_own_can_still_be_set(rig: "Rig") -> N
         ("lidar_pose", [0.0], "give x and y in metres, yaw in radians"),
         ("lidar_pose", [0, 0, 3], "a list of three numbers with decimal points"),
         ("footprint_threshold", 1, "a number with a decimal point"),
+        ("colision_threshold", 0.3, "there is no parameter colision_threshold; did you mean coll"),
+        ("", 0.3, "there is no parameter "),
     ],
 )
 def test_a_change_that_is_not_valid_is_rejected_with_the_reason(

@@ -142,6 +142,7 @@ def test_an_exception_in_a_callback_is_in_the_record_and_on_the_terminal(tmp_pat
 MISTAKES = {
     "debug_mode:=1": "parameter debug_mode must be true or false, not 0 or 1",
     "collision_threshold:=1": "(1.0, not 1) from 0.0 to 100.0 m",
+    "colision_threshold:=1.0": "no parameter colision_threshold; did you mean collision_threshold?",
     "debug_interval:=0": "an integer from 1 to",
     "log_dir:=/dev/null": "/dev/null: File exists; a file stands where a folder should be",
     "debug_mode": "Couldn't parse parameter override rule",

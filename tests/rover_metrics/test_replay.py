@@ -254,6 +254,17 @@ def test_rows_follow_the_clock_topic_where_there_is_one(tmp_path: Path) -> None:
     assert [row[1:] for row in recorded] == [row[1:] for row in cells(expected_rows())]
 
 
+def test_a_clock_that_is_no_time_is_left_out_as_the_node_leaves_it_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    messages = drive()
+    for sec, nanosec in ((-1, 0), (-(2**31), 7), (2, 10**9)):
+        stamp = make("builtin_interfaces/msg/Time", sec=sec, nanosec=nanosec)
+        messages.insert(70, (CLOCK, messages[70][1], cdr(TYPES[CLOCK], clock=stamp)))
+    assert replay(write_mcap(tmp_path / "bag.mcap", messages)) == cells(expected_rows())
+    assert "/clock: 3 messages are empty, not finite or impossible, left out" in capsys.readouterr().err
+
+
 def test_recording_without_clock_follows_recorded_time_and_tells_of_other_stamps(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -11,9 +11,9 @@ from harness.run import main as run
 from rover_metrics import analyze
 from rover_metrics.bag.bag_reader import Bag
 from rover_metrics.bag.mcap_stream import BagError
-from rover_metrics.bag.options import read_parameters
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.errors import RoverMetricsError
+from rover_metrics.extended.parameter_file import read_values
 
 SECRET = "not for you"  # noqa: S105 - what must not be touched
 HOSTILE_NAMES = ("..csv", "..%2f..%2fup.csv", "$(touch up).csv", "a;touch up.csv", "a\nb.csv")
@@ -66,7 +66,7 @@ def test_metadata_cannot_make_a_bag_read_files_elsewhere(tmp_path: Path, listed:
 OBJECT = "!!python/object/apply:pathlib.Path.touch [!!python/object/apply:pathlib.Path [{}]]\n"
 
 
-@pytest.mark.parametrize("read", [read_parameters, lambda path: Bag(path.parent)])
+@pytest.mark.parametrize("read", [read_values, lambda path: Bag(path.parent)])
 def test_yaml_makes_no_objects(read: Callable[[Path], object], tmp_path: Path) -> None:
     bag = tmp_path / "bag"
     bag.mkdir()

@@ -1,7 +1,11 @@
 """How kernels are compiled: at import or from the cache on disk, never at the first scan."""
 
+import os
+import stat
 import sys
+import tempfile
 from collections.abc import Callable
+from pathlib import Path
 from typing import TypeVar
 
 # numba imports coverage.py wherever it is installed: a tenth of a second of each start, for nothing.
@@ -19,10 +23,57 @@ def kernel(signature: str) -> Callable[[F], F]:
     """Compiles a function for one signature; it releases the GIL, its code is kept in __pycache__.
 
     Numba renews the cache when the kernel's own file changes, and only then: a kernel and its
-    `inlined` helpers belong in one file. No fastmath, no threads: equal input gives equal bits.
+    `inlined` helpers belong in one file. No fastmath, no threads: equal input gives equal bits, those
+    that Python itself gives (NUMBA_DISABLE_JIT).
+
+    Where neither __pycache__ nor the user's cache can be written, as in a container that is run by
+    another user than built it, the code is kept in a temporary folder, or not at all.
     """
-    decorator: Callable[[F], F] = numba.njit(signature, cache=True, nogil=True, error_model="numpy")
-    return decorator
+
+    def compiled(function: F) -> F:
+        try:
+            return _compiled(signature, function, cache=True)
+        except RuntimeError:  # numba's "no locator available"
+            folder = _temporary_cache()
+            numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"] = folder or ""
+            return _compiled(signature, function, cache=folder is not None)
+
+    return compiled
+
+
+def _compiled(signature: str, function: F, *, cache: bool) -> F:
+    dispatcher: F = numba.njit(signature, cache=cache, nogil=True, error_model="numpy")(function)
+    return dispatcher
+
+
+def _temporary_cache() -> str | None:
+    """Returns a folder that is this user's alone; None if there is none. A new one, or none, is told.
+
+    Who can write there can have any code run: numba unpickles what it finds.
+    """
+    user = getattr(os, "getuid", lambda: None)()  # Windows has none, nor needs one
+    folder = Path(tempfile.gettempdir(), f"rover_harness_kernels_{user}")
+    try:
+        folder.mkdir(mode=0o700)
+    except FileExistsError:
+        found = folder.lstat()
+        if stat.S_ISDIR(found.st_mode) and found.st_uid == user and not found.st_mode & 0o077:
+            return str(folder)
+    except OSError:
+        pass
+    else:
+        _tell(f"compiled kernels are kept in {folder}")
+        return str(folder)
+    _tell("kernels are compiled anew at each start")
+    return None
+
+
+def _tell(what: str) -> None:
+    print(
+        f"harness: {what}: neither the installation nor the user's cache can be written "
+        "(NUMBA_CACHE_DIR names another folder)",
+        file=sys.stderr,
+    )
 
 
 def inlined(function: F) -> F:

@@ -74,8 +74,9 @@ def _hit_cell(
 ) -> float:
     """First t of the stay in a cell at which the clearance is no longer on `side` (+1 or -1)."""
     u, v, w, du, dv, dw = ray
-    near, far = float(heights[row, col]), float(heights[row + 1, col + 1])
-    right, left = float(heights[row, col + 1]), float(heights[row + 1, col])
+    # As float32: numba's float() would leave them so, Python's would not, and the bits would differ.
+    near, far = heights[row, col], heights[row + 1, col + 1]
+    right, left = heights[row, col + 1], heights[row + 1, col]
     a, b = u - col, v - row
     # Clearance over the planes of the two triangles, each as start + rate * t.
     start = w - (near + (right - near) * a + (far - right) * b)
@@ -90,14 +91,14 @@ def _hit_cell(
     crossing = end
     if at_begin * at_end < 0.0:
         crossing = min(max(-off_diagonal / drift, begin), end)
-    before = side * (start + rate * begin)
+    before: float = side * (start + rate * begin)
     if before <= 0.0:
         return begin
-    after = side * (start + rate * crossing)
+    after: float = side * (start + rate * crossing)
     if after <= 0.0:
         return begin + (crossing - begin) * (before / (before - after))
     if crossing < end:
-        last = side * (other_start + other_rate * end)
+        last: float = side * (other_start + other_rate * end)
         if last <= 0.0:
             return crossing + (end - crossing) * (after / (after - last))
     return MISS

@@ -1,12 +1,21 @@
-"""The metrics of a log by the codes of RoboTerrain's metrics_analyzer, and how each is reported."""
+"""The metrics of a log by the codes of RoboTerrain's metrics_analyzer, and how each is reported.
+
+Every other column of a log is a metric too, under its own name.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
 
+from rover_metrics.errors import printable
+from rover_metrics.extended.metrics import EXTENDED_COLUMNS as _EXTENDED
+
 STAMP = "Timestamp"
 ROUGH = "Is Rough Terrain"
+COLLISION = "Current Collision Status"
+SMOOTHNESS, SMOOTHNESS_SUM = "Current Smoothness", "Smoothness Metric"
+CLEARANCE, ACCELERATION = "Obstacle Clearance", "IMU Acceleration Magnitude"
 DISTANCE = "Distance Traveled"
 NOTES = "Notes"
 VORT = "VORT [m/s]"
@@ -29,7 +38,7 @@ class Metric:
     """One metric.
 
     Attributes:
-        code: RoboTerrain's short name.
+        code: RoboTerrain's short name; of any other column its name in the log.
         column: Column of the log.
         title: What is reported, for tables and axes.
         unit: Unit of what is reported.
@@ -54,18 +63,30 @@ class Metric:
         return (self.column, ROUGH) if self.rough_only else (self.column,)
 
     @property
+    def short(self) -> str:
+        """What it is called where room is scarce: its code, or the column's name without a unit."""
+        return self.title if is_other(self.column) else self.code
+
+    @property
     def label(self) -> str:
         """What is reported, with its unit."""
-        return f"{self.title} [{self.unit}]"
+        return f"{self.title} [{self.unit}]" if self.unit else self.title
 
 
 _ALL = (
     Metric("TC", "Total Collisions", "Collisions", "scans/min", Kind.COUNTER),
-    Metric("CS", "Current Collision Status", "Time in collision", "% of rows", Kind.FLAG),
-    Metric("SM", "Smoothness Metric", "Smoothness sum", "(m/s² + rad/s)/min", Kind.COUNTER),
+    Metric("CS", COLLISION, "Time in collision", "% of rows", Kind.FLAG),
+    Metric("SM", SMOOTHNESS_SUM, "Smoothness sum", "(m/s² + rad/s)/min", Kind.COUNTER),
+    Metric(
+        "TSR",
+        SMOOTHNESS,
+        "Smoothness of the route",
+        "m/s² + rad/s",
+        thresholds=("smoothness_threshold",),
+    ),
     Metric(
         "OC",
-        "Obstacle Clearance",
+        CLEARANCE,
         "Obstacle clearance",
         "m",
         thresholds=("collision_threshold", "min_safe_clearance"),
@@ -82,7 +103,7 @@ _ALL = (
     ),
     Metric(
         "IM",
-        "IMU Acceleration Magnitude",
+        ACCELERATION,
         "IMU acceleration",
         "m/s²",
         thresholds=("rough_terrain_threshold",),
@@ -95,5 +116,23 @@ METRICS: Mapping[str, Metric] = MappingProxyType({metric.code: metric for metric
 
 COUNTERS = tuple(metric.column for metric in _ALL if metric.kind is Kind.COUNTER)
 FLAGS = tuple(metric.column for metric in _ALL if metric.kind is Kind.FLAG)
-EXTENDED_COLUMNS = tuple(metric.extended_column for metric in _ALL if metric.extended_column)
 METRIC_COLUMNS = tuple(dict.fromkeys(metric.column for metric in _ALL))
+
+_CUMULATIVE = {column.header for column in _EXTENDED if column.cumulative}
+
+
+def is_other(column: str) -> bool:
+    """Returns whether a column of a log is neither time, nor text, nor read for one of the codes."""
+    known = (STAMP, NOTES, *METRIC_COLUMNS, *(metric.extended_column for metric in _ALL))
+    return bool(column) and column not in known
+
+
+def other_metric(column: str) -> Metric:
+    """Returns the metric of a column that has no code: of a count its rate, else the values."""
+    name = printable(column)
+    title, bracket, rest = name.rpartition(" [")
+    title, unit = (title, rest[:-1]) if bracket and rest.endswith("]") else (name, "")
+    unit = unit.replace("^2", "²").replace("^3", "³")
+    if column in _CUMULATIVE:
+        return Metric(name, column, title, f"{unit or '1'}/min", Kind.COUNTER)
+    return Metric(name, column, title, unit)

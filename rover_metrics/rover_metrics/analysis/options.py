@@ -8,9 +8,11 @@ from functools import partial
 from pathlib import Path
 from typing import NoReturn
 
+from rover_metrics.analysis.choice import ALL
 from rover_metrics.analysis.logs.reading import DEFAULT_GAP
 from rover_metrics.analysis.logs.time_axis import AXES
 from rover_metrics.analysis.metric import METRICS
+from rover_metrics.analysis.pairing import PAIRINGS
 from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER
 from rover_metrics.analysis.study import PLOTS
 from rover_metrics.errors import OneLineParser, RoverMetricsError
@@ -45,7 +47,8 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         UsageError: The words make no sense; the message names the valid choices.
     """
     options = _parser().parse_args(arguments)
-    options.metrics = list(dict.fromkeys(options.metrics))
+    if options.plots is None:
+        options.plots = ["comparison" if ALL in map(str.casefold, options.metrics) else "time_series"]
     if options.fixed_interval is None:
         options.normalize = options.normalize or "percentage"
         options.fixed_interval = DEFAULT_INTERVAL
@@ -60,7 +63,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
 
 def _check_groups(options: argparse.Namespace) -> None:
     if not options.versus:
-        for name in ("group_names", "unit"):
+        for name in ("group_names", "unit", "pair_by"):
             if getattr(options, name) is not None:
                 raise UsageError(f"--{name.replace('_', '-')} has no effect without --versus LOG...")
     shared = {path.resolve() for path in options.logs} & {path.resolve() for path in options.versus}
@@ -72,6 +75,9 @@ def _check_groups(options: argparse.Namespace) -> None:
     if not "".join(options.group_names).isprintable():
         raise UsageError("--group-names must be names that can be printed")
     options.unit = options.unit or "log"
+    if options.unit == "episode" and options.pair_by in ("seed", "order"):
+        raise UsageError(f"--pair-by {options.pair_by} pairs logs; give --unit log")
+    options.pair_by = options.pair_by or "seed"
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -87,20 +93,20 @@ def _parser() -> argparse.ArgumentParser:
         "-m",
         "--metrics",
         nargs="+",
-        type=str.upper,
-        choices=tuple(METRICS),
         default=list(METRICS),
         metavar="CODE",
-        help=f"what to report, of {' '.join(METRICS)}; default: all",
+        help=f"what to report, of {' '.join(METRICS)}; or any column by its name, extended ones too; or "
+        f"{ALL}: every column, with --versus those with the largest effect first; default: the codes",
     )
     add(
         "-p",
         "--plots",
+        "--plot-types",
         nargs="*",
         choices=PLOTS,
-        default=["time_series"],
         metavar="PLOT",
-        help=f"what to draw, of {' '.join(PLOTS)}; none if none is named; default: time_series",
+        help=f"what to draw, of {' '.join(PLOTS)}; none if none is named; "
+        f"default: time_series, with -m {ALL} comparison",
     )
     axes = f"time axis of the plots, of {' '.join(AXES)}; default: percentage"
     add("-n", "--normalize", choices=AXES, metavar="AXIS", help=axes)
@@ -122,9 +128,16 @@ def _parser() -> argparse.ArgumentParser:
         "and driver"
     )
     add("--unit", choices=("log", "episode"), help=unit)
+    pairs = (
+        "pair the logs of the two groups: seed: by the seeds in their records, if each has its partner; "
+        "order: first with first, and so on; none: never; default: seed"
+    )
+    add("--pair-by", choices=PAIRINGS, help=pairs)
     gap = f"an episode ends where no row follows for longer than this; default: {DEFAULT_GAP}"
     add("--gap", type=_positive, default=DEFAULT_GAP, metavar="S", help=gap)
-    folder = "folder for plots and outliers; default: output"
-    add("-o", "--output", type=Path, default=Path("output"), metavar="DIR", help=folder)
+    folder = "folder for whatever is written; default: output"
+    add("-o", "--output", "--output-dir", type=Path, default=Path("output"), metavar="DIR", help=folder)
+    add("--csv", action="store_true", help="write every number to CSV files in the output folder")
+    add("--latex", action="store_true", help="write the tables for LaTeX (booktabs) there, one a file")
     add("--json", action="store_true", help="print JSON instead of tables")
     return parser

@@ -12,6 +12,7 @@ from rover_metrics.analysis.metric import Metric
 from rover_metrics.analysis.result import LogResult, Result
 from rover_metrics.analysis.statistics.comparison import Comparison, compare, holm
 from rover_metrics.analysis.statistics.correlation import Correlation, combine, correlate
+from rover_metrics.analysis.statistics.power import describe_power
 from rover_metrics.analysis.statistics.series import rate_per_metre
 from rover_metrics.analysis.statistics.summary import Summary, summarise, summarise_independent
 from rover_metrics.analysis.study import Member, Study
@@ -24,6 +25,7 @@ _MOST_CORRELATED = 200_000  # rows; of longer logs every k-th is taken, as neigh
 def analyse(study: Study) -> Result:
     """Works out everything there is to say in numbers."""
     options = study.options
+    comparisons = _comparisons(study)
     logs = tuple(_log_result(study, member) for member in study.members)
     return Result(
         confidence=options.confidence,
@@ -34,7 +36,9 @@ def analyse(study: Study) -> Result:
         logs=logs,
         across={group: _across(study, logs, group) for group in study.groups},
         correlations=_combined([log.correlations for log in logs]),
-        comparisons=_comparisons(study),
+        comparisons=comparisons,
+        titles={metric.code: metric.label for metric in options.metrics},
+        notes=tuple(describe_power(comparisons, options.unit, 1 - options.confidence)),
     )
 
 
@@ -99,15 +103,15 @@ def _across(study: Study, logs: Sequence[LogResult], group: str) -> Mapping[str,
 def _comparisons(study: Study) -> tuple[Comparison, ...]:
     if len(study.groups) != 2:
         return ()
-    first, second = study.groups
-    return _with_holm(
-        [
-            compare(
-                metric.code,
-                study.observations(metric, first),
-                study.observations(metric, second),
-                study.options.confidence,
-            )
-            for metric in study.options.metrics
-        ]
-    )
+    found = [
+        compare(
+            metric.code,
+            *study.compared(metric),
+            study.options.confidence,
+            paired=bool(study.pairs),
+        )
+        for metric in study.options.metrics
+    ]
+    if study.options.ranked:
+        found.sort(key=lambda item: -item.effect)
+    return _with_holm(found)

@@ -2,7 +2,9 @@
 
 import contextlib
 import csv
-from collections.abc import Iterator
+import itertools
+import re
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import matplotlib as mpl
@@ -17,9 +19,14 @@ from rover_metrics.analysis.plots.time_series import draw_time_series
 from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.statistics.series import metric_series
 from rover_metrics.analysis.study import Study
+from rover_metrics.analysis.tables.export import write_csv
+from rover_metrics.analysis.tables.latex import latex
+from rover_metrics.analysis.tables.sheets import sheets
 from rover_metrics.core.row import Field
 from rover_metrics.errors import RoverMetricsError
 from rover_metrics.log.csv_log import harmless
+
+_LONGEST_NAME = 60  # letters of a file name
 
 
 class OutputError(RoverMetricsError):
@@ -70,8 +77,9 @@ def _figures(study: Study, result: Result) -> Iterator[tuple[str, Figure | None]
     """Draws one figure at a time, so that no more than one is in memory."""
     options = study.options
     if "time_series" in options.plots:
-        for metric in options.metrics:
-            yield f"time_series_{metric.code}", draw_time_series(study, metric)
+        names = _file_names([metric.code for metric in options.metrics])
+        for metric, name in zip(options.metrics, names, strict=True):
+            yield f"time_series_{name}", draw_time_series(study, metric)
     if "correlation" in options.plots:
         alpha = 1 - options.confidence
         yield "correlation", draw_correlation(result.correlations, options.metrics, alpha)
@@ -79,6 +87,39 @@ def _figures(study: Study, result: Result) -> Iterator[tuple[str, Figure | None]
         yield "aggregate", draw_aggregate(study)
     if "comparison" in options.plots:
         yield "comparison", draw_comparison(study, result)
+
+
+def _file_names(codes: Sequence[str]) -> list[str]:
+    """Returns a part of a file name for each code, which may be any column's name; all differ."""
+    names: list[str] = []
+    for code in codes:
+        plain = re.sub(r"[^A-Za-z0-9]+", "_", code).strip("_")[:_LONGEST_NAME] or "column"
+        numbered = itertools.chain([plain], (f"{plain}_{number}" for number in itertools.count(2)))
+        taken = {name.casefold() for name in names}  # some file systems know no capitals
+        names.append(next(name for name in numbered if name.casefold() not in taken))
+    return names
+
+
+def save_tables(result: Result, folder: Path, *, as_csv: bool, as_latex: bool) -> list[Path]:
+    """Writes the numbers of a result, and returns the files.
+
+    Args:
+        result: What was found out.
+        folder: Must exist.
+        as_csv: Whether to write every number to CSV files.
+        as_latex: Whether to write each table for LaTeX.
+
+    Raises:
+        OutputError: A file cannot be written.
+    """
+    files: list[Path] = []
+    with _writing(folder):
+        if as_csv:
+            files += write_csv(result, folder)
+        for sheet in sheets(result) if as_latex else ():
+            files.append(folder / f"{sheet.file}.tex")
+            files[-1].write_text(latex(sheet), encoding="utf-8")
+    return files
 
 
 def save_outliers(study: Study, folder: Path) -> Path:

@@ -2,9 +2,10 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Literal
 
+from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.correlation import Correlation
 from rover_metrics.analysis.statistics.summary import Summary
@@ -66,6 +67,8 @@ class Result:
         across: By group and code, the means of the logs as independent observations.
         correlations: Combined over the logs.
         comparisons: Second group against the first, one a metric.
+        titles: What each metric reports, with its unit, by code.
+        notes: What to know before the comparisons are believed.
         skipped: Files that could not be analysed.
         files: What was written.
     """
@@ -79,6 +82,10 @@ class Result:
     across: Mapping[str, Mapping[str, Summary]]
     correlations: tuple[Correlation, ...]
     comparisons: tuple[Comparison, ...] = ()
+    titles: Mapping[str, str] = field(
+        default_factory=lambda: {metric.code: metric.label for metric in METRICS.values()}
+    )
+    notes: tuple[str, ...] = ()
     skipped: tuple[Skipped, ...] = ()
     files: tuple[str, ...] = ()
 

@@ -1,6 +1,7 @@
 """The logs of an analysis, how they are named and grouped, and what is to be found out about them."""
 
 import itertools
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from rover_metrics.analysis.logs.log import Floats, Log
 from rover_metrics.analysis.logs.time_axis import TimeAxis
 from rover_metrics.analysis.metric import METRICS, Metric
+from rover_metrics.analysis.pairing import Pairs
 from rover_metrics.analysis.result import Unit
 from rover_metrics.analysis.statistics.series import DEFAULT_MULTIPLIER, Series, metric_series
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
@@ -21,15 +23,25 @@ from rover_metrics.errors import printable
 PlotName = Literal["time_series", "correlation", "aggregate", "comparison"]
 PLOTS: tuple[PlotName, ...] = get_args(PlotName)
 _LONGEST_LABEL = 40  # characters
+_LOG_PREFIX = "metrics_log_"
+_TIME_STAMP = re.compile(_LOG_PREFIX + r"\d{8}_\d{6}\w*")  # as metrics_node calls its files
 
 
-def labels(paths: Sequence[Path]) -> list[str]:
-    """Names different logs by the ends of their paths, as many folders as it takes to tell them apart.
+def labels(logs: Sequence[Log]) -> list[str]:
+    """Names different logs: by what a person called the file, else by what was driven, else by its time.
 
-    Returns one name a path, without control characters, at most 40 characters and a number.
+    Names that are alike take what tells them apart: the time, then as many folders as it takes.
+
+    Returns one name a log, without control characters, at most 40 characters and a number.
     """
-    parts = [(*path.absolute().parts[1:-1], path.stem) for path in paths]
-    depths = [1] * len(paths)
+    names = [_name(log) for log in logs]
+    counts = Counter(names)
+    names = [
+        f"{name}, {_time_stamp(log.path)}" if counts[name] > 1 and name != log.path.stem else name
+        for name, log in zip(names, logs, strict=True)
+    ]
+    parts = [(*log.path.absolute().parts[1:-1], name) for log, name in zip(logs, names, strict=True)]
+    depths = [1] * len(parts)
     while True:
         names = ["/".join(part[-depth:]) for part, depth in zip(parts, depths, strict=True)]
         counts = Counter(names)
@@ -42,6 +54,22 @@ def labels(paths: Sequence[Path]) -> list[str]:
     counts = Counter(names)
     numbers = {name: itertools.count(1) for name in counts}
     return [f"{name} ({next(numbers[name])})" if counts[name] > 1 else name for name in names]
+
+
+def _name(log: Log) -> str:
+    """Returns the file's stem, or robot, terrain, difficulty and seed where the stem is but a time."""
+    told = log.arguments
+    if not _TIME_STAMP.fullmatch(log.path.stem) or not {"robot", "terrain", "seed"} <= set(told):
+        return log.path.stem
+    terrain = Path(str(told["terrain"]))  # a name, or a heightmap, which has no difficulty
+    difficulty = told.get("difficulty")
+    if terrain.suffix or not isinstance(difficulty, int | float):
+        return f"{told['robot']} {terrain.stem} seed {told['seed']}"
+    return f"{told['robot']} {terrain.stem} {difficulty:g} seed {told['seed']}"
+
+
+def _time_stamp(path: Path) -> str:
+    return path.stem.removeprefix(_LOG_PREFIX)
 
 
 def _shortened(name: str) -> str:
@@ -59,6 +87,7 @@ class Options:
         iqr_multiplier: Interquartile ranges beyond the quartiles where an outlier begins.
         remove_outliers: Whether outliers are left out of everything; they are counted anyway.
         unit: One observation of a comparison: the mean of a log or of an episode.
+        ranked: Whether metrics are compared in the order of their effects.
         plots: What is drawn; pairs of metrics are correlated only if that is.
         axis: Time axis of the plots that have one.
     """
@@ -68,6 +97,7 @@ class Options:
     iqr_multiplier: float = DEFAULT_MULTIPLIER
     remove_outliers: bool = False
     unit: Unit = "log"
+    ranked: bool = False
     plots: tuple[PlotName, ...] = ()
     axis: TimeAxis = field(default_factory=TimeAxis)
 
@@ -83,11 +113,19 @@ class Member:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """Logs, in one group or in two that are compared, and how to look at them."""
+    """Logs, in one group or in two that are compared, and how to look at them.
+
+    Attributes:
+        members: The logs.
+        groups: Names of the groups.
+        options: What to look at.
+        pairs: Places of the logs that belong together, in the first group and in the second.
+    """
 
     members: tuple[Member, ...]
     groups: tuple[str, ...]
     options: Options
+    pairs: Pairs = ()
 
     def with_metric(self, metric: Metric) -> list[Member]:
         """Returns the logs that have the columns of a metric."""
@@ -115,11 +153,28 @@ class Study:
 
     def observations(self, metric: Metric, group: str) -> Floats:
         """Returns one mean per log (or episode) of a group, where there is one."""
-        means = []
-        for member in self.with_metric(metric):
-            if member.group == group:
-                series = self.series(member.log, metric)
-                units = member.log.episodes if self.options.unit == "episode" else [slice(None)]
-                means += [series.mean(rows) for rows in units]
-        values = np.array(means, dtype=np.float64)
+        values = self._means(metric, group)
         return values[np.isfinite(values)]
+
+    def compared(self, metric: Metric) -> tuple[Floats, Floats]:
+        """Returns the observations of the two groups; of pairs in their order, those that are whole."""
+        first, second = self.groups
+        if not self.pairs:
+            return self.observations(metric, first), self.observations(metric, second)
+        places = np.array(self.pairs).T
+        both = [
+            self._means(metric, group)[of_group]
+            for group, of_group in zip(self.groups, places, strict=True)
+        ]
+        whole = np.isfinite(both).all(axis=0)
+        return both[0][whole], both[1][whole]
+
+    def _means(self, metric: Metric, group: str) -> Floats:
+        """Returns one mean per log (or episode) of a group, NaN where there is none."""
+        means: list[float] = []
+        for member in self.members:
+            if member.group == group:
+                units = member.log.episodes if self.options.unit == "episode" else [slice(None)]
+                series = self.series(member.log, metric) if member.log.has(metric) else None
+                means += [np.nan if series is None else series.mean(rows) for rows in units]
+        return np.array(means, dtype=np.float64)

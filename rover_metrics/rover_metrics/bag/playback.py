@@ -21,7 +21,7 @@ from rover_metrics.core.row import Row
 from rover_metrics.session import MetricsSession
 from rover_metrics.timing.clocks import NANOSECONDS, age
 from rover_metrics.timing.recorded_time import ClockRows, FullSeconds, TimeSource
-from rover_metrics.topics import CLOCK, SENSORS, TRUTH, Source, nanoseconds, stamp_ns
+from rover_metrics.topics import CLOCK, SENSORS, TRUTH, Source, is_time, nanoseconds, stamp_ns
 
 MOST_NOTES = 5
 
@@ -113,7 +113,8 @@ class Playback:
 
     def _time(self, message: Message, parsed: Any | None) -> int | None:  # noqa: ANN401
         if self.time_source is TimeSource.SIM:
-            return nanoseconds(parsed.clock) if parsed and hasattr(parsed, "clock") else None
+            clock = getattr(parsed, "clock", None)
+            return nanoseconds(clock) if clock is not None and is_time(clock) else None
         stamp = stamp_ns(parsed) if hasattr(parsed, "header") else 0  # 0: never set
         if self.time_source is TimeSource.HEADER:
             return stamp or None

@@ -26,6 +26,7 @@ class Column:
         formula: How it is computed, and over which window.
         source: Topics and fields.
         rate_invariant: Whether the sensor's rate does not show in it, or how it does.
+        cumulative: Whether it counts or sums from the start on, so that only its growth says anything.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Column:
     formula: str
     source: str
     rate_invariant: str = "yes"
+    cumulative: bool = False
 
     @property
     def header(self) -> str:
@@ -56,6 +58,7 @@ ROBOTERRAIN_COLUMNS = (
         formula="Scans whose nearest finite range is below collision_threshold, strictly.",
         source=_SCAN,
         rate_invariant=_COUNTS_SCANS,
+        cumulative=True,
     ),
     Column(
         name="Current Collision Status",
@@ -71,12 +74,14 @@ ROBOTERRAIN_COLUMNS = (
         formula="Sum of |a| + |w| over all samples.",
         source=_IMU,
         rate_invariant="no: it grows with the rate; per sample it does not",
+        cumulative=True,
     ),
     Column(
         name="Current Smoothness",
         unit="m/s^2 + rad/s",
         meaning="How rough the ride is now; about 9.8 at rest.",
-        formula="Mean of |a| + |w| over the last 100 samples; 0 before the first.",
+        formula="Mean of |a| + |w| over the last 100 samples; 0 before the first. RoboTerrain's own "
+        "node takes all samples since the start, since January 2025.",
         source=_IMU,
         rate_invariant=_WINDOW,
     ),
@@ -95,6 +100,7 @@ ROBOTERRAIN_COLUMNS = (
         formula="Sum of the steps between poses shorter than distance_threshold.",
         source="/rover/pose_array poses[0].position",
         rate_invariant="yes, unless the pose is noisy: noise lengthens a path, and a fast one more",
+        cumulative=True,
     ),
     Column(
         name="Current Velocity",

@@ -1,7 +1,9 @@
 """Traversal metrics: sensor samples in, a row out. No ROS, no clock, no file.
 
 Semantics are those of RoboTerrain's metrics node, literally: the minimum of the finite ranges,
-strict comparisons, one collision per scan, gravity included, windows of the last 100 samples.
+strict comparisons, one collision per scan, gravity included, windows of the last 100 samples. The
+windows are those of its specification, not of its code: since January 2025 that never trims the IMU's
+buffer, so in its logs Current Smoothness is the mean since the start.
 All sums and means are float64; ranges pass through float32 as in sensor_msgs/LaserScan, so samples
 that come straight from a simulator and samples that came over ROS give the same rows, to the byte.
 """

@@ -26,6 +26,7 @@ class ScanColumns:
             formula="Scans that Total Collisions counts; a new event begins after "
             f"{CONTACT_GAP_NS / 1e9:g} s or more without one, by the scans' stamps.",
             source="/scan",
+            cumulative=True,
         ),
         Column(
             name="Near Return Scans",
@@ -33,6 +34,7 @@ class ScanColumns:
             formula="Scans with at least one range of -inf (REP-117).",
             source="/scan",
             rate_invariant="no: it counts scans",
+            cumulative=True,
         ),
         Column(
             name="Footprint Clearance",
@@ -49,6 +51,7 @@ class ScanColumns:
             formula="Count; strictly below.",
             source=_FOOTPRINT,
             rate_invariant="no: it counts scans",
+            cumulative=True,
         ),
     )
 

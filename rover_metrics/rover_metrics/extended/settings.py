@@ -1,5 +1,6 @@
 """All parameters of metrics_node as values: its own, the thresholds, those of the extended columns."""
 
+import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -10,6 +11,7 @@ from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO, Th
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose
 
+NEARLY = 0.75  # of 1: so alike, one name is taken for a slip of the other
 STANDARD_GRAVITY = 9.80665  # m/s^2, ISO 80000-3
 
 
@@ -133,3 +135,27 @@ def _known(values: Mapping[str, Any], infos: Mapping[str, ParameterInfo]) -> dic
 PARAMETERS: Mapping[str, ParameterInfo] = MappingProxyType(
     {**parameters_of(Settings), **THRESHOLD_INFO, **EXTENDED_INFO}
 )
+OF_EVERY_NODE = ("use_sim_time", "start_type_description_service")
+QOS_OVERRIDES = "qos_overrides."  # what their names begin with
+
+
+def check_name(name: str, *, may_be_others: bool) -> bool:
+    """Returns whether a parameter is one of PARAMETERS; False for those that every node has.
+
+    Args:
+        name: As somebody wrote it.
+        may_be_others: Whether it may be meant for another node: then only what nearly is one of
+            PARAMETERS is a mistake.
+
+    Raises:
+        ParameterError: There is none of that name; the nearest is named.
+    """
+    if name in PARAMETERS:
+        return True
+    if name in OF_EVERY_NODE or name.startswith(QOS_OVERRIDES):
+        return False
+    cutoff = NEARLY if may_be_others else 0.0
+    nearest = difflib.get_close_matches(name, (*PARAMETERS, *OF_EVERY_NODE), n=1, cutoff=cutoff)
+    if nearest:
+        raise ParameterError(f"there is no parameter {name}; did you mean {nearest[0]}?")
+    return False

@@ -48,6 +48,7 @@ def _columns(topic: Topic) -> tuple[Column, ...]:
             formula="Count of the messages that no metric used.",
             source=topic.name,
             rate_invariant="no: it counts messages",
+            cumulative=True,
         ),
         Column(
             name=f"{topic.title} Lost",
@@ -56,6 +57,7 @@ def _columns(topic: Topic) -> tuple[Column, ...]:
             "between stamps, in periods of their running median.",
             source=f"{topic.name} header.stamp",
             rate_invariant="no: it counts messages",
+            cumulative=True,
         ),
     )
 

@@ -12,7 +12,7 @@ from rover_metrics.core.columns import Cell, Column
 from rover_metrics.core.metrics import Vector3
 
 MOST_SAMPLES = 10_000  # of an interval; rows do not come while a clock stands still
-STANDSTILL = 0.02  # m/s: slower wheels on a slower rover do not slip, they stand
+SLOWEST_DRIVE = 0.05  # m/s: below it, standing or turning in place, a ratio of speeds says nothing
 LONGEST_STEP = 1.0  # s
 SHORTEST_PATH = 0.1  # m
 
@@ -34,10 +34,11 @@ class TravelColumns:
         ),
         Column(
             name="Slip",
-            meaning="Of the wheels: 0 none, towards 1 they spin, below 0 the rover outruns them.",
+            meaning="Of the wheels while they drive: 0 none, towards 1 they spin, below 0 the rover "
+            "outruns them; empty while they stand or turn it in place.",
             formula="(w - p) / max(w, p), w the mean wheel speed and p the pose's path over time "
-            f"since the row before (two-sided, as Wong); 0 while both are below {STANDSTILL:g} m/s. "
-            "Steps of distance_threshold or more are left out.",
+            f"since the row before (two-sided, as Wong); empty while w is below {SLOWEST_DRIVE:g} m/s, "
+            "where it is not defined. Steps of distance_threshold or more are left out.",
             source=f"{_ODOMETRY}; /rover/pose_array position",
             rate_invariant="yes, unless the pose is noisy: noise lengthens a path, and a fast one more",
         ),
@@ -110,9 +111,10 @@ class TravelColumns:
         if not self._speeds or self._stretch_s == 0.0:
             return None
         wheels = math.fsum(speed for _, speed in self._speeds) / len(self._speeds)
+        if wheels < SLOWEST_DRIVE:
+            return None
         pose = self._stretch / self._stretch_s
-        fastest = max(wheels, pose)
-        return (wheels - pose) / fastest if fastest >= STANDSTILL else 0.0
+        return (wheels - pose) / max(wheels, pose)
 
     def _efficiency(self) -> float | None:
         return min(math.hypot(*self._net) / self._path, 1.0) if self._path >= SHORTEST_PATH else None

@@ -7,6 +7,7 @@ from rover_metrics.core.columns import Cell, Column
 from rover_metrics.core.metrics import Vector3
 
 CONTACT_PAUSE = 10  # messages without contact before a new event: 0.5 s at the harness's 20 Hz
+STANDING = 0.05  # [m/s]: of the harness's wheels, which say 0 below it
 
 WHEELS = ("Front Left", "Rear Left", "Front Right", "Rear Right")
 SLIPS = ("slip_front_left", "slip_rear_left", "slip_front_right", "slip_rear_right")
@@ -28,6 +29,7 @@ class TruthColumns:
             formula=f"A new event begins with a contact after {CONTACT_PAUSE} messages or more without "
             "(0.5 s at 20 Hz).",
             source=_CONTACT,
+            cumulative=True,
         ),
         Column(
             name="True Contact Share",
@@ -47,7 +49,9 @@ class TruthColumns:
             Column(
                 name=f"True Slip {wheel}",
                 meaning=f"Slip ratio of the {wheel.lower()} wheel, -1 to 1.",
-                formula="Mean since the row before.",
+                formula="Mean since the row before of (w r - v) / max(|w r|, |v|), w r the speed of its "
+                f"rim and v that of its centre; 0 while both are below {STANDING:g} m/s. A skid-steer's "
+                "wheels slip in every turn, though the rover does not.",
                 source=f"{_TRAVERSAL} {slip}",
             )
             for wheel, slip in zip(WHEELS, SLIPS, strict=True)

@@ -70,10 +70,18 @@ class Reception:
         if finding is not None:
             self.remark(topic, *finding)
 
-    def reject(self, topic: str, reason: str) -> None:
-        """Counts a message that was left out."""
-        self.rejected[topic] += 1
-        self.remark(topic, reason, detail=", left out")
+    def reject(self, topic: str, reason: str, detail: str = "") -> None:
+        """Counts a message that was left out.
+
+        Args:
+            topic: Where it was met; of a topic or a service that others listen to, rclpy itself for
+                one, the account begins with that.
+            reason: Its name, by which it is counted.
+            detail: Is told, not counted by.
+        """
+        self.rejected[topic] = self.rejected.get(topic, 0) + 1
+        self.remarks.setdefault(topic, Counter())
+        self.remark(topic, reason, detail=f"{detail}, left out")
 
     def remark(self, topic: str, what: str, times: int = 1, *, detail: str = "") -> None:
         """Counts something odd.
@@ -135,17 +143,17 @@ class Reception:
                 publishers=self._publishers.get(topic, 0),
             )
             for topic, remarks in self.remarks.items()
-            if topic not in self._silent_by_right
+            if topic in self.received and topic not in self._silent_by_right
         ]
 
     def account(self) -> dict[str, Any]:
-        """Returns all counts by topic, as JSON values."""
+        """Returns all counts by topic, as JSON values; what is not counted as received is None."""
         return {
             topic: {
-                "received": self.received[topic],
+                "received": self.received.get(topic),
                 "rejected": self.rejected[topic],
-                "lost": self.remarks[topic][LOST],
-                "remarks": dict(self.remarks[topic]),
+                "lost": remarks[LOST],
+                "remarks": dict(remarks),
             }
-            for topic in self.received
+            for topic, remarks in self.remarks.items()
         }

@@ -10,6 +10,7 @@ from rover_metrics.core.metrics import LARGEST_ACCELERATION, LARGEST_SPEED, Vect
 NOT_FINITE = "not finite"
 NOT_FINITE_OR_OTHER = "not finite, or not the truth that harness.run publishes"
 NO_POSE = "no pose"
+NO_TIME = "no time: negative seconds, or nanoseconds of a second or more"
 HUGE_ACCELERATION = "acceleration beyond all physics"
 HUGE_ANGULAR_RATE = "angular velocity beyond all physics"
 HUGE_SPEED = "speed beyond all physics"

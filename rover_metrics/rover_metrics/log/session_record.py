@@ -116,6 +116,12 @@ def session_thresholds(log: str | Path) -> Thresholds | None:
         return None
 
 
+def session_arguments(log: str | Path) -> dict[str, Any]:
+    """Returns the arguments of the harness's run that a log is of; none if its record does not tell."""
+    told = _read(log).get("arguments")
+    return told if isinstance(told, dict) else {}
+
+
 def _read(log: str | Path) -> dict[str, Any]:
     try:
         record = json.loads(Path(log).with_suffix(".json").read_bytes())

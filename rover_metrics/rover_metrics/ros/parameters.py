@@ -10,7 +10,7 @@ from rclpy.parameter import Parameter
 
 from rover_metrics.core.parameter import ParameterInfo
 from rover_metrics.errors import ParameterError
-from rover_metrics.extended.settings import PARAMETERS, Settings
+from rover_metrics.extended.settings import PARAMETERS, Settings, check_name
 
 RELIABLE, BEST_EFFORT = "reliable", "best_effort"
 
@@ -46,15 +46,17 @@ def declare_reliability(node: Node, topic: str, default: str) -> tuple[str, str]
     return name, value
 
 
-def wrong_type(node: Node, parameters: Iterable[Parameter]) -> str | None:
-    """Returns what is valid for the first parameter of a wrong type; None if all types fit.
+def wrong_name_or_type(node: Node, parameters: Iterable[Parameter]) -> str | None:
+    """Returns what is valid for the first parameter of a wrong name or type; None if all fit.
 
-    rclpy rejects these too, but names the types by number: "expected '3' got '2'".
+    rclpy rejects these too, but names the types by number: "expected '3' got '2'", and names never.
     """
     for parameter in parameters:
         name = parameter.name
-        declared = node.has_parameter(name) and node.describe_parameter(name)
-        if declared and declared.additional_constraints and declared.type != parameter.type_.value:
+        if not node.has_parameter(name):
+            return _unknown(name)
+        declared = node.describe_parameter(name)
+        if declared.additional_constraints and declared.type != parameter.type_.value:
             return _must_be(name, declared.additional_constraints)
     return None
 
@@ -91,6 +93,14 @@ def _descriptor(info: ParameterInfo) -> ParameterDescriptor:
         whole = IntegerRange(from_value=int(info.minimum), to_value=int(info.maximum), step=1)
         descriptor.integer_range = [whole]
     return descriptor
+
+
+def _unknown(name: str) -> str:
+    try:
+        check_name(name, may_be_others=False)
+    except ParameterError as error:
+        return str(error)
+    return f"there is no parameter {name}"
 
 
 def _must_be(name: str, constraint: str) -> str:

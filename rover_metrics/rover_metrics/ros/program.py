@@ -1,4 +1,9 @@
-"""A ROS node as a program: one line for a known mistake, a clean end on SIGINT and SIGTERM."""
+"""A ROS node as a program: one line for a known mistake, a clean end on SIGINT and SIGTERM.
+
+While a simulator keeps lock-step with the node, EventsExecutor spins it, which handles a message in a
+third of the time, and in the order of its arrival. Its ROS-time timers miscount where /clock floods it
+or goes back, so that it is only for a simulator that waits and has said so.
+"""
 
 import sys
 from collections.abc import Callable
@@ -8,7 +13,16 @@ import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
+try:
+    from rclpy.experimental import EventsExecutor
+except ImportError:  # Humble, Jazzy
+    EventsExecutor = SingleThreadedExecutor
+
 from rover_metrics.errors import RoverMetricsError, StartError
+from rover_metrics.ros.arguments import complaint, refusal
+
+HAS_EVENTS_EXECUTOR = EventsExecutor is not SingleThreadedExecutor
+SPIN_TIMEOUT = 0.2  # [s]: EventsExecutor notices a signal only between two spins
 
 
 def run_node(name: str, make_node: Callable[[], Node], args: list[str] | None) -> int:
@@ -16,7 +30,8 @@ def run_node(name: str, make_node: Callable[[], Node], args: list[str] | None) -
 
     Args:
         name: What the program is called.
-        make_node: Makes the node, once ROS is up; its `fail` takes why its session has failed.
+        make_node: Makes the node, once ROS is up; its `fail` takes why its session has failed, its
+            `in_lock_step` says whether a simulator waits for it.
         args: Command line as for rclpy.init; sys.argv if None.
 
     Returns:
@@ -34,30 +49,40 @@ def run_node(name: str, make_node: Callable[[], Node], args: list[str] | None) -
 
 def _run(make_node: Callable[[], Node], args: list[str] | None) -> None:
     with ExitStack() as at_end:
+        wrong = complaint(sys.argv if args is None else args)
+        if wrong is not None:
+            raise StartError(wrong)
         try:
             rclpy.init(args=args)
         except RuntimeError as error:
-            raise StartError(" ".join(str(error).split())) from error
+            raise StartError(refusal(error)) from error
         at_end.callback(rclpy.try_shutdown)
         try:
-            executor = SingleThreadedExecutor()
-            at_end.callback(executor.shutdown)
             node = make_node()
             at_end.callback(node.destroy_node)
-            executor.add_node(node)
-            _spin(executor, node)
+            _spin(node)
         except (RuntimeError, AttributeError):
             # A signal at start-up pulls the context from under whatever rclpy call is running.
             if rclpy.ok():
                 raise
 
 
-def _spin(executor: SingleThreadedExecutor, node: Node) -> None:
+def _spin(node: Node) -> None:
     try:
-        executor.spin()
+        while rclpy.ok():
+            _spin_by_one_executor(node, in_lock_step=node.in_lock_step)
     except ExternalShutdownException:
         raise
     except Exception as error:
         if rclpy.ok():
             node.fail(f"{type(error).__name__}: {error}")
         raise
+
+
+def _spin_by_one_executor(node: Node, *, in_lock_step: bool) -> None:
+    """Returns when the node's lock-step has begun or ended, or ROS is shut down."""
+    timeout = SPIN_TIMEOUT if in_lock_step else None
+    with EventsExecutor() if in_lock_step else SingleThreadedExecutor() as executor:
+        executor.add_node(node)
+        while rclpy.ok() and node.in_lock_step is in_lock_step:
+            executor.spin_once(timeout_sec=timeout)

@@ -30,13 +30,19 @@ _MESSAGES = {
 }
 
 
-def keep_last(depth: int, reliability: str = RELIABLE) -> QoSProfile:
-    """Returns the QoS of a volatile topic of which so many messages may wait."""
+def keep_last(depth: int, reliability: str = RELIABLE, *, latched: bool = False) -> QoSProfile:
+    """Returns the QoS of a topic.
+
+    Args:
+        depth: How many messages may wait.
+        reliability: RELIABLE or BEST_EFFORT.
+        latched: Whether who comes later gets the last ones too (transient local); else volatile.
+    """
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
         depth=depth,
         reliability=ReliabilityPolicy[reliability.upper()],
-        durability=DurabilityPolicy.VOLATILE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
     )
 
 

@@ -6,7 +6,7 @@ textbook kinematics. An expectation has the shape of the message: a field that i
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
 import mujoco
@@ -19,7 +19,7 @@ from tests.e2e.topic_oracle.twin import STEPS_PER_TICK, Twin, Values, attitude
 BEAMS = 24
 ANGLE_MAX, RANGE_MIN, RANGE_MAX = 3.14159, 0.15, 10.0  # of RoboTerrain's gpu_lidar
 EXACT = 1e-9  # absolute and relative
-STANDING = 0.02  # [m/s]: a wheel slower than this neither rolls nor slips
+STANDING = 0.05  # [m/s]: a wheel slower than this neither rolls nor slips
 
 Expected = Mapping[str, Any]
 
@@ -29,17 +29,26 @@ class Topic:
     """One row.
 
     Attributes:
-        rates: [Hz] of leo, of rover_zero4wd.
+        rates: [Hz] of leo, of rover_zero4wd; of several, what is due at any of them. Without rates it is
+            told once, before the first tick.
         expect: The message that is due now; called at every tick at which one is, in order.
         tolerance: Absolute, of what an array holds.
+        depth: Of what is offered; `latched` is whether who comes later is told too.
     """
 
     name: str
     kind: str
-    rates: tuple[int, int]
+    rates: tuple[int | tuple[int, ...], int | tuple[int, ...]]
     expect: Callable[[Twin], Expected]
     reliable: bool = True
     tolerance: float = EXACT
+    depth: int = 10
+    latched: bool = False
+
+    def due(self, tick: int, rover: int) -> bool:
+        """Whether it is at a tick, counted from 1, of a rover."""
+        rates = self.rates[rover]
+        return any(tick % (100 // rate) == 0 for rate in ((rates,) if isinstance(rates, int) else rates))
 
 
 def stamp(time_ns: int) -> Expected:
@@ -200,6 +209,106 @@ def joint_states(twin: Twin) -> Expected:
     }
 
 
+PI = math.pi
+# Parent, child, x y z [m] and roll pitch yaw [rad] of what does not move, and of what does at rest; the
+# joint of the latter and the sense in which it turns about the y axis of its frame. Leo: macros.xacro,
+# RoboTerrain's lidar; rover_zero4wd: rover_4wd.urdf and accessories, RoboTerrain's SDF.
+FIXED: dict[str, list[tuple[Any, ...]]] = {
+    "leo": [
+        ("base_footprint", "base_link", (0, 0, 0.19783), (0, 0, 0)),
+        ("base_link", "lidar_link", (0.174, 0, 0.6), (0, 0, PI)),
+        ("base_link", "imu_frame", (0.0628, -0.0314, -0.0393), None),
+        ("base_link", "antenna_link", (-0.0052, 0.056, -0.0065), (0, 0, 0)),
+        ("base_link", "camera_frame", (0.0971, 0, -0.0427), (0, 0.2094, 0)),
+        ("camera_frame", "camera_optical_frame", (0, 0, 0), (-PI / 2, 0, -PI / 2)),
+    ],
+    "rover_zero4wd": [
+        ("base_link", "chassis_link", (0, 0, 0.125), (0, 0, 0)),
+        ("chassis_link", "payload_link", (0, 0, 0.096), (0, 0, 0)),
+        ("payload_link", "imu_link", (0, 0, 0), None),
+        ("payload_link", "lidar_link", (0.174, 0, 0.1), (0, 0, PI)),
+        ("base_link", "camera_link", (0.2, 0, 0.3), (0, 0, 0)),
+    ],
+}
+MOVING: dict[str, list[tuple[Any, ...]]] = {
+    "leo": [
+        ("base_link", "rocker_L_link", (0.00263, 0.14167, -0.04731), PI, "rocker_L_joint", -1),
+        ("base_link", "rocker_R_link", (0.00263, -0.14167, -0.04731), 0, "rocker_R_joint", 1),
+        ("rocker_L_link", "wheel_FL_link", (-0.15256, -0.08214, -0.08802), 0, "wheel_FL_joint", -1),
+        ("rocker_L_link", "wheel_RL_link", (0.15256, -0.08214, -0.08802), 0, "wheel_RL_joint", -1),
+        ("rocker_R_link", "wheel_FR_link", (0.15256, -0.08214, -0.08802), 0, "wheel_FR_joint", 1),
+        ("rocker_R_link", "wheel_RR_link", (-0.15256, -0.08214, -0.08802), 0, "wheel_RR_joint", 1),
+    ],
+    "rover_zero4wd": [
+        ("chassis_link", "fl_wheel_link", (0.1415, 0.18, 0), 0, "fl_wheel_to_chassis", 1),
+        ("chassis_link", "rl_wheel_link", (-0.145, 0.18, 0), 0, "rl_wheel_to_chassis", 1),
+        ("chassis_link", "fr_wheel_link", (0.1415, -0.18, 0), 0, "fr_wheel_to_chassis", 1),
+        ("chassis_link", "rr_wheel_link", (-0.145, -0.18, 0), 0, "rr_wheel_to_chassis", 1),
+    ],
+}
+
+
+@dataclass(frozen=True)
+class Same:
+    """A quaternion or its negative, which are one rotation."""
+
+    rotation: Rotation
+
+    def __eq__(self, told: object) -> bool:
+        turn = Rotation.from_quat([told.x, told.y, told.z, told.w])  # type: ignore[attr-defined]
+        return float((turn.inv() * self.rotation).magnitude()) < EXACT
+
+    __hash__ = None  # type: ignore[assignment]  # nobody asks
+
+
+def transform(header: Expected, child: str, at: Any, rotation: Rotation) -> Expected:  # noqa: ANN401
+    """geometry_msgs/TransformStamped."""
+    return {
+        "header": header,
+        "child_frame_id": child,
+        "transform": {"translation": vector(map(float, at)), "rotation": Same(rotation)},
+    }
+
+
+def tf_static(twin: Twin) -> Expected:
+    """All that does not move; the IMU of the stage is mounted obliquely."""
+    site = Rotation.from_quat(twin.model.site("imu").quat[[1, 2, 3, 0]])
+    told = []
+    for parent, child, at, rpy in FIXED[twin.rover.name]:
+        rotation = site if rpy is None else Rotation.from_euler("xyz", rpy)
+        told.append(transform({"stamp": stamp(0), "frame_id": parent}, child, at, rotation))
+    return {"transforms": told}
+
+
+def tf(twin: Twin) -> Expected:
+    """The rover from above, in odom; twenty times a second what its joints move."""
+    x, y, _ = twin.data.qpos[:3]
+    yaw = Rotation.from_euler("z", twin.attitude.as_euler("ZYX")[0])
+    base = {"leo": "base_footprint", "rover_zero4wd": "base_link"}[twin.rover.name]
+    told = [transform(header(twin, "odom"), base, (x, y, 0.0), yaw)]
+    if twin.time_ns % 50_000_000 == 0:
+        for parent, child, at, turned, joint, sense in MOVING[twin.rover.name]:
+            angle = sense * twin.data.joint(joint).qpos[0]
+            rotation = Rotation.from_euler("z", turned) * Rotation.from_euler("y", angle)
+            told.append(transform(header(twin, parent), child, at, rotation))
+    return {"transforms": told}
+
+
+@dataclass(frozen=True)
+class Description:
+    """A URDF of that rover: test_urdf.py holds it to the model."""
+
+    model: mujoco.MjModel
+
+    def __eq__(self, told: object) -> bool:
+        back = mujoco.MjSpec.from_string(str(told))
+        back.compiler.fusestatic = False
+        masses = back.compile().body_mass.sum(), self.model.body_mass.sum()
+        return math.isclose(*masses, abs_tol=1e-6)
+
+    __hash__ = None  # type: ignore[assignment]  # nobody asks
+
+
 def forces(twin: Twin, kind: str) -> list[float]:
     """Of all contacts of a kind in the last 50 ms."""
     recent = twin.steps[-5 * STEPS_PER_TICK :]
@@ -255,7 +364,19 @@ def traversal(twin: Twin) -> Expected:
 def topics() -> tuple[Topic, ...]:
     """Every topic, in the order in which those of one tick go out."""
     truth = "/rover/truth"
+    tf2 = "tf2_msgs/msg/TFMessage"
+    moving = 50, 20  # whenever anything else is told
     return (
+        Topic(
+            "/robot_description",
+            "std_msgs/msg/String",
+            ((), ()),
+            lambda twin: {"data": Description(twin.model)},
+            depth=1,
+            latched=True,
+        ),
+        Topic("/tf_static", tf2, ((), ()), tf_static, depth=1, latched=True),
+        Topic("/tf", tf2, (moving, moving), tf, depth=100),
         Topic("/scan", "sensor_msgs/msg/LaserScan", (20, 20), scan, tolerance=1e-5),
         Topic("/imu/data", "sensor_msgs/msg/Imu", (20, 20), imu),
         Topic("/rover/pose_array", "geometry_msgs/msg/PoseArray", (50, 50), pose_array, reliable=False),
@@ -273,7 +394,7 @@ def topics() -> tuple[Topic, ...]:
 def differences(message: Any, expected: Expected, tolerance: float, path: str) -> list[str]:  # noqa: ANN401
     """Fields, by their paths, that are not as expected, or that nobody has an expectation of."""
     found = []
-    for field in message.get_fields_and_field_types():
+    for field in fields_of(message):
         place = f"{path}.{field}"
         if field not in expected:
             found.append(f"{place}: nobody asserts it")
@@ -283,7 +404,16 @@ def differences(message: Any, expected: Expected, tolerance: float, path: str) -
     return found
 
 
+def fields_of(message: Any) -> list[str]:  # noqa: ANN401 - of rclpy, or of rosbags
+    """The names of its fields."""
+    if is_dataclass(message):
+        return [f.name for f in fields(message) if not f.name.startswith("__")]
+    return list(message.get_fields_and_field_types())
+
+
 def _different(value: Any, expected: Any, tolerance: float, place: str) -> list[str]:  # noqa: ANN401
+    if isinstance(expected, Same | Description):
+        return [] if expected == value else [f"{place}: {value}, should be {expected}"]
     if isinstance(expected, Mapping):
         return differences(value, expected, tolerance, place)
     if isinstance(expected, list) and expected and isinstance(expected[0], Mapping):

@@ -59,22 +59,37 @@ class Twin:
         self.wheels = [self.model.joint(name) for name in rover.wheel_joints]
         self._wheel_bodies = {int(wheel.bodyid[0]) for wheel in self.wheels}
         self.carried = np.zeros(4)
+        self._dofs = [int(wheel.dofadr[0]) for wheel in self.wheels]
+        self._driving = (1.0, self.model.dof_frictionloss[self._dofs], self.model.dof_solimp[self._dofs])
         self._let_down()
+        self._hold(parked=True)
         self.counts_at_start = self.encoder_counts()
         self._start = copy.copy(self.data)
         self.restless = float(np.abs(self.data.qvel).max())
 
     def _let_down(self) -> None:
-        """From 1 cm above the highest ground below the wheels, until it rests or 5 s have passed."""
+        """From 1 cm above the highest ground below, until it rests, at most 5 s; parked after 1 s."""
         x0, x1, y0, y1 = self.rover.footprint
         grid = self.world.ground.cell / 2
         under = [(x, y) for x in np.arange(x0, x1, grid) for y in np.arange(y0, y1, grid)]
         highest = max(self.world.ground.height_at(x, y) for x, y in under)
         self.data.qpos[2] = highest + self.rover.rest_height + 0.01
-        for _ in range(500):
+        for tick in range(500):
+            self._hold(parked=tick >= 100)
             mujoco.mj_step(self.model, self.data, STEPS_PER_TICK)
             if self.data.ncon and np.abs(self.data.qvel).max() < 2e-3:
                 return
+
+    def _hold(self, *, parked: bool) -> None:
+        """Parked, friction is 30 times as stiff and the motors' torque is dry friction, nearly rigid."""
+        impratio, friction, solimp = self._driving
+        if parked:
+            motors = [self.model.actuator(wheel.name) for wheel in self.wheels]
+            friction = friction + [motor.forcerange[1] for motor in motors]
+            impratio, solimp = 30.0, np.array([0.9999, 0.9999, 0.001, 0.5, 2.0])
+        self.model.opt.impratio = impratio
+        self.model.dof_frictionloss[self._dofs] = friction
+        self.model.dof_solimp[self._dofs] = solimp
 
     def put_back(self) -> None:
         """To the start, standing as then."""
@@ -93,6 +108,7 @@ class Twin:
         sides = linear + np.array([-1.0, -1.0, 1.0, 1.0]) * angular * rover.controller_separation / 2
         for wheel, speed in zip(self.wheels, sides / rover.controller_radius, strict=True):
             self.data.actuator(wheel.name).ctrl[0] = speed
+        self._hold(parked=not sides.any())
         before = self.data.qpos[:3].copy()
         for _ in range(STEPS_PER_TICK):
             self._step()

@@ -31,6 +31,7 @@ RESULT = RunResult(
     mode="direct",
     truth=TRUTH,
     wall_s=2.5,
+    waited_s={"/controller_server": 1.575},
     topics={"/scan": TopicCount(12_345, 12_340, 5), "/tf": TopicCount(7), "/imu": TopicCount(9, 9)},
     rows=12,
     log_path=Path("logs/a.csv"),
@@ -66,7 +67,7 @@ def test_metrics_stand_beside_the_truth() -> None:
     assert told["collisions"] == ["6 scans", "2 contacts, 0.25 s"]
     assert told["clearance"] == ["1.25 m", ""]
     assert told["velocity"] == ["0.31 m/s", ""]
-    assert told["wheel slip"] == ["", "0.13"]
+    assert told["slip of moving wheels"] == ["", "0.13"]
     assert told["on rocks"] == ["", "5 contacts, 1.50 s"]
     assert told["scraping the ground"] == ["", "7 times, 0.75 s"]
     assert told["largest tilt"] == ["", "81 deg, tipped over"]
@@ -74,6 +75,7 @@ def test_metrics_stand_beside_the_truth() -> None:
 
 def test_speed_messages_and_log_are_told_below() -> None:
     lines = shown(RESULT)[""]
+    assert "/controller_server: 63% of the run waited for it" in lines
     assert "12.50 simulated seconds in 2.50 s: 5.0x real time, 12,361 messages, 5 lost" in lines
     assert "12 rows in logs/a.csv" in lines
 

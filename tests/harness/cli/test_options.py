@@ -1,3 +1,4 @@
+from dataclasses import replace
 from operator import attrgetter
 from pathlib import Path
 
@@ -5,8 +6,10 @@ import pytest
 
 from harness.cli.options import DEFAULT_LOG_DIR, RunOptions, parse_run, split_ros_args
 from harness.config import EpisodeConfig, RosOptions
-from harness.episode.metrics_feed import extended_ros_args
+from harness.episode.metrics_feed import extended_ros_args, extended_settings
 from harness.errors import UsageError
+from rover_metrics.core.thresholds import Thresholds
+from rover_metrics.extended.settings import Settings
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 
@@ -34,7 +37,8 @@ def test_without_words_all_options_are_the_default_ones() -> None:
         config=EpisodeConfig(),
         ros=RosOptions(log_dir=DEFAULT_LOG_DIR),
         direct=False,
-        extended=False,
+        settings=Settings(),
+        params=None,
         report=None,
         summary=None,
         picture=None,
@@ -84,7 +88,7 @@ def test_every_word_about_the_episode_reaches_it() -> None:
         ("--record a.mcap --overwrite", "ros.overwrite", True),
         ("--log-dir logs", "ros.log_dir", Path("logs")),
         ("--direct", "direct", True),
-        ("--extended", "extended", True),
+        ("--extended", "settings.extended_columns", True),
         ("--report a.html", "report", Path("a.html")),
         ("--summary a.json", "summary", Path("a.json")),
         ("--picture a.png", "picture", Path("a.png")),
@@ -167,3 +171,30 @@ def test_extended_columns_need_the_hosted_node() -> None:
     parsed("--extended --direct")
     with pytest.raises(UsageError, match="--ros-args needs ROS"):
         parse_run(["--direct", "--ros-args", "--"])
+
+
+def test_a_parameter_file_says_what_the_metrics_are_made_with_after_the_rover_and_before_the_user(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "p.yaml"
+    file.write_text("/**: {ros__parameters: {collision_threshold: 0.75, gravity: 9.0, fsync: true}}")
+    own = ("--ros-args", "-p", "gravity:=8.0")
+    told = parsed(f"--extended --params {file} {' '.join(own)}")
+    words = ("-p", "collision_threshold:=0.75", "-p", "gravity:=9.0", "-p", "fsync:=true")
+    assert told.ros.ros_args == (*extended_ros_args(LEO), "--ros-args", *words, "--", *own)
+    assert told.settings.thresholds == Thresholds(collision_threshold=0.75)
+    assert told.settings.extended == replace(extended_settings(LEO), gravity=9.0)
+    assert (told.settings.extended_columns, told.params) == (True, file)
+    alone = parsed(f"--direct --params {file}").settings
+    assert alone == Settings().updated({"collision_threshold": 0.75, "gravity": 9.0, "fsync": True})
+    file.write_text("/**: {ros__parameters: {colision_threshold: 0.75}}")
+    for words_of_a_mistake, mend in (
+        (f"--direct --params {file}", "did you mean collision_threshold?"),
+        (f"--params {tmp_path}", "Is a directory"),
+        (f"--no-metrics --params {file}", "start yours with --ros-args --params-file FILE"),
+        ("--ros-args -p x:=1 --seed 3", "--seed stands behind --ros-args"),
+    ):
+        with pytest.raises(UsageError) as refused:
+            parsed(words_of_a_mistake)
+        assert mend in str(refused.value)
+        assert "\n" not in str(refused.value)

@@ -19,6 +19,7 @@ NAMES = [
     "spin",
     "figure8",
     "cmd_vel",
+    "goal",
     "roam",
     "ram",
     "reverse_into",
@@ -74,5 +75,15 @@ def test_a_figure8_is_a_left_and_a_right_circle_in_turn_each_until_the_heading_h
 def test_cmd_vel_stands_still_and_then_repeats_the_last_command() -> None:
     driver = CmdVel(context())
     assert driver.command(at(0.0)) == Twist()
-    driver.latest = Twist(0.2, 0.1)
+    driver.obey(Twist(0.2, 0.1))
     assert [driver.command(at(0.0)) for _ in range(2)] == [Twist(0.2, 0.1)] * 2
+
+
+def test_a_command_ends_after_the_timeout_and_the_next_one_has_its_own() -> None:
+    driver = CmdVel(replace(context(), command_timeout_ns=100_000_000))
+    period_ns, told = 50_000_000, []
+    for period in range(9):
+        if period in (1, 5):
+            driver.obey(Twist(0.1 * period))
+        told.append(driver.command(Observation(period * period_ns, 0.0, 0.0, 0.0, None)).linear)
+    assert told == pytest.approx([0.0, 0.1, 0.1, 0.0, 0.0, 0.5, 0.5, 0.0, 0.0])

@@ -21,6 +21,7 @@ from harness.errors import RunFailed, UsageError
 from harness.interrupt import StopRequest
 from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState, Twist
 from harness.truth.traversal import ContactEvent, Truth
+from rover_metrics.extended.settings import Settings
 
 TICK_NS, BATCH_NS = 10_000_000, 50_000_000
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
@@ -85,14 +86,14 @@ def run(tmp_path: Path) -> Run:
         show: Callable[[RunResult], None] | None = None,
         watch: Callable[[Batch], None] | None = None,
         stop: Any = None,  # noqa: ANN401 - a stop request or a stand-in
-        extended: bool = False,
+        settings: Settings = direct.DEFAULT_SETTINGS,
         **changes: Any,  # noqa: ANN401 - of the configuration
     ) -> RunResult:
         config = EpisodeConfig(**{"duration": 2.0, "lidar_beams": 8, **changes})
         request = StopRequest() if stop is None else stop
         observers = [] if watch is None else [Watching(watch)]
         return direct.run_direct(
-            config, RosOptions(log_dir=tmp_path), request, show, observers, extended=extended
+            config, RosOptions(log_dir=tmp_path), request, show, observers, settings
         )
 
     return one
@@ -124,7 +125,7 @@ def test_it_counts_the_samples_that_it_takes(run: Run) -> None:
     names = ["/scan", "/imu/data", "/rover/pose_array", "/odometry/wheels"]
     assert topics == dict.fromkeys(names, (40, 40, 0))
     truth = ["/odom_ground_truth", "/rover/truth/contact", "/rover/truth/traversal"]
-    assert list(run(extended=True).topics) == [*names, *truth]
+    assert list(run(settings=Settings(extended_columns=True)).topics) == [*names, *truth]
 
 
 def test_the_result_says_what_was_run_and_how_it_went(run: Run) -> None:

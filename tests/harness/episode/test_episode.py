@@ -165,7 +165,7 @@ def test_cmd_vel_driver_stands_until_commanded() -> None:
 
 
 def test_what_is_planned_happens_at_the_next_control_period() -> None:
-    commands = ((0.31, 0.0, 0.5), (0.0, 0.4, 0.0), (0.6, 0.3, 0.0))
+    commands = ((0.31, 0.0, 0.5), (0.0, 0.4, 0.0), (0.6, 9.0, 0.0), (0.6, 0.3, 0.0))
     planned = Episode(config(driver="cmd_vel", duration=0.75, commands=commands, resets=(0.6, 0.4)))
     by_hand = Episode(config(driver="cmd_vel", duration=0.75))
     at_tick = {0: (0.4, 0.0), 35: (0.0, 0.5), 60: (0.3, 0.0)}

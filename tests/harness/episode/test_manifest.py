@@ -110,6 +110,7 @@ def test_every_figure_of_a_run_stands_in_its_manifest() -> None:
             truth=replace(truth, largest_tilt=1.5, tipped_over=True, resets=8),
             info=EpisodeInfo("model", "terrain", 3, (40.0, 30.0), (1.0, 2.0, 0.5), ("cut",)),
             paused_s=9.0,
+            waited_s={"/nav": 0.125},
             first_row_s=0.25,
             rows=2,
             log_path=Path("logs/a.csv"),
@@ -119,6 +120,7 @@ def test_every_figure_of_a_run_stands_in_its_manifest() -> None:
     )
     assert told["simulated_s"] == 2.0
     assert (told["wall_s"], told["paused_s"], told["first_row_s"]) == (0.5, 9.0, 0.25)
+    assert told["waited_s"] == {"/nav": 0.125}
     assert (told["rows"], told["log"], told["lost"], told["mode"]) == (2, "logs/a.csv", 1, "direct")
     assert told["topics"] == {"/scan": {"published": 40, "received": 39, "lost": 1}}
     assert told["thresholds"]["collision_threshold"] == 0.125

@@ -11,7 +11,7 @@ from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.stream import EpisodeProcess
 from harness.errors import RunFailed, UsageError
-from harness.samples import LaserScan, Twist
+from harness.samples import LaserScan, Place, Pose, Twist
 
 
 def config(**changes: object) -> EpisodeConfig:
@@ -68,6 +68,26 @@ def test_a_reset_forgets_the_command_in_force() -> None:
         assert process.reset() is None, "the episode is over"
     assert path[19] > 0.2
     assert path[-1] - path[19] < 0.01
+
+
+def test_the_child_puts_the_rover_and_gives_it_goals_at_the_times_that_are_told() -> None:
+    with EpisodeProcess(config(terrain="flat", driver="goal", duration=6.0, lidar_beams=2)) as process:
+        _ = process.info
+        poses = []
+        for index, batch in enumerate(process.batches()):
+            poses += [s for tick in batch.ticks for s in tick.samples if isinstance(s, Pose)]
+            if index == 2:
+                put = process.put(Place(5.0, -3.0, 1.0))
+            if index == 20:
+                headed = process.head_for(Place(6.0, -3.0, 0.0))
+        assert process.put(Place(0.0, 0.0, 0.0)) is process.head_for(Place(0.0, 0.0, 0.0)) is None
+    assert put is not None
+    assert headed is not None
+    before = [pose.position[:2] for pose in poses if pose.stamp_ns <= put]
+    there = [pose.position[:2] for pose in poses if put < pose.stamp_ns <= headed]
+    assert np.abs(before).max() < 0.02
+    assert np.abs(np.array(there) - (5.0, -3.0)).max() < 0.02
+    assert poses[-1].position[0] > 5.3
 
 
 def test_a_run_that_fails_says_so_although_orders_wait(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from harness.samples import (
     Pose,
     Sample,
     Tick,
+    Transforms,
     Twist,
 )
 from harness.sim_time import NANOSECONDS as SECOND
@@ -30,6 +31,7 @@ def tick(number: int) -> Tick:
     return Tick(
         stamp,
         (
+            Transforms(stamp, vector, UPRIGHT),
             LaserScan(stamp, np.full(10, x, dtype=np.float32)),
             Imu(stamp, UPRIGHT, vector, vector),
             Pose(stamp, vector, UPRIGHT),

@@ -30,7 +30,7 @@ def test_start_and_length_are_the_nearest_nanoseconds() -> None:
         ("imu", r"not of the form SENSOR:FAULT\[=VALUE\]\[@START\[\+LENGTH\]\], e\.g\. imu:nan@10\+2"),
         ("", "not of the form"),
         ("imu:nan@", "not of the form"),
-        ("sonar:nan", "there is no sensor 'sonar'; available: scan, imu, pose, .*clock"),
+        ("sonar:nan", "there is no sensor 'sonar'; available: tf, scan, imu, pose, .*clock"),
         ("scan.attitude:nan", "there is no sensor 'scan.attitude'; available: .*imu.attitude"),
         ("imu.attitude:dropout", "imu.attitude has no fault 'dropout'; available: stuck, zero, nan"),
         ("imu:jump@3", "imu has no fault 'jump'; available: dropout, .*nan"),

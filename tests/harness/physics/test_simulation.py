@@ -257,9 +257,13 @@ def episode_simulation(terrain: str) -> Simulation:
     return Simulation(build_scene(world, ROVERS["leo"], EPISODE_TIMESTEP_NS / 1e9), EPISODE_TIMESTEP_NS)
 
 
-def test_a_rover_that_creeps_down_a_slope_is_given_five_seconds_to_settle(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize(
+    ("at_rest", "terrain", "shortest", "longest"), [(0.0, "flat", 5.0, 5.0), (2e-3, "slope", 1.0, 1.5)]
+)
+def test_a_rover_is_given_five_seconds_to_settle_and_is_held_after_one(
+    at_rest: float, terrain: str, shortest: float, longest: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Nothing is ever slower than 0; on a slope the rover creeps until its wheels are held."""
     steps, step = [], mujoco.mj_step
 
     def counted(model: object, data: object) -> None:
@@ -267,10 +271,11 @@ def test_a_rover_that_creeps_down_a_slope_is_given_five_seconds_to_settle(
         step(model, data)
 
     monkeypatch.setattr(mujoco, "mj_step", counted)
-    creeping = episode_simulation("slope")
-    assert len(steps) == 5 * NANOSECONDS // EPISODE_TIMESTEP_NS
-    assert abs(creeping.data.qvel).max() > 2e-3
-    assert creeping.time_ns == 0
+    monkeypatch.setattr("harness.physics.simulation.AT_REST_SPEED", at_rest)
+    settled = episode_simulation(terrain)
+    assert shortest <= len(steps) * EPISODE_TIMESTEP_NS / NANOSECONDS <= longest
+    assert abs(settled.data.qvel).max() < 2e-3
+    assert settled.time_ns == 0
 
 
 def test_after_a_reset_nothing_is_felt_of_the_tick_before_it() -> None:
@@ -284,3 +289,24 @@ def test_after_a_reset_nothing_is_felt_of_the_tick_before_it() -> None:
     assert standing.contacts.strongest == {}
     assert not standing.tick_sum.any()
     assert standing.time_ns == 40 * 10_000_000
+
+
+@pytest.mark.parametrize("robot", ROVERS)
+def test_a_rover_that_is_put_elsewhere_stands_there_on_the_ground_with_its_heading(robot: str) -> None:
+    world = EpisodeConfig(terrain="rolling", seed=2).world()
+    simulation = Simulation(build_scene(world, ROVERS[robot], 0.0025), 2_500_000)
+    rest = simulation.position[2] - world.ground.height_at(*simulation.position[:2])
+    for _ in range(3):
+        simulation.command_wheels(SPEEDS)
+        simulation.tick()
+    steps = simulation.step_count
+    simulation.put(3.0, -4.0, 2.0)
+    x, y, z = simulation.position
+    assert math.dist((x, y), (3.0, -4.0)) < 0.1
+    assert math.remainder(simulation.yaw - 2.0, math.tau) == pytest.approx(0.0, abs=0.15)
+    assert z - world.ground.height_at(x, y) == pytest.approx(rest, abs=0.08)
+    assert np.abs(simulation.data.qvel[:6]).max() < 0.02
+    assert simulation.step_count == steps
+    assert not simulation.tick_sum.any()
+    simulation.return_to_start()
+    assert simulation.position[:2] == pytest.approx((0.0, 0.0), abs=0.1)

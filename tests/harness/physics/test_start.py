@@ -14,7 +14,7 @@ from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import Start, World
 from tests.support.rovers import ROVER_ZERO4WD
 
-CELL, TIMESTEP_NS = 0.2, 5_000_000
+CELL, FINE, TIMESTEP_NS = 0.2, 0.02, 5_000_000
 X, Y = np.meshgrid(np.arange(-40, 41) * CELL, np.arange(-20, 21) * CELL)  # 16 x 8 m
 BOULDER = Obstacle(
     kind=ObstacleKind.HAZARD, shape="ellipsoid", half_size=(0.5,) * 3, position=(5.0, -2.0, 0.3)
@@ -31,7 +31,10 @@ def scene_of(heights: Field, start: Start) -> Scene:
 
 @pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5])
 def test_a_rover_is_set_down_over_the_highest_ground_below_its_turned_footprint(yaw: float) -> None:
-    pose = spawn_pose(scene_of(0.1 * X + 0.2 * Y, (3.0, -1.5, yaw)))
+    x, y = np.meshgrid(np.arange(-400, 401) * FINE, np.arange(-200, 201) * FINE)
+    scene = scene_of(0 * X, (3.0, -1.5, yaw))
+    world = replace(scene.world, ground=Heightfield(0.1 * x + 0.2 * y, FINE))
+    pose = spawn_pose(replace(scene, world=world), world.start)
     x_min, x_max, y_min, y_max = ROVER_ZERO4WD.footprint
     corners = [
         0.1 * (3.0 + math.cos(yaw) * x - math.sin(yaw) * y)
@@ -41,7 +44,7 @@ def test_a_rover_is_set_down_over_the_highest_ground_below_its_turned_footprint(
     ]
     assert pose[:2].tolist() == [3.0, -1.5]
     expected = max(corners) + ROVER_ZERO4WD.rest_height + DROP_HEIGHT
-    assert pose[2] == pytest.approx(expected, abs=0.3 * CELL / 2 * 2)  # sampled each half cell
+    assert pose[2] == pytest.approx(expected, abs=0.3 * FINE / 2)  # sampled each half cell
     assert pose[3:] == pytest.approx((math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)))
 
 

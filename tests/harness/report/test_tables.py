@@ -68,7 +68,7 @@ def test_metrics_stand_beside_the_truth_with_their_difference() -> None:
         Comparison("Collisions", "6 scans below 0.3 m", "2 contacts with hazards, 0.25 s"),
         Comparison("Smallest clearance logged", "1.50 m"),
         Comparison("Rough terrain", "2 of 3 rows"),
-        Comparison("Wheel slip, mean", truth="0.13"),
+        Comparison("Wheel slip, mean of moving wheels", truth="0.13"),
         Comparison("On rocks", truth="5 contacts, 1.50 s"),
         Comparison("Body scraping the ground", truth="7 times, 0.75 s"),
         Comparison("Largest tilt", truth="30°"),

@@ -1,5 +1,6 @@
 """In which order ticks go out, and who is asked before time goes on; and who else may publish."""
 
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,15 +23,17 @@ class Noted:
         self.said: list[object] = []
         self.executor = self
         self.clock_channel: Any = SimpleNamespace(publish=lambda tick: self.said.append(tick.stamp_ns))
+        self.commands = SimpleNamespace(told_ns=0)
         channel = SimpleNamespace(publish=self.said.append)
+        self.frames: Any = SimpleNamespace(refuse_rivals=lambda: self.said.append("rivals"))
         self.channels_of = {Pose: [channel], Imu: [channel]}
 
     def advance(self, tick: Tick, *listeners: "Noted") -> None:
         bridge: Any = self
         Bridge.advance(bridge, Tick(5, ()), tick, listeners=listeners)
 
-    def wait_for_samples(self) -> None:
-        self.said.append("samples")
+    def wait_for_samples(self, channels: Sequence[object], *, clock_follows: bool) -> None:
+        self.said.append(("samples", len(channels), clock_follows))
 
     def wait_for_clock(self, stamp_ns: int) -> None:
         self.said.append(("clock", stamp_ns))
@@ -43,9 +46,10 @@ class Noted:
 def test_samples_of_one_kind_go_out_one_by_one_then_the_clock_if_it_tells_time(tells_time: bool) -> None:
     noted = Noted()
     noted.advance(Tick(7, (POSE, POSE, IMU, POSE), tells_time), noted, noted)
-    waits = ["samples", "samples"]
-    bursts = [POSE, IMU, *waits, POSE, *waits, POSE, *waits]
+    both, one = 2 * [("samples", 2, False)], 2 * [("samples", 1, False)]
+    bursts = [POSE, IMU, *both, POSE, *one, POSE, *2 * [("samples", 1, tells_time)]]
     assert noted.said == bursts + [7, ("clock", 7), ("clock", 7)] * tells_time
+    assert noted.commands.told_ns == 7 * tells_time
 
 
 def test_without_listeners_commands_are_served_once_a_tick_without_waiting() -> None:

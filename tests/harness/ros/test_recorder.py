@@ -34,6 +34,7 @@ from rover_metrics.ros.metrics_publisher import MetricsPublisher
 BEAMS = 16
 STEP_NS = 50_000_000
 TOPICS = {
+    "/tf": "tf2_msgs/msg/TFMessage",
     "/scan": "sensor_msgs/msg/LaserScan",
     "/imu/data": "sensor_msgs/msg/Imu",
     "/rover/pose_array": "geometry_msgs/msg/PoseArray",
@@ -44,6 +45,7 @@ TOPICS = {
     "/rover/truth/traversal": "std_msgs/msg/Float64MultiArray",
     "/clock": "rosgraph_msgs/msg/Clock",
 }
+LATCHED = {"/tf_static": "tf2_msgs/msg/TFMessage", "/robot_description": "std_msgs/msg/String"}
 HEARD = {"/cmd_vel": "geometry_msgs/msg/Twist"}
 
 
@@ -66,6 +68,7 @@ def publish(bridge: Bridge, ticks: int) -> None:
         tick = samples.Tick(
             t,
             (
+                samples.Transforms(t, (float(number), 0.0, 0.0), level),
                 samples.LaserScan(t, np.full(BEAMS, number, dtype=np.float32)),
                 samples.Imu(t, level, (0.0, 0.0, 0.1), (0.0, 0.0, 9.8)),
                 samples.Pose(t, (float(number), 0.0, 0.0), level, empty=number % 5 == 0),
@@ -100,7 +103,7 @@ def test_the_file_is_one_that_rosbag2_and_rosbags_read_without_another(
     store = get_typestore(Stores.LATEST)
     for channel in summary.channels.values():
         assert channel.message_encoding == "cdr"
-        kind = (TOPICS | HEARD)[channel.topic]
+        kind = (TOPICS | HEARD | LATCHED)[channel.topic]
         assert summary.schemas[channel.schema_id].name == kind
         assert channel.metadata["topic_type_hash"] == store.hash_rihs01(kind)
     with AnyReader([tmp_path / "bag.mcap"]) as bag:
@@ -205,7 +208,7 @@ def test_commands_and_the_nodes_metrics_are_recorded_at_the_time_of_the_tick(
         for name, message in names:
             status = Status(Level.WARN, name, message, (("key", "1.5"),))
             metrics.publish(0, lambda status=status: [status])  # type: ignore[misc]
-        bridge._receive(Twist(linear=Vector3(x=0.25)))
+        bridge.commands.receive("twist", Twist(linear=Vector3(x=0.25)))
     assert told == []
     store = get_typestore(Stores.LATEST)
     with AnyReader([tmp_path / "bag.mcap"]) as bag:

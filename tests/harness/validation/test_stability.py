@@ -15,7 +15,6 @@ from harness.validation.stability import (
     Balance,
     TiltTable,
     balance,
-    servo_creep,
     steepest_stand,
     tip_angle,
 )
@@ -95,17 +94,6 @@ def test_nose_up_it_slides_or_tips_whichever_is_first(rear: float, limit: float)
     stand = Balance(weight=1.0, height=0.1, front=9.0, rear=rear, left=9.0, right=9.0)
 
     assert steepest_stand(stand) == pytest.approx(limit)
-
-
-def test_wheels_creep_until_their_servos_hold_the_weight(rig: Rig) -> None:
-    """Four wheels: torque kv w each, force kv w / r, speed w r."""
-    stand, incline = balance(rig), math.radians(20.0)
-    speed = servo_creep(rig, stand, incline)
-
-    kv = rig.simulation.model.actuator_gainprm[0, 0]
-    turning = speed / rig.rover.wheel_radius
-    force = 4 * kv * turning / rig.rover.wheel_radius
-    assert force == pytest.approx(stand.weight * math.sin(incline))
 
 
 @pytest.mark.parametrize("uphill", [0.0, 0.7, math.pi])

@@ -2,17 +2,24 @@
 
 from dataclasses import astuple
 
-from rover_metrics.analysis.metric import METRICS, Kind, Metric
+import pytest
+
+from rover_metrics.analysis.metric import COUNTERS, METRICS, Kind, Metric, is_other, other_metric
+from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS
 from rover_metrics.core.row import COLUMNS
+from rover_metrics.extended.metrics import EXTENDED_HEADER
 
 SHAKING = "(m/s² + rad/s)/min"
 NEAR = ("collision_threshold", "min_safe_clearance")
+RIDE = ("m/s² + rad/s",)
+SMOOTH = ("smoothness_threshold",)
 ROUGH = ("rough_terrain_threshold",)
 # code, column, title, unit, kind, thresholds, rough_only, extended_column
 EXPECTED = (
     ("TC", "Total Collisions", "Collisions", "scans/min", Kind.COUNTER, (), False, ""),
     ("CS", "Current Collision Status", "Time in collision", "% of rows", Kind.FLAG, (), False, ""),
     ("SM", "Smoothness Metric", "Smoothness sum", SHAKING, Kind.COUNTER, (), False, ""),
+    ("TSR", "Current Smoothness", "Smoothness of the route", *RIDE, Kind.LEVEL, SMOOTH, False, ""),
     ("OC", "Obstacle Clearance", "Obstacle clearance", "m", Kind.LEVEL, NEAR, False, ""),
     ("DT", "Distance Traveled", "Distance traveled", "m/min", Kind.COUNTER, (), False, ""),
     ("CV", "Current Velocity", "Current velocity", "m/s", Kind.LEVEL, (), False, ""),
@@ -27,7 +34,7 @@ EXPECTED = (
 
 
 def test_codes_columns_titles_and_units_are_those_that_users_know() -> None:
-    """RoboTerrain's nine codes in its order, and VORT, which it took for another name of CV."""
+    """RoboTerrain's nine codes in its order, its TSR, and VORT, which it took for another name of CV."""
     assert tuple(astuple(metric) for metric in METRICS.values()) == EXPECTED
     assert tuple(METRICS) == tuple(code for code, *_ in EXPECTED)
     assert METRICS["SM"].label == "Smoothness sum [(m/s² + rad/s)/min]"
@@ -40,3 +47,29 @@ def test_a_metric_is_read_from_columns_that_every_log_has() -> None:
     assert METRICS["VORT"].columns == ("Current Velocity", "Is Rough Terrain")
     plain = Metric("X", "Notes", "x", "m")
     assert astuple(plain)[4:] == (Kind.LEVEL, (), False, "")
+
+
+@pytest.mark.parametrize(
+    ("column", "label", "kind", "short"),
+    [
+        ("Peak Jerk [m/s^3]", "Peak Jerk [m/s³]", Kind.LEVEL, "Peak Jerk"),
+        ("Slip", "Slip", Kind.LEVEL, "Slip"),
+        ("Collision Events", "Collision Events [1/min]", Kind.COUNTER, "Collision Events"),
+        ("my [odd] name", "my [odd] name", Kind.LEVEL, "my [odd] name"),
+        ("a\x1b[31m", "a?[31m", Kind.LEVEL, "a?[31m"),
+    ],
+)
+def test_any_other_column_is_a_metric_too(column: str, label: str, kind: Kind, short: str) -> None:
+    metric = other_metric(column)
+    assert (metric.columns, metric.label, metric.kind, metric.short) == ((column,), label, kind, short)
+    assert METRICS["OC"].short == "OC"
+
+
+def test_columns_that_only_grow_are_reported_as_rates() -> None:
+    assert tuple(column.name for column in ROBOTERRAIN_COLUMNS if column.cumulative) == COUNTERS
+    rates = [
+        name for name in EXTENDED_HEADER if is_other(name) and other_metric(name).kind is Kind.COUNTER
+    ]
+    counted = ("Events", "Scans", "Collisions", "Rejected", "Lost")
+    assert rates == [name for name in EXTENDED_HEADER[12:] if name.endswith(counted)]
+    assert not any(map(is_other, (*COLUMNS, "VORT [m/s]", "")))

@@ -18,12 +18,12 @@ from scipy import stats
 
 from rover_metrics.analysis.logs.log import Floats, Log
 from rover_metrics.analysis.logs.time_axis import AxisName, TimeAxis, on_grid
-from rover_metrics.analysis.metric import METRICS
+from rover_metrics.analysis.metric import METRICS, other_metric
 from rover_metrics.analysis.outcome import analyse
 from rover_metrics.analysis.plots.aggregate import draw_aggregate, mean_and_band
 from rover_metrics.analysis.plots.comparison import draw_comparison
 from rover_metrics.analysis.plots.correlation import draw_correlation
-from rover_metrics.analysis.plots.style import STYLE, legend_columns, look, save
+from rover_metrics.analysis.plots.style import STYLE, legend_columns, look, lower_end, metric_grid, save
 from rover_metrics.analysis.plots.time_series import (
     MOST_POINTS,
     draw_time_series,
@@ -89,7 +89,9 @@ def test_each_log_is_a_running_curve_of_its_own_colour_and_line(study: Study, co
     metric = METRICS[code]
     axes = only_axes(draw_time_series(over(ungrouped(study), TimeAxis("none")), metric))
     curves = [line for line in axes.lines if str(line.get_label()).startswith("log")]
-    assert [line.get_label() for line in curves] == ["log 0", "log 1", "log 2", "log 3"]
+    lowest = [f", lowest {m.log.columns['Obstacle Clearance'].min():.4g}" for m in study.members]
+    names = [f"log {i}{lowest[i] if code == 'OC' else ''}" for i in range(4)]
+    assert [line.get_label() for line in curves] == names
     assert [to_hex(line.get_color()) for line in curves] == OKABE_ITO[:4]
     assert len({str(look(i)["linestyle"]) for i in range(4)}) == 4
     for member, curve in zip(study.members, curves, strict=True):
@@ -106,7 +108,7 @@ def test_each_log_is_a_running_curve_of_its_own_colour_and_line(study: Study, co
         axes.get_title(loc="left")
         == {
             "TC": "Collisions: running mean over 10 % of the episode",
-            "OC": "Obstacle clearance: running median over 5 % of the episode",
+            "OC": "Obstacle clearance: running median over 5 % of the episode; \u25bc: lowest",
             "RT": "Time on rough terrain: running mean over 10 % of the episode",
         }[code]
     )
@@ -129,7 +131,9 @@ def test_of_two_groups_or_many_logs_each_group_has_one_look_and_one_name(
     axes = only_axes(draw_time_series(over(study, TimeAxis("none")), METRICS["OC"]))
     looks = [(to_hex(line.get_color()), str(line.get_linestyle())) for line in axes.lines[:4]]
     assert looks[0] == looks[1] != looks[2] == looks[3]
-    assert axes.get_legend_handles_labels()[1] == ["a", "b"]
+    lowest = [study.members[i].log.columns["Obstacle Clearance"].min() for i in (0, 2)]
+    names = [f"{group}, lowest {least:.4g}" for group, least in zip("ab", lowest, strict=True)]
+    assert axes.get_legend_handles_labels()[1] == names
     log = study.members[0].log
     many = Study(tuple(Member(log, f"log {i}", "all") for i in range(logs)), ("all",), study.options)
     axes = only_axes(draw_time_series(over(many, TimeAxis("none")), METRICS["OC"]))
@@ -354,7 +358,7 @@ def test_a_correlation_is_written_into_its_cell_below_the_diagonal() -> None:
         "Time on rough terrain  RT",
     ]
     assert (axes.get_xlim(), axes.get_ylim()) == ((-0.5, 1.5), (2.5, 0.5))
-    assert "white: p of 0.05 or more" in axes.get_title(loc="left")
+    assert "white: p (Holm) of 0.05 or more" in axes.get_title(loc="left")
     assert draw_correlation((), metrics, 0.05) is None
 
 
@@ -381,7 +385,8 @@ def test_a_comparison_shows_each_log_as_a_point_and_the_verdict(study: Study) ->
     assert axes.get_title(loc="right") == verdict
     assert axes.get_title(loc="left") == "Obstacle clearance\n[m]"
     told = "Each point one log; line: mean, bar: 95 % t interval; p: Holm-adjusted"
-    assert figure.get_suptitle() == told
+    assert figure.get_suptitle().splitlines()[0] == told
+    assert " ".join(figure.get_suptitle().splitlines()[1:]) == " ".join(result.notes)
     for p, title in ((0.0004, "p <0.001"), (None, "no test")):
         item = replace(clearance, p_holm=p, hedges_g=None)
         alone = replace(study, options=Options((METRICS["OC"],)))
@@ -395,11 +400,10 @@ def test_without_groups_a_comparison_shows_the_logs_side_by_side(study: Study) -
     assert figure is not None
     rates, clearances, _ = figure.axes
     for place, member in enumerate(alone.members):
-        bar, box = rates.patches[place], clearances.patches[place]
-        assert isinstance(bar, Rectangle)
+        dot, box = rates.lines[place], clearances.patches[place]
         assert isinstance(box, Rectangle)
         total = np.ptp(member.log.columns["Total Collisions"]) / member.log.duration * 60
-        assert [bar.get_height(), bar.get_x()] == pytest.approx([total, place - 0.3])
+        assert [*ys(dot), *xs(dot)] == pytest.approx([total, place])
         low, first, middle, third, high = np.percentile(
             member.log.columns["Obstacle Clearance"], [5, 25, 50, 75, 95]
         )
@@ -506,3 +510,115 @@ def test_the_thresholds_drawn_are_those_that_the_logs_had(study: Study) -> None:
         levels = [ys(line)[0] for line in axes.get_lines() if list(xs(line)) == [0, 1]]
         assert levels == [0.3, 0.9]
         assert "collision threshold 0.3 m" in " ".join(text.get_text() for text in axes.texts)
+
+
+def one_column(make_log: MakeLog, name: str, *logs: Floats, groups: str = "") -> Study:
+    """A study of one column, a log each; in groups as their letters say."""
+    metric = next((m for m in METRICS.values() if m.column == name), None) or other_metric(name)
+    letters = groups or "a" * len(logs)
+    members = [Member(make_log({name: log}), f"log {i}", letters[i]) for i, log in enumerate(logs)]
+    return Study(tuple(members), tuple(sorted(set(letters))), Options((metric,), plots=("correlation",)))
+
+
+def test_the_lowest_row_of_each_of_several_logs_is_marked(study: Study) -> None:
+    axes = only_axes(draw_time_series(over(ungrouped(study), TimeAxis("none")), METRICS["OC"]))
+    marks = [np.asarray(mark.get_offsets())[0].tolist() for mark in axes.collections]
+    clearances = [member.log.columns["Obstacle Clearance"] for member in study.members]
+    assert marks == [[int(np.argmin(c)), c.min()] for c in clearances]
+    assert [to_hex(np.asarray(mark.get_facecolor())[0]) for mark in axes.collections] == OKABE_ITO[:4]
+    alone = replace(ungrouped(study), members=study.members[:1])
+    axes = only_axes(draw_time_series(over(alone, TimeAxis("none")), METRICS["OC"]))
+    assert not axes.collections
+    assert "lowest" not in axes.get_title(loc="left")
+    assert not only_axes(draw_time_series(ungrouped(study), METRICS["TC"])).collections
+
+
+@pytest.mark.parametrize(
+    ("lowest", "highest", "begins"),
+    [
+        (0.0, 10.0, 0.0),
+        (9.0, 10.0, 8.9),
+        (5.0, 10.0, 0.0),
+        (6.0, 10.0, 5.6),
+        (10.0, 10.0, 0.0),
+        (-1.0, 1.0, -1.2),
+        (-3.0, -1.0, -3.2),
+    ],
+)
+def test_an_axis_begins_at_0_unless_that_hides_the_difference(
+    lowest: float, highest: float, begins: float
+) -> None:
+    assert lower_end(lowest, highest) == pytest.approx(begins)
+
+
+def test_what_gravity_is_a_part_of_is_compared_from_where_it_differs(make_log: MakeLog) -> None:
+    levels = [np.array([mean - 0.01, mean, mean + 0.01]) for mean in (9.80, 9.85, 9.95, 10.0)]
+    name = "IMU Acceleration Magnitude"
+    groups = one_column(make_log, name, *levels, groups="aabb")
+    bottom, top = only_axes(draw_comparison(groups, analyse(groups))).get_ylim()
+    assert (bottom, top) == pytest.approx((9.6, 10.2))
+    alone = one_column(make_log, name, *levels)
+    axes = only_axes(draw_comparison(alone, analyse(alone)))
+    assert 9.7 < axes.get_ylim()[0] < 9.79
+    assert 10.01 < axes.get_ylim()[1] < 10.1
+    assert not axes.texts  # the threshold of 15 lies beyond
+    rates = one_column(make_log, "Smoothness Metric", *(k * np.arange(9.0) for k in (240, 250)))
+    assert only_axes(draw_comparison(rates, analyse(rates))).get_ylim()[0] == pytest.approx(14_340)
+
+
+def test_negative_values_are_seen_in_every_plot(make_log: MakeLog) -> None:
+    slip = np.tile([-0.5, 0.25, 0.0], 30)
+    for logs, groups in (
+        ((slip,), ""),
+        ((slip, slip - 1), ""),
+        ((slip, slip, slip - 1, slip - 2), "aabb"),
+    ):
+        drawn = one_column(make_log, "Slip", *logs, groups=groups)
+        for figure in (
+            draw_time_series(drawn, other_metric("Slip")),
+            draw_aggregate(drawn),
+            draw_comparison(drawn, analyse(drawn)),
+        ):
+            axes = only_axes(figure)
+            ends = [float(value) for line in axes.lines for value in ys(line) if np.isfinite(value)]
+            bottom, top = axes.get_ylim()
+            assert all(bottom <= end <= top for end in ends)
+    below = one_column(make_log, "Slip", np.array([*[-0.1] * 999, -9.0]))
+    figure = draw_time_series(below, other_metric("Slip"))
+    assert figure is not None
+    assert "1 value below the axis, the lowest -9" in texts(figure)
+    assert only_axes(figure).get_ylim() == pytest.approx((-0.11, 0.0))
+
+
+def test_pairs_are_joined(study: Study) -> None:
+    paired = replace(study, pairs=((0, 1), (1, 0)))
+    figure = draw_comparison(paired, analyse(paired))
+    assert figure is not None
+    clearance = figure.axes[1]
+    a, b = (study.observations(METRICS["OC"], group) for group in "ab")
+    assert [ys(line).tolist() for line in clearance.lines[:2]] == [[a[0], b[1]], [a[1], b[0]]]
+    assert "grey: pairs" in figure.get_suptitle()
+
+
+def test_only_the_first_of_many_metrics_have_a_panel(make_log: MakeLog) -> None:
+    columns = {f"c{i}": np.random.default_rng(i).random(20) for i in range(18)}
+    metrics = tuple(map(other_metric, columns))
+    study = Study((Member(make_log(columns), "x", "all"),), ("all",), Options(metrics))
+    figure, panels, remark = metric_grid(study, ["c17", "c3"])
+    assert (len(panels), remark) == (16, " (the first 16 of 18 metrics)")
+    order = [metric.code for metric, _ in panels]
+    assert order.index("c17") < order.index("c3")
+    assert [axes.get_title(loc="left") for axes in figure.axes] == order
+    long = replace(study, options=Options((other_metric("c1"), replace(metrics[0], title="x" * 80))))
+    assert len(metric_grid(long)[0].axes[1].get_title(loc="left")) == 44
+
+
+def test_a_large_matrix_of_correlations_names_columns_upright_and_writes_no_number() -> None:
+    metrics = [METRICS["OC"], *(other_metric(f"Some Column {i} [m]") for i in range(14))]
+    found = [Correlation(metrics[0].code, each.code, 0.5, 9, 9.0, p=0.001) for each in metrics[1:]]
+    axes = only_axes(draw_correlation(found, metrics, 0.05))
+    assert not axes.texts
+    assert [tick.get_rotation() for tick in axes.get_xticklabels()] == [90] * 14
+    assert [tick.get_text() for tick in axes.get_xticklabels()][:2] == ["OC", "Some Column 0"]
+    assert axes.get_yticklabels()[0].get_text() == "Some Column 0"
+    assert only_axes(draw_correlation(found[:13], metrics, 0.05)).texts

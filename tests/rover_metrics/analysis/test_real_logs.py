@@ -10,6 +10,10 @@ from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.analysis.metric import METRICS
 from rover_metrics.analyze import main
 
+SINCE_START = (
+    "Current Smoothness is the mean since the start, as RoboTerrain's node writes it since 2025 (its "
+    "buffer is never trimmed), not of the last 100 samples"
+)
 WALL = "wall-clock timestamps: the node ran without use_sim_time"
 
 # rows, seconds, collisions/min, m/min, % rough, from facts about the logs
@@ -22,12 +26,13 @@ KNOWN = {
 ODD = {
     "1": (
         "spaces before numbers",
+        SINCE_START,
         "3 short gaps (first on line 57): up to 2 s, rates are over the time that passed",
         WALL,
     ),
     "metrics_log_20241117_120944": ("11 columns, without Vertical Roughness: no VR", WALL),
-    "metrics_log_20250116_120457": (WALL,),
-    "metrics_log_20250116_125842": (WALL,),
+    "metrics_log_20250116_120457": (SINCE_START, WALL),
+    "metrics_log_20250116_125842": (SINCE_START, WALL),
 }
 
 

@@ -1,10 +1,48 @@
 from pathlib import Path
 
+import numpy as np
+import pytest
+
+from rover_metrics.analysis.logs.log import Log
 from rover_metrics.analysis.study import labels
+
+RUN = {"robot": "leo", "terrain": "rocky", "difficulty": 0.5, "seed": 7}
+
+
+def log_at(path: str, arguments: dict[str, object] | None = None) -> Log:
+    return Log(Path(path), np.zeros(1), {}, np.zeros(1, np.int64), arguments=arguments or {})
 
 
 def named(*paths: str) -> list[str]:
-    return labels([Path(path) for path in paths])
+    return labels([log_at(path) for path in paths])
+
+
+@pytest.mark.parametrize(
+    ("stem", "changed", "label"),
+    [
+        ("metrics_log_20250116_120457", {}, "leo rocky 0.5 seed 7"),
+        ("metrics_log_20250116_120457_2", {}, "leo rocky 0.5 seed 7"),
+        ("metrics_log_20250116_120457", {"terrain": "/maps/yard.tif"}, "leo yard seed 7"),
+        ("metrics_log_20250116_120457", {"difficulty": None}, "leo rocky seed 7"),
+        ("baseline", {}, "baseline"),
+    ],
+)
+def test_a_name_that_a_person_gave_comes_first_then_what_was_driven_then_the_time(
+    stem: str, changed: dict[str, object], label: str
+) -> None:
+    assert labels([log_at(f"/d/{stem}.csv", RUN | changed)]) == [label]
+    assert named(f"/d/{stem}.csv") == [stem]
+    assert labels([log_at(f"/d/{stem}.csv", {"seed": 7})]) == [stem]
+
+
+def test_drives_that_are_alike_are_told_apart_by_their_times() -> None:
+    twice = [log_at(f"/d/metrics_log_20250116_12045{i}.csv", RUN) for i in range(2)]
+    other = log_at("/d/metrics_log_20250116_120459.csv", RUN | {"seed": 8})
+    assert labels([*twice, other]) == [
+        "leo rocky 0.5 seed 7, 20250116_120450",
+        "leo rocky 0.5 seed 7, 20250116_120451",
+        "leo rocky 0.5 seed 8",
+    ]
 
 
 def test_a_log_is_called_by_its_stem() -> None:

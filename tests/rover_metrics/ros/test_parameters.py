@@ -17,7 +17,7 @@ from rover_metrics.ros.parameters import (
     declare_reliability,
     declare_settings,
     require_same_columns,
-    wrong_type,
+    wrong_name_or_type,
 )
 
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
@@ -167,7 +167,7 @@ def test_a_change_that_is_not_valid_is_one_line(name: str, value: object, messag
 
 
 @pytest.mark.parametrize("name", DECLARED)
-def test_a_launch_with_a_wrong_type_is_told_the_constraint(name: str) -> None:
+def test_a_launch_with_a_wrong_name_or_type_is_told_the_constraint(name: str) -> None:
     wrong = InvalidParameterTypeException(Parameter(name, value="x"), "other")
     node = Stub(**{name: wrong})
     with pytest.raises(ParameterError) as caught:
@@ -216,12 +216,20 @@ def test_the_reliability_of_a_topic_is_a_fixed_parameter_of_two_values(
         declare_reliability(Stub(**{name: "relyable"}), "/scan", default)
 
 
-def test_only_a_known_parameter_of_another_type_is_named() -> None:
+def test_the_first_parameter_of_another_type_or_name_is_named() -> None:
     node = Stub()
     declare_settings(node)
     node.declare_parameter("use_sim_time", False, type(node.declared["fsync"][1])())
-    fine = [Parameter(name, value=1) for name in ("other", "use_sim_time", "debug_interval")]
-    assert wrong_type(node, fine) is None
-    told = wrong_type(node, [*fine, Parameter("stale_after", value=5), Parameter("fsync", value=1)])
+    fine = [Parameter(name, value=1) for name in ("use_sim_time", "debug_interval")]
+    assert wrong_name_or_type(node, fine) is None
+    told = wrong_name_or_type(
+        node, [*fine, Parameter("stale_after", value=5), Parameter("fsync", value=1)]
+    )
     valid = "a number with a decimal point (5.0, not 5) from 0.0 to 86400.0 s"
     assert told == f"parameter stale_after must be {valid}"
+    for name, reason in (
+        ("fsinc", "fsinc; did you mean fsync?"),
+        ("qos_overrides./x", "qos_overrides./x"),
+    ):
+        unknown = Parameter(name, value=True)
+        assert wrong_name_or_type(node, [unknown, *fine]) == f"there is no parameter {reason}"

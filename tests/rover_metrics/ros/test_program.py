@@ -23,7 +23,10 @@ class Stage:
         monkeypatch.setattr(rclpy, "init", lambda *, args: self.happen("init", args))
         monkeypatch.setattr(rclpy, "try_shutdown", lambda: self.happen("shutdown ROS"))
         monkeypatch.setattr(rclpy, "ok", lambda: self.ros_is_up)
-        monkeypatch.setattr(program, "SingleThreadedExecutor", lambda: self)
+        monkeypatch.setattr(program, "SingleThreadedExecutor", lambda: self.happen("standard executor"))
+        monkeypatch.setattr(program, "EventsExecutor", lambda: self.happen("events executor"))
+        self.in_lock_step = False
+        self.lock_steps: list[bool] = []  # after each spin; then ROS is shut down
 
     def happen(self, what: str, *details: object) -> Any:  # noqa: ANN401 - the node too
         self.events.append((what, *details) if details else what)
@@ -38,10 +41,15 @@ class Stage:
         assert node is self
         self.happen("add node")
 
-    def spin(self) -> None:
-        self.happen("spin")
+    def spin_once(self, timeout_sec: float | None) -> None:
+        self.happen("spin" if timeout_sec is None else "spin bounded")
+        self.ros_is_up = self.ros_is_up and bool(self.lock_steps)
+        self.in_lock_step = self.lock_steps.pop(0) if self.lock_steps else False
 
-    def shutdown(self) -> None:
+    def __enter__(self) -> "Stage":
+        return self
+
+    def __exit__(self, *_: object) -> None:
         self.happen("shutdown executor")
 
     def fail(self, reason: str) -> None:
@@ -60,7 +68,8 @@ def stage(monkeypatch: pytest.MonkeyPatch) -> Stage:
 
 
 UP = [("init", ["--ros-args"])]
-DOWN = ["destroy node", "shutdown executor", "shutdown ROS"]
+SPUN = ["make node", "standard executor", "add node", "spin"]
+DOWN = ["shutdown executor", "destroy node", "shutdown ROS"]
 
 
 @pytest.mark.parametrize("error", [None, KeyboardInterrupt(), ExternalShutdownException()])
@@ -70,7 +79,7 @@ def test_a_signal_while_it_spins_is_a_clean_end_with_zero(
     if error is not None:
         stage.errors["spin"] = error
     assert stage.run() == 0
-    assert stage.events == [*UP, "make node", "add node", "spin", *DOWN]
+    assert stage.events == [*UP, *SPUN, *DOWN]
     assert capsys.readouterr() == ("", "")
 
 
@@ -78,7 +87,17 @@ def test_an_error_while_it_spins_is_in_the_record_before_the_node_goes(stage: St
     stage.errors["spin"] = ValueError("boo")
     with pytest.raises(ValueError, match="boo"):
         stage.run()
-    assert stage.events == [*UP, "make node", "add node", "spin", ("fail", "ValueError: boo"), *DOWN]
+    executor, *rest = DOWN
+    assert stage.events == [*UP, *SPUN, executor, ("fail", "ValueError: boo"), *rest]
+
+
+def test_while_a_simulator_waits_the_faster_executor_spins_the_node(stage: Stage) -> None:
+    stage.lock_steps = [False, True, True, False]
+    assert stage.run() == 0
+    executor, *rest = DOWN
+    fast = [executor, "events executor", "add node", *["spin bounded"] * 2]
+    standard = [executor, "standard executor", "add node", "spin", executor]
+    assert stage.events == [*UP, *SPUN, "spin", *fast, *standard, *rest]
 
 
 @pytest.mark.parametrize("error", [RuntimeError("context"), AttributeError("handle")])
@@ -96,7 +115,7 @@ def test_a_context_that_a_signal_pulled_away_is_a_clean_end_but_the_same_error_w
         assert stage.run() == 0
     failed = ("fail", f"{type(error).__name__}: {error}") in stage.events
     assert failed is (ros_is_up and where == "spin")
-    assert stage.events[-2:] == DOWN[1:]
+    assert stage.events[-1] == DOWN[-1]
 
 
 def test_a_known_mistake_is_one_line_and_its_exit_code(
@@ -104,7 +123,7 @@ def test_a_known_mistake_is_one_line_and_its_exit_code(
 ) -> None:
     stage.errors["make node"] = LogError("cannot create a log")
     assert stage.run() == 2
-    assert stage.events == [*UP, "make node", *DOWN[1:]]
+    assert stage.events == [*UP, "make node", DOWN[-1]]
     assert capsys.readouterr() == ("", "metrics_node: cannot create a log\n")
 
 
@@ -115,3 +134,12 @@ def test_arguments_that_ros_refuses_are_one_line_and_two(
     assert stage.run() == 2
     assert stage.events == UP
     assert capsys.readouterr() == ("", "metrics_node: Couldn't parse rule: 'x'\n")
+
+
+def test_an_option_behind_ros_args_that_ros_does_not_know_is_told_before_ros_is_up(
+    stage: Stage, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert program.run_node("metrics_node", stage.make_node, ["--ros-args", "--parms-file", "x"]) == 2
+    assert stage.events == []
+    told = "metrics_node: --ros-args knows no '--parms-file'; did you mean --params-file?\n"
+    assert capsys.readouterr() == ("", told)

@@ -1,14 +1,22 @@
 """What was odd about a file, one line each, with the line of the file where it was met first."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pandas as pd
 
 from rover_metrics.analysis.logs.parsing import Table, Tally
-from rover_metrics.analysis.metric import METRIC_COLUMNS, STAMP, Metric
+from rover_metrics.analysis.metric import (
+    CLEARANCE,
+    COUNTERS,
+    METRIC_COLUMNS,
+    STAMP,
+    Metric,
+    is_other,
+)
 
 _UNIX_TIME = 1e9  # s; a simulation does not run for 30 years
+_MOST_NAMED = 4  # columns that are not there
 _LATE = 1.5  # periods between two rows beyond which one is missing
 
 
@@ -20,11 +28,8 @@ def describe_table(table: Table, header: Sequence[str], metrics: Sequence[Metric
         header: Its column names.
         metrics: Those to be reported.
     """
-    absent = [name for name in METRIC_COLUMNS if name not in header]
-    codes = [metric.code for metric in metrics if not set(metric.columns).isdisjoint(absent)]
-    findings = []
-    if codes:
-        findings.append(f"{len(header)} columns, without {', '.join(absent)}: no {', '.join(codes)}")
+    asked = {column for metric in metrics for column in (*metric.columns, metric.extended_column)}
+    findings = [*_absent(header, metrics)]
     if table.spaces:
         findings.append("spaces before numbers")
     too_long = " with more fields than the header, so which is which is unclear"
@@ -32,10 +37,12 @@ def describe_table(table: Table, header: Sequence[str], metrics: Sequence[Metric
     findings += _told(table.short, "row", " with fewer fields than the header")
     findings += _told(table.untimed, "row", " without a number for a Timestamp")
     for name, tally in table.cells.items():
-        findings += _told(tally, "cell", f" without a number in {name}")
+        if name in asked or name in COUNTERS:
+            findings += _told(tally, "cell", f" without a number in {name}")
     for name, tally in table.infinite.items():
-        when = ", as before the first scan" if name == "Obstacle Clearance" else ""
-        findings += _told(tally, "infinite value", f" in {name}{when}")
+        when = ", as before the first scan" if name == CLEARANCE else ""
+        if name in asked or name in COUNTERS:
+            findings += _told(tally, "infinite value", f" in {name}{when}")
     return findings
 
 
@@ -64,10 +71,18 @@ def describe_time(rows: pd.DataFrame, gap: float) -> list[str]:
     return findings
 
 
+def _absent(header: Sequence[str], metrics: Sequence[Metric]) -> Iterator[str]:
+    """Tells which columns are not there, if a metric asked for needs them."""
+    absent = [name for name in METRIC_COLUMNS if name not in header]
+    codes = [metric.code for metric in metrics if not set(metric.columns).isdisjoint(absent)]
+    if codes:
+        yield f"{len(header)} columns, without {', '.join(absent)}: no {', '.join(codes)}"
+    others = [metric.column for metric in metrics if is_other(metric.column)]
+    lacking = [name for name in others if name not in header]
+    if lacking:
+        more = f" and {len(lacking) - _MOST_NAMED} more" if len(lacking) > _MOST_NAMED else ""
+        yield f"no column {', '.join(lacking[:_MOST_NAMED])}{more}"
+
+
 def _told(tally: Tally, noun: str, what: str = "", outcome: str = "left out") -> list[str]:
-    if not tally.count:
-        return []
-    where = f"line {tally.first}" if tally.count == 1 else f"first on line {tally.first}"
-    example = f", {tally.example}" if tally.example else ""
-    plural = "s" if tally.count > 1 else ""
-    return [f"{tally.count} {noun}{plural}{what} ({where}{example}): {outcome}"]
+    return [tally.told(noun, what, outcome)] if tally.count else []

@@ -1,8 +1,9 @@
 """A log in memory: typed columns, episodes, and what was odd about the file."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ class Log:
         starts: First row of each episode, ascending; the first is 0.
         findings: What was odd about the file, one line each.
         thresholds: Those at the end of its session, where its record tells.
+        arguments: Those of the harness's run, where its record tells: robot, terrain, seed and others.
     """
 
     path: Path
@@ -34,6 +36,7 @@ class Log:
     starts: Integers
     findings: tuple[str, ...] = ()
     thresholds: Thresholds | None = None
+    arguments: Mapping[str, Any] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.stamps)

@@ -1,22 +1,24 @@
 """The rows of a CSV file as a Table, read in chunks so that memory is that of the numbers alone.
 
-pandas takes a field too many for an index and shifts every column without a word. Here one column
-more than the header names catches such fields, and the rows that have them are left out. Quotes have
-no meaning, so that a stray one cannot swallow lines and each row knows its line.
+pandas takes a field too many for an index and shifts every column without a word, and refuses a file
+for two too many. Here one column more than the header names catches such fields, and the rows that have
+them are left out. Quotes have no meaning, so that a stray one cannot swallow lines and each row knows
+its line.
 """
 
 import csv
+import io
 import os
-import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 import pandas as pd
 
 from rover_metrics.analysis.logs.header import UnreadableLog, shown
-from rover_metrics.analysis.metric import EXTENDED_COLUMNS, METRIC_COLUMNS, NOTES, STAMP
+from rover_metrics.analysis.metric import METRIC_COLUMNS, NOTES, STAMP
 
 _CHUNK = 200_000  # rows
 _LONGEST_LINE = 1 << 16  # bytes
@@ -37,6 +39,13 @@ class Tally:
         if lines.size and not self.count:
             self.first, self.example = int(lines[0]), example
         self.count += lines.size
+
+    def told(self, noun: str, what: str = "", outcome: str = "left out") -> str:
+        """Returns one line: how many of a noun, what is odd about them, where, and what follows."""
+        where = f"line {self.first}" if self.count == 1 else f"first on line {self.first}"
+        example = f", {self.example}" if self.example else ""
+        plural = "s" if self.count > 1 else ""
+        return f"{self.count} {noun}{plural}{what} ({where}{example}): {outcome}"
 
 
 @dataclass
@@ -79,10 +88,9 @@ def read_table(path: Path, header: Sequence[str], wanted: Sequence[str]) -> Tabl
     """
     table = Table(cells={name: Tally() for name in wanted}, infinite={name: Tally() for name in wanted})
     try:
-        with warnings.catch_warnings():
-            # Fields beyond the extra column are lost; for the extra one the row is left out anyway.
-            warnings.simplefilter("ignore", pd.errors.ParserWarning)
-            table.rows = pd.concat([_usable(chunk, table) for chunk in _chunks(path, header)])
+        with path.open(encoding="utf-8", errors="replace", newline="") as file:
+            chunks = _chunks(_Narrow(file, len(header) + 1), header)
+            table.rows = pd.concat([_usable(chunk, table) for chunk in chunks])
         table.spaces = _has_spaces(path)
         is_cut = _last_line_is_cut(path, len(header))
     except (OSError, ValueError, MemoryError) as error:  # pandas' ParserError is a ValueError
@@ -109,10 +117,28 @@ def _last_line_is_cut(path: Path, fields: int) -> bool:
     return bool(last) and last.count(b",") < fields - 1
 
 
-def _chunks(path: Path, header: Sequence[str]) -> Iterator[pd.DataFrame]:
+class _Narrow(io.TextIOBase):
+    """A text whose lines end after so many fields; pandas takes no line with more than it is told of."""
+
+    def __init__(self, file: TextIO, fields: int) -> None:
+        self._file, self._fields = file, fields
+
+    def read(self, size: int | None = -1) -> str:
+        """Returns whole lines of about so many characters; all there are for none."""
+        lines = self._file.readlines(-1 if size is None else size)
+        if any(line.count(",") >= self._fields for line in lines):
+            lines = [self._cut(line) for line in lines]
+        return "".join(lines)
+
+    def _cut(self, line: str) -> str:
+        fields = line.split(",", self._fields)
+        return line if len(fields) <= self._fields else ",".join(fields[: self._fields]) + "\n"
+
+
+def _chunks(file: _Narrow, header: Sequence[str]) -> Iterator[pd.DataFrame]:
     names = [name if header.count(name) == 1 else f"\0{i}" for i, name in enumerate(header)]
     return pd.read_csv(
-        path,
+        file,
         names=[*names, _EXTRA],
         header=None,
         skiprows=1,
@@ -121,8 +147,6 @@ def _chunks(path: Path, header: Sequence[str]) -> Iterator[pd.DataFrame]:
         skipinitialspace=True,
         skip_blank_lines=False,
         quoting=csv.QUOTE_NONE,
-        encoding="utf-8",
-        encoding_errors="replace",
         low_memory=False,
     )
 
@@ -163,8 +187,8 @@ def _numbers(column: "pd.Series[float]") -> "pd.Series[float]":
 
 def _tally_cells(column: "pd.Series[float]", numbers: "pd.Series[float]", table: Table) -> None:
     name, missing = str(column.name), numbers.isna()
-    if name in EXTENDED_COLUMNS:
-        missing &= column.notna()  # an empty cell of those is nothing odd
+    if name not in METRIC_COLUMNS:
+        missing &= column.notna()  # an empty cell of another column is nothing odd
     if missing.any():
         texts = column[missing].dropna()
         table.cells[name].add(column.index[missing], shown(str(texts.iloc[0])) if len(texts) else "")

@@ -7,12 +7,19 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from rover_metrics.analysis.logs.consistency import CHECKED_COLUMNS, describe_consistency
 from rover_metrics.analysis.logs.findings import describe_table, describe_time
 from rover_metrics.analysis.logs.header import UnreadableLog, read_header
 from rover_metrics.analysis.logs.log import Floats, Integers, Log
 from rover_metrics.analysis.logs.parsing import Table, read_table
 from rover_metrics.analysis.metric import COUNTERS, FLAGS, METRICS, STAMP, Metric
-from rover_metrics.log.session_record import SessionEnd, session_end, session_thresholds
+from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
+from rover_metrics.log.session_record import (
+    SessionEnd,
+    session_arguments,
+    session_end,
+    session_thresholds,
+)
 
 DEFAULT_GAP = 10.0  # s: ten times the logging period; hand-edited logs lack a row or two at most
 
@@ -33,21 +40,24 @@ def read_log(
     header = read_header(path)
     columns = (column for m in metrics for column in (*m.columns, m.extended_column))
     needed = dict.fromkeys([*COUNTERS, *columns])
-    table = read_table(path, header, [name for name in needed if header.count(name) == 1])
+    checked = dict.fromkeys([*needed, *CHECKED_COLUMNS])
+    table = read_table(path, header, [name for name in checked if header.count(name) == 1])
     if not any(metric.column in header for metric in metrics):
         raise UnreadableLog(f"it has no column for {', '.join(metric.code for metric in metrics)}")
     _check_usable(table, header)
     findings = describe_table(table, header, metrics)
     rows = _without_wrong_flags(table.rows, findings)
+    thresholds = session_thresholds(path)
+    findings += describe_consistency(rows, thresholds or DEFAULT_THRESHOLDS)
     findings += describe_time(rows, gap)
     if session_end(path) is SessionEnd.UNMARKED:
         findings.append(f"the session has no end mark: {SessionEnd.UNMARKED.value}")
     # Of consecutive rows with one time the last counts: its counters are up to date.
     rows = rows[np.append(np.diff(rows[STAMP]) != 0, True)]
     stamps = rows[STAMP].to_numpy()
-    values = {name: rows[name].to_numpy() for name in table.cells}
+    values = {name: rows[name].to_numpy() for name in needed if name in table.cells}
     starts = episode_starts(stamps, [values[name] for name in COUNTERS if name in values], gap)
-    return Log(path, stamps, values, starts, tuple(findings), session_thresholds(path))
+    return Log(path, stamps, values, starts, tuple(findings), thresholds, session_arguments(path))
 
 
 def _check_usable(table: Table, header: Sequence[str]) -> None:

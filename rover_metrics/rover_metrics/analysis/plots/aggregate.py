@@ -1,5 +1,7 @@
 """All episodes of a group as one curve: their mean, and how far it is certain."""
 
+import math
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -20,7 +22,7 @@ _FEWEST_FOR_INTERVAL = 3  # episodes; of fewer the band is what they range over
 
 def draw_aggregate(study: Study) -> Figure | None:
     """Draws the mean over the episodes of each group, one panel a metric; None if no log has a value."""
-    figure, panels = styling.metric_grid(study)
+    figure, panels, remark = styling.metric_grid(study)
     if not panels:
         return None
     grid = _grid(study)
@@ -28,7 +30,8 @@ def draw_aggregate(study: Study) -> Figure | None:
         _draw_panel(axes, study, metric, grid)
     level = f"{100 * study.options.confidence:g} %"
     figure.suptitle(
-        f"Mean of the episodes; band: {level} t interval (range if under {_FEWEST_FOR_INTERVAL})",
+        f"Mean of the episodes; band: {level} t interval (range if under {_FEWEST_FOR_INTERVAL})"
+        + remark,
         fontsize=9.5,
     )
     for _, axes in panels[-2:]:
@@ -49,7 +52,7 @@ def _grid(study: Study) -> Floats:
 
 
 def _draw_panel(axes: Axes, study: Study, metric: Metric, grid: Floats) -> None:
-    top = 0.0
+    top, lowest = 0.0, math.inf
     for number, group in enumerate(study.groups):
         curves = _curves(study, metric, group, grid)
         if curves.size and np.isfinite(curves).any():
@@ -59,9 +62,11 @@ def _draw_panel(axes: Axes, study: Study, metric: Metric, grid: Floats) -> None:
             plural = "s" if len(curves) > 1 else ""
             axes.plot(grid, mean, **style, label=f"{group} ({len(curves)} episode{plural})")
             top = max(top, float(np.nanmax(mean)) * 1.4, float(np.nanquantile(high, 0.97)) * 1.1)
+            lowest = min(lowest, float(np.nanquantile(low, 0.03)))
     bounds = study.bounds(metric)
     top = min(top, 105.0) if metric.kind is Kind.FLAG else top
-    axes.set_ylim(0, max(top, 1.3 * styling.highest_bound(bounds)) or 1.0)
+    end = max(top, 1.3 * styling.highest_bound(bounds)) or (1.0 if lowest >= 0 else -0.1 * lowest)
+    axes.set_ylim(min(0.0, 1.1 * lowest), end)
     axes.margins(x=0)
     styling.draw_thresholds(axes, bounds)
 

@@ -1,5 +1,7 @@
 """Groups side by side: every observation a point, the mean with its interval; or logs as boxes."""
 
+import math
+import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -8,15 +10,24 @@ from matplotlib.figure import Figure
 
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind, Metric
-from rover_metrics.analysis.plots.style import MARKERS, draw_thresholds, highest_bound, look, metric_grid
+from rover_metrics.analysis.plots.style import (
+    MARKERS,
+    draw_thresholds,
+    highest_bound,
+    look,
+    lower_end,
+    lowest_bound,
+    metric_grid,
+)
 from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.summary import t_interval
 from rover_metrics.analysis.study import Study
-from rover_metrics.analysis.tables import probability
+from rover_metrics.analysis.tables.sheets import probability
 
 _MOST_TICKS = 12
 _LINE = 115  # characters that fit below the panels
+_TITLE_LINE = 90  # above them
 
 
 def draw_comparison(study: Study, result: Result) -> Figure | None:
@@ -24,7 +35,7 @@ def draw_comparison(study: Study, result: Result) -> Figure | None:
 
     Returns None if no log has a value.
     """
-    figure, panels = metric_grid(study)
+    figure, panels, remark = metric_grid(study, [item.code for item in result.comparisons])
     if not panels:
         return None
     level = f"{100 * result.confidence:g} %"
@@ -32,23 +43,29 @@ def draw_comparison(study: Study, result: Result) -> Figure | None:
         by_code = {comparison.code: comparison for comparison in result.comparisons}
         for metric, axes in panels:
             _draw_groups(axes, study, metric, by_code[metric.code])
-        title = f"Each point one {result.unit}; line: mean, bar: {level} t interval; p: Holm-adjusted"
+        paired = "grey: pairs; " if study.pairs else ""
+        how = f"{paired}line: mean, bar: {level} t interval; p: Holm-adjusted"
+        title = f"Each point one {result.unit}; {how}"
     else:
         for metric, axes in panels:
             _draw_logs(axes, study, metric)
-        title = "Rows of each log; box: quartiles, whiskers: 5 % to 95 %; bars: share of rows, rate"
+        title = "Rows of each log; box: quartiles, whiskers: 5 % to 95 %; dots: share of rows, rate"
         _name_logs(figure, study)
-    figure.suptitle(title, fontsize=9.5)
+    notes = [line for note in result.notes for line in textwrap.wrap(note, _TITLE_LINE)]
+    figure.set_figheight(figure.get_figheight() + 0.16 * len(notes))
+    figure.suptitle("\n".join([title + remark, *notes]), fontsize=9.5)
     return figure
 
 
 def _draw_groups(axes: Axes, study: Study, metric: Metric, comparison: Comparison) -> None:
-    groups = [study.observations(metric, group) for group in study.groups]
+    groups = study.compared(metric)
+    if comparison.paired:
+        places = [spread + place for place, spread in enumerate(map(_spread, groups))]
+        axes.plot(places, groups, color="#999999", linewidth=0.6, zorder=1.8)
     for place, values in enumerate(groups):
         colour = look(place)["color"]
-        spread = np.linspace(-0.15, 0.15, values.size) if values.size > 1 else np.zeros(values.size)
         axes.plot(
-            place + spread,
+            place + _spread(values),
             values,
             MARKERS[place],
             color=colour,
@@ -66,7 +83,7 @@ def _draw_groups(axes: Axes, study: Study, metric: Metric, comparison: Compariso
                 axes.vlines(place + 0.28, *interval, color=colour, linewidth=2)
     axes.set_xticks(range(len(groups)), study.groups)
     axes.set_xlim(-0.6, 1.6)
-    axes.set_ylim(0, _top(axes, groups))
+    axes.set_ylim(*_limits(axes, groups))
     axes.grid(visible=False, axis="x")
     effect = "" if comparison.hedges_g is None else f", g = {comparison.hedges_g:+.2f}"
     p = comparison.p_holm
@@ -75,13 +92,25 @@ def _draw_groups(axes: Axes, study: Study, metric: Metric, comparison: Compariso
     axes.set_title(axes.get_title(loc="left").replace(" [", "\n["), loc="left")
 
 
-def _top(axes: Axes, groups: Sequence[Floats]) -> float:
-    """Ends the axis at the intervals, or soon above the points: intervals of two points are endless."""
-    highest = max((float(values.max()) for values in groups if values.size), default=0.0)
-    return min(axes.get_ylim()[1], 2 * highest) if highest > 0 else 1.0
+def _spread(values: Floats) -> Floats:
+    """Returns how far aside each point stands, so that none hides another."""
+    return np.linspace(-0.15, 0.15, values.size) if values.size > 1 else np.zeros(values.size)
+
+
+def _limits(axes: Axes, groups: Sequence[Floats]) -> tuple[float, float]:
+    """Ends the axis at the intervals, or soon beyond the points: intervals of two points are endless."""
+    values = np.concatenate(groups)
+    if not values.size or not values.any():
+        return 0.0, 1.0
+    low, high = (float(end) for end in axes.get_ylim())
+    lowest, highest = float(values.min()), float(values.max())
+    bottom = lower_end(lowest, highest)
+    reach = highest - lowest if bottom else max(highest, -lowest)
+    return (max(low, lowest - reach) if bottom else 0.0), min(high, highest + reach)
 
 
 def _draw_logs(axes: Axes, study: Study, metric: Metric) -> None:
+    shown: list[float] = []
     for place, member in enumerate(study.members):
         if not member.log.has(metric):
             continue
@@ -89,15 +118,22 @@ def _draw_logs(axes: Axes, study: Study, metric: Metric) -> None:
         colour = look(place)["color"]
         if values.size and metric.kind is Kind.LEVEL:
             _draw_box(axes, place, values, colour)
+            shown += [*np.quantile(values, [0.05, 0.95])]
         elif values.size:
-            axes.bar(place, np.average(values, weights=weights), 0.6, color=colour, alpha=0.8)
+            shown.append(float(np.average(values, weights=weights)))
+            axes.plot(place, shown[-1], "o", color=colour, clip_on=False, zorder=3)
     ticks = range(0, len(study.members), -(-len(study.members) // _MOST_TICKS))
     axes.set_xticks(ticks, [str(place + 1) for place in ticks])
     axes.set_xlim(-0.6, len(study.members) - 0.4)
     bounds = study.bounds(metric)
-    axes.set_ylim(0, max(axes.get_ylim()[1], 1.3 * highest_bound(bounds)))
+    lowest = min(lowest_bound(bounds), *shown, math.inf)
+    bottom = lower_end(lowest, max(shown)) if shown else 0.0
+    top = axes.get_ylim()[1]
+    if not bottom:
+        top = max(top, 1.3 * highest_bound(bounds))
+    axes.set_ylim(bottom, top)
     axes.grid(visible=False, axis="x")
-    draw_thresholds(axes, bounds)
+    draw_thresholds(axes, {name: [v for v in values if v < top] for name, values in bounds.items()})
 
 
 def _draw_box(axes: Axes, place: int, values: Floats, colour: str) -> None:

@@ -9,10 +9,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from rover_metrics.analysis.metric import Metric
-from rover_metrics.analysis.plots.style import WIDTH
+from rover_metrics.analysis.plots.style import WIDTH, shortened
 from rover_metrics.analysis.statistics.correlation import Correlation
-from rover_metrics.analysis.tables import probability
+from rover_metrics.analysis.tables.sheets import probability
 
+_MOST_WRITTEN = 14  # metrics; in the cells of more no number can be read
+_LONGEST_TICK = 34  # letters
+_LONGEST_LEVEL = 5  # letters below a cell, beyond which names stand upright
 _DARK = 0.62  # |rho| beyond which text on the cell must be white
 
 
@@ -33,15 +36,18 @@ def draw_correlation(
         return None
     present = [m for m in metrics if any(m.code in (c.first, c.second) for c in correlations)]
     codes = [metric.code for metric in present]
-    side = max(2.4, 0.9 + 0.5 * len(codes))
-    figure = Figure(figsize=(min(WIDTH, side + 2.2), side), layout="constrained")
+    written = len(codes) <= _MOST_WRITTEN
+    side = max(2.4, 0.9 + (0.5 if written else 0.24) * len(codes))
+    width = min(WIDTH, side + 2.2) if written else side + 2.2
+    figure = Figure(figsize=(width, side), layout="constrained")
     axes = figure.add_subplot()
     for item in correlations:
-        _draw_cell(axes, codes.index(item.first), codes.index(item.second), item, alpha)
+        place = codes.index(item.first), codes.index(item.second)
+        _draw_cell(axes, place, item, alpha, written=written)
     _frame(axes, present)
+    below = ", Holm-adjusted p below it" if written else ""
     axes.set_title(
-        "Spearman's rho within logs, Holm-adjusted p below it\n"
-        f"white: p of {alpha:.2g} or more, may be chance",
+        f"Spearman's rho within logs{below}\nwhite: p (Holm) of {alpha:.2g} or more, may be chance",
         loc="left",
     )
     scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(-1, 1), "PuOr")
@@ -49,7 +55,10 @@ def draw_correlation(
     return figure
 
 
-def _draw_cell(axes: Axes, column: int, line: int, item: Correlation, alpha: float) -> None:
+def _draw_cell(
+    axes: Axes, place: tuple[int, int], item: Correlation, alpha: float, *, written: bool
+) -> None:
+    column, line = place
     p = item.p if item.p_holm is None else item.p_holm
     sure = p < alpha
     colour = mpl.colormaps["PuOr"]((item.rho + 1) / 2) if sure else "white"
@@ -57,17 +66,25 @@ def _draw_cell(axes: Axes, column: int, line: int, item: Correlation, alpha: flo
         (column - 0.5, line - 0.5), 1, 1, facecolor=colour, edgecolor="#999999", linewidth=0.6
     )
     axes.add_patch(cell)
+    if not written:
+        return
     ink = "white" if sure and abs(item.rho) > _DARK else "black" if sure else "#666666"
     axes.text(column, line - 0.12, f"{item.rho:+.2f}", ha="center", va="center", fontsize=8, color=ink)
     axes.text(column, line + 0.24, probability(p), ha="center", va="center", fontsize=6, color=ink)
+
+
+def _named(metric: Metric) -> str:
+    return metric.title if metric.short == metric.title else f"{metric.title}  {metric.code}"
 
 
 def _frame(axes: Axes, metrics: Sequence[Metric]) -> None:
     n = len(metrics)
     axes.set_xlim(-0.5, n - 1.5)
     axes.set_ylim(n - 0.5, 0.5)
-    axes.set_xticks(range(n - 1), [metric.code for metric in metrics[:-1]])
-    axes.set_yticks(range(1, n), [f"{metric.title}  {metric.code}" for metric in metrics[1:]])
+    columns = [shortened(metric.short, _LONGEST_TICK) for metric in metrics[:-1]]
+    upright = max(map(len, columns)) > _LONGEST_LEVEL
+    axes.set_xticks(range(n - 1), columns, rotation=90 if upright else 0)
+    axes.set_yticks(range(1, n), [shortened(_named(metric), _LONGEST_TICK) for metric in metrics[1:]])
     axes.grid(visible=False)
     axes.tick_params(length=0)
     for spine in axes.spines.values():

@@ -1,5 +1,6 @@
 """How every figure looks: fonts, colours that the colour-blind tell apart, thresholds, wording."""
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -14,11 +15,13 @@ from rover_metrics.analysis.study import Study
 from rover_metrics.core.thresholds import THRESHOLD_INFO
 
 _PANEL_HEIGHT = 1.75  # inches
+_MOST_PANELS = 16  # of one figure; more are not seen together
 
 # Okabe & Ito (2008), without the yellow, which paper swallows; black is for thresholds and text.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 LINES = ("-", "--", "-.", (0, (1, 1.2)), (0, (5, 1, 1, 1, 1, 1)))
 MARKERS = ("o", "s", "^", "D", "v", "P")
+_LONGEST_TITLE = 44  # letters above a panel
 THRESHOLD_LINE = "#333333"
 WIDTH = 7.2  # inches, a text column of A4
 DPI = 200
@@ -75,9 +78,25 @@ def draw_thresholds(axes: Axes, bounds: Mapping[str, Sequence[float]]) -> None:
             )
 
 
+def lower_end(lowest: float, highest: float) -> float:
+    """Returns where a y axis begins whose values lie between these: at 0, as lengths are to be compared.
+
+    Below the values where some are negative, and where all lie in the upper half, as those do that
+    gravity is a part of: from 0 on, their difference would not be seen.
+    """
+    margin = 0.1 * (highest - lowest)
+    is_hidden = margin > 0 and 2 * (lowest - margin) > highest
+    return lowest - margin if lowest < 0 or is_hidden else 0.0
+
+
 def highest_bound(bounds: Mapping[str, Sequence[float]]) -> float:
     """Returns the largest threshold, which a figure has to show; 0 without any."""
     return max((value for values in bounds.values() for value in values), default=0.0)
+
+
+def lowest_bound(bounds: Mapping[str, Sequence[float]]) -> float:
+    """Returns the smallest threshold, which a figure has to show; infinite without any."""
+    return min((value for values in bounds.values() for value in values), default=math.inf)
 
 
 def save(figure: Figure, folder: Path, name: str) -> list[Path]:
@@ -121,15 +140,33 @@ def legend_columns(labels: Sequence[str]) -> int:
     return max(1, min(len(labels), int(95 / (longest + 8))))
 
 
-def metric_grid(study: Study) -> tuple[Figure, list[tuple[Metric, Axes]]]:
-    """Lays out one panel per metric that a log has, its title saying what it shows and in which unit."""
+def metric_grid(
+    study: Study, order: Sequence[str] = ()
+) -> tuple[Figure, list[tuple[Metric, Axes]], str]:
+    """Lays out one panel per metric that a log has, its title saying what it shows and in which unit.
+
+    Args:
+        study: The logs.
+        order: Codes in the order of the panels, if it is not that of the study.
+
+    Returns:
+        The figure, the panels, and a remark for its title if not every metric has one.
+    """
     metrics = [metric for metric in study.options.metrics if study.with_metric(metric)]
+    every, places = len(metrics), {code: place for place, code in enumerate(order)}
+    metrics = sorted(metrics, key=lambda metric: places.get(metric.code, len(places)))[:_MOST_PANELS]
+    remark = f" (the first {len(metrics)} of {every} metrics)" if every > len(metrics) else ""
     columns = min(2, len(metrics))
     lines = -(-len(metrics) // 2)
     figure = Figure(figsize=(WIDTH, 1.1 + _PANEL_HEIGHT * lines), layout="constrained")
     panels = []
     for number, metric in enumerate(metrics):
         axes = figure.add_subplot(lines, columns, number + 1)
-        axes.set_title(metric.label, loc="left")
+        axes.set_title(shortened(metric.label, _LONGEST_TITLE), loc="left")
         panels.append((metric, axes))
-    return figure, panels
+    return figure, panels, remark
+
+
+def shortened(text: str, longest: int) -> str:
+    """Returns a text of so many letters at most; a column of a log may be called anything."""
+    return text if len(text) <= longest else f"{text[: longest - 1]}…"

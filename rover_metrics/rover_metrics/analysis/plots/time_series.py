@@ -3,6 +3,7 @@
 Curves are smoothed, thinned to what paper can show, with limits that outliers cannot set.
 """
 
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -21,6 +22,8 @@ _FEWEST_SMOOTHED = 9  # rows
 _MOST_SMOOTHED = 20_000
 _MOST_NAMED = 12  # logs; more make a legend that nobody reads
 _MOST_WITH_ROWS = 3  # logs; the rows of more hide each other
+_LONGEST_LABEL = 60  # letters beside the axis
+_MARK: Any = {"s": 25, "edgecolor": "white", "linewidth": 0.6, "zorder": 5, "clip_on": False}
 
 Smoothing = Literal["mean", "median"]
 
@@ -31,9 +34,12 @@ def draw_time_series(study: Study, metric: Metric) -> Figure | None:
     axes = figure.add_subplot()
     members = study.with_metric(metric)
     show_rows = metric.kind is Kind.LEVEL and len(members) <= _MOST_WITH_ROWS
-    drawn: list[Floats] = []
+    lowest = _lowest_rows(study, metric)
+    drawn: list[Floats] = [np.array([y]) for _, y in lowest.values()]
     for member in members:
-        style = _style(study, member, axes)
+        style = _style(study, member, axes, lowest)
+        if member.label in lowest:
+            axes.scatter(*lowest[member.label], marker="v", color=style["color"], **_MARK)
         for x, y in study.episodes(member, metric):
             at, mean = smoothed(x, y, *_smoothing(metric))
             if show_rows:
@@ -41,37 +47,67 @@ def draw_time_series(study: Study, metric: Metric) -> Figure | None:
             axes.plot(*thinned(at, mean), **style, zorder=3)
             style["label"] = None  # a log is named once
             drawn.append(y if show_rows else mean)
-    if not any(np.isfinite(values).any() for values in drawn):
+    values = np.concatenate([values[np.isfinite(values)] for values in drawn] or [np.zeros(0)])
+    if not values.size:
         return None
     bounds = study.bounds(metric)
-    _limit(axes, metric, drawn, styling.highest_bound(bounds))
+    _limit(axes, metric, values, bounds)
     axes.margins(x=0)
     styling.draw_thresholds(axes, bounds)
     axes.set_xlabel(study.options.axis.label)
-    axes.set_ylabel(metric.label)
-    axes.set_title(_title(metric, study.options.axis, show_rows=show_rows), loc="left")
+    axes.set_ylabel(styling.shortened(metric.label, _LONGEST_LABEL))
+    title = _title(metric, study.options.axis, show_rows=show_rows)
+    axes.set_title(title + ("; \u25bc: lowest" if lowest else ""), loc="left")
     styling.draw_legend(figure, axes)
     return figure
 
 
-def _limit(axes: Axes, metric: Metric, values: list[Floats], threshold: float) -> None:
+def _lowest_rows(study: Study, metric: Metric) -> dict[str, tuple[float, float]]:
+    """Returns where each of several logs is lowest, by its label: a running median hides that."""
+    members = study.with_metric(metric)
+    if metric.kind is not Kind.LEVEL or len(members) < 2:
+        return {}
+    found = {}
+    for member in members:
+        x, y = map(np.concatenate, zip(*study.episodes(member, metric), strict=True))
+        if np.isfinite(y).any():
+            row = np.nanargmin(y)
+            found[member.label] = float(x[row]), float(y[row])
+    return found
+
+
+def _limit(axes: Axes, metric: Metric, values: Floats, bounds: Mapping[str, Sequence[float]]) -> None:
     """Ends the y axis where it shows the bulk and the thresholds, and says what lies beyond."""
-    end, beyond, highest = upper_limit(values, 1.15 * threshold)
-    if metric.kind is Kind.FLAG:
-        end = min(end, 105.0)
-    axes.set_ylim(0, end)
-    if beyond:
-        text = f"{beyond} value{'s' if beyond > 1 else ''} above the axis, the highest {highest:.4g}"
-        axes.annotate(text, (1, 1), xycoords="axes fraction", ha="right", va="top", fontsize=7.5)
+    top, above, highest = upper_limit([values], 1.15 * styling.highest_bound(bounds))
+    top = min(top, 105.0) if metric.kind is Kind.FLAG else top
+    lowest = min(float(values.min()), styling.lowest_bound(bounds))
+    bottom = styling.lower_end(lowest, highest)
+    if lowest < 0:
+        bottom = -upper_limit([-values], 0.0)[0]
+    axes.set_ylim(bottom, top)
+    for count, side, extreme, y in (
+        (above, "above", f"highest {highest:.4g}", 1),
+        (int((values < bottom).sum()), "below", f"lowest {lowest:.4g}", 0),
+    ):
+        if count:
+            text = f"{count} value{'s' if count > 1 else ''} {side} the axis, the {extreme}"
+            place: Literal["top", "bottom"] = "top" if y else "bottom"
+            axes.annotate(text, (1, y), xycoords="axes fraction", ha="right", va=place, fontsize=7.5)
 
 
-def _style(study: Study, member: Member, axes: Axes) -> dict[str, Any]:
+def _style(
+    study: Study, member: Member, axes: Axes, lowest: Mapping[str, tuple[float, float]]
+) -> dict[str, Any]:
     """Returns look and name of a log's curve; of many logs, those of their group, named once."""
     if len(study.groups) == 1 and len(study.members) <= _MOST_NAMED:
-        return styling.look(study.members.index(member)) | {"label": member.label}
-    named = axes.get_legend_handles_labels()[1]
-    label = None if member.group in named else member.group
-    return styling.look(study.groups.index(member.group)) | {"linewidth": 0.9, "label": label}
+        name, alike = member.label, [member]
+        style = styling.look(study.members.index(member))
+    else:
+        name, alike = member.group, [each for each in study.members if each.group == member.group]
+        style = styling.look(study.groups.index(member.group)) | {"linewidth": 0.9}
+    least = [lowest[each.label][1] for each in alike if each.label in lowest]
+    label = f"{name}, lowest {min(least):.4g}" if least else name
+    return style | {"label": None if label in axes.get_legend_handles_labels()[1] else label}
 
 
 def _smoothing(metric: Metric) -> tuple[float, Smoothing]:
@@ -140,4 +176,6 @@ def upper_limit(samples: list[Floats], at_least: float) -> tuple[float, int, flo
     highest = float(values.max())
     usual = float(np.quantile(values, 0.995))
     end = max(1.1 * (usual if highest > 1.5 * usual and usual > 0 else highest), at_least)
-    return (end or 1.0), int((values > end).sum()), highest
+    if values.min() >= 0:
+        end = end or 1.0
+    return end, int((values > end).sum()), highest

@@ -3,11 +3,15 @@
 Rows of one log repeat each other, so rows are no sample; the mean of a log (or of an episode) is one
 observation. Up to about eight a group, an exact permutation test of the difference of the means looks at
 every way to split the observations and assumes no distribution. Beyond that, the Mann-Whitney U
-test: rates and accelerations are skewed, and ranks do not mind. Effect sizes are Hedges' g
-(standardised difference, corrected for small samples) and Cliff's delta (how much more often a
-value of the second group exceeds one of the first than the other way round).
+test: rates and accelerations are skewed, and ranks do not mind. Where each observation has its
+partner in the other group (the same world), the differences within the pairs are judged instead: up to
+14 by every way to flip their signs, beyond that by Wilcoxon's signed ranks. Effect sizes are Hedges' g
+(standardised difference, corrected for small samples; of pairs too by the spread within the groups, so
+that both designs compare) and Cliff's delta (how much more often a value of the second group exceeds
+one of the first than the other way round).
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import comb, sqrt
@@ -16,9 +20,9 @@ import numpy as np
 from scipy import stats
 
 from rover_metrics.analysis.logs.log import Floats
-from rover_metrics.analysis.statistics.summary import Interval
+from rover_metrics.analysis.statistics.summary import Interval, t_interval
 
-MOST_SPLITS = 20_000  # 8 against 8 is 12870
+MOST_SPLITS = 20_000  # 8 against 8 is 12870; the signs of 14 pairs are 16384
 
 
 @dataclass(frozen=True)
@@ -30,13 +34,14 @@ class Comparison:
         n: Observations of each group.
         means: Mean of each group's observations; None for a group without any.
         difference: Second mean minus first.
-        interval: For the difference, Welch's, which allows different variances.
+        interval: For the difference, Welch's, which allows different variances; of pairs Student's.
         test: Name of the test.
         p: Two-sided probability of a difference at least this large if there were none.
         p_holm: The same, adjusted for the number of metrics compared.
         smallest_p: The lowest p that groups of these sizes can reach at all.
         hedges_g: Standardised difference.
         cliffs_delta: From -1 (all of the second below the first) to 1.
+        paired: Whether each observation has its partner.
     """
 
     code: str
@@ -50,19 +55,30 @@ class Comparison:
     smallest_p: float | None = None
     hedges_g: float | None = None
     cliffs_delta: float | None = None
+    paired: bool = False
+
+    @property
+    def effect(self) -> float:
+        """Size of the difference whichever its sign, to rank by: |g|, infinite where nothing varies."""
+        if self.hedges_g is not None or not self.difference:
+            return abs(self.hedges_g or 0.0)
+        return math.inf if min(self.n) > 1 else 0.0
 
 
-def compare(code: str, first: Floats, second: Floats, confidence: float) -> Comparison:
-    """Compares two groups of independent observations; to test them takes two or more in each.
+def compare(
+    code: str, first: Floats, second: Floats, confidence: float, *, paired: bool = False
+) -> Comparison:
+    """Compares two groups of observations; to test them takes two or more in each.
 
     Args:
         code: The metric they are of.
         first: Observations of the first group, finite.
         second: Those of the second.
         confidence: Level of the interval, between 0 and 1.
+        paired: Whether the i-th of the one belongs to the i-th of the other; else all are independent.
     """
     sizes = (first.size, second.size)
-    comparison = Comparison(code, sizes, (_mean(first), _mean(second)))
+    comparison = Comparison(code, sizes, (_mean(first), _mean(second)), paired=paired)
     if 0 in sizes:
         return comparison
     comparison = replace(
@@ -72,27 +88,61 @@ def compare(code: str, first: Floats, second: Floats, confidence: float) -> Comp
     )
     if min(sizes) < 2:
         return comparison
-    test, p, smallest = _test(first, second)
-    interval, effect = _welch_interval(first, second, confidence), _hedges_g(first, second)
-    return replace(comparison, interval=interval, test=test, p=p, smallest_p=smallest, hedges_g=effect)
+    if paired:
+        differences = second - first
+        test, p = _test_pairs(differences)
+        interval = t_interval(differences, float(differences.mean()), confidence)
+    else:
+        test, p = _test(first, second)
+        interval = _welch_interval(first, second, confidence)
+    return replace(
+        comparison,
+        interval=interval,
+        test=test,
+        p=p,
+        smallest_p=smallest_p(*sizes, paired=paired),
+        hedges_g=_hedges_g(first, second),
+    )
+
+
+def smallest_p(first: int, second: int, *, paired: bool) -> float:
+    """Returns the lowest two-sided p that groups of these sizes can reach at all.
+
+    Args:
+        first: Observations of the first group.
+        second: Those of the second.
+        paired: Whether they are pairs.
+    """
+    return min(1.0, 2 / (2**first if paired else comb(first + second, first)))
 
 
 def _mean(values: Floats) -> float | None:
     return float(values.mean()) if values.size else None
 
 
-def _test(first: Floats, second: Floats) -> tuple[str, float, float]:
-    """Returns the name of the test that suits the sizes, its p-value, and the smallest it could be."""
-    splits = comb(first.size + second.size, first.size)
-    if splits > MOST_SPLITS:
-        return "Mann-Whitney U", float(stats.mannwhitneyu(first, second).pvalue), 2 / splits
+def _test(first: Floats, second: Floats) -> tuple[str, float]:
+    """Returns the name of the test that suits the sizes, and its p-value."""
+    if comb(first.size + second.size, first.size) > MOST_SPLITS:
+        return "Mann-Whitney U", float(stats.mannwhitneyu(first, second).pvalue)
     result = stats.permutation_test(
         (first, second),
         lambda a, b, axis: np.mean(b, axis=axis) - np.mean(a, axis=axis),
         n_resamples=MOST_SPLITS,  # so all of them
         vectorized=True,
     )
-    return "exact permutation", float(result.pvalue), min(1.0, 2 / splits)
+    return "exact permutation", float(result.pvalue)
+
+
+def _test_pairs(differences: Floats) -> tuple[str, float]:
+    """Returns the same for the differences within pairs, of which 0 is the mean if nothing differs."""
+    if not differences.any():
+        return "exact sign flips", 1.0
+    if 2**differences.size > MOST_SPLITS:
+        return "Wilcoxon signed-rank", float(stats.wilcoxon(differences).pvalue)
+    result = stats.permutation_test(
+        (differences,), np.mean, permutation_type="samples", n_resamples=MOST_SPLITS, vectorized=True
+    )
+    return "exact sign flips", float(result.pvalue)
 
 
 def _welch_interval(first: Floats, second: Floats, confidence: float) -> Interval | None:

@@ -1,5 +1,13 @@
+import os
+import runpy
 import subprocess
 import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from harness.sensors.rays import compiled
 
 
 def test_no_run_imports_coverage_which_stays_importable() -> None:
@@ -11,3 +19,63 @@ def test_no_run_imports_coverage_which_stays_importable() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["True", "False", "False"]
+
+
+KERNEL = (
+    "from harness.sensors.rays import compiled\ndouble = compiled.kernel('f8(f8)')(lambda x: 2 * x)\n"
+)
+TOLD = "harness: {}: neither the installation nor the user's cache can be written (NUMBA_CACHE_DIR names"
+
+
+def test_where_nothing_can_be_written_kernels_are_kept_in_a_temporary_folder_of_the_user_alone(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "one_kernel.py").write_text(KERNEL)
+    (tmp_path / "__pycache__").touch()  # a file, in which nobody makes a file, whatever his powers
+    (tmp_path / "temp").mkdir()
+    unwritable = {"HOME": "/proc/nobody", "XDG_CACHE_HOME": "/proc/nobody", "TMPDIR": f"{tmp_path}/temp"}
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
+    environment |= unwritable | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+    command = [sys.executable, "-c", "import one_kernel; print(one_kernel.double(2.5))"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    folder = tmp_path / "temp" / f"rover_harness_kernels_{os.getuid()}"
+    assert (done.stdout, done.stderr.count("\n")) == ("5.0\n", 1)
+    assert done.stderr.startswith(TOLD.format(f"compiled kernels are kept in {folder}"))
+    assert folder.stat().st_mode & 0o777 == 0o700
+    assert len(list(folder.rglob("*.nbc"))) == 1
+
+
+@pytest.mark.parametrize("trap", ["open to others", "a link", "a file"])
+def test_a_temporary_folder_that_others_could_fill_is_not_trusted(
+    trap: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    folder, elsewhere = tmp_path / f"rover_harness_kernels_{os.getuid()}", tmp_path / "elsewhere"
+    elsewhere.mkdir(mode=0o700)
+    if trap == "a link":
+        folder.symlink_to(elsewhere)
+    elif trap == "a file":
+        folder.touch(mode=0o600)
+    else:
+        folder.mkdir()
+        folder.chmod(0o750)
+    assert compiled._temporary_cache() is None
+    assert capsys.readouterr().err.startswith(TOLD.format("kernels are compiled anew at each start"))
+    folder.rename(tmp_path / "away")
+    for said in (1, 0):  # once
+        assert compiled._temporary_cache() == str(folder)
+        assert capsys.readouterr().err.count("\n") == said
+
+
+def test_a_kernel_that_cannot_be_kept_at_all_is_compiled(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "")
+    monkeypatch.setattr(compiled, "_temporary_cache", lambda: None)
+    source = tmp_path / "one_kernel.py"
+    source.write_text("def double(x):\n    return 2 * x\n")
+    (tmp_path / "__pycache__").touch()
+    for name in ("HOME", "XDG_CACHE_HOME"):
+        monkeypatch.setenv(name, "/proc/nobody")
+    made = runpy.run_path(str(source))["double"]
+    assert compiled.kernel("f8(f8)")(made)(2.5) == 5.0

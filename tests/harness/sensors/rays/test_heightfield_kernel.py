@@ -233,7 +233,9 @@ def test_only_nearer_hits_within_range_are_written() -> None:
     assert (cast(rays, origin, down, range_max=0.49) == np.inf).all()
 
 
-def test_as_plain_python_the_walk_meets_mujoco_too(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_as_plain_python_the_walk_meets_mujoco_too_and_the_compiled_walk_to_the_bit(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     plain = as_plain_python("harness.sensors.rays.heightfield_kernel", monkeypatch).cast_rays
     rng = np.random.default_rng(8)
     for shape in ((2, 2), (5, 9), (21, 18)):  # the last with three levels of blocks and more
@@ -246,6 +248,7 @@ def test_as_plain_python_the_walk_meets_mujoco_too(monkeypatch: pytest.MonkeyPat
                 origin = np.array([0.5, -1.0, 0.0]) + rng.uniform(-0.9, 0.9, 3) * size
                 directions = random_directions(rng, 20, steepness)
                 ours = cast(rays, origin, directions, kernel=plain)
+                assert ours.tobytes() == cast(rays, origin, directions).tobytes()
                 assert_same_hits(ours, mujoco_cast(scene, origin, directions))
     flat = heightfield_arrays(terrain_model(np.zeros((3, 3)), 1.0)[0])
     ranges = np.array([np.inf, 0.4, 0.6])

@@ -70,7 +70,10 @@ def test_a_fan_meets_mujoco(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
         ]
         turn, quaternion = np.empty(9), np.array([1.0, *(tilt * rng.normal(size=2)), rng.normal()])
         mujoco.mju_quat2Mat(turn, quaternion / np.linalg.norm(quaternion))
-        ours, theirs = fans(scene(*geoms), rng.uniform(-1, 1, 3), turn.reshape(3, 3), kernel)
+        world, origin = scene(*geoms), rng.uniform(-1, 1, 3)
+        ours, theirs = fans(world, origin, turn.reshape(3, 3), kernel)
+        if kernel is plain:
+            assert ours.tobytes() == fans(world, origin, turn.reshape(3, 3), cast_fan)[0].tobytes()
         np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=1e-9)
         hits, misses = hits + np.isfinite(ours).sum(), misses + np.isinf(ours).sum()
     assert min(hits, misses) > 200

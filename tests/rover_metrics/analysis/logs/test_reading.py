@@ -8,7 +8,7 @@ import pytest
 
 from rover_metrics.analysis.logs.header import UnreadableLog
 from rover_metrics.analysis.logs.reading import read_log
-from rover_metrics.analysis.metric import METRIC_COLUMNS, METRICS
+from rover_metrics.analysis.metric import METRIC_COLUMNS, METRICS, other_metric
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 
@@ -49,6 +49,39 @@ def test_a_row_with_a_field_too_many_shifts_nothing(write_log: WriteLog, row: Ro
     assert "line 4" in log.findings[0]
 
 
+@pytest.mark.parametrize("extra", [",7", ",7,7", ",7" * 500])
+@pytest.mark.parametrize("chunk", [2, 200_000])
+def test_a_row_with_any_number_of_fields_too_many_is_left_out_alike(
+    write_log: WriteLog, row: Row, monkeypatch: pytest.MonkeyPatch, extra: str, chunk: int
+) -> None:
+    monkeypatch.setattr("rover_metrics.analysis.logs.parsing._CHUNK", chunk)
+    lines = [*map(row, range(3)), row(3) + extra, *map(row, range(4, 7)), row(7, Notes='"a,b"')]
+    for end in ("\n", ""):
+        log = read_log(write_log(lines=lines, end=end))
+        assert list(log.stamps) == [100, 101, 102, 104, 105, 106, 107]
+        left_out, _ = log.findings  # and a gap
+        told = "1 row with more fields than the header, so which is which is unclear (line 5): left out"
+        assert left_out == told
+
+
+def test_a_column_asked_for_that_is_not_there_is_told(write_log: WriteLog) -> None:
+    others = [other_metric(name) for name in ("a", "b", "c", "d", "e")]
+    assert read_log(write_log(), [METRICS["CV"], *others[:1]]).findings == ("no column a",)
+    assert read_log(write_log(), [METRICS["CV"], *others]).findings == (
+        "no column a, b, c, d and 1 more",
+    )
+
+
+def test_another_column_keeps_all_its_digits(write_log: WriteLog, tmp_path: Path) -> None:
+    lines = write_log(lines=2).read_text().splitlines()
+    path = tmp_path / "more.csv"
+    path.write_text(f"{lines[0]},ms\n{lines[1]},1700000000123\n{lines[2]},\n")
+    log = read_log(path, [other_metric("ms")])
+    assert log.columns["ms"][0] == 1_700_000_000_123
+    assert np.isnan(log.columns["ms"][1])
+    assert log.findings == ()
+
+
 def test_a_header_too_short_for_most_rows_is_refused_and_not_shifted(
     write_log: WriteLog, tmp_path: Path
 ) -> None:
@@ -83,7 +116,9 @@ def test_a_last_line_without_a_line_end_counts_if_it_is_whole(write_log: WriteLo
     assert len(read_log(write_log(lines=5, end=""))) == 5
 
 
-@pytest.mark.parametrize("note", ["", '"Low clearance, rough"', '"Low clearance, ro', 'odd "quote'])
+@pytest.mark.parametrize(
+    "note", ["", '"Low clearance, rough"', '"a, b, c, d"', '"Low clearance, ro', 'odd "quote']
+)
 def test_a_note_may_be_empty_or_hold_commas_and_quotes(write_log: WriteLog, row: Row, note: str) -> None:
     log = read_log(write_log(lines=[row(0), row(1, Notes=note), row(2)]))
     assert len(log) == 3

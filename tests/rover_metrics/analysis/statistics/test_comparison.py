@@ -1,6 +1,6 @@
 """Two groups of observations, against scipy and every pair or split counted."""
 
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 import pytest
@@ -110,3 +110,53 @@ def test_many_probabilities_are_adjusted_by_the_step_down_of_holm(
 
 def test_adjusted_probabilities_are_those_of_the_textbooks_example() -> None:
     assert holm([0.01, 0.04, None, 0.03, 0.005]) == pytest.approx([0.03, 0.06, None, 0.06, 0.02])
+
+
+PAIRS = st.lists(st.tuples(st.integers(0, 5), st.integers(0, 5)), min_size=2, max_size=6)
+
+
+@pytest.mark.filterwarnings("ignore:Precision loss")
+@given(PAIRS)
+def test_few_pairs_are_judged_by_every_way_to_flip_their_signs(pairs: list[tuple[int, int]]) -> None:
+    first, second = np.array(pairs, float).T
+    result = compare("CV", first, second, 0.9, paired=True)
+    differences = second - first
+    means = [(differences * signs).mean() for signs in product((-1, 1), repeat=len(pairs))]
+    seen = differences.mean()
+    above, below = np.array(means) >= seen - 1e-9, np.array(means) <= seen + 1e-9
+    assert result.p == pytest.approx(min(1.0, 2 * min(above.mean(), below.mean())))
+    assert (result.paired, result.test) == (True, "exact sign flips")
+    assert result.smallest_p == pytest.approx(2 / 2 ** len(pairs))
+    unpaired = compare("CV", first, second, 0.9)
+    assert (result.difference, result.hedges_g) == (unpaired.difference, unpaired.hedges_g)
+    if np.ptp(differences):
+        student = stats.ttest_rel(second, first).confidence_interval(0.9)
+        assert result.interval == pytest.approx((student.low, student.high))
+    else:
+        assert result.interval is None
+
+
+def test_many_pairs_are_judged_by_wilcoxons_signed_ranks() -> None:
+    rng = np.random.default_rng(0)
+    first, second = rng.normal(size=(2, 15)) + np.array([[0.0], [0.5]])
+    assert compare("CV", first[:14], second[:14], 0.95, paired=True).test == "exact sign flips"
+    result = compare("CV", first, second, 0.95, paired=True)
+    assert result.test == "Wilcoxon signed-rank"
+    assert result.p == pytest.approx(stats.wilcoxon(second, first).pvalue)
+    assert compare("CV", first, first, 0.95, paired=True).p == 1.0
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "effect"),
+    [([1, 3], [1, 3], 0.0), ([1, 1], [1, 1], 0.0), ([1, 1], [2, 2], np.inf), ([1], [2, 3], 0.0)],
+)
+def test_an_effect_without_spread_is_infinite_and_one_without_a_test_none(
+    first: list[float], second: list[float], effect: float
+) -> None:
+    assert compare("CV", np.array(first, float), np.array(second, float), 0.95).effect == effect
+
+
+def test_effects_are_ranked_whichever_their_sign() -> None:
+    up, down = compare("CV", A, B, 0.95), compare("CV", B, A, 0.95)
+    assert up.hedges_g is not None
+    assert up.effect == down.effect == up.hedges_g > 0

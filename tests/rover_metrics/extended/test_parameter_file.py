@@ -4,11 +4,15 @@ from pathlib import Path
 
 import pytest
 
-from rover_metrics.bag.options import read_parameters
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose
+from rover_metrics.extended.parameter_file import read_values
 from rover_metrics.extended.settings import ExtendedSettings, Settings
+
+
+def read_parameters(path: Path) -> Settings:
+    return Settings().updated(read_values(path))
 
 
 @pytest.fixture
@@ -50,7 +54,7 @@ def test_every_parameter_of_the_rows_is_read(file: Path) -> None:
 
 
 def test_what_is_not_named_keeps_its_default(file: Path) -> None:
-    file.write_text(section("log_dir: /tmp", "footprint: []"))
+    file.write_text(section("use_sim_time: true", "qos_overrides./scan.x: best_effort", "footprint: []"))
     assert read_parameters(file) == Settings(
         thresholds=Thresholds(), extended_columns=False, extended=ExtendedSettings()
     )
@@ -78,6 +82,10 @@ def test_sections_of_the_node_count_and_the_later_one_wins(file: Path, name: str
         (section("collision_threshold: .nan"), "must be from 0.0 to 100.0 m"),
         (section("colision_threshold: 1.0"), "did you mean collision_threshold?"),
         (section("extended_column: true"), "did you mean extended_columns?"),
+        (section("threshold: 1.0"), "there is no parameter threshold; did you mean"),
+        (section("colision_threshold: 1.0", name="/**"), "did you mean collision_threshold?"),
+        (section("debug_interval: true"), "debug_interval must be a whole number"),
+        (section("fsync: 1"), "fsync must be true or false"),
         (section("x: 1", name="other"), "no section 'metrics_node"),
         ("metrics_node: {ros__parameters: 3}", "no section 'metrics_node"),
         ("metrics_node: [", "cannot read parameters"),
@@ -97,6 +105,11 @@ def test_a_bad_file_is_one_line(file: Path, text: str, told: str) -> None:
         read_parameters(file)
     assert told in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_what_a_section_for_every_node_says_to_others_is_left_out(file: Path) -> None:
+    file.write_text(section("robot_radius: 0.3", "gravity: 9.8", name="/**"))
+    assert read_values(file) == {"gravity": 9.8}
 
 
 def test_a_missing_file_is_told_with_its_reason(tmp_path: Path) -> None:

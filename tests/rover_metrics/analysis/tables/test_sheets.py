@@ -11,7 +11,8 @@ from rover_metrics.analysis.result import LogResult, Result
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.correlation import Correlation
 from rover_metrics.analysis.statistics.summary import Summary
-from rover_metrics.analysis.tables import number, probability, report
+from rover_metrics.analysis.tables.sheets import number, probability
+from rover_metrics.analysis.tables.terminal import report
 
 SPEED = Summary(60, 0.52, 21.4, 0.51, 0.08, 0.12, 0.93, (0.5, 0.54), (0.47, 0.57), 4)
 SHARE = Summary(60, 12.5, 9.0, interval=(6.0, 22.0))
@@ -236,15 +237,20 @@ def test_a_comparison_is_the_second_group_against_the_first() -> None:
 
     assert "p: exact permutation, two-sided. Interval: Welch." in caption(item)
     assert caption(item).endswith("Holm: adjusted for the number of metrics.")
-    assert "So few" not in caption(replace(item, smallest_p=0.1 - 1e-9))
-    assert "So few" not in caption(item, replace(item, test=None, p=None, smallest_p=None))
-    few = "So few episodes cannot give a p below 0.2: add some."
-    assert few in caption(item, replace(item, smallest_p=0.2), replace(item, test="Mann-Whitney U"))
+    result = replace(result, notes=("So few episodes.", "Really."))
+    assert caption(item).endswith("So few episodes. Really.")
+    pairs = replace(item, paired=True, n=(3, 3))
+    assert "Interval: Student's, of the differences." in caption(pairs)
+    lines = printed(replace(result, comparisons=(pairs,)))
+    start = lines.index("b against a, each pair of episodes one observation")
+    assert table(lines[start:], "Metric")["CV Current velocity [m/s]"]["n"] == "3 pairs"
     assert "p: Mann-Whitney U and exact permutation" in caption(
         item, replace(item, test="Mann-Whitney U")
     )
-    none = "No test: it needs two episodes or more in each group."
-    assert none in caption(replace(item, test=None, p=None, p_holm=None, smallest_p=None))
+    start = 0
+    untested = replace(item, test=None, p=None, p_holm=None, smallest_p=None)
+    assert "p: " not in caption(untested)
+    assert caption(untested).endswith("So few episodes. Really.")
 
 
 def test_json_has_every_field_and_null_for_what_is_no_number() -> None:

@@ -1,0 +1,215 @@
+"""The frames of a rover: from the bodies, joints and sites of its compiled model, and rover.yaml.
+
+The model alone is compiled, at the origin and with all joints at 0: there the pose of each frame is
+asked of MuJoCo. Poses are homogeneous matrices, shape (4, 4).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError
+from harness.frames.tree import Edge, check_tree
+from harness.physics.scene import read_model
+from harness.robots import FrameRow, RoverSpec
+from harness.samples import Quaternion, Vector3
+
+Matrix = NDArray[np.float64]
+
+ROVER = "rover"  # the root body of every model
+LIDAR_FRAME = "lidar_link"
+ON_AXIS = 1e-9  # [m]: a link's origin lies on its joint's axis
+HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """One frame of a rover.
+
+    Attributes:
+        parent: Empty for the base.
+        body: Of the model, to which it is fixed.
+        carries: Whether its link has the body's mass and shapes.
+        in_base: Where it is while all joints are at 0.
+        joint: The model's joint by which it moves in its parent; -1 if it is fixed there.
+    """
+
+    name: str
+    parent: str
+    body: int
+    carries: bool
+    in_base: Matrix
+    joint: int
+
+
+@dataclass(frozen=True, eq=False)
+class RoverFrames:
+    """All frames of a rover, the base first, every parent before its children.
+
+    Attributes:
+        name: Of the rover.
+        model: The rover alone, with what is only to be seen.
+        data: Its state at the origin, all joints at 0.
+    """
+
+    name: str
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    links: tuple[Link, ...]
+
+    @property
+    def base(self) -> str:
+        """The frame whose pose is told in the frame odom."""
+        return self.links[0].name
+
+    @property
+    def moving(self) -> tuple[Link, ...]:
+        """Those that a joint moves."""
+        return tuple(link for link in self.links if link.joint >= 0)
+
+    def edge(self, link: Link) -> Edge:
+        """Returns a frame in its parent while the joint between them is at 0."""
+        translation, rotation = pose_of(self.in_parent(link))
+        return Edge(link.parent, link.name, translation, rotation)
+
+    def in_parent(self, link: Link) -> Matrix:
+        """Returns the pose of a frame in its parent while the joint between them is at 0."""
+        (parent,) = (other for other in self.links if other.name == link.parent)
+        return np.linalg.inv(parent.in_base) @ link.in_base
+
+    def axis(self, link: Link) -> Matrix:
+        """Returns the axis of a frame's joint in its own axes, shape (3,)."""
+        turned: Matrix = self.data.xaxis[link.joint] @ link.in_base[:3, :3]
+        return turned
+
+
+def rover_frames(rover: RoverSpec) -> RoverFrames:
+    """Returns the frames of a rover.
+
+    Raises:
+        UsageError: The frames of rover.yaml are no tree, or do not fit the model; it names what is.
+    """
+    model = read_model(rover).compile()
+    data = mujoco.MjData(model)
+    data.qpos[:] = 0.0
+    data.qpos[3] = 1.0  # the free joint of the rover is the first
+    mujoco.mj_kinematics(model, data)
+    where = rover.folder / "rover.yaml"
+    rows = (*rover.frames, *_of_the_model(rover, model))
+    base = rover.odometry_child_frame
+    check_tree(base, [(row.parent, row.child) for row in rows], where)
+    carried = {row.body for row in rows if row.body}
+    body = _body(model, ROVER, where)
+    links = {base: Link(base, "", body, ROVER not in carried, np.eye(4), -1)}
+    waiting = list(rows)
+    while waiting:  # a parent may stand below its child in the file
+        row = next(row for row in waiting if row.parent in links)
+        waiting.remove(row)
+        links[row.child] = _link(row, links[row.parent], model, data, where)
+    return RoverFrames(rover.name, model, data, tuple(links.values()))
+
+
+def _of_the_model(rover: RoverSpec, model: mujoco.MjModel) -> Iterator[FrameRow]:
+    """A frame for each body, the lidar and the IMU, where rover.yaml has none."""
+    named = {row.child for row in rover.frames}
+    frame_of = {row.body: row.child for row in rover.frames if row.body}
+    frame_of.setdefault(ROVER, rover.odometry_child_frame)
+    for body in range(1, model.nbody):  # a parent stands before its children
+        name = model.body(body).name
+        if name not in frame_of:
+            above = model.body(model.body_parentid[body]).name
+            frame_of[name] = f"{name}_link"
+            anchor = model.jnt_pos[model.body_jntadr[body]] if model.body_jntnum[body] else np.zeros(3)
+            yield FrameRow(
+                parent=frame_of[above], child=frame_of[name], body=name, xyz=tuple(anchor.tolist())
+            )
+    for site, frame in (("lidar", LIDAR_FRAME), ("imu", rover.imu_frame)):
+        if frame not in named:
+            on = model.body(model.site(site).bodyid[0]).name
+            yield FrameRow(parent=frame_of[on], child=frame, site=site)
+
+
+def _link(
+    row: FrameRow, parent: Link, model: mujoco.MjModel, data: mujoco.MjData, where: object
+) -> Link:
+    """The link of a row whose parent's is known."""
+    offset = homogeneous(row.xyz, _of_angles(row.rpy))
+    if row.body:
+        body = _body(model, row.body, where)
+        pose = homogeneous(data.xpos[body], data.xmat[body]) @ offset
+    elif row.site:
+        site = _site(model, row.site, where)
+        body = int(model.site_bodyid[site])
+        pose = homogeneous(data.site_xpos[site], data.site_xmat[site]) @ offset
+    else:
+        body, pose = parent.body, parent.in_base @ offset
+    joint = _joint_between(row, parent.body, body, model, where)
+    if joint >= 0 and model.jnt_type[joint] == HINGE:
+        aside = np.cross(pose[:3, 3] - data.xanchor[joint], data.xaxis[joint])
+        if np.linalg.norm(aside) > ON_AXIS:
+            raise UsageError(
+                f"{where}: frame '{row.child}' is {np.linalg.norm(aside):.3g} m off the axis of its "
+                f"joint '{model.joint(joint).name}'; give an xyz on it, in the body '{row.body}'"
+            )
+    return Link(row.child, row.parent, body, bool(row.body), pose, joint)
+
+
+def _joint_between(row: FrameRow, above: int, body: int, model: mujoco.MjModel, where: object) -> int:
+    """The joint that moves a body's frame in that of another body; -1 if nothing moves between them."""
+    weld = model.body_weldid
+    if weld[above] == weld[body]:
+        return -1
+    name, carrier = model.body(body).name, model.body(model.body_parentid[weld[body]]).name
+    if weld[body] != body or weld[model.body_parentid[body]] != weld[above]:
+        raise UsageError(
+            f"{where}: frame '{row.child}' moves with the body '{name}', which hangs on '{carrier}': "
+            f"'{row.parent}' does not; give a parent that is fixed to '{carrier}'"
+        )
+    joint = int(model.body_jntadr[body])
+    if model.body_jntnum[body] != 1 or model.jnt_type[joint] not in (HINGE, SLIDE):
+        raise UsageError(
+            f"{where}: the body '{name}' must hang on one hinge or slide for frame '{row.child}' to "
+            "move with it; give each joint a body of its own"
+        )
+    return joint
+
+
+def _body(model: mujoco.MjModel, name: str, where: object) -> int:
+    names = [model.body(index).name for index in range(1, model.nbody)]
+    if name not in names:
+        raise UsageError(f"{where}: body '{name}' does not exist; available: {', '.join(names)}")
+    return names.index(name) + 1
+
+
+def _site(model: mujoco.MjModel, name: str, where: object) -> int:
+    names = [model.site(index).name for index in range(model.nsite)]
+    if name not in names:
+        raise UsageError(f"{where}: site '{name}' does not exist; available: {', '.join(names)}")
+    return names.index(name)
+
+
+def pose_of(matrix: Matrix) -> tuple[Vector3, Quaternion]:
+    """Returns translation and quaternion (x, y, z, w) of a homogeneous matrix."""
+    quaternion = np.empty(4)
+    mujoco.mju_mat2Quat(quaternion, matrix[:3, :3].ravel())
+    w, qx, qy, qz = quaternion.tolist()
+    x, y, z = matrix[:3, 3].tolist()
+    return (x, y, z), (qx, qy, qz, w)
+
+
+def _of_angles(rpy: Vector3) -> Matrix:
+    """The rotation of roll, pitch and yaw about fixed axes, as URDF has them."""
+    quaternion, matrix = np.empty(4), np.empty(9)
+    mujoco.mju_euler2Quat(quaternion, np.array(rpy), "XYZ")
+    mujoco.mju_quat2Mat(matrix, quaternion)
+    return matrix
+
+
+def homogeneous(translation: Vector3 | Matrix, rotation: Matrix) -> Matrix:
+    """Returns the matrix (4, 4) of a translation [m] and a rotation matrix of nine elements."""
+    matrix = np.eye(4)
+    matrix[:3, 3], matrix[:3, :3] = translation, rotation.reshape(3, 3)
+    return matrix

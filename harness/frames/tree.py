@@ -1,0 +1,79 @@
+"""A tree of frames by their names: each has one parent, and all hang together below one root."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from harness.errors import UsageError
+from harness.samples import Quaternion, Vector3
+
+ODOM, MAP = "odom", "map"
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A frame in its parent: translation [m] and rotation (x, y, z, w) of T_parent_child."""
+
+    parent: str
+    child: str
+    translation: Vector3 = (0.0, 0.0, 0.0)
+    rotation: Quaternion = (0.0, 0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Description:
+    """What is told of a rover once, before its first tick.
+
+    Attributes:
+        fixed: The frames that do not move in their parents.
+        moving: Parent and child of each pose in a sample of transforms; one that has fewer has the
+            first of them.
+        owns_odom: Whether the first of them is the rover in the frame odom.
+        urdf: The robot description.
+    """
+
+    fixed: tuple[Edge, ...]
+    moving: tuple[tuple[str, str], ...]
+    owns_odom: bool
+    urdf: str
+
+
+def check_tree(root: str, edges: Iterable[tuple[str, str]], where: object) -> None:
+    """Checks that every frame has one parent and hangs below the root.
+
+    Args:
+        root: The frame that has no parent.
+        edges: Parent and child of each other frame.
+        where: The file, for the message.
+
+    Raises:
+        UsageError: A frame has two parents or none that exists, or some hang in a loop; it names them.
+    """
+    parent_of: dict[str, str] = {}
+    for parent, child in edges:
+        if child in parent_of:
+            one, two = parent_of[child], parent
+            raise UsageError(f"{where}: frame '{child}' has two parents, {one} and {two}; leave one out")
+        if child == root:
+            raise UsageError(
+                f"{where}: frame '{root}' is the base and has no parent; leave out {parent}"
+            )
+        parent_of[child] = parent
+    known = (root, *parent_of)
+    for child, parent in parent_of.items():
+        if parent not in known:
+            raise UsageError(
+                f"{where}: frame '{child}' has the parent '{parent}', which does not exist; "
+                f"available: {', '.join(known)}"
+            )
+        _check_way(root, child, parent_of, where)
+
+
+def _check_way(root: str, frame: str, parent_of: dict[str, str], where: object) -> None:
+    """Goes up from a frame to the root."""
+    way = [frame]
+    while way[-1] != root:
+        above = parent_of.get(way[-1], root)  # one that does not exist is told of by itself
+        if above in way:
+            loop = " -> ".join((*way[way.index(above) :], above))
+            raise UsageError(f"{where}: frames hang in a loop, {loop}; let one hang on '{root}'")
+        way.append(above)

@@ -1,0 +1,63 @@
+"""One topic of the bridge: its publisher, what makes its messages, and how many there were."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+
+from harness.errors import UsageError
+from harness.ros.foreign_type import forget_missing_definition, message_type
+from harness.sensors.table import Topic
+from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE
+from rover_metrics.ros.subscriptions import keep_last
+
+Message = Any  # rclpy's classes have no types, and some messages are bytes
+Fill = Callable[[Any], Message]  # a sample of the topic's kind -> the refilled message
+
+
+@dataclass(slots=True)
+class Channel:
+    """One topic.
+
+    Attributes:
+        publisher: Of the topic.
+        fill: Makes a message of a sample.
+        topic: The resolved name, which a publisher forgets at shutdown.
+        published: How many messages have been.
+        record: Takes each message and returns the bytes to publish for it; None while nobody records.
+    """
+
+    publisher: Publisher
+    fill: Fill
+    topic: str
+    published: int = 0
+    record: Callable[[Message], bytes] | None = None
+
+    def publish(self, sample: Any) -> None:  # noqa: ANN401 - the kind of sample that `fill` takes
+        """Sends one sample."""
+        message = self.fill(sample)
+        self.publisher.publish(message if self.record is None else self.record(message))
+        self.published += 1
+
+
+def open_channel(node: Node, topic: Topic, fill: Fill) -> Channel:
+    """Returns a topic of a node.
+
+    Args:
+        node: Who publishes.
+        topic: Name, type and QoS.
+        fill: Makes its messages.
+
+    Raises:
+        UsageError: Its type is not to be had.
+    """
+    kind = message_type(topic.message_type)
+    if kind is None:
+        raise UsageError(f"/{topic.name} needs {topic.message_type}, which is not installed")
+    reliability = BEST_EFFORT if topic.best_effort else RELIABLE
+    qos = keep_last(topic.depth, reliability, latched=topic.latched)
+    publisher = node.create_publisher(kind, topic.name, qos)
+    forget_missing_definition()
+    return Channel(publisher, fill, publisher.topic_name)

@@ -1,0 +1,150 @@
+"""/cmd_vel as Twist or TwistStamped, whichever is sent.
+
+A topic has one type in Fast DDS: a node that hears Twist cannot hear TwistStamped too. So `auto` begins
+with the distribution's type, hears the other one as well where the middleware lets it, and else changes
+over when only the other one is sent. Nav2 and the base controllers send TwistStamped from Kilted on.
+"""
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from importlib.util import find_spec
+from typing import Any
+
+from geometry_msgs.msg import Twist, TwistStamped
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+
+from harness import samples
+from harness.episode.result import CommandCount
+from rover_metrics.ros.subscriptions import keep_last
+from rover_metrics.topics import stamp_ns
+
+RCLError = rclpy_implementation.RCLError
+STAMPED_BY_DEFAULT = find_spec("rclpy.experimental") is not None  # Kilted brought both
+KINDS = {"twist": Twist, "stamped": TwistStamped}
+TYPES = {"twist": "geometry_msgs/msg/Twist", "stamped": "geometry_msgs/msg/TwistStamped"}
+
+
+# Given the topic and its subscription, returns what records a message of it.
+Recording = Callable[[str, Any], Callable[[Any], object]]
+
+
+class Commands:
+    """Hears commands and hands on those that the rover can follow.
+
+    Args:
+        node: Subscribes.
+        kind: "twist", "stamped" or "auto".
+        frames: In which a TwistStamped may be, without a namespace; in none it is in the rover's own.
+        take: Is given each command.
+
+    Attributes:
+        count: What has come so far.
+        told_ns: The time that /clock told last: a stamp before it is older than the present [ns].
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        kind: str,
+        frames: tuple[str, ...],
+        take: Callable[[samples.Twist], None] | None = None,
+    ) -> None:
+        self._node, self._frames, self._take = node, frames, take
+        self.topic: str = node.resolve_topic_name("cmd_vel")
+        self.count, self.told_ns = CommandCount(), 0
+        self._is_auto, self._has_complained = kind == "auto", False
+        self._heard: dict[str, Any] = {}
+        self._recording: Recording | None = None
+        self._recorders: dict[str, Callable[[Any], object]] = {}
+        first, second = ("stamped", "twist") if STAMPED_BY_DEFAULT else ("twist", "stamped")
+        self._wanted = first if self._is_auto else kind
+        self._hear(self._wanted)
+        if self._is_auto:
+            with suppress(RCLError):  # Fast DDS
+                self._hear(second)
+
+    @property
+    def heard(self) -> tuple[str, ...]:
+        """Returns which kinds are heard; none while it changes over."""
+        return tuple(self._heard)
+
+    def look_around(self) -> bool:
+        """Looks which types are sent and changes over if need be.
+
+        Returns:
+            Whether any is heard. The former subscription may be in use until the executor has spun.
+        """
+        if not self._heard:
+            with suppress(RCLError):
+                self._hear(self._wanted)
+            return bool(self._heard)
+        matched = sum(subscription.get_publisher_count() for subscription in self._heard.values())
+        if matched < self._node.count_publishers(self.topic):
+            self._look_at_strangers(alone=not matched)
+        return bool(self._heard)
+
+    def record(self, recording: Recording) -> None:
+        """Has every message recorded from now on, also those that are refused."""
+        self._recording = recording
+        for kind, subscription in self._heard.items():
+            self._recorders[kind] = recording(self.topic, subscription)
+
+    def _look_at_strangers(self, *, alone: bool) -> None:
+        sent = {each.topic_type for each in self._node.get_publishers_info_by_topic(self.topic)}
+        missed = [kind for kind, name in TYPES.items() if name in sent and kind not in self._heard]
+        if not missed:
+            return
+        if alone and self._is_auto:
+            self._wanted = missed[0]
+            for subscription in self._heard.values():
+                self._node.destroy_subscription(subscription)
+            self._heard.clear()
+            said = f"{self.topic} is sent as {TYPES[self._wanted]}, which is heard from now on"
+            self._node.get_logger().info(said)
+        elif not self._has_complained:
+            self._has_complained = True
+            heard = " and ".join(TYPES[kind] for kind in self._heard)
+            self._node.get_logger().warning(
+                f"{self.topic} is also sent as {TYPES[missed[0]]}, which is not heard beside {heard}: "
+                f"send one type, or choose with --cmd-vel {missed[0]}"
+            )
+
+    def _hear(self, kind: str) -> None:
+        receive = partial(self.receive, kind)
+        subscription = self._node.create_subscription(KINDS[kind], "cmd_vel", receive, keep_last(10))
+        self._heard[kind] = subscription
+        if self._recording is not None and kind not in self._recorders:
+            self._recorders[kind] = self._recording(self.topic, subscription)
+
+    def receive(self, kind: str, message: Any) -> None:  # noqa: ANN401 - rclpy's classes have no types
+        """Takes a message of that kind, as it arrives."""
+        if kind in self._recorders:
+            self._recorders[kind](message)
+        {"twist": self._receive, "stamped": self._receive_stamped}[kind](message)
+
+    def _receive(self, twist: Twist) -> bool:
+        linear, angular = twist.linear.x, twist.angular.z
+        if not (math.isfinite(linear) and math.isfinite(angular)):
+            self._refuse("a non-finite command", f"linear.x = {linear}, angular.z = {angular}")
+            return False
+        self.count.taken += 1
+        if self._take is not None:
+            self._take(samples.Twist(linear, angular))
+        return True
+
+    def _receive_stamped(self, message: TwistStamped) -> None:
+        frame = message.header.frame_id
+        if frame and frame.rpartition("/")[2] not in self._frames:
+            what = f"a command in the frame '{frame}'"
+            self._refuse(what, f"give one of {', '.join(self._frames)}, or none")
+        elif self._receive(message.twist) and stamp_ns(message) < self.told_ns:
+            self.count.older += 1
+
+    def _refuse(self, what: str, why: str) -> None:
+        self.count.refused += 1
+        self._node.get_logger().warning(
+            f"ignored {what} on {self.topic}: {why}", throttle_duration_sec=1.0
+        )

@@ -1,0 +1,177 @@
+"""/tf, /tf_static and /robot_description of a run: samples and a Description -> messages and bytes.
+
+A TFMessage goes out as bytes: those that rosbags writes for its frames once, with stamp and values put
+in for each sample. So it costs a tenth of a message object, and needs no tf2_msgs (foreign_type).
+"""
+
+import struct
+from collections import deque
+from collections.abc import Sequence
+from typing import Any
+
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from harness.errors import RunFailed
+from harness.frames.tree import ODOM, Description, Edge
+from harness.ros.channel import open_channel
+from harness.ros.foreign_type import FAST_DDS, forget_missing_definition, message_type, typestore
+from harness.samples import Transforms
+from harness.sensors.table import SENSORS, Topic
+from harness.sim_time import NANOSECONDS
+from rover_metrics.ros.parameters import BEST_EFFORT
+from rover_metrics.ros.subscriptions import keep_last
+
+TF_MESSAGE = "tf2_msgs/msg/TFMessage"
+STATIC = Topic("tf_static", TF_MESSAGE, depth=1, latched=True)  # as tf2_ros and robot_state_publisher
+DESCRIPTION = Topic("robot_description", "std_msgs/msg/String", depth=1, latched=True)
+NO_TYPE = (
+    f"no /tf, no /tf_static: {TF_MESSAGE} is not installed, and only Fast DDS does without; "
+    f"install tf2_msgs, or set RMW_IMPLEMENTATION={FAST_DDS}"
+)
+ENCAPSULATION = 4  # [B] before a message's first field
+RECENT = 1000  # messages sent that may still come back
+
+
+def transforms_bytes(edges: Sequence[Edge]) -> bytes:
+    """Returns a TFMessage of frames in their parents, with stamp 0."""
+    types = typestore().types
+
+    def made(name: str, *values: Any) -> Any:  # noqa: ANN401 - rosbags makes its classes
+        return types[name](*values)
+
+    stamp = made("builtin_interfaces/msg/Time", 0, 0)
+    transforms = [
+        made(
+            "geometry_msgs/msg/TransformStamped",
+            made("std_msgs/msg/Header", stamp, edge.parent),
+            edge.child,
+            made(
+                "geometry_msgs/msg/Transform",
+                made("geometry_msgs/msg/Vector3", *edge.translation),
+                made("geometry_msgs/msg/Quaternion", *edge.rotation),
+            ),
+        )
+        for edge in edges
+    ]
+    return bytes(typestore().serialize_cdr(made(TF_MESSAGE, transforms), TF_MESSAGE))
+
+
+class TransformFill:
+    """Makes a TFMessage's bytes of each sample of the same frames.
+
+    Args:
+        frames: Parent and child of each pose.
+    """
+
+    def __init__(self, frames: Sequence[tuple[str, str]]) -> None:
+        self._buffer = bytearray(transforms_bytes([Edge(*names) for names in frames]))
+        self._places: list[tuple[int, int]] = []  # of stamp and translation
+        end = ENCAPSULATION + 4  # behind the number of transforms
+        for names in frames:
+            stamp = end = _aligned(end, 4)
+            end += 8
+            for name in names:
+                end = _aligned(end, 4) + 4 + len(name.encode()) + 1
+            values = _aligned(end, 8)
+            end = values + 7 * 8
+            self._places.append((stamp, values))
+
+    def __call__(self, sample: Transforms) -> bytes:
+        """Returns the bytes for a sample."""
+        buffer, (sec, nanosec) = self._buffer, divmod(sample.stamp_ns, NANOSECONDS)
+        moved, turned = sample.translation, sample.rotation
+        for index, (stamp, values) in enumerate(self._places):
+            struct.pack_into("<iI", buffer, stamp, sec, nanosec)
+            xyz, xyzw = moved[3 * index : 3 * index + 3], turned[4 * index : 4 * index + 4]
+            struct.pack_into("<7d", buffer, values, *xyz, *xyzw)
+        return bytes(buffer)
+
+
+def _aligned(position: int, size: int) -> int:
+    """The next multiple of a size, counted from the first field."""
+    return position + -(position - ENCAPSULATION) % size
+
+
+class FrameTopics:
+    """What a bridge tells of a rover's frames, and whether somebody else tells it too.
+
+    Args:
+        node: The bridge.
+
+    Attributes:
+        moving: /tf, or nothing where its type is not to be had; `fixed` are the other topics.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        (tf,) = (row for row in SENSORS if row.sample is Transforms)
+        told = message_type(TF_MESSAGE) is not None
+        if not told:
+            node.get_logger().warning(NO_TYPE)
+        self.moving = [open_channel(node, topic, self._fill) for topic in tf.topics if told]
+        self._static = [open_channel(node, STATIC, transforms_bytes)] if told else []
+        self._urdf = open_channel(node, DESCRIPTION, lambda urdf: String(data=urdf))
+        self.fixed = [self._urdf, *self._static]
+        self._description = Description((), (), owns_odom=False, urdf="")
+        self._fills: dict[int, TransformFill] = {}
+        self._sent: deque[bytes] = deque(maxlen=RECENT)
+        self._watched = False
+        self._rival: str | None = None
+
+    def describe(self, description: Description) -> None:
+        """Publishes what is fixed; the samples to come are of what moves."""
+        self._description, self._fills = description, {}
+        self._urdf.publish(description.urdf)
+        for channel in self._static:
+            channel.publish(description.fixed)
+
+    def _fill(self, sample: Transforms) -> bytes:
+        """The message for a sample of the description's frames, or of the first of them."""
+        count = len(sample.translation) // 3
+        if count not in self._fills:
+            self._fills[count] = TransformFill(self._description.moving[:count])
+        data = self._fills[count](sample)
+        self._sent.append(data)
+        return data
+
+    def refuse_rivals(self) -> None:
+        """Listens to /tf as soon as it has another publisher.
+
+        Raises:
+            RunFailed: Somebody else has told of a frame that is this run's.
+        """
+        for channel in self.moving if self._owned() else ():
+            if self._rival is not None:
+                raise RunFailed(f"{channel.topic} {self._rival}")
+            if not self._watched and self._node.count_publishers(channel.topic) > 1:
+                self._watched = True
+                kind, qos = channel.publisher.msg_type, keep_last(100, BEST_EFFORT)  # holds up nobody
+                self._node.create_subscription(kind, channel.topic, self._look, qos, raw=True)
+                forget_missing_definition()
+
+    def _owned(self) -> dict[str, str]:
+        """The frames of whose parent only this run may tell, and what to give where another shall."""
+        description = self._description
+        owned = {description.moving[0][1]: "--odom-tf none"} if description.owns_odom else {}
+        mapped = any(edge.child == ODOM for edge in description.fixed)
+        return owned | ({ODOM: "no --map-tf"} if mapped else {})
+
+    def _look(self, data: bytes) -> None:
+        if data in self._sent:
+            return
+        message: Any = typestore().deserialize_cdr(data, TF_MESSAGE)
+        owned = self._owned()
+        for transform in message.transforms:
+            parent, child = transform.header.frame_id, transform.child_frame_id
+            if child in owned:
+                self._rival = (
+                    f"has {parent} -> {child} from {self._others()} too, and a frame has one owner: "
+                    f"stop it there, or give {owned[child]} here"
+                )
+
+    def _others(self) -> str:
+        """The other nodes that publish it: which of them it was, no message tells."""
+        infos = self._node.get_publishers_info_by_topic(self.moving[0].topic)
+        names = {f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in infos}
+        return " or ".join(sorted(names - {self._node.get_fully_qualified_name()})) or "another node"

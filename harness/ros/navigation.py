@@ -1,0 +1,125 @@
+"""What a navigation stack asks of a simulator: /map, /initialpose and /goal_pose.
+
+/map is the world's truth for this rover (harness.world.occupancy), latched; it is made when somebody
+listens or records. /initialpose puts the rover there, as Nav2's loopback simulator does, and
+/goal_pose is for the driver `goal`. Map, odom and world are one frame here: the rover starts at their
+origin.
+"""
+
+import math
+from array import array
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
+from nav_msgs.msg import OccupancyGrid
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from harness.config import EpisodeConfig
+from harness.episode.stream import EpisodeProcess
+from harness.robots import find_rover
+from harness.ros.bridge import Bridge
+from harness.ros.channel import Channel
+from harness.samples import Place
+from harness.sim_time import NANOSECONDS
+from harness.world.occupancy import OccupancyMap, occupancy
+from harness.world.world import EDGE_MARGIN
+
+FRAMES = ("map", "odom", "world")
+LATCHED = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+
+
+class Navigation:
+    """Serves the three topics.
+
+    Args:
+        bridge: The node that does.
+        config: Of the episode.
+        source: The episode, which is told where the rover goes.
+
+    Attributes:
+        map: /map.
+    """
+
+    def __init__(self, bridge: Bridge, config: EpisodeConfig, source: EpisodeProcess) -> None:
+        self._bridge, self._config, self._source = bridge, config, source
+        publisher = bridge.create_publisher(OccupancyGrid, "map", LATCHED)
+        self.map = Channel(publisher, self._message, publisher.topic_name)
+        bridge.create_subscription(PoseWithCovarianceStamped, "initialpose", self._put, 1)
+        bridge.create_subscription(PoseStamped, "goal_pose", self._head_for, 1)
+
+    @cached_property
+    def occupancy(self) -> OccupancyMap:
+        """Returns the map of this world for this rover."""
+        rover = find_rover(self._config.robot)
+        return occupancy(self._config.world(), rover.slope_limit, rover.step_limit)
+
+    def look_around(self) -> None:
+        """Publishes /map, once, if somebody listens or records."""
+        if self.map.published == 0 and (self.map.record or self.map.publisher.get_subscription_count()):
+            self.map.publish(self.occupancy)
+
+    def _message(self, grid: OccupancyMap) -> OccupancyGrid:
+        message = OccupancyGrid()
+        seconds, nanoseconds = divmod(self._bridge.time_ns, NANOSECONDS)
+        message.header.frame_id = "map"
+        for stamp in (message.header.stamp, message.info.map_load_time):
+            stamp.sec, stamp.nanosec = seconds, nanoseconds
+        message.info.resolution = float(grid.resolution)
+        message.info.height, message.info.width = grid.cells.shape
+        corner = message.info.origin.position
+        corner.x, corner.y = (-float(half) for half in grid.half_size)
+        message.data = array("b", grid.cells.tobytes())
+        return message
+
+    def _put(self, message: PoseWithCovarianceStamped) -> None:
+        self._take("initialpose", message.header.frame_id, message.pose.pose, self._source.put)
+
+    def _head_for(self, message: PoseStamped) -> None:
+        if self._config.driver != "goal":
+            self._refuse("goal_pose", f"the driver is {self._config.driver}; start with --driver goal")
+        else:
+            self._take("goal_pose", message.header.frame_id, message.pose, self._source.head_for)
+
+    def _take(
+        self,
+        topic: str,
+        frame: str,
+        pose: Any,  # noqa: ANN401
+        order: Callable[[Place], int | None],
+    ) -> None:
+        place = place_of(pose)
+        reason = self._objection(frame, place)
+        if reason is None and (at_ns := order(place)) is not None:
+            where = f"({place.x:.2f}, {place.y:.2f}) m, yaw {place.yaw:.2f} rad"
+            taken = f"{topic}: {where}, from t = {at_ns / NANOSECONDS:.2f} s on"
+            self._bridge.get_logger().info(taken)
+        else:
+            self._refuse(topic, reason or "the run ends before it would come into effect")
+
+    def _objection(self, frame: str, place: Place) -> str | None:
+        where = f"({place.x:.2f}, {place.y:.2f}) m"
+        most_x, most_y = (half - EDGE_MARGIN for half in self.occupancy.half_size)
+        if frame and frame.rpartition("/")[2] not in FRAMES:
+            return f"it is in the frame '{frame}'; give one of {', '.join(FRAMES)}, or none"
+        if not (abs(place.x) < most_x and abs(place.y) < most_y and math.isfinite(place.yaw)):  # no NaN
+            return f"{where} is off the map; give |x| below {most_x:g} m and |y| below {most_y:g} m"
+        if not self.occupancy.is_free(place.x, place.y, find_rover(self._config.robot).width / 2):
+            return f"{where} is occupied on /map: the rover cannot stand there"
+        return None
+
+    def _refuse(self, topic: str, reason: str) -> None:
+        self._bridge.get_logger().warning(f"ignored {topic}: {reason}")
+
+
+def place_of(pose: Any) -> Place:  # noqa: ANN401 - rclpy's classes have no types
+    """Returns where a geometry_msgs/Pose is, seen from above."""
+    q = pose.orientation
+    yaw = math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
+    return Place(pose.position.x, pose.position.y, yaw)

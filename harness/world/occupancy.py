@@ -1,0 +1,137 @@
+"""The world as navigation sees it: which cells a rover can stand on and which it cannot.
+
+Occupied is what a hazard covers, what a rock covers that is higher than the rover climbs, what is
+steeper or steps higher than that, and the edge of the map, where a run ends. All other cells are free:
+nothing is unknown to the simulator.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind, outline, top
+from harness.world.statistics import WINDOW, box_means, reach
+from harness.world.world import EDGE_MARGIN, World
+
+RESOLUTION = 0.05  # [m], Nav2's default of its costmaps
+FREE, OCCUPIED = 0, 100
+
+Mask = NDArray[np.bool_]
+Places = NDArray[np.float64]  # the middles of rows or of columns of cells [m]
+
+
+@dataclass(frozen=True, eq=False)
+class OccupancyMap:
+    """Cells in rows with +y and columns with +x, as nav_msgs/OccupancyGrid orders them.
+
+    Attributes:
+        cells: FREE or OCCUPIED, int8, shape (rows, columns).
+        resolution: Side length of a cell [m].
+        half_size: Half the lengths of the map along x and y; its middle is the world's origin [m].
+    """
+
+    cells: NDArray[np.int8]
+    resolution: float
+    half_size: tuple[float, float]
+
+    def is_free(self, x: float, y: float, radius: float = 0.0) -> bool:
+        """Returns whether no cell is occupied whose middle lies in a disc, nor the one at its middle.
+
+        Args:
+            x: Middle of the disc [m]; a point off the map is not free. Likewise `y`.
+            y: See `x`.
+            radius: Of the disc [m].
+        """
+        half_x, half_y = self.half_size
+        if not (abs(x) < half_x and abs(y) < half_y):  # so that NaN is not
+            return False
+        row, column = int((y + half_y) / self.resolution), int((x + half_x) / self.resolution)
+        middles_x, middles_y = (_middles(half, self.resolution) for half in self.half_size)
+        inside = np.hypot(middles_y[:, None] - y, middles_x - x) <= radius
+        inside[row, column] = True
+        return bool((self.cells[inside] == FREE).all())
+
+
+def occupancy(
+    world: World, slope_limit: float, step_limit: float, resolution: float = RESOLUTION
+) -> OccupancyMap:
+    """Returns the map of a world for a rover.
+
+    Args:
+        world: What is mapped.
+        slope_limit: Steepest slope that the rover climbs, of the ground averaged over 0.3 m [rad].
+        step_limit: Highest step that it climbs [m].
+        resolution: Side length of a cell [m].
+    """
+    ground = world.ground
+    middles = _middles(ground.half_size[0], resolution), _middles(ground.half_size[1], resolution)
+    blocked = _on_cells(_impassable(ground, slope_limit, step_limit), ground, middles, resolution)
+    for obstacle in world.obstacles:
+        x, y, _ = obstacle.position
+        height = top(obstacle) - ground.height_at(x, y)
+        if obstacle.kind is ObstacleKind.HAZARD or height > step_limit:
+            _cover(blocked, obstacle, middles, resolution)
+    at_edge_x, at_edge_y = (
+        np.abs(places) > half - EDGE_MARGIN
+        for places, half in zip(middles, ground.half_size, strict=True)
+    )
+    blocked |= at_edge_x | at_edge_y[:, None]
+    cells = np.where(blocked, OCCUPIED, FREE).astype(np.int8)
+    return OccupancyMap(cells, resolution, ground.half_size)
+
+
+def _middles(half_size: float, resolution: float) -> Places:
+    count = math.ceil(2 * half_size / resolution - 1e-9)
+    return np.asarray((np.arange(count) + 0.5) * resolution - half_size)
+
+
+def _impassable(ground: Heightfield, slope_limit: float, step_limit: float) -> Mask:
+    """Vertices that are too steep, or beside a step that is too high.
+
+    A step is what rises from a vertex to the next by more than `step_limit` above the steepest slope.
+    """
+    inset = reach(ground, WINDOW)
+    smooth = box_means(np.pad(ground.heights, inset, mode="edge"), inset)
+    along_y, along_x = np.gradient(smooth, ground.cell)
+    blocked: Mask = np.hypot(along_x, along_y) > math.tan(slope_limit)
+    highest = step_limit + ground.cell * math.tan(slope_limit)
+    for heights, mask in ((ground.heights, blocked), (ground.heights.T, blocked.T)):
+        steps = np.abs(np.diff(heights, axis=0)) > highest
+        mask[1:] |= steps
+        mask[:-1] |= steps
+    return blocked
+
+
+def _on_cells(
+    vertices: Mask, ground: Heightfield, middles: tuple[Places, Places], resolution: float
+) -> Mask:
+    """Cells whose nearest vertex is marked, or in which a marked one lies."""
+    nearest_x, nearest_y = (
+        np.rint((places + half) / ground.cell).astype(int).clip(0, most - 1)
+        for places, half, most in zip(middles, ground.half_size, vertices.T.shape, strict=True)
+    )
+    cells: Mask = vertices[np.ix_(nearest_y, nearest_x)]
+    own = (np.nonzero(vertices)[axis] * (ground.cell / resolution) for axis in (0, 1))
+    rows, columns = (
+        (place + 1e-9).astype(int).clip(0, most - 1)
+        for place, most in zip(own, cells.shape, strict=True)
+    )
+    cells[rows, columns] = True
+    return cells
+
+
+def _cover(blocked: Mask, obstacle: Obstacle, middles: tuple[Places, Places], resolution: float) -> None:
+    """Marks the cells that an obstacle's outline overlaps: no axis separates the two convex shapes."""
+    corners = outline(obstacle)
+    low, high = corners.min(axis=0) - resolution / 2, corners.max(axis=0) + resolution / 2
+    columns, rows = (np.nonzero((low[i] <= middles[i]) & (middles[i] <= high[i]))[0] for i in (0, 1))
+    overlaps = np.ones((len(rows), len(columns)), dtype=bool)
+    for corner, edge in zip(corners, np.roll(corners, -1, axis=0) - corners, strict=True):
+        outward = np.array([edge[1], -edge[0]])  # the corners go round counter-clockwise
+        reach_of_cell = np.abs(outward).sum() * resolution / 2
+        x, y = middles[0][columns] - corner[0], middles[1][rows] - corner[1]
+        overlaps &= outward[0] * x + outward[1] * y[:, None] <= reach_of_cell
+    blocked[np.ix_(rows, columns)] |= overlaps

@@ -1,0 +1,54 @@
+"""The options behind `--ros-args` on a command line, judged without rclpy."""
+
+import difflib
+from collections.abc import Iterable, Sequence
+
+START, END = "--ros-args", "--"
+_WITH_VALUE = (
+    *("-p", "--param", "-r", "--remap", "--params-file", "-e", "--enclave"),
+    *("--log-level", "--log-config-file", "--log-file-name"),
+)
+_SWITCHES = tuple(
+    f"--{verb}-{what}-logs"
+    for what in ("rosout", "stdout", "external-lib")
+    for verb in ("enable", "disable")
+)
+OPTIONS = (*_WITH_VALUE, *_SWITCHES)
+
+
+def complaint(words: Sequence[str], own: Iterable[str] = ()) -> str | None:
+    """Returns what is wrong with the options behind `--ros-args`, with the nearest valid one.
+
+    Args:
+        words: Of a command line.
+        own: The options of the command itself, which stand elsewhere.
+    """
+    behind, awaits_value = False, False
+    for word in words:
+        if awaits_value:
+            awaits_value = False
+        elif word == START or (behind and word == END):
+            behind = word == START
+        elif behind and word in _WITH_VALUE:
+            awaits_value = True
+        elif behind and word not in _SWITCHES:
+            return _unknown(word, tuple(own))
+    return None
+
+
+def refusal(error: RuntimeError) -> str:
+    """Returns why rclpy does not start, in one line, with the mend where it says none."""
+    reason = " ".join(str(error).split())
+    mend = "; ROS_LOG_DIR names another folder" if "log directory" in reason else ""
+    return reason + mend
+
+
+def _unknown(word: str, own: Sequence[str]) -> str:
+    option = word.partition("=")[0]
+    if option in own:
+        return (
+            f"{option} stands behind {START}, where options are ROS's; give it before, or behind {END}"
+        )
+    (nearest,) = difflib.get_close_matches(option, (*OPTIONS, *own), n=1, cutoff=0.0)
+    where = f", before {START}" if nearest in own else ""
+    return f"{START} knows no '{word}'; did you mean {nearest}{where}?"

@@ -1,0 +1,141 @@
+"""The frames of both rovers are the real ones'; what does not fit a model is told in one line."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from harness.errors import UsageError
+from harness.frames.rover_frames import rover_frames
+from harness.robots import MODELS_DIR, FrameRow, RoverSpec
+from tests.harness.frames.made_rover import made_rover
+from tests.support.rovers import LEO, ROVER_ZERO4WD
+
+PI = math.pi
+# Parent and child, x y z [m] and roll pitch yaw [rad] of the child in it, at rest. Leo: macros.xacro
+# 1.2.1 and RoboTerrain's lidar; rover_zero4wd: rover_4wd.urdf, its accessories and RoboTerrain's SDF.
+REAL: dict[str, dict[tuple[str, str], tuple[float, ...]]] = {
+    "leo": {
+        ("base_footprint", "base_link"): (0, 0, 0.19783, 0, 0, 0),
+        ("base_link", "rocker_L_link"): (0.00263, 0.14167, -0.04731, 0, 0, PI),
+        ("base_link", "rocker_R_link"): (0.00263, -0.14167, -0.04731, 0, 0, 0),
+        ("rocker_L_link", "wheel_FL_link"): (-0.15256, -0.08214, -0.08802, 0, 0, 0),
+        ("rocker_L_link", "wheel_RL_link"): (0.15256, -0.08214, -0.08802, 0, 0, 0),
+        ("rocker_R_link", "wheel_FR_link"): (0.15256, -0.08214, -0.08802, 0, 0, 0),
+        ("rocker_R_link", "wheel_RR_link"): (-0.15256, -0.08214, -0.08802, 0, 0, 0),
+        ("base_link", "camera_frame"): (0.0971, 0, -0.0427, 0, 0.2094, 0),
+        ("camera_frame", "camera_optical_frame"): (0, 0, 0, -PI / 2, 0, -PI / 2),
+        ("base_link", "imu_frame"): (0.0628, -0.0314, -0.0393, 0, 0, 0),
+        ("base_link", "antenna_link"): (-0.0052, 0.056, -0.0065, 0, 0, 0),
+        ("base_link", "lidar_link"): (0.174, 0, 0.6, 0, 0, PI),
+    },
+    "rover_zero4wd": {
+        ("base_link", "chassis_link"): (0, 0, 0.125, 0, 0, 0),
+        ("chassis_link", "fl_wheel_link"): (0.1415, 0.18, 0, 0, 0, 0),
+        ("chassis_link", "rl_wheel_link"): (-0.145, 0.18, 0, 0, 0, 0),
+        ("chassis_link", "fr_wheel_link"): (0.1415, -0.18, 0, 0, 0, 0),
+        ("chassis_link", "rr_wheel_link"): (-0.145, -0.18, 0, 0, 0, 0),
+        ("chassis_link", "payload_link"): (0, 0, 0.096, 0, 0, 0),
+        ("payload_link", "imu_link"): (0, 0, 0, 0, 0, 0),
+        ("payload_link", "lidar_link"): (0.174, 0, 0.1, 0, 0, PI),
+        ("base_link", "camera_link"): (0.2, 0, 0.3, 0, 0, 0),
+    },
+}
+
+
+def quaternion(roll: float, pitch: float, yaw: float) -> list[float]:
+    """Of angles about fixed axes, as (x, y, z, w): from scipy."""
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415 - loads slowly
+
+    turned: list[float] = Rotation.from_euler("xyz", [roll, pitch, yaw]).as_quat().tolist()
+    return turned
+
+
+@pytest.mark.parametrize("rover", [LEO, ROVER_ZERO4WD], ids=lambda rover: rover.name)
+def test_frames_are_those_of_the_real_rover(rover: RoverSpec) -> None:
+    frames = rover_frames(rover)
+    edges = {(link.parent, link.name): frames.edge(link) for link in frames.links[1:]}
+    assert edges.keys() == REAL[rover.name].keys()
+    for names, (x, y, z, *rpy) in REAL[rover.name].items():
+        assert edges[names].translation == pytest.approx((x, y, z), abs=1e-9)
+        same = sum(a * b for a, b in zip(edges[names].rotation, quaternion(*rpy), strict=True))
+        assert abs(same) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_the_base_is_what_odometry_tells_of_and_wheels_and_rockers_are_what_moves() -> None:
+    leo, zero = rover_frames(LEO), rover_frames(ROVER_ZERO4WD)
+    assert (leo.base, zero.base) == ("base_footprint", "base_link")
+    assert {leo.model.joint(link.joint).name for link in leo.moving} == set(LEO.joints)
+    assert {zero.model.joint(link.joint).name for link in zero.moving} == set(ROVER_ZERO4WD.joints)
+
+
+def test_a_rover_yaml_without_frames_has_those_of_its_model() -> None:
+    frames = rover_frames(replace(LEO, frames=()))
+    links = {link.name: link.parent for link in frames.links}
+    rockers = {f"rocker_{side}_link": "base_footprint" for side in "LR"}
+    wheels = {f"wheel_{end}{side}_link": f"rocker_{side}_link" for side in "LR" for end in "FR"}
+    sensors = {"lidar_link": "base_footprint", "imu_frame": "base_footprint"}
+    assert links == {"base_footprint": "", **rockers, **wheels, **sensors}
+    assert frames.edge(frames.links[-2]).translation == pytest.approx((0.174, 0.0, 0.79783))
+
+
+@pytest.mark.parametrize("rover", [LEO, ROVER_ZERO4WD], ids=lambda rover: rover.name)
+def test_every_frame_is_in_the_docs(rover: RoverSpec) -> None:
+    page = (MODELS_DIR.parent / "docs" / "frames.md").read_text()
+    assert all(link.name in page for link in rover_frames(rover).links)
+
+
+def row(parent: str, child: str, **where: object) -> FrameRow:
+    return FrameRow(parent=parent, child=child, **where)  # type: ignore[arg-type]  # a table of keywords
+
+
+@pytest.mark.parametrize(
+    ("added", "message"),
+    [
+        (row("base_link", "camera_optical_frame"), "has two parents, camera_frame and base_link"),
+        (
+            row("base_link", "nose", body="nozzle"),
+            "body 'nozzle' does not exist; available: rover",
+        ),
+        (row("base_link", "nose", site="nozzle"), "site 'nozzle' does not exist; available: imu, lidar"),
+        (
+            row("base_link", "hub", body="wheel_FL"),
+            "'base_link' does not; give a parent that is fixed to 'rocker_L'",
+        ),
+        (
+            row("base_link", "elbow", body="rocker_L", xyz=(0.03, 0.2, 0.04)),
+            "frame 'elbow' is 0.05 m off the axis of its joint 'rocker_L_joint'; give an xyz on it",
+        ),
+    ],
+)
+def test_a_frame_that_does_not_fit_is_told_in_one_line(added: FrameRow, message: str) -> None:
+    with pytest.raises(UsageError) as told:
+        rover_frames(replace(LEO, frames=(*LEO.frames, added)))
+    assert message in str(told.value)
+    assert "\n" not in str(told.value)
+
+
+def test_a_frame_may_hang_on_a_wheel() -> None:
+    frames = rover_frames(
+        replace(LEO, frames=(*LEO.frames, row("wheel_FL_link", "valve", xyz=(0, 0, 0.05))))
+    )
+    assert frames.edge(frames.links[-1]).translation == pytest.approx((0.0, 0.0, 0.05))
+    assert frames.links[-1].joint == -1
+
+
+def test_a_body_on_two_joints_is_told_in_one_line(tmp_path: Path) -> None:
+    joints = '<joint name="pan" axis="0 0 1"/><joint name="tilt" axis="0 1 0"/>'
+    head = f'<body name="head">{joints}<geom size="0.1"/></body>'
+    with pytest.raises(UsageError, match=r"'head' must hang on one hinge or slide .* of its own$"):
+        rover_frames(made_rover(tmp_path, head))
+
+
+def test_a_mesh_that_is_not_there_is_told_in_one_line(tmp_path: Path) -> None:
+    shell = '<geom type="mesh" mesh="shell"/>'
+    rover = made_rover(tmp_path, shell, '<mesh name="shell" file="shell.stl"/>')
+    with pytest.raises(UsageError) as told:
+        rover_frames(rover)
+    file = tmp_path / "meshes" / "shell.stl"
+    message = f"mesh 'shell' is to be in {file}, which does not exist; put it there, or mend its name"
+    assert str(told.value) == f"{rover.file}: {message}"

@@ -1,0 +1,207 @@
+"""The URDF, read back by MuJoCo and by yourdfpy, against the compiled model that it is of."""
+
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from harness.frames.rover_frames import rover_frames
+from harness.frames.urdf import write_urdf
+from harness.physics.scene import read_model
+from harness.robots import RoverSpec
+from tests.harness.frames.made_rover import made_rover
+from tests.support.rovers import LEO, ROVER_ZERO4WD
+
+yourdfpy = pytest.importorskip("yourdfpy", reason="needs the extra [dev]: make setup")
+
+EXACT = 1e-6
+BOX, CAPSULE = mujoco.mjtGeom.mjGEOM_BOX.value, mujoco.mjtGeom.mjGEOM_CAPSULE.value
+
+both = pytest.mark.parametrize("rover", [LEO, ROVER_ZERO4WD], ids=lambda rover: rover.name)
+
+
+def read_back(urdf: str) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """The model that MuJoCo makes of it, every link a body."""
+    spec = mujoco.MjSpec.from_string(urdf)
+    spec.compiler.fusestatic = False
+    model = spec.compile()
+    return model, mujoco.MjData(model)
+
+
+def posed(rover: RoverSpec, seed: int) -> tuple[mujoco.MjModel, mujoco.MjData, dict[str, float]]:
+    """The rover's model at the origin, its joints at random."""
+    model = read_model(rover).compile()
+    data = mujoco.MjData(model)
+    rng = np.random.default_rng(seed)
+    angles = {name: float(rng.uniform(-0.2, 0.2)) for name in rover.joints}
+    data.qpos[:7] = (0, 0, 0, 1, 0, 0, 0)
+    for name, angle in angles.items():
+        data.joint(name).qpos[0] = angle
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    return model, data, angles
+
+
+def parse(urdf: str, folder: Path) -> Any:  # noqa: ANN401 - it has no types
+    """What yourdfpy reads."""
+    file = folder / "rover.urdf"
+    file.write_text(urdf)
+    return yourdfpy.URDF.load(str(file), build_scene_graph=True, load_meshes=False)
+
+
+@both
+def test_mujoco_reads_back_masses_joints_and_how_the_rover_moves(rover: RoverSpec) -> None:
+    """Mass, centre and joint-space inertia of the moving parts hold all of masses, axes and inertias."""
+    model, data, angles = posed(rover, seed=1)
+    back, back_data = read_back(write_urdf(rover_frames(rover)))
+    assert back.body_mass.sum() == pytest.approx(model.body_mass.sum(), abs=EXACT)
+    assert {back.joint(index).name for index in range(back.njnt)} == set(rover.joints)
+    for name, angle in angles.items():
+        back_data.joint(name).qpos[0] = angle
+    for m, d in ((model, data), (back, back_data)):
+        m.dof_armature[:] = 0.0  # a rotor's, which URDF does not know
+        mujoco.mj_fwdPosition(m, d)
+    for name in rover.joints:
+        ours, theirs = data.joint(name), back_data.joint(name)
+        assert theirs.xaxis == pytest.approx(ours.xaxis, abs=EXACT)
+        along = np.cross(theirs.xanchor - ours.xanchor, ours.xaxis)
+        assert along == pytest.approx(np.zeros(3), abs=EXACT), "the same line"
+        ids = (model.joint(name), back.joint(name))
+        (damping, friction), (damping_, friction_) = (
+            (m.dof_damping[j.dofadr[0]], m.dof_frictionloss[j.dofadr[0]])
+            for m, j in zip((model, back), ids, strict=True)
+        )
+        assert (damping_, friction_) == pytest.approx((damping, friction), abs=EXACT)
+        assert ids[1].limited == ids[0].limited
+        if ids[0].limited:
+            assert ids[1].range == pytest.approx(ids[0].range, abs=EXACT)
+    dofs, back_dofs = ([int(m.joint(name).dofadr[0]) for name in rover.joints] for m in (model, back))
+    assert whole(back, back_data)[np.ix_(back_dofs, back_dofs)] == pytest.approx(
+        whole(model, data)[np.ix_(dofs, dofs)], abs=EXACT
+    )
+    assert back_data.subtree_com[0] == pytest.approx(data.subtree_com[0], abs=EXACT)
+    assert spin(back, back_data) == pytest.approx(spin(model, data), abs=EXACT)
+
+
+def whole(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float64]:
+    """The joint-space inertia."""
+    inertia = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, inertia)
+    return inertia
+
+
+def spin(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.float64]:
+    """The inertia of all bodies about the world's origin, shape (3, 3)."""
+    total = np.zeros((3, 3))
+    for body in range(1, model.nbody):
+        turn, centre = data.ximat[body].reshape(3, 3), data.xipos[body]
+        total += turn @ np.diag(model.body_inertia[body]) @ turn.T
+        total += model.body_mass[body] * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+    return total
+
+
+@both
+def test_yourdfpy_finds_every_link_where_mujoco_has_it(rover: RoverSpec, tmp_path: Path) -> None:
+    _, data, angles = posed(rover, seed=2)
+    frames = rover_frames(rover)
+    urdf = parse(write_urdf(frames), tmp_path)
+    assert urdf.validate()
+    assert urdf.base_link == rover.odometry_child_frame
+    urdf.update_cfg(angles)
+    for link in frames.links:
+        pose = np.eye(4)  # the frame moves with its body as it lies in it at rest
+        pose[:3, 3], pose[:3, :3] = data.xpos[link.body], data.xmat[link.body].reshape(3, 3)
+        at_rest = np.eye(4)
+        at_rest[:3, 3] = frames.data.xpos[link.body]
+        at_rest[:3, :3] = frames.data.xmat[link.body].reshape(3, 3)
+        expected = pose @ np.linalg.inv(at_rest) @ link.in_base
+        assert urdf.get_transform(link.name, urdf.base_link) == pytest.approx(expected, abs=EXACT)
+    lidar = urdf.get_transform("lidar_link", urdf.base_link)
+    assert lidar[:3, 3] == pytest.approx(data.site("lidar").xpos, abs=EXACT)
+    assert lidar[:3, :3].ravel() == pytest.approx(data.site("lidar").xmat, abs=EXACT)
+
+
+@both
+def test_every_shape_that_is_seen_is_where_mujoco_has_it(rover: RoverSpec, tmp_path: Path) -> None:
+    model, data, angles = posed(rover, seed=3)
+    frames = rover_frames(rover)
+    urdf = parse(write_urdf(frames), tmp_path)
+    urdf.update_cfg(angles)
+    told = []
+    for link in (link for link in frames.links if link.carries):
+        at = urdf.get_transform(link.name, urdf.base_link)
+        visuals = urdf.link_map[link.name].visuals
+        told += [(seen.geometry, at @ seen.origin, seen.material.name) for seen in visuals]
+    order = [geom for link in frames.links if link.carries for geom in shapes_of(model, link.body)]
+    for geom in order:
+        (shape, pose, colour), *ends = told[: 3 if model.geom_type[geom] == CAPSULE else 1]
+        told = told[1 + len(ends) :]
+        x, y, z = model.geom_size[geom]
+        if model.geom_type[geom] == BOX:
+            assert shape.box.size == pytest.approx((2 * x, 2 * y, 2 * z), abs=EXACT)
+        else:
+            assert (shape.cylinder.radius, shape.cylinder.length) == pytest.approx((x, 2 * y), abs=EXACT)
+        turn = data.geom_xmat[geom].reshape(3, 3)
+        assert pose[:3, 3] == pytest.approx(data.geom_xpos[geom], abs=EXACT)
+        assert pose[:3, :3] == pytest.approx(turn, abs=EXACT)
+        assert colour == model.mat(model.geom_matid[geom]).name
+        for (end, place, _), side in zip(ends, (-1, 1), strict=False):
+            assert end.sphere.radius == pytest.approx(x, abs=EXACT)
+            at_end = data.geom_xpos[geom] + side * y * turn[:, 2]
+            assert place[:3, 3] == pytest.approx(at_end, abs=EXACT)
+    assert told == []
+
+
+def shapes_of(model: mujoco.MjModel, body: int) -> list[int]:
+    """What is to be seen of a body: group 2."""
+    geoms: list[int] = np.flatnonzero((model.geom_bodyid == body) & (model.geom_group == 2)).tolist()
+    return geoms
+
+
+def test_shapes_colours_and_meshes(tmp_path: Path) -> None:
+    """A mesh lies where its file says, although MuJoCo moves and turns it."""
+    import trimesh  # noqa: PLC0415 - comes with yourdfpy
+
+    (tmp_path / "meshes").mkdir()
+    block = trimesh.creation.box((0.1, 0.2, 0.3)).apply_translation((1.0, 2.0, 3.0))
+    block.export(tmp_path / "meshes" / "block.stl")
+    seen = 'group="2" mass="0"'
+    body = (
+        f'<geom type="mesh" mesh="block" pos="0.5 0 0" {seen} material="red"/>'
+        f'<geom type="ellipsoid" size="0.1 0.2 0.3" pos="0 0 9" {seen}/>'
+        f'<geom type="sphere" size="0.4" {seen} rgba="0 0.5 1 1"/><geom type="box" size="1 1 1"/>'
+    )
+    assets = '<mesh name="block" file="block.stl" scale="1 2 1"/><material name="red" rgba="1 0 0 1"/>'
+    urdf = write_urdf(rover_frames(made_rover(tmp_path, body, assets)))
+    told = parse(urdf, tmp_path)
+    mesh, ellipsoid, sphere = told.link_map["base_footprint"].visuals
+    assert mesh.geometry.mesh.filename == (tmp_path / "meshes" / "block.stl").as_uri()
+    assert ellipsoid.geometry.box.size == pytest.approx((0.2, 0.4, 0.6))
+    assert sphere.geometry.sphere.radius == pytest.approx(0.4)
+    assert told.robot.materials[0].color.rgba == pytest.approx((1, 0, 0, 1))
+    assert mesh.material.name == told.robot.materials[0].name == "red"
+    assert sphere.material.color.rgba == pytest.approx((0, 0.5, 1, 1))
+    corners = block.vertices * mesh.geometry.mesh.scale @ mesh.origin[:3, :3].T + mesh.origin[:3, 3]
+    assert corners.min(axis=0) == pytest.approx((1.45, 3.8, 2.85), abs=EXACT)
+    assert corners.max(axis=0) == pytest.approx((1.55, 4.2, 3.15), abs=EXACT)
+
+
+def test_a_slide_is_prismatic_and_a_turned_shape_keeps_its_attitude(tmp_path: Path) -> None:
+    """Also at a pitch of 90 degrees, where roll and yaw are one."""
+    turned = 'euler="20 90 -35"'
+    body = (
+        '<body name="lift" pos="0.1 0 0.2"><joint name="lift" type="slide" axis="0 0 1" range="0 0.5" '
+        f'limited="true"/><geom type="box" size="0.1 0.2 0.3" {turned} group="2"/></body>'
+    )
+    frames = rover_frames(made_rover(tmp_path, body))
+    urdf = parse(write_urdf(frames), tmp_path)
+    joint = urdf.joint_map["lift"]
+    assert (joint.type, joint.limit.lower, joint.limit.upper) == ("prismatic", 0.0, 0.5)
+    urdf.update_cfg({"lift": 0.3})
+    assert urdf.get_transform("lift_link", urdf.base_link)[:3, 3] == pytest.approx((0.1, 0.0, 0.5))
+    (visual,) = urdf.link_map["lift_link"].visuals
+    expected = frames.data.geom_xmat[-1].reshape(3, 3)
+    assert visual.origin[:3, :3] == pytest.approx(expected, abs=EXACT)

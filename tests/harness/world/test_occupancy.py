@@ -1,0 +1,147 @@
+"""The map for navigation, against points that are tried one by one."""
+
+import math
+
+import numpy as np
+import pytest
+
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind, Shape, rotation_matrix, top
+from harness.world.occupancy import FREE, OCCUPIED, OccupancyMap, occupancy
+from harness.world.world import World
+
+SLOPE, STEP = math.radians(40.0), 0.07
+HALF, CELL = 4.0, 0.1
+LEANING = (math.cos(0.4), 0.3 * math.sin(0.4), 0.0, math.sqrt(0.91) * math.sin(0.4))
+
+
+def world(heights: np.ndarray | None = None, *obstacles: Obstacle) -> World:
+    count = round(2 * HALF / CELL) + 1
+    flat = np.zeros((count, count)) if heights is None else heights
+    return World("made", Heightfield(flat, CELL), obstacles, 0, 0.5)
+
+
+def middles(grid: OccupancyMap) -> np.ndarray:
+    return (np.arange(len(grid.cells)) + 0.5) * grid.resolution - HALF
+
+
+def axes() -> tuple[np.ndarray, np.ndarray]:
+    """Row and column coordinates of the vertices: y, x."""
+    y, x = np.meshgrid(*(np.linspace(-HALF, HALF, round(2 * HALF / CELL) + 1),) * 2, indexing="ij")
+    return y, x
+
+
+def test_flat_ground_is_free_but_for_the_edge_where_a_run_ends() -> None:
+    grid = occupancy(world(), SLOPE, STEP)
+    assert (grid.cells.shape, grid.resolution) == ((160, 160), 0.05)
+    assert grid.cells.dtype == np.int8
+    inner = np.abs(middles(grid)) < HALF - 0.5
+    expected = np.where(inner & inner[:, None], FREE, OCCUPIED)
+    assert (grid.cells == expected).all()
+
+
+@pytest.mark.parametrize("along", [0, 1])
+@pytest.mark.parametrize(("degrees", "is_free"), [(39.0, True), (41.0, False)])
+def test_a_slope_is_occupied_if_it_is_steeper_than_the_rover_climbs(
+    along: int, degrees: float, is_free: bool
+) -> None:
+    heights = math.tan(math.radians(degrees)) * np.clip(axes()[along], 0.0, 2.0)
+    grid = occupancy(world(heights), SLOPE, STEP)
+    probe = (1.0, 0.3) if along else (0.3, 1.0)
+    assert grid.is_free(*probe) is is_free
+    assert grid.is_free(-1.0, -1.0)
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize("along", [0, 1])
+@pytest.mark.parametrize(("excess", "is_free"), [(-0.005, True), (0.005, False)])
+def test_a_step_is_occupied_on_either_side_if_it_is_higher_than_the_rover_climbs(
+    sign: float, along: int, excess: float, is_free: bool
+) -> None:
+    rise = CELL * math.tan(SLOPE) + STEP + excess
+    heights = sign * rise * (axes()[along] > 0.95)  # between the vertices at 0.9 and 1.0
+    grid = occupancy(
+        world(heights), math.radians(60.0), STEP + CELL * (math.tan(SLOPE) - math.tan(1.047))
+    )
+    for place in (0.92, 0.98):
+        assert grid.is_free(*((place, 0.3) if along else (0.3, place))) is is_free
+    assert grid.is_free(*((0.7, 0.3) if along else (0.3, 0.7)))
+
+
+@pytest.mark.parametrize(
+    ("shape", "half_size"),
+    [("box", (0.5, 0.12, 0.4)), ("cylinder", (0.2, 0.5)), ("ellipsoid", (0.6, 0.3, 0.3))],
+)
+def test_a_hazard_covers_the_cells_below_it_and_no_others(
+    shape: Shape, half_size: tuple[float, ...]
+) -> None:
+    hazard = Obstacle(ObstacleKind.HAZARD, shape, half_size, (0.63, -1.21, 0.3), LEANING)
+    grid = occupancy(world(None, hazard), SLOPE, STEP)
+    rng = np.random.default_rng(0)
+    half = np.array(half_size if shape != "cylinder" else (half_size[0], *half_size))
+    points = rng.uniform(-half, half, (200_000, 3))
+    if shape == "ellipsoid":
+        points = points[((points / half) ** 2).sum(axis=1) < 1.0]
+    if shape == "cylinder":
+        points = points[np.hypot(points[:, 0], points[:, 1]) < half[0]]
+    seen = (points @ rotation_matrix(LEANING).T)[:, :2] + hazard.position[:2]
+    column, row = ((seen + HALF) / grid.resolution).astype(int).T
+    below = np.zeros(grid.cells.shape, dtype=bool)
+    below[row, column] = True
+    edge = np.abs(middles(grid)) > HALF - 0.5
+    marked = (grid.cells == OCCUPIED) & ~edge & ~edge[:, None]
+    assert marked[below].all()
+    # The outline is a polygon, and a corner of a cell may be touched where no random point fell.
+    grown = below.copy()
+    for axis in (0, 1):
+        grown |= np.roll(grown, 1, axis) | np.roll(grown, -1, axis)
+    assert not (marked & ~grown).any()
+    assert marked.sum() < 1.2 * below.sum() + 8
+
+
+@pytest.mark.parametrize(("height", "is_free"), [(0.06, True), (0.08, False)])
+def test_a_rock_is_occupied_if_it_is_higher_than_the_rover_climbs(height: float, is_free: bool) -> None:
+    ground = np.full((81, 81), 1.5)
+    rock = Obstacle(ObstacleKind.ROCK, "ellipsoid", (0.2, 0.2, 0.1), (1.0, 0.5, 1.5 + height - 0.1))
+    grid = occupancy(world(ground, rock), SLOPE, STEP)
+    assert grid.is_free(1.0, 0.5) is is_free
+    assert top(rock) == pytest.approx(1.5 + height)
+
+
+def test_a_leaning_body_is_as_high_as_its_highest_point() -> None:
+    for shape, half in (("box", (0.5, 0.12, 0.4)), ("ellipsoid", (0.6, 0.3, 0.2))):
+        body = Obstacle(ObstacleKind.ROCK, shape, half, (0.0, 0.0, 2.0), LEANING)  # type: ignore[arg-type]
+        upward = rotation_matrix(LEANING)[2] * np.array(half)
+        expected = np.abs(upward).sum() if shape == "box" else np.linalg.norm(upward)
+        assert top(body) == pytest.approx(2.0 + expected)
+
+
+def test_a_disc_is_free_if_no_occupied_cell_lies_in_it_and_nothing_off_the_map_is() -> None:
+    post = Obstacle(ObstacleKind.HAZARD, "box", (0.02, 0.02, 0.5), (1.025, 0.025, 0.5))
+    grid = occupancy(world(None, post), SLOPE, STEP)
+    assert not grid.is_free(1.025, 0.025)
+    assert grid.is_free(1.2, 0.02)
+    assert grid.is_free(1.025, 0.325, 0.29)
+    assert not grid.is_free(1.025, 0.325, 0.31)
+    assert not any(
+        grid.is_free(x, y) for x, y in ((3.6, 0.0), (0.0, -9.0), (math.nan, 0.0), (0.0, math.nan))
+    )
+
+
+def test_a_coarse_map_keeps_what_fine_ground_shows() -> None:
+    heights = 0.5 * (np.hypot(*axes()) < 0.05)  # one vertex
+    grid = occupancy(world(heights), SLOPE, STEP, resolution=0.5)
+    assert not grid.is_free(0.1, 0.1)
+    assert grid.is_free(1.1, 1.1)
+
+
+def test_an_oblong_map_has_more_columns_than_rows_and_its_own_edges() -> None:
+    heights = np.zeros((41, 81))  # 4 m along y, 8 m along x
+    heights[20, 70] = 1.0  # x = 3, y = 0
+    grid = occupancy(World("made", Heightfield(heights, CELL), (), 0, 0.5), SLOPE, STEP)
+    assert grid.cells.shape == (80, 160)
+    free = {
+        place: grid.is_free(*place)
+        for place in ((3.0, 0.0), (0.0, 1.4), (3.4, 1.0), (0.0, 1.6), (3.6, 0.9))
+    }
+    assert list(free.values()) == [False, True, True, False, False], free

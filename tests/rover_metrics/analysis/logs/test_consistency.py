@@ -1,0 +1,104 @@
+"""Logs that contradict themselves."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from rover_metrics.analysis.logs.consistency import describe_consistency
+from rover_metrics.analysis.logs.reading import read_log
+from rover_metrics.analysis.metric import METRICS
+from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
+from rover_metrics.log.session_record import COMPLETE, write_record
+
+Values = Iterable[float]
+
+
+def told(thresholds: Thresholds = DEFAULT_THRESHOLDS, **columns: Values) -> list[str]:
+    named = {name.replace("_", " "): list(values) for name, values in columns.items()}
+    rows = pd.DataFrame(named, dtype=np.float32)
+    return describe_consistency(rows.set_index(rows.index + 2), thresholds)
+
+
+def rough(flags: Values, levels: Values) -> list[str]:
+    return told(Is_Rough_Terrain=flags, IMU_Acceleration_Magnitude=levels)
+
+
+def test_flags_that_follow_from_their_levels_are_nothing_odd() -> None:
+    assert rough([0, 1, 0, 1, np.nan, 0], [14.9, 15.1, 15.0, 15.0, 20, np.nan]) == []
+    assert told(Current_Collision_Status=[1, 0, 1], Obstacle_Clearance=[0.1, 0.3, 0.2]) == []
+    assert told(Is_Rough_Terrain=[1], Obstacle_Clearance=[9.0]) == []
+
+
+WHAT = (
+    "whose Is Rough Terrain contradicts IMU Acceleration Magnitude and rough_terrain_threshold 15 m/s^2"
+)
+OTHER = "another rule or threshold was at work"
+
+
+@pytest.mark.parametrize(
+    ("flags", "levels", "finding"),
+    [
+        ([0, 1, 1], [4, 6, 20], f"1 row {WHAT} (line 3, 1 at 6): {OTHER}, such as one between 4 and 6"),
+        ([1, 1], [6, 7], f"2 rows {WHAT} (first on line 2, 1 at 6): {OTHER}, such as one below 6"),
+        ([0, 0], [16, 17], f"2 rows {WHAT} (first on line 2, 0 at 16): {OTHER}, such as one above 17"),
+        ([0, 1, 0], [4, 6, 17], f"2 rows {WHAT} (first on line 3, 1 at 6): {OTHER}"),
+        (
+            [1, 0],
+            [14.9998, 3],
+            f"1 row {WHAT} (line 2, 1 at 14.9998): {OTHER}, such as one between 3 and 14.9998",
+        ),
+    ],
+)
+def test_a_flag_that_contradicts_its_level_is_told_with_what_would_fit(
+    flags: Values, levels: Values, finding: str
+) -> None:
+    assert rough(flags, levels) == [finding]
+
+
+def test_a_collision_is_below_its_threshold_the_one_that_the_log_had() -> None:
+    near: dict[str, Values] = {"Current_Collision_Status": [1, 0], "Obstacle_Clearance": [0.35, 0.5]}
+    (finding,) = told(DEFAULT_THRESHOLDS, **near)
+    assert "collision_threshold 0.2 m (line 2, 1 at 0.35)" in finding
+    assert finding.endswith("such as one between 0.35 and 0.5")
+    assert told(Thresholds(collision_threshold=0.4), **near) == []
+    (alone,) = told(Current_Collision_Status=[1], Obstacle_Clearance=[0.35])
+    assert alone.endswith("such as one above 0.35")
+    (never,) = told(Current_Collision_Status=[0], Obstacle_Clearance=[0.15])
+    assert never.endswith("such as one below 0.15")
+
+
+def test_a_contradiction_is_told_whatever_is_asked_for_and_by_the_records_threshold(
+    write_log: Callable[..., Path], row: Callable[..., str]
+) -> None:
+    log = write_log(lines=[row(i, Is_Rough_Terrain=1) for i in range(7)])
+    assert "5 rows whose Is Rough Terrain" in " ".join(read_log(log, [METRICS["DT"]]).findings)
+    write_record(log, COMPLETE, {"thresholds": {"rough_terrain_threshold": 5.0}})
+    assert read_log(log).findings == ()
+
+
+def smoothness(seconds: int, window: int | None, spread: float = 3.0) -> list[str]:
+    """A node's two columns: 20 samples a second, four decimals, a mean over so many of them."""
+    samples = np.random.default_rng(0).normal(11.0, spread, 20 * seconds)
+    ends = range(20, samples.size + 1, 20)
+    means = [samples[max(0, end - window) if window else 0 : end].mean() for end in ends]
+    rows = pd.DataFrame(
+        {
+            "Smoothness Metric": [round(float(samples[:end].sum()), 4) for end in ends],
+            "Current Smoothness": np.round(means, 4),
+        }
+    )
+    return describe_consistency(rows, DEFAULT_THRESHOLDS)
+
+
+def test_a_mean_since_the_start_is_told_from_a_window() -> None:
+    (finding,) = smoothness(60, None)
+    assert finding.startswith("Current Smoothness is the mean since the start")
+    for window in (100, 200):
+        assert smoothness(60, window) == []
+    assert smoothness(60, None, spread=0.0) == []  # at rest both are the same
+    assert smoothness(16, None) == []  # nine rows beyond 150 samples
+    assert len(smoothness(17, None)) == 1
+    assert len(smoothness(3000, None)) == 1  # at the end the decimals say nothing
