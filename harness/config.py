@@ -64,11 +64,12 @@ class EpisodeConfig:
     cmd_vel_timeout: float | None = None  # [s] of simulation time after which a command ends
     faults: tuple[str, ...] = ()  # on the way to listeners; the episode itself does not see them
     commands: tuple[tuple[float, float, float], ...] = ()  # to driver cmd_vel: when [s], m/s, rad/s
+    goals: tuple[tuple[float, float, float, float], ...] = ()  # to driver goal: when [s], x, y, yaw
     resets: tuple[float, ...] = ()  # when the rover is put back to its start [s]
 
     def __post_init__(self) -> None:
         """Takes lists for tuples, as JSON gives them back."""
-        for name in ("terrain_size", "start", "faults", "commands", "resets"):
+        for name in ("terrain_size", "start", "faults", "commands", "goals", "resets"):
             if isinstance(value := getattr(self, name), list):
                 inner = (tuple(v) if isinstance(v, list) else v for v in value)
                 object.__setattr__(self, name, tuple(inner))
@@ -133,15 +134,15 @@ class EpisodeConfig:
             raise UsageError("--terrain-size and --terrain-height apply to terrains from files only")
 
     def _validate_plan(self) -> None:
-        if self.commands and self.driver != CMD_VEL:
-            raise UsageError(f"driver '{self.driver}' drives by itself; commands need '{CMD_VEL}'")
-        if not all(math.isfinite(v) for command in self.commands for v in command[1:]):
-            raise UsageError("a command is not valid; give its time, m/s and rad/s as numbers")
-        for time_s in (*(command[0] for command in self.commands), *self.resets):
+        told = (*self.commands, *self.goals)
+        for what, driver in ((self.commands, CMD_VEL), (self.goals, "goal")):
+            if what and self.driver != driver:
+                raise UsageError(f"driver '{self.driver}' is told nothing; this needs driver '{driver}'")
+        if not all(math.isfinite(value) for _, *values in told for value in values):
+            raise UsageError("a command or goal is not valid; give finite numbers")
+        for time_s in (*(time_s for time_s, *_ in told), *self.resets):
             if not 0.0 <= time_s < self.duration:
-                raise UsageError(
-                    f"a command or reset at {time_s:g} s is not in the run of {self.duration:g} s"
-                )
+                raise UsageError(f"an event at {time_s:g} s is not in the run of {self.duration:g} s")
 
     def _validate_faults(self) -> None:
         for spec, fault in zip(self.faults, parse_faults(self.faults), strict=True):

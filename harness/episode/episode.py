@@ -5,7 +5,8 @@ in batches of one control period, either in this process or through harness.epis
 """
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from operator import itemgetter
 
 import numpy as np
@@ -94,9 +95,10 @@ class Episode:
         if config.noise is not None:
             self._noise = SensorNoise(PRESETS[config.noise], limits, scan_rng, imu_rng)
         self._bearings = lidar_spec.bearings
-        resets = [(time_s, None) for time_s in config.resets]  # before commands of the same time
-        commands = [(time_s, Twist(*twist)) for time_s, *twist in config.commands]
-        self._planned = deque(sorted([*resets, *commands], key=itemgetter(0)))
+        planned: list[tuple[float, Callable[[], None]]] = [(t, self.reset) for t in config.resets]
+        planned += [(t, partial(self.command, Twist(*twist))) for t, *twist in config.commands]
+        planned += [(t, partial(self.head_for, Place(*place))) for t, *place in config.goals]
+        self._planned = deque(sorted(planned, key=itemgetter(0)))  # at the same time in this order
         self._begin()
 
     def _begin(self) -> None:
@@ -172,11 +174,8 @@ class Episode:
     def _act(self, tick: int) -> None:
         """Does what is planned up to a tick."""
         while self._planned and round(self._planned[0][0] * NANOSECONDS) <= tick * TICK_NS:
-            _, twist = self._planned.popleft()
-            if twist is None:
-                self.reset()
-            else:
-                self.command(twist)
+            _, act = self._planned.popleft()
+            act()
 
     def _observe(self) -> Observation:
         simulation, (x, y, _) = self.simulation, self.simulation.position

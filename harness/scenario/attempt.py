@@ -9,11 +9,13 @@ import numpy as np
 
 from harness.config import RosOptions
 from harness.episode.direct import run_direct
+from harness.episode.metrics_feed import extended_settings
 from harness.episode.result import RunResult
 from harness.errors import HarnessError
 from harness.interrupt import Interrupted, StopRequest
 from harness.report.log import read_log
 from harness.report.recorder import RunRecorder
+from harness.robots import find_rover
 from harness.scenario.baseline import (
     Recorded,
     check_comparable,
@@ -28,6 +30,7 @@ from harness.scenario.evidence import keep_evidence
 from harness.scenario.judge import judge, judge_against
 from harness.scenario.quantities import LOG, QUANTITIES, RUN, Series, TruthSeries
 from rover_metrics.core.row import COLUMNS
+from rover_metrics.extended.settings import Settings
 
 
 @dataclass(frozen=True)
@@ -81,8 +84,7 @@ def _attempt(case: Case, folder: Path, *, compare: bool) -> Attempt:
     watch, page = _watch(case), RunRecorder()
     with TemporaryDirectory(prefix="rover-scenario-") as own:
         options = RosOptions(log_dir=Path(own))
-        observers, extended = (watch, page), _needs_extended(case)
-        result = run_direct(case.config, options, StopRequest(), None, observers, extended=extended)
+        result = run_direct(case.config, options, StopRequest(), None, (watch, page), _settings(case))
         series = watch.series() | _logged(result) | _of_the_run(result)
         recorded = record(case, result, series) if case.scenario.has_baseline else None
         if baseline is not None and recorded is not None:
@@ -108,9 +110,12 @@ def _watch(case: Case) -> TruthSeries:
     return TruthSeries(names, None if goal is None else (*goal.at, goal.radius))
 
 
-def _needs_extended(case: Case) -> bool:
-    names = case.scenario.expect
-    return any(name.startswith(LOG) and name.removeprefix(LOG) not in COLUMNS for name in names)
+def _settings(case: Case) -> Settings:
+    """With the extended columns where one is expected of."""
+    columns = [name.removeprefix(LOG) for name in case.scenario.expect if name.startswith(LOG)]
+    if set(columns) <= set(COLUMNS):
+        return Settings()
+    return Settings(extended_columns=True, extended=extended_settings(find_rover(case.config.robot)))
 
 
 def _breaches(

@@ -102,11 +102,12 @@ def _config(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> 
     beside = path.parent / values["terrain"]
     if beside.is_file():
         values["terrain"] = str(beside)
-    events = scenario.events
+    events, goal = scenario.events, scenario.goal
     return EpisodeConfig(
         **values,
         seed=seed,
         faults=tuple(event.spec for event in events if isinstance(event, FaultEvent)),
         commands=tuple((e.at, *e.command) for e in events if isinstance(e, CommandEvent)),
+        goals=((0.0, *goal.at, goal.yaw),) if goal and values["driver"] == "goal" else (),
         resets=tuple(event.at for event in events if isinstance(event, ResetEvent)),
     )

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, Discriminator, Field, FiniteFloat, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 from harness.scenario.bound import Bound, Length, Part, Point, Share, Text
@@ -42,10 +42,12 @@ class Goal(Part):
 
     Attributes:
         at: x and y in the world [m].
+        yaw: Heading there [rad]; the driver `goal` turns to it.
         radius: How near is near enough [m].
     """
 
     at: Point
+    yaw: FiniteFloat = 0.0
     radius: Length = 0.5
 
 
@@ -90,7 +92,7 @@ class Scenario(Part):
         matrix: Instead of single values of those, lists.
         seed: Of the run; `seeds` is a number of seeds from 0 on, or a list.
         noise: Errors of the sensors; none if left out.
-        goal: Where the rover is to arrive; see the quantity truth.goal_s.
+        goal: Where the rover is to arrive; the driver `goal` is told. See the quantity truth.goal_s.
         events: What happens on the way.
         expect: A bound, or a list of them, for each quantity.
         same_bytes: Whether the log must be that of the baseline, byte for byte.

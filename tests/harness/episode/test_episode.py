@@ -20,6 +20,7 @@ from harness.samples import (
     JointStates,
     LaserScan,
     Odometry,
+    Place,
     Pose,
     Sample,
     Tick,
@@ -179,6 +180,17 @@ def test_what_is_planned_happens_at_the_next_control_period() -> None:
         assert repr(batch.ticks) == repr(expected.ticks)
         assert batch.truth == expected.truth
     assert batch.truth.resets == 2
+
+
+def test_a_planned_goal_is_what_the_driver_heads_for() -> None:
+    planned = Episode(config(driver="goal", duration=0.5, goals=((0.2, 3.0, 4.0, 0.5),)))
+    by_hand, told = Episode(config(driver="goal", duration=0.5)), Place(3.0, 4.0, 0.5)
+    batches = by_hand.batches()
+    for index, batch in enumerate(planned.batches()):
+        if index == 4:
+            by_hand.head_for(told)
+        assert repr(batch.ticks) == repr(next(batches).ticks)
+    assert batch.truth.path_length > 0.0
 
 
 @pytest.mark.parametrize("robot", ROVERS)

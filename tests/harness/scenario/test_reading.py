@@ -151,7 +151,7 @@ pass_rate: {min: 0.5}
         driver="cmd_vel",
         duration=10.0,
         start=(1.0, 2.0, 0.5),
-        goal={"at": (5.0, 0.0), "radius": 0.5},
+        goal={"at": (5.0, 0.0), "yaw": 0.0, "radius": 0.5},
         events=(
             {"at": 1.0, "command": (0.3, 0.0)},
             {"at": 2.0, "reset": True},

@@ -74,6 +74,10 @@ def test_a_file_becomes_the_configuration_that_it_describes(make_cases: MakeCase
         commands=((0.5, 0.3, 0.0),),
         resets=(1.0,),
     )
+    (case,) = make_cases(SPEED, "driver: goal\ngoal: {at: [3, 4], yaw: 1}")
+    assert case.config.goals == ((0.0, 3.0, 4.0, 1.0),)
+    (case,) = make_cases(SPEED, "driver: straight\ngoal: {at: [3, 4], yaw: 1}")
+    assert case.config.goals == ()
     with pytest.raises(UsageError, match=r"two\.scenario\.yaml: robot 'mole' does not exist; available"):
         make_cases(SPEED, "robot: mole")
 
