@@ -32,6 +32,8 @@ from harness.scenario.quantities import LOG, QUANTITIES, RUN, Series, TruthSerie
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.extended.settings import Settings
 
+SCRATCH = "rover-scenario-"
+
 
 @dataclass(frozen=True)
 class Attempt:
@@ -63,26 +65,28 @@ class Attempt:
         return not self.breaches and self.error is None
 
 
-def attempt(case: Case, folder: Path, *, compare: bool = True) -> Attempt:
+def attempt(case: Case, folder: Path, *, compare: bool = True, scratch: Path | None = None) -> Attempt:
     """Drives and judges a run.
 
     Args:
         case: The run.
         folder: Gets log, manifest and page of a run that does not pass.
         compare: Whether it is compared with its baseline, if it has one.
+        scratch: Folder for its log while it is driven, removed by the caller; where it does not exist,
+            as on another machine, the system's.
     """
     try:
-        return _attempt(case, folder, compare=compare)
+        return _attempt(case, folder, compare, scratch if scratch and scratch.is_dir() else None)
     except Interrupted:
         raise
     except HarnessError as error:
         return Attempt(case, error=str(error))
 
 
-def _attempt(case: Case, folder: Path, *, compare: bool) -> Attempt:
+def _attempt(case: Case, folder: Path, compare: bool, scratch: Path | None) -> Attempt:
     baseline = read_baseline(case) if case.scenario.has_baseline and compare else None
     watch, page = _watch(case), RunRecorder()
-    with TemporaryDirectory(prefix="rover-scenario-") as own:
+    with TemporaryDirectory(prefix=SCRATCH, dir=scratch) as own:
         options = RosOptions(log_dir=Path(own))
         result = run_direct(case.config, options, StopRequest(), None, (watch, page), _settings(case))
         series = watch.series() | _logged(result) | _of_the_run(result)

@@ -4,9 +4,11 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from harness.errors import RunFailed, UsageError
-from harness.scenario.attempt import Attempt, attempt
+from harness.interrupt import Interrupted
+from harness.scenario.attempt import SCRATCH, Attempt, attempt
 from harness.scenario.case import Case, cases_of
 from harness.scenario.reading import SUFFIX, read_scenario
 from harness.tuning.backend import Backend, WorkerLost
@@ -72,19 +74,27 @@ def run_all(
 
     Raises:
         RunFailed: A worker died.
+        Interrupted: Somebody stopped the command.
     """
     done: dict[int, Attempt] = {}
-    work = partial(_one, folder=folder, compare=compare)
-    try:
-        with closing(backend.map(work, list(enumerate(cases)))) as outcomes:
-            for index, outcome in outcomes:
-                done[index] = outcome
-                show(len(done))
-    except WorkerLost as error:
-        raise RunFailed(str(error)) from error
+    # A worker that is killed leaves its files: they are below a folder of this process.
+    with TemporaryDirectory(prefix=SCRATCH) as scratch:
+        work = partial(_one, folder=folder, compare=compare, scratch=Path(scratch))
+        try:
+            with closing(backend.map(work, list(enumerate(cases)))) as outcomes:
+                for index, outcome in outcomes:
+                    done[index] = outcome
+                    show(len(done))
+        except WorkerLost as error:
+            raise RunFailed(str(error)) from error
+        except Interrupted as error:
+            error.args = (f"{error} after {len(done)} of {len(cases)} runs",)
+            raise
     return [done[index] for index in range(len(cases))]
 
 
-def _one(numbered: tuple[int, Case], *, folder: Path, compare: bool) -> tuple[int, Attempt]:
+def _one(
+    numbered: tuple[int, Case], *, folder: Path, compare: bool, scratch: Path
+) -> tuple[int, Attempt]:
     index, case = numbered
-    return index, attempt(case, folder / case.folder, compare=compare)
+    return index, attempt(case, folder / case.folder, compare=compare, scratch=scratch)

@@ -1,6 +1,7 @@
 """Files to runs, runs to verdicts, verdicts to lines, JUnit and exit codes."""
 
 import math
+import signal
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Generator, Sequence
 from pathlib import Path
@@ -11,6 +12,7 @@ from rich.console import Console
 
 from harness.config import EpisodeConfig
 from harness.errors import RunFailed, UsageError
+from harness.interrupt import Interrupted
 from harness.scenario.__main__ import main
 from harness.scenario.attempt import Attempt
 from harness.scenario.case import Case
@@ -32,10 +34,15 @@ class Backwards(Backend):
         yield from [work(item) for item in reversed(items)]
 
 
-class Dying(Backend):
-    def map(self, *_: object) -> Generator[Any, None, None]:
-        yield from ()
-        raise WorkerLost("a worker process was killed")
+class Ending(Backend):
+    """Ends so after the first outcome."""
+
+    def __init__(self, error: Exception) -> None:
+        self.error = error
+
+    def map(self, work: Callable[[Any], Any], items: Sequence[Any]) -> Generator[Any, None, None]:
+        yield work(items[0])
+        raise self.error
 
 
 def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
@@ -107,7 +114,9 @@ def test_attempts_come_in_the_order_of_their_cases(
     assert [config.seed for config in driven] == [2, 1, 0]
     assert shown == [1, 2, 3]
     with pytest.raises(RunFailed, match="a worker process was killed"):
-        run_all(cases, Dying(), tmp_path, shown.append)
+        run_all(cases, Ending(WorkerLost("a worker process was killed")), tmp_path, shown.append)
+    with pytest.raises(Interrupted, match="stopped by SIGINT after 1 of 3 runs"):
+        run_all(cases, Ending(Interrupted(signal.SIGINT)), tmp_path, shown.append)
 
 
 def wilson(good: int, count: int) -> tuple[float, float]:
