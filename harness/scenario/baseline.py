@@ -10,6 +10,7 @@ from typing import Any
 import mujoco
 
 from harness import __version__
+from harness.config import EpisodeConfig
 from harness.episode.result import RunResult
 from harness.errors import UsageError
 from harness.files import write_whole
@@ -19,6 +20,7 @@ from harness.scenario.judge import value_of
 from harness.scenario.quantities import Series
 from harness.yaml_file import fill
 
+HASH_DIGITS = 12
 MEND = "if that is meant, record it anew with --update-baseline"
 
 
@@ -27,7 +29,8 @@ class Recorded:
     """A run as its baseline knows it.
 
     Attributes:
-        of: What it is a run of: arguments, versions and hashes by name. Others cannot be compared.
+        of: Versions, hashes, and arguments that are not the defaults, by name. Runs that differ in one
+            cannot be compared.
         values: Of the quantities that have a tolerance, by `key_of`; None where there was no value.
         log: The lines of its log, if they are to be the same.
     """
@@ -45,17 +48,20 @@ def key_of(name: str, bound: Bound) -> str:
 
 def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded:
     """Returns a run as a baseline keeps it."""
-    arguments = json.loads(json.dumps(asdict(case.config)))
-    arguments["terrain"] = Path(case.config.terrain).name  # the file's place may change
+    # Only what is not the default: an argument that a later version adds changes nothing.
+    defaults, config = asdict(EpisodeConfig()), asdict(case.config)
+    config["terrain"] = Path(case.config.terrain).name  # the file's place may change
+    arguments = {k: value for k, value in config.items() if value != defaults[k]}
     versions = {"rover-harness": __version__, "mujoco": mujoco.__version__}
     info = result.info
-    hashes = {} if info is None else {"model": info.model_hash, "terrain's hash": info.terrain_hash}
+    hashes = {"model": info.model_hash, "terrain's hash": info.terrain_hash} if info else {}
+    hashes = {name: value[:HASH_DIGITS] for name, value in hashes.items()}
     bounds = [(name, bound) for name, bound in case.scenario.bounds if bound.has_baseline]
     log: tuple[str, ...] = ()
     if case.scenario.same_bytes and result.log_path is not None:
         log = tuple(result.log_path.read_bytes().decode().split("\r\n"))
     return Recorded(
-        versions | hashes | arguments,
+        json.loads(json.dumps(versions | hashes | arguments)),  # as it is read again
         {key_of(name, bound): value_of(bound, series[name]) for name, bound in bounds},
         log,
     )
@@ -86,7 +92,7 @@ def check_comparable(now: Recorded, baseline: Recorded) -> None:
         UsageError: They are not; the message names what differs first.
     """
     for name in {**baseline.of, **now.of}:
-        was, is_now = baseline.of.get(name), now.of.get(name)
+        was, is_now = (run.of.get(name, "the default") for run in (baseline, now))
         if was != is_now:
             raise UsageError(f"the baseline is of {name} {was}, this run of {is_now}; {MEND}")
 

@@ -1,6 +1,7 @@
 """A run over a scripted episode: what is judged, told and kept of it."""
 
 import json
+import math
 import re
 import signal
 from dataclasses import replace
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from harness.episode import direct
+from harness.episode.episode import Episode
 from harness.errors import RunFailed
 from harness.interrupt import Interrupted
 from harness.scenario.attempt import Attempt, attempt
@@ -141,7 +143,7 @@ def test_a_baseline_is_kept_until_something_differs(make_cases: MakeCases, tmp_p
     assert told == f"same_bytes: row 2: Distance Traveled is {row[6]}, baseline 9.9"
     (told,) = changed(log=recorded["log"][:2]).breaches
     assert told == "same_bytes: row 2: Timestamp is 2, baseline nothing"
-    for name, value in (("mujoco", "3.9"), ("model", "other"), ("duration", 9.0)):
+    for name, value in (("mujoco", "3.9"), ("model", "other"), ("duration", 9.0), ("seed", 3)):
         told = str(changed(of=recorded["of"] | {name: value}).error)
         assert re.match(
             rf"the baseline is of {name} {value}, this run of .+; .*--update-baseline$", told
@@ -150,3 +152,25 @@ def test_a_baseline_is_kept_until_something_differs(make_cases: MakeCases, tmp_p
     assert str(attempt(case, tmp_path).error).startswith(f"cannot read the baseline {path}: ")
     path.write_text("[]")
     assert str(attempt(case, tmp_path).error).startswith(f"the baseline {path} must hold runs by name")
+
+
+def test_the_truth_that_is_judged_is_that_of_the_simulator(
+    make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(direct, "Episode", Episode)
+    (case,) = make_cases("{truth.path_length: {max: 0}}", "driver: straight")
+    episode = Episode(replace(case.config, terrain="slope"))
+    for _ in episode.batches():
+        pass
+    data = episode.simulation.data
+    tilt = math.degrees(math.acos(data.xmat[1].reshape(3, 3)[2, 2]))
+    exact = {
+        "truth.x": episode.simulation.position[0],
+        "truth.z": episode.simulation.position[2],
+        "truth.tilt_deg": tilt,
+    }
+    expect = {name: f"{{over: end, min: {v - 0.02}, max: {v + 0.02}}}" for name, v in exact.items()}
+    text = ", ".join(f"{name}: {bound}" for name, bound in expect.items())
+    (case,) = make_cases(f"{{{text}}}", "driver: straight")
+    done = attempt(replace(case, config=episode.config), tmp_path / "out")
+    assert done.passed, done

@@ -7,6 +7,8 @@ import jsonschema
 import pytest
 from ruamel.yaml import YAML
 
+from harness.physics.scene import model_hash
+from harness.robots import find_rover
 from harness.scenario.case import cases_of
 from harness.scenario.quantities import QUANTITIES, RUN
 from harness.scenario.reading import read_scenario
@@ -29,6 +31,14 @@ def test_a_scenario_that_ships_is_valid_and_meant_for_both_rovers(path: Path) ->
     PUBLISHED_RULES.validate(YAML(typ="safe").load(path))
     cases = cases_of(path, read_scenario(path))
     assert {case.config.robot for case in cases} == {"leo", "rover_zero4wd"}
+
+
+def test_the_baselines_that_ship_are_of_todays_models() -> None:
+    runs = json.loads((ROOT / "scenarios/gravel.baseline.json").read_text())
+    mend = "python -m harness.scenario scenarios/gravel.scenario.yaml --update-baseline"
+    for robot in ("leo", "rover_zero4wd"):
+        recorded = runs[f"gravel[{robot}-0]"]["of"]["model"]
+        assert model_hash(find_rover(robot)).startswith(recorded), mend
 
 
 @pytest.mark.parametrize(
