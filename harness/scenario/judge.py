@@ -45,10 +45,11 @@ def judge(name: str, bound: Bound, series: Series) -> Breach | None:
     times, values = _within(bound, series)
     if not len(values):
         return Breach(f"{name}: {series.nothing}{_window(bound)}")
+    counted = Series(times, values, series.unit)
     if bound.over == "share":
-        return _judge_share(name, bound, values)
+        return _judge_share(name, bound, counted)
     if bound.over == "always":
-        return _judge_always(name, bound, Series(times, values, series.unit))
+        return _judge_always(name, bound, counted)
     value = _summed_up(bound, values)
     for limit in _limits(bound, np.array([value])):
         if limit.broken[0]:
@@ -119,14 +120,15 @@ def _judge_always(name: str, bound: Bound, series: Series) -> Breach | None:
     return None
 
 
-def _judge_share(name: str, bound: Bound, values: NDArray[np.float64]) -> Breach | None:
+def _judge_share(name: str, bound: Bound, series: Series) -> Breach | None:
+    values = series.values
     broken = np.logical_or.reduce([limit.broken for limit in _limits(bound, values)])
     kept = np.count_nonzero(~broken) / len(values)  # 1 minus a share would miss 0.2 by a rounding
     if bound.share is None or kept >= bound.share:
         return None
     limits = " to ".join(f"{limit:g}" for limit in (bound.min, bound.max) if limit is not None)
     side = "within" if None not in (bound.min, bound.max) else "above" if bound.max is None else "below"
-    told = f"{name}: {100 * kept:.3g} % of values {side} {limits}"
+    told = f"{name}: {100 * kept:.3g} % of values {side} {limits}{_unit(series)}"
     return Breach(f"{told}, {100 * bound.share:g} % expected{_window(bound)}")
 
 

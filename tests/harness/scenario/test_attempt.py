@@ -50,6 +50,8 @@ def test_a_run_that_fails_says_what_touched_what_and_leaves_its_evidence(
     far = one(make_cases, tmp_path / "far", "{truth.goal_s: {over: end, max: 9}}", "goal: {at: [9, 9]}")
     assert far.breaches == ("truth.goal_s: the goal was not reached",)
     for _ in range(2):  # the second replaces what the first has left
+        if (tmp_path / "out").exists():
+            (tmp_path / "out/log_of_earlier.csv").touch()
         done = one(make_cases, tmp_path / "out", "{truth.hazard_contacts: {max: 0}}")
     told = "truth.hazard_contacts: 1 > 0, first at 1.05 s: front left wheel against hazard_3"
     assert done.breaches == (told,)
