@@ -2,8 +2,8 @@
 
     python -m harness.topics [--seconds S] [--namespace NS]
 
-Without --seconds the table stays and changes until Ctrl-C. Rates are those at which messages were sent,
-right to 2 % unless the command says that the look was too short. It is a look from outside: what a busy
+Without --seconds the table stays and changes until Ctrl-C. Rates are right to
+2 % unless the command says that the look was too short. It is a look from outside: what a busy
 monitor misses, the others may have received. What it shows in Hz is wall time; where a simulation
 sets /clock, sim Hz is what its listeners see.
 """
@@ -68,15 +68,16 @@ def _watch(
                 while stop.signal is None and time.monotonic() < next_look:
                     executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         live.update(monitor.table(), refresh=True)
-    if not monitor.types:
+    was_short = time.monotonic() - began < LONG_ENOUGH
+    unsure = monitor.too_short() if was_short else []
+    enough = f"--seconds {LONG_ENOUGH:g} is enough"
+    if not monitor.types and was_short:
+        console.print(f"no topics in so short a look; {enough}", highlight=False)
+    elif not monitor.types:
         console.print("no topics: does anything run with this ROS_DOMAIN_ID and discovery range?")
-    elif time.monotonic() - began < LONG_ENOUGH and (unsure := monitor.too_short()):
-        console.print(
-            f"too short a look to tell the rates of {', '.join(unsure)}: "
-            f"--seconds {LONG_ENOUGH:g} is enough",
-            soft_wrap=True,
-            highlight=False,
-        )
+    elif unsure:
+        message = f"too short a look to tell the rates of {', '.join(unsure)}: {enough}"
+        console.print(message, soft_wrap=True, highlight=False)
 
 
 def _seconds(text: str) -> float:

@@ -22,8 +22,7 @@ from harness.ros.foreign_type import forget_missing_definition, message_type
 from harness.ros.frames import TF_MESSAGE
 
 WINDOW = 5.0  # [s] of the past that a rate is taken over
-SHORTEST = 2.0  # [s] that make a rate right to 2 %: a busy publisher jitters by 20 ms at either end
-SAME_CLOCK = 1.0  # [s] by which a publisher's clock may differ from this one's to be the same
+SHORTEST = 3.0  # [s] that make a rate right to 2 %: messages are handled up to 30 ms late at either end
 QUEUE = 100  # messages of a topic that may wait for this process
 CLOCK = "/clock"
 PLUMBING = ("/rosout", "/parameter_events")  # every node has them
@@ -61,6 +60,10 @@ class Pace:
         """Returns the seconds since the last value; None before the first."""
         return now - self._points[-1][0] if self._points else None
 
+    def forget(self) -> None:
+        """Starts anew."""
+        self._points.clear()
+
     def _forget(self, now: float) -> None:
         while len(self._points) > 1 and self._points[0][0] < now - WINDOW:
             self._points.popleft()
@@ -72,29 +75,38 @@ class TopicMonitor:
     Args:
         node: Its subscriptions are made on.
         namespace: Topics outside it are left out, but for /clock.
-        now: Wall time, of the clock that publishers stamp messages with [s].
+        now: Wall time [s].
 
     Attributes:
         types: Of each topic; `counts` are its messages so far, `paces` their rates.
         clock: How fast /clock runs.
     """
 
-    def __init__(self, node: Node, namespace: str, now: Callable[[], float] = time.time) -> None:
+    def __init__(self, node: Node, namespace: str, now: Callable[[], float] = time.monotonic) -> None:
         self._node, self._now, self._below = node, now, f"/{namespace.strip('/')}/".replace("//", "/")
         self._qos = QoSProfile(depth=QUEUE, reliability=ReliabilityPolicy.BEST_EFFORT)
         self.types: dict[str, str] = {}
         self.counts: dict[str, int] = {}
         self.paces: dict[str, Pace] = {}
         self.clock = Pace()
+        self._is_settling = False
 
     def look_around(self) -> None:
-        """Listens to topics that have turned up."""
+        """Listens to topics that have turned up; rates begin at the next look.
+
+        What comes while topics are subscribed to is handled in a heap afterwards.
+        """
+        if self._is_settling:
+            for pace in (*self.paces.values(), self.clock):
+                pace.forget()
+        known = len(self.types)
         for topic, types in self._node.get_topic_names_and_types():
             shown = topic.startswith(self._below) or topic == CLOCK
             if topic not in self.types and shown and topic not in PLUMBING:
                 self.types[topic] = ", ".join(types)
                 self.counts[topic], self.paces[topic] = 0, Pace()
                 self._listen(topic, message_class(types[0]))
+        self._is_settling = len(self.types) > known
 
     def table(self) -> Table:
         """Returns what is known now, one row a topic."""
@@ -127,23 +139,14 @@ class TopicMonitor:
         if kind is None:
             return  # a type that is not installed here: shown, not counted
 
-        def received(message: Any, about: Any) -> None:  # noqa: ANN401 - bytes, or a Clock; MessageInfo
+        def received(message: Any) -> None:  # noqa: ANN401 - bytes, or a Clock
             self.counts[topic] += 1
-            sent = self._sent(about["source_timestamp"])
-            self.paces[topic].note(sent, self.counts[topic])
+            self.paces[topic].note(self._now(), self.counts[topic])
             if topic == CLOCK:
-                self.clock.note(sent, message.clock.sec + message.clock.nanosec * 1e-9)
+                self.clock.note(self._now(), message.clock.sec + message.clock.nanosec * 1e-9)
 
         self._node.create_subscription(kind, topic, received, self._qos, raw=topic != CLOCK)
         forget_missing_definition()
-
-    def _sent(self, stamp_ns: int) -> float:
-        """When a message was sent [s]; when it is handled, where that is not known on this clock.
-
-        This process handles messages late and in heaps, most of all while it finds its topics.
-        """
-        now = self._now()
-        return min(now, stamp_ns * 1e-9) if abs(now - stamp_ns * 1e-9) < SAME_CLOCK else now
 
 
 @contextmanager
