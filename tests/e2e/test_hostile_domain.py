@@ -206,7 +206,7 @@ def test_broken_messages_and_requests_neither_end_nor_bloat_a_program_nor_cost_a
             at_end.enter_context(started(run, hosted)),
         ]
         enemy = Enemy(at_end)
-        enemy.wait(lambda: rows(hosted))  # a run that finds strangers at its start is refused
+        enemy.wait(lambda: rows(hosted) > 0)  # a run that finds strangers at its start is refused
         for second in range(ROUNDS):
             attack(enemy, second)
             if second == WARM:
