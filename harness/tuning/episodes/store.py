@@ -18,6 +18,7 @@ from harness.tuning.episodes.record import EVENT, SCAN, SCHEMA, WINDOW, Ending, 
 from rover_metrics.log.files import json_safe
 
 EPISODES, SWEEP = "episodes", "sweep.json"
+LATER = ("start", "cmd_vel_timeout")  # fields that sweeps of this version may lack while they are None
 TABLES = {"scans": SCAN, "windows": WINDOW, "events": EVENT}
 LABELS = ("ending", "driver", "terrain")
 
@@ -107,8 +108,12 @@ class Store:
 
 
 def _identity(planned: tuple[Planned, ...]) -> dict[str, Any]:
-    """What determines a sweep; exact sensors are false, as in the sweeps that users keep."""
+    """What determines a sweep, as kept ones have it: exact sensors are false, LATER fields left out."""
     configs = {one.name: asdict(one.config) | {"noise": one.config.noise or False} for one in planned}
+    for config in configs.values():
+        for field in LATER:
+            if config[field] is None:
+                del config[field]
     identity = {"version": __version__, "schema": SCHEMA, "episodes": configs}
     return dict(json_safe(identity))  # as it will be read: lists for tuples
 

@@ -1,5 +1,6 @@
 """The URDF, read back by MuJoCo and by yourdfpy, against the compiled model that it is of."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -190,8 +191,10 @@ def test_shapes_colours_and_meshes(tmp_path: Path) -> None:
 
 
 def test_a_slide_is_prismatic_and_a_turned_shape_keeps_its_attitude(tmp_path: Path) -> None:
-    """Also at a pitch of 90 degrees, where roll and yaw are one."""
-    turned = 'euler="20 90 -35"'
+    """Also at a pitch of 90 degrees and a roll of 20, where roll and yaw are one."""
+    half, roll = math.sqrt(0.5), math.radians(10.0)
+    w, x = half * math.cos(roll), half * math.sin(roll)
+    turned = f'quat="{w} {x} {w} {-x}"'
     body = (
         '<body name="lift" pos="0.1 0 0.2"><joint name="lift" type="slide" axis="0 0 1" range="0 0.5" '
         f'limited="true"/><geom type="box" size="0.1 0.2 0.3" {turned} group="2"/></body>'
