@@ -31,6 +31,7 @@ from harness.world.world import (
 
 CMD_VEL_TYPES = ("auto", "twist", "stamped")
 LIDAR_BEAMS, IMU_RATE = 640, 20
+CMD_VEL = "cmd_vel"  # the driver that obeys commands
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
 FEWEST_BEAMS, MOST_BEAMS = 2, 100_000
 
@@ -62,12 +63,16 @@ class EpisodeConfig:
     imu_rate: int = IMU_RATE
     cmd_vel_timeout: float | None = None  # [s] of simulation time after which a command ends
     faults: tuple[str, ...] = ()  # on the way to listeners; the episode itself does not see them
+    commands: tuple[tuple[float, float, float], ...] = ()  # to driver cmd_vel: when [s], m/s, rad/s
+    goals: tuple[tuple[float, float, float, float], ...] = ()  # to driver goal: when [s], x, y, yaw
+    resets: tuple[float, ...] = ()  # when the rover is put back to its start [s]
 
     def __post_init__(self) -> None:
         """Takes lists for tuples, as JSON gives them back."""
-        for name in ("terrain_size", "start", "faults"):
+        for name in ("terrain_size", "start", "faults", "commands", "goals", "resets"):
             if isinstance(value := getattr(self, name), list):
-                object.__setattr__(self, name, tuple(value))
+                inner = (tuple(v) if isinstance(v, list) else v for v in value)
+                object.__setattr__(self, name, tuple(inner))
 
     @property
     def total_ticks(self) -> int:
@@ -128,6 +133,17 @@ class EpisodeConfig:
         if self.terrain_size is not None or self.terrain_height is not None:
             raise UsageError("--terrain-size and --terrain-height apply to terrains from files only")
 
+    def _validate_plan(self) -> None:
+        told = (*self.commands, *self.goals)
+        for what, driver in ((self.commands, CMD_VEL), (self.goals, "goal")):
+            if what and self.driver != driver:
+                raise UsageError(f"driver '{self.driver}' is told nothing; this needs driver '{driver}'")
+        if not all(math.isfinite(value) for _, *values in told for value in values):
+            raise UsageError("a command or goal is not valid; give finite numbers")
+        for time_s in (*(time_s for time_s, *_ in told), *self.resets):
+            if not 0.0 <= time_s < self.duration:
+                raise UsageError(f"an event at {time_s:g} s is not in the run of {self.duration:g} s")
+
     def _validate_faults(self) -> None:
         for spec, fault in zip(self.faults, parse_faults(self.faults), strict=True):
             if fault.start_ns > self.total_ticks * TICK_NS:
@@ -142,7 +158,7 @@ class EpisodeConfig:
             return
         if not CONTROL_PERIOD_NS / NANOSECONDS <= timeout < math.inf:
             raise UsageError(f"command timeout {timeout:g} s is not valid; give 0.05 or more")
-        if self.driver != "cmd_vel":
+        if self.driver != CMD_VEL:
             raise UsageError("--cmd-vel-timeout is for --driver cmd_vel only; other drivers go on")
 
     def validate(self) -> None:
@@ -159,6 +175,7 @@ class EpisodeConfig:
         if self.noise is not None:
             find_named("noise preset", self.noise, PRESETS)
         check_duration(self.duration)
+        self._validate_plan()
         self._validate_faults()
         self._validate_timeout()
         if self.start is not None:

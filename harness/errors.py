@@ -1,6 +1,7 @@
 """What can go wrong, as types: the commands turn each into one line and an exit code."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
 from typing import TypeVar
 
 from rover_metrics.errors import KnownError
@@ -44,3 +45,17 @@ def find_named(kind: str, name: str, available: Mapping[str, T]) -> T:
     if name not in available:
         raise UsageError(f"{kind} '{name}' does not exist; available: {', '.join(available)}")
     return available[name]
+
+
+def unknown(kind: str, name: str, valid: Iterable[str]) -> str:
+    """Returns what to tell of a name that does not exist: the nearest that does, or all.
+
+    Args:
+        kind: What it is.
+        name: As it was given.
+        valid: All names that there are.
+    """
+    names = list(valid)
+    near = get_close_matches(name, names, 1)
+    hint = f"did you mean '{near[0]}'?" if near else f"available: {', '.join(names)}"
+    return f"{kind} '{name}' does not exist; {hint}"

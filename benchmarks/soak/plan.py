@@ -47,9 +47,9 @@ class Plan:
         return max(self.long, self.stopped, self.many, self.starved)
 
     def words(self, seconds: int) -> list[str]:
-        """What harness.run is told for a scenario; the same faults whatever its length."""
+        """What harness.run is told for a scenario; all faults that begin by its end."""
         words = [*self.world, "--duration", str(seconds)]
-        for index, start in enumerate(range(1, self.longest, self.fault_every)):
+        for index, start in enumerate(range(1, seconds + 1, self.fault_every)):
             words += ["--fault", DISTURBANCES[index % len(DISTURBANCES)].format(start)]
         return words
 

@@ -4,7 +4,10 @@ No ROS and no wall clock: the same configuration gives the same stream, bit for 
 in batches of one control period, either in this process or through harness.episode.stream.
 """
 
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Callable, Iterator
+from functools import partial
+from operator import itemgetter
 
 import numpy as np
 
@@ -92,6 +95,10 @@ class Episode:
         if config.noise is not None:
             self._noise = SensorNoise(PRESETS[config.noise], limits, scan_rng, imu_rng)
         self._bearings = lidar_spec.bearings
+        planned: list[tuple[float, Callable[[], None]]] = [(t, self.reset) for t in config.resets]
+        planned += [(t, partial(self.command, Twist(*twist))) for t, *twist in config.commands]
+        planned += [(t, partial(self.head_for, Place(*place))) for t, *place in config.goals]
+        self._planned = deque(sorted(planned, key=itemgetter(0)))  # at the same time in this order
         self._begin()
 
     def _begin(self) -> None:
@@ -149,6 +156,7 @@ class Episode:
         """
         for start in range(0, self.config.total_ticks, TICKS_PER_CONTROL):
             stop = min(start + TICKS_PER_CONTROL, self.config.total_ticks)
+            self._act(start)
             self._drive.command(self._driver.command(self._observe()))
             ticks: list[Tick] = []
             failure: RunFailed | None = None
@@ -162,6 +170,12 @@ class Episode:
             yield Batch(tuple(ticks), self._recorder.truth(), events.take_closed(), events.open)
             if failure is not None:
                 raise failure
+
+    def _act(self, tick: int) -> None:
+        """Does what is planned up to a tick."""
+        while self._planned and round(self._planned[0][0] * NANOSECONDS) <= tick * TICK_NS:
+            _, act = self._planned.popleft()
+            act()
 
     def _observe(self) -> Observation:
         simulation, (x, y, _) = self.simulation, self.simulation.position

@@ -5,13 +5,9 @@ import os
 import sys
 from pathlib import Path
 
-import pytest
-
 from tests.rover_metrics.test_replay import drive, write_folder
 from tests.support.forking import ForkedSimulations
 from tests.support.without_posix import hide_posix
-
-pytest.importorskip("joblib", reason="needs the extra [tune]")
 
 COMMANDS = {
     "harness.run --direct --terrain flat --duration 1.2 --log-dir . --report r.html --summary s.json": 0,

@@ -41,6 +41,9 @@ def test_the_defaults_are_those_of_the_command_line() -> None:
         lidar_beams=640,
         imu_rate=20,
         faults=(),
+        commands=(),
+        goals=(),
+        resets=(),
     )
 
 
@@ -89,6 +92,28 @@ def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object
 @pytest.mark.parametrize(
     ("beyond", "told"),
     [
+        (
+            {"commands": ((1.0, 0.3, 0.0),)},
+            "driver 'wander' is told nothing; this needs driver 'cmd_vel'",
+        ),
+        (
+            {"driver": "cmd_vel", "commands": ((1.0, math.nan, 0.0),)},
+            "a command or goal is not valid; give finite numbers",
+        ),
+        (
+            {"driver": "cmd_vel", "commands": ((60.0, 0.3, 0.0),)},
+            "an event at 60 s is not in the run of 60 s",
+        ),
+        (
+            {"goals": ((0.0, 1.0, 2.0, 0.0),)},
+            "driver 'wander' is told nothing; this needs driver 'goal'",
+        ),
+        (
+            {"driver": "goal", "goals": ((0.0, 1.0, math.inf, 0.0),)},
+            "a command or goal is not valid; give finite numbers",
+        ),
+        ({"resets": (-0.1,)}, "an event at -0.1 s is not in the run of 60 s"),
+        ({"resets": (math.nan,)}, "an event at nan s is not in the run of 60 s"),
         ({"seed": -1}, "seed -1 is not valid; give a whole number from 0 up"),
         ({"difficulty": -1e-9}, "difficulty -1e-09 is not valid; give 0 to 1"),
         ({"difficulty": 1.001}, "difficulty 1.001 is not valid; give 0 to 1"),

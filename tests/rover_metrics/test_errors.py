@@ -73,7 +73,6 @@ HERE = f"(Python {sys.version.split()[0]}, {sys.executable})"
         ),
         (ImportError("no rich", name="rich.table"), 2, f"no rich {HERE}; pip install 'rover-harness'"),
         (ImportError("no x", name="sklearn"), 2, f"no x {HERE}; pip install 'rover-harness[tune]'"),
-        (ImportError("no x", name="joblib"), 2, f"no x {HERE}; pip install 'rover-harness[tune]'"),
         (ImportError("no x", name="rclpy.node"), 2, f"no x {HERE}; pip install 'rover-harness[ros]'"),
         (ImportError("no x"), 2, f"no x {HERE}; pip install 'rover-harness'"),
     ],

@@ -55,6 +55,7 @@ PACKAGES = (
             " episode/metrics_feed episode/result",
         ),
     ),
+    Package("scenarios", _modules(_HARNESS, "scenario/*")),
     Package("world", _modules(f"{_HARNESS}/world", "* terrains/* heightmap/*")),
     Package("tuning scores", _modules(f"{_HARNESS}/tuning", "scoring/* episodes/contacts")),
 )

@@ -20,6 +20,7 @@ from harness.samples import (
     JointStates,
     LaserScan,
     Odometry,
+    Place,
     Pose,
     Sample,
     Tick,
@@ -162,6 +163,34 @@ def test_cmd_vel_driver_stands_until_commanded() -> None:
             episode.command(Twist(linear=0.3))
     assert path[19] < 1e-3
     assert path[-1] > 0.4
+
+
+def test_what_is_planned_happens_at_the_next_control_period() -> None:
+    commands = ((0.31, 0.0, 0.5), (0.0, 0.4, 0.0), (0.6, 9.0, 0.0), (0.6, 0.3, 0.0))
+    planned = Episode(config(driver="cmd_vel", duration=0.75, commands=commands, resets=(0.6, 0.4)))
+    by_hand = Episode(config(driver="cmd_vel", duration=0.75))
+    at_tick = {0: (0.4, 0.0), 35: (0.0, 0.5), 60: (0.3, 0.0)}
+    batches = by_hand.batches()
+    for index, batch in enumerate(planned.batches()):
+        if index * 5 in (40, 60):
+            by_hand.reset()
+        if index * 5 in at_tick:
+            by_hand.command(Twist(*at_tick[index * 5]))
+        expected = next(batches)
+        assert repr(batch.ticks) == repr(expected.ticks)
+        assert batch.truth == expected.truth
+    assert batch.truth.resets == 2
+
+
+def test_a_planned_goal_is_what_the_driver_heads_for() -> None:
+    planned = Episode(config(driver="goal", duration=0.5, goals=((0.2, 3.0, 4.0, 0.5),)))
+    by_hand, told = Episode(config(driver="goal", duration=0.5)), Place(3.0, 4.0, 0.5)
+    batches = by_hand.batches()
+    for index, batch in enumerate(planned.batches()):
+        if index == 4:
+            by_hand.head_for(told)
+        assert repr(batch.ticks) == repr(next(batches).ticks)
+    assert batch.truth.path_length > 0.0
 
 
 @pytest.mark.parametrize("robot", ROVERS)

@@ -152,7 +152,7 @@ def test_page_tells_which_way_the_map_lies_and_where_the_rover_starts(
     page = without_plotly(render(result, recorder))
     assert f"40 m {TIMES} 40 m, heights" in page
     assert "starts at x 0.00 m, y 0.00 m, heading 0.00 rad from +x" in page
-    assert "Seed 0, difficulty 0.5," in page
+    assert "Seed 0, difficulty 0.5, driver wander" in " ".join(page.split())
     np.save(tmp_path / "a.npy", np.zeros((21, 41)))
     config = replace(
         result.config, terrain=str(tmp_path / "a.npy"), terrain_size=(40.0, 20.0), start=(-3.0, 4.0, 1.5)
@@ -160,6 +160,7 @@ def test_page_tells_which_way_the_map_lies_and_where_the_rover_starts(
     page = without_plotly(render(replace(result, config=config), recorder))
     assert f"40 m {TIMES} 20 m, heights 0.00 to 0.00 m. +x is right and +y is up" in page
     assert f"starts at x {MINUS}3.00 m, y 4.00 m, heading 1.50 rad" in page
+    assert "Seed 0, driver wander" in " ".join(page.split())
     assert "difficulty" not in page
 
 

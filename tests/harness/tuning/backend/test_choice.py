@@ -7,8 +7,6 @@ from dataclasses import replace
 
 import pytest
 
-pytest.importorskip("joblib", reason="needs the extra [tune]")
-
 from harness.errors import UsageError
 from harness.tuning.backend import address as addresses
 from harness.tuning.backend import backend_of

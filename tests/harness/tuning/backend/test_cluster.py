@@ -8,8 +8,6 @@ from typing import Any
 
 import pytest
 
-pytest.importorskip("joblib", reason="needs the extra [tune]")
-
 from harness.errors import UsageError
 from harness.tuning.backend import WorkerLost
 from harness.tuning.backend.cluster import ClusterBackend, _work_elsewhere, versions

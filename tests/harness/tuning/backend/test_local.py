@@ -12,8 +12,6 @@ from types import ModuleType
 
 import pytest
 
-pytest.importorskip("joblib", reason="needs the extra [tune]")
-
 from harness.tuning.backend import WorkerLost, backend_of
 from harness.tuning.backend.local import LocalBackend
 

@@ -18,8 +18,6 @@ from types import ModuleType
 
 import pytest
 
-pytest.importorskip("joblib", reason="needs the extra [tune]")
-
 from harness.errors import UsageError
 from harness.tuning.backend import Backend, WorkerLost, backend_of, cluster
 from harness.tuning.backend.cluster import versions

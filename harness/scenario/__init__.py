@@ -1,0 +1,1 @@
+"""Scenarios: a run with expectations in one file, and one verdict (docs/scenarios.md)."""

@@ -1,0 +1,137 @@
+"""Recorded runs to compare with, in NAME.baseline.json beside NAME.scenario.yaml."""
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, field
+from itertools import zip_longest
+from pathlib import Path
+from typing import Any
+
+import mujoco
+
+from harness import __version__
+from harness.config import EpisodeConfig
+from harness.episode.result import RunResult
+from harness.errors import UsageError
+from harness.files import write_whole
+from harness.scenario.bound import Bound
+from harness.scenario.case import Case, scenario_name
+from harness.scenario.judge import value_of
+from harness.scenario.quantities import Series
+from harness.yaml_file import fill
+
+HASH_DIGITS = 12
+MEND = "if that is meant, record it anew with --update-baseline"
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A run as its baseline knows it.
+
+    Attributes:
+        of: Versions, hashes, and arguments that are not the defaults, by name. Runs that differ in one
+            cannot be compared.
+        values: Of the quantities that have a tolerance, by `key_of`; None where there was no value.
+        log: The lines of its log, if they are to be the same.
+    """
+
+    of: dict[str, Any]
+    values: dict[str, Any] = field(default_factory=dict)
+    log: tuple[str, ...] = ()
+
+
+def key_of(name: str, bound: Bound) -> str:
+    """Returns what a baseline calls the value of a bound, e.g. "truth.speed mean 5-10 s"."""
+    window = "" if bound.window is None else f" {bound.window[0]:g}-{bound.window[1]:g} s"
+    return f"{name} {bound.over}{window}"
+
+
+def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded:
+    """Returns a run as a baseline keeps it."""
+    # Only what is not the default: an argument that a later version adds changes nothing.
+    defaults, config = asdict(EpisodeConfig()), asdict(case.config)
+    config["terrain"] = Path(case.config.terrain).name  # the file's place may change
+    arguments = {k: value for k, value in config.items() if value != defaults[k]}
+    versions = {"rover-harness": __version__, "mujoco": mujoco.__version__}
+    info = result.info
+    hashes = {"model": info.model_hash, "terrain's hash": info.terrain_hash} if info else {}
+    hashes = {name: value[:HASH_DIGITS] for name, value in hashes.items()}
+    bounds = [(name, bound) for name, bound in case.scenario.bounds if bound.has_baseline]
+    log: tuple[str, ...] = ()
+    if case.scenario.same_bytes and result.log_path is not None:
+        log = tuple(result.log_path.read_bytes().decode().split("\r\n"))
+    return Recorded(
+        json.loads(json.dumps(versions | hashes | arguments)),  # as it is read again
+        {key_of(name, bound): value_of(bound, series[name]) for name, bound in bounds},
+        log,
+    )
+
+
+def path_of(scenario: Path) -> Path:
+    """Returns where the baseline of a scenario's file is."""
+    return scenario.with_name(f"{scenario_name(scenario)}.baseline.json")
+
+
+def read_baseline(case: Case) -> Recorded:
+    """Returns the baseline of a run.
+
+    Raises:
+        UsageError: There is none, or it cannot be read.
+    """
+    path = path_of(case.path)
+    runs = _read(path)
+    if case.name not in runs:
+        raise UsageError(f"there is no baseline of it in {path}; record it with --update-baseline")
+    return fill(Recorded, runs[case.name], f"{path}: {case.name}")
+
+
+def check_comparable(now: Recorded, baseline: Recorded) -> None:
+    """Checks that a run and its baseline are of the same arguments, versions, model and terrain.
+
+    Raises:
+        UsageError: They are not; the message names what differs first.
+    """
+    for name in {**baseline.of, **now.of}:
+        was, is_now = (run.of.get(name, "the default") for run in (baseline, now))
+        if was != is_now:
+            raise UsageError(f"the baseline is of {name} {was}, this run of {is_now}; {MEND}")
+
+
+def first_difference(now: Recorded, baseline: Recorded) -> str | None:
+    """Returns where the log leaves that of the baseline, e.g. "same_bytes: row 3: ..."."""
+    header = baseline.log[0].split(",") if baseline.log else []
+    for row, (is_now, was) in enumerate(zip_longest(now.log, baseline.log, fillvalue="")):
+        if is_now != was:
+            cells = zip_longest(header, is_now.split(","), was.split(","), fillvalue="")
+            name, left, right = next(cell for cell in cells if cell[1] != cell[2])
+            return f"same_bytes: row {row}: {name} is {left or 'nothing'}, baseline {right or 'nothing'}"
+    return None
+
+
+def write_baselines(records: Iterable[tuple[Case, Recorded]]) -> list[Path]:
+    """Writes runs into the baselines of their scenarios, beside other runs there; returns the files.
+
+    Raises:
+        UsageError: One cannot be read or written.
+    """
+    files: dict[Path, dict[str, Any]] = {}
+    for case, recorded in records:
+        path = path_of(case.path)
+        if path not in files:
+            files[path] = _read(path)
+        files[path][case.name] = asdict(recorded)
+    for path, runs in files.items():
+        write_whole(path, json.dumps(runs, indent=1, allow_nan=False) + "\n", "the baseline", UsageError)
+    return list(files)
+
+
+def _read(path: Path) -> dict[str, Any]:
+    if not path.exists():
+        return {}
+    try:
+        runs = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise UsageError(f"cannot read the baseline {path}: {error}; {MEND}") from error
+    if not isinstance(runs, dict):
+        raise UsageError(f"the baseline {path} must hold runs by name; {MEND}")
+    return runs

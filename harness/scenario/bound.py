@@ -1,0 +1,76 @@
+"""What a quantity must keep: limits, or a tolerance about its baseline, over a window of the run."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, StringConstraints, model_validator
+
+Over = Literal["always", "end", "mean", "p95", "share"]
+Seconds = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Length = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+Tolerance = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Share = Annotated[float, Field(gt=0.0, le=1.0)]
+Text = Annotated[str, StringConstraints(min_length=1, strip_whitespace=True)]
+Point = tuple[FiniteFloat, FiniteFloat]
+
+OF_ONE_VALUE = ("end", "mean", "p95")  # what a baseline can hold
+
+
+class Part(BaseModel):
+    """A part of a scenario; it cannot be changed, and a key that it does not know is refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Bound(Part):
+    """What a quantity must keep.
+
+    Attributes:
+        min: Smallest allowed value; no limit if left out. Likewise `max`.
+        over: What is compared: every value, the last one, the mean, the 95th percentile, or the share
+            of values between min and max.
+        share: With `over: share`, the smallest allowed share of values.
+        window: First and last second that count; the whole run if left out.
+        relative: Largest distance from the recorded baseline, as a share of it. `absolute` is the same
+            in the unit of the quantity; with both, the larger one counts.
+    """
+
+    min: float | None = Field(default=None, allow_inf_nan=False)
+    max: float | None = Field(default=None, allow_inf_nan=False)
+    over: Over = "always"
+    share: Share | None = None
+    window: tuple[Seconds, Seconds] | None = None
+    relative: Tolerance | None = None
+    absolute: Tolerance | None = None
+
+    @property
+    def has_baseline(self) -> bool:
+        """Whether it is kept near a recorded value, not within given limits."""
+        return self.relative is not None or self.absolute is not None
+
+    def tolerance(self, baseline: float) -> float:
+        """Returns the largest allowed distance from a baseline."""
+        return max((self.relative or 0.0) * abs(baseline), self.absolute or 0.0)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.has_baseline:
+            self._check_baseline()
+        elif self.min is None and self.max is None:
+            raise ValueError(
+                "nothing is expected; give min, max, or relative or absolute (to the baseline)"
+            )
+        if self.min is not None and self.max is not None and self.min > self.max:
+            raise ValueError(f"min {self.min:g} is above max {self.max:g}: no value can be right")
+        if (self.over == "share") != (self.share is not None):
+            raise ValueError("'over: share' and 'share: 0 to 1' belong together")
+        if self.window is not None and not self.window[0] < self.window[1]:
+            raise ValueError(f"window {list(self.window)} does not begin before it ends")
+        return self
+
+    def _check_baseline(self) -> None:
+        if self.min is not None or self.max is not None:
+            raise ValueError(
+                "limits and a tolerance about the baseline are two bounds; give a list of them"
+            )
+        if self.over not in OF_ONE_VALUE:
+            raise ValueError(f"a baseline holds one value; give over: {', '.join(OF_ONE_VALUE)}")

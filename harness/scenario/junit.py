@@ -1,0 +1,67 @@
+"""Verdicts as JUnit XML: a test case a run; `failure` is an expectation, `error` could not be run."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from junitparser import Error, Failure, Skipped
+from junitparser.xunit2 import JUnitXml, TestCase, TestSuite
+
+from harness import __version__
+from harness.files import write_whole
+from harness.scenario.attempt import Attempt
+from harness.scenario.case import scenario_name
+from harness.scenario.verdict import Outcome, Verdict, outcome_of, reasons_of
+
+
+def write_junit(verdicts: Sequence[Verdict], path: Path) -> None:
+    """Writes verdicts; the file is there whole or not at all.
+
+    Raises:
+        HarnessError: It cannot be written.
+    """
+    write_whole(path, junit_of(verdicts), "the JUnit XML")
+
+
+def junit_of(verdicts: Sequence[Verdict]) -> str:
+    """Returns verdicts as JUnit XML, a suite a scenario."""
+    xml = JUnitXml()
+    for verdict in verdicts:
+        suite = TestSuite(scenario_name(verdict.path))  # type: ignore[no-untyped-call]  # of junitparser
+        suite.add_property("file", str(verdict.path))
+        suite.add_property("pass rate", f"{verdict.rate:.3g}")
+        suite.add_property("interval", " to ".join(f"{limit:.3g}" for limit in verdict.interval))
+        # Failures that the pass rate allows must not make the job red.
+        forgiven = verdict.outcome is Outcome.PASSED
+        suite.add_testcases([_case(attempt, forgiven=forgiven) for attempt in verdict.attempts])
+        xml.add_testsuite(suite)
+    text: bytes = xml.tostring()  # type: ignore[no-untyped-call]  # of junitparser
+    return text.decode()
+
+
+def properties_of(attempt: Attempt) -> dict[str, str]:
+    """Returns what a reader needs to believe and repeat a run, by name."""
+    factor = attempt.simulated_s / attempt.wall_s if attempt.wall_s else 0.0
+    return {
+        "again": attempt.case.command,
+        "version": __version__,
+        "model_hash": attempt.model_hash,
+        "terrain_hash": attempt.terrain_hash,
+        "simulated_s": f"{attempt.simulated_s:g}",
+        "real_time_factor": f"{factor:.3g}",
+        **({"kept": str(attempt.kept[0].parent)} if attempt.kept else {}),
+    }
+
+
+def _case(attempt: Attempt, *, forgiven: bool) -> TestCase:
+    case = TestCase(attempt.case.name, scenario_name(attempt.case.path), attempt.wall_s)
+    for name, value in properties_of(attempt).items():
+        case.add_property(name, value)
+    outcome, lines = outcome_of(attempt), reasons_of(attempt)
+    if outcome is Outcome.PASSED:
+        return case
+    kind: type[Error | Failure | Skipped] = Error if outcome is Outcome.ERROR else Failure
+    if outcome is Outcome.EXPECTED or (forgiven and kind is Failure):
+        kind = Skipped
+    case.result = [kind(lines[0], outcome.value)]
+    case.result[0].text = "\n".join([*lines, f"again: {attempt.case.command}"])
+    return case

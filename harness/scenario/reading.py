@@ -1,0 +1,110 @@
+"""A file to a Scenario. A mistake is one line with file, line and column, and what would be valid."""
+
+import json
+from collections.abc import Mapping
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+from harness.errors import UsageError, unknown
+from harness.scenario import bound, events, spec
+from harness.scenario.spec import Scenario
+
+SUFFIX = ".scenario.yaml"
+
+Location = tuple[str | int, ...]  # keys and indices from the file's top, and pydantic's own words
+
+_KEYS: dict[str, type[BaseModel]] = {  # whose keys are valid in which part of a file
+    "": Scenario,
+    "matrix": spec.Matrix,
+    "goal": spec.Goal,
+    "expect": bound.Bound,
+    "fault": events.FaultEvent,
+    "command": events.CommandEvent,
+    "reset": events.ResetEvent,
+    "expected_to_fail": spec.ExpectedFailure,
+    "pass_rate": spec.PassRate,
+}
+
+
+def read_scenario(path: Path) -> Scenario:
+    """Returns the scenario of a file; names in it are not looked up yet.
+
+    Raises:
+        UsageError: It cannot be read, is no YAML, or says something that is not valid.
+    """
+    content = _load(path)
+    if not isinstance(content, Mapping):
+        raise UsageError(f"{path}: it must hold keys with values, beginning with 'about:'")
+    try:
+        # JSON's rules know no types of Python: a list is a tuple, but "3" and true are no numbers.
+        return Scenario.model_validate_json(json.dumps(content, default=str), strict=True)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        location = first["ctx"]["place"] if first["type"] == "beside" else first["loc"]
+        keys, place = _found(content, location)
+        raise UsageError(f"{path}{place}: {_mistake(first, keys)}") from error
+
+
+def _load(path: Path) -> Any:  # noqa: ANN401 - whatever a file holds
+    try:
+        return YAML(typ="rt").load(StringIO(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise UsageError(f"cannot read {path}: {error.strerror}") from error
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
+        raise UsageError(f"{path}{place}: not valid YAML: {error.problem or error.context}") from error
+    except (YAMLError, ValueError) as error:
+        raise UsageError(f"{path}: not valid YAML: {' '.join(str(error).split())}") from error
+
+
+def _found(content: Any, location: Location) -> tuple[str, str]:  # noqa: ANN401 - nodes of ruamel
+    """The keys of a location that stand in the file, joined, and `:LINE:COLUMN` of the innermost."""
+    keys, place = [], ""
+    if location[:1] == ("events",):  # after the index pydantic says which kind it is, as keys do too
+        location = (*location[:2], *location[3:])
+    for step in location:
+        if isinstance(content, Mapping) and step in content:
+            line, column = content.lc.key(step)  # type: ignore[attr-defined]  # of a CommentedMap
+        elif isinstance(content, list) and isinstance(step, int) and step < len(content):
+            line, column = content.lc.item(step)  # type: ignore[attr-defined]  # of a CommentedSeq
+        else:
+            continue  # a word that pydantic adds, or a key that is missing
+        keys.append(str(step))
+        place = f":{line + 1}:{column + 1}"
+        content = content[step]
+    return ".".join(keys), place
+
+
+def _mistake(error: ErrorDetails, keys: str) -> str:
+    location = error["loc"]
+    match error["type"]:
+        case "extra_forbidden":
+            part = next((str(s) for s in reversed(location[:-1]) if s in _KEYS), "")
+            fields = _KEYS[part].model_fields.items()
+            return unknown("key", str(location[-1]), [field.alias or name for name, field in fields])
+        case "missing":
+            key = location[-1]
+            return (
+                f"the key '{key}' is missing" if isinstance(key, str) else f"{keys} has too few values"
+            )
+        case "union_tag_not_found":
+            return f"{keys}: an event needs one of the keys fault, command, reset"
+        case "value_error" | "beside":
+            return f"{keys}: {error['ctx'].get('message') or error['ctx']['error']}"
+        case "too_short":
+            return f"{keys} is empty; give one or more"
+        case _:
+            message = error["msg"][0].lower() + error["msg"][1:]
+            return f"{keys} = {_short(error['input'])} is not valid: {message}"
+
+
+def _short(value: object) -> str:
+    text = json.dumps(value, default=str)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,100 @@
+"""Files and folders of scenarios to runs, and all runs to attempts, on one process or many."""
+
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import closing
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from harness.errors import RunFailed, UsageError
+from harness.interrupt import Interrupted
+from harness.scenario.attempt import SCRATCH, Attempt, attempt
+from harness.scenario.case import Case, cases_of
+from harness.scenario.reading import SUFFIX, read_scenario
+from harness.tuning.backend import Backend, WorkerLost
+
+Selected = tuple[tuple[str, str], ...]  # names and values of the matrix
+
+
+def find_files(paths: Iterable[Path]) -> list[Path]:
+    """Returns the scenario files that are named, and those below folders that are, in order.
+
+    Raises:
+        UsageError: There is no such file, or a folder without one.
+    """
+    found: dict[Path, None] = {}
+    for path in paths:
+        if path.is_dir():
+            below = sorted(path.rglob(f"*{SUFFIX}"))
+            if not below:
+                raise UsageError(f"there is no *{SUFFIX} below {path}")
+            found |= dict.fromkeys(below)
+        elif path.is_file():
+            found[path] = None
+        else:
+            raise UsageError(f"there is no scenario {path}")
+    return list(found)
+
+
+def plan(files: Iterable[Path], seeds: Sequence[int] | None = None, only: Selected = ()) -> list[Case]:
+    """Returns all runs of some files, checked.
+
+    Args:
+        files: The scenarios.
+        seeds: Instead of theirs.
+        only: Values of the matrix; other runs are left out.
+
+    Raises:
+        UsageError: A file is not valid, or nothing is left.
+    """
+    cases = [case for path in files for case in cases_of(path, read_scenario(path), seeds)]
+    wanted = set(only)
+    left = [case for case in cases if wanted <= {(name, str(value)) for name, value in case.cell}]
+    if not left:
+        raise UsageError(f"no run has {', '.join('='.join(pair) for pair in only)}")
+    return left
+
+
+def run_all(
+    cases: Sequence[Case],
+    backend: Backend,
+    folder: Path,
+    show: Callable[[int], None],
+    *,
+    compare: bool = True,
+) -> list[Attempt]:
+    """Runs all, and returns the attempts in the order of the cases.
+
+    Args:
+        cases: What to run.
+        backend: Who runs it.
+        folder: For what runs leave that do not pass.
+        show: Told how many are done.
+        compare: Whether they are compared with their baselines.
+
+    Raises:
+        RunFailed: A worker died.
+        Interrupted: Somebody stopped the command.
+    """
+    done: dict[int, Attempt] = {}
+    # A worker that is killed leaves its files: they are below a folder of this process.
+    with TemporaryDirectory(prefix=SCRATCH) as scratch:
+        work = partial(_one, folder=folder, compare=compare, scratch=Path(scratch))
+        try:
+            with closing(backend.map(work, list(enumerate(cases)))) as outcomes:
+                for index, outcome in outcomes:
+                    done[index] = outcome
+                    show(len(done))
+        except WorkerLost as error:
+            raise RunFailed(str(error)) from error
+        except Interrupted as error:
+            error.args = (f"{error} after {len(done)} of {len(cases)} runs",)
+            raise
+    return [done[index] for index in range(len(cases))]
+
+
+def _one(
+    numbered: tuple[int, Case], *, folder: Path, compare: bool, scratch: Path
+) -> tuple[int, Attempt]:
+    index, case = numbered
+    return index, attempt(case, folder / case.folder, compare=compare, scratch=scratch)

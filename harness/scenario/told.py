@@ -1,0 +1,69 @@
+"""What a console shows of scenarios: a line each; of a bad run what, where and how to see it again."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import Progress
+
+from harness.scenario.attempt import Attempt
+from harness.scenario.case import scenario_name
+from harness.scenario.verdict import Outcome, Verdict, outcome_of, reasons_of
+
+_STYLES = {
+    Outcome.PASSED: "green",
+    Outcome.EXPECTED: "yellow",
+    Outcome.UNEXPECTED: "red",
+    Outcome.FAILED: "red",
+    Outcome.ERROR: "magenta",
+}
+
+
+@contextmanager
+def told_progress(console: Console, total: int) -> Iterator[Callable[[int], None]]:
+    """Shows how many runs are done; yields what is to be told that."""
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+        task = progress.add_task("scenarios", total=total)
+        yield lambda done: progress.update(task, completed=done)
+
+
+def tell(console: Console, verdicts: Sequence[Verdict]) -> None:
+    """Prints each scenario, and of each run that is not as it should be why, and the command for it."""
+    for verdict in verdicts:
+        _line(console, verdict.outcome, scenario_name(verdict.path) + _rate(verdict))
+        for attempt in verdict.attempts:
+            if outcome_of(attempt) is not Outcome.PASSED:
+                _tell_run(console, attempt)
+    passed = sum(verdict.outcome is Outcome.PASSED for verdict in verdicts)
+    runs = [attempt for verdict in verdicts for attempt in verdict.attempts]
+    simulated, wall = sum(a.simulated_s for a in runs), sum(a.wall_s for a in runs)
+    speed = f", {simulated / wall:.0f}x real time a process" if wall else ""
+    _plain(console, f"{passed} of {len(verdicts)} scenarios passed: {len(runs)} runs{speed}")
+
+
+def _rate(verdict: Verdict) -> str:
+    if len(verdict.attempts) == 1:
+        return ""
+    low, high = verdict.interval
+    count = len(verdict.attempts)
+    return f": {round(verdict.rate * count)} of {count} runs (95 % interval {low:.0%} to {high:.0%})"
+
+
+def _tell_run(console: Console, attempt: Attempt) -> None:
+    outcome = outcome_of(attempt)
+    _line(console, outcome, attempt.case.name, indent="  ")
+    for reason in reasons_of(attempt):
+        _plain(console, f"    {reason}")
+    if not outcome.is_good:
+        _plain(console, f"    again: {attempt.case.command}")
+    for path in attempt.kept[:1]:
+        _plain(console, f"    see:   {path}")
+
+
+def _line(console: Console, outcome: Outcome, text: str, indent: str = "") -> None:
+    console.print(f"{indent}[{_STYLES[outcome]}]{outcome.value}[/] ", end="", highlight=False)
+    _plain(console, text)
+
+
+def _plain(console: Console, text: str) -> None:
+    console.print(text, markup=False, highlight=False, soft_wrap=True)

@@ -1,0 +1,93 @@
+"""Attempts to verdicts: of a run, and of a scenario whose runs need not all pass."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+from scipy.stats import binomtest
+
+from harness.scenario.attempt import Attempt
+
+CONFIDENCE = 0.95
+
+
+class Outcome(StrEnum):
+    """What is said of a run."""
+
+    PASSED = "passed"
+    FAILED = "failed"
+    EXPECTED = "failed as expected"
+    UNEXPECTED = "passed, but was expected to fail"
+    ERROR = "could not run"
+
+    @property
+    def is_good(self) -> bool:
+        """Whether the scenario may be green with it."""
+        return self in (Outcome.PASSED, Outcome.EXPECTED)
+
+
+def outcome_of(attempt: Attempt) -> Outcome:
+    """Returns what is said of a run."""
+    if attempt.error is not None:
+        return Outcome.ERROR
+    if attempt.case.expected_failure is None:
+        return Outcome.PASSED if attempt.passed else Outcome.FAILED
+    return Outcome.UNEXPECTED if attempt.passed else Outcome.EXPECTED
+
+
+def reasons_of(attempt: Attempt) -> tuple[str, ...]:
+    """Returns why an outcome is not PASSED, each in a line."""
+    if attempt.error is not None:
+        return (attempt.error,)
+    known = attempt.case.expected_failure
+    if known is None:
+        return attempt.breaches
+    if attempt.passed:
+        return (f"passed, but was expected to fail: {known.reason}",)
+    return (f"failed as expected: {known.reason}", *attempt.breaches)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is said of a scenario.
+
+    Attributes:
+        path: Its file.
+        attempts: Its runs.
+        rate: Share of the runs that are good.
+        interval: Of the rate, by Wilson's method, at 95 %.
+        outcome: ERROR if a run could not be run, else PASSED or FAILED.
+    """
+
+    path: Path
+    attempts: tuple[Attempt, ...]
+    rate: float
+    interval: tuple[float, float]
+    outcome: Outcome
+
+
+def verdicts_of(attempts: Sequence[Attempt]) -> list[Verdict]:
+    """Returns the verdict of each scenario, in the order of its first run."""
+    by_path: dict[Path, list[Attempt]] = {}
+    for attempt in attempts:
+        by_path.setdefault(attempt.case.path, []).append(attempt)
+    return [_verdict(path, some) for path, some in by_path.items()]
+
+
+def _verdict(path: Path, attempts: list[Attempt]) -> Verdict:
+    outcomes = [outcome_of(attempt) for attempt in attempts]
+    good = sum(outcome.is_good for outcome in outcomes)
+    interval = binomtest(good, len(outcomes)).proportion_ci(CONFIDENCE, method="wilson")
+    asked = attempts[0].case.scenario.pass_rate
+    rate = good / len(outcomes)
+    outcome = Outcome.PASSED if rate >= (1.0 if asked is None else asked.min) else Outcome.FAILED
+    if Outcome.ERROR in outcomes:
+        outcome = Outcome.ERROR
+    return Verdict(path, tuple(attempts), rate, (interval.low, interval.high), outcome)
+
+
+def exit_code(verdicts: Sequence[Verdict]) -> int:
+    """Returns 0 if all passed, 2 if a run could not be run, else 1."""
+    outcomes = {verdict.outcome for verdict in verdicts}
+    return 2 if Outcome.ERROR in outcomes else int(Outcome.FAILED in outcomes)

@@ -1,0 +1,76 @@
+"""Runs over a scripted episode: 2 s without physics, in which a rock hazard is touched at 1.02 s."""
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.config import EpisodeConfig
+from harness.episode import direct
+from harness.episode.batch import Batch, EpisodeInfo
+from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState, Twist
+from harness.scenario.case import Case
+from harness.scenario.suite import plan
+from harness.truth.traversal import ContactEvent, Truth
+
+BATCH_NS = 50_000_000
+INFO = EpisodeInfo("model", "terrain", 3, (40.0, 40.0), (0.0, 0.0, 0.0))
+TOUCH = ContactEvent(
+    "hazard", 1_020_000_000, 1_040_000_000, "wheel_FL", "hazard_3", 5.0, (0.1, 0.2, 0.0)
+)
+SPEED = 0.5  # [m/s] along x
+TILT = math.radians(30.0)  # of the last pose
+
+MakeCases = Callable[..., list[Case]]
+
+
+class Scripted:
+    """Drives at SPEED along x for 2 s, level until the last 50 ms."""
+
+    seen: list[EpisodeConfig]
+
+    def __init__(self, config: EpisodeConfig) -> None:
+        self.info = INFO
+        self.seen.append(config)
+
+    def batches(self) -> Iterator[Batch]:
+        for index in range(1, 41):
+            stamp = index * BATCH_NS
+            x, touched = SPEED * stamp / 1e9, stamp >= TOUCH.end_ns
+            truth = Truth(stamp, x, (x, 0.0, 0.0), hazard_contacts=int(touched))
+            events = (TOUCH,) if stamp == 1_050_000_000 else ()
+            yield Batch((Tick(stamp, _samples(stamp, x, index == 40)),), truth, events, ())
+
+
+def _samples(stamp: int, x: float, is_tilted: bool) -> tuple[Sample, ...]:
+    half = 0.5 * TILT if is_tilted else 0.0
+    return (
+        LaserScan(stamp, np.full(8, 2.0, dtype=np.float32)),
+        Imu(stamp, (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, 9.8)),
+        Pose(stamp, (x, 0.0, 0.0), (math.sin(half), 0.0, 0.0, math.cos(half))),
+        Odometry(stamp, x, 0.0, 0.0, Twist(SPEED, 0.0)),
+        TruthState(stamp, False, False, False, 0.0, SPEED, x, (0.1, -0.2, 0.3, -0.4), 0.01),
+    )
+
+
+@pytest.fixture
+def driven(monkeypatch: pytest.MonkeyPatch) -> list[EpisodeConfig]:
+    """Lets the scripted episode stand for every other; gives the configurations that were driven."""
+    seen: list[EpisodeConfig] = []
+    monkeypatch.setattr(Scripted, "seen", seen, raising=False)
+    monkeypatch.setattr(direct, "Episode", Scripted)
+    return seen
+
+
+@pytest.fixture
+def make_cases(tmp_path: Path) -> MakeCases:
+    """Writes a scenario of 2 s and plans its runs."""
+
+    def make(expect: str, more: str = "", name: str = "two") -> list[Case]:
+        path = tmp_path / f"{name}.scenario.yaml"
+        path.write_text(f"about: a test\nterrain: flat\nduration: 2\nexpect: {expect}\n{more}\n")
+        return plan([path])
+
+    return make

@@ -1,0 +1,178 @@
+"""A run over a scripted episode: what is judged, told and kept of it."""
+
+import json
+import math
+import re
+import signal
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from harness.episode import direct
+from harness.episode.episode import Episode
+from harness.errors import RunFailed
+from harness.interrupt import Interrupted
+from harness.scenario.attempt import Attempt, attempt
+from harness.scenario.baseline import write_baselines
+from harness.scenario.contact import contact_of
+from harness.scenario.judge import Breach
+from harness.truth.traversal import ContactEvent
+from tests.harness.scenario.conftest import MakeCases
+
+USED = "harness.scenario.attempt.run_direct"
+pytestmark = pytest.mark.usefixtures("driven")
+
+
+def one(make_cases: MakeCases, folder: Path, expect: str, more: str = "") -> Attempt:
+    (case,) = make_cases(expect, more)
+    return attempt(case, folder)
+
+
+def test_a_run_that_is_as_expected_leaves_nothing(make_cases: MakeCases, tmp_path: Path) -> None:
+    expect = """
+  truth.path_length: {over: end, min: 1, max: 1}
+  truth.goal_s: {over: end, min: 0.79, max: 0.81}
+  truth.tilt_deg: [{max: 30.01}, {min: 29.99, over: end}, {max: 0, window: [0, 1.9]}]
+  log.Current Velocity: {min: 0.5, max: 0.5}
+  log.Scan Rate [Hz]: {over: end, min: 20, max: 20}
+  run.rows: {min: 2, max: 2}
+  run.lost_messages: {max: 0}"""
+    done = one(make_cases, tmp_path / "out", expect, "goal: {at: [1, 0], radius: 0.6}")
+    assert done.passed, done
+    assert (done.simulated_s, done.model_hash, done.terrain_hash) == (2.0, "model", "terrain")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_run_that_fails_says_what_touched_what_and_leaves_its_evidence(
+    make_cases: MakeCases, tmp_path: Path
+) -> None:
+    far = one(make_cases, tmp_path / "far", "{truth.goal_s: {over: end, max: 9}}", "goal: {at: [9, 9]}")
+    assert far.breaches == ("truth.goal_s: the goal was not reached",)
+    for _ in range(2):  # the second replaces what the first has left
+        if (tmp_path / "out").exists():
+            (tmp_path / "out/log_of_earlier.csv").touch()
+        done = one(make_cases, tmp_path / "out", "{truth.hazard_contacts: {max: 0}}")
+    told = "truth.hazard_contacts: 1 > 0, first at 1.05 s: front left wheel against hazard_3"
+    assert done.breaches == (told,)
+    page, log, manifest = done.kept
+    assert {path.parent for path in done.kept} == {tmp_path / "out"}
+    assert sorted(page.parent.iterdir()) == sorted(done.kept)
+    assert told.partition(":")[0] in page.read_text()
+    assert len(log.read_text().splitlines()) == 3
+    outcome = json.loads(manifest.read_text())
+    assert outcome["outcome"] == {"status": "failed", "reason": told}
+    assert outcome["log"] == str(log)
+
+
+def test_a_run_that_ends_early_is_a_failure_and_what_stops_the_command_is_none(
+    make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (case,) = make_cases("{truth.hazard_contacts: {max: 1}}")
+    run = direct.run_direct
+    failed = "the rover left the map at 1.9 s"
+    monkeypatch.setattr(USED, lambda *a, **k: replace(run(*a, **k), failure=failed))
+    assert attempt(case, tmp_path).breaches == (f"run: {failed}",)
+
+    def stop(*_: object, **__: object) -> None:
+        raise Interrupted(signal.SIGINT)
+
+    def refuse(*_: object, **__: object) -> None:
+        raise RunFailed("no")
+
+    monkeypatch.setattr(USED, refuse)
+    assert attempt(case, tmp_path) == Attempt(case, error="no")
+    monkeypatch.setattr(USED, stop)
+    with pytest.raises(Interrupted):
+        attempt(case, tmp_path)
+
+
+EVENTS = tuple(
+    ContactEvent(kind, round(start * 1e9), round(end * 1e9), part, other, 1.0, (0.0, 0.0, 0.0))  # type: ignore[arg-type]
+    for kind, start, end, part, other in (
+        ("hazard", 1.0, 1.2, "wheel_RL", "post_1"),
+        ("rock", 1.9, 2.1, "wheel_R", "rock_1"),
+        ("hazard", 2.0, 2.4, "chassis", "post_2"),
+        ("hazard", 5.0, 5.1, "wheel_FR", "post_3"),
+    )
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "time_s", "told"),
+    [
+        ("truth.hazard_contacts", 1.05, ": rear left wheel against post_1"),
+        ("truth.hazard_contacts", 2.05, ": chassis against post_2"),
+        ("truth.contact_force", 2.3, ": chassis against post_2"),
+        ("truth.rock_contacts", 2.0, ": right wheel against rock_1"),
+        ("truth.hazard_contacts", 9.0, ""),
+        ("truth.hazard_contacts", None, ""),
+        ("truth.speed", 1.05, ""),
+        ("log.Slip", 1.05, ""),
+    ],
+)
+def test_the_contact_of_a_breach_is_that_of_its_time_and_kind(
+    name: str, time_s: float | None, told: str
+) -> None:
+    assert contact_of(name, Breach("", time_s), EVENTS) == told
+
+
+def test_a_baseline_is_kept_until_something_differs(make_cases: MakeCases, tmp_path: Path) -> None:
+    expect = "{truth.path_length: {over: end, relative: 0.1}}"
+    (case,) = make_cases(expect, "same_bytes: true")
+    path = tmp_path / "two.baseline.json"
+    missing = f"there is no baseline of it in {path}; record it with --update-baseline"
+    assert attempt(case, tmp_path).error == missing
+    first = attempt(case, tmp_path, compare=False)
+    assert first.passed
+    assert first.recorded is not None
+    assert write_baselines([(case, first.recorded)]) == [path]
+    recorded = json.loads(path.read_text())["two[0]"]
+    assert recorded["values"] == {"truth.path_length end": 1.0}
+    assert len(recorded["log"]) == 4  # the end of the last line is one more
+    assert attempt(case, tmp_path).passed
+
+    def changed(**values: object) -> Attempt:
+        path.write_text(json.dumps({"two[0]": recorded | values}))
+        return attempt(case, tmp_path)
+
+    assert changed(values={"truth.path_length end": 0.8}).breaches == (
+        "truth.path_length: at the end 1 m, baseline 0.8 m, allowed +- 0.08 m",
+    )
+    row = recorded["log"][2].split(",")
+    other = [*recorded["log"][:2], ",".join([*row[:6], "9.9", *row[7:]]), ""]
+    (told,) = changed(log=other).breaches
+    assert told == f"same_bytes: row 2: Distance Traveled is {row[6]}, baseline 9.9"
+    (told,) = changed(log=recorded["log"][:2]).breaches
+    assert told == "same_bytes: row 2: Timestamp is 2, baseline nothing"
+    for name, value in (("mujoco", "3.9"), ("model", "other"), ("duration", 9.0), ("seed", 3)):
+        told = str(changed(of=recorded["of"] | {name: value}).error)
+        assert re.match(
+            rf"the baseline is of {name} {value}, this run of .+; .*--update-baseline$", told
+        )
+    path.write_text("[")
+    assert str(attempt(case, tmp_path).error).startswith(f"cannot read the baseline {path}: ")
+    path.write_text("[]")
+    assert str(attempt(case, tmp_path).error).startswith(f"the baseline {path} must hold runs by name")
+
+
+def test_the_truth_that_is_judged_is_that_of_the_simulator(
+    make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(direct, "Episode", Episode)
+    (case,) = make_cases("{truth.path_length: {max: 0}}", "driver: straight")
+    episode = Episode(replace(case.config, terrain="slope"))
+    for _ in episode.batches():
+        pass
+    data = episode.simulation.data
+    tilt = math.degrees(math.acos(data.xmat[1].reshape(3, 3)[2, 2]))
+    exact = {
+        "truth.x": episode.simulation.position[0],
+        "truth.z": episode.simulation.position[2],
+        "truth.tilt_deg": tilt,
+    }
+    expect = {name: f"{{over: end, min: {v - 0.02}, max: {v + 0.02}}}" for name, v in exact.items()}
+    text = ", ".join(f"{name}: {bound}" for name, bound in expect.items())
+    (case,) = make_cases(f"{{{text}}}", "driver: straight")
+    done = attempt(replace(case, config=episode.config), tmp_path / "out")
+    assert done.passed, done

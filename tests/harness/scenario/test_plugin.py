@@ -1,0 +1,68 @@
+"""`pytest --rover`: a test a run over a scripted episode, in a pytest of its own."""
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+import tomllib
+
+from harness.scenario import plugin
+
+pytest_plugins = ["pytester"]
+pytestmark = pytest.mark.usefixtures("driven")
+HEAD = "about: a test\nterrain: flat\nduration: 2\n"
+SCENARIOS = {
+    "good": "seeds: 2\nexpect: {truth.path_length: {max: 1}}",
+    "bad": "expect: {truth.hazard_contacts: {max: 0}}",
+    "known": "expect: {truth.path_length: {max: 0}}\nexpected_to_fail: [{reason: it drives}]",
+    "rate": "seeds: 2\nexpect: {truth.path_length: {max: 1}}\npass_rate: {min: 0.5}",
+    "lost": "expect: {truth.path_length: {over: end, relative: 0.1}}",
+    "wrong": "expect: {truth.sped: {max: 1}}",
+}
+
+
+def test_it_is_a_plugin_of_every_pytest_under_its_own_name() -> None:
+    project = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text())
+    assert project["project"]["entry-points"]["pytest11"] == {plugin.__name__: plugin.__name__}
+
+
+def test_scenarios_are_tests_if_they_are_asked_for(pytester: pytest.Pytester) -> None:
+    for name, text in SCENARIOS.items():
+        (pytester.path / f"{name}.scenario.yaml").write_text(HEAD + text)
+    words = ("-p", plugin.__name__, "-p", "no:randomly", "-p", "no:xdist", "-p", "no:cacheprovider")
+    assert pytester.inline_run(*words).ret == pytest.ExitCode.NO_TESTS_COLLECTED
+    run = pytester.runpytest_inprocess(
+        *words, "--rover", "-rA", "--junit-xml=out.xml", "--continue-on-collection-errors"
+    )
+    run.assert_outcomes(passed=3, failed=1, xfailed=1, errors=2)
+    shown = run.stdout.str()
+    told = "truth.hazard_contacts: 1 > 0, first at 1.05 s: front left wheel against hazard_3"
+    again = "again: python -m harness.scenario bad.scenario.yaml --seed 0"
+    assert f"\n{told}\n{again}\n" in shown
+    assert "raise " not in shown
+    assert "wrong.scenario.yaml:4:10: expect.truth.sped: quantity 'truth.sped' does not exist" in shown
+    assert "lost[0] could not run: there is no baseline of it in lost.baseline.json" in shown
+    cases = {case.get("name"): case for case in ET.parse("out.xml").iter("testcase")}  # noqa: S314 - our own
+    assert {"good[0]", "good[1]", "bad[0]", "known[0]", "rate", "lost[0]"} <= cases.keys()
+    assert [child.tag for child in cases["bad[0]"]] == ["properties", "failure"]
+    assert [child.tag for child in cases["lost[0]"]] == ["properties", "error"]
+    properties = {p.get("name"): p.get("value") for p in cases["bad[0]"].iter("property")}
+    assert properties["again"] == again.removeprefix("again: ")
+    assert (Path(str(properties["kept"])) / "run.html").is_file()
+
+
+def test_seeds_can_be_given_and_artefacts_sent_elsewhere(pytester: pytest.Pytester) -> None:
+    (pytester.path / "bad.scenario.yaml").write_text(HEAD + SCENARIOS["bad"])
+    plugins = (
+        "-p",
+        plugin.__name__,
+        "-p",
+        "harness.testing.plugin",
+        "-p",
+        "no:randomly",
+        "-p",
+        "no:xdist",
+    )
+    more = ("--rover", "--rover-seeds=2", "--rover-artifacts=kept", "-k", "bad[1]")
+    pytester.runpytest_inprocess(*plugins, *more).assert_outcomes(failed=1, deselected=1)
+    assert (pytester.path / "kept/bad[1]/run.html").is_file()

@@ -1,0 +1,219 @@
+"""Files to runs, runs to verdicts, verdicts to lines, JUnit and exit codes."""
+
+import math
+import signal
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Generator, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rich.console import Console
+
+from harness.config import EpisodeConfig
+from harness.errors import RunFailed, UsageError
+from harness.interrupt import Interrupted
+from harness.scenario.__main__ import main
+from harness.scenario.attempt import Attempt
+from harness.scenario.case import Case
+from harness.scenario.junit import junit_of
+from harness.scenario.suite import find_files, plan, run_all
+from harness.scenario.told import tell
+from harness.scenario.verdict import Outcome, exit_code, verdicts_of
+from harness.tuning.backend import Backend, WorkerLost
+from tests.harness.scenario.conftest import MakeCases
+
+SPEED = "{truth.speed: {min: 0}}"
+MATRIX = "matrix: {robot: [leo, rover_zero4wd], difficulty: [0, 1.0]}\nseeds: [4, 7]"
+
+
+class Backwards(Backend):
+    """Gives outcomes from the last to the first."""
+
+    def map(self, work: Callable[[Any], Any], items: Sequence[Any]) -> Generator[Any, None, None]:
+        yield from [work(item) for item in reversed(items)]
+
+
+class Ending(Backend):
+    """Ends so after the first outcome."""
+
+    def __init__(self, error: Exception) -> None:
+        self.error = error
+
+    def map(self, work: Callable[[Any], Any], items: Sequence[Any]) -> Generator[Any, None, None]:
+        yield work(items[0])
+        raise self.error
+
+
+def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
+    make_cases: MakeCases, tmp_path: Path
+) -> None:
+    cases = make_cases(SPEED, MATRIX)
+    assert [case.name for case in cases] == [
+        f"two[{robot}-{difficulty}-{seed}]"
+        for robot in ("leo", "rover_zero4wd")
+        for difficulty in ("0.0", "1.0")
+        for seed in (4, 7)
+    ]
+    file = tmp_path / "two.scenario.yaml"
+    words = "--seed 7 --only robot=leo --only difficulty=1.0"
+    assert cases[3].command == f"python -m harness.scenario {file} {words}"
+    assert plan([file], [7], (("robot", "leo"), ("difficulty", "1.0"))) == [cases[3]]
+    assert [case.config.seed for case in plan([file], range(3))] == [0, 1, 2] * 4
+    with pytest.raises(UsageError, match="no run has robot=mole"):
+        plan([file], None, (("robot", "mole"),))
+
+
+def test_a_file_becomes_the_configuration_that_it_describes(make_cases: MakeCases) -> None:
+    events = (
+        '[{at: 0.5, command: [0.3, 0]}, {at: 1, reset: true}, {at: 1.5, fault: "scan:nan", for: 0.2}]'
+    )
+    more = f"driver: cmd_vel\nevents: {events}\nstart: [1, 2, 0.5]\nnoise: white\nlidar_beams: 8"
+    (case,) = make_cases(SPEED, more)
+    assert case.config == EpisodeConfig(
+        terrain="flat",
+        duration=2.0,
+        driver="cmd_vel",
+        start=(1.0, 2.0, 0.5),
+        noise="white",
+        lidar_beams=8,
+        faults=("scan:nan@1.5+0.2",),
+        commands=((0.5, 0.3, 0.0),),
+        resets=(1.0,),
+    )
+    (case,) = make_cases(SPEED, "driver: goal\ngoal: {at: [3, 4], yaw: 1}")
+    assert case.config.goals == ((0.0, 3.0, 4.0, 1.0),)
+    (case,) = make_cases(SPEED, "driver: straight\ngoal: {at: [3, 4], yaw: 1}")
+    assert case.config.goals == ()
+    with pytest.raises(UsageError, match=r"two\.scenario\.yaml: robot 'mole' does not exist; available"):
+        make_cases(SPEED, "robot: mole")
+
+
+def test_files_are_found_in_order_and_what_is_not_there_is_told(tmp_path: Path) -> None:
+    paths = [tmp_path / f"{name}.scenario.yaml" for name in ("b", "a", "c/d")]
+    (tmp_path / "c").mkdir()
+    (tmp_path / "e").mkdir()
+    for path in paths:
+        path.touch()
+    (tmp_path / "other.yaml").touch()
+    b, a, d = paths
+    assert find_files([tmp_path]) == [a, b, d]
+    assert find_files([b, tmp_path, d]) == [b, a, d]
+    with pytest.raises(UsageError, match=r"there is no \*.scenario.yaml below .*e$"):
+        find_files([tmp_path / "e"])
+    with pytest.raises(UsageError, match="there is no scenario nowhere"):
+        find_files([Path("nowhere")])
+
+
+def test_attempts_come_in_the_order_of_their_cases(
+    make_cases: MakeCases, tmp_path: Path, driven: list[EpisodeConfig]
+) -> None:
+    cases, shown = make_cases(SPEED, "seeds: 3"), list[int]()
+    found = run_all(cases, Backwards(), tmp_path, shown.append)
+    assert [attempt.case for attempt in found] == cases
+    assert [config.seed for config in driven] == [2, 1, 0]
+    assert shown == [1, 2, 3]
+    with pytest.raises(RunFailed, match="a worker process was killed"):
+        run_all(cases, Ending(WorkerLost("a worker process was killed")), tmp_path, shown.append)
+    with pytest.raises(Interrupted, match="stopped by SIGINT after 1 of 3 runs"):
+        run_all(cases, Ending(Interrupted(signal.SIGINT)), tmp_path, shown.append)
+
+
+def wilson(good: int, count: int) -> tuple[float, float]:
+    """Wilson's interval at 95 %, by his own formula (1927)."""
+    z, rate = 1.959963984540054, good / count
+    middle = (rate + z * z / (2 * count)) / (1 + z * z / count)
+    half = z / (1 + z * z / count) * math.sqrt(rate * (1 - rate) / count + z * z / (4 * count**2))
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def outcomes(cases: Sequence[Case], letters: str) -> list[Attempt]:
+    """Runs that passed, failed or could not be run: p, f, e."""
+    made = {"p": {}, "f": {"breaches": ("truth.speed: 1 < 2", "x: 3 > 2")}, "e": {"error": "no disk"}}
+    return [Attempt(case, **made[letter]) for case, letter in zip(cases, letters, strict=True)]  # type: ignore[arg-type]
+
+
+KNOWN = "expected_to_fail: [{reason: it is blind, robot: leo}]"
+RATE = "pass_rate: {min: 0.5}"
+
+
+@pytest.mark.parametrize(
+    ("letters", "more", "good", "code", "junit"),
+    [
+        ("pppp", "", 4, 0, (0, 0, 0)),
+        ("pfpp", "", 3, 1, (1, 0, 0)),
+        ("pfpp", RATE, 3, 0, (0, 0, 1)),
+        ("fffp", RATE, 1, 1, (3, 0, 0)),
+        ("ffpp", RATE, 2, 0, (0, 0, 2)),
+        ("ppep", RATE, 3, 2, (0, 1, 0)),
+        ("ppef", "", 2, 2, (1, 1, 0)),
+        ("ffpp", KNOWN, 4, 0, (0, 0, 2)),
+        ("fppp", KNOWN, 3, 1, (1, 0, 1)),
+        ("ffpf", KNOWN, 3, 1, (1, 0, 2)),
+    ],
+)
+def test_runs_become_a_verdict_an_exit_code_and_junit(
+    letters: str, more: str, good: int, code: int, junit: tuple[int, ...], make_cases: MakeCases
+) -> None:
+    cases = make_cases(SPEED, f"matrix: {{robot: [leo, rover_zero4wd]}}\nseeds: 2\n{more}")
+    (verdict,) = verdicts = verdicts_of(outcomes(cases, letters))
+    assert verdict.rate == good / 4
+    assert verdict.interval == pytest.approx(wilson(good, 4))
+    assert exit_code(verdicts) == code
+    assert (verdict.outcome is Outcome.PASSED) == (code == 0)
+    root = ET.fromstring(junit_of(verdicts))  # noqa: S314 - our own
+    (suite,) = root.findall("testsuite")
+    counted = tuple(int(suite.get(name, -1)) for name in ("failures", "errors", "skipped"))
+    assert counted == junit
+    assert [case.get("name") for case in suite.findall("testcase")] == [case.name for case in cases]
+
+
+def test_a_bad_run_is_told_with_its_reasons_and_the_command_that_repeats_it(
+    make_cases: MakeCases, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cases = make_cases(SPEED, "seeds: 2")
+    verdicts = verdicts_of(outcomes(cases, "pf"))
+    tell(Console(width=40), verdicts)
+    again = f"again: {cases[1].command}"
+    assert capsys.readouterr().out.splitlines() == [
+        "failed two: 1 of 2 runs (95 % interval 9% to 91%)",
+        "  failed two[1]",
+        "    truth.speed: 1 < 2",
+        "    x: 3 > 2",
+        f"    {again}",
+        "0 of 1 scenarios passed: 2 runs",
+    ]
+    failure = ET.fromstring(junit_of(verdicts)).find(".//failure")  # noqa: S314 - our own
+    assert failure is not None
+    assert failure.get("message") == "truth.speed: 1 < 2"
+    assert failure.text == f"truth.speed: 1 < 2\nx: 3 > 2\n{again}"
+
+
+def test_the_command_runs_a_folder_writes_junit_and_records_baselines(
+    make_cases: MakeCases,
+    tmp_path: Path,
+    driven: list[EpisodeConfig],
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    make_cases("{truth.path_length: {over: end, relative: 0.01}}", "seed: 1")
+    junit = tmp_path / "out.xml"
+    words = [str(tmp_path), "--jobs", "1", "--out", str(tmp_path / "out"), "--junit", str(junit)]
+    assert main(words) == 2
+    assert [case.tag for case in ET.parse(junit).iter("error")] == ["error"]  # noqa: S314 - our own
+    assert main([*words, "--update-baseline"]) == 0
+    assert main(words) == 0
+    assert main([*words, "--seeds", "2"]) == 2
+    assert [config.seed for config in driven] == [1, 1, 1]
+    assert not (tmp_path / "out").exists()
+    for wrong, told in (
+        (["--seeds", "0"], "--seeds 0 is not valid; give 1 or more"),
+        (["--only", "leo"], "--only leo: give NAME=VALUE of a matrix, e.g. --only robot=leo"),
+        (["--jobs", "0"], "0 jobs are not valid"),
+        (["--junit", str(tmp_path)], str(tmp_path)),
+    ):
+        capsys.readouterr()
+        assert main([*words[:1], *wrong]) == 2
+        err = capsys.readouterr().err
+        assert err.startswith("harness.scenario: ")
+        assert told in err
+        assert err.count("\n") == 1
