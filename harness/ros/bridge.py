@@ -18,7 +18,7 @@ from rosgraph_msgs.msg import Clock
 
 from harness import samples
 from harness.errors import UsageError
-from harness.frames.tree import Description
+from harness.frames.tree import ODOM, Description
 from harness.robots import RoverSpec
 from harness.ros import messages
 from harness.ros.channel import Channel, open_channel
@@ -30,7 +30,8 @@ from harness.sim_time import NANOSECONDS
 from rover_metrics.ros.guarded_node import GuardedNode
 
 CLOCK = table.Topic("/clock", "rosgraph_msgs/msg/Clock")
-BASE_FRAMES = ("base_link", "base_footprint")  # their axes are those of the rover
+# In odom are those of Nav2's pure pursuit controllers, which mean the base: they copy its pose's header.
+COMMAND_FRAMES = ("base_link", "base_footprint", ODOM)
 SECOND_PUBLISHER = (
     "has a second publisher: what it sends would be logged as this run's; "
     "give each run a ROS_DOMAIN_ID of its own (0 to 101), or names and a clock of its own: "
@@ -95,7 +96,7 @@ class Bridge(GuardedNode):
         } | {samples.Transforms: self.frames.moving}
         # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.
         self.clock_channel = open_channel(self, CLOCK, messages.by_names(Clock(), samples.Tick))
-        frames = dict.fromkeys((rover.odometry_child_frame, *BASE_FRAMES))
+        frames = dict.fromkeys((rover.odometry_child_frame, *COMMAND_FRAMES))
         self.commands = Commands(self, cmd_vel, tuple(frames), on_command)
 
     @property

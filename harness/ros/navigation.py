@@ -14,25 +14,20 @@ from typing import Any
 
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from harness.config import EpisodeConfig
 from harness.episode.stream import EpisodeProcess
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
-from harness.ros.channel import Channel
+from harness.ros.channel import open_channel
 from harness.samples import Place
+from harness.sensors.table import Topic
 from harness.sim_time import NANOSECONDS
 from harness.world.occupancy import OccupancyMap, occupancy
 from harness.world.world import EDGE_MARGIN
 
 FRAMES = ("map", "odom", "world")
-LATCHED = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
+MAP = Topic("map", "nav_msgs/msg/OccupancyGrid", depth=1, latched=True)
 
 
 class Navigation:
@@ -49,8 +44,7 @@ class Navigation:
 
     def __init__(self, bridge: Bridge, config: EpisodeConfig, source: EpisodeProcess) -> None:
         self._bridge, self._config, self._source = bridge, config, source
-        publisher = bridge.create_publisher(OccupancyGrid, "map", LATCHED)
-        self.map = Channel(publisher, self._message, publisher.topic_name)
+        self.map = open_channel(bridge, MAP, self._message)
         bridge.create_subscription(PoseWithCovarianceStamped, "initialpose", self._put, 1)
         bridge.create_subscription(PoseStamped, "goal_pose", self._head_for, 1)
 
@@ -83,7 +77,9 @@ class Navigation:
 
     def _head_for(self, message: PoseStamped) -> None:
         if self._config.driver != "goal":
-            self._refuse("goal_pose", f"the driver is {self._config.driver}; start with --driver goal")
+            if self._bridge.count_subscribers("goal_pose") == 1:  # else it is for Nav2's bt_navigator
+                reason = f"the driver is {self._config.driver}; start with --driver goal"
+                self._refuse("goal_pose", reason)
         else:
             self._take("goal_pose", message.header.frame_id, message.pose, self._source.head_for)
 

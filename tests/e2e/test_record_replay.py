@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from harness.run import main as run
 from rover_metrics.replay import main as replay
+from tests.support.layouts import foxglove_paths, look_up, plotjuggler_paths
 from tests.support.waiting import wait_until
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
@@ -65,6 +66,7 @@ def test_recorded_run_replays_to_the_same_rows_byte_for_byte_in_every_time(tmp_p
         assert counts[topic]["received"] == counts[topic]["published"] > 120
     assert live.count(b"\n") == 1 + 6
     walk_frames(bags[0])
+    walk_layouts(bags[0])
     params = tmp_path / "leo.yaml"
     params.write_text(PARAMETERS)
     for source in ("auto", "sim", "recorded", "header"):
@@ -114,6 +116,15 @@ def walk_frames(bag: Path) -> None:
     assert checked == 65
     roots = {parent for parent in parents.values() if parent not in parents}
     assert roots == {"odom"}, "all frames hang together"
+
+
+def walk_layouts(bag: Path) -> None:
+    """Looks up all that the layouts in examples/ show: numbers, or topics as a whole."""
+    with AnyReader([bag]) as reader:
+        messages: Any = {c.topic: reader.deserialize(d, c.msgtype) for c, _, d in reader.messages()}
+    shown = [look_up(path, messages) for path in (*foxglove_paths(), *plotjuggler_paths())]
+    assert sum(isinstance(value, float) for value in shown) >= 20
+    assert all(isinstance(value, float) or hasattr(value, "__msgtype__") for value in shown)
 
 
 def stamp_of(message: Any) -> int:  # noqa: ANN401 - rosbags makes its classes

@@ -12,7 +12,7 @@ import rclpy
 from geometry_msgs.msg import Twist, TwistStamped
 
 from harness.episode.result import CommandCount
-from harness.ros.bridge import BASE_FRAMES
+from harness.ros.bridge import COMMAND_FRAMES
 from harness.ros.commands import STAMPED_BY_DEFAULT, Commands
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.samples import Twist as Command
@@ -49,7 +49,7 @@ class Rig:
         return SimpleNamespace(kind=kind, get_publisher_count=lambda: self.sent.count(kind.__name__))
 
     def commands(self, kind: str) -> Commands:
-        return Commands(self.node, kind, BASE_FRAMES, self.taken.append)
+        return Commands(self.node, kind, COMMAND_FRAMES, self.taken.append)
 
     @property
     def heard(self) -> set[str]:
@@ -120,8 +120,8 @@ def test_stamped_commands_older_than_the_present_are_taken_and_counted() -> None
     assert commands.count == CommandCount(taken=4, older=2)
 
 
-@pytest.mark.parametrize("frame", ["", "base_link", "rover1/base_footprint"])
-def test_commands_in_the_rovers_frame_are_taken(frame: str) -> None:
+@pytest.mark.parametrize("frame", ["", "base_link", "rover1/base_footprint", "odom"])
+def test_commands_in_the_rovers_frame_and_as_nav2_stamps_them_are_taken(frame: str) -> None:
     rig = Rig(takes_both=True)
     commands = rig.commands("stamped")
     rig.callbacks[TwistStamped](stamped(0.25, frame))
@@ -131,15 +131,15 @@ def test_commands_in_the_rovers_frame_are_taken(frame: str) -> None:
 def test_commands_that_are_not_finite_or_in_another_frame_are_refused_by_name() -> None:
     rig = Rig(takes_both=True)
     commands = rig.commands("auto")
-    rig.callbacks[TwistStamped](stamped(0.25, "odom"))
+    rig.callbacks[TwistStamped](stamped(0.25, "map"))
     rig.callbacks[TwistStamped](stamped(NAN, "base_link"))
     twist = Twist()
     twist.angular.z = NAN
     rig.callbacks[Twist](twist)
     assert (rig.taken, commands.count) == ([], CommandCount(refused=3))
     assert rig.said == [
-        "ignored a command in the frame 'odom' on /cmd_vel: give one of "
-        + ", ".join((*BASE_FRAMES, "or none")),
+        "ignored a command in the frame 'map' on /cmd_vel: give one of "
+        + ", ".join((*COMMAND_FRAMES, "or none")),
         "ignored a non-finite command on /cmd_vel: linear.x = nan, angular.z = 0.0",
         "ignored a non-finite command on /cmd_vel: linear.x = 0.0, angular.z = nan",
     ]
@@ -152,7 +152,7 @@ def test_whatever_type_another_process_sends_over_dds_drives_the_rover(kind: str
     with ros_context([]) as context, ros_context([]) as other, make_executor(context) as executor:
         node = rclpy.create_node("harness", context=context)
         executor.add_node(node)
-        commands = Commands(node, "auto", BASE_FRAMES, taken.append)
+        commands = Commands(node, "auto", COMMAND_FRAMES, taken.append)
         sender = rclpy.create_node("agent", context=other)
         publisher = sender.create_publisher(
             {"twist": Twist, "stamped": TwistStamped}[kind], "cmd_vel", 10

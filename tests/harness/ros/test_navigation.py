@@ -25,7 +25,7 @@ CONFIG = EpisodeConfig(terrain="posts", driver="goal")
 class Rig:
     """A node and an episode that only remember."""
 
-    def __init__(self, config: EpisodeConfig = CONFIG) -> None:
+    def __init__(self, config: EpisodeConfig = CONFIG, goal_takers: int = 1) -> None:
         self.said: list[str] = []
         self.ordered: list[tuple[str, Place]] = []
         self.answer: int | None = 1_250_000_000
@@ -38,6 +38,7 @@ class Rig:
         bridge: Any = SimpleNamespace(
             time_ns=2_300_000_000,
             create_publisher=lambda *_: publisher,
+            count_subscribers={"goal_pose": goal_takers}.__getitem__,
             create_subscription=lambda _, name, callback, __: self.callbacks.update({name: callback}),
             get_logger=lambda: SimpleNamespace(info=self.said.append, warning=self.said.append),
         )
@@ -98,10 +99,14 @@ def test_what_the_rover_cannot_do_is_refused_in_one_line_with_the_mend(topic: st
     assert rig.said == [f"ignored {topic}: the run ends before it would come into effect"]
 
 
-def test_a_goal_without_the_driver_for_it_is_refused_with_the_mend() -> None:
-    rig = Rig(EpisodeConfig(driver="wander"))
+@pytest.mark.parametrize("takers", [1, 2])
+def test_a_goal_without_the_driver_for_it_is_refused_with_the_mend_unless_another_takes_it(
+    takers: int,
+) -> None:
+    rig = Rig(EpisodeConfig(driver="wander"), takers)
     rig.send("goal_pose", 1.0, 0.0)
-    assert rig.said == ["ignored goal_pose: the driver is wander; start with --driver goal"]
+    told = ["ignored goal_pose: the driver is wander; start with --driver goal"]
+    assert rig.said == (told if takers == 1 else [])
     assert rig.ordered == []
 
 

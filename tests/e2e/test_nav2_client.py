@@ -1,0 +1,159 @@
+"""What can be proved of Nav2 without it: a client like its nodes, and a listener of another DDS."""
+
+import math
+from collections.abc import Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+
+from harness.config import EpisodeConfig, RosOptions
+from harness.episode.batch import Batch
+from harness.frames.options import FrameOptions
+from harness.frames.tree import Edge
+from harness.interrupt import StopRequest
+from harness.robots import find_rover
+from harness.ros.foreign_type import typestore
+from harness.ros.frames import transforms_bytes
+from harness.ros.network import reserved_domain
+from harness.ros.session import run_through_ros
+from harness.samples import GroundTruth
+from harness.world.occupancy import occupancy
+from tests.support.nav2_client import CACHE_NS, PATIENCE, TF, XY_TOLERANCE, Buffer, Nav2Client
+
+GOALS = [(0.6, 0.15), (1.1, 0.15), (1.6, -0.1)]
+CONFIG = EpisodeConfig(terrain="rocky", driver="cmd_vel", duration=5.5, lidar_beams=45)
+Drive = Any  # a client, a Bystander and the run's result
+JOINS_LATE = 3 * 10**9  # [ns]
+
+
+@dataclass
+class Bystander:
+    """Remembers the true poses and the graph, and lets Cyclone DDS listen where it is installed."""
+
+    client: Nav2Client
+    cyclone: Any
+    truth: dict[int, GroundTruth] = field(default_factory=dict)
+    hashes: dict[str, tuple[str, str]] = field(default_factory=dict)
+
+    def take(self, batch: Batch) -> None:
+        for tick in batch.ticks:
+            self.truth |= {s.stamp_ns: s for s in tick.samples if isinstance(s, GroundTruth)}
+        if self.cyclone is not None:
+            self.cyclone.take()
+        if batch.ticks[-1].stamp_ns == JOINS_LATE:
+            self.look_around()
+
+    def look_around(self) -> None:
+        node = self.client.node
+        for topic, _ in node.get_topic_names_and_types():
+            for info in node.get_publishers_info_by_topic(topic):
+                if info.node_name == "harness":
+                    self.hashes[topic] = info.topic_type, str(info.topic_type_hash)
+        if self.cyclone is not None:
+            self.cyclone.join_late(PATIENCE)
+
+
+def another_dds(domain: int) -> Any:  # noqa: ANN401 - a CycloneListener, if there is one
+    if find_spec("cyclonedds") is None:
+        return None
+    from tests.support.cyclone import CycloneListener  # noqa: PLC0415 - only where it can be
+
+    return CycloneListener(domain)
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Drive]:
+    frames, folder = FrameOptions(map_tf=True), tmp_path_factory.mktemp("drive")
+    options = RosOptions(log_dir=folder, host_metrics=False, frames=frames)
+    with pytest.MonkeyPatch.context() as patch, reserved_domain() as domain, ExitStack() as at_end:
+        patch.setenv("ROS_DOMAIN_ID", str(domain))
+        client = Nav2Client(at_end, GOALS)
+        bystander = Bystander(client, another_dds(domain))
+        result = run_through_ros(CONFIG, options, StopRequest(), None, [client, bystander])
+        yield client, bystander, result
+
+
+def test_a_client_that_does_as_nav2_does_drives_to_three_goals_on_rocky(drive: Drive) -> None:
+    client, bystander, result = drive
+    assert (result.failure, result.lost) == (None, 0)
+    assert len(client.reached) == len(GOALS)
+    for at_ns, goal in zip(client.reached, GOALS, strict=True):
+        place = bystander.truth[at_ns - at_ns % (20 * 10**6)]  # at 50 Hz
+        assert math.dist((place.x, place.y), goal) < XY_TOLERANCE + 0.02
+    assert result.commands.refused == 0
+    assert client.told - 2 <= result.commands.taken <= client.told
+
+
+def test_every_scan_can_be_transformed_when_it_comes_and_shows_what_is_on_the_map(drive: Drive) -> None:
+    client, *_ = drive
+    assert client.scans > 0.8 * CONFIG.duration * 20
+    assert client.late_transforms == 0
+    points = np.concatenate([hits for hits in client.hits if len(hits)])
+    assert len(points) > 20
+    assert not any(client.is_free((x, y), margin=0.05) for x, y, _ in points)
+
+
+def test_the_graph_shows_the_hash_of_every_type(drive: Drive) -> None:
+    _, bystander, _ = drive
+    assert bystander.hashes["/tf"][0] == TF
+    known = {
+        t: (kind, told) for t, (kind, told) in bystander.hashes.items() if kind in typestore().types
+    }
+    assert set(known) >= {
+        "/tf",
+        "/tf_static",
+        "/robot_description",
+        "/map",
+        "/scan",
+        "/odom_ground_truth",
+    }
+    assert all(told == typestore().hash_rihs01(kind) for kind, told in known.values())
+
+
+def test_another_dds_implementation_hears_tf_and_joining_late_what_is_latched(drive: Drive) -> None:
+    pytest.importorskip("cyclonedds", reason="needs another DDS: pip install cyclonedds")
+    _, bystander, _ = drive
+    messages, latched = bystander.cyclone.moving, bystander.cyclone.latched
+    assert len(messages) > 0.8 * CONFIG.duration * 60
+    for message in messages:
+        (base,) = [each for each in message.transforms if each.child_frame_id == "base_footprint"]
+        stamp_ns = base.header.stamp.sec * 10**9 + base.header.stamp.nanosec
+        if stamp_ns in bystander.truth:
+            truth, moved, turned = (
+                bystander.truth[stamp_ns],
+                base.transform.translation,
+                base.transform.rotation,
+            )
+            assert (moved.x, moved.y, moved.z) == pytest.approx((truth.x, truth.y, 0.0))
+            assert 2 * math.atan2(turned.z, turned.w) == pytest.approx(truth.yaw)
+    fixed = {each.child_frame_id: each for each in latched["rt/tf_static"].transforms}
+    assert fixed["base_link"].transform.translation.z == pytest.approx(0.19783)
+    assert fixed["odom"].header.frame_id == "map"
+    assert latched["rt/robot_description"].data.startswith('<robot name="leo">')
+    rover, grid = find_rover("leo"), latched["rt/map"]
+    cells = occupancy(CONFIG.world(), rover.slope_limit, rover.step_limit).cells
+    assert (np.array(grid.data).reshape(grid.info.height, -1) == cells).all()
+
+
+def test_the_clients_buffer_interpolates_and_does_not_extrapolate_as_tf2() -> None:
+    buffer = Buffer()
+    buffer.take(transforms_bytes([Edge("base", "lidar", (0.0, 0.0, 1.0))]), fixed=True)
+    for sec, x in ((1, 2.0), (2, 4.0)):
+        data = bytearray(transforms_bytes([Edge("odom", "base", (x, 0.0, 0.0))]))
+        data[8:12] = sec.to_bytes(4, "little")
+        buffer.take(bytes(data), fixed=False)
+    for stamp_ns, x in ((10**9, 2.0), (125 * 10**7, 2.5), (2 * 10**9, 4.0), (None, 4.0)):
+        pose = buffer.look_up("odom", "lidar", stamp_ns)
+        assert pose is not None
+        assert pose[1] == pytest.approx((x, 0.0, 1.0))
+    assert [buffer.look_up("odom", "lidar", at) for at in (10**9 - 1, 2 * 10**9 + 1)] == [None, None]
+    assert buffer.look_up("map", "lidar") is None
+    data[8:12] = (2 + CACHE_NS // 10**9).to_bytes(4, "little")
+    buffer.take(bytes(data), fixed=False)
+    assert buffer.look_up("odom", "lidar", 10**9) is None

@@ -1,0 +1,145 @@
+"""What is in examples/, as far as it can be checked without Nav2, Foxglove and PlotJuggler."""
+
+import json
+import runpy
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import pytest
+from ruamel.yaml import YAML
+
+from harness.robots import find_rover
+from harness.sensors.lidar_spec import LidarSpec
+from tests.support.layouts import FOXGLOVE, foxglove_panels
+
+NAV2 = Path(__file__).parents[1] / "examples/nav2"
+BASES = {"leo": "base_footprint", "rover_zero4wd": "base_link"}
+COSTMAPS = ("local_costmap", "global_costmap")
+
+
+def leaves(tree: Any, path: tuple[str, ...] = ()) -> dict[tuple[str, ...], Any]:  # noqa: ANN401 - YAML
+    """Every value by the names above it, dotted names split."""
+    if not isinstance(tree, dict):
+        return {path: tree}
+    found: dict[tuple[str, ...], Any] = {}
+    for name, below in tree.items():
+        found |= leaves(below, (*path, *name.split(".")))
+    return found
+
+
+def parameters(*files: str) -> dict[tuple[str, ...], Any]:
+    """What Nav2 gets of files of which the later ones win."""
+    merged: dict[tuple[str, ...], Any] = {}
+    for file in files:
+        merged |= leaves(YAML(typ="safe").load(NAV2 / file))
+    return merged
+
+
+def of(given: dict[tuple[str, ...], Any], *names: str) -> list[Any]:
+    """The values whose path ends with these names, of every node that has them."""
+    return [value for path, value in given.items() if path[-len(names) :] == names]
+
+
+@pytest.mark.parametrize("robot", BASES)
+def test_nav2_is_told_the_frames_the_outline_and_the_lidar_of_the_rover(robot: str) -> None:
+    given, rover = parameters("nav2.yaml", f"{robot}.yaml"), find_rover(robot)
+    x_min, x_max, y_min, y_max = rover.footprint
+    assert set(of(given, "global_frame")) == {"odom"}
+    assert of(given, "robot_base_frame") == [rover.odometry_child_frame] * 4 == [BASES[robot]] * 4
+    corners = {(x, y) for x in (x_min, x_max) for y in (y_min, y_max)}
+    for outline in of(given, "footprint"):
+        assert {tuple(corner) for corner in YAML(typ="safe").load(outline)} == corners
+    assert len(of(given, "footprint")) == len(COSTMAPS)
+    circumscribed = max(abs(x) ** 2 + abs(y) ** 2 for x, y in corners) ** 0.5
+    assert min(of(given, "inflation_radius")) > circumscribed
+    lidar = LidarSpec()
+    assert set(of(given, "scan", "obstacle_min_range")) == {lidar.range_min}
+    assert max(of(given, "scan", "obstacle_max_range")) < lidar.range_max
+    assert set(of(given, "scan", "sensor_frame")) == {"lidar_link"}
+    assert {str(topic).strip("/") for topic in of(given, "odom_topic")} == {"odom_ground_truth"}
+
+
+@pytest.mark.parametrize("robot", BASES)
+def test_the_smoother_lets_through_what_the_controller_may_ask_for(robot: str) -> None:
+    given = parameters("nav2.yaml", f"{robot}.yaml")
+    ask = {name[-1]: value for name, value in given.items() if "FollowPath" in name}
+    (most,), (least,) = of(given, "max_velocity"), of(given, "min_velocity")
+    assert most == [ask["max_vel_x"], 0.0, ask["max_vel_theta"]]
+    assert least == [ask["min_vel_x"], 0.0, -ask["max_vel_theta"]]
+    assert of(given, "max_accel") == [[ask["acc_lim_x"], 0.0, ask["acc_lim_theta"]]]
+    assert of(given, "max_decel") == [[ask["decel_lim_x"], 0.0, ask["decel_lim_theta"]]]
+    assert of(given, "feedback") == ["OPEN_LOOP"]
+
+
+@pytest.fixture
+def launched(monkeypatch: pytest.MonkeyPatch) -> Any:  # noqa: ANN401 - a function
+    """Gives the nodes of the launch file for a robot on a distribution; stand-ins of launch remember."""
+
+    def launch(distribution: str, robot: str) -> list[Any]:
+        monkeypatch.setenv("ROS_DISTRO", distribution)
+        stand_ins: dict[str, dict[str, Any]] = {
+            "launch": {"LaunchDescription": list, "LaunchContext": dict},
+            "launch.actions": {
+                "DeclareLaunchArgument": lambda name, **more: (name, more["default_value"]),
+                "OpaqueFunction": lambda function: function,
+            },
+            "launch.substitutions": {
+                "LaunchConfiguration": lambda name: SimpleNamespace(perform=lambda given: given[name])
+            },
+            "launch_ros": {},
+            "launch_ros.actions": {"Node": SimpleNamespace},
+        }
+        for name, members in stand_ins.items():
+            module = ModuleType(name)
+            vars(module).update(members)
+            monkeypatch.setitem(sys.modules, name, module)
+        declared, nodes = runpy.run_path(str(NAV2 / "nav2.launch.py"))["generate_launch_description"]()
+        assert declared == ("robot", "leo")
+        started: list[Any] = nodes({"robot": robot})
+        return started
+
+    return launch
+
+
+@pytest.mark.parametrize("distribution", ["humble", "jazzy", "kilted"])
+@pytest.mark.parametrize("robot", BASES)
+def test_the_launch_file_starts_the_nodes_with_files_that_are_there(
+    launched: Any,  # noqa: ANN401 - a function
+    distribution: str,
+    robot: str,
+) -> None:
+    *nodes, manager = launched(distribution, robot)
+    assert manager.parameters[0]["node_names"] == [node.name for node in nodes]
+    files = [Path(file).name for file in nodes[0].parameters]
+    assert files == ["nav2.yaml", f"{robot}.yaml", "humble.yaml"][: 3 if distribution == "humble" else 2]
+    assert all(node.parameters == nodes[0].parameters for node in nodes)
+    given = parameters(*files)
+    assert {name for name, *_ in given} - {"/**", *COSTMAPS} == {node.name for node in nodes}
+    separator = "/" if distribution == "humble" else "::"
+    assert of(given, "GridBased", "plugin") == [f"nav2_smac_planner{separator}SmacPlanner2D"]
+    for behavior in given["behavior_server", "ros__parameters", "behavior_plugins"]:
+        (plugin,) = of(given, behavior, "plugin")
+        assert plugin.startswith(f"nav2_behaviors{separator}")
+
+
+def test_only_the_smoother_sends_what_the_rover_hears(launched: Any) -> None:  # noqa: ANN401 - a function
+    for node in launched("kilted", "leo")[:-1]:
+        sent = {"controller_server": "cmd_vel", "behavior_server": "cmd_vel"}.get(node.name)
+        sent = "cmd_vel_smoothed" if node.name == "velocity_smoother" else sent
+        heard = dict(node.remappings).get(str(sent), sent)
+        assert (heard == "cmd_vel") == (node.name == "velocity_smoother")
+
+
+def test_a_robot_without_parameters_is_refused_by_name(launched: Any) -> None:  # noqa: ANN401 - a function
+    with pytest.raises(RuntimeError, match=r"robot:=husky; give one of leo, rover_zero4wd$"):
+        launched("kilted", "husky")
+
+
+def test_the_foxglove_layout_shows_each_of_its_panels_once() -> None:
+    def shown(node: Any) -> list[str]:  # noqa: ANN401 - JSON
+        return [node] if isinstance(node, str) else [*shown(node["first"]), *shown(node["second"])]
+
+    layout = json.loads(FOXGLOVE.read_text())["layout"]
+    assert sorted(shown(layout)) == sorted(foxglove_panels())
