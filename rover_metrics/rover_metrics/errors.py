@@ -12,7 +12,7 @@ from functools import partial
 from types import TracebackType
 from typing import Any, NoReturn
 
-EXTRAS = {"rclpy": "[ros]", "sklearn": "[tune]"}  # by what they bring
+EXTRAS = {"av": "[video]", "rclpy": "[ros]", "sklearn": "[tune]"}  # by what they bring
 OWN = ("harness", "rover_metrics")
 
 

@@ -18,7 +18,7 @@ from harness.tuning.episodes.record import EVENT, SCAN, SCHEMA, WINDOW, Ending, 
 from rover_metrics.log.files import json_safe
 
 EPISODES, SWEEP = "episodes", "sweep.json"
-LATER = ("start", "cmd_vel_timeout")  # fields that sweeps of this version may lack while they are None
+UNSET: tuple[Any, ...] = (None, (), [])  # options that an episode does not use; JSON has lists
 TABLES = {"scans": SCAN, "windows": WINDOW, "events": EVENT}
 LABELS = ("ending", "driver", "terrain")
 
@@ -108,27 +108,31 @@ class Store:
 
 
 def _identity(planned: tuple[Planned, ...]) -> dict[str, Any]:
-    """What determines a sweep, as kept ones have it: exact sensors are false, LATER fields left out."""
+    """What determines a sweep; exact sensors are false, as in the sweeps that users keep."""
     configs = {one.name: asdict(one.config) | {"noise": one.config.noise or False} for one in planned}
-    for config in configs.values():
-        for field in LATER:
-            if config[field] is None:
-                del config[field]
-    identity = {"version": __version__, "schema": SCHEMA, "episodes": configs}
+    identity = {"version": __version__, "schema": SCHEMA, "episodes": _used(configs)}
     return dict(json_safe(identity))  # as it will be read: lists for tuples
+
+
+def _used(configs: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+    """Configurations without what is unset, so that a sweep outlives an option that comes later."""
+    return {
+        name: {field: value for field, value in config.items() if value not in UNSET}
+        for name, config in configs.items()
+    }
 
 
 def _difference(path: Path, ours: dict[str, Any]) -> str:
     """What tells the sweep of a folder from ours, in a few words; empty if nothing does."""
     try:
         theirs = json.loads(path.read_text(encoding="utf-8"))
-        if theirs == ours:
+        if theirs | {"episodes": _used(theirs["episodes"])} == ours:
             return ""
         for name in ("version", "schema"):
             if theirs[name] != ours[name]:
                 return f"{name} {theirs[name]} instead of {ours[name]}"
         episodes = len(theirs["episodes"])
-    except (ValueError, TypeError, LookupError):
+    except (ValueError, TypeError, LookupError, AttributeError):
         return f"{SWEEP} is not readable"
     if episodes != len(ours["episodes"]):
         return f"{episodes} episodes instead of {len(ours['episodes'])}"

@@ -1,5 +1,6 @@
 """Episodes on disk, and driving what is missing."""
 
+import json
 from collections.abc import Callable, Generator, Sequence
 from pathlib import Path
 from typing import Any
@@ -144,7 +145,21 @@ def test_another_sweeps_folder_is_refused(
         Store(tmp_path, other)
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}"])
+def test_a_sweep_outlives_an_option_that_it_does_not_use(tmp_path: Path) -> None:
+    Store(tmp_path, PLANNED)
+    sweep = json.loads((tmp_path / "sweep.json").read_text())
+    for config in sweep["episodes"].values():
+        config |= {"of_another_day": None, "some_of_another_day": []}
+    (tmp_path / "sweep.json").write_text(json.dumps(sweep))
+    Store(tmp_path, PLANNED)
+
+    config["some_of_another_day"] = [1.0]
+    (tmp_path / "sweep.json").write_text(json.dumps(sweep))
+    with pytest.raises(UsageError, match="other robots, seed or duration"):
+        Store(tmp_path, PLANNED)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"episodes": 3}'])
 def test_an_unreadable_sweep_file_is_refused(tmp_path: Path, text: str) -> None:
     Store(tmp_path, PLANNED)
     (tmp_path / "sweep.json").write_text(text)
