@@ -57,20 +57,22 @@ def _run(make_node: Callable[[], Node], args: list[str] | None) -> None:
         except RuntimeError as error:
             raise StartError(refusal(error)) from error
         at_end.callback(rclpy.try_shutdown)
+        # Executors outlive the node: a signal's own thread may still be at work on what wakes them.
+        executors = at_end.enter_context(ExitStack())
         try:
             node = make_node()
             at_end.callback(node.destroy_node)
-            _spin(node)
+            _spin(node, executors)
         except (RuntimeError, AttributeError):
             # A signal at start-up pulls the context from under whatever rclpy call is running.
             if rclpy.ok():
                 raise
 
 
-def _spin(node: Node) -> None:
+def _spin(node: Node, executors: ExitStack) -> None:
     try:
         while rclpy.ok():
-            _spin_by_one_executor(node, in_lock_step=node.in_lock_step)
+            _spin_by_one_executor(node, executors, in_lock_step=node.in_lock_step)
     except ExternalShutdownException:
         raise
     except Exception as error:
@@ -79,10 +81,12 @@ def _spin(node: Node) -> None:
         raise
 
 
-def _spin_by_one_executor(node: Node, *, in_lock_step: bool) -> None:
+def _spin_by_one_executor(node: Node, executors: ExitStack, *, in_lock_step: bool) -> None:
     """Returns when the node's lock-step has begun or ended, or ROS is shut down."""
     timeout = SPIN_TIMEOUT if in_lock_step else None
-    with EventsExecutor() if in_lock_step else SingleThreadedExecutor() as executor:
-        executor.add_node(node)
-        while rclpy.ok() and node.in_lock_step is in_lock_step:
-            executor.spin_once(timeout_sec=timeout)
+    executor = executors.enter_context(EventsExecutor() if in_lock_step else SingleThreadedExecutor())
+    executor.add_node(node)
+    while rclpy.ok() and node.in_lock_step is in_lock_step:
+        executor.spin_once(timeout_sec=timeout)
+    if rclpy.ok():
+        executors.close()  # another one follows
