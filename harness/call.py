@@ -91,13 +91,12 @@ def _found(node: "Node", executor: "Executor", wanted: str | None) -> dict[str, 
     def look() -> bool:
         services = node.get_service_names_and_types()
         found.update((name, kinds[0]) for name, kinds in services if kinds[0] in TYPES)
-        return wanted in found if wanted else bool(found)
+        return wanted in found
 
-    if wanted is None:
-        spin_until(
-            executor, lambda: not look() and False, LOOK
-        )  # others may answer later than the first
-    spin_until(executor, look, PATIENCE)
+    # For a list nothing is wanted: others may answer later than the first.
+    spin_until(executor, look, LOOK if wanted is None else PATIENCE)
+    if wanted is None and not found:
+        spin_until(executor, lambda: look() or bool(found), PATIENCE)
     return found
 
 

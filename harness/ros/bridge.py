@@ -144,7 +144,7 @@ class Bridge(GuardedNode):
 
     def stop_recording(self) -> None:
         """Lets messages go out as they are, again."""
-        self.record_command = None
+        self.commands.record(None)
         for channel in self.channels:
             channel.record = None
 

@@ -86,11 +86,11 @@ class Commands:
             self._look_at_strangers(alone=not matched)
         return bool(self._heard)
 
-    def record(self, recording: Recording) -> None:
-        """Has every message recorded from now on, also those that are refused."""
-        self._recording = recording
-        for kind, subscription in self._heard.items():
-            self._recorders[kind] = recording(self.topic, subscription)
+    def record(self, recording: Recording | None) -> None:
+        """Has every message recorded from now on, also those that are refused; none with None."""
+        self._recording, self._recorders = recording, {}
+        for kind in self._heard:
+            self._tap(kind)
 
     def _look_at_strangers(self, *, alone: bool) -> None:
         sent = {each.topic_type for each in self._node.get_publishers_info_by_topic(self.topic)}
@@ -116,8 +116,11 @@ class Commands:
         receive = partial(self.receive, kind)
         subscription = self._node.create_subscription(KINDS[kind], "cmd_vel", receive, keep_last(10))
         self._heard[kind] = subscription
+        self._tap(kind)
+
+    def _tap(self, kind: str) -> None:
         if self._recording is not None and kind not in self._recorders:
-            self._recorders[kind] = self._recording(self.topic, subscription)
+            self._recorders[kind] = self._recording(self.topic, self._heard[kind])
 
     def receive(self, kind: str, message: Any) -> None:  # noqa: ANN401 - rclpy's classes have no types
         """Takes a message of that kind, as it arrives."""

@@ -17,12 +17,13 @@ if __name__ == "__main__":
 
 from rich.console import Console
 
+from harness.cli.console import counted
 from harness.errors import UsageError
 from harness.files import check_target
 from harness.interrupt import StopRequest
 from harness.scenario.baseline import write_baselines
 from harness.scenario.suite import Selected, find_files, plan, run_all
-from harness.scenario.told import tell, told_progress
+from harness.scenario.told import tell
 from harness.scenario.verdict import exit_code, verdicts_of
 from harness.tuning.backend import BACKENDS, backend_of
 from rover_metrics.errors import OneLineParser
@@ -47,7 +48,7 @@ def _run(options: argparse.Namespace, console: Console) -> int:
     cases = plan(find_files(options.paths), _seeds(options), _selected(options.only))
     with (
         backend_of(options.backend, options.address, options.jobs) as backend,
-        told_progress(console, len(cases)) as show,
+        counted(console, "driving scenarios") as show,
     ):
         attempts = run_all(cases, backend, options.out, show, compare=not options.update_baseline)
     verdicts = verdicts_of(attempts)

@@ -28,7 +28,8 @@ from harness.scenario.case import Case
 from harness.scenario.contact import contact_of
 from harness.scenario.evidence import keep_evidence
 from harness.scenario.judge import judge, judge_against
-from harness.scenario.quantities import LOG, QUANTITIES, RUN, Series, TruthSeries
+from harness.scenario.quantities import LOG, QUANTITIES, RUN
+from harness.scenario.series import Series, TruthSeries
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.extended.settings import Settings
 

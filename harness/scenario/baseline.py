@@ -17,7 +17,7 @@ from harness.files import write_whole
 from harness.scenario.bound import Bound
 from harness.scenario.case import Case, scenario_name
 from harness.scenario.judge import value_of
-from harness.scenario.quantities import Series
+from harness.scenario.series import Series
 from harness.yaml_file import fill
 
 HASH_DIGITS = 12

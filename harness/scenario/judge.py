@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.scenario.bound import Bound
-from harness.scenario.quantities import Series
+from harness.scenario.series import Series
 
 _WORDS = {"end": "at the end ", "mean": "mean ", "p95": "95th percentile "}
 

@@ -1,24 +1,19 @@
-"""What can be expected of a run: quantities by name, and what they were over time."""
+"""What can be expected of a run: quantities by name."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from harness.episode.batch import Batch
 from harness.errors import unknown
 from harness.report.log import NOTES_COLUMN, TIME_COLUMN
-from harness.samples import ContactKind, Pose, TruthState, Vector3
-from harness.sim_time import NANOSECONDS
+from harness.samples import ContactKind, TruthState
 from harness.truth.traversal import Truth
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 
 NO_VALUE = "there is no value"
 SAMPLED = 0.05  # [s] between two values of the truth
-STILL = TruthState(0, False, False, False, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0, 0.0), 0.0)
 
 
 class Moment(NamedTuple):
@@ -60,24 +55,21 @@ class Quantity:
 
 _WHEELS = ("front_left", "rear_left", "front_right", "rear_right")
 
+
+def _contacts(field: str, kind: ContactKind, count: str, time: str) -> dict[str, Quantity]:
+    """The number of contacts of a kind and their time, which Truth has as FIELDs and FIELD_s."""
+    number, seconds = attrgetter(f"truth.{field}s"), attrgetter(f"truth.{field}_s")
+    return {
+        f"truth.{field}s": Quantity("", f"{count} so far.", number, kind),
+        f"truth.{field}_s": Quantity("s", f"{time} so far.", seconds, kind),
+    }
+
+
 QUANTITIES: dict[str, Quantity] = {
-    "truth.hazard_contacts": Quantity(
-        "", "Contacts with hazards so far.", lambda m: m.truth.hazard_contacts, "hazard"
-    ),
-    "truth.hazard_contact_s": Quantity(
-        "s", "Time in contact with a hazard so far.", lambda m: m.truth.hazard_contact_s, "hazard"
-    ),
-    "truth.rock_contacts": Quantity(
-        "", "Contacts with rocks so far.", lambda m: m.truth.rock_contacts, "rock"
-    ),
-    "truth.rock_contact_s": Quantity(
-        "s", "Time in contact with a rock so far.", lambda m: m.truth.rock_contact_s, "rock"
-    ),
-    "truth.scrapes": Quantity(
-        "", "Times so far that the body touched the ground.", lambda m: m.truth.scrapes, "scrape"
-    ),
-    "truth.scrape_s": Quantity(
-        "s", "Time so far in which the body touched the ground.", lambda m: m.truth.scrape_s, "scrape"
+    **_contacts("hazard_contact", "hazard", "Contacts with hazards", "Time in contact with a hazard"),
+    **_contacts("rock_contact", "rock", "Contacts with rocks", "Time in contact with a rock"),
+    **_contacts(
+        "scrape", "scrape", "Times that the body touched the ground", "Time of the body on the ground"
     ),
     "truth.contact_force": Quantity(
         "N", "Largest normal force of a hazard in 50 ms.", lambda m: m.state.contact_force, "hazard"
@@ -126,72 +118,3 @@ def names() -> tuple[str, ...]:
 def check_name(name: str) -> str | None:
     """Returns what to tell of a quantity that does not exist, None of one that does."""
     return None if name in names() else unknown("quantity", name, names())
-
-
-@dataclass(frozen=True)
-class Series:
-    """A quantity over time.
-
-    Attributes:
-        times: Seconds from the start, ascending.
-        values: As many; NaN where there was none.
-        unit: Of the values.
-        nothing: What is told where there is no value at all.
-    """
-
-    times: NDArray[np.float64]
-    values: NDArray[np.float64]
-    unit: str = ""
-    nothing: str = NO_VALUE
-
-
-class TruthSeries:
-    """An observer of a run that keeps the quantities of the truth that are asked for.
-
-    Args:
-        names: Of QUANTITIES.
-        goal: x and y of the goal [m] and how near is near enough [m]; None without one.
-    """
-
-    def __init__(self, names: Iterable[str], goal: tuple[float, float, float] | None = None) -> None:
-        self._quantities = {name: QUANTITIES[name] for name in names}
-        self._goal = goal
-        self._times: list[float] = []
-        self._values: list[tuple[float, ...]] = []
-        self._state, self._goal_s, self._tilt = STILL, math.nan, 0.0
-
-    def take(self, batch: Batch) -> None:
-        """Takes the next batch."""
-        tilts = []
-        for tick in batch.ticks:
-            for sample in tick.samples:
-                if isinstance(sample, TruthState):
-                    self._state = sample
-                elif isinstance(sample, Pose):
-                    tilts.append(_tilt(sample))
-        self._tilt = max(tilts, default=self._tilt)
-        time_s = batch.truth.time_ns / NANOSECONDS
-        distance = self._distance(batch.truth.position)
-        if self._goal is not None and math.isnan(self._goal_s) and distance <= self._goal[2]:
-            self._goal_s = time_s
-        moment = Moment(batch.truth, self._state, self._tilt, distance, self._goal_s)
-        self._times.append(time_s)
-        self._values.append(tuple(q.value(moment) for q in self._quantities.values()))
-
-    def _distance(self, position: Vector3) -> float:
-        if self._goal is None:
-            return math.nan
-        return math.hypot(position[0] - self._goal[0], position[1] - self._goal[1])
-
-    def series(self) -> dict[str, Series]:
-        """Returns each quantity over time, every 50 ms."""
-        times = np.array(self._times)
-        values = np.array(self._values, dtype=float).reshape(len(times), len(self._quantities))
-        pairs = zip(self._quantities.items(), values.T, strict=True)
-        return {name: Series(times, column, q.unit, q.nothing) for (name, q), column in pairs}
-
-
-def _tilt(pose: Pose) -> float:
-    """Angle [rad] between the vertical axes of a pose and the world: R_zz is 1 - 2 (x^2 + y^2)."""
-    x, y, _, _ = pose.orientation
-    return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))

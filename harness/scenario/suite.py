@@ -59,7 +59,7 @@ def run_all(
     cases: Sequence[Case],
     backend: Backend,
     folder: Path,
-    show: Callable[[int], None],
+    show: Callable[[int, int], None],
     *,
     compare: bool = True,
 ) -> list[Attempt]:
@@ -69,7 +69,7 @@ def run_all(
         cases: What to run.
         backend: Who runs it.
         folder: For what runs leave that do not pass.
-        show: Told how many are done.
+        show: Told how many of how many are done.
         compare: Whether they are compared with their baselines.
 
     Raises:
@@ -84,7 +84,7 @@ def run_all(
             with closing(backend.map(work, list(enumerate(cases)))) as outcomes:
                 for index, outcome in outcomes:
                     done[index] = outcome
-                    show(len(done))
+                    show(len(done), len(cases))
         except WorkerLost as error:
             raise RunFailed(str(error)) from error
         except Interrupted as error:

@@ -1,10 +1,8 @@
 """What a console shows of scenarios: a line each; of a bad run what, where and how to see it again."""
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 
 from rich.console import Console
-from rich.progress import Progress
 
 from harness.scenario.attempt import Attempt
 from harness.scenario.case import scenario_name
@@ -17,14 +15,6 @@ _STYLES = {
     Outcome.FAILED: "red",
     Outcome.ERROR: "magenta",
 }
-
-
-@contextmanager
-def told_progress(console: Console, total: int) -> Iterator[Callable[[int], None]]:
-    """Shows how many runs are done; yields what is to be told that."""
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task("scenarios", total=total)
-        yield lambda done: progress.update(task, completed=done)
 
 
 def tell(console: Console, verdicts: Sequence[Verdict]) -> None:

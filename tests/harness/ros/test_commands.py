@@ -169,3 +169,16 @@ def test_whatever_type_another_process_sends_over_dds_drives_the_rover(kind: str
         for each in (node, sender):
             each.destroy_node()
     assert taken == [Command(0.5)]
+
+
+def test_commands_are_recorded_as_they_come_until_nobody_records() -> None:
+    rig = Rig(takes_both=False)
+    commands, recorded = rig.commands("twist"), list[object]()
+    message = Twist()
+    rig.callbacks[Twist](message)
+    commands.record(lambda topic, _: lambda heard: recorded.append((topic, heard)))
+    rig.callbacks[Twist](message)
+    commands.record(None)
+    rig.callbacks[Twist](message)
+    assert recorded == [("/cmd_vel", message)]
+    assert commands.count.taken == 3

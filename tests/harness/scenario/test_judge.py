@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from harness.scenario.bound import Bound
 from harness.scenario.judge import judge, judge_against, value_of
-from harness.scenario.quantities import Series
+from harness.scenario.series import Series
 
 NAN, INF = math.nan, math.inf
 FLOATS = st.floats(-10.0, 10.0)

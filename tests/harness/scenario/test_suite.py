@@ -108,15 +108,19 @@ def test_files_are_found_in_order_and_what_is_not_there_is_told(tmp_path: Path) 
 def test_attempts_come_in_the_order_of_their_cases(
     make_cases: MakeCases, tmp_path: Path, driven: list[EpisodeConfig]
 ) -> None:
-    cases, shown = make_cases(SPEED, "seeds: 3"), list[int]()
-    found = run_all(cases, Backwards(), tmp_path, shown.append)
+    cases, shown = make_cases(SPEED, "seeds: 3"), list[tuple[int, ...]]()
+
+    def show(*count: int) -> None:
+        shown.append(count)
+
+    found = run_all(cases, Backwards(), tmp_path, show)
     assert [attempt.case for attempt in found] == cases
     assert [config.seed for config in driven] == [2, 1, 0]
-    assert shown == [1, 2, 3]
+    assert shown == [(1, 3), (2, 3), (3, 3)]
     with pytest.raises(RunFailed, match="a worker process was killed"):
-        run_all(cases, Ending(WorkerLost("a worker process was killed")), tmp_path, shown.append)
+        run_all(cases, Ending(WorkerLost("a worker process was killed")), tmp_path, show)
     with pytest.raises(Interrupted, match="stopped by SIGINT after 1 of 3 runs"):
-        run_all(cases, Ending(Interrupted(signal.SIGINT)), tmp_path, shown.append)
+        run_all(cases, Ending(Interrupted(signal.SIGINT)), tmp_path, show)
 
 
 def wilson(good: int, count: int) -> tuple[float, float]:

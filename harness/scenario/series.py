@@ -1,0 +1,84 @@
+"""Quantities over time: those of the truth are watched as the run goes on."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.episode.batch import Batch
+from harness.samples import Pose, TruthState, Vector3
+from harness.scenario.quantities import NO_VALUE, QUANTITIES, Moment
+from harness.sim_time import NANOSECONDS
+
+STILL = TruthState(0, False, False, False, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0, 0.0), 0.0)
+
+
+@dataclass(frozen=True)
+class Series:
+    """A quantity over time.
+
+    Attributes:
+        times: Seconds from the start, ascending.
+        values: As many; NaN where there was none.
+        unit: Of the values.
+        nothing: What is told where there is no value at all.
+    """
+
+    times: NDArray[np.float64]
+    values: NDArray[np.float64]
+    unit: str = ""
+    nothing: str = NO_VALUE
+
+
+class TruthSeries:
+    """An observer of a run that keeps the quantities of the truth that are asked for.
+
+    Args:
+        names: Of QUANTITIES.
+        goal: x and y of the goal [m] and how near is near enough [m]; None without one.
+    """
+
+    def __init__(self, names: Iterable[str], goal: tuple[float, float, float] | None = None) -> None:
+        self._quantities = {name: QUANTITIES[name] for name in names}
+        self._goal = goal
+        self._times: list[float] = []
+        self._values: list[tuple[float, ...]] = []
+        self._state, self._goal_s, self._tilt = STILL, math.nan, 0.0
+
+    def take(self, batch: Batch) -> None:
+        """Takes the next batch."""
+        tilts = []
+        for tick in batch.ticks:
+            for sample in tick.samples:
+                if isinstance(sample, TruthState):
+                    self._state = sample
+                elif isinstance(sample, Pose):
+                    tilts.append(_tilt(sample))
+        self._tilt = max(tilts, default=self._tilt)
+        time_s = batch.truth.time_ns / NANOSECONDS
+        distance = self._distance(batch.truth.position)
+        if self._goal is not None and math.isnan(self._goal_s) and distance <= self._goal[2]:
+            self._goal_s = time_s
+        moment = Moment(batch.truth, self._state, self._tilt, distance, self._goal_s)
+        self._times.append(time_s)
+        self._values.append(tuple(q.value(moment) for q in self._quantities.values()))
+
+    def _distance(self, position: Vector3) -> float:
+        if self._goal is None:
+            return math.nan
+        return math.hypot(position[0] - self._goal[0], position[1] - self._goal[1])
+
+    def series(self) -> dict[str, Series]:
+        """Returns each quantity over time, every 50 ms."""
+        times = np.array(self._times)
+        values = np.array(self._values, dtype=float).reshape(len(times), len(self._quantities))
+        pairs = zip(self._quantities.items(), values.T, strict=True)
+        return {name: Series(times, column, q.unit, q.nothing) for (name, q), column in pairs}
+
+
+def _tilt(pose: Pose) -> float:
+    """Angle [rad] between the vertical axes of a pose and the world: R_zz is 1 - 2 (x^2 + y^2)."""
+    x, y, _, _ = pose.orientation
+    return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))
