@@ -14,7 +14,7 @@ from typing import Any
 import rclpy
 from rclpy.executors import Executor
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rich.table import Table
 
 from harness.ros.context import make_executor, ros_context
@@ -23,6 +23,7 @@ from harness.ros.frames import TF_MESSAGE
 
 WINDOW = 5.0  # [s] of the past that a rate is taken over
 SHORTEST = 3.0  # [s] that make a rate right to 2 %: messages are handled up to 30 ms late at either end
+LEAST = 0.5  # [s] below which a rate would be wrong by more than a tenth and is not told
 QUEUE = 100  # messages of a topic that may wait for this process
 CLOCK = "/clock"
 PLUMBING = ("/rosout", "/parameter_events")  # every node has them
@@ -44,9 +45,8 @@ class Pace:
         self._forget(now)
 
     def rate(self, now: float) -> float | None:
-        """Returns the growth per second over the last WINDOW; None with fewer than two values in it."""
-        self._forget(now)
-        if len(self._points) < 2 or self._points[0][0] == self._points[-1][0]:
+        """Returns the growth per second over the last WINDOW; None of values less than LEAST apart."""
+        if self.span(now) < LEAST:
             return None
         (begin, first), (end, last) = self._points[0], self._points[-1]
         return (last - first) / (end - begin)
@@ -127,13 +127,17 @@ class TopicMonitor:
         return table
 
     def too_short(self) -> list[str]:
-        """Returns the topics that are published and not heard for long enough to tell their rate."""
+        """Returns the topics that are published and not heard for long enough to tell their rate.
+
+        Latched ones have none: they are sent once.
+        """
         now = self._now()
-        return [
-            topic
-            for topic, pace in sorted(self.paces.items())
-            if pace.span(now) < SHORTEST and self._node.count_publishers(topic)
-        ]
+        brief = [topic for topic, pace in sorted(self.paces.items()) if pace.span(now) < SHORTEST]
+        return [topic for topic in brief if self._has_rate(topic)]
+
+    def _has_rate(self, topic: str) -> bool:
+        publishers = self._node.get_publishers_info_by_topic(topic)
+        return any(p.qos_profile.durability != DurabilityPolicy.TRANSIENT_LOCAL for p in publishers)
 
     def _listen(self, topic: str, kind: type | None) -> None:
         if kind is None:

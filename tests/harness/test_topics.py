@@ -157,7 +157,7 @@ def test_a_topic_shows_rate_age_quality_type_and_who_is_there(scene: Scene) -> N
     scene.talker.create_subscription(Imu, "imu/data", lambda _: None, 10)
     imu = scene.publisher(Imu, "imu/data")
     scene.spin_until(lambda: imu.get_subscription_count() == 2)
-    for tick in range(5):
+    for tick in range(11):
         scene.publish(imu, Imu(), at=tick * 0.05)
     scene.publisher(Imu, "/imu/data")  # another, that says nothing
     scene.now += 1.5
@@ -173,7 +173,7 @@ def test_with_a_simulations_clock_the_rate_is_also_given_in_its_time(scene: Scen
     from rosgraph_msgs.msg import Clock  # noqa: PLC0415
 
     clock = scene.publisher(Clock, "/clock")
-    for tick in range(5):
+    for tick in range(6):
         sec, nanosec = divmod(tick * 500_000_000, 10**9)
         scene.publish(clock, Clock(clock=Time(sec=sec, nanosec=nanosec)), at=tick * 0.1)
     assert scene.cells("/clock")[2:4] == ["10.0", "2.0"]
@@ -184,11 +184,15 @@ def test_with_a_simulations_clock_the_rate_is_also_given_in_its_time(scene: Scen
 def test_a_rate_begins_after_the_heap_that_finding_topics_leaves_and_is_sure_in_three_seconds(
     scene: Scene,
 ) -> None:
+    from rclpy.qos import DurabilityPolicy, QoSProfile  # noqa: PLC0415
+
     received: dict[str, Callable[[object], None]] = {}
+    quality = QoSProfile(depth=1)
+    publishers = [SimpleNamespace(qos_profile=quality)]
     scene.monitor._node = SimpleNamespace(
         create_subscription=lambda _, topic, callback, *__, **___: received.update({topic: callback}),
         get_topic_names_and_types=lambda: [("/imu/data", ["sensor_msgs/msg/Imu"])],
-        count_publishers=lambda _: 1,
+        get_publishers_info_by_topic=lambda _: publishers,
     )
     scene.monitor.look_around()
     pace = scene.monitor.paces["/imu/data"]
@@ -199,11 +203,14 @@ def test_a_rate_begins_after_the_heap_that_finding_topics_leaves_and_is_sure_in_
         if number % 10 == 0:
             scene.monitor.look_around()
         received["/imu/data"](b"")
-        assert number == 0 or pace.rate(scene.now) == pytest.approx(20.0)
+        assert pace.rate(scene.now) == (pytest.approx(20.0) if number >= 10 else None)
         assert scene.monitor.too_short() == ["/imu/data"] * (number < 60)
         scene.now = 0.5 + (number + 1) * 0.05
-    scene.monitor._node.count_publishers = lambda _: 0
     scene.now += 9.0
+    assert scene.monitor.too_short() == ["/imu/data"]
+    quality.durability = DurabilityPolicy.TRANSIENT_LOCAL
+    assert scene.monitor.too_short() == [], "what is latched is sent once"
+    publishers.clear()
     assert scene.monitor.too_short() == [], "nobody publishes any more"
 
 
