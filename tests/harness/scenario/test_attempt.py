@@ -11,7 +11,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from harness.config import EpisodeConfig, RosOptions
+from harness.config import RosOptions
 from harness.episode import direct
 from harness.episode.episode import Episode
 from harness.errors import RunFailed
