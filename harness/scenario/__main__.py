@@ -50,7 +50,8 @@ def _run(options: argparse.Namespace, console: Console) -> int:
         backend_of(options.backend, options.address, options.jobs) as backend,
         counted(console, "driving scenarios") as show,
     ):
-        attempts = run_all(cases, backend, options.out, show, compare=not options.update_baseline)
+        compare = not options.update_baseline
+        attempts = run_all(cases, backend, options.out, show, compare=compare, resume=options.resume)
     verdicts = verdicts_of(attempts)
     tell(console, verdicts)
     if options.junit is not None:
@@ -116,6 +117,11 @@ def _parser() -> argparse.ArgumentParser:
         default=OUT,
         metavar="DIR",
         help="gets log, manifest and page of each run that does not pass (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on where the same suite was stopped, by what is in --out",
     )
     parser.add_argument(
         "--update-baseline", action="store_true", help="record the runs as what later ones must match"

@@ -1,7 +1,7 @@
 """One run of a scenario: driven, judged, and what came of it."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -27,13 +27,26 @@ from harness.scenario.baseline import (
 from harness.scenario.case import Case
 from harness.scenario.contact import contact_of
 from harness.scenario.evidence import keep_evidence
-from harness.scenario.judge import judge, judge_against
+from harness.scenario.judge import judge, judge_against, value_of
 from harness.scenario.quantities import LOG, QUANTITIES, RUN
 from harness.scenario.series import SAMPLES, Series, TruthSeries
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.extended.settings import Settings
 
 SCRATCH = "rover-scenario-"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a quantity came to in a run: what its bound compares.
+
+    Attributes:
+        value: In `unit`; None where there was none.
+        unit: Empty for counts, flags and columns of the log.
+    """
+
+    value: float | None
+    unit: str = ""
 
 
 @dataclass(frozen=True)
@@ -48,6 +61,7 @@ class Attempt:
         model_hash: Of the rover's model; likewise `terrain_hash`.
         recorded: What a baseline keeps of it; None if it has none.
         kept: What is left of a run that did not pass.
+        measured: What each bound of the scenario compares, in their order; nothing if it could not run.
     """
 
     case: Case
@@ -59,6 +73,7 @@ class Attempt:
     terrain_hash: str = ""
     recorded: Recorded | None = None
     kept: tuple[Path, ...] = ()
+    measured: tuple[Measured, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -101,7 +116,7 @@ def _attempt(case: Case, folder: Path, compare: bool, scratch: Path | None) -> A
             check_comparable(recorded, baseline)
         breaches = tuple(_breaches(case, result, series, recorded, baseline))
         kept = keep_evidence(result, page, folder, breaches[0]) if breaches else ()
-    return _told(case, result, breaches, recorded, kept)
+    return replace(_told(case, result, breaches, series), recorded=recorded, kept=kept)
 
 
 def _is_of_truth(case: Case) -> bool:
@@ -114,15 +129,12 @@ def _watched(case: Case) -> Attempt:
     """A run that nobody but the watch of its truth sees."""
     watch = _watch(case)
     result = run_unlogged(case.config, StopRequest(), SAMPLES, (watch,))
-    return _told(case, result, tuple(_breaches(case, result, watch.series(), None, None)))
+    series = watch.series()
+    return _told(case, result, tuple(_breaches(case, result, series, None, None)), series)
 
 
 def _told(
-    case: Case,
-    result: RunResult,
-    breaches: tuple[str, ...],
-    recorded: Recorded | None = None,
-    kept: tuple[Path, ...] = (),
+    case: Case, result: RunResult, breaches: tuple[str, ...], series: dict[str, Series]
 ) -> Attempt:
     info = result.info
     return Attempt(
@@ -132,8 +144,10 @@ def _told(
         wall_s=result.wall_s,
         model_hash=info.model_hash if info else "",
         terrain_hash=info.terrain_hash if info else "",
-        recorded=recorded,
-        kept=kept,
+        measured=tuple(
+            Measured(value_of(bound, series[name]), series[name].unit)
+            for name, bound in case.scenario.bounds
+        ),
     )
 
 
