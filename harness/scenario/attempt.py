@@ -145,7 +145,7 @@ def _told(
         model_hash=info.model_hash if info else "",
         terrain_hash=info.terrain_hash if info else "",
         measured=tuple(
-            Measured(value_of(bound, series[name]), series[name].unit)
+            Measured(value_of(bound, series[name]), "" if bound.share else series[name].unit)
             for name, bound in case.scenario.bounds
         ),
     )
