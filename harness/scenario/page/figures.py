@@ -9,6 +9,7 @@ from harness.page.figure import (
     DASH,
     INK,
     METRIC,
+    PANEL,
     TRUTH,
     Figure,
     Layout,
@@ -125,7 +126,8 @@ def _means(name: str, means: Sequence[float | None], intervals: Sequence[Interva
 
 def _markers(name: str, color: str, symbol: str, size: int) -> Trace:
     line = {"color": color, "width": 2}
-    marker = {"symbol": symbol, "size": size, "color": color, "line": line}
+    fill = PANEL if symbol == "circle" else color  # open symbols have no other colour
+    marker = {"symbol": symbol, "size": size, "color": fill, "line": line}
     return {"type": "scatter", "mode": "markers", "name": name, "marker": marker}
 
 

@@ -260,6 +260,7 @@ def test_the_command_runs_a_folder_writes_junit_and_records_baselines(
         (["--only", "leo"], "--only leo: give NAME=VALUE of a matrix, e.g. --only robot=leo"),
         (["--jobs", "0"], "0 jobs are not valid"),
         (["--junit", str(tmp_path)], str(tmp_path)),
+        (["--html", str(tmp_path / "no" / "a.html")], "create it first"),
     ):
         capsys.readouterr()
         assert main([*words[:1], *wrong]) == 2
