@@ -11,7 +11,8 @@ node that has promised to handle what arrives in its order is not asked between 
 
 import json
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 from rcl_interfaces.srv import GetParameters
 from rclpy.client import Client
@@ -19,6 +20,7 @@ from rclpy.executors import Executor
 from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
+from harness.episode.result import TopicCount
 from harness.errors import RunFailed, UsageError
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
@@ -184,8 +186,15 @@ class RemoteNodes:
         return nodes
 
 
-def wait_for_answers(nodes: Iterable[RemoteNode], executor: Executor) -> None:
+def wait_for_answers(
+    nodes: Iterable[RemoteNode], executor: Executor, check: Callable[[], None] = lambda: None
+) -> None:
     """Asks nodes at the same time; returns when all have answered.
+
+    Args:
+        nodes: Who is asked.
+        executor: Spins the node that asks.
+        check: Called while answers are missing; raises if they will not come.
 
     Raises:
         RunFailed: One of them does not.
@@ -196,7 +205,27 @@ def wait_for_answers(nodes: Iterable[RemoteNode], executor: Executor) -> None:
     def all_have_answered() -> bool:
         for answer in [each for each in awaited if each.done()]:
             awaited.pop(answer).waited_s += time.monotonic() - asked
+        if awaited:
+            check()
         return not awaited
 
     if not spin_until(executor, all_have_answered, ANSWER_PATIENCE):
         raise RunFailed(f"{next(iter(awaited.values())).name} stopped answering")
+
+
+def counted_by(
+    nodes: Iterable[RemoteNode], published: dict[str, TopicCount], patience: float = ANSWER_PATIENCE
+) -> dict[str, TopicCount]:
+    """Lets nodes go, and returns what was published with what the MetricsNodes among them received.
+
+    Args:
+        nodes: Are waited for no more.
+        published: By topic.
+        patience: How long [s] to wait for each answer.
+    """
+    topics = dict(published)
+    for node in nodes:
+        for topic, received in node.release(patience).items():
+            lost = max(topics[topic].lost, topics[topic].published - received)
+            topics[topic] = replace(topics[topic], received=received, lost=lost)
+    return topics

@@ -13,6 +13,7 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
 from harness.errors import UsageError, unknown
 from harness.scenario import bound, events, spec
+from harness.scenario.launch import Launch
 from harness.scenario.spec import Scenario
 
 SUFFIX = ".scenario.yaml"
@@ -24,9 +25,8 @@ _KEYS: dict[str, type[BaseModel]] = {  # whose keys are valid in which part of a
     "matrix": spec.Matrix,
     "goal": spec.Goal,
     "expect": bound.Bound,
-    "fault": events.FaultEvent,
-    "command": events.CommandEvent,
-    "reset": events.ResetEvent,
+    **events.EVENTS,
+    "launch": Launch,
     "expected_to_fail": spec.ExpectedFailure,
     "pass_rate": spec.PassRate,
 }
@@ -95,7 +95,7 @@ def _mistake(error: ErrorDetails, keys: str) -> str:
                 f"the key '{key}' is missing" if isinstance(key, str) else f"{keys} has too few values"
             )
         case "union_tag_not_found":
-            return f"{keys}: an event needs one of the keys fault, command, reset"
+            return f"{keys}: an event needs one of the keys {', '.join(events.EVENTS)}"
         case "value_error" | "beside":
             return f"{keys}: {error['ctx'].get('message') or error['ctx']['error']}"
         case "too_short":
