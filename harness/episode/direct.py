@@ -9,8 +9,11 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from datetime import datetime
+from pathlib import Path
+from typing import Self
 
 from harness.config import EpisodeConfig, RosOptions
+from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.loop import Observer, Pacer, drive
 from harness.episode.metrics_feed import DirectMetrics
@@ -52,36 +55,82 @@ def run_direct(
     """
     started = time.monotonic()
     episode = Episode(config)
-    try:
-        extended = settings.extended if settings.extended_columns else None
-        session = MetricsSession(settings.thresholds, extended)
-        log = CsvLog(options.log_dir, datetime.now(), columns=session.columns)
-    except LogError as error:
-        raise UsageError(str(error)) from error
-    with log:
-        _mark(log, None)
-        metrics = DirectMetrics(session, LidarSpec(beams=config.lidar_beams), log)
-
-        def counts() -> dict[str, TopicCount]:
-            return {topic: TopicCount(published=n, received=n) for topic, n in metrics.fed.items()}
-
-        account = RunAccount(
-            RunResult(config=config, mode="direct, no ROS", info=episode.info, log_path=log.path),
-            *(started, show, counts, lambda: log.rows),
-        )
+    begun = RunResult(config=config, mode="direct, no ROS", info=episode.info)
+    with LoggedRun(begun, options.log_dir, settings, started=started, show=show) as logged:
         faults = FaultInjector(parse_faults(config.faults), config.seed)
         failure, interrupted = None, None
         try:
             with stop.deferred():
-                pacer, watching = Pacer(options.rate, sleep=stop.sleep), (*observers, account)
-                for tick in drive(episode.batches(), faults, metrics.advance, watching, stop):
+                pacer, watching = Pacer(options.rate, sleep=stop.sleep), (*observers, logged)
+                for tick in drive(episode.batches(), faults, logged.advance, watching, stop):
                     pacer.wait_until(tick.stamp_ns)
             interrupted = stop.name
         except (RunFailed, LogError) as error:
             failure = str(error)
-        _mark(log, COMPLETE if failure is None else failed(failure))
-        result = account.ended(failure=failure, interrupted=interrupted)
-        return replace(result, last_row=cells_of(metrics.last_row), thresholds=settings.thresholds)
+        return logged.ended(failure, interrupted)
+
+
+class LoggedRun:
+    """Logs a run whose samples go straight into the metrics: a sink of ticks, an Observer, a context.
+
+    Args:
+        begun: What is known of the run before its first batch.
+        log_dir: Gets the log.
+        settings: Of the metrics.
+        started: Wall time at which the command began [s], of time.monotonic.
+        show: Is told the result up to now after every batch.
+
+    Raises:
+        UsageError: The log cannot be created.
+    """
+
+    def __init__(
+        self,
+        begun: RunResult,
+        log_dir: Path,
+        settings: Settings,
+        *,
+        started: float,
+        show: Callable[[RunResult], None] | None = None,
+    ) -> None:
+        self._settings = settings
+        try:
+            extended = settings.extended if settings.extended_columns else None
+            session = MetricsSession(settings.thresholds, extended)
+            self._log = log = CsvLog(log_dir, datetime.now(), columns=session.columns)
+        except LogError as error:
+            raise UsageError(str(error)) from error
+        _mark(log, None)
+        self._metrics = metrics = DirectMetrics(session, LidarSpec(beams=begun.config.lidar_beams), log)
+        self.advance = metrics.advance
+
+        def counts() -> dict[str, TopicCount]:
+            return {topic: TopicCount(published=n, received=n) for topic, n in metrics.fed.items()}
+
+        begun = replace(begun, log_path=log.path)
+        self._account = RunAccount(begun, started, show, counts, lambda: log.rows)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._log.close()
+
+    def take(self, batch: Batch) -> None:
+        """Takes the next batch."""
+        self._account.take(batch)
+
+    def ended(self, failure: str | None = None, interrupted: str | None = None) -> RunResult:
+        """Marks the log as complete or failed; returns what the run came to.
+
+        Args:
+            failure: Why it ended early; None if it did not.
+            interrupted: The signal's name if somebody stopped it.
+        """
+        _mark(self._log, COMPLETE if failure is None else failed(failure))
+        result = self._account.ended(failure=failure, interrupted=interrupted)
+        last_row, thresholds = cells_of(self._metrics.last_row), self._settings.thresholds
+        return replace(result, last_row=last_row, thresholds=thresholds)
 
 
 def _mark(log: CsvLog, outcome: Outcome | None) -> None:

@@ -1,6 +1,6 @@
 """What was heard of topics, and what their quantities were over time."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -52,19 +52,24 @@ class Arrivals:
 
 
 def topic_series(
-    quantity: TopicQuantity, of: str | None, heard: Mapping[str, Arrivals], end_ns: int
+    quantity: TopicQuantity,
+    of: str | None,
+    heard: Mapping[str, Arrivals],
+    known: Iterable[str],
+    end_ns: int,
 ) -> Series:
     """Returns a quantity over time; where the topic did not exist, without any value, and why.
 
     Args:
         quantity: Of a topic.
         of: The topic of the input, of a latency.
-        heard: All that exist, by name.
+        heard: Of each topic that somebody has published and that is expected something of.
+        known: All topics that somebody publishes.
         end_ns: When the run ended, since its start.
     """
     for topic in filter(None, (quantity.topic, of)):
         if topic not in heard:
-            return Series(np.empty(0), np.empty(0), nothing=unknown("topic", topic, heard))
+            return Series(np.empty(0), np.empty(0), nothing=unknown("topic", topic, known))
     own = heard[quantity.topic]
     times = np.array(own.times, dtype=np.int64)
     nothing = f"nothing was heard on {quantity.topic}" if not len(times) else "there is no value"

@@ -47,7 +47,12 @@ class PauseEvent(Part):
     pause: Length
 
 
-EVENTS = {"fault": FaultEvent, "command": CommandEvent, "reset": ResetEvent, "pause": PauseEvent}
+EVENTS: dict[str, type[Part]] = {
+    "fault": FaultEvent,
+    "command": CommandEvent,
+    "reset": ResetEvent,
+    "pause": PauseEvent,
+}
 
 
 def _kind(event: Any) -> str | None:  # noqa: ANN401 - anything that stands in a file
