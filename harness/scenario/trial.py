@@ -42,6 +42,7 @@ from harness.testing.trial import START_PATIENCE, Start, Trial
 from rover_metrics.errors import LogError
 
 KEPT = 10.0  # [s] of the recording
+RECORDING = "run.mcap"
 OUTPUT, FILES = ".txt", "files"  # what programs say, and the folder that they may write into
 LOOK_NS = NANOSECONDS // 10  # of simulated time, between two looks for topics that have turned up
 # Nodes that are no part of what a command is started for: of ros2's own tools.
@@ -179,7 +180,7 @@ class ScenarioTrial(Trial):
             )
 
     def _record(self, at_end: ExitStack) -> None:
-        self._recording = at_end.enter_context(Recording(self._bridge, KEPT))
+        self._recording = at_end.enter_context(Recording(self._bridge, RECORDING, KEPT))
 
     def _start(self, at_end: ExitStack) -> None:
         super()._start(at_end)

@@ -23,13 +23,14 @@ class Recording(ExitStack):
 
     Args:
         bridge: Is recorded from now on.
+        name: Of the file.
         last: How many seconds are kept; all if None.
     """
 
-    def __init__(self, bridge: Bridge, last: float | None = None) -> None:
+    def __init__(self, bridge: Bridge, name: str = RECORDING, last: float | None = None) -> None:
         super().__init__()
         folder = self.enter_context(tempfile.TemporaryDirectory(prefix="rover-trial-"))
-        self.path = Path(folder) / RECORDING
+        self.path = Path(folder) / name
         self._open = self.enter_context(ExitStack())
         self._recorder = self._open.enter_context(Recorder(self.path, last=last))
         self._open.callback(bridge.stop_recording)

@@ -75,8 +75,11 @@ class Process:
         """Whether it runs no more."""
         return self._process.poll() is not None
 
-    def check(self) -> None:
+    def check(self, when: str = "") -> None:
         """Makes sure that it still runs.
+
+        Args:
+            when: It is now, for the message.
 
         Raises:
             RunFailed: It has ended and may not; what it said last follows in further lines.
@@ -85,7 +88,7 @@ class Process:
         if code is None or (code == 0 and self._may_end):
             return
         how = f"with exit code {code}" if code >= 0 else f"by {signal.Signals(-code).name}"
-        raise RunFailed("\n".join([f"{self._command} ended {how}", *self.last_lines()]))
+        raise RunFailed("\n".join([f"{self._command} ended {how}{when}", *self.last_lines()]))
 
     def last_lines(self) -> list[str]:
         """Returns what it said last, as far as that is known."""

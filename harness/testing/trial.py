@@ -199,7 +199,7 @@ class Trial:
 
     def _check_processes(self) -> None:
         for process in self._processes:
-            process.check()
+            process.check(f" at {self.time:g} s" if self._now_ns else " at its start")
 
     def _nodes(self) -> set[str]:
         """Returns the full names of the nodes in this trial's domain, but for its own."""
