@@ -21,9 +21,10 @@ from harness.ros.bridge import SECOND_PUBLISHER, Bridge
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.controls import Controls
 from harness.ros.hosted import HostedMetrics, metrics_node
+from harness.ros.lock_step import RemoteNodes
 from harness.ros.navigation import Navigation
 from harness.ros.recorder import Recorder
-from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, RemoteNodes, counted_by
+from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, counted_by
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
 from rover_metrics.ros.metrics_publisher import MetricsPublisher

@@ -41,14 +41,12 @@ class Subject(RemoteNode):
         self.node, self._check = node, check
         super().__init__(name, bridge, time_jumps=time_jumps)
 
-    def wait_for_samples(
-        self,
-        channels: Sequence[Channel] = (),  # noqa: ARG002
-        *,
-        clock_follows: bool = False,  # noqa: ARG002
-    ) -> None:
+    def make_room(self, channels: Sequence[Channel]) -> None:
+        """Returns at once: nothing of it waits between two ticks."""
+
+    def wait_for_samples(self, channels: Sequence[Channel] = ()) -> None:  # noqa: ARG002
         """Returns when it has handled its queue, whatever it listens to: other nodes may feed it too."""
-        wait_for_answers((self,), self._executor, self._check)
+        wait_for_answers({self: self.ask()}, self._executor, self._check)
 
     def wait_for_clock(self, stamp_ns: int) -> None:  # noqa: ARG002 - the barrier knows no times
         """Returns when it has handled its queue and its timers have run."""
