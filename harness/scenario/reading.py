@@ -45,10 +45,19 @@ def read_scenario(path: Path) -> Scenario:
         # JSON's rules know no types of Python: a list is a tuple, but "3" and true are no numbers.
         return Scenario.model_validate_json(json.dumps(content, default=str), strict=True)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
+        first = _first(error.errors(include_url=False))
         location = first["ctx"]["place"] if first["type"] == "beside" else first["loc"]
         keys, place = _found(content, location)
         raise UsageError(f"{path}{place}: {_mistake(first, keys)}") from error
+
+
+def _first(errors: list[ErrorDetails]) -> ErrorDetails:
+    """The first mistake; a key that is missing beside one that nobody knows has been mistyped."""
+    first = errors[0]
+    if first["type"] != "missing":
+        return first
+    beside = (e for e in errors if e["type"] == "extra_forbidden" and e["loc"][:-1] == first["loc"][:-1])
+    return next(beside, first)
 
 
 def _load(path: Path) -> Any:  # noqa: ANN401 - whatever a file holds

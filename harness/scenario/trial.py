@@ -142,7 +142,7 @@ class ScenarioTrial(Trial):
 
     def keep_evidence(self, reason: str) -> str:
         """See Trial."""
-        folder, self._artifacts = self._artifacts, None
+        folder, self.artifacts = self.artifacts, None
         if folder is None:
             return ""
         try:

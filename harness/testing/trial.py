@@ -57,6 +57,7 @@ class Trial:
 
     Attributes:
         config: As it was given, or as `reset` has changed it.
+        artifacts: As it was given; may be changed until the trial is entered.
         domain: The ROS domain while it is entered.
         speed: True forward speed of the rover [m/s].
         truth: What only the simulator knows, at the end of the present control period of 50 ms.
@@ -75,7 +76,7 @@ class Trial:
     ) -> None:
         config.validate()
         self.config, self._frames = config, frames or FrameOptions()
-        self._artifacts = artifacts
+        self.artifacts = artifacts
         self._evidence: Evidence | None = None
         self.truth = Truth()
         self.domain = 0
@@ -110,9 +111,9 @@ class Trial:
             Where they are, in a line each; nothing if nothing is recorded, or it was kept already.
         """
         evidence, self._evidence = self._evidence, None
-        if evidence is None or self._artifacts is None:
+        if evidence is None or self.artifacts is None:
             return ""
-        return evidence.keep(self._artifacts, next(iter(reason.splitlines()), "an exception"))
+        return evidence.keep(self.artifacts, next(iter(reason.splitlines()), "an exception"))
 
     def _start(self, at_end: ExitStack) -> None:
         stay_local()
@@ -141,7 +142,7 @@ class Trial:
         """Starts what may start while the world is built; here nothing."""
 
     def _record(self, at_end: ExitStack) -> None:
-        if self._artifacts is not None:
+        if self.artifacts is not None:
             self._evidence = at_end.enter_context(Evidence(self._bridge))
             self._evidence.begin(self.config, self._episode.info)
 
