@@ -81,7 +81,7 @@ class Hearing:
         for quantity in wanted:
             if problem := check_messages(quantity, name):
                 raise UsageError(problem)
-        arrivals = Arrivals([q.path for q in wanted if q.path is not None])
+        arrivals = Arrivals(sorted({q.path for q in wanted if q.path is not None}))
         # Their content counts only where something is expected of it, or their stamps are an input's.
         is_read = not wanted or any(q.path is not None or q.what == AGE for q in wanted)
         is_made = not hasattr(kind, "get_fields_and_field_types")  # for bytes alone

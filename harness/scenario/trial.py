@@ -78,6 +78,7 @@ class ScenarioTrial(Trial):
         self._watch = Watch(case, compare=compare)
         self._pauses = [event for event in case.scenario.events if isinstance(event, PauseEvent)]
         self._pauses.sort(key=lambda event: event.at)
+        self._is_on = False
         self._failure: str | None = None
         self._findings: Findings | None = None
 
@@ -143,7 +144,7 @@ class ScenarioTrial(Trial):
     def keep_evidence(self, reason: str) -> str:
         """See Trial."""
         folder, self.artifacts = self.artifacts, None
-        if folder is None:
+        if folder is None or not self._is_on:
             return ""
         try:
             kept = self.keep(folder, next(iter(reason.splitlines()), "an exception"))
@@ -196,7 +197,7 @@ class ScenarioTrial(Trial):
         mode = f"ROS 2, lock-step with {', '.join(subject.name for subject in self._subjects)}"
         begun = RunResult(config=self.config, mode=mode, info=self._episode.info)
         log = LoggedRun(begun, self._folder, self._watch.settings, started=time.monotonic())
-        self._logged = at_end.enter_context(log)
+        self._logged, self._is_on = at_end.enter_context(log), True
 
     def _await_nodes(self) -> None:
         """Waits for the nodes that are named, and for one of each command that names none."""
