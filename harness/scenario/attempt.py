@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 
 from harness.config import RosOptions
 from harness.episode.direct import run_direct
-from harness.errors import HarnessError
+from harness.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.interrupt import Interrupted, StopRequest
 from harness.scenario.baseline import Recorded
 from harness.scenario.case import Case
@@ -78,9 +78,11 @@ def _direct(case: Case, folder: Path, compare: bool, own: Path) -> Attempt:
 
 
 def _through_ros(case: Case, folder: Path, compare: bool, own: Path) -> Attempt:
-    # Only here: it needs ROS 2, which no other scenario does.
-    from harness.scenario.trial import ScenarioTrial  # noqa: PLC0415
-
+    try:  # only here: no other scenario needs ROS 2
+        from harness.scenario.trial import ScenarioTrial  # noqa: PLC0415
+    except ImportError as error:
+        message = f"nodes and topics need ROS 2, which is not importable ({error}); {INSTALL_ROS}"
+        raise UsageError(message) from error
     with ScenarioTrial(case, folder=own, compare=compare) as trial:
         try:
             trial.finish()
