@@ -9,9 +9,12 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from datetime import datetime
+from pathlib import Path
+from typing import Self
 
 from harness.config import EpisodeConfig, RosOptions
 from harness.drivers import LOOKING
+from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.loop import Observer, Pacer, drive
 from harness.episode.metrics_feed import DirectMetrics
@@ -54,27 +57,74 @@ def run_direct(
     """
     started = time.monotonic()
     episode = Episode(config)
-    try:
-        extended = settings.extended if settings.extended_columns else None
-        session = MetricsSession(settings.thresholds, extended)
-        log = CsvLog(options.log_dir, datetime.now(), columns=session.columns)
-    except LogError as error:
-        raise UsageError(str(error)) from error
-    with log:
+    begun = RunResult(config=config, mode="direct, no ROS", info=episode.info)
+    with LoggedRun(begun, options.log_dir, settings, started=started, show=show) as logged:
+        faults = FaultInjector(parse_faults(config.faults), config.seed)
+        ticks = drive(episode.batches(), faults, logged.advance, (*observers, logged), stop)
+        return logged.ended(*_driven(ticks, Pacer(options.rate, sleep=stop.sleep), stop))
+
+
+class LoggedRun:
+    """Logs a run whose samples go straight into the metrics: a sink of ticks, an Observer, a context.
+
+    Args:
+        begun: What is known of the run before its first batch.
+        log_dir: Gets the log.
+        settings: Of the metrics.
+        started: Wall time at which the command began [s], of time.monotonic.
+        show: Is told the result up to now after every batch.
+
+    Raises:
+        UsageError: The log cannot be created.
+    """
+
+    def __init__(
+        self,
+        begun: RunResult,
+        log_dir: Path,
+        settings: Settings,
+        *,
+        started: float,
+        show: Callable[[RunResult], None] | None = None,
+    ) -> None:
+        self._settings = settings
+        try:
+            extended = settings.extended if settings.extended_columns else None
+            session = MetricsSession(settings.thresholds, extended)
+            self._log = log = CsvLog(log_dir, datetime.now(), columns=session.columns)
+        except LogError as error:
+            raise UsageError(str(error)) from error
         _mark(log, None)
-        metrics = DirectMetrics(session, LidarSpec(beams=config.lidar_beams), log)
+        self._metrics = metrics = DirectMetrics(session, LidarSpec(beams=begun.config.lidar_beams), log)
+        self.advance = metrics.advance
 
         def counts() -> dict[str, TopicCount]:
             return {topic: TopicCount(published=n, received=n) for topic, n in metrics.fed.items()}
 
-        begun = RunResult(config=config, mode="direct, no ROS", info=episode.info, log_path=log.path)
-        account = RunAccount(begun, started, show, counts, lambda: log.rows)
-        faults = FaultInjector(parse_faults(config.faults), config.seed)
-        pacer = Pacer(options.rate, sleep=stop.sleep)
-        ticks = drive(episode.batches(), faults, metrics.advance, (*observers, account), stop)
-        result = _driven(ticks, account, pacer, stop)
-        _mark(log, COMPLETE if result.failure is None else failed(result.failure))
-        return replace(result, last_row=cells_of(metrics.last_row), thresholds=settings.thresholds)
+        begun = replace(begun, log_path=log.path)
+        self._account = RunAccount(begun, started, show, counts, lambda: log.rows)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._log.close()
+
+    def take(self, batch: Batch) -> None:
+        """Takes the next batch."""
+        self._account.take(batch)
+
+    def ended(self, failure: str | None = None, interrupted: str | None = None) -> RunResult:
+        """Marks the log as complete or failed; returns what the run came to.
+
+        Args:
+            failure: Why it ended early; None if it did not.
+            interrupted: The signal's name if somebody stopped it.
+        """
+        _mark(self._log, COMPLETE if failure is None else failed(failure))
+        result = self._account.ended(failure=failure, interrupted=interrupted)
+        last_row, thresholds = cells_of(self._metrics.last_row), self._settings.thresholds
+        return replace(result, last_row=last_row, thresholds=thresholds)
 
 
 def run_unlogged(
@@ -100,20 +150,19 @@ def run_unlogged(
     account = RunAccount(begun, started, None, dict, int)
     faults = FaultInjector((), config.seed)
     ticks = drive(episode.batches(), faults, lambda *_: None, (*observers, account), stop)
-    return _driven(ticks, account, Pacer(None), stop)
+    failure, interrupted = _driven(ticks, Pacer(None), stop)
+    return account.ended(failure=failure, interrupted=interrupted)
 
 
-def _driven(ticks: Iterator[Tick], account: RunAccount, pacer: Pacer, stop: StopRequest) -> RunResult:
-    """What a drive came to, also if it failed underway."""
-    failure, interrupted = None, None
+def _driven(ticks: Iterator[Tick], pacer: Pacer, stop: StopRequest) -> tuple[str | None, str | None]:
+    """Why a drive ended early, if it did: its failure, and the signal that stopped it."""
     try:
         with stop.deferred():
             for tick in ticks:
                 pacer.wait_until(tick.stamp_ns)
-        interrupted = stop.name
     except (RunFailed, LogError) as error:
-        failure = str(error)
-    return account.ended(failure=failure, interrupted=interrupted)
+        return str(error), None
+    return None, stop.name
 
 
 def _mark(log: CsvLog, outcome: Outcome | None) -> None:

@@ -125,7 +125,7 @@ def title_of(name: str, bound: Bound) -> str:
     else:
         what = "highest" if bound.min is None else "lowest"
     window = "" if bound.window is None else f", {bound.window[0]:g} to {bound.window[1]:g} s"
-    return f"{name}, {what}{window}"
+    return f"{bound.label(name)}, {what}{window}"
 
 
 def _cells(attempts: Sequence[Attempt]) -> Iterator[Cell]:

@@ -43,6 +43,8 @@ def judge(name: str, bound: Bound, series: Series) -> Breach | None:
         series: What it was.
     """
     times, values = _within(bound, series)
+    if series.is_tally:
+        return _judge_tally(name, bound, times)
     if not len(values):
         return Breach(f"{name}: {series.nothing}{_window(bound)}")
     counted = Series(times, values, series.unit)
@@ -87,6 +89,8 @@ def value_of(bound: Bound, series: Series) -> float | None:
     nearest to one; of a share the share.
     """
     _, values = _within(bound, series)
+    if series.is_tally:
+        return float(len(values))
     value = float(_summed_up(bound, values)) if len(values) else math.nan
     return value if math.isfinite(value) else None
 
@@ -143,6 +147,19 @@ def _judge_always(name: str, bound: Bound, series: Series) -> Breach | None:
             first = float(series.times[limit.broken.argmax()])
             told, allowed = _apart(float(worst), limit.value, series)
             return Breach(f"{name}: {told} {limit.sign} {allowed}, first at {first:g} s", first)
+    return None
+
+
+def _judge_tally(name: str, bound: Bound, times: NDArray[np.float64]) -> Breach | None:
+    """The number of values; of too many, the first that is one too many."""
+    count = len(times)
+    for limit in _limits(bound, np.array([float(count)])):
+        if limit.broken[0]:
+            told = f"{name}: {count} {limit.sign} {limit.value:g}"
+            if limit.sign == "<":
+                return Breach(f"{told}{_window(bound)}")
+            first = float(times[max(0, math.floor(limit.value))])
+            return Breach(f"{told}, first at {first:g} s", first)
     return None
 
 

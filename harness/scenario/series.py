@@ -25,12 +25,14 @@ class Series:
         values: As many; NaN where there was none.
         unit: Of the values.
         nothing: What is told where there is no value at all.
+        is_tally: Whether it is the number of values that is judged, whatever they are.
     """
 
     times: NDArray[np.float64]
     values: NDArray[np.float64]
     unit: str = ""
     nothing: str = NO_VALUE
+    is_tally: bool = False
 
 
 class TruthSeries:

@@ -39,7 +39,7 @@ def outcome_of(attempt: Attempt) -> Outcome:
 def reasons_of(attempt: Attempt) -> tuple[str, ...]:
     """Returns why an outcome is not PASSED, each in a line."""
     if attempt.error is not None:
-        return (attempt.error,)
+        return tuple(attempt.error.splitlines())
     known = attempt.case.expected_failure
     if known is None:
         return attempt.breaches

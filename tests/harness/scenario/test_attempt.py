@@ -4,6 +4,7 @@ import json
 import math
 import re
 import signal
+import sys
 from dataclasses import replace
 from pathlib import Path
 from unittest.mock import Mock
@@ -90,6 +91,17 @@ def test_a_run_that_ends_early_is_a_failure_and_what_stops_the_command_is_none(
     monkeypatch.setattr(USED, stop)
     with pytest.raises(Interrupted):
         attempt(case, tmp_path)
+
+
+def test_without_ros_only_what_needs_it_could_not_run(
+    make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "harness.scenario.trial", None)
+    assert one(make_cases, tmp_path, "{truth.path_length: {max: 1}}").passed
+    for expect, more in (("{topic./scan.rate: {min: 1}}", ""), ("{truth.x: {min: 0}}", "launch: [ls]")):
+        told = str(one(make_cases, tmp_path, expect, more).error)
+        assert told.startswith("nodes and topics need ROS 2, which is not importable (")
+        assert told.endswith("pip install 'rover-harness[ros]', source a ROS 2 installation")
 
 
 EVENTS = tuple(

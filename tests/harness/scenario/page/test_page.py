@@ -6,10 +6,11 @@ from html import unescape
 from pathlib import Path
 from typing import Any
 
-from harness.scenario.attempt import Attempt, Measured
+from harness.scenario.attempt import Attempt
 from harness.scenario.comparison import comparisons_of
 from harness.scenario.page.page import render
 from harness.scenario.verdict import verdicts_of
+from harness.scenario.watch import Measured
 from tests.harness.scenario.conftest import MakeCases
 
 EXPECT = "{truth.speed: {over: mean, min: 1, max: 3}, truth.slip: {over: share, max: 1, share: 0.5}}"
