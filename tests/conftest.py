@@ -18,7 +18,7 @@ receive_signals()
 settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("patient")
 
-gc.disable()  # until all is loaded, for nearly all of it stays: a quarter of the time of collecting tests
+gc.disable()  # until all is loaded, for nearly all of it stays: a quarter of the time of collection
 
 
 def pytest_collection_finish() -> None:
