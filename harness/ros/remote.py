@@ -9,7 +9,8 @@ in that order: a node that answers has therefore matched every topic, best-effor
 
 import json
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 
 from rcl_interfaces.srv import GetParameters
 from rclpy.client import Client
@@ -17,6 +18,7 @@ from rclpy.executors import Executor
 from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
+from harness.episode.result import TopicCount
 from harness.errors import RunFailed, UsageError
 from harness.ros.bridge import Bridge
 from harness.ros.context import spin_until
@@ -124,12 +126,15 @@ class RemoteNode:
         return f"node {self.name} was not found; running: {running}"
 
 
-def wait_for_answers(awaited: Mapping[RemoteNode, Future], executor: Executor) -> None:
+def wait_for_answers(
+    awaited: Mapping[RemoteNode, Future], executor: Executor, check: Callable[[], None] = lambda: None
+) -> None:
     """Returns when all nodes have answered, and counts for how long each was waited for.
 
     Args:
         awaited: The answer of each node.
         executor: Of the node that asked.
+        check: Called while answers are missing; raises if they will not come.
 
     Raises:
         RunFailed: One of them does not.
@@ -141,7 +146,27 @@ def wait_for_answers(awaited: Mapping[RemoteNode, Future], executor: Executor) -
         for node in [node for node, answer in silent.items() if answer.done()]:
             del silent[node]
             node.waited_s += time.monotonic() - began
+        if silent:
+            check()
         return not silent
 
     if not spin_until(executor, all_have_answered, ANSWER_PATIENCE):
         raise RunFailed(f"{next(iter(silent)).name} stopped answering")
+
+
+def counted_by(
+    nodes: Iterable[RemoteNode], published: dict[str, TopicCount], patience: float = ANSWER_PATIENCE
+) -> dict[str, TopicCount]:
+    """Lets nodes go, and returns what was published with what the MetricsNodes among them received.
+
+    Args:
+        nodes: Are waited for no more.
+        published: By topic.
+        patience: How long [s] to wait for each answer.
+    """
+    topics = dict(published)
+    for node in nodes:
+        for topic, received in node.release(patience).items():
+            lost = max(topics[topic].lost, topics[topic].published - received)
+            topics[topic] = replace(topics[topic], received=received, lost=lost)
+    return topics
