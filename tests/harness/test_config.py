@@ -130,7 +130,10 @@ def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object
             "command timeout 0.049 s is not valid; give 0.05 or more",
         ),
         ({"driver": "cmd_vel", "cmd_vel_timeout": math.inf}, "command timeout inf s is not valid"),
-        ({"cmd_vel_timeout": 1.0}, "--cmd-vel-timeout is for --driver cmd_vel only; other drivers go on"),
+        (
+            {"cmd_vel_timeout": 1.0},
+            "--cmd-vel-timeout is for --driver cmd_vel only; other drivers go on",
+        ),
         ({"noise": "loud"}, "'loud' does not exist; available: white, hardware, gazebo"),
         ({"noise": ""}, "'' does not exist; available: white, hardware, gazebo"),
         ({"faults": ("imu:gone",)}, "gone"),
