@@ -56,7 +56,7 @@ def test_a_sum_has_the_standard_error_of_a_stratified_sample(
     members = [values[list(group)] for group in groups]
     error = math.sqrt(sum(len(group) * group.var(ddof=1) for group in members))
     assert found.value == pytest.approx(values.sum())
-    assert found.high - found.low == pytest.approx(2 * norm.ppf(0.975) * error, rel=0.08)
+    assert found.high - found.low == pytest.approx(2 * norm.ppf(0.975) * error, rel=0.045)
     assert (found.high + found.low) / 2 == pytest.approx(found.value, abs=0.25 * error)
 
 
