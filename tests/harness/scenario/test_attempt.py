@@ -200,6 +200,7 @@ def test_only_what_the_truth_cannot_say_takes_a_log_and_every_sensor(
 ) -> None:
     with_log = Mock(wraps=direct.run_direct)
     monkeypatch.setattr(USED, with_log)
+    monkeypatch.setattr("harness.scenario.attempt.keep_evidence", lambda *_: ())
     for number, (expect, more, logs) in enumerate(
         (
             ("{truth.hazard_contacts: {max: 1}}", "", False),

@@ -111,6 +111,7 @@ def test_runs_without_a_value_are_left_out_with_their_partners(make_cases: MakeC
 )
 def test_a_title_says_what_of_a_quantity_is_compared(bound: dict[str, object], title: str) -> None:
     assert title_of("q", Bound.model_validate(bound)) == title
+    assert title_of("topic./scan.count", Bound(min=1, window=(0, 2))) == "topic./scan.count, 0 to 2 s"
 
 
 def rows_of(several: Sequence[Comparisons]) -> list[dict[str, str]]:
