@@ -131,6 +131,12 @@ def test_csv_and_json_have_every_number(make_cases: MakeCases) -> None:
         "3.0",
         "True",
     }
+    for row, name, middle in (
+        (second, "difference", 1.0),
+        (second, "mean", 3.0),
+        (passed, "mean", 2 / 3),
+    ):
+        assert float(row[f"{name}_low"]) < middle < float(row[f"{name}_high"])
     assert second["driver"] == second["limit_min"] == ""
     assert (last["scenario"], last["n"], last["mean"]) == ("'=alone", "0", "")
     read = json.loads(json_of(several))

@@ -163,6 +163,7 @@ def test_a_suite_that_was_stopped_goes_on_if_nothing_has_changed(
         with pytest.raises(Interrupted, match=stopped):
             run(Ending(Interrupted(signal.SIGINT), 2))
         (unfinished,) = out.iterdir()
+        assert len(unfinished.read_text().splitlines()) == 3  # what the suite is, and two runs
         return unfinished
 
     whole, _ = run(Backwards())
@@ -184,6 +185,7 @@ def test_a_suite_that_was_stopped_goes_on_if_nothing_has_changed(
         unfinished = stop()
         change(unfinished)
         assert run(Backwards(), resume=True) == (whole, left), left
+    stop()
     stop()
     assert run(Backwards()) == (whole, [0, 1, 2])
     out.touch()
