@@ -44,8 +44,8 @@ class Case:
     @property
     def name(self) -> str:
         """Returns e.g. "kerb[leo-rocky-3]": the scenario, the values of its matrix, the seed."""
-        values = [*_texts(self.cell), str(self.config.seed)]
-        return f"{scenario_name(self.path)}[{'-'.join(values)}]"
+        values = [Path(str(value)).name for _, value in self.cell]
+        return f"{scenario_name(self.path)}[{'-'.join([*values, str(self.config.seed)])}]"
 
     @property
     def command(self) -> str:
@@ -72,11 +72,7 @@ class Case:
 
 def cell_name(cell: Cell) -> str:
     """Returns what the runs of a cell have in common, e.g. "leo, gravel, 0.5"."""
-    return ", ".join(_texts(cell))
-
-
-def _texts(cell: Cell) -> list[str]:
-    return [Path(str(value)).name for _, value in cell]
+    return ", ".join(f"no {name}" if value is None else Path(str(value)).name for name, value in cell)
 
 
 def scenario_name(path: Path) -> str:

@@ -4,6 +4,7 @@ import csv
 import json
 from collections.abc import Iterator, Sequence
 from io import StringIO
+from itertools import compress
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
@@ -17,7 +18,7 @@ from harness.scenario.case import scenario_name
 from harness.scenario.comparison import Cell, Compared, Comparisons, Row
 from harness.scenario.spec import Matrix
 from harness.scenario.verdict import outcome_of, reasons_of
-from rover_metrics.analysis.tables.sheets import interval_text, number, probability
+from rover_metrics.analysis.tables.sheets import NONE, interval_text, number, probability
 from rover_metrics.log.csv_log import harmless
 from rover_metrics.log.files import json_safe
 
@@ -30,8 +31,8 @@ HOW = (
     "U, where both cells drove in the same worlds exact sign flips or Wilcoxon, run by run; "
     "Holm: adjusted for all comparisons of the scenario."
 )
+SPARE, WIDE = ("difference", "delta"), 100  # what terminals with fewer columns leave out
 PASSED = "passed"
-NONE = "-"
 
 
 def passed_texts(compared: Comparisons) -> Texts:
@@ -67,12 +68,16 @@ def _texts(row: Row) -> tuple[str, ...]:
     )
 
 
-def printable(compared: Comparisons) -> Iterator[Table | Text]:
-    """Yields the tables of a scenario for a terminal."""
+def printable(compared: Comparisons, width: int) -> Iterator[Table]:
+    """Yields the tables of a scenario for a terminal of so many columns; a narrow one is shown less."""
     name = scenario_name(compared.verdict.path)
     yield _table(f"{name}: {PASSED}", passed_texts(compared))
     for quantity in compared.quantities:
-        yield _table(f"{name}: {quantity.heading}", quantity_texts(quantity))
+        texts = quantity_texts(quantity)
+        if width < WIDE:
+            shown = [head not in SPARE for head in HEAD]
+            texts = [tuple(compress(row, shown)) for row in texts]
+        yield _table(f"{name}: {quantity.heading}", texts)
 
 
 def _table(title: str, texts: Texts) -> Table:
