@@ -105,11 +105,12 @@ def json_of(several: Sequence[Comparisons]) -> str:
 
 
 def _records(compared: Comparisons) -> Iterator[dict[str, Any]]:
-    name = scenario_name(compared.verdict.path)
+    path = compared.verdict.path
+    scenario = {"scenario": scenario_name(path), "file": str(path)}
     for cell in compared.cells:
         low, high = cell.interval
         yield {
-            "scenario": name,
+            **scenario,
             **_values(cell.values),
             "quantity": PASSED,
             "unit": "",
@@ -120,8 +121,8 @@ def _records(compared: Comparisons) -> Iterator[dict[str, Any]]:
         }
     for quantity in compared.quantities:
         for row in quantity.rows:
-            about = {"scenario": name, **_values(row.cell.values), "quantity": quantity.title}
-            yield about | {"unit": quantity.unit, **_numbers(quantity, row)}
+            about = {"quantity": quantity.title, "unit": quantity.unit}
+            yield scenario | _values(row.cell.values) | about | _numbers(quantity, row)
 
 
 def _numbers(quantity: Compared, row: Row) -> dict[str, Any]:
@@ -133,7 +134,7 @@ def _numbers(quantity: Compared, row: Row) -> dict[str, Any]:
     low, high = (difference and difference.interval) or (None, None)
     own = ("difference", "hedges_g", "cliffs_delta", "test", "paired", "p", "p_holm")
     compared = {name: getattr(difference, name) if difference else None for name in own}
-    return numbers | {"difference": None, "difference_low": low, "difference_high": high} | compared
+    return numbers | compared | {"difference_low": low, "difference_high": high}
 
 
 def _values(values: Values) -> dict[str, Any]:
