@@ -8,6 +8,7 @@ import pytest
 
 from harness.run import main
 from tests.support.browser import NEEDS_CHROMIUM, Visit, drag, wait_for, x_range
+from tests.support.once import made_once
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -18,10 +19,14 @@ pytestmark = NEEDS_CHROMIUM
 @pytest.fixture(scope="module")
 def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The report of a run that ends at a wall of the maze."""
-    folder = tmp_path_factory.mktemp("report")
-    words = ["--direct", "--terrain", "maze", "--driver", "straight", "--duration", "22"]
-    assert main([*words, "--log-dir", str(folder), "--report", str(folder / "report.html")]) == 0
-    return folder / "report.html"
+    file = tmp_path_factory.mktemp("report") / "report.html"
+
+    def make() -> Path:
+        words = ["--direct", "--terrain", "maze", "--driver", "straight", "--duration", "22"]
+        assert main([*words, "--log-dir", str(file.parent), "--report", str(file)]) == 0
+        return file
+
+    return made_once(tmp_path_factory, "run_report", make)
 
 
 @pytest.fixture(scope="module")

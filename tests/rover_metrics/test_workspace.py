@@ -16,6 +16,7 @@ import pytest
 from rover_metrics.log.session_record import SessionEnd, session_end
 from tests.rover_metrics.test_replay import drive, write_mcap
 from tests.support.dependencies import depended_on, hide_all_but, told_to_install
+from tests.support.once import made_once
 from tests.support.waiting import wait_until
 
 PACKAGE = Path(__file__).parents[2] / "rover_metrics"
@@ -34,8 +35,12 @@ def environment() -> dict[str, str]:
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The package in src/, built."""
-    assert COLCON is not None
     folder = tmp_path_factory.mktemp("workspace")
+    return made_once(tmp_path_factory, "workspace", lambda: built(folder))
+
+
+def built(folder: Path) -> Path:
+    assert COLCON is not None
     ignored = shutil.ignore_patterns("__pycache__", "*.egg-info", "build")
     shutil.copytree(PACKAGE, folder / "src/rover_metrics", ignore=ignored)
     command = [COLCON, "build", "--packages-select", "rover_metrics"]
