@@ -132,6 +132,7 @@ class ScenarioTrial(Trial):
         Returns:
             What it has put there, the page first.
         """
+        self._failure = self._failure or reason
         result = self._ended() if self._findings is None else self._findings.result
         recording = self._recording.end()
         more = [] if recording is None else [recording]
@@ -189,7 +190,9 @@ class ScenarioTrial(Trial):
         self._bridge.get_logger().set_level(LoggingSeverity.WARN)  # one of many runs
         commands = self._bridge.commands
         spin_until(self._executor, commands.look_around, DISCOVERY_PATIENCE)
-        self._hearing = Hearing(self._bridge, self._wanted(), self._now, self._recording.hear)
+        inputs = {bound.of for _, bound in self.case.scenario.bounds if bound.of is not None}
+        hear, wanted = self._recording.hear, self._wanted()
+        self._hearing = Hearing(self._bridge, wanted, inputs, now=self._now, record=hear)
         self._hearing.look_around()
         self._renew()
         if not self._subjects:  # what is published here is heard when somebody has answered after it
@@ -213,7 +216,7 @@ class ScenarioTrial(Trial):
             absent = [name for name in named if name not in self._nodes()]
             return absent + ["a node"] * (others - len(unnamed()))
 
-        self._await(lambda: not missing() or any(process.has_ended for process in self._processes))
+        self._await(lambda: not missing())
         if missing():
             running = ", ".join(sorted(self._nodes())) or "none"
             patience = f"{missing()[0]} has not turned up within {START_PATIENCE:g} s"
@@ -222,14 +225,12 @@ class ScenarioTrial(Trial):
             self._keep_in_step(name)
 
     def _wanted(self) -> dict[str, list[TopicQuantity]]:
-        """What is expected of each topic; the inputs of latencies are heard too."""
+        """What is expected of each topic."""
         wanted: dict[str, list[TopicQuantity]] = {}
-        for name, bound in self.case.scenario.bounds:
+        for name in self.case.scenario.expect:
             quantity = topic_quantity(name)
             if quantity is not None:
                 wanted.setdefault(quantity.topic, []).append(quantity)
-            if bound.of is not None:
-                wanted.setdefault(bound.of, [])
         return wanted
 
     def _now(self) -> tuple[int, int]:

@@ -33,7 +33,6 @@ def test_stop_ends_all_that_a_program_has_started_also_where_signals_are_blocked
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
     wait_until((tmp_path / "said").read_text)
-    assert not process.has_ended
     process.check()
     process.stop()
     assert process._process.returncode == -signal.SIGINT
