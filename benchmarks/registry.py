@@ -39,6 +39,7 @@ BENCHMARKS = {
         Benchmark("lockstep", "lock-step in one process and across two: speed, messages, losses"),
         Benchmark("obstacles", "steps per second against the number of obstacles"),
         Benchmark("tuning", "episodes of a threshold sweep: speed with one process and with two"),
+        Benchmark("scenarios", "runs of scenarios per minute, and against physics alone"),
         Benchmark("start", "from the command to the first CSV row"),
         Benchmark("memory", "growth over a simulated hour", takes_minutes=True),
     )

@@ -35,7 +35,7 @@ def measure(effort: Effort) -> Table:
 
 
 def _rows(config: EpisodeConfig, effort: Effort) -> list[tuple[str, ...]]:
-    commands = _recorded(config)
+    commands = recorded(config)
     lost: list[int] = []
 
     def through_ros() -> float:
@@ -48,7 +48,7 @@ def _rows(config: EpisodeConfig, effort: Effort) -> list[tuple[str, ...]]:
             return through_ros()
 
     ways = {
-        PHYSICS: lambda: _physics(config, commands),
+        PHYSICS: lambda: physics(config, commands),
         EPISODE: lambda: _episode(config),
         ROS: through_ros,
         WITHOUT_TF: without_transforms,
@@ -71,8 +71,8 @@ def _rows(config: EpisodeConfig, effort: Effort) -> list[tuple[str, ...]]:
     ]
 
 
-def _recorded(config: EpisodeConfig) -> Commands:
-    """The wheel commands of an episode, tick by tick."""
+def recorded(config: EpisodeConfig) -> Commands:
+    """Returns the wheel commands of an episode, tick by tick."""
     simulation = (episode := Episode(config)).simulation
     with patch.object(simulation, "command_wheels", wraps=simulation.command_wheels) as spy:
         for _ in episode.batches():
@@ -80,8 +80,8 @@ def _recorded(config: EpisodeConfig) -> Commands:
     return [call.args[0] for call in spy.call_args_list]
 
 
-def _physics(config: EpisodeConfig, commands: Commands) -> float:
-    """Wall time [s] of mj_step alone under these commands: the same contacts, the same path."""
+def physics(config: EpisodeConfig, commands: Commands) -> float:
+    """Returns the wall time [s] of mj_step alone under these commands: same contacts, same path."""
     simulation = Episode(config).simulation
     start = time.perf_counter()
     for speeds in commands:

@@ -1,11 +1,11 @@
-"""A run without ROS: the same samples straight into the MetricsSession, the same CSV bytes.
+"""Runs without ROS: with a log, the same CSV bytes; without, for whoever asks for the truth alone.
 
 For machines without rclpy and for speed. What the MetricsNode's callbacks take from a message is taken
 from the sample, in the same order: a tick's samples first, then the row if a second is full.
 """
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from datetime import datetime
@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Self
 
 from harness.config import EpisodeConfig, RosOptions
+from harness.drivers import LOOKING
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.loop import Observer, Pacer, drive
@@ -22,6 +23,7 @@ from harness.errors import RunFailed, UsageError
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.interrupt import StopRequest
+from harness.samples import LaserScan, Sample, Tick
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.errors import LogError
 from rover_metrics.extended.settings import Settings
@@ -58,16 +60,8 @@ def run_direct(
     begun = RunResult(config=config, mode="direct, no ROS", info=episode.info)
     with LoggedRun(begun, options.log_dir, settings, started=started, show=show) as logged:
         faults = FaultInjector(parse_faults(config.faults), config.seed)
-        failure, interrupted = None, None
-        try:
-            with stop.deferred():
-                pacer, watching = Pacer(options.rate, sleep=stop.sleep), (*observers, logged)
-                for tick in drive(episode.batches(), faults, logged.advance, watching, stop):
-                    pacer.wait_until(tick.stamp_ns)
-            interrupted = stop.name
-        except (RunFailed, LogError) as error:
-            failure = str(error)
-        return logged.ended(failure, interrupted)
+        ticks = drive(episode.batches(), faults, logged.advance, (*observers, logged), stop)
+        return logged.ended(*_driven(ticks, Pacer(options.rate, sleep=stop.sleep), stop))
 
 
 class LoggedRun:
@@ -131,6 +125,44 @@ class LoggedRun:
         result = self._account.ended(failure=failure, interrupted=interrupted)
         last_row, thresholds = cells_of(self._metrics.last_row), self._settings.thresholds
         return replace(result, last_row=last_row, thresholds=thresholds)
+
+
+def run_unlogged(
+    config: EpisodeConfig, stop: StopRequest, samples: set[type[Sample]], observers: Sequence[Observer]
+) -> RunResult:
+    """Runs an episode with nothing but what its observers want; the truth is that of `run_direct`.
+
+    No sample goes anywhere else, so faults have nothing to act on.
+
+    Args:
+        config: What to run.
+        stop: Ends the run early.
+        samples: What the observers want; the driver gets its scans all the same.
+        observers: See every batch.
+
+    Raises:
+        UsageError: The arguments are not valid.
+    """
+    started = time.monotonic()
+    scans = {LaserScan} if config.driver in LOOKING else set()
+    episode = Episode(config, samples=samples | scans)
+    begun = RunResult(config=config, mode="without a log", info=episode.info)
+    account = RunAccount(begun, started, None, dict, int)
+    faults = FaultInjector((), config.seed)
+    ticks = drive(episode.batches(), faults, lambda *_: None, (*observers, account), stop)
+    failure, interrupted = _driven(ticks, Pacer(None), stop)
+    return account.ended(failure=failure, interrupted=interrupted)
+
+
+def _driven(ticks: Iterator[Tick], pacer: Pacer, stop: StopRequest) -> tuple[str | None, str | None]:
+    """Why a drive ended early, if it did: its failure, and the signal that stopped it."""
+    try:
+        with stop.deferred():
+            for tick in ticks:
+                pacer.wait_until(tick.stamp_ns)
+    except (RunFailed, LogError) as error:
+        return str(error), None
+    return None, stop.name
 
 
 def _mark(log: CsvLog, outcome: Outcome | None) -> None:

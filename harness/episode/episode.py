@@ -5,7 +5,7 @@ in batches of one control period, either in this process or through harness.epis
 """
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from functools import partial
 from operator import itemgetter
 
@@ -42,12 +42,19 @@ class Episode:
     Args:
         config: What determines it.
         frame_options: Which transforms are among its samples; None for none at all.
+        samples: Those that anybody wants, whatever drives the rover included; None for all. The drive
+            is the same without the others.
 
     Attributes:
         description: What the transforms are of; None without them.
     """
 
-    def __init__(self, config: EpisodeConfig, frame_options: FrameOptions | None = None) -> None:
+    def __init__(
+        self,
+        config: EpisodeConfig,
+        frame_options: FrameOptions | None = None,
+        samples: Collection[type[Sample]] | None = None,
+    ) -> None:
         config.validate()
         config.check_world()
         self.config = config
@@ -83,7 +90,8 @@ class Episode:
             parts |= {"frames": frames, "frame_options": frame_options}
         rates: dict[type[Sample], int] = {Imu: config.imu_rate}
         for row in table.SENSORS:
-            if parts.keys() >= set(row.parts):
+            wanted = samples is None or row.sample in samples
+            if wanted and parts.keys() >= set(row.parts):
                 sensors[row.sample] = row.make(parts, rates.get(row.sample, row.rate_on(rover)))
         self._sensors = tuple(sensors.values())
         # Periods divide a second: what is due in one is due in each.

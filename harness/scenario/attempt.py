@@ -5,13 +5,15 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from harness.config import RosOptions
-from harness.episode.direct import run_direct
+from harness.episode.direct import run_direct, run_unlogged
 from harness.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.interrupt import Interrupted, StopRequest
 from harness.scenario.baseline import Recorded
 from harness.scenario.case import Case
 from harness.scenario.evidence import keep_evidence
-from harness.scenario.watch import Findings, Watch
+from harness.scenario.quantities import QUANTITIES
+from harness.scenario.series import SAMPLES
+from harness.scenario.watch import Findings, Measured, Watch
 
 SCRATCH = "rover-scenario-"
 
@@ -28,6 +30,7 @@ class Attempt:
         model_hash: Of the rover's model; likewise `terrain_hash`.
         recorded: What a baseline keeps of it; None if it has none.
         kept: What is left of a run that did not pass.
+        measured: What each bound of the scenario compares, in their order; nothing if it could not run.
     """
 
     case: Case
@@ -39,6 +42,7 @@ class Attempt:
     terrain_hash: str = ""
     recorded: Recorded | None = None
     kept: tuple[Path, ...] = ()
+    measured: tuple[Measured, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -69,12 +73,25 @@ def attempt(case: Case, folder: Path, *, compare: bool = True, scratch: Path | N
 
 
 def _direct(case: Case, folder: Path, compare: bool, own: Path) -> Attempt:
+    if _is_of_truth(case):
+        watch = Watch(case)
+        result = run_unlogged(case.config, StopRequest(), SAMPLES, (watch.truth,))
+        found = watch.judged(result, {})
+        if not found.breaches:
+            return _attempted(case, found, ())
+        # What is left of a run that fails takes all sensors: the same drive once more.
     watch = Watch(case, compare=compare)
     options = RosOptions(log_dir=own)
     result = run_direct(case.config, options, StopRequest(), None, (watch,), watch.settings)
     found = watch.judged(result, {})
     kept = keep_evidence(result, watch.page, folder, found.breaches[0]) if found.breaches else ()
     return _attempted(case, found, kept)
+
+
+def _is_of_truth(case: Case) -> bool:
+    """Whether the truth alone can say that a run passes: that takes neither a log nor every sensor."""
+    only_truth = all(name in QUANTITIES for name in case.scenario.expect)
+    return only_truth and not case.scenario.has_baseline and case.expected_failure is None
 
 
 def _through_ros(case: Case, folder: Path, compare: bool, own: Path) -> Attempt:
@@ -105,4 +122,5 @@ def _attempted(case: Case, found: Findings, kept: tuple[Path, ...]) -> Attempt:
         terrain_hash=info.terrain_hash if info else "",
         recorded=found.recorded,
         kept=kept,
+        measured=found.measured,
     )

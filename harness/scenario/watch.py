@@ -21,11 +21,24 @@ from harness.scenario.baseline import (
 )
 from harness.scenario.case import Case
 from harness.scenario.contact import contact_of
-from harness.scenario.judge import judge, judge_against
+from harness.scenario.judge import judge, judge_against, value_of
 from harness.scenario.quantities import LOG, QUANTITIES, RUN
 from harness.scenario.series import Series, TruthSeries
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.extended.settings import Settings
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a quantity came to in a run: what its bound compares.
+
+    Attributes:
+        value: In `unit`; None where there was none.
+        unit: Empty for counts, flags and columns of the log.
+    """
+
+    value: float | None
+    unit: str = ""
 
 
 @dataclass(frozen=True)
@@ -35,11 +48,13 @@ class Findings:
     Attributes:
         result: The run.
         breaches: What was not as expected, in the order of the file.
+        measured: What each bound compares, in the same order.
         recorded: What a baseline keeps of it; None if it has none.
     """
 
     result: RunResult
     breaches: tuple[str, ...]
+    measured: tuple[Measured, ...]
     recorded: Recorded | None
 
 
@@ -51,6 +66,7 @@ class Watch:
         compare: Whether it is compared with its baseline, if it has one.
 
     Attributes:
+        truth: Its quantities of the truth; an Observer of its own.
         page: What a page shows of it.
 
     Raises:
@@ -61,7 +77,7 @@ class Watch:
         self._case, goal = case, case.scenario.goal
         self._baseline = read_baseline(case) if case.scenario.has_baseline and compare else None
         names = [name for name in case.scenario.expect if name in QUANTITIES]
-        self._truth = TruthSeries(names, None if goal is None else (*goal.at, goal.radius))
+        self.truth = TruthSeries(names, None if goal is None else (*goal.at, goal.radius))
         self.page = RunRecorder()
 
     @property
@@ -75,7 +91,7 @@ class Watch:
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""
-        self._truth.take(batch)
+        self.truth.take(batch)
         self.page.take(batch)
 
     def judged(self, result: RunResult, heard: Mapping[str, Series]) -> Findings:
@@ -88,12 +104,18 @@ class Watch:
         Raises:
             UsageError: Its baseline is of another version, model, terrain or argument.
         """
-        series = {**self._truth.series(), **_logged(result), **_of_the_run(result), **heard}
+        series = {**self.truth.series(), **_logged(result), **_of_the_run(result), **heard}
         has_baseline = self._case.scenario.has_baseline
         recorded = record(self._case, result, series) if has_baseline else None
         if self._baseline is not None and recorded is not None:
             check_comparable(recorded, self._baseline)
-        return Findings(result, tuple(self._breaches(result, series, recorded)), recorded)
+        measured = (
+            Measured(value_of(bound, one), "" if bound.share else one.unit)
+            for name, bound in self._case.scenario.bounds
+            for one in [series[bound.label(name)]]
+        )
+        breaches = tuple(self._breaches(result, series, recorded))
+        return Findings(result, breaches, tuple(measured), recorded)
 
     def _breaches(
         self, result: RunResult, series: Mapping[str, Series], recorded: Recorded | None

@@ -58,6 +58,29 @@ def test_a_breach_is_told_in_a_line_with_the_worst_value(
 
 
 @pytest.mark.parametrize(
+    ("bound", "values", "expected"),
+    [
+        (Bound(max=2), (1, 3, 2.5), 3),
+        (Bound(max=9), (1, 3, 2.5), 3),
+        (Bound(min=2), (3, 1, 2.5), 1),
+        (Bound(min=0, max=10), (3, 6, 4), 3),
+        (Bound(min=0, max=10), (5, 8, 4), 8),
+        (Bound(min=0, max=10), (-1, 12), 12),
+        (Bound(min=0, max=10), (-3, 12), -3),
+        (Bound(max=2, window=(1, 2)), (1, 2, 3), 2),
+        (Bound(max=2, over="share", share=0.9), (1, 2, 3, 4, 5), 0.4),
+        (Bound(min=2, max=3, over="share", share=0.9), (1, 2, NAN, 3, 9), 0.5),
+        (Bound(max=2), (NAN,), None),
+        (Bound(max=2), (1, INF), None),
+    ],
+)
+def test_the_value_of_a_run_is_the_one_that_its_bound_is_about(
+    bound: Bound, values: tuple[float, ...], expected: float | None
+) -> None:
+    assert value_of(bound, series(*values)) == expected
+
+
+@pytest.mark.parametrize(
     ("bound", "told"),
     [
         (Bound(min=3, max=3), None),
