@@ -86,7 +86,8 @@ def test_what_a_node_does_is_judged_beside_the_truth(make_cases: MakeCases) -> N
   topic./scn.count: {max: 0}
   topic./odom_ground_truth.twist.twist.linear.x: {max: 0.1}
 """
-    more = "events: [{at: 0, fault: 'scan:latency=0.1'}, {at: 0, fault: 'imu:latency=0.2'}, {at: 1, pause: 0.5}]"
+    faults = "{at: 0, fault: 'scan:latency=0.1'}, {at: 0, fault: 'imu:latency=0.2'}"
+    more = f"events: [{faults}, {{at: 1, pause: 0.5}}]"
     found = run(make_cases, expect, more)
     assert found[0] == "topic./scn.count: topic '/scn' does not exist; did you mean '/scan'?"
     assert found[1].startswith("topic./odom_ground_truth.twist.twist.linear.x: 0.39")
