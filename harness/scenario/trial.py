@@ -63,7 +63,7 @@ class ScenarioTrial(Trial):
         UsageError: There is no baseline of it.
     """
 
-    CMD_VEL = "auto"
+    CMD_VEL = "auto_twist"  # hosted nodes send Twist, as to every trial; others what they like
 
     def __init__(
         self,
@@ -186,15 +186,11 @@ class ScenarioTrial(Trial):
 
     def _start(self, at_end: ExitStack) -> None:
         super()._start(at_end)
-        self._await_nodes()
         self._bridge.get_logger().set_level(LoggingSeverity.WARN)  # one of many runs
-        commands = self._bridge.commands
-        spin_until(self._executor, commands.look_around, DISCOVERY_PATIENCE)
         inputs = {bound.of for _, bound in self.case.scenario.bounds if bound.of is not None}
         hear, wanted = self._recording.hear, self._wanted()
         self._hearing = Hearing(self._bridge, wanted, inputs, now=self._now, record=hear)
-        self._hearing.look_around()
-        self._renew()
+        self._await_nodes()
         if not self._subjects:  # what is published here is heard when somebody has answered after it
             self.host(lambda: rclpy.create_node("scenario", enable_rosout=False))
         mode = f"ROS 2, lock-step with {', '.join(subject.name for subject in self._subjects)}"
@@ -223,6 +219,15 @@ class ScenarioTrial(Trial):
             raise UsageError(f"launch: {patience}; running: {running}")
         for name in (*named, *unnamed()[:others]):
             self._keep_in_step(name)
+
+    def _keep_in_step(self, name: str, node: object = None) -> None:
+        """Hears what a node publishes from its first message on; see Trial."""
+        super()._keep_in_step(name, node)
+        commands = self._bridge.commands
+        before = commands.heard
+        spin_until(self._executor, commands.look_around, DISCOVERY_PATIENCE)
+        if self._hearing.look_around() or commands.heard != before:
+            self._renew()
 
     def _wanted(self) -> dict[str, list[TopicQuantity]]:
         """What is expected of each topic."""
