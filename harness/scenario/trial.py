@@ -132,7 +132,6 @@ class ScenarioTrial(Trial):
         Returns:
             What it has put there, the page first.
         """
-        self._failure = self._failure or reason
         result = self._ended() if self._findings is None else self._findings.result
         recording = self._recording.end()
         more = [] if recording is None else [recording]
