@@ -48,6 +48,8 @@ Written by `python -m benchmarks --write` and `make soak`: change benchmarks/rea
 - *lost* counts every published message that a callback did not handle, best-effort topics included. It
   must be 0.
 - The targets are those of this project's design, for 2 cores.
+- *Scenarios*: a run counts from the making of its world to its verdict. One whose expectations are of
+  the truth alone takes no log, and no scans but the driver's. Processes start within their own row.
 - *The soak* passes or fails; its speeds are a by-product. A lost message is one that the callbacks of
   some metrics node did not handle. "Bytes as without ROS": the log of each node against the one that
   `--direct` writes for the same drive with the same faults, on an undisturbed machine.

@@ -12,7 +12,8 @@ from tools.mutants.session import Trace
 
 SLOW = 3.0  # [s]; a slower test comes last
 BUDGET = 6.0  # [s] of quick tests for one mutant
-LAST_BUDGET = 15.0  # [s] of other tests, for one that has survived these; those that share its words first
+# [s] of other tests, for one that has survived these; first those that share its words
+LAST_BUDGET = 15.0
 LEAST = 1.0  # [s] that any test may take
 
 Timed = list[tuple[str, float]]  # tests and the seconds that each may take
