@@ -122,6 +122,7 @@ def test_the_state_of_a_topic_is_what_is_known_of_it(
     assert [state.is_silent for state in reception.states()] == [True]
     reception.arrived("/truth", None)
     assert reception.states()[1] == TopicState("/truth", 1, 0, 0, 0, False, 0)
+    assert TopicState("/new") == ("/new", 0, 0, 0, 0, False, 0)
 
 
 def test_a_topic_that_may_be_missing_is_missed_once_it_has_spoken(listener: Listener) -> None:
