@@ -224,13 +224,17 @@ class ScenarioTrial(Trial):
         """Hears what a node publishes from its first message on; see Trial."""
         super()._keep_in_step(name, node)
         if node is None:  # no answer of another process tells that all of its publishers are known here
-            look = self._bridge.get_topic_names_and_types
-            spin_until_quiet(self._executor, look, QUIET, DISCOVERY_PATIENCE)
+            spin_until_quiet(self._executor, self._publishers, QUIET, DISCOVERY_PATIENCE)
         commands = self._bridge.commands
         before = commands.heard
         spin_until(self._executor, commands.look_around, DISCOVERY_PATIENCE)
         if self._hearing.look_around() or commands.heard != before:
             self._renew()
+
+    def _publishers(self) -> list[tuple[str, int]]:
+        """How many publishers each topic is known to have."""
+        bridge = self._bridge
+        return [(t, bridge.count_publishers(t)) for t, _ in bridge.get_topic_names_and_types()]
 
     def _wanted(self) -> dict[str, list[TopicQuantity]]:
         """What is expected of each topic."""
