@@ -132,6 +132,14 @@ class Simulation:
             if any(counts.tolist()):
                 contacts.look()
         self.step_count += self.steps_per_tick
+        self.check()
+
+    def check(self) -> None:
+        """Checks the present state.
+
+        Raises:
+            RunFailed: It diverged, or the rover reached the edge of the map.
+        """
         self._check_health()
         self._check_edge()
 
