@@ -21,7 +21,7 @@ from harness.frames.transforms import describe
 from harness.physics.diff_drive import DiffDrive
 from harness.physics.scene import HAZARD_CONTACT, build_scene, model_hash
 from harness.physics.simulation import Simulation
-from harness.physics.start import check_start
+from harness.physics.start import check_room, check_start
 from harness.robots import find_rover
 from harness.samples import Imu, LaserScan, Place, Tick, Twist
 from harness.sensors.lidar import Lidar
@@ -62,6 +62,8 @@ class Episode:
             start=world.start,
             notes=world.notes,
         )
+        if config.start is not None:
+            check_room(scene)
         self.simulation = Simulation(scene, timestep_ns)
         if config.start is not None:
             check_start(scene, self.simulation.data)

@@ -39,21 +39,24 @@ class Leap:
         whatever else MuJoCo knows is that of the last one. All are to be consumed.
 
         Args:
-            wheel_speeds: Of each tick in the order of the rover's wheel joints [rad/s], shape (ticks, 4).
+            wheel_speeds: Of each tick in the order of the wheel joints [rad/s], shape (ticks, 4).
 
         Yields:
             The index of the tick, from 0.
 
         Raises:
-            RunFailed: As `Simulation.tick`, but not before the last tick.
+            RunFailed: As `Simulation.tick`, of the end of the last tick; none is shown then.
         """
         begin = 0
-        for _, alike in groupby(wheel_speeds.any(axis=1).tolist()):
+        for _, alike in groupby(map(any, wheel_speeds.tolist())):
             end = begin + len(list(alike))
             self._simulate(wheel_speeds, begin, end)  # parked all the time, or not at all
             begin = end
+        simulation, begun = self._simulation, self._simulation.step_count
+        simulation.step_count += self._ticks * simulation.steps_per_tick
+        simulation.check()
+        simulation.step_count = begun
         yield from self._show()
-        self._simulation.check()
 
     def _simulate(self, wheel_speeds: NDArray[np.float64], begin: int, end: int) -> None:
         simulation, per_tick = self._simulation, self._simulation.steps_per_tick

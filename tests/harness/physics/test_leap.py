@@ -12,8 +12,10 @@ from tests.harness.conftest import MakeSimulation
 
 WHOLE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
 POST = Obstacle(ObstacleKind.HAZARD, "box", (0.1, 0.4, 0.5), (0.42, 0.0, 0.5))
-# Rad/s of the left and right wheels, tick by tick: it stands, sets off, turns, and is parked within a leap.
-SPEEDS = np.array([(0, 0)] * 5 + [(0, 0), (1, 1), (2, 2), (3, 3), (4, 4)] + [(6, 6)] * 50 + [(4, -4)] * 8)
+# [rad/s] of left and right wheels, tick by tick: it stands, sets off, turns, is parked within a leap.
+SPEEDS = np.array(
+    [(0, 0)] * 5 + [(0, 0), (1, 1), (2, 2), (3, 3), (4, 4)] + [(6, 6)] * 50 + [(4, -4)] * 8
+)
 SPEEDS = np.vstack([SPEEDS, [(0, 0)] * 7])[:, [0, 0, 1, 1]].astype(float)
 
 
@@ -24,7 +26,9 @@ def state(simulation: Simulation) -> list[float]:
 
 
 @pytest.mark.parametrize("robot", ROVERS)
-def test_a_leap_gives_the_bits_that_single_ticks_give(make_simulation: MakeSimulation, robot: str) -> None:
+def test_a_leap_gives_the_bits_that_single_ticks_give(
+    make_simulation: MakeSimulation, robot: str
+) -> None:
     heights = np.random.default_rng(1).normal(0.0, 0.01, (41, 41))
     stepped, leaping = (make_simulation(robot, heights=heights, obstacles=(POST,)) for _ in range(2))
     leap, hazard, touched = Leap(leaping, 5), leaping.summed(HAZARD_CONTACT), 0

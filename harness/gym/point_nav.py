@@ -1,0 +1,141 @@
+"""RoverHarness/PointNav: to a point, by lidar, IMU and wheel odometry, without touching hazards."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import ClassVar
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from harness.errors import UsageError
+from harness.gym.env import FLIPPED, Info, RoverEnv
+from harness.gym.observation import point_nav_parts, point_nav_values, space_of
+from harness.gym.options import Options
+from harness.gym.ride import Ride
+from harness.robots import find_rover
+from harness.samples import Twist
+from harness.sensors.lidar_spec import LidarSpec
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointNavWeights:
+    """Weights of the reward's terms.
+
+    Attributes:
+        progress: Metres that the rover came nearer to the goal.
+        reached: 1 at the goal.
+        time: 1 in each step.
+        hazard: Seconds of contact with hazards.
+        scrape: Seconds in which anything but a wheel touched the ground.
+        flipped: 1 if the rover lies on its side or roof.
+        jerk: Change of the action, both components' magnitudes added.
+    """
+
+    progress: float = 1.0
+    reached: float = 10.0
+    time: float = -0.01
+    hazard: float = -10.0
+    scrape: float = -1.0
+    flipped: float = -10.0
+    jerk: float = -0.01
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointNavOptions(Options):
+    """What PointNav understands beside what all do.
+
+    Attributes:
+        goal_radius: Distance at which the goal counts as reached [m].
+        hazard_budget: Contact with hazards that ends an episode [s].
+        reward: Weights of the reward's terms.
+    """
+
+    goal_radius: float = 0.5
+    hazard_budget: float = 1.0
+    reward: PointNavWeights = field(default_factory=PointNavWeights)
+
+    def check(self) -> None:
+        """Checks what is PointNav's, too."""
+        super().check()
+        for name in ("goal_radius", "hazard_budget"):
+            value = getattr(self, name)
+            if not 0.0 < value < np.inf:
+                raise UsageError(f"{name} {value:g} is not valid; give a number above 0")
+
+
+class PointNavEnv(RoverEnv[PointNavOptions]):
+    """Drives to a goal that it is told the direction of; the action is speed and yaw rate."""
+
+    options_class = PointNavOptions
+    endings: ClassVar[Mapping[str, str]] = {
+        "reached": "terminated: within `goal_radius` of the goal",
+        "flipped": "terminated: tilted by more than 75 deg",
+        "hazard": "terminated: `hazard_budget` of contact with hazards is spent",
+        "edge": "truncated: half a metre from the edge of the map",
+        "diverged": "truncated: the physics blew up",
+        "time": "truncated: `time_limit` is over",
+    }
+
+    def __init__(self, render_mode: str | None = None, **options: object) -> None:
+        super().__init__(render_mode, **options)
+        lidar = LidarSpec(beams=self.options.lidar_beams)
+        self._range_max = lidar.range_max
+        self.parts = point_nav_parts(lidar.beams, lidar.range_max)
+        self.observation_space = space_of(self.parts)
+        self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
+        rover = find_rover(self.options.robot)
+        self._scale = rover.top_speed, rover.cruise_yaw_rate  # [m/s], [rad/s] at 1
+        self._weights = asdict(self.options.reward)
+
+    def _begin(self, ride: Ride) -> None:
+        self._distance = self._to_goal(ride)
+        self._hazard_s = self._jerk = 0.0
+        self._action = np.zeros(2)
+
+    def _twist(self, action: NDArray[np.float64]) -> Twist:
+        self._jerk = float(np.abs(action - self._action).sum())
+        self._action = action
+        speed, rate = action.tolist()
+        return Twist(speed * self._scale[0], rate * self._scale[1])
+
+    def _observe(self, ride: Ride) -> Mapping[str, object]:
+        return point_nav_values(ride.readings, self.goal, self._range_max)
+
+    def _judge(self, ride: Ride, failure: str) -> tuple[float, str, Info]:
+        before, distance = self._distance, self._to_goal(ride)
+        diverged = failure == "diverged"
+        self._distance = before if diverged else distance
+        hazard_s, scrape_s = (0.0, 0.0) if failure else (ride.hazard_s, ride.scrape_s)
+        self._hazard_s += hazard_s
+        ending = failure
+        if not diverged:
+            ending = self._ending(ride) or failure
+        measured = {
+            "progress": before - self._distance,
+            "reached": float(ending == "reached"),
+            "time": 1.0,
+            "hazard": hazard_s,
+            "scrape": scrape_s,
+            "flipped": float(ending == "flipped"),
+            "jerk": self._jerk,
+        }
+        terms = {name: weight * measured[name] for name, weight in self._weights.items()}
+        told = {
+            "distance": self._distance,
+            "hazard_s": self._hazard_s,
+            "is_success": ending == "reached",
+            "reward_terms": terms,
+        }
+        return sum(terms.values()), ending, told
+
+    def _ending(self, ride: Ride) -> str:
+        if ride.upright < FLIPPED:
+            return "flipped"
+        if self._hazard_s >= self.options.hazard_budget - 1e-9:  # a sum of hundredths
+            return "hazard"
+        return "reached" if self._distance < self.options.goal_radius else ""
+
+    def _to_goal(self, ride: Ride) -> float:
+        x, y, _ = ride.simulation.position
+        return float(np.hypot(self.goal[0] - x, self.goal[1] - y))
