@@ -53,7 +53,7 @@ def clipped(values: Mapping[str, object], space: spaces.Dict) -> Observation:
     """Returns an observation within its space: float32, in new arrays."""
     boxes = cast("Mapping[str, spaces.Box]", space.spaces)
     return {
-        name: np.clip(np.asarray(values[name], np.float32), box.low, box.high)
+        name: np.minimum(np.maximum(np.asarray(values[name], np.float32), box.low), box.high)
         for name, box in boxes.items()
     }
 
@@ -86,7 +86,7 @@ def visible(scan: LaserScan, farthest: float) -> NDArray[np.float32]:
         scan: REP-117 coded.
         farthest: What a miss becomes [m].
     """
-    return np.nan_to_num(scan.ranges, nan=farthest, posinf=farthest, neginf=0.0)
+    return np.fmax(np.fmin(scan.ranges, np.float32(farthest)), np.float32(0.0))  # fmin drops NaN
 
 
 def point_nav_parts(beams: int, range_max: float) -> dict[str, Part]:

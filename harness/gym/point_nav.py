@@ -1,5 +1,6 @@
 """RoverHarness/PointNav: to a point, by lidar, IMU and wheel odometry, without touching hazards."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import ClassVar
@@ -60,7 +61,7 @@ class PointNavOptions(Options):
         super().check()
         for name in ("goal_radius", "hazard_budget"):
             value = getattr(self, name)
-            if not 0.0 < value < np.inf:
+            if not 0.0 < value < math.inf:
                 raise UsageError(f"{name} {value:g} is not valid; give a number above 0")
 
 
@@ -91,12 +92,12 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
     def _begin(self, ride: Ride) -> None:
         self._distance = self._to_goal(ride)
         self._hazard_s = self._jerk = 0.0
-        self._action = np.zeros(2)
+        self._action: list[float] = [0.0, 0.0]
 
     def _twist(self, action: NDArray[np.float64]) -> Twist:
-        self._jerk = float(np.abs(action - self._action).sum())
-        self._action = action
-        speed, rate = action.tolist()
+        before, self._action = self._action, action.tolist()
+        speed, rate = self._action
+        self._jerk = abs(speed - before[0]) + abs(rate - before[1])
         return Twist(speed * self._scale[0], rate * self._scale[1])
 
     def _observe(self, ride: Ride) -> Mapping[str, object]:
@@ -138,4 +139,4 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
 
     def _to_goal(self, ride: Ride) -> float:
         x, y, _ = ride.simulation.position
-        return float(np.hypot(self.goal[0] - x, self.goal[1] - y))
+        return math.dist(self.goal, (x, y))

@@ -62,10 +62,9 @@ class Ride:
         noise = sensor_noise(replace(config, seed=noise_seed), course.lidar.spec)
         self._suite = SensorSuite(parts, scene.rover, {Imu: IMU_RATE}, wanted=SENSED, noise=noise)
         self._late: deque[Readings] = deque(maxlen=1 + variation.late_periods)
-        model = scene.model
-        self._hazard = self.simulation.summed(HAZARD_CONTACT)
-        names = [model.sensor(i).name for i in range(model.nsensor)]
-        self._scrapes = [self.simulation.summed(n) for n in names if n.startswith(SCRAPE_CONTACT)]
+        sensors = [scene.model.sensor(index) for index in range(scene.model.nsensor)]
+        self._hazard = int(scene.model.sensor(HAZARD_CONTACT).adr[0])
+        self._scrapes = [int(s.adr[0]) for s in sensors if s.name.startswith(SCRAPE_CONTACT)]
         self._ticks = 0
         self.hazard_s = self.scrape_s = 0.0
         self.readings: Readings = {}
@@ -82,8 +81,9 @@ class Ride:
         hazards = scrapes = 0
         for _ in self._leap.run(speeds):
             self._ticks += 1
-            hazards += bool(self._hazard[0])
-            scrapes += any(scrape[0] for scrape in self._scrapes)
+            counts = self.simulation.tick_sum.tolist()
+            hazards += counts[self._hazard] > 0
+            scrapes += any(counts[scrape] for scrape in self._scrapes)
             self._suite.tick(self._ticks)
         self.hazard_s, self.scrape_s = TICK * hazards, TICK * scrapes
         self._late.append(self._suite.latest.copy())

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from harness.drivers.base import CONTROL_PERIOD
 from harness.errors import UsageError
 from harness.gym.env import Info, RoverEnv
-from harness.gym.observation import Part, Point, attitude, latest, space_of, way_to
+from harness.gym.observation import Part, Point, attitude, latest, space_of, visible, way_to
 from harness.gym.options import Options, Range
 from harness.gym.ride import Ride
 from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
@@ -158,10 +158,10 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
         readings = ride.readings
         pose, twist = latest(readings, Pose), latest(readings, Odometry).twist
         roll, pitch, yaw = attitude(latest(readings, Imu).orientation)
-        nearest = FARTHEST if self._defects.nearest_is_farthest else 0.0
-        ranges = np.nan_to_num(
-            latest(readings, LaserScan).ranges, nan=FARTHEST, posinf=FARTHEST, neginf=nearest
-        )
+        scan = latest(readings, LaserScan)
+        ranges = visible(scan, FARTHEST)
+        if self._defects.nearest_is_farthest:
+            ranges[np.isneginf(scan.ranges)] = FARTHEST
         self._pose, self._roll, self._pitch, self._twist_now = pose, roll, pitch, twist
         lidar = ranges.reshape(SEGMENTS, -1).min(axis=1)
         self._nearest = float(lidar.min())

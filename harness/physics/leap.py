@@ -61,10 +61,10 @@ class Leap:
     def _simulate(self, wheel_speeds: NDArray[np.float64], begin: int, end: int) -> None:
         simulation, per_tick = self._simulation, self._simulation.steps_per_tick
         model, data = simulation.model, simulation.data
-        for tick in range(begin, end):
-            simulation.command_wheels(wheel_speeds[tick])
-            self._controls[0, tick * per_tick : (tick + 1) * per_tick] = data.ctrl
+        simulation.command_wheels(wheel_speeds[begin])
         steps = slice(begin * per_tick, end * per_tick)
+        self._controls[0, steps] = data.ctrl
+        self._controls[0, steps, simulation.wheels] = wheel_speeds[begin:end].repeat(per_tick, axis=0).T
         mujoco.mj_getState(model, data, self._begin[0], STATE)
         self._warm_start[0] = data.qacc_warmstart
         self._rollout.rollout(
@@ -84,10 +84,9 @@ class Leap:
         simulation, per_tick = self._simulation, self._simulation.steps_per_tick
         qpos, qvel = simulation.data.qpos, simulation.data.qvel
         ends = self._states[0, per_tick - 1 :: per_tick, 1 : 1 + qpos.size + qvel.size]  # after the time
-        steps = self._sensors[0].reshape(self._ticks, per_tick, -1)
-        sums = steps[:, 0].copy()
-        for step in range(1, per_tick):  # in the order in which `Simulation.tick` adds them
-            sums += steps[:, step]
+        sums = (
+            self._sensors[0].reshape(self._ticks, per_tick, -1).sum(axis=1)
+        )  # one step after the other
         for tick in range(self._ticks):
             qpos[:], qvel[:] = ends[tick, : qpos.size], ends[tick, qpos.size :]
             simulation.tick_sum[:] = sums[tick]

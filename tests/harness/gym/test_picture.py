@@ -52,7 +52,7 @@ def test_without_opengl_or_display_the_mend_is_told(make: Make, monkeypatch: pyt
     monkeypatch.setattr(picture, "CONTEXTS", ("mujoco.nothing",))
     with pytest.raises(UsageError, match="'rgb_array' needs OpenGL; install"):
         env.render()
-    monkeypatch.setattr(picture.sys, "platform", "linux")
+    monkeypatch.setattr("sys.platform", "linux")
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     with pytest.raises(UsageError, match="'human' needs a display; use render_mode 'rgb_array'"):
@@ -64,6 +64,7 @@ def test_a_window_is_shown_each_step_and_opened_anew_in_a_new_world(
 ) -> None:
     monkeypatch.setenv("DISPLAY", ":0")
     viewer = Mock()
+    monkeypatch.setattr(picture, "dress", lambda *_, **__: None)  # slow, and nobody looks
     monkeypatch.setattr(picture, "import_module", lambda _: viewer)
     env = make(render_mode="human")
     env.reset(seed=0)

@@ -17,8 +17,8 @@ LEVEL = (0.0, 0.0, 0.0, 1.0)
 
 def expected_reward(before: dict[str, Any], now: dict[str, Any]) -> float:
     """RoboTerrain's reward, of two observations with the goal in the same place."""
-    (last, _), (distance, bearing) = before["target"].tolist(), now["target"].tolist()
-    v, w = now["velocities"].tolist()
+    last, (distance, bearing) = float(before["target"][0]), map(float, now["target"])
+    v, w = map(float, now["velocities"])
     if distance < 0.5:
         return 100.0
     if now["lidar"].min() < 0.3:
@@ -47,7 +47,9 @@ def test_the_reward_is_robo_terrains_of_what_is_observed(make: Make, stale: bool
 def test_a_goal_is_worth_a_hundred_and_another_one_follows(make: Make) -> None:
     env = make("RoboTerrain")
     env.reset(seed=1, options={**MIDDLE, "goal": (0.6, 0.0)})
-    seen, rewards, goals = {}, [], [env.goal]
+    seen: dict[str, Any] = {}
+    rewards: list[float] = []
+    goals = [env.goal]
     while not rewards or rewards[-1] < 50.0:
         seen, reward, terminated, truncated, info = env.step(AHEAD)
         rewards.append(reward)
