@@ -20,7 +20,12 @@ COUNTS = (1, 4, 16, 64)
 ON_TWO = 16  # environments on two processors
 SLOW = 1.0 / 1.25  # of what physics alone does, a vector at least
 WHERE = {"goal": (15.0, 15.0)}  # far away: no episode ends
-PLAIN = {"random_start": False, "time_limit": 1e6, "hazard_budget": 1e6, "episodes_per_world": 10**6}
+PLAIN: dict[str, Any] = {
+    "random_start": False,
+    "time_limit": 1e6,
+    "hazard_budget": 1e6,
+    "episodes_per_world": 10**6,
+}
 
 
 def measure(effort: Effort) -> Table:
@@ -108,7 +113,7 @@ def _driving(env: Any, actions: NDArray[np.float32]) -> Callable[[], float]:  # 
 
 def _vector(robot: str, count: int, threads: int, actions: NDArray[np.float32]) -> Callable[[], float]:
     """All in the same place with the same actions, so that their physics costs what that of one does."""
-    envs = gymnasium.make_vec(ID, num_envs=count, threads=threads, robot=robot, **PLAIN)  # type: ignore[arg-type]
+    envs: Any = gymnasium.make_vec(ID, num_envs=count, threads=threads, robot=robot, **PLAIN)
     envs.reset(seed=[0] * count)
     all_actions = np.repeat(actions[:, None], count, axis=1)
 

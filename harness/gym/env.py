@@ -19,7 +19,7 @@ from harness.drivers.base import CONTROL_PERIOD
 from harness.errors import Diverged, RunFailed, UsageError, unknown
 from harness.gym.course import Course, draw_variation
 from harness.gym.difficulty import Ladder
-from harness.gym.observation import Observation, clipped
+from harness.gym.observation import Observation, Part, clipped
 from harness.gym.options import Options, parse_options
 from harness.gym.picture import Painter
 from harness.gym.ride import Ride
@@ -49,6 +49,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
     Attributes:
         options: As they are understood.
         goal: Where to drive in the world [m].
+        parts: Of the observation.
 
     Raises:
         UsageError: An option does not exist or is not valid.
@@ -60,6 +61,8 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
     }
     options_class: ClassVar[type[Options]]
     endings: ClassVar[Mapping[str, str]]  # by name: what it is, and whether it terminates or truncates
+    actions: tuple[str, str]  # what the two numbers of an action are
+    parts: Mapping[str, Part]
     observation_space: spaces.Dict  # type: ignore[assignment]  # gymnasium's are generic
     action_space: spaces.Box  # type: ignore[assignment]
 

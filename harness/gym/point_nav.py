@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from harness.errors import UsageError
 from harness.gym.env import FLIPPED, Info, RoverEnv
-from harness.gym.observation import point_nav_parts, point_nav_values, space_of
+from harness.gym.observation import Part, point_nav_parts, point_nav_values, space_of
 from harness.gym.options import Options
 from harness.gym.ride import Ride
 from harness.robots import find_rover
@@ -82,11 +82,15 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
         super().__init__(render_mode, **options)
         lidar = LidarSpec(beams=self.options.lidar_beams)
         self._range_max = lidar.range_max
-        self.parts = point_nav_parts(lidar.beams, lidar.range_max)
+        self.parts: Mapping[str, Part] = point_nav_parts(lidar.beams, lidar.range_max)
         self.observation_space = space_of(self.parts)
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         rover = find_rover(self.options.robot)
         self._scale = rover.top_speed, rover.cruise_yaw_rate  # [m/s], [rad/s] at 1
+        self.actions = (
+            f"speed; 1 is {self._scale[0]:.3g} m/s, as fast as the wheels of {rover.name} turn",
+            f"yaw rate; 1 is {self._scale[1]:.3g} rad/s to the left for {rover.name}",
+        )
         self._weights = asdict(self.options.reward)
 
     def _begin(self, ride: Ride) -> None:

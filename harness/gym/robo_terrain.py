@@ -100,6 +100,7 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
 
     options_class = RoboTerrainOptions
     parts = PARTS
+    actions = ("speed [m/s]", "heading to take, from the present one, left positive [rad]")
     endings: ClassVar[Mapping[str, str]] = {
         "flipped": "terminated: roll or pitch beyond 1.48 rad; -20, or 0 in the first 500 steps",
         "stuck": "terminated: moved by less than 1 mm in 600 steps; -25",

@@ -56,6 +56,11 @@ PACKAGES = (
         ),
     ),
     Package("scenarios", _modules(_HARNESS, "scenario/*")),
+    Package(
+        "learning environments",
+        _modules(_HARNESS, "gym/*"),
+        tests=("tests/harness/gym",),
+    ),
     Package("world", _modules(f"{_HARNESS}/world", "* terrains/* heightmap/*")),
     Package("tuning scores", _modules(f"{_HARNESS}/tuning", "scoring/* episodes/contacts")),
 )

@@ -29,7 +29,13 @@ def bumpy(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def small(bumpy: Path) -> dict[str, Any]:
     """The options of an environment there."""
-    return {"terrain": str(bumpy), "terrain_size": SIDE, "lidar_beams": 32, "goal_distance": (1.0, 4.0)}
+    return {
+        "robot": "rover_zero4wd",
+        "terrain": str(bumpy),
+        "terrain_size": SIDE,
+        "lidar_beams": 32,
+        "goal_distance": (1.0, 4.0),
+    }
 
 
 @pytest.fixture(scope="session")

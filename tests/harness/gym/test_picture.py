@@ -14,7 +14,8 @@ GOAL = np.array([13, 199, 219])  # of GOAL_COLOR, 0..255
 
 
 @pytest.fixture
-def drawing(make: Make) -> Callable[..., Any]:
+def drawing(make: Make, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
+    monkeypatch.setattr("harness.view.stage.SOIL_PIXELS", 64)  # the soil's grain takes a second
     try:
         picture._context().free()
     except UsageError as error:
