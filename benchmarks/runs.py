@@ -1,4 +1,4 @@
-"""The same drive as physics alone, as an episode with all sensors, and as a run through ROS 2."""
+"""The same drive: physics alone, an episode with all sensors, through ROS 2 with and without /tf."""
 
 import time
 from unittest.mock import patch
@@ -11,27 +11,31 @@ from benchmarks import ros_runs
 from benchmarks.measuring import Effort, Rounds, Table
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
+from harness.episode.stream import EpisodeProcess
 from harness.robots import ROVERS
+from harness.ros import session
 
 Commands = list[NDArray[np.float64]]
+PHYSICS, EPISODE = "physics alone", "episode with sensors"
+ROS, WITHOUT_TF = "through ROS 2", "through ROS 2, without transforms"
 TARGET = ">= 0.65, aim 0.8"
 
 
 def measure(effort: Effort) -> Table:
-    """Speed of each robot in the three ways, on the default terrain."""
+    """Speed of each robot in these ways, on the default terrain."""
     rows: list[tuple[str, ...]] = []
     for robot in ROVERS:
         config = EpisodeConfig(robot=robot, duration=effort.seconds)
         rows += _rows(config, effort)
     return Table(
-        title=f"The same drive in three ways, {effort.seconds:g} simulated seconds",
+        title=f"The same drive in four ways, {effort.seconds:g} simulated seconds",
         columns=("robot", "way", "times real time", "speed against physics alone", "target", "lost"),
         rows=tuple(rows),
     )
 
 
 def _rows(config: EpisodeConfig, effort: Effort) -> list[tuple[str, ...]]:
-    commands = _recorded(config)
+    commands = recorded(config)
     lost: list[int] = []
 
     def through_ros() -> float:
@@ -39,29 +43,36 @@ def _rows(config: EpisodeConfig, effort: Effort) -> list[tuple[str, ...]]:
         lost.append(result.lost)
         return result.wall_s
 
-    rounds = Rounds(
-        {
-            "physics alone": lambda: _physics(config, commands),
-            "episode with sensors": lambda: _episode(config),
-            "through ROS 2": through_ros,
-        },
-        effort.rounds,
-    )
-    facts = {"through ROS 2": (TARGET, str(sum(lost)))}
+    def without_transforms() -> float:
+        with patch.object(session, "EpisodeProcess", lambda config, _: EpisodeProcess(config, None)):
+            return through_ros()
+
+    ways = {
+        PHYSICS: lambda: physics(config, commands),
+        EPISODE: lambda: _episode(config),
+        ROS: through_ros,
+        WITHOUT_TF: without_transforms,
+    }
+    rounds = Rounds(ways, effort.rounds)
+    cost = 1.0 - rounds.ratio(WITHOUT_TF, ROS)
+    facts = {
+        ROS: (TARGET, str(sum(lost))),
+        WITHOUT_TF: (f"transforms cost {cost:.1%}, <= 3 %", str(sum(lost))),
+    }
     return [
         (
             config.robot,
             way,
             f"{config.duration / rounds.median(way):.1f}",
-            f"**{rounds.ratio('physics alone', way):.2f}**",
+            f"**{rounds.ratio(PHYSICS, way):.2f}**",
             *facts.get(way, ("-", "-")),
         )
-        for way in ("physics alone", "episode with sensors", "through ROS 2")
+        for way in ways
     ]
 
 
-def _recorded(config: EpisodeConfig) -> Commands:
-    """The wheel commands of an episode, tick by tick."""
+def recorded(config: EpisodeConfig) -> Commands:
+    """Returns the wheel commands of an episode, tick by tick."""
     simulation = (episode := Episode(config)).simulation
     with patch.object(simulation, "command_wheels", wraps=simulation.command_wheels) as spy:
         for _ in episode.batches():
@@ -69,8 +80,8 @@ def _recorded(config: EpisodeConfig) -> Commands:
     return [call.args[0] for call in spy.call_args_list]
 
 
-def _physics(config: EpisodeConfig, commands: Commands) -> float:
-    """Wall time [s] of mj_step alone under these commands: the same contacts, the same path."""
+def physics(config: EpisodeConfig, commands: Commands) -> float:
+    """Returns the wall time [s] of mj_step alone under these commands: same contacts, same path."""
     simulation = Episode(config).simulation
     start = time.perf_counter()
     for speeds in commands:

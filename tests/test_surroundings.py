@@ -16,10 +16,6 @@ PART = (
     "e2e/test_clean_ends.py::test_nohup_is_respected",
     "harness/episode/test_manifest.py",
     "harness/test_run.py::test_direct_run_writes_csv_and_manifest",
-    (
-        "harness/tuning/backend/test_local.py::"
-        "test_a_signal_to_all_processes_of_a_terminal_ends_them_in_one_line[1]"
-    ),
     "rover_metrics/log/test_csv_log.py",
     "rover_metrics/test_metrics_program.py::test_a_signal_ends_the_program_cleanly_and_marks_the_end[2]",
     "rover_metrics/log/test_session_record.py",

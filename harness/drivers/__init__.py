@@ -7,7 +7,16 @@ from harness.drivers.scripted import CmdVel, Figure8, Spin, Straight
 from harness.drivers.wander import Roam, Wander
 from harness.errors import find_named
 
-__all__ = ["DRIVERS", "CmdVel", "Driver", "DriverContext", "Goal", "Observation", "find_driver"]
+__all__ = [
+    "DRIVERS",
+    "LOOKING",
+    "CmdVel",
+    "Driver",
+    "DriverContext",
+    "Goal",
+    "Observation",
+    "find_driver",
+]
 
 DRIVERS: dict[str, type[Driver]] = {
     "wander": Wander,
@@ -23,6 +32,7 @@ DRIVERS: dict[str, type[Driver]] = {
     "swing": Swing,
     "pass_by": PassBy,
 }
+LOOKING = ("wander", "roam")  # those that use scans
 
 
 def find_driver(name: str) -> type[Driver]:

@@ -1,16 +1,20 @@
-"""A run without ROS: the same samples straight into the MetricsSession, the same CSV bytes.
+"""Runs without ROS: with a log, the same CSV bytes; without, for whoever asks for the truth alone.
 
 For machines without rclpy and for speed. What the MetricsNode's callbacks take from a message is taken
 from the sample, in the same order: a tick's samples first, then the row if a second is full.
 """
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from datetime import datetime
+from pathlib import Path
+from typing import Self
 
 from harness.config import EpisodeConfig, RosOptions
+from harness.drivers import LOOKING
+from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.loop import Observer, Pacer, drive
 from harness.episode.metrics_feed import DirectMetrics
@@ -19,6 +23,7 @@ from harness.errors import RunFailed, UsageError
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.interrupt import StopRequest
+from harness.samples import LaserScan, Sample, Tick
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.errors import LogError
 from rover_metrics.extended.settings import Settings
@@ -52,36 +57,112 @@ def run_direct(
     """
     started = time.monotonic()
     episode = Episode(config)
-    try:
-        extended = settings.extended if settings.extended_columns else None
-        session = MetricsSession(settings.thresholds, extended)
-        log = CsvLog(options.log_dir, datetime.now(), columns=session.columns)
-    except LogError as error:
-        raise UsageError(str(error)) from error
-    with log:
+    begun = RunResult(config=config, mode="direct, no ROS", info=episode.info)
+    with LoggedRun(begun, options.log_dir, settings, started=started, show=show) as logged:
+        faults = FaultInjector(parse_faults(config.faults), config.seed)
+        ticks = drive(episode.batches(), faults, logged.advance, (*observers, logged), stop)
+        return logged.ended(*_driven(ticks, Pacer(options.rate, sleep=stop.sleep), stop))
+
+
+class LoggedRun:
+    """Logs a run whose samples go straight into the metrics: a sink of ticks, an Observer, a context.
+
+    Args:
+        begun: What is known of the run before its first batch.
+        log_dir: Gets the log.
+        settings: Of the metrics.
+        started: Wall time at which the command began [s], of time.monotonic.
+        show: Is told the result up to now after every batch.
+
+    Raises:
+        UsageError: The log cannot be created.
+    """
+
+    def __init__(
+        self,
+        begun: RunResult,
+        log_dir: Path,
+        settings: Settings,
+        *,
+        started: float,
+        show: Callable[[RunResult], None] | None = None,
+    ) -> None:
+        self._settings = settings
+        try:
+            extended = settings.extended if settings.extended_columns else None
+            session = MetricsSession(settings.thresholds, extended)
+            self._log = log = CsvLog(log_dir, datetime.now(), columns=session.columns)
+        except LogError as error:
+            raise UsageError(str(error)) from error
         _mark(log, None)
-        metrics = DirectMetrics(session, LidarSpec(beams=config.lidar_beams), log)
+        self._metrics = metrics = DirectMetrics(session, LidarSpec(beams=begun.config.lidar_beams), log)
+        self.advance = metrics.advance
 
         def counts() -> dict[str, TopicCount]:
             return {topic: TopicCount(published=n, received=n) for topic, n in metrics.fed.items()}
 
-        account = RunAccount(
-            RunResult(config=config, mode="direct, no ROS", info=episode.info, log_path=log.path),
-            *(started, show, counts, lambda: log.rows),
-        )
-        faults = FaultInjector(parse_faults(config.faults), config.seed)
-        failure, interrupted = None, None
-        try:
-            with stop.deferred():
-                pacer, watching = Pacer(options.rate, sleep=stop.sleep), (*observers, account)
-                for tick in drive(episode.batches(), faults, metrics.advance, watching, stop):
-                    pacer.wait_until(tick.stamp_ns)
-            interrupted = stop.name
-        except (RunFailed, LogError) as error:
-            failure = str(error)
-        _mark(log, COMPLETE if failure is None else failed(failure))
-        result = account.ended(failure=failure, interrupted=interrupted)
-        return replace(result, last_row=cells_of(metrics.last_row), thresholds=settings.thresholds)
+        begun = replace(begun, log_path=log.path)
+        self._account = RunAccount(begun, started, show, counts, lambda: log.rows)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._log.close()
+
+    def take(self, batch: Batch) -> None:
+        """Takes the next batch."""
+        self._account.take(batch)
+
+    def ended(self, failure: str | None = None, interrupted: str | None = None) -> RunResult:
+        """Marks the log as complete or failed; returns what the run came to.
+
+        Args:
+            failure: Why it ended early; None if it did not.
+            interrupted: The signal's name if somebody stopped it.
+        """
+        _mark(self._log, COMPLETE if failure is None else failed(failure))
+        result = self._account.ended(failure=failure, interrupted=interrupted)
+        last_row, thresholds = cells_of(self._metrics.last_row), self._settings.thresholds
+        return replace(result, last_row=last_row, thresholds=thresholds)
+
+
+def run_unlogged(
+    config: EpisodeConfig, stop: StopRequest, samples: set[type[Sample]], observers: Sequence[Observer]
+) -> RunResult:
+    """Runs an episode with nothing but what its observers want; the truth is that of `run_direct`.
+
+    No sample goes anywhere else, so faults have nothing to act on.
+
+    Args:
+        config: What to run.
+        stop: Ends the run early.
+        samples: What the observers want; the driver gets its scans all the same.
+        observers: See every batch.
+
+    Raises:
+        UsageError: The arguments are not valid.
+    """
+    started = time.monotonic()
+    scans = {LaserScan} if config.driver in LOOKING else set()
+    episode = Episode(config, samples=samples | scans)
+    begun = RunResult(config=config, mode="without a log", info=episode.info)
+    account = RunAccount(begun, started, None, dict, int)
+    faults = FaultInjector((), config.seed)
+    ticks = drive(episode.batches(), faults, lambda *_: None, (*observers, account), stop)
+    failure, interrupted = _driven(ticks, Pacer(None), stop)
+    return account.ended(failure=failure, interrupted=interrupted)
+
+
+def _driven(ticks: Iterator[Tick], pacer: Pacer, stop: StopRequest) -> tuple[str | None, str | None]:
+    """Why a drive ended early, if it did: its failure, and the signal that stopped it."""
+    try:
+        with stop.deferred():
+            for tick in ticks:
+                pacer.wait_until(tick.stamp_ns)
+    except (RunFailed, LogError) as error:
+        return str(error), None
+    return None, stop.name
 
 
 def _mark(log: CsvLog, outcome: Outcome | None) -> None:

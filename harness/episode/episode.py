@@ -5,7 +5,7 @@ in batches of one control period, either in this process or through harness.epis
 """
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from functools import partial
 from operator import itemgetter
 
@@ -41,12 +41,19 @@ class Episode:
     Args:
         config: What determines it.
         frame_options: Which transforms are among its samples; None for none at all.
+        samples: Those that anybody wants, whatever drives the rover included; None for all. The drive
+            is the same without the others.
 
     Attributes:
         description: What the transforms are of; None without them.
     """
 
-    def __init__(self, config: EpisodeConfig, frame_options: FrameOptions | None = None) -> None:
+    def __init__(
+        self,
+        config: EpisodeConfig,
+        frame_options: FrameOptions | None = None,
+        samples: Collection[type[Sample]] | None = None,
+    ) -> None:
         config.validate()
         config.check_world()
         self.config = config
@@ -81,7 +88,7 @@ class Episode:
             self.description = describe(frames, frame_options)
             parts |= {"frames": frames, "frame_options": frame_options}
         noise = sensor_noise(config, lidar_spec)
-        self._sensors = SensorSuite(parts, rover, {Imu: config.imu_rate}, noise=noise)
+        self._sensors = SensorSuite(parts, rover, {Imu: config.imu_rate}, wanted=samples, noise=noise)
         self._bearings = lidar_spec.bearings
         planned: list[tuple[float, Callable[[], None]]] = [(t, self.reset) for t in config.resets]
         planned += [(t, partial(self.command, Twist(*twist))) for t, *twist in config.commands]

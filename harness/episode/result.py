@@ -56,7 +56,7 @@ class RunResult:
         interrupted: The signal's name if somebody stopped it.
         topics: Counts by topic name.
         commands: Those of /cmd_vel.
-        waited_s: Wall time for which an answer of a node in lock-step was awaited, by its name [s].
+        waited_s: Wall time for which the run stood still for a node in lock-step, by its name [s].
         log_path: The metrics CSV; None without one.
         last_row: Its last row by column name.
         thresholds: Those that the metrics had at the end.

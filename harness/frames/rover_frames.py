@@ -92,7 +92,7 @@ def rover_frames(rover: RoverSpec) -> RoverFrames:
     Raises:
         UsageError: The frames of rover.yaml are no tree, or do not fit the model; it names what is.
     """
-    model = read_model(rover).compile()
+    model = read_model(rover.model_path).compile()
     data = mujoco.MjData(model)
     data.qpos[:] = 0.0
     data.qpos[3] = 1.0  # the free joint of the rover is the first

@@ -42,17 +42,16 @@ SECOND_PUBLISHER = (
 class Listener(Protocol):
     """Somebody who must have handled everything before time goes on."""
 
-    def wait_for_samples(self, channels: Sequence["Channel"], *, clock_follows: bool) -> None:
-        """Returns when what went out up to now is handled, or sure to be before a /clock that follows.
+    def make_room(self, channels: Sequence["Channel"]) -> None:
+        """Returns when a message may go out on each of these channels without pushing out another."""
+        ...
 
-        Args:
-            channels: On which samples have just gone out.
-            clock_follows: Whether the next message is that of /clock.
-        """
+    def wait_for_samples(self, channels: Sequence["Channel"]) -> None:
+        """Returns when what went out on them is handled, or sure to be before all that follows."""
         ...
 
     def wait_for_clock(self, stamp_ns: int) -> None:
-        """Returns when the time has been taken over and its timers have run."""
+        """Returns when the time is told and its timers have run, or sure to before all that follows."""
         ...
 
 
@@ -120,16 +119,16 @@ class Bridge(GuardedNode):
         self.time_ns = tick.stamp_ns
         if tick.stamp_ns % NANOSECONDS == 0:
             self.frames.refuse_rivals()
-        bursts = _bursts(sent.samples)
-        for burst in bursts:
-            channels: list[Channel] = []
-            for sample in burst:
-                for channel in self.channels_of[type(sample)]:
-                    channel.publish(sample)
-                channels += self.channels_of[type(sample)]
-            clock_follows = sent.tells_time and burst is bursts[-1]
+        for burst in _bursts(sent.samples):
+            outlets = [(sample, self.channels_of[type(sample)]) for sample in burst]
+            channels = [channel for _, some in outlets for channel in some]
             for listener in listeners:
-                listener.wait_for_samples(channels, clock_follows=clock_follows)
+                listener.make_room(channels)
+            for sample, some in outlets:
+                for channel in some:
+                    channel.publish(sample)
+            for listener in listeners:
+                listener.wait_for_samples(channels)
         if sent.tells_time:
             self.clock_channel.publish(sent)
             self.commands.told_ns = sent.stamp_ns

@@ -16,8 +16,8 @@ from typing import Any
 
 from geometry_msgs.msg import PoseArray
 from rclpy.utilities import get_rmw_implementation_identifier
-from rosbags.typesys import Stores, get_typestore
-from rosbags.typesys.store import Typestore
+
+from harness.sensors.message_types import typestore
 
 FAST_DDS = "rmw_fastrtps_cpp"
 TYPE_SUPPORT = b"rosidl_typesupport_fastrtps_c"
@@ -63,12 +63,6 @@ _python.PyCapsule_GetName.restype = ctypes.c_char_p
 _python.PyCapsule_GetPointer.restype = ctypes.c_void_p
 _python.PyCapsule_New.restype = ctypes.py_object
 _kept: list[object] = []  # the middleware holds addresses of them, as long as the process lives
-
-
-@cache  # it takes a while to build
-def typestore() -> Typestore:
-    """Returns all message types that rosbags knows."""
-    return get_typestore(Stores.LATEST)
 
 
 @cache

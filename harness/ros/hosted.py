@@ -76,12 +76,10 @@ class HostedMetrics:
         handled = {topic: self.node.received[topic] for topic in self.topics}
         return handled | {self._clock_channel.topic: self._clock_received}
 
-    def wait_for_samples(
-        self,
-        channels: Sequence[Channel] = (),  # noqa: ARG002 - its counts tell
-        *,
-        clock_follows: bool = False,  # noqa: ARG002
-    ) -> None:
+    def make_room(self, channels: Sequence[Channel]) -> None:
+        """Returns at once: nothing of it waits between two ticks."""
+
+    def wait_for_samples(self, channels: Sequence[Channel] = ()) -> None:  # noqa: ARG002 - its counts tell
         """Spins until the counts agree; gives up what does not come.
 
         Raises:

@@ -8,15 +8,16 @@ system every simulated second (or MiB), so a killed run loses less than its last
 a file lacks its end, which `mcap recover FILE -o MENDED` writes. rover_metrics.replay reads either.
 """
 
+from collections import deque
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
-from typing import Self
+from typing import NamedTuple, Self
 from uuid import uuid4
 
 from mcap.writer import CompressionType, Writer
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 from rclpy.subscription import Subscription
 
@@ -25,7 +26,7 @@ from harness.errors import RunFailed, UsageError
 from harness.files import check_target
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel, Message
-from harness.ros.foreign_type import typestore
+from harness.sensors.message_types import typestore
 from harness.sim_time import NANOSECONDS
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
@@ -68,12 +69,14 @@ class Recorder:
     Args:
         path: The file to create.
         overwrite: Whether it may exist: then it is replaced with the first message.
+        last: How many seconds of simulation time are kept: then the file is written when it is finished,
+            and what is latched (transient local) stays in it, as of the first of these seconds.
 
     Raises:
         UsageError: It cannot be created.
     """
 
-    def __init__(self, path: Path, *, overwrite: bool = False) -> None:
+    def __init__(self, path: Path, *, overwrite: bool = False, last: float | None = None) -> None:
         check_target("--record", path, ".mcap")
         self._path = self._made = path
         if overwrite and (path.exists() or path.is_symlink()):
@@ -88,6 +91,9 @@ class Recorder:
         self._writer = Writer(self._file, chunk_size=CHUNK_SIZE, compression=CompressionType.LZ4)
         self._schemas: dict[str, int] = {}
         self._next_flush_ns = 0
+        self._last_ns = None if last is None else round(last * NANOSECONDS)
+        self._held: deque[_Held] = deque()
+        self._latched: dict[int, _Held | None] = {}  # the last that is no more among those, by channel
         self._messages = 0
         self._failed = False
 
@@ -99,6 +105,7 @@ class Recorder:
     def __exit__(self, *_: object) -> None:
         try:
             with self._file:
+                self._write_held()
                 self._writer.finish()  # type: ignore[no-untyped-call]  # mcap half types itself
         except OSError as full:
             if not self._failed:
@@ -126,6 +133,18 @@ class Recorder:
         if metrics is not None and metrics.publisher is not None:
             metrics.record = self._recording(metrics.publisher.topic_name, metrics.publisher, None)
 
+    def forget(self) -> None:
+        """Gives up what is not written yet."""
+        self._held.clear()
+        self._latched.clear()
+
+    def hear(self, topic: str, subscription: Subscription) -> Callable[[Message], object] | None:
+        """Returns what records each message of a topic that is heard; None if nobody knows its type."""
+        kind = subscription.msg_type
+        if f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}" not in typestore().types:
+            return None
+        return self._recording(topic, subscription, None)
+
     def _recording(
         self, topic: str, endpoint: Publisher | Subscription, padding: dict[int, list[int]] | None
     ) -> Callable[[Message], bytes]:
@@ -133,6 +152,8 @@ class Recorder:
         kind = endpoint.msg_type
         name = f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
         identifier = self._register(topic, name, endpoint.qos_profile)
+        if endpoint.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
+            self._latched[identifier] = None
         return partial(self._record, identifier, name, padding)
 
     def _register(self, topic: str, name: str, qos: QoSProfile) -> int:
@@ -151,29 +172,79 @@ class Recorder:
     ) -> bytes:
         """Records a message and returns its bytes."""
         written = message if isinstance(message, bytes) else serialize_message(message)
-        buffer, now_ns = bytearray(written), self._bridge.time_ns
-        known = None if padding is None else padding.get(len(buffer))
-        positions = padding_of(bytes(buffer), name) if known is None else known
-        if padding is not None:
-            padding[len(buffer)] = positions
-        for position in positions:
-            buffer[position] = 0
-        data = bytes(buffer)
+        now_ns = self._bridge.time_ns
+        if self._last_ns is not None:
+            self._hold(_Held(identifier, name, padding, now_ns, written))
+            return written
+        data = without_padding(written, name, padding)
+        self._write(identifier, now_ns, data)
+        return data
+
+    def _hold(self, message: "_Held") -> None:
+        """Keeps a message until it is too old; what is latched is not."""
+        self._held.append(message)
+        while self._held[0].time_ns < message.time_ns - (self._last_ns or 0):
+            old = self._held.popleft()
+            if old.identifier in self._latched:
+                self._latched[old.identifier] = old
+
+    def _write_held(self) -> None:
+        first_ns = self._held[0].time_ns if self._held else 0
+        latched = [old._replace(time_ns=first_ns) for old in self._latched.values() if old is not None]
+        for identifier, name, padding, time_ns, written in (*latched, *self._held):
+            self._write(identifier, time_ns, without_padding(written, name, padding))
+
+    def _write(self, identifier: int, time_ns: int, data: bytes) -> None:
         try:
-            if now_ns >= self._next_flush_ns:
+            if time_ns >= self._next_flush_ns:
                 self._writer.flush()  # type: ignore[no-untyped-call]
-                self._next_flush_ns = (now_ns // NANOSECONDS + 1) * NANOSECONDS
-            self._writer.add_message(identifier, now_ns, data, publish_time=now_ns)
+                self._next_flush_ns = (time_ns // NANOSECONDS + 1) * NANOSECONDS
+            self._writer.add_message(identifier, time_ns, data, publish_time=time_ns)
             if not self._messages and self._made != self._path:
                 self._made.replace(self._path)
         except OSError as error:
             raise self._failure(error) from error
         self._messages += 1
-        return data
 
     def _failure(self, error: OSError) -> RunFailed:
         self._failed = True
         return RunFailed(f"the recording {self._path} ended early: {error.strerror}")
+
+
+class _Held(NamedTuple):
+    """A message that may yet be too old to be kept.
+
+    Attributes:
+        identifier: Of its channel; `name` is that of its type.
+        padding: As for `without_padding`.
+        time_ns: When it went out.
+        written: Its bytes.
+    """
+
+    identifier: int
+    name: str
+    padding: dict[int, list[int]] | None
+    time_ns: int
+    written: bytes
+
+
+def without_padding(written: bytes, type_name: str, known: dict[int, list[int]] | None) -> bytes:
+    """Returns the bytes of a message with zeros where they carry nothing.
+
+    Args:
+        written: As DDS has them.
+        type_name: Of the message.
+        known: Where that is in messages of each length, if those of one length are alike; is added to.
+    """
+    positions = None if known is None else known.get(len(written))
+    if positions is None:
+        positions = padding_of(written, type_name)
+    if known is not None:
+        known[len(written)] = positions
+    buffer = bytearray(written)
+    for position in positions:
+        buffer[position] = 0
+    return bytes(buffer)
 
 
 def padding_of(data: bytes, type_name: str) -> list[int]:

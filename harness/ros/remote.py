@@ -4,14 +4,13 @@ A node answers a parameter request from the same executor that runs its callback
 that arrived before it. All publishers exist before the parameter client, and discovery announces them
 in that order: a node that answers has therefore matched every topic, best-effort ones included.
 
-Nodes are asked at the same time, so the slowest of them sets the pace and not their sum. After samples
-only those are asked that listen to one of their topics; after /clock all are, since all follow it. A
-node that has promised to handle what arrives in its order is not asked between samples and /clock.
+`lock_step` says when they are asked.
 """
 
 import json
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 
 from rcl_interfaces.srv import GetParameters
 from rclpy.client import Client
@@ -19,17 +18,15 @@ from rclpy.executors import Executor
 from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
+from harness.episode.result import TopicCount
 from harness.errors import RunFailed, UsageError
 from harness.ros.bridge import Bridge
-from harness.ros.channel import Channel
 from harness.ros.context import spin_until
-from harness.sim_time import NANOSECONDS
 from rover_metrics.metrics_node import KEEPS_ORDER
 
 DISCOVERY_PATIENCE = 15.0  # [s] for a node to be found, or for DDS to match topics
 ANSWER_PATIENCE = 30.0  # [s] for one answer; a debugger or a loaded machine may be slow
 BARRIER = GetParameters.Request(names=["use_sim_time"])  # not changed by being sent
-UNKNOWN = "_NODE_NAME_UNKNOWN_"  # of a reader whose node the graph does not know (yet)
 
 
 class RemoteNode:
@@ -43,7 +40,7 @@ class RemoteNode:
     Attributes:
         name: The full name.
         keeps_order: Whether it has promised to handle everything in the order of its arrival.
-        waited_s: Wall time from asking to its answer, over the whole run [s].
+        waited_s: Wall time for which the run has stood still for its answers [s].
 
     Raises:
         UsageError: There is no such node, or it runs on wall time.
@@ -129,74 +126,47 @@ class RemoteNode:
         return f"node {self.name} was not found; running: {running}"
 
 
-class RemoteNodes:
-    """The nodes of `--wait-for`; a Listener.
+def wait_for_answers(
+    awaited: Mapping[RemoteNode, Future], executor: Executor, check: Callable[[], None] = lambda: None
+) -> None:
+    """Returns when all nodes have answered, and counts for how long each was waited for.
 
     Args:
-        nodes: Must have handled everything before time goes on.
-        bridge: Publishes to them.
-    """
-
-    def __init__(self, nodes: Iterable[RemoteNode], bridge: Bridge) -> None:
-        self._nodes, self._bridge = {node.name: node for node in nodes}, bridge
-        self._listening: dict[str, tuple[int, list[RemoteNode]]] = {}
-
-    def wait_for_samples(self, channels: Sequence[Channel], *, clock_follows: bool) -> None:
-        """Returns when the nodes that listen to one of these channels have handled their queues.
-
-        Args:
-            channels: On which samples have just gone out.
-            clock_follows: Whether nodes that keep order need not be asked yet.
-
-        Raises:
-            RunFailed: One of them does not answer.
-        """
-        listening = {
-            node.name: node
-            for channel in channels
-            for node in self._listeners(channel)
-            if not (clock_follows and node.keeps_order)
-        }
-        wait_for_answers(listening.values(), self._bridge.executor)
-
-    def wait_for_clock(self, stamp_ns: int) -> None:
-        """Returns when all nodes have handled their queues, /clock and timers included.
-
-        Raises:
-            RunFailed: One of them does not answer.
-        """
-        if stamp_ns % NANOSECONDS == 0:  # one may have come when another went: counts do not tell
-            self._listening.clear()
-        wait_for_answers(self._nodes.values(), self._bridge.executor)
-
-    def _listeners(self, channel: Channel) -> list[RemoteNode]:
-        """The nodes that listen to a topic; all while the graph does not say whose each reader is."""
-        matched = channel.publisher.get_subscription_count()
-        count, nodes = self._listening.get(channel.topic, (-1, []))
-        if count == matched:
-            return nodes
-        readers = self._bridge.get_subscriptions_info_by_topic(channel.topic)
-        names = {f"{reader.node_namespace.rstrip('/')}/{reader.node_name}" for reader in readers}
-        if len(readers) < matched or any(UNKNOWN in name for name in names):
-            return list(self._nodes.values())
-        nodes = [node for name, node in self._nodes.items() if name in names]
-        self._listening[channel.topic] = matched, nodes
-        return nodes
-
-
-def wait_for_answers(nodes: Iterable[RemoteNode], executor: Executor) -> None:
-    """Asks nodes at the same time; returns when all have answered.
+        awaited: The answer of each node.
+        executor: Of the node that asked.
+        check: Called while answers are missing; raises if they will not come.
 
     Raises:
         RunFailed: One of them does not.
     """
-    asked = time.monotonic()
-    awaited = {node.ask(): node for node in nodes}
+    began = time.monotonic()
+    silent = dict(awaited)
 
     def all_have_answered() -> bool:
-        for answer in [each for each in awaited if each.done()]:
-            awaited.pop(answer).waited_s += time.monotonic() - asked
-        return not awaited
+        for node in [node for node, answer in silent.items() if answer.done()]:
+            del silent[node]
+            node.waited_s += time.monotonic() - began
+        if silent:
+            check()
+        return not silent
 
     if not spin_until(executor, all_have_answered, ANSWER_PATIENCE):
-        raise RunFailed(f"{next(iter(awaited.values())).name} stopped answering")
+        raise RunFailed(f"{next(iter(silent)).name} stopped answering")
+
+
+def counted_by(
+    nodes: Iterable[RemoteNode], published: dict[str, TopicCount], patience: float = ANSWER_PATIENCE
+) -> dict[str, TopicCount]:
+    """Lets nodes go, and returns what was published with what the MetricsNodes among them received.
+
+    Args:
+        nodes: Are waited for no more.
+        published: By topic.
+        patience: How long [s] to wait for each answer.
+    """
+    topics = dict(published)
+    for node in nodes:
+        for topic, received in node.release(patience).items():
+            lost = max(topics[topic].lost, topics[topic].published - received)
+            topics[topic] = replace(topics[topic], received=received, lost=lost)
+    return topics

@@ -21,9 +21,10 @@ from harness.ros.bridge import SECOND_PUBLISHER, Bridge
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.controls import Controls
 from harness.ros.hosted import HostedMetrics, metrics_node
+from harness.ros.lock_step import RemoteNodes
 from harness.ros.navigation import Navigation
 from harness.ros.recorder import Recorder
-from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, RemoteNodes
+from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, counted_by
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
@@ -159,10 +160,7 @@ class _Run:
             for topic, received in self._hosted.received().items():
                 topics[topic] = replace(topics[topic], received=received, lost=self._hosted.lost[topic])
         patience = ANSWER_PATIENCE if result.interrupted is None else GRACE
-        for remote in self._remotes:
-            for topic, received in remote.release(patience).items():
-                lost = max(topics[topic].lost, topics[topic].published - received)
-                topics[topic] = replace(topics[topic], received=received, lost=lost)
+        topics = counted_by(self._remotes, topics, patience)
         waited = {remote.name: remote.waited_s for remote in self._remotes}
         failure = result.failure
         foreign = [topic for topic, count in topics.items() if count.published < (count.received or 0)]

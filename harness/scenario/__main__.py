@@ -24,7 +24,7 @@ from harness.interrupt import StopRequest
 from harness.scenario.baseline import write_baselines
 from harness.scenario.suite import Selected, find_files, plan, run_all
 from harness.scenario.told import tell
-from harness.scenario.verdict import exit_code, verdicts_of
+from harness.scenario.verdict import Verdict, exit_code, verdicts_of
 from harness.tuning.backend import BACKENDS, backend_of
 from rover_metrics.errors import OneLineParser
 
@@ -43,24 +43,37 @@ def _interruptible(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace, console: Console) -> int:
-    if options.junit is not None:
-        check_target("--junit", options.junit)
+    for flag, target in _targets(options).items():
+        check_target(flag, target)
     cases = plan(find_files(options.paths), _seeds(options), _selected(options.only))
     with (
         backend_of(options.backend, options.address, options.jobs) as backend,
         counted(console, "driving scenarios") as show,
     ):
-        attempts = run_all(cases, backend, options.out, show, compare=not options.update_baseline)
+        compare = not options.update_baseline
+        attempts = run_all(cases, backend, options.out, show, compare=compare, resume=options.resume)
     verdicts = verdicts_of(attempts)
     tell(console, verdicts)
-    if options.junit is not None:
-        from harness.scenario.junit import write_junit  # noqa: PLC0415 - few ask for it
-
-        write_junit(verdicts, options.junit)
+    _write(options, console, verdicts)
     if options.update_baseline:
         for path in write_baselines((a.case, a.recorded) for a in attempts if a.recorded):
             console.print(f"written: {path}", soft_wrap=True, highlight=False)
     return exit_code(verdicts)
+
+
+def _targets(options: argparse.Namespace) -> dict[str, Path]:
+    files = {f"--{name}": getattr(options, name) for name in ("junit", "html", "csv", "json")}
+    return {flag: path for flag, path in files.items() if path is not None}
+
+
+def _write(options: argparse.Namespace, console: Console, verdicts: Sequence[Verdict]) -> None:
+    if not _targets(options) and not options.table:
+        return
+    from harness.scenario.outputs import print_tables, write_outputs  # noqa: PLC0415 - a second at start
+
+    if options.table:
+        print_tables(console, verdicts)
+    write_outputs(verdicts, options.junit, options.html, options.csv, options.json)
 
 
 def _seeds(options: argparse.Namespace) -> Sequence[int] | None:
@@ -111,11 +124,22 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--address", metavar="URL", help="of the Ray or Dask cluster")
     parser.add_argument("--junit", type=Path, metavar="FILE", help="write the verdicts as JUnit XML")
     parser.add_argument(
+        "--html", type=Path, metavar="FILE", help="write a page: what failed, and cells side by side"
+    )
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="write every cell's numbers")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the same, and every run")
+    parser.add_argument("--table", action="store_true", help="print cells side by side")
+    parser.add_argument(
         "--out",
         type=Path,
         default=OUT,
         metavar="DIR",
         help="gets log, manifest and page of each run that does not pass (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on where the same suite was stopped, by what is in --out",
     )
     parser.add_argument(
         "--update-baseline", action="store_true", help="record the runs as what later ones must match"

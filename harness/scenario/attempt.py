@@ -1,37 +1,19 @@
 """One run of a scenario: driven, judged, and what came of it."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import numpy as np
-
 from harness.config import RosOptions
-from harness.episode.direct import run_direct
-from harness.episode.metrics_feed import extended_settings
-from harness.episode.result import RunResult
-from harness.errors import HarnessError
+from harness.episode.direct import run_direct, run_unlogged
+from harness.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.interrupt import Interrupted, StopRequest
-from harness.report.log import read_log
-from harness.report.recorder import RunRecorder
-from harness.robots import find_rover
-from harness.scenario.baseline import (
-    Recorded,
-    check_comparable,
-    first_difference,
-    key_of,
-    read_baseline,
-    record,
-)
+from harness.scenario.baseline import Recorded
 from harness.scenario.case import Case
-from harness.scenario.contact import contact_of
 from harness.scenario.evidence import keep_evidence
-from harness.scenario.judge import judge, judge_against
-from harness.scenario.quantities import LOG, QUANTITIES, RUN
-from harness.scenario.series import Series, TruthSeries
-from rover_metrics.core.row import COLUMNS
-from rover_metrics.extended.settings import Settings
+from harness.scenario.quantities import QUANTITIES
+from harness.scenario.series import SAMPLES
+from harness.scenario.watch import Findings, Measured, Watch
 
 SCRATCH = "rover-scenario-"
 
@@ -48,6 +30,7 @@ class Attempt:
         model_hash: Of the rover's model; likewise `terrain_hash`.
         recorded: What a baseline keeps of it; None if it has none.
         kept: What is left of a run that did not pass.
+        measured: What each bound of the scenario compares, in their order; nothing if it could not run.
     """
 
     case: Case
@@ -59,6 +42,7 @@ class Attempt:
     terrain_hash: str = ""
     recorded: Recorded | None = None
     kept: tuple[Path, ...] = ()
+    measured: tuple[Measured, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -71,91 +55,72 @@ def attempt(case: Case, folder: Path, *, compare: bool = True, scratch: Path | N
 
     Args:
         case: The run.
-        folder: Gets log, manifest and page of a run that does not pass.
+        folder: Gets log, manifest, page and recording of a run that does not pass.
         compare: Whether it is compared with its baseline, if it has one.
         scratch: Folder for its log while it is driven, removed by the caller; where it does not exist,
             as on another machine, the system's.
     """
+    drive = _through_ros if case.scenario.needs_ros else _direct
     try:
-        return _attempt(case, folder, compare, scratch if scratch and scratch.is_dir() else None)
+        with TemporaryDirectory(
+            prefix=SCRATCH, dir=scratch if scratch and scratch.is_dir() else None
+        ) as own:
+            return drive(case, folder, compare, Path(own))
     except Interrupted:
         raise
     except HarnessError as error:
         return Attempt(case, error=str(error))
 
 
-def _attempt(case: Case, folder: Path, compare: bool, scratch: Path | None) -> Attempt:
-    baseline = read_baseline(case) if case.scenario.has_baseline and compare else None
-    watch, page = _watch(case), RunRecorder()
-    with TemporaryDirectory(prefix=SCRATCH, dir=scratch) as own:
-        options = RosOptions(log_dir=Path(own))
-        result = run_direct(case.config, options, StopRequest(), None, (watch, page), _settings(case))
-        series = watch.series() | _logged(result) | _of_the_run(result)
-        recorded = record(case, result, series) if case.scenario.has_baseline else None
-        if baseline is not None and recorded is not None:
-            check_comparable(recorded, baseline)
-        breaches = tuple(_breaches(case, result, series, recorded, baseline))
-        kept = keep_evidence(result, page, folder, breaches[0]) if breaches else ()
-    info = result.info
+def _direct(case: Case, folder: Path, compare: bool, own: Path) -> Attempt:
+    if _is_of_truth(case):
+        watch = Watch(case)
+        result = run_unlogged(case.config, StopRequest(), SAMPLES, (watch.truth,))
+        found = watch.judged(result, {})
+        if not found.breaches:
+            return _attempted(case, found, ())
+        # What is left of a run that fails takes all sensors: the same drive once more.
+    watch = Watch(case, compare=compare)
+    options = RosOptions(log_dir=own)
+    result = run_direct(case.config, options, StopRequest(), None, (watch,), watch.settings)
+    found = watch.judged(result, {})
+    kept = keep_evidence(result, watch.page, folder, found.breaches[0]) if found.breaches else ()
+    return _attempted(case, found, kept)
+
+
+def _is_of_truth(case: Case) -> bool:
+    """Whether the truth alone can say that a run passes: that takes neither a log nor every sensor."""
+    only_truth = all(name in QUANTITIES for name in case.scenario.expect)
+    return only_truth and not case.scenario.has_baseline and case.expected_failure is None
+
+
+def _through_ros(case: Case, folder: Path, compare: bool, own: Path) -> Attempt:
+    try:  # only here: no other scenario needs ROS 2
+        from harness.scenario.trial import ScenarioTrial  # noqa: PLC0415
+    except ImportError as error:
+        message = f"nodes and topics need ROS 2, which is not importable ({error}); {INSTALL_ROS}"
+        raise UsageError(message) from error
+    with ScenarioTrial(case, folder=own, compare=compare) as trial:
+        try:
+            trial.finish()
+        except Interrupted:
+            raise
+        except HarnessError as error:
+            return Attempt(case, error=str(error), kept=trial.keep(folder, str(error)))
+        found = trial.findings
+        return _attempted(case, found, trial.keep(folder, found.breaches[0]) if found.breaches else ())
+
+
+def _attempted(case: Case, found: Findings, kept: tuple[Path, ...]) -> Attempt:
+    info = found.result.info
     return Attempt(
         case,
-        breaches,
-        simulated_s=result.simulated_s,
-        wall_s=result.wall_s,
+        found.breaches,
+        simulated_s=found.result.simulated_s,
+        wall_s=found.result.wall_s,
         model_hash=info.model_hash if info else "",
         terrain_hash=info.terrain_hash if info else "",
-        recorded=recorded,
+        recorded=found.recorded,
         kept=kept,
+        measured=found.measured,
     )
-
-
-def _watch(case: Case) -> TruthSeries:
-    goal = case.scenario.goal
-    names = [name for name in case.scenario.expect if name in QUANTITIES]
-    return TruthSeries(names, None if goal is None else (*goal.at, goal.radius))
-
-
-def _settings(case: Case) -> Settings:
-    """With the extended columns where one is expected of."""
-    columns = [name.removeprefix(LOG) for name in case.scenario.expect if name.startswith(LOG)]
-    if set(columns) <= set(COLUMNS):
-        return Settings()
-    return Settings(extended_columns=True, extended=extended_settings(find_rover(case.config.robot)))
-
-
-def _breaches(
-    case: Case,
-    result: RunResult,
-    series: dict[str, Series],
-    recorded: Recorded | None,
-    baseline: Recorded | None,
-) -> Iterator[str]:
-    """What was not as expected, each in a line."""
-    if result.failure is not None:
-        yield f"run: {result.failure}"
-    for name, bound in case.scenario.bounds:
-        if not bound.has_baseline:
-            breach = judge(name, bound, series[name])
-        elif baseline is not None:
-            breach = judge_against(name, bound, series[name], baseline.values.get(key_of(name, bound)))
-        else:
-            continue
-        if breach is not None:
-            yield breach.reason + contact_of(name, breach, result.along.events)
-    if case.scenario.same_bytes and recorded is not None and baseline is not None:
-        difference = first_difference(recorded, baseline)
-        if difference is not None:
-            yield difference
-
-
-def _logged(result: RunResult) -> dict[str, Series]:
-    """The columns of the log, by the names of their quantities."""
-    log = read_log(result.log_path)
-    times = np.array(log.time_s)
-    return {f"{LOG}{name}": Series(times, np.array(values)) for name, values in log.columns.items()}
-
-
-def _of_the_run(result: RunResult) -> dict[str, Series]:
-    end = np.array([result.simulated_s])
-    values = (result.lost, result.rows)
-    return {name: Series(end, np.array([float(v)])) for name, v in zip(RUN, values, strict=True)}

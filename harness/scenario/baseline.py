@@ -43,7 +43,7 @@ class Recorded:
 def key_of(name: str, bound: Bound) -> str:
     """Returns what a baseline calls the value of a bound, e.g. "truth.speed mean 5-10 s"."""
     window = "" if bound.window is None else f" {bound.window[0]:g}-{bound.window[1]:g} s"
-    return f"{name} {bound.over}{window}"
+    return f"{bound.label(name)} {bound.over}{window}"
 
 
 def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded:
@@ -62,7 +62,7 @@ def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded
         log = tuple(result.log_path.read_bytes().decode().split("\r\n"))
     return Recorded(
         json.loads(json.dumps(versions | hashes | arguments)),  # as it is read again
-        {key_of(name, bound): value_of(bound, series[name]) for name, bound in bounds},
+        {key_of(name, bound): value_of(bound, series[bound.label(name)]) for name, bound in bounds},
         log,
     )
 

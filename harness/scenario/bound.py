@@ -1,8 +1,19 @@
 """What a quantity must keep: limits, or a tolerance about its baseline, over a window of the run."""
 
+import re
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, StringConstraints, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    FiniteFloat,
+    StringConstraints,
+    model_validator,
+)
+
+from harness.scenario.topic import FULL_NAME
 
 Over = Literal["always", "end", "mean", "p95", "share"]
 Seconds = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -11,6 +22,15 @@ Tolerance = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
 Text = Annotated[str, StringConstraints(min_length=1, strip_whitespace=True)]
 Point = tuple[FiniteFloat, FiniteFloat]
+
+
+def _full(name: str) -> str:
+    if re.fullmatch(FULL_NAME, name) is None:
+        raise ValueError(f"'{name}' is no full name of a topic or a node; give one such as /scan")
+    return name
+
+
+FullName = Annotated[str, AfterValidator(_full), Field(json_schema_extra={"pattern": f"^{FULL_NAME}$"})]
 
 OF_ONE_VALUE = ("end", "mean", "p95")  # what a baseline can hold
 
@@ -32,6 +52,7 @@ class Bound(Part):
         window: First and last second that count; the whole run if left out.
         relative: Largest distance from the recorded baseline, as a share of it. `absolute` is the same
             in the unit of the quantity; with both, the larger one counts.
+        of: The topic of the input, of the latency of a topic.
     """
 
     min: float | None = Field(default=None, allow_inf_nan=False)
@@ -41,6 +62,11 @@ class Bound(Part):
     window: tuple[Seconds, Seconds] | None = None
     relative: Tolerance | None = None
     absolute: Tolerance | None = None
+    of: FullName | None = None
+
+    def label(self, name: str) -> str:
+        """Returns what a quantity of that name is called where it is told."""
+        return name if self.of is None else f"{name} of {self.of}"
 
     @property
     def has_baseline(self) -> bool:

@@ -18,6 +18,8 @@ _PASSED_ON = (
     *("noise", "lidar_beams", "imu_rate"),
 )
 
+Cell = tuple[tuple[str, Any], ...]  # values of a matrix by name
+
 
 @dataclass(frozen=True)
 class Case:
@@ -32,14 +34,14 @@ class Case:
 
     path: Path
     scenario: Scenario
-    cell: tuple[tuple[str, Any], ...]
+    cell: Cell
     config: EpisodeConfig
 
     @property
     def name(self) -> str:
         """Returns e.g. "kerb[leo-rocky-3]": the scenario, the values of its matrix, the seed."""
-        values = [Path(str(value)).name for _, value in self.cell]
-        return f"{scenario_name(self.path)}[{'-'.join([*values, str(self.config.seed)])}]"
+        values = [*_texts(self.cell), str(self.config.seed)]
+        return f"{scenario_name(self.path)}[{'-'.join(values)}]"
 
     @property
     def command(self) -> str:
@@ -62,6 +64,15 @@ class Case:
         """Returns where its evidence goes, below a folder for that of all."""
         inside = [part for part in self.path.parent.parts if part not in ("..", self.path.anchor)]
         return Path(*inside, self.name)
+
+
+def cell_name(cell: Cell) -> str:
+    """Returns what the runs of a cell have in common, e.g. "leo, gravel, 0.5"."""
+    return ", ".join(_texts(cell))
+
+
+def _texts(cell: Cell) -> list[str]:
+    return [Path(str(value)).name for _, value in cell]
 
 
 def scenario_name(path: Path) -> str:

@@ -1,4 +1,4 @@
-"""What happens on the way: sensor faults, commands and resets at simulated times."""
+"""What happens on the way: sensor faults, commands, resets and pauses at simulated times."""
 
 from typing import Annotated, Any, Literal
 
@@ -40,15 +40,31 @@ class ResetEvent(Part):
     reset: Literal[True]
 
 
+class PauseEvent(Part):
+    """Time stands still: /clock tells its last time again, every 10 ms of so many seconds."""
+
+    at: Seconds
+    pause: Length
+
+
+EVENTS: dict[str, type[Part]] = {
+    "fault": FaultEvent,
+    "command": CommandEvent,
+    "reset": ResetEvent,
+    "pause": PauseEvent,
+}
+
+
 def _kind(event: Any) -> str | None:  # noqa: ANN401 - anything that stands in a file
     """Which event it is: the mistakes that are told are those of that one alone."""
     names = event if isinstance(event, dict) else type(event).model_fields
-    return next((name for name in ("fault", "command", "reset") if name in names), None)
+    return next((name for name in EVENTS if name in names), None)
 
 
 Event = Annotated[
     Annotated[FaultEvent, Tag("fault")]
     | Annotated[CommandEvent, Tag("command")]
-    | Annotated[ResetEvent, Tag("reset")],
+    | Annotated[ResetEvent, Tag("reset")]
+    | Annotated[PauseEvent, Tag("pause")],
     Discriminator(_kind),
 ]

@@ -43,6 +43,8 @@ def judge(name: str, bound: Bound, series: Series) -> Breach | None:
         series: What it was.
     """
     times, values = _within(bound, series)
+    if series.is_tally:
+        return _judge_tally(name, bound, times)
     if not len(values):
         return Breach(f"{name}: {series.nothing}{_window(bound)}")
     counted = Series(times, values, series.unit)
@@ -81,16 +83,44 @@ def judge_against(name: str, bound: Bound, series: Series, baseline: float | Non
 
 
 def value_of(bound: Bound, series: Series) -> float | None:
-    """Returns what a bound over one value compares; None where there is no finite one."""
+    """Returns what a quantity came to, in one value; None where there is no finite one.
+
+    It is what the bound compares: of all values the one that lies farthest beyond a limit, or else
+    nearest to one; of a share the share.
+    """
     _, values = _within(bound, series)
+    if series.is_tally:
+        return float(len(values))
     value = float(_summed_up(bound, values)) if len(values) else math.nan
     return value if math.isfinite(value) else None
 
 
 def _summed_up(bound: Bound, values: NDArray[np.float64]) -> np.float64:
-    if bound.over == "p95":  # a value that was there: between two infinite ones is none
-        return np.float64(np.percentile(values, 95, method="inverted_cdf"))
-    return np.float64(values.mean() if bound.over == "mean" else values[-1])
+    match bound.over:
+        case "p95":  # a value that was there: between two infinite ones is none
+            return np.float64(np.percentile(values, 95, method="inverted_cdf"))
+        case "mean":
+            return np.float64(values.mean())
+        case "share":
+            return np.float64(_share(bound, values))
+        case "always":
+            return _worst(bound, values)
+    return np.float64(values[-1])
+
+
+def _worst(bound: Bound, values: NDArray[np.float64]) -> np.float64:
+    lowest, highest = values.min(), values.max()
+    if bound.min is None:
+        return np.float64(highest)
+    if bound.max is None:
+        return np.float64(lowest)
+    return np.float64(lowest if lowest - bound.min <= bound.max - highest else highest)
+
+
+def _share(bound: Bound, values: NDArray[np.float64]) -> float:
+    broken = np.logical_or.reduce([limit.broken for limit in _limits(bound, values)])
+    # 1 minus a share would miss 0.2 by a rounding.
+    return int(np.count_nonzero(~broken)) / len(values)
 
 
 def _within(bound: Bound, series: Series) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -120,10 +150,21 @@ def _judge_always(name: str, bound: Bound, series: Series) -> Breach | None:
     return None
 
 
+def _judge_tally(name: str, bound: Bound, times: NDArray[np.float64]) -> Breach | None:
+    """The number of values; of too many, the first that is one too many."""
+    count = len(times)
+    for limit in _limits(bound, np.array([float(count)])):
+        if limit.broken[0]:
+            told = f"{name}: {count} {limit.sign} {limit.value:g}"
+            if limit.sign == "<":
+                return Breach(f"{told}{_window(bound)}")
+            first = float(times[max(0, math.floor(limit.value))])
+            return Breach(f"{told}, first at {first:g} s", first)
+    return None
+
+
 def _judge_share(name: str, bound: Bound, series: Series) -> Breach | None:
-    values = series.values
-    broken = np.logical_or.reduce([limit.broken for limit in _limits(bound, values)])
-    kept = np.count_nonzero(~broken) / len(values)  # 1 minus a share would miss 0.2 by a rounding
+    kept = _share(bound, series.values)
     if bound.share is None or kept >= bound.share:
         return None
     limits = " to ".join(f"{limit:g}" for limit in (bound.min, bound.max) if limit is not None)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from harness.errors import unknown
 from harness.report.log import NOTES_COLUMN, TIME_COLUMN
 from harness.samples import ContactKind, TruthState
+from harness.scenario.topic import TOPIC, check_topic
 from harness.truth.traversal import Truth
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 
@@ -117,4 +118,6 @@ def names() -> tuple[str, ...]:
 
 def check_name(name: str) -> str | None:
     """Returns what to tell of a quantity that does not exist, None of one that does."""
+    if name.startswith(TOPIC):
+        return check_topic(name)
     return None if name in names() else unknown("quantity", name, names())

@@ -13,6 +13,7 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
 from harness.errors import UsageError, unknown
 from harness.scenario import bound, events, spec
+from harness.scenario.launch import Launch
 from harness.scenario.spec import Scenario
 
 SUFFIX = ".scenario.yaml"
@@ -24,9 +25,8 @@ _KEYS: dict[str, type[BaseModel]] = {  # whose keys are valid in which part of a
     "matrix": spec.Matrix,
     "goal": spec.Goal,
     "expect": bound.Bound,
-    "fault": events.FaultEvent,
-    "command": events.CommandEvent,
-    "reset": events.ResetEvent,
+    **events.EVENTS,
+    "launch": Launch,
     "expected_to_fail": spec.ExpectedFailure,
     "pass_rate": spec.PassRate,
 }
@@ -45,10 +45,19 @@ def read_scenario(path: Path) -> Scenario:
         # JSON's rules know no types of Python: a list is a tuple, but "3" and true are no numbers.
         return Scenario.model_validate_json(json.dumps(content, default=str), strict=True)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
+        first = _first(error.errors(include_url=False))
         location = first["ctx"]["place"] if first["type"] == "beside" else first["loc"]
         keys, place = _found(content, location)
         raise UsageError(f"{path}{place}: {_mistake(first, keys)}") from error
+
+
+def _first(errors: list[ErrorDetails]) -> ErrorDetails:
+    """The first mistake; a key that is missing beside one that nobody knows has been mistyped."""
+    first = errors[0]
+    if first["type"] != "missing":
+        return first
+    beside = (e for e in errors if e["type"] == "extra_forbidden" and e["loc"][:-1] == first["loc"][:-1])
+    return next(beside, first)
 
 
 def _load(path: Path) -> Any:  # noqa: ANN401 - whatever a file holds
@@ -95,7 +104,7 @@ def _mistake(error: ErrorDetails, keys: str) -> str:
                 f"the key '{key}' is missing" if isinstance(key, str) else f"{keys} has too few values"
             )
         case "union_tag_not_found":
-            return f"{keys}: an event needs one of the keys fault, command, reset"
+            return f"{keys}: an event needs one of the keys {', '.join(events.EVENTS)}"
         case "value_error" | "beside":
             return f"{keys}: {error['ctx'].get('message') or error['ctx']['error']}"
         case "too_short":

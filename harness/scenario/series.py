@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.episode.batch import Batch
-from harness.samples import Pose, TruthState, Vector3
+from harness.samples import Pose, Sample, TruthState, Vector3
 from harness.scenario.quantities import NO_VALUE, QUANTITIES, Moment
 from harness.sim_time import NANOSECONDS
 
+SAMPLES: set[type[Sample]] = {Pose, TruthState}  # that quantities of the truth are made of
 STILL = TruthState(0, False, False, False, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0, 0.0), 0.0)
 
 
@@ -24,12 +25,14 @@ class Series:
         values: As many; NaN where there was none.
         unit: Of the values.
         nothing: What is told where there is no value at all.
+        is_tally: Whether it is the number of values that is judged, whatever they are.
     """
 
     times: NDArray[np.float64]
     values: NDArray[np.float64]
     unit: str = ""
     nothing: str = NO_VALUE
+    is_tally: bool = False
 
 
 class TruthSeries:

@@ -7,11 +7,16 @@ from pydantic import AfterValidator, Discriminator, Field, FiniteFloat, Tag, mod
 from pydantic_core import PydanticCustomError
 
 from harness.scenario.bound import Bound, Length, Part, Point, Share, Text
-from harness.scenario.events import CommandEvent, Event
+from harness.scenario.events import CommandEvent, Event, PauseEvent
+from harness.scenario.launch import Launch, Launched, launch_of
 from harness.scenario.quantities import GOAL, check_name, names
+from harness.scenario.topic import COUNT, LATENCY, PATTERN, TOPIC, topic_quantity
 
 Seed = Annotated[int, Field(ge=0)]
-SCHEMA: dict[str, Any] = {"propertyNames": {"enum": list(names())}}
+SCHEMA: dict[str, Any] = {
+    "propertyNames": {"anyOf": [{"enum": list(names())}, {"pattern": f"^{PATTERN}$"}]}
+}
+PAUSE = "without nodes nobody would notice a pause; it needs 'launch:' or an expectation of a topic"
 
 
 def _plural(value: object) -> str:
@@ -93,6 +98,7 @@ class Scenario(Part):
         seed: Of the run; `seeds` is a number of seeds from 0 on, or a list.
         noise: Errors of the sensors; none if left out.
         goal: Where the rover is to arrive; the driver `goal` is told. See the quantity truth.goal_s.
+        launch: Commands whose nodes hear the rover over ROS and are waited for.
         events: What happens on the way.
         expect: A bound, or a list of them, for each quantity.
         same_bytes: Whether the log must be that of the baseline, byte for byte.
@@ -116,6 +122,7 @@ class Scenario(Part):
     lidar_beams: int | None = None
     imu_rate: int | None = None
     goal: Goal | None = None
+    launch: tuple[Launched, ...] = ()
     events: tuple[Event, ...] = ()
     expect: Annotated[dict[str, Bounds], AfterValidator(_known)] = Field(
         min_length=1, json_schema_extra=SCHEMA
@@ -141,6 +148,16 @@ class Scenario(Part):
         )
 
     @property
+    def launches(self) -> tuple[Launch, ...]:
+        """Returns the commands that are started."""
+        return tuple(map(launch_of, self.launch))
+
+    @property
+    def needs_ros(self) -> bool:
+        """Whether nodes are started or topics heard."""
+        return bool(self.launch) or any(name.startswith(TOPIC) for name in self.expect)
+
+    @property
     def has_baseline(self) -> bool:
         """Whether runs are compared with recorded ones."""
         return self.same_bytes or any(bound.has_baseline for _, bound in self.bounds)
@@ -152,23 +169,44 @@ class Scenario(Part):
         return self
 
     def _problems(self) -> Iterator[PydanticCustomError]:
-        late = f"after the run of {self.duration:g} s"
         for name in sorted(self.matrix.model_fields_set & self.model_fields_set):
             yield _mistake((name,), f"give one of {name} and matrix: {name}")
         if self.seeds is not None and "seed" in self.model_fields_set:
             yield _mistake(("seed",), "give one of seed and seeds")
+        late = f"after the run of {self.duration:g} s"
         for name, bound in self.bounds:
             if bound.window is not None and bound.window[1] > self.duration:
                 yield _mistake(("expect", name), f"a window to {bound.window[1]:g} s ends {late}")
             if name.startswith(GOAL) and self.goal is None:
                 yield _mistake(("expect", name), "it needs a goal, e.g. goal: {at: [5, 0]}")
+            if problem := _problem_of_topic(name, bound):
+                yield _mistake(("expect", name), problem)
         for index, event in enumerate(self.events):
             if event.at >= self.duration:
                 yield _mistake(("events", index), f"an event at {event.at:g} s is {late}")
-            drivers = self.matrix.driver or (self.driver,)
-            if isinstance(event, CommandEvent) and set(drivers) != {"cmd_vel"}:
-                text = "commands need 'driver: cmd_vel'; others drive by themselves"
-                yield _mistake(("events", index), text)
+            if problem := self._problem_of_event(event):
+                yield _mistake(("events", index), problem)
+
+    def _problem_of_event(self, event: Event) -> str | None:
+        drivers = set(self.matrix.driver or (self.driver,))
+        if isinstance(event, CommandEvent) and drivers != {"cmd_vel"}:
+            return "commands need 'driver: cmd_vel'; others drive by themselves"
+        if isinstance(event, PauseEvent) and not self.needs_ros:
+            return PAUSE
+        return None
+
+
+def _problem_of_topic(name: str, bound: Bound) -> str | None:
+    """What is wrong with a bound because of the topic's quantity that it is of."""
+    quantity = topic_quantity(name)
+    what = "" if quantity is None else quantity.what
+    if what == LATENCY and bound.of is None:
+        return "a latency needs the topic of the input, e.g. of: /scan"
+    if what != LATENCY and bound.of is not None:
+        return "'of' belongs to the latency of a topic"
+    if what == COUNT and bound.over not in ("always", "end"):
+        return f"a count is one number; leave out 'over: {bound.over}'"
+    return None
 
 
 def _mistake(place: tuple[str | int, ...], message: str) -> PydanticCustomError:

@@ -1,17 +1,20 @@
 """Files and folders of scenarios to runs, and all runs to attempts, on one process or many."""
 
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import closing
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from harness.errors import RunFailed, UsageError
+from harness.errors import UsageError
 from harness.interrupt import Interrupted
 from harness.scenario.attempt import SCRATCH, Attempt, attempt
 from harness.scenario.case import Case, cases_of
+from harness.scenario.progress import Progress
 from harness.scenario.reading import SUFFIX, read_scenario
-from harness.tuning.backend import Backend, WorkerLost
+from harness.tuning.backend import Backend
+from harness.tuning.backend.work_off import work_off
+
+KEPT = "the same command with --resume goes on with the rest"
 
 Selected = tuple[tuple[str, str], ...]  # names and values of the matrix
 
@@ -62,6 +65,7 @@ def run_all(
     show: Callable[[int, int], None],
     *,
     compare: bool = True,
+    resume: bool = False,
 ) -> list[Attempt]:
     """Runs all, and returns the attempts in the order of the cases.
 
@@ -71,25 +75,34 @@ def run_all(
         folder: For what runs leave that do not pass.
         show: Told how many of how many are done.
         compare: Whether they are compared with their baselines.
+        resume: Whether to go on where the same suite was stopped.
 
     Raises:
-        RunFailed: A worker died.
+        RunFailed: Workers died again and again.
         Interrupted: Somebody stopped the command.
     """
-    done: dict[int, Attempt] = {}
+    progress = Progress(cases, folder, compare=compare)
+    done = progress.read() if resume else {}
+    if not done:
+        progress.begin()
+    show(len(done), len(cases))
+
+    def keep(index: int, outcome: Attempt) -> None:
+        progress.keep(index, outcome)
+        done[index] = outcome
+        show(len(done), len(cases))
+
+    left = {index: (index, case) for index, case in enumerate(cases) if index not in done}
     # A worker that is killed leaves its files: they are below a folder of this process.
     with TemporaryDirectory(prefix=SCRATCH) as scratch:
         work = partial(_one, folder=folder, compare=compare, scratch=Path(scratch))
         try:
-            with closing(backend.map(work, list(enumerate(cases)))) as outcomes:
-                for index, outcome in outcomes:
-                    done[index] = outcome
-                    show(len(done), len(cases))
-        except WorkerLost as error:
-            raise RunFailed(str(error)) from error
+            work_off(left, work, backend, keep, name=lambda index: cases[index].name, mend=KEPT)
         except Interrupted as error:
-            error.args = (f"{error} after {len(done)} of {len(cases)} runs",)
+            kept = f"; {KEPT}" if progress.exists else ""
+            error.args = (f"{error} after {len(done)} of {len(cases)} runs{kept}",)
             raise
+    progress.end()
     return [done[index] for index in range(len(cases))]
 
 

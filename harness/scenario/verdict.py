@@ -39,7 +39,7 @@ def outcome_of(attempt: Attempt) -> Outcome:
 def reasons_of(attempt: Attempt) -> tuple[str, ...]:
     """Returns why an outcome is not PASSED, each in a line."""
     if attempt.error is not None:
-        return (attempt.error,)
+        return tuple(attempt.error.splitlines())
     known = attempt.case.expected_failure
     if known is None:
         return attempt.breaches
@@ -78,13 +78,18 @@ def verdicts_of(attempts: Sequence[Attempt]) -> list[Verdict]:
 def _verdict(path: Path, attempts: list[Attempt]) -> Verdict:
     outcomes = [outcome_of(attempt) for attempt in attempts]
     good = sum(outcome.is_good for outcome in outcomes)
-    interval = binomtest(good, len(outcomes)).proportion_ci(CONFIDENCE, method="wilson")
     asked = attempts[0].case.scenario.pass_rate
     rate = good / len(outcomes)
     outcome = Outcome.PASSED if rate >= (1.0 if asked is None else asked.min) else Outcome.FAILED
     if Outcome.ERROR in outcomes:
         outcome = Outcome.ERROR
-    return Verdict(path, tuple(attempts), rate, (interval.low, interval.high), outcome)
+    return Verdict(path, tuple(attempts), rate, wilson(good, len(outcomes)), outcome)
+
+
+def wilson(good: int, count: int) -> tuple[float, float]:
+    """Returns the interval of a share by Wilson's method."""
+    interval = binomtest(good, count).proportion_ci(CONFIDENCE, method="wilson")
+    return float(interval.low), float(interval.high)
 
 
 def exit_code(verdicts: Sequence[Verdict]) -> int:

@@ -18,22 +18,38 @@ from harness.ros.recorder import Recorder
 RECORDING, PAGE = "trial.mcap", "trial.html"
 
 
-class Evidence(ExitStack):
-    """Watches the batches of a trial; an Observer, and a context that leaves nothing but what is kept.
+class Recording(ExitStack):
+    """Records what a bridge publishes and hears; a context that leaves nothing but what is kept.
 
     Args:
-        bridge: Publishes them.
+        bridge: Is recorded from now on.
+        name: Of the file.
+        last: How many seconds are kept; all if None.
     """
 
-    def __init__(self, bridge: Bridge) -> None:
+    def __init__(self, bridge: Bridge, name: str = RECORDING, last: float | None = None) -> None:
         super().__init__()
-        self._bridge = bridge
         folder = self.enter_context(tempfile.TemporaryDirectory(prefix="rover-trial-"))
-        self._recording = Path(folder) / RECORDING
-        self._recorder = self.enter_context(ExitStack())
-        self._recorder.enter_context(recorder := Recorder(self._recording))
-        self._recorder.callback(bridge.stop_recording)
-        recorder.tap(bridge)
+        self.path = Path(folder) / name
+        self._open = self.enter_context(ExitStack())
+        self._recorder = self._open.enter_context(Recorder(self.path, last=last))
+        self._open.callback(bridge.stop_recording)
+        self._recorder.tap(bridge)
+        self.callback(self._recorder.forget)  # before it is closed, if `end` was not called
+        self.hear = self._recorder.hear
+
+    def end(self) -> Path | None:
+        """Finishes the recording; returns where it is, None if it has no message."""
+        self._open.close()
+        return self.path if self.path.exists() else None
+
+
+class Evidence(Recording):
+    """Watches the batches of a trial; an Observer."""
+
+    def __init__(self, bridge: Bridge) -> None:
+        super().__init__(bridge)
+        self._bridge = bridge
 
     def begin(self, config: EpisodeConfig, info: EpisodeInfo) -> None:
         """Begins the account of an episode; the page is about the last."""
@@ -61,11 +77,11 @@ class Evidence(ExitStack):
         from harness.report.content import render  # noqa: PLC0415 - a second that a passing trial saves
 
         try:
-            self._recorder.close()
+            recording = self.end()
             folder.mkdir(parents=True, exist_ok=True)
             kept = [folder / PAGE]
-            if self._recording.exists():
-                kept.append(Path(shutil.move(self._recording, folder / RECORDING)))
+            if recording is not None:
+                kept.append(Path(shutil.move(recording, folder / RECORDING)))
             result = self._account.ended(failure=reason)
             write_whole(folder / PAGE, render(result, self._page), "the page")
         except (HarnessError, OSError) as error:

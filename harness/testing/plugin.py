@@ -30,16 +30,17 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.fixture
 def start_trial(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[Callable[[EpisodeConfig], Trial]]:
-    """Starts a trial that ends with the test; one at a time."""
+) -> Iterator[Callable[[EpisodeConfig | Trial], Trial]]:
+    """Starts a trial, given or of a configuration, that ends with the test; one at a time."""
     folder = request.config.getoption("--rover-artifacts") or tmp_path_factory.getbasetemp() / "rover"
     name = re.sub(r"[^\w.-]+", "_", request.node.nodeid).strip("_")
     trials = request.node.stash.setdefault(TRIALS, [])
     with ExitStack() as at_end:
 
-        def start(config: EpisodeConfig) -> Trial:
+        def start(given: EpisodeConfig | Trial) -> Trial:
             number = f"-{len(trials) + 1}" if trials else ""
-            trial = Trial(config, folder.absolute() / f"{name}{number}")
+            trial = given if isinstance(given, Trial) else Trial(given)
+            trial.artifacts = trial.artifacts or folder.absolute() / f"{name}{number}"
             trials.append(trial)
             return at_end.enter_context(trial)
 

@@ -1,8 +1,6 @@
 """The node under test, hosted in this process or started as one of its own, and what is heard of it."""
 
-import signal
-import subprocess
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
@@ -10,8 +8,6 @@ from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
 from harness.ros.context import SPIN_TIMEOUT, timer_is_due
 from harness.ros.remote import RemoteNode, wait_for_answers
-
-EXIT_PATIENCE = 5.0  # [s] for a node to leave after SIGINT before it is killed
 
 Message = TypeVar("Message")
 
@@ -26,23 +22,31 @@ class Subject(RemoteNode):
         name: Its fully qualified name.
         bridge: What publishes to it.
         node: The rclpy node if it is hosted; the bridge's executor spins it too.
+        check: Raises if it can answer no more; called while an answer is awaited.
+        time_jumps: Whether faults will set the clock back.
 
     Raises:
         UsageError: There is no such node, or it runs on wall time.
     """
 
-    def __init__(self, name: str, bridge: Bridge, node: Any = None) -> None:  # noqa: ANN401
-        super().__init__(name, bridge)
-        self.node = node
-
-    def wait_for_samples(
+    def __init__(
         self,
-        channels: Sequence[Channel] = (),  # noqa: ARG002
+        name: str,
+        bridge: Bridge,
+        node: Any = None,  # noqa: ANN401 - rclpy has no types
         *,
-        clock_follows: bool = False,  # noqa: ARG002
+        check: Callable[[], None] = lambda: None,
+        time_jumps: bool = False,
     ) -> None:
+        self.node, self._check = node, check
+        super().__init__(name, bridge, time_jumps=time_jumps)
+
+    def make_room(self, channels: Sequence[Channel]) -> None:
+        """Returns at once: nothing of it waits between two ticks."""
+
+    def wait_for_samples(self, channels: Sequence[Channel] = ()) -> None:  # noqa: ARG002
         """Returns when it has handled its queue, whatever it listens to: other nodes may feed it too."""
-        wait_for_answers((self,), self._executor)
+        wait_for_answers({self: self.ask()}, self._executor, self._check)
 
     def wait_for_clock(self, stamp_ns: int) -> None:  # noqa: ARG002 - the barrier knows no times
         """Returns when it has handled its queue and its timers have run."""
@@ -50,16 +54,6 @@ class Subject(RemoteNode):
         while self.node is not None and timer_is_due(self.node):
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         self.wait_for_samples()
-
-
-def stop(process: "subprocess.Popen[bytes]") -> None:
-    """Ends a node's process as Ctrl-C does, or else by force."""
-    process.send_signal(signal.SIGINT)  # which does nothing to one that has ended
-    try:
-        process.wait(EXIT_PATIENCE)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
 
 
 @dataclass(eq=False)

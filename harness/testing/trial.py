@@ -1,7 +1,6 @@
 """A trial: one seeded drive whose topics a node under test hears, stepped by the test."""
 
 import os
-import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
@@ -18,7 +17,7 @@ from harness.config import EpisodeConfig
 from harness.episode.batch import Batch, later
 from harness.episode.episode import Episode
 from harness.episode.loop import drive as drive_loop
-from harness.errors import RunFailed, UsageError
+from harness.errors import HarnessError, UsageError
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.frames.options import FrameOptions
@@ -31,11 +30,13 @@ from harness.samples import GroundTruth, Tick, Twist
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.testing.evidence import Evidence
-from harness.testing.subject import Heard, Message, Subject, stop
+from harness.testing.process import Process
+from harness.testing.subject import Heard, Message, Subject
 from harness.truth.traversal import Truth
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 
+START_PATIENCE = 30.0  # [s] for the nodes of a program to turn up
 MOST = 10_000  # messages of a topic that are kept: over three minutes at 50 Hz
 ON_SIMULATED_TIME = ("--ros-args", "-p", "use_sim_time:=true")
 # Hears reliable publishers and best-effort ones; in lock-step nothing is lost.
@@ -56,6 +57,7 @@ class Trial:
 
     Attributes:
         config: As it was given, or as `reset` has changed it.
+        artifacts: As it was given; may be changed until the trial is entered.
         domain: The ROS domain while it is entered.
         speed: True forward speed of the rover [m/s].
         truth: What only the simulator knows, at the end of the present control period of 50 ms.
@@ -63,6 +65,8 @@ class Trial:
     Raises:
         UsageError: The configuration is not valid.
     """
+
+    CMD_VEL = "twist"  # how commands come
 
     def __init__(
         self,
@@ -72,17 +76,22 @@ class Trial:
     ) -> None:
         config.validate()
         self.config, self._frames = config, frames or FrameOptions()
-        self._artifacts = artifacts
+        self.artifacts = artifacts
         self._evidence: Evidence | None = None
         self.truth = Truth()
         self.domain = 0
         self._at_end = ExitStack()
         self._subjects: list[Subject] = []
+        self._processes: list[Process] = []
+        self._pending = Tick(0, ()), Tick(0, ())  # of the episode, and what listeners get of it
         self._now_ns = 0
         self.speed = 0.0
 
     def __enter__(self) -> Self:
+        if rclpy.ok():
+            raise UsageError("rclpy is initialised already; a trial does that itself, in its own domain")
         with ExitStack() as at_end:
+            self._at_end = at_end  # what is started meanwhile ends with it
             self._start(at_end)
             self._at_end = at_end.pop_all()
         return self
@@ -102,27 +111,25 @@ class Trial:
             Where they are, in a line each; nothing if nothing is recorded, or it was kept already.
         """
         evidence, self._evidence = self._evidence, None
-        if evidence is None or self._artifacts is None:
+        if evidence is None or self.artifacts is None:
             return ""
-        return evidence.keep(self._artifacts, next(iter(reason.splitlines()), "an exception"))
+        return evidence.keep(self.artifacts, next(iter(reason.splitlines()), "an exception"))
 
     def _start(self, at_end: ExitStack) -> None:
-        if rclpy.ok():
-            raise UsageError("rclpy is initialised already; a trial does that itself, in its own domain")
         stay_local()
         self.domain = at_end.enter_context(reserved_domain())
+        self._begin_processes()
         self._episode = Episode(self.config, self._frames)
-        injector = FaultInjector(parse_faults(self.config.faults), self.config.seed)
+        self._injector = injector = FaultInjector(parse_faults(self.config.faults), self.config.seed)
         self._ticks = drive_loop(self._batches(), injector, self._take, (self,))
         no_handlers, args = SignalHandlerOptions.NO, list(ON_SIMULATED_TIME)
         rclpy.init(args=args, domain_id=self.domain, signal_handler_options=no_handlers)
         at_end.callback(rclpy.try_shutdown)
         lidar = LidarSpec(beams=self.config.lidar_beams)
-        self._bridge = Bridge(find_rover(self.config.robot), lidar, on_command=self._command)
+        rover, obey = find_rover(self.config.robot), self._command
+        self._bridge = Bridge(rover, lidar, on_command=obey, cmd_vel=self.CMD_VEL)
         at_end.callback(self._bridge.destroy_node)
-        if self._artifacts is not None:
-            self._evidence = at_end.enter_context(Evidence(self._bridge))
-            self._evidence.begin(self.config, self._episode.info)
+        self._record(at_end)
         if self._episode.description is not None:
             self._bridge.describe(self._episode.description)
         self._bridge.set_parameters([Parameter("use_sim_time", value=False)])  # it makes the time
@@ -130,6 +137,14 @@ class Trial:
         executor = make_executor(context, time_jumps=injector.disturbs_time)
         self._executor = at_end.enter_context(executor)
         self._executor.add_node(self._bridge)
+
+    def _begin_processes(self) -> None:
+        """Starts what may start while the world is built; here nothing."""
+
+    def _record(self, at_end: ExitStack) -> None:
+        if self.artifacts is not None:
+            self._evidence = at_end.enter_context(Evidence(self._bridge))
+            self._evidence.begin(self.config, self._episode.info)
 
     @property
     def time(self) -> float:
@@ -156,23 +171,42 @@ class Trial:
             node: Fully qualified name of the node, e.g. "/emergency_stop".
 
         Raises:
-            RunFailed: The process ended at once.
-            UsageError: The node is not found, or runs on wall time.
+            RunFailed: The program ended at once.
+            UsageError: There is no such program, the node is not found, or runs on wall time.
         """
-        environment = {**os.environ, "ROS_DOMAIN_ID": str(self.domain)}
-        process = subprocess.Popen(list(command), env=environment)
-        self._at_end.callback(stop, process)
-
-        def is_there() -> bool:
-            nodes = self._bridge.get_node_names_and_namespaces()
-            names = {f"{space.rstrip('/')}/{name}" for name, space in nodes}
-            return process.poll() is not None or node in names
-
-        spin_until(self._executor, is_there, DISCOVERY_PATIENCE)
-        if process.poll() is not None:
-            code = process.returncode
-            raise RunFailed(f"the process of {node} ended at its start with exit code {code}")
+        process = self._begin(command)
+        self._await(lambda: process.has_ended or node in self._nodes())
         self._keep_in_step(node)
+
+    def _begin(
+        self,
+        command: Sequence[str],
+        folder: Path | None = None,
+        output: Path | None = None,
+        *,
+        may_end: bool = False,
+    ) -> Process:
+        """Starts a program in this trial's domain; see Process."""
+        environment = {**os.environ, "ROS_DOMAIN_ID": str(self.domain)}
+        process = Process(command, environment, folder=folder, output=output, may_end=may_end)
+        self._at_end.callback(process.stop)
+        self._processes.append(process)
+        return process
+
+    def _await(self, is_there: Callable[[], bool]) -> None:
+        """Waits until nodes are there, or a program has ended."""
+        spin_until(self._executor, is_there, START_PATIENCE)
+        self._check_processes()
+
+    def _check_processes(self) -> None:
+        for process in self._processes:
+            process.check(f" at {self.time:g} s" if self._now_ns else " at its start")
+
+    def _nodes(self) -> set[str]:
+        """Returns the full names of the nodes in this trial's domain, but for its own."""
+        found = self._bridge.get_node_names_and_namespaces()
+        names = {f"{space.rstrip('/')}/{name}" for name, space in found}
+        return names - {self._bridge.get_fully_qualified_name()}
 
     def collect(
         self, message_type: type[Message], topic: str, qos: QoSProfile = ANYTHING, most: int = MOST
@@ -191,8 +225,7 @@ class Trial:
             heard.take(message, self.time)
 
         self._bridge.create_subscription(message_type, topic, take, qos)
-        self._subjects = [Subject(known.name, self._bridge, known.node) for known in self._subjects]
-        self._connect()
+        self._renew()
         return heard
 
     def drive(self, linear: float, angular: float = 0.0) -> None:
@@ -236,7 +269,18 @@ class Trial:
             UsageError: The episode is over.
         """
         for _ in range(round(seconds * NANOSECONDS) // TICK_NS):
-            self._advance()
+            self._go_on()
+
+    def pause(self, seconds: float) -> None:
+        """Lets time stand still: for so many simulated seconds /clock tells its last time again.
+
+        That is every 10 ms of them; no sensor publishes, the rover stands, and `time` does not go on.
+        Nodes handle each as they do all else.
+        """
+        tick, sent = self._pending
+        still = replace(tick, samples=()), replace(sent, samples=())
+        for _ in range(round(seconds * NANOSECONDS) // TICK_NS):
+            self._bridge.advance(*still, listeners=self._subjects)
 
     def until(self, condition: Callable[[], bool], *, within: float) -> float:
         """Steps until a condition holds; gives the simulated seconds that this took.
@@ -248,14 +292,21 @@ class Trial:
         while not condition():
             if (self._now_ns - began_ns) / NANOSECONDS >= within:
                 raise AssertionError(f"the condition did not hold within {within:g} simulated seconds")
-            self._advance()
+            self._go_on()
         return (self._now_ns - began_ns) / NANOSECONDS
 
-    def _advance(self) -> None:
-        if next(self._ticks, None) is None:
+    def _go_on(self) -> None:
+        if not self._advance():
             raise UsageError(f"the episode is over after {self.time:g} s; give a longer duration")
+
+    def _advance(self) -> bool:
+        """Publishes the next tick; returns whether there was one."""
+        if next(self._ticks, None) is None:
+            return False
+        self._check_processes()
         # Not in the loop, which what a node raises here would end for good.
         self._bridge.advance(*self._pending, listeners=self._subjects)
+        return True
 
     def _take(self, tick: Tick, sent: Tick) -> None:
         self._pending = tick, sent
@@ -286,7 +337,20 @@ class Trial:
                     self._evidence.begin(self.config, episode.info)
 
     def _keep_in_step(self, name: str, node: object = None) -> None:
-        self._subjects.append(Subject(name, self._bridge, node))
+        self._subjects.append(self._subject(name, node))
+        self._connect()
+
+    def _subject(self, name: str, node: object) -> Subject:
+        check, jumps = self._check_processes, self._injector.disturbs_time
+        try:
+            return Subject(name, self._bridge, node, check=check, time_jumps=jumps)
+        except HarnessError:
+            check()  # why it does not answer
+            raise
+
+    def _renew(self) -> None:
+        """Makes sure that the nodes know of the subscriptions that have been made here."""
+        self._subjects = [self._subject(known.name, known.node) for known in self._subjects]
         self._connect()
 
     def _connect(self) -> None:

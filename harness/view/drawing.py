@@ -22,6 +22,7 @@ from harness.view.states import StateWriter
 BACKENDS = {"Linux": ("egl", "osmesa"), "Darwin": ("cgl", "glfw"), "Windows": ("glfw",)}
 SUFFIXES = {"--picture": ".png", "--video": ".mp4"}
 FRAMES = re.compile(r"(\d+)/(\d+)\n")  # how many are drawn of how many, as harness.view.picture says it
+PROGRAM = (sys.executable, "-m", "harness.view.picture")
 MENDS = {"Linux": "install libegl1 libgl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"}
 
 
@@ -115,11 +116,10 @@ def _call(
     words: list[str], environment: dict[str, str], show: Callable[[int, int], None] = lambda *_: None
 ) -> None:
     """Runs harness.view.picture, apart from Ctrl-C in this terminal, which stops it by its caller."""
-    command = [sys.executable, "-m", "harness.view.picture", *words]
     with (
         tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as said,
         subprocess.Popen(
-            command,
+            [*PROGRAM, *words],
             env=environment,
             stdout=subprocess.PIPE,
             stderr=said,

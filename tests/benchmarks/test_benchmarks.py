@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -13,12 +14,16 @@ from benchmarks.measuring import QUICK, Rounds, Table
 from benchmarks.readme import README, SOAK, TEMPLATE, markdown, write_readme, write_soak
 from benchmarks.registry import BENCHMARKS, Benchmark
 
+SMALLEST = replace(QUICK, seconds=1.0, maps=1)
 SHORT = [name for name, benchmark in BENCHMARKS.items() if not benchmark.takes_minutes]
 
 
 @pytest.mark.usefixtures("ros_domain")
 @pytest.mark.parametrize("name", SHORT)
-def test_every_benchmark_measures_something(name: str, capfd: pytest.CaptureFixture[str]) -> None:
+def test_every_benchmark_measures_something(
+    name: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("benchmarks.__main__.QUICK", SMALLEST)
     if name in {"runs", "lockstep", "start"}:
         pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     assert main(["--quick", name]) == 0
@@ -65,7 +70,7 @@ def test_scan_on_small_maps_is_that_of_mujoco_to_a_hundredth_of_a_millimetre() -
 
 def test_missing_pybullet_costs_its_rows_only(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pybullet", None)
-    rows = lidar.measure(QUICK).rows
+    rows = lidar.measure(SMALLEST).rows
     skipped = [row for row in rows if row[2].startswith("skipped: ")]
     assert len(skipped) == len(rows) / 2
     assert {len(row) for row in rows} == {9}

@@ -40,7 +40,10 @@ PATIENCE = 60.0
 ENDLESS = ["--terrain", "flat", "--driver", "spin", "--duration", "36000"]
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 STARTS = 20
-THROUGH_ROS = 5  # of them
+THROUGH_ROS = range(0, STARTS, 4)  # of them
+DRIVING = THROUGH_ROS[
+    :3
+]  # are stopped, one by each signal, when there are rows; others at a random time
 SHARED_MEMORY = re.compile(r"/dev/shm/(?!lttng)\S+")  # noqa: S108 - lttng's is the user's, not a run's
 
 
@@ -110,24 +113,14 @@ def left_behind(memory: set[str], since: float) -> tuple[str, ...]:
     return tuple(path for path in there if Path(path).exists())
 
 
-def ended_by(
-    number: signal.Signals, process: subprocess.Popen[str], *, since: float = 0.0, group: bool = False
-) -> End:
-    """Sends a signal, to the process or as a terminal does to all of its group; waits for the end.
-
-    Args:
-        number: The signal.
-        process: To whom.
-        since: Time just before it was started.
-        group: Whether all of its group get the signal.
-    """
-    memory = shared_memory(process.pid)
+def ended_by(number: signal.Signals, process: subprocess.Popen[str]) -> End:
+    """Sends a signal and waits for the end."""
     began = time.monotonic()
-    (os.killpg if group else os.kill)(process.pid, number)
+    process.send_signal(number)
     told, _ = process.communicate(timeout=PATIENCE)
     after = time.monotonic() - began
     wait_until(lambda: not session_members(process.pid), NO_HANG)
-    return End(after, process.returncode, told, left_behind(memory, since))
+    return End(after, process.returncode, told)
 
 
 def manifest(log_dir: Path) -> dict[str, Any]:
@@ -135,28 +128,6 @@ def manifest(log_dir: Path) -> dict[str, Any]:
     (log,) = log_dir.glob("*.csv")
     values: dict[str, Any] = json.loads(log.with_suffix(".json").read_text())
     return values
-
-
-@pytest.mark.usefixtures("ros_domain")
-@pytest.mark.parametrize("number", SIGNALS)
-def test_signal_ends_a_run_through_ros_soon_and_leaves_rows_manifest_and_nothing_else(
-    number: signal.Signals, tmp_path: Path
-) -> None:
-    pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
-    since = time.time()
-    with started(tmp_path) as process:
-        wait_until(lambda: rows(tmp_path) > 2)
-        end = ended_by(number, process, since=since, group=True)
-    assert end.code == 128 + number, end.told
-    assert "Traceback" not in end.told
-    assert end.after < NO_HANG
-    assert end.left == ()
-    assert " 0 lost" in end.told
-    (log,) = tmp_path.glob("*.csv")
-    assert log.read_bytes().endswith(b"Normal operation\r\n")
-    values = manifest(tmp_path)
-    assert values["outcome"] == {"status": "interrupted", "reason": number.name}
-    assert values["rows"] == rows(tmp_path)
 
 
 def test_signal_ends_a_direct_run_even_if_it_is_much_slower_than_real_time(tmp_path: Path) -> None:
@@ -167,7 +138,9 @@ def test_signal_ends_a_direct_run_even_if_it_is_much_slower_than_real_time(tmp_p
     assert end.after < NO_HANG
 
 
-def test_twenty_starts_and_stops_in_a_row_end_soon_and_silently(ros_domain: int, tmp_path: Path) -> None:
+def test_twenty_starts_and_stops_in_a_row_end_soon_silently_and_leave_rows_and_manifest(
+    ros_domain: int, tmp_path: Path
+) -> None:
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     told = subprocess.run(
         [sys.executable, __file__, str(tmp_path)],
@@ -178,12 +151,18 @@ def test_twenty_starts_and_stops_in_a_row_end_soon_and_silently(ros_domain: int,
         timeout=300,
     )
     ends = [End(**values) for values in json.loads(told.stdout)]
-    assert len(ends) == STARTS
-    assert {end.code for end in ends} <= {128 + number for number in SIGNALS}
+    assert [end.code for end in ends] == [128 + number_of(index) for index in range(STARTS)]
     assert not [end.told for end in ends if "Traceback" in end.told]
     assert not [end.left for end in ends if end.left]
     assert sorted(end.after for end in ends)[STARTS // 2] < SOON
     assert max(end.after for end in ends) < NO_HANG
+    for index in DRIVING:
+        assert " 0 lost" in ends[index].told
+        (log,) = (tmp_path / str(index)).glob("*.csv")
+        assert log.read_bytes().endswith(b"Normal operation\r\n")
+        values = manifest(log.parent)
+        assert values["outcome"] == {"status": "interrupted", "reason": number_of(index).name}
+        assert values["rows"] == rows(log.parent) > 2
 
 
 def test_closed_terminal_ends_the_run_with_its_manifest(tmp_path: Path) -> None:
@@ -317,18 +296,15 @@ if __name__ == "__main__":
     from harness.run import main
     sys.exit(main(sys.argv[1:]))
 """
+CRASH = ["--terrain", "flat", "--duration", "36000", "--log-dir"]
 
 
 @pytest.mark.usefixtures("ros_domain")
-@pytest.mark.parametrize("way", ["--direct", "--ros-args"])
-def test_bug_in_a_driver_shows_its_trace_keeps_the_rows_and_does_not_hang(
-    way: str, tmp_path: Path
-) -> None:
+def test_bug_in_a_driver_shows_its_trace_keeps_the_rows_and_does_not_hang(tmp_path: Path) -> None:
     script = tmp_path / "crashing.py"
     script.write_text(CRASHING)
-    words = ["--terrain", "flat", "--duration", "36000", "--log-dir", str(tmp_path), way]
     done = subprocess.run(
-        [sys.executable, str(script), *words],
+        [sys.executable, str(script), *CRASH, str(tmp_path)],
         env=environment() | {"PYTHONPATH": os.pathsep.join(sys.path)},
         capture_output=True,
         text=True,
@@ -338,6 +314,15 @@ def test_bug_in_a_driver_shows_its_trace_keeps_the_rows_and_does_not_hang(
     assert done.returncode == 1
     assert "ZeroDivisionError: the driver fell asleep" in done.stderr
     assert "in crash" in done.stderr
+    assert rows(tmp_path) == 1
+
+
+def test_bug_in_a_driver_of_a_direct_run_passes_and_keeps_the_rows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Wander, "command", crash)
+    with pytest.raises(ZeroDivisionError, match="the driver fell asleep"):
+        main([*CRASH, str(tmp_path), "--direct"])
     assert rows(tmp_path) == 1
 
 
@@ -386,25 +371,22 @@ def test_ctrl_c_ends_a_run_whose_node_has_stopped_answering(tmp_path: Path) -> N
     assert json.loads(summary.read_text())["outcome"]["status"] == "interrupted"
 
 
+def number_of(index: int) -> signal.Signals:
+    return SIGNALS[index % len(SIGNALS)]
+
+
 def start_and_stop(log_dir: Path) -> list[dict[str, object]]:
-    """Forks run after run from this process, which has all loaded; stops each at a random time."""
+    """Forks run after run from this process, which has all loaded, and stops each."""
     import harness.episode.direct  # noqa: PLC0415 - loaded once, for all: forked BLAS hangs as it ends
     import harness.ros.session  # noqa: F401, PLC0415 - needs rclpy
 
     gc.freeze()  # else each fork copies the whole heap as it ends
     rng = random.Random(0)  # noqa: S311 - no secret
-    ends = []
-    for index in range(STARTS):
-        through_ros = index % (STARTS // THROUGH_ROS) == 0
-        way = [] if through_ros else ["--direct"]
-        words = [*ENDLESS, *way, "--log-dir", str(log_dir / str(index))]
-        delay = rng.uniform(0.0, 1.5 if through_ros else 0.25)
-        ends.append(vars(one_start_and_stop(words, SIGNALS[index % len(SIGNALS)], delay)))
-    return ends
+    return [vars(one_start_and_stop(index, log_dir / str(index), rng)) for index in range(STARTS)]
 
 
-def one_start_and_stop(words: list[str], number: signal.Signals, delay: float) -> End:
-    since = time.time()
+def one_start_and_stop(index: int, log_dir: Path, rng: random.Random) -> End:
+    since, way = time.time(), [] if index in THROUGH_ROS else ["--direct"]
     with tempfile.TemporaryFile("w+b") as output:
         pid = os.fork()
         if pid == 0:
@@ -412,11 +394,15 @@ def one_start_and_stop(words: list[str], number: signal.Signals, delay: float) -
             signal.signal(signal.SIGINT, signal.SIG_DFL)  # as harness.run does while it loads
             os.dup2(output.fileno(), 1)
             os.dup2(output.fileno(), 2)
-            sys.exit(main(words))
-        select.select([], [], [], delay)
+            sys.exit(main([*ENDLESS, *way, "--log-dir", str(log_dir)]))
+        if index in DRIVING:
+            wait_until(lambda: rows(log_dir) > 2)
+        else:
+            select.select([], [], [], rng.uniform(0.0, 0.25 if way else 1.5))
         memory = shared_memory(pid)
         began = time.monotonic()
-        os.kill(pid, number)
+        # A terminal sends it to the whole group, which is there once the run drives.
+        (os.killpg if index in DRIVING else os.kill)(pid, number_of(index))
         _, status = os.waitpid(pid, 0)
         after = time.monotonic() - began
         output.seek(0)

@@ -18,11 +18,11 @@ from harness.frames.options import FrameOptions
 from harness.frames.tree import Edge
 from harness.interrupt import StopRequest
 from harness.robots import find_rover
-from harness.ros.foreign_type import typestore
 from harness.ros.frames import transforms_bytes
 from harness.ros.network import reserved_domain
 from harness.ros.session import run_through_ros
 from harness.samples import GroundTruth
+from harness.sensors.message_types import typestore
 from harness.world.occupancy import occupancy
 from tests.support.nav2_client import CACHE_NS, PATIENCE, TF, XY_TOLERANCE, Buffer, Nav2Client
 

@@ -35,11 +35,12 @@ from harness.interrupt import StopRequest
 from harness.robots import ROVERS
 from harness.ros.bridge import Bridge
 from harness.ros.context import spin_until
-from harness.ros.foreign_type import forget_missing_definition, typestore
+from harness.ros.foreign_type import forget_missing_definition
 from harness.ros.network import reserved_domain
 from harness.ros.session import run_through_ros
 from harness.ros.topic_monitor import message_class
 from harness.samples import Twist
+from harness.sensors.message_types import typestore
 from tests.e2e.topic_oracle.expected import BEAMS, Expected, Topic, differences, topics
 from tests.e2e.topic_oracle.stage import (
     BATCHES,

@@ -81,7 +81,7 @@ class Client:
 
 @pytest.mark.usefixtures("ros_domain")
 def test_lock_step_across_processes_writes_the_same_csv_as_without_ros(tmp_path: Path) -> None:
-    words = ["--terrain", "rocky", "--robot", "rover_zero4wd", "--duration", "10"]
+    words = ["--terrain", "rocky", "--robot", "rover_zero4wd", "--duration", "5"]
     with started(metrics_node(tmp_path / "node"), tmp_path) as node:
         with started([*HARNESS, *words], tmp_path) as harness:
             told = finished(harness)
@@ -91,7 +91,7 @@ def test_lock_step_across_processes_writes_the_same_csv_as_without_ros(tmp_path:
         assert node.returncode == 0, said
     assert "logging to: " in said
     assert "Traceback" not in said + told
-    assert re.search(r"│ /scan +│ +200 │ +200 │ +0 │", told)
+    assert re.search(r"│ /scan +│ +100 │ +100 │ +0 │", told)
     assert re.search(r"(?m)^/metrics_node: [1-9]\d?% of the run waited for it$", told)
     assert main([*words, "--direct", "--log-dir", str(tmp_path / "direct")]) == 0
     assert only_log(tmp_path / "node").read_bytes() == only_log(tmp_path / "direct").read_bytes()

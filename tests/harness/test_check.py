@@ -3,6 +3,7 @@
 import re
 import sys
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,7 @@ from harness.episode.fingerprint import (
 from harness.errors import UsageError
 from harness.interrupt import StopRequest
 from harness.sensors.noise import DEFAULT_PRESET
+from tests.support.forking import ForkedSimulations
 
 QUICK = ["--terrain", "flat", "--duration", "5"]
 NO_ROS = [*QUICK, "--no-ros"]
@@ -34,8 +36,15 @@ def stream_hash(config: EpisodeConfig) -> str:
     return stream.hexdigest()
 
 
+@cache
 def in_this_process(config: EpisodeConfig) -> Fingerprint:
     return fingerprint(run_direct, config, StopRequest())
+
+
+@pytest.fixture
+def _each_config_runs_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(check, "fingerprint", lambda _, config, __: in_this_process(config))
+    monkeypatch.setattr(check, "direct_in_fresh_process", in_this_process)
 
 
 @pytest.mark.usefixtures("ros_domain")
@@ -57,10 +66,8 @@ def test_check_passes_here_through_ros_and_leaves_no_file(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_check_without_ros_on_request_says_so_and_passes(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(check, "direct_in_fresh_process", in_this_process)
+@pytest.mark.usefixtures("_each_config_runs_once")
+def test_check_without_ros_on_request_says_so_and_passes(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(NO_ROS) == 0
     told = capsys.readouterr().out
     assert "skipped" in told
@@ -74,19 +81,20 @@ def test_check_without_ros_on_request_says_so_and_passes(
     assert len(counts) == 4
 
 
+@pytest.mark.usefixtures("_each_config_runs_once")
 def test_missing_ros_that_nobody_left_out_is_neither_proof_nor_disproof(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for module in [name for name in sys.modules if name.startswith("harness.ros.")]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, "rclpy", None)
-    monkeypatch.setattr(check, "direct_in_fresh_process", in_this_process)
     assert main(QUICK) == 2
     told = capsys.readouterr()
     assert "skipped" in told.out
     assert "--no-ros" in told.err
 
 
+@pytest.mark.usefixtures("_each_config_runs_once")
 def test_drifting_run_fails_the_check(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -126,7 +134,8 @@ def test_every_sensor_reading_counts_in_the_hash_of_a_stream() -> None:
     assert plain != stream_hash(replace(config, duration=1.01))
 
 
-def test_error_of_the_fresh_process_arrives_here() -> None:
+def test_error_of_the_fresh_process_arrives_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("harness.episode.fingerprint.multiprocessing", ForkedSimulations())
     with pytest.raises(UsageError, match="available: flat"):
         direct_in_fresh_process(EpisodeConfig(terrain="moon"))
 

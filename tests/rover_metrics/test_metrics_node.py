@@ -17,6 +17,7 @@ import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
 
+from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, PoseArray
 from nav_msgs.msg import Odometry
 from rclpy.parameter import Parameter
@@ -228,6 +229,30 @@ def test_a_simulator_tells_whether_it_waits_for_this_node(rig: "Rig") -> None:
         rig.spin_until(future.done)
         assert (future.result().success, node.in_lock_step) == (True, waits)
         assert (future.result().message == KEEPS_ORDER) is (waits and HAS_EVENTS_EXECUTOR)
+
+
+@pytest.mark.skipif(not HAS_EVENTS_EXECUTOR, reason="no simulator waits for a node without it")
+@pytest.mark.parametrize("waits", [True, False])
+def test_in_lock_step_a_row_is_written_before_anything_that_came_after_its_time(
+    rig: "Rig", waits: bool
+) -> None:
+    from rclpy.experimental import EventsExecutor  # noqa: PLC0415 - Humble has none
+
+    node = rig.start(use_sim_time=True)
+    node.in_lock_step = waits
+    executor = EventsExecutor(context=rig.context)
+    executor.add_node(node)
+    (clock,) = (each for each in node.subscriptions if each.topic_name == "/clock")
+    for second in (1, 2, 3):
+        for nanosec in (0, 10_000_000, 990_000_000):
+            clock.callback(Clock(clock=Time(sec=second, nanosec=nanosec)))
+            assert node.rows == (second if waits else second - (nanosec == 0))
+            for _ in range(3):
+                executor.spin_once(timeout_sec=0.01)
+            assert node.rows == second, "the executor's turn comes to nothing more"
+    executor.shutdown()
+    stamps = [line.split(",")[0] for line in node.log.path.read_text().splitlines()[1:]]
+    assert stamps == ["1", "2", "3"]
 
 
 # Parameters

@@ -5,12 +5,11 @@ It shares no code with the publisher: neither Fast DDS, nor rmw, nor rosbags. Im
 """
 
 import time
-from dataclasses import dataclass
 from typing import Any
 
 from cyclonedds.core import Policy, Qos
 from cyclonedds.domain import Domain, DomainParticipant
-from cyclonedds.idl import IdlStruct
+from cyclonedds.idl import make_idl_struct
 from cyclonedds.idl.types import float32, float64, int8, int32, sequence, uint32
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
@@ -34,77 +33,32 @@ LOOPBACK = """
 """
 
 
-@dataclass
-class Time(IdlStruct, typename="builtin_interfaces::msg::dds_::Time_"):
-    sec: int32
-    nanosec: uint32
+def message(name: str, **fields: Any) -> Any:  # noqa: ANN401 - a class
+    """The class of a message, by its package and name, from the types of its fields."""
+    package, name = name.split("/")
+    return make_idl_struct(name, f"{package}::msg::dds_::{name}_", fields)
 
 
-@dataclass
-class Header(IdlStruct, typename="std_msgs::msg::dds_::Header_"):
-    stamp: Time
-    frame_id: str
-
-
-@dataclass
-class Vector3(IdlStruct, typename="geometry_msgs::msg::dds_::Vector3_"):
-    x: float64
-    y: float64
-    z: float64
-
-
-@dataclass
-class Quaternion(IdlStruct, typename="geometry_msgs::msg::dds_::Quaternion_"):
-    x: float64
-    y: float64
-    z: float64
-    w: float64
-
-
-@dataclass
-class Transform(IdlStruct, typename="geometry_msgs::msg::dds_::Transform_"):
-    translation: Vector3
-    rotation: Quaternion
-
-
-@dataclass
-class TransformStamped(IdlStruct, typename="geometry_msgs::msg::dds_::TransformStamped_"):
-    header: Header
-    child_frame_id: str
-    transform: Transform
-
-
-@dataclass
-class TFMessage(IdlStruct, typename="tf2_msgs::msg::dds_::TFMessage_"):
-    transforms: sequence[TransformStamped]  # type: ignore[type-arg]
-
-
-@dataclass
-class String(IdlStruct, typename="std_msgs::msg::dds_::String_"):
-    data: str
-
-
-@dataclass
-class Pose(IdlStruct, typename="geometry_msgs::msg::dds_::Pose_"):
-    position: Vector3  # a Point has the same fields
-    orientation: Quaternion
-
-
-@dataclass
-class MapMetaData(IdlStruct, typename="nav_msgs::msg::dds_::MapMetaData_"):
-    map_load_time: Time
-    resolution: float32
-    width: uint32
-    height: uint32
-    origin: Pose
-
-
-@dataclass
-class OccupancyGrid(IdlStruct, typename="nav_msgs::msg::dds_::OccupancyGrid_"):
-    header: Header
-    info: MapMetaData
-    data: sequence[int8]  # type: ignore[type-arg]
-
+Time = message("builtin_interfaces/Time", sec=int32, nanosec=uint32)
+Header = message("std_msgs/Header", stamp=Time, frame_id=str)
+String = message("std_msgs/String", data=str)
+Vector3 = message("geometry_msgs/Vector3", x=float64, y=float64, z=float64)
+Quaternion = message("geometry_msgs/Quaternion", x=float64, y=float64, z=float64, w=float64)
+Pose = message("geometry_msgs/Pose", position=Vector3, orientation=Quaternion)  # a Point has x, y, z too
+Transform = message("geometry_msgs/Transform", translation=Vector3, rotation=Quaternion)
+TransformStamped = message(
+    "geometry_msgs/TransformStamped", header=Header, child_frame_id=str, transform=Transform
+)
+TFMessage = message("tf2_msgs/TFMessage", transforms=sequence[TransformStamped])  # type: ignore[misc]
+MapMetaData = message(
+    "nav_msgs/MapMetaData",
+    map_load_time=Time,
+    resolution=float32,
+    width=uint32,
+    height=uint32,
+    origin=Pose,
+)
+OccupancyGrid = message("nav_msgs/OccupancyGrid", header=Header, info=MapMetaData, data=sequence[int8])  # type: ignore[misc]
 
 LATCHED = {"rt/tf_static": TFMessage, "rt/robot_description": String, "rt/map": OccupancyGrid}
 
@@ -123,7 +77,7 @@ class CycloneListener:
         self._domain = Domain(domain, LOOPBACK)
         self._participant = DomainParticipant(domain)
         self._tf = self._reader("rt/tf", TFMessage, Policy.Durability.Volatile, 100)
-        self.moving: list[TFMessage] = []
+        self.moving: list[Any] = []
         self.latched: dict[str, Any] = {}
 
     def take(self) -> None:

@@ -17,7 +17,8 @@ from sensor_msgs.msg import LaserScan
 
 from harness.episode.batch import Batch
 from harness.ros.context import make_executor, ros_context, spin_until
-from harness.ros.foreign_type import forget_missing_definition, message_type, typestore
+from harness.ros.foreign_type import forget_missing_definition, message_type
+from harness.sensors.message_types import typestore
 
 Pose = tuple[Rotation, NDArray[np.float64]]
 Place = tuple[float, float]

@@ -90,10 +90,10 @@ def test_that_fails_unless_its_lines_are_traced():
 TRY = """
 import json, sys
 from pathlib import Path
-from tools.mutants import mutations
+from tools.mutants import chooser, mutations
 from tools.mutants.mutations import mutants_of
 from tools.mutants.trial import Trial
-mutations.A_PLACE, mutations.A_LINE = 2, 8
+mutations.A_PLACE, mutations.A_LINE, chooser.LEAST = 2, 8, 0.2
 root = Path(sys.argv[1])
 made = mutants_of("src/tank.py", (root / "src/tank.py").read_text())
 outcomes = Trial(root, ("src",), ("tests",), False, root / "kept", lambda outcome: None).judge(made)

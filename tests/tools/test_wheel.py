@@ -1,6 +1,7 @@
-"""What a wheel carries beside the modules."""
+"""What a wheel carries beside the modules, built from no more than the Containerfile copies."""
 
 from pathlib import Path
+from shutil import copyfile, copytree, ignore_patterns
 from zipfile import ZipFile
 
 import pytest
@@ -10,8 +11,24 @@ wheel = pytest.importorskip("hatchling.builders.wheel", reason="needs hatchling,
 ROOT = Path(__file__).parents[2]
 
 
-def test_a_wheel_carries_the_modules_the_models_and_the_parameter_files(tmp_path: Path) -> None:
-    (built,) = wheel.WheelBuilder(str(ROOT)).build(directory=str(tmp_path), versions=["standard"])
+def copy(path: Path, goal: Path) -> None:
+    if path.is_dir():
+        copytree(path, goal, ignore=ignore_patterns("__pycache__"))
+    else:
+        goal.parent.mkdir(exist_ok=True)
+        copyfile(path, goal)
+
+
+def test_a_wheel_of_what_the_container_copies_has_modules_models_and_parameter_files(
+    tmp_path: Path,
+) -> None:
+    source = tmp_path / "source"
+    for step, *names in map(str.split, filter(None, (ROOT / "Containerfile").read_text().splitlines())):
+        if step == "COPY" and not names[0].startswith("--"):
+            for name in names[:-1]:
+                assert names[-1] in ("./", name)
+                copy(ROOT / name, source / name)
+    (built,) = wheel.WheelBuilder(str(source)).build(directory=str(tmp_path), versions=["standard"])
     files = {name for name in ZipFile(built).namelist() if ".dist-info/" not in name}
     kinds = {
         "harness": "harness",

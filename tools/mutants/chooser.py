@@ -13,6 +13,7 @@ from tools.mutants.session import Trace
 SLOW = 3.0  # [s]; a slower test comes last
 BUDGET = 6.0  # [s] of quick tests for one mutant
 LAST_BUDGET = 15.0  # [s] of all other tests, for one that has survived these
+LEAST = 1.0  # [s] that any test may take
 
 Timed = list[tuple[str, float]]  # tests and the seconds that each may take
 
@@ -92,7 +93,7 @@ class Chooser:
 
     def limits(self, tests: Iterable[str]) -> Timed:
         """Tests with the seconds that each may take."""
-        return [(test, 1.0 + 4 * self.trace.costs[test]) for test in tests]
+        return [(test, LEAST + 4 * self.trace.costs[test]) for test in tests]
 
     def remember(self, mutant: Mutant, killer: str) -> None:
         """What has noticed a mutant is likely to notice the next one of the same function."""

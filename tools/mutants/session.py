@@ -107,6 +107,7 @@ class Session:
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         """Serves instead of running everything."""
+        gc.unfreeze()  # what a conftest.py has frozen is not among gc.get_objects()
         self.items = {item.nodeid: item for item in session.items}
         try:
             self._serve(self)

@@ -1,21 +1,20 @@
 """Drives what is left of a plan on a backend's workers; whatever happens, no episode counts twice."""
 
 from collections.abc import Callable, Sequence
-from contextlib import closing
+from operator import attrgetter
 
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.errors import Diverged, RunFailed
 from harness.robots import find_rover
-from harness.tuning.backend import Backend, WorkerLost
+from harness.tuning.backend import Backend
+from harness.tuning.backend.work_off import work_off
 from harness.tuning.episodes.contacts import event_rows
 from harness.tuning.episodes.plan import Planned
 from harness.tuning.episodes.recompute import Collected, scan_rows, window_rows
 from harness.tuning.episodes.record import Ending, EpisodeRecord
 from harness.tuning.episodes.store import Store, encode
 
-TRIES = 3  # in a row in which workers die before a single episode is done
-NAMED = 3  # episodes that a message names
 KEPT = "the episodes so far are kept, and the same command goes on with them"
 
 
@@ -71,24 +70,17 @@ def sweep(
     Raises:
         RunFailed: Workers died again and again, or an episode cannot be written.
     """
-    left = {episode: None for episode in planned if store.read(episode) is None}  # a set with an order
-    fruitless = 0
-    show(len(planned) - len(left))
-    while left:
-        before = len(left)
-        try:
-            with closing(backend.map(drive_to_bytes, list(left))) as outcomes:
-                for episode, content in outcomes:
-                    _write(store, episode, content)
-                    del left[episode]
-                    show(len(planned) - len(left))
-        except WorkerLost as error:
-            fruitless = fruitless + 1 if len(left) == before else 0
-            if fruitless == TRIES:
-                names = [episode.name for episode in left]
-                more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-                undone = ", ".join(names[:NAMED]) + more
-                raise RunFailed(f"{error}; not done: {undone}; {KEPT}") from error
+    left = {episode: episode for episode in planned if store.read(episode) is None}
+    done = len(planned) - len(left)
+    show(done)
+
+    def keep(episode: Planned, content: bytes) -> None:
+        nonlocal done
+        _write(store, episode, content)
+        done += 1
+        show(done)
+
+    work_off(left, drive_to_bytes, backend, keep, name=attrgetter("name"), mend=KEPT)
     return {episode: record for episode in planned if (record := store.read(episode)) is not None}
 
 

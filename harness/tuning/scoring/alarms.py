@@ -49,9 +49,22 @@ DETECTORS: dict[str, Detector] = {
 
 def alarms(record: EpisodeRecord, below: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Returns start and end of each run of scans below a threshold, shape (n, 2) [s]."""
-    times = record.times[below]
-    breaks = np.flatnonzero(np.diff(times, prepend=-np.inf, append=np.inf) > GAP)
-    return np.column_stack((times[breaks[:-1]], times[breaks[1:] - 1]))
+    return _alarms(record, below[None])[1]
+
+
+def _alarms(
+    record: EpisodeRecord, below: NDArray[np.bool_]
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Returns the alarms of many thresholds: of which one, shape (n,), and as `alarms`, shape (n, 2).
+
+    Args:
+        record: The episode.
+        below: Which scan is below which threshold, shape (thresholds, scans).
+    """
+    row, scan = np.nonzero(below)
+    times = record.times[scan]
+    first = (np.diff(row, prepend=-1) > 0) | (np.diff(times, prepend=-np.inf) > GAP)
+    return row[first], np.column_stack((times[first], times[np.roll(first, -1)]))
 
 
 def matches(record: EpisodeRecord, found: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -72,17 +85,15 @@ def event_counts(detector: Detector) -> Count:
     def count(records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -> Counts:
         counts = np.zeros((len(thresholds), len(records), 5))
         for place, record in enumerate(records):
-            distances = detector(record)
-            for row, threshold in enumerate(thresholds):
-                found = alarms(record, distances < threshold)
-                match = matches(record, found)
-                counts[row, place] = (
-                    len(record.events),
-                    match.any(axis=0).sum(),
-                    len(found),
-                    match.any(axis=1).sum(),
-                    record.path_length / 1000.0,
-                )
+            row, found = _alarms(record, detector(record) < thresholds[:, None])
+            match = matches(record, found)
+            detected = np.zeros((len(thresholds), len(record.events)), np.bool_)
+            np.logical_or.at(detected, row, match)
+            counts[:, place, CONTACTS] = len(record.events)
+            counts[:, place, DETECTED] = detected.sum(axis=1)
+            counts[:, place, ALARMS] = np.bincount(row, minlength=len(thresholds))
+            counts[:, place, RIGHT] = np.bincount(row[match.any(axis=1)], minlength=len(thresholds))
+            counts[:, place, KM] = record.path_length / 1000.0
         return counts
 
     return count

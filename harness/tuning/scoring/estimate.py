@@ -6,6 +6,7 @@ Whatever is scored comes down to counts per episode; a measure turns their sums 
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,6 +100,7 @@ def share(part: int, *whole: int) -> Measure:
 recall, specificity = share(TP, TP, FN), share(TN, TN, FP)
 
 
+@lru_cache(maxsize=8)
 def _weights(strata: tuple[str, ...]) -> NDArray[np.float64]:
     """How often each episode is in each resample, shape (RESAMPLES, episodes).
 

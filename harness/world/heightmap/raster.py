@@ -5,8 +5,9 @@ raster's first row is the north edge (largest y), its first column the west edge
 """
 
 import logging
+import re
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ from harness.world.heightmap.packed import READABLE, unpacked
 MOST_PIXELS = 4096 * 4096  # 128 MiB as float64
 FEWEST_PIXELS = 8  # along either side
 LARGEST_HEIGHT = 20_000.0  # [m]; beyond it a value marks missing data
-NODATA_TAG = 42113  # GDAL's
+METADATA_TAG, NODATA_TAG = 42112, 42113  # GDAL's
 FORMATS = {b"\x93NUMPY": "npy", b"\x89PNG": "png", b"II": "tiff", b"MM": "tiff"}
 GREY_MODES = ("1", "L", "I", "F")  # Pillow's, beside those of 16 bits
 REWRITE = "gdal_translate -ot Float32 -co COMPRESS=NONE rewrites it"
@@ -130,12 +131,24 @@ def _read_tiff(path: Path) -> Raster:
         _check_size(page.shape[1], page.shape[0])
         values, grid = _tiff_values(page), read_grid(page)
         nodata = page.tags.valueof(NODATA_TAG)
+        scale, offset = (_gdal_number(page, role) for role in ("scale", "offset"))
         is_float = page.dtype is not None and page.dtype.kind == "f"
     if nodata is not None:
         values[np.isclose(values, float(nodata), rtol=1e-6, atol=0.0)] = np.nan
-    unit = 1.0 if is_float and isinstance(grid.pixel, str) else grid.height_unit
+    if is_scaled := (scale, offset) != (None, None):
+        scale, offset = 1.0 if scale is None else scale, offset or 0.0
+        values = values * scale + offset
+        note = f"its heights are {scale:g} of what it stores, plus {offset:g}, as its tag says"
+        grid = replace(grid, notes=(*grid.notes, note))
+    unit = 1.0 if (is_float or is_scaled) and isinstance(grid.pixel, str) else grid.height_unit
     values = grid.north_up(values) * (1.0 if unit is None else unit)
     return Raster(values, grid.pixel, unit is not None, grid.notes)
+
+
+def _gdal_number(page: tifffile.TiffPage, role: str) -> float | None:
+    """What an item of GDAL's metadata says; None without it."""
+    found = re.search(rf'role="{role}"[^>]*>([^<]*)<', str(page.tags.valueof(METADATA_TAG)))
+    return None if found is None else float(found[1])
 
 
 def _tiff_values(page: tifffile.TiffPage) -> Field:

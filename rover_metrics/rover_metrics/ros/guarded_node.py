@@ -61,9 +61,12 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         """Creates a subscription as a Node does, and guards it; its callback takes messages alone."""
         guarded = partial(self._hear, topic, callback)
         if msg_type is Clock:
-            guarded = partial(self._hear, topic, partial(self._hear_time, topic, callback))
+            guarded = partial(self._hear_clock, topic, partial(self._hear_time, topic, callback))
             qos_profile = CLOCK_QOS
         return super().create_subscription(msg_type, topic, guarded, qos_profile, **options)
+
+    def time_has_come(self) -> None:
+        """Is called when the node's clock shows the time of a /clock; does nothing."""
 
     def create_service(
         self,
@@ -82,6 +85,10 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
             callback(message)
         except FAILURES as error:
             self._leave_out(self.resolve_topic_name(topic), error)
+
+    def _hear_clock(self, topic: str, callback: Handler, message: Message) -> None:
+        self._hear(topic, callback, message)
+        self.time_has_come()
 
     def _hear_time(self, topic: str, callback: Handler, message: Message) -> None:
         if is_time(message.clock):

@@ -55,6 +55,12 @@ class RowTimer:
         if self.times.is_due(self._clock.now().nanoseconds):
             self._fire()
 
+    def serve(self) -> None:
+        """Does now what an executor would do later, after messages that have come meanwhile."""
+        if self._timer.is_ready():
+            self._timer.handle.call_timer()
+            self.on_time()
+
     def look(self, steady_ns: int) -> None:
         """Looks after the clock; to be called once a second of steady time [ns].
 

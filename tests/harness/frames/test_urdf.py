@@ -34,7 +34,7 @@ def read_back(urdf: str) -> tuple[mujoco.MjModel, mujoco.MjData]:
 
 def posed(rover: RoverSpec, seed: int) -> tuple[mujoco.MjModel, mujoco.MjData, dict[str, float]]:
     """The rover's model at the origin, its joints at random."""
-    model = read_model(rover).compile()
+    model = read_model(rover.model_path).compile()
     data = mujoco.MjData(model)
     rng = np.random.default_rng(seed)
     angles = {name: float(rng.uniform(-0.2, 0.2)) for name in rover.joints}

@@ -2,7 +2,9 @@
 
 import hashlib
 import math
+import shutil
 from functools import partial
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -183,3 +185,14 @@ def test_the_sun_shines_down_and_casts_shadows(dressed: mujoco.MjModel) -> None:
 
 def test_the_hash_of_a_model_is_that_of_its_file() -> None:
     assert model_hash(LEO) == hashlib.sha256(LEO.model_path.read_bytes()).hexdigest()
+
+
+def test_a_model_file_that_has_changed_is_read_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(LEO.folder, tmp_path / LEO.name)
+    monkeypatch.setattr("harness.robots.MODELS_DIR", tmp_path)
+    before = scene_of().model.opt.gravity[2]
+    text = LEO.model_path.read_text()
+    LEO.model_path.write_text(text.replace(f"0 0 {before:g}", "0 0 -1.5"))
+    assert [before, scene_of().model.opt.gravity[2]] == [-LEO.gravity, -1.5]

@@ -32,8 +32,11 @@ class Noted:
         bridge: Any = self
         Bridge.advance(bridge, Tick(5, ()), tick, listeners=listeners)
 
-    def wait_for_samples(self, channels: Sequence[object], *, clock_follows: bool) -> None:
-        self.said.append(("samples", len(channels), clock_follows))
+    def make_room(self, channels: Sequence[object]) -> None:
+        self.said.append(("room", len(channels)))
+
+    def wait_for_samples(self, channels: Sequence[object]) -> None:
+        self.said.append(("samples", len(channels)))
 
     def wait_for_clock(self, stamp_ns: int) -> None:
         self.said.append(("clock", stamp_ns))
@@ -46,8 +49,9 @@ class Noted:
 def test_samples_of_one_kind_go_out_one_by_one_then_the_clock_if_it_tells_time(tells_time: bool) -> None:
     noted = Noted()
     noted.advance(Tick(7, (POSE, POSE, IMU, POSE), tells_time), noted, noted)
-    both, one = 2 * [("samples", 2, False)], 2 * [("samples", 1, False)]
-    bursts = [POSE, IMU, *both, POSE, *one, POSE, *2 * [("samples", 1, tells_time)]]
+    both = [*2 * [("room", 2)], POSE, IMU, *2 * [("samples", 2)]]
+    one = [*2 * [("room", 1)], POSE, *2 * [("samples", 1)]]
+    bursts: list[object] = [*both, *one, *one]
     assert noted.said == bursts + [7, ("clock", 7), ("clock", 7)] * tells_time
     assert noted.commands.told_ns == 7 * tells_time
 

@@ -10,7 +10,8 @@ from sensor_msgs.msg import Imu
 
 from harness.ros import foreign_type
 from harness.ros.context import make_executor, spin_until
-from harness.ros.foreign_type import forget_missing_definition, message_type, typestore
+from harness.ros.foreign_type import forget_missing_definition, message_type
+from harness.sensors.message_types import typestore
 from rover_metrics.ros.subscriptions import keep_last
 
 TF = "tf2_msgs/msg/TFMessage"

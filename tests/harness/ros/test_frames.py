@@ -14,10 +14,11 @@ from harness.frames.tree import Description, Edge
 from harness.ros import frames
 from harness.ros.bridge import Bridge
 from harness.ros.context import make_executor, spin_until
-from harness.ros.foreign_type import forget_missing_definition, message_type, typestore
+from harness.ros.foreign_type import forget_missing_definition, message_type
 from harness.ros.frames import NO_TYPE, TF_MESSAGE, FrameTopics, TransformFill, transforms_bytes
 from harness.samples import Tick, Transforms
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.message_types import typestore
 from tests.support.rovers import LEO
 
 BASE = ("odom", "base_footprint")

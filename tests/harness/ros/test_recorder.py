@@ -24,6 +24,7 @@ from sensor_msgs.msg import LaserScan
 
 from harness import __version__, samples
 from harness.errors import RunFailed, UsageError
+from harness.frames.tree import Description
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.recorder import Recorder, full_definition, padding_of
@@ -110,6 +111,33 @@ def test_the_file_is_one_that_rosbag2_and_rosbags_read_without_another(
         assert bag.message_count == 2 * len(TOPICS)
         messages = {c.topic: bag.deserialize(data, c.msgtype) for c, _, data in bag.messages()}
     assert messages["/scan"].ranges.tolist() == [2.0] * BEAMS  # type: ignore[attr-defined]
+
+
+def test_of_the_last_seconds_what_is_latched_stays(bridge: Bridge, tmp_path: Path) -> None:
+    def recorded(name: str, last: float | None, *, kept: bool = True) -> list[tuple[str, int, bytes]]:
+        bridge.time_ns = 0
+        with Recorder(tmp_path / name, last=last) as recorder:
+            recorder.tap(bridge)
+            bridge.describe(Description((), (), owns_odom=False, urdf="<robot/>"))
+            publish(bridge, 6)
+            bridge.stop_recording()
+            if not kept:
+                recorder.forget()
+        if not kept:
+            return []
+        with AnyReader([tmp_path / name]) as bag:
+            return [(each.topic, time, bytes(data)) for each, time, data in bag.messages()]
+
+    first_ns = 4 * STEP_NS
+    every = recorded("whole.mcap", None)
+    fixed = [(topic, first_ns, data) for topic, _, data in every if topic in LATCHED]
+    recent = [one for one in every if one[1] >= first_ns]
+    assert len(fixed) == 2
+    assert len(recent) == 3 * len(TOPICS)
+    assert sorted(recorded("last.mcap", 0.1)) == sorted(fixed + recent)
+    assert sorted(recorded("all.mcap", 9.0)) == sorted(every)
+    recorded("none.mcap", 0.1, kept=False)
+    assert not (tmp_path / "none.mcap").exists()
 
 
 def test_definition_holds_every_nested_type_once() -> None:

@@ -1,102 +1,14 @@
-"""Nodes in other processes, as the services that they answer with: their clients stand in for them."""
+"""One node of `--wait-for`: found, asked, counted, let go."""
 
-import json
-import time
-from collections.abc import Callable
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
-from rclpy.task import Future
-
 from harness.errors import RunFailed, UsageError
-from harness.ros import remote
-from harness.ros.remote import RemoteNode, RemoteNodes
-from harness.sim_time import NANOSECONDS, TICK_NS
-from rover_metrics.metrics_node import KEEPS_ORDER
-
-
-class Rig:
-    """A bridge with one topic, and nodes that answer one second after they are asked."""
-
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.found = self.sim_time = self.is_metrics_node = True
-        self.promise = ""
-        self.silent = ""  # the service that does not answer
-        self.received: dict[str, int] = {"/scan": 3, "/stranger": 9}
-        self.asked: list[str] = []
-        self.patience: list[float] = []
-        self.came_true: list[bool] = []
-        self.matched = 0
-        self.now = 0.0
-        self.readers: list[tuple[str, str]] = []  # of /scan: namespace and name
-        self._waiting: list[tuple[Any, object]] = []
-        scan = SimpleNamespace(get_subscription_count=lambda: self.matched)
-        self.scan: Any = SimpleNamespace(topic="/scan", publisher=scan)
-        self.bridge: Any = SimpleNamespace(
-            get_namespace=lambda: "/rover1/",
-            create_client=self._client,
-            executor=None,
-            channels=[self.scan],
-            count_subscribers={"/scan": 2}.get,
-            published=lambda: {"/scan": 9, "/imu/data": 9},
-            get_name=lambda: "harness",
-            get_node_names_and_namespaces=lambda: [
-                ("harness", "/rover1"),
-                ("rviz", "/"),
-                ("nav", "/rover1"),
-            ],
-            get_subscriptions_info_by_topic=lambda _: [
-                SimpleNamespace(node_namespace=space, node_name=name) for space, name in self.readers
-            ],
-        )
-        monkeypatch.setattr(remote, "spin_until", self._spin_until)
-        monkeypatch.setattr(time, "monotonic", lambda: self.now)
-
-    def _spin_until(self, _: object, condition: Callable[[], bool], patience: float) -> bool:
-        self.patience.append(patience)
-        if not condition():
-            self.matched += 2
-            self.now += 1.0
-            waiting, self._waiting = self._waiting, []
-            for future, answer in waiting:
-                future.set_result(answer)
-        self.came_true.append(condition())
-        return self.came_true[-1]
-
-    def _client(self, _: type, name: str) -> Any:  # noqa: ANN401 - a client
-        def call_async(request: Any) -> Any:  # noqa: ANN401
-            data = getattr(request, "data", None)
-            self.asked.append(name if data is None else f"{name} {data}")
-            future: Any = Future()
-            answer = SimpleNamespace(
-                values=[SimpleNamespace(bool_value=self.sim_time)],
-                message=self.promise if name.endswith("lock_step") else json.dumps(self.received),
-            )
-            if name != self.silent:
-                self._waiting.append((future, answer))
-            return future
-
-        def is_ready() -> bool:
-            return self.found if name.endswith("/get_parameters") else self.is_metrics_node
-
-        return SimpleNamespace(service_is_ready=is_ready, call_async=call_async)
-
-    def node(self, name: str = "metrics_node", *, time_jumps: bool = False) -> RemoteNode:
-        return RemoteNode(name, self.bridge, time_jumps=time_jumps)
-
-    def nodes(self, *names: str) -> RemoteNodes:
-        nodes = RemoteNodes([self.node(name) for name in names], self.bridge)
-        self.asked.clear()
-        return nodes
-
-    def asked_now(self) -> list[str]:
-        """Which nodes have been asked for their barrier since the last look."""
-        asked, self.asked = self.asked, []
-        return [name.removesuffix("/get_parameters") for name in asked]
+from harness.ros.remote import wait_for_answers
+from tests.support.remote_nodes import Rig
 
 
 @pytest.fixture
@@ -139,76 +51,13 @@ def test_a_node_on_wall_time_is_refused(rig: Rig) -> None:
 
 
 def test_a_node_that_does_not_answer_fails_the_run(rig: Rig) -> None:
-    nodes = rig.nodes("/a", "/b")
+    one, other = rig.node("/a"), rig.node("/b")
     rig.silent = "/b/get_parameters"
     with pytest.raises(RunFailed, match=r"^/b stopped answering$"):
-        nodes.wait_for_clock(5)
+        wait_for_answers({one: one.ask(), other: other.ask()}, rig.bridge.executor)
+    assert (one.waited_s, other.waited_s) == (1.0, 0.0)
     with pytest.raises(RunFailed, match=r"^/b stopped answering$"):
         rig.node("/b")
-
-
-def test_several_nodes_are_asked_at_once_and_each_waiting_is_counted(rig: Rig) -> None:
-    parts = [rig.node("/a"), rig.node("/b"), rig.node("/c")]
-    began = rig.now
-    nodes = RemoteNodes(parts, rig.bridge)
-    for stamp_ns in (TICK_NS, 2 * TICK_NS):
-        rig.asked.clear()
-        nodes.wait_for_clock(stamp_ns)
-        assert rig.asked_now() == ["/a", "/b", "/c"]
-    assert rig.now - began == 2.0, "the three seconds of each tick are one"
-    assert [part.waited_s for part in parts] == [2.0, 2.0, 2.0]
-
-
-def test_after_samples_only_those_are_asked_that_listen_to_them(rig: Rig) -> None:
-    rig.readers = [("/", "a"), ("/rover1", "b"), ("/", "stranger")]
-    nodes = rig.nodes("/a", "b", "/c")
-    rig.matched = 3
-    nodes.wait_for_samples([rig.scan], clock_follows=True)
-    assert rig.asked_now() == ["/a", "/rover1/b"]
-    rig.matched = 1
-    rig.readers = [("/", "stranger")]
-    nodes.wait_for_samples([rig.scan], clock_follows=True)
-    assert rig.asked_now() == []
-
-
-def test_who_keeps_order_is_not_asked_between_samples_and_the_clock_that_follows_them(rig: Rig) -> None:
-    rig.promise = KEEPS_ORDER
-    ordered = rig.node("/a")
-    rig.promise = ""
-    nodes = RemoteNodes([ordered, rig.node("/b")], rig.bridge)
-    rig.readers, rig.matched = [("/", "a"), ("/", "b")], 2
-    rig.asked.clear()
-    for clock_follows, asked in ((True, ["/b"]), (False, ["/a", "/b"])):
-        rig.matched = 2
-        nodes.wait_for_samples([rig.scan], clock_follows=clock_follows)
-        assert rig.asked_now() == asked
-    nodes.wait_for_clock(TICK_NS)
-    assert rig.asked_now() == ["/a", "/b"]
-
-
-@pytest.mark.parametrize("unknown", ["not in the graph", "_NODE_NAME_UNKNOWN_"])
-def test_all_are_asked_as_long_as_a_reader_may_be_anybodys(rig: Rig, unknown: str) -> None:
-    nodes = rig.nodes("/a", "/b")
-    rig.matched = 2
-    rig.readers = [("/", "a"), ("/", unknown)][: 1 if unknown == "not in the graph" else 2]
-    for _ in range(2):
-        rig.matched = 2
-        nodes.wait_for_samples([rig.scan], clock_follows=True)
-        assert rig.asked_now() == ["/a", "/b"]
-    rig.readers, rig.matched = [("/", "a"), ("/", "x")], 2
-    nodes.wait_for_samples([rig.scan], clock_follows=True)
-    assert rig.asked_now() == ["/a"]
-
-
-def test_a_reader_that_takes_anothers_place_is_known_a_second_later(rig: Rig) -> None:
-    nodes = rig.nodes("/a", "/b")
-    rig.matched = 1
-    for reader, until_ns, asked in (("a", TICK_NS, "/a"), ("b", NANOSECONDS, "/a"), ("b", 0, "/b")):
-        rig.readers, rig.matched = [("/", reader)], 1
-        nodes.wait_for_samples([rig.scan], clock_follows=True)
-        assert rig.asked_now() == [asked]
-        nodes.wait_for_clock(until_ns)
-        rig.asked_now()
 
 
 def test_received_are_those_of_this_runs_topics_since_the_start_and_the_node_is_let_go(rig: Rig) -> None:

@@ -31,7 +31,7 @@ class Scripted:
 
     seen: list[EpisodeConfig]
 
-    def __init__(self, config: EpisodeConfig) -> None:
+    def __init__(self, config: EpisodeConfig, samples: object = None) -> None:  # noqa: ARG002 - as Episode
         self.info = INFO
         self.seen.append(config)
 

@@ -4,19 +4,25 @@ import json
 import math
 import re
 import signal
+import sys
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
+import numpy as np
 import pytest
 
+from harness.config import RosOptions
 from harness.episode import direct
 from harness.episode.episode import Episode
 from harness.errors import RunFailed
-from harness.interrupt import Interrupted
+from harness.interrupt import Interrupted, StopRequest
 from harness.scenario.attempt import Attempt, attempt
 from harness.scenario.baseline import write_baselines
 from harness.scenario.contact import contact_of
 from harness.scenario.judge import Breach
+from harness.scenario.quantities import QUANTITIES
+from harness.scenario.series import SAMPLES, TruthSeries
 from harness.truth.traversal import ContactEvent
 from tests.harness.scenario.conftest import MakeCases
 
@@ -68,7 +74,7 @@ def test_a_run_that_fails_says_what_touched_what_and_leaves_its_evidence(
 def test_a_run_that_ends_early_is_a_failure_and_what_stops_the_command_is_none(
     make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (case,) = make_cases("{truth.hazard_contacts: {max: 1}}")
+    (case,) = make_cases("{truth.hazard_contacts: {max: 1}, run.rows: {min: 2}}")
     run = direct.run_direct
     failed = "the rover left the map at 1.9 s"
     monkeypatch.setattr(USED, lambda *a, **k: replace(run(*a, **k), failure=failed))
@@ -85,6 +91,17 @@ def test_a_run_that_ends_early_is_a_failure_and_what_stops_the_command_is_none(
     monkeypatch.setattr(USED, stop)
     with pytest.raises(Interrupted):
         attempt(case, tmp_path)
+
+
+def test_without_ros_only_what_needs_it_could_not_run(
+    make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "harness.scenario.trial", None)
+    assert one(make_cases, tmp_path, "{truth.path_length: {max: 1}}").passed
+    for expect, more in (("{topic./scan.rate: {min: 1}}", ""), ("{truth.x: {min: 0}}", "launch: [ls]")):
+        told = str(one(make_cases, tmp_path, expect, more).error)
+        assert told.startswith("nodes and topics need ROS 2, which is not importable (")
+        assert told.endswith("pip install 'rover-harness[ros]', source a ROS 2 installation")
 
 
 EVENTS = tuple(
@@ -176,3 +193,39 @@ def test_the_truth_that_is_judged_is_that_of_the_simulator(
     (case,) = make_cases(f"{{{text}}}", "driver: straight")
     done = attempt(replace(case, config=episode.config), tmp_path / "out")
     assert done.passed, done
+
+
+def test_only_what_the_truth_cannot_say_takes_a_log_and_every_sensor(
+    make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with_log = Mock(wraps=direct.run_direct)
+    monkeypatch.setattr(USED, with_log)
+    for number, (expect, more, logs) in enumerate(
+        (
+            ("{truth.hazard_contacts: {max: 1}}", "", False),
+            ("{truth.hazard_contacts: {max: 0}}", "", True),  # for its evidence
+            ("{truth.hazard_contacts: {max: 0}}", "expected_to_fail: [{reason: so}]", True),
+            ("{truth.hazard_contacts: {max: 1}, run.rows: {max: 2}}", "", True),
+            ("{truth.hazard_contacts: {max: 1}}", "same_bytes: true", True),
+        )
+    ):
+        with_log.reset_mock()
+        (case,) = make_cases(expect, more)
+        attempt(case, tmp_path / str(number), compare=False)
+        assert with_log.called == logs, (expect, more)
+
+
+def test_the_truth_is_the_same_without_the_other_sensors(
+    make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(direct, "Episode", Episode)
+    (case,) = make_cases("{truth.speed: {max: 9}}", "driver: wander\nnoise: white\nlidar_beams: 90")
+    config = replace(case.config, terrain="rocky", duration=1.5)
+    full, alone = TruthSeries(QUANTITIES), TruthSeries(QUANTITIES)
+    stop = StopRequest()
+    first = direct.run_direct(config, RosOptions(log_dir=tmp_path), stop, observers=(full,))
+    second = direct.run_unlogged(config, stop, SAMPLES, (alone,))
+    assert second.truth == first.truth
+    assert second.along == first.along
+    pairs = zip(full.series().values(), alone.series().values(), strict=True)
+    assert all(np.array_equal(a.values, b.values, equal_nan=True) for a, b in pairs)

@@ -57,6 +57,51 @@ def test_a_breach_is_told_in_a_line_with_the_worst_value(
     assert (breach and breach.reason) == told
 
 
+@pytest.mark.parametrize(
+    ("bound", "values", "expected"),
+    [
+        (Bound(max=2), (1, 3, 2.5), 3),
+        (Bound(max=9), (1, 3, 2.5), 3),
+        (Bound(min=2), (3, 1, 2.5), 1),
+        (Bound(min=0, max=10), (3, 6, 4), 3),
+        (Bound(min=0, max=10), (5, 8, 4), 8),
+        (Bound(min=0, max=10), (-1, 12), 12),
+        (Bound(min=0, max=10), (-3, 12), -3),
+        (Bound(max=2, window=(1, 2)), (1, 2, 3), 2),
+        (Bound(max=2, over="share", share=0.9), (1, 2, 3, 4, 5), 0.4),
+        (Bound(min=2, max=3, over="share", share=0.9), (1, 2, NAN, 3, 9), 0.5),
+        (Bound(max=2), (NAN,), None),
+        (Bound(max=2), (1, INF), None),
+    ],
+)
+def test_the_value_of_a_run_is_the_one_that_its_bound_is_about(
+    bound: Bound, values: tuple[float, ...], expected: float | None
+) -> None:
+    assert value_of(bound, series(*values)) == expected
+
+
+@pytest.mark.parametrize(
+    ("bound", "told"),
+    [
+        (Bound(min=3, max=3), None),
+        (Bound(min=4), "q: 3 < 4"),
+        (Bound(min=4, over="end"), "q: 3 < 4"),
+        (Bound(max=1.5), "q: 3 > 1.5, first at 2 s"),
+        (Bound(max=2), "q: 3 > 2, first at 3 s"),
+        (Bound(max=-1), "q: 3 > -1, first at 1 s"),
+        (Bound(min=3, window=(2, 9)), "q: 2 < 3 between 2 and 9 s"),
+        (Bound(max=0, window=(2, 9)), "q: 2 > 0, first at 2 s"),
+        (Bound(max=0, window=(5, 9)), None),
+        (Bound(min=1, window=(5, 9)), "q: 0 < 1 between 5 and 9 s"),
+    ],
+)
+def test_of_a_tally_the_number_of_values_is_judged(bound: Bound, told: str | None) -> None:
+    tally = Series(np.array([1.0, 2.0, 3.0]), np.ones(3), is_tally=True)
+    breach = judge("q", bound, tally)
+    assert (breach and breach.reason) == told
+    assert value_of(Bound(over="end", absolute=1, window=(2, 9)), tally) == 2.0
+
+
 @settings(max_examples=40)
 @example([0.0, 1.0, 1.0, 1.0, 1.0], 0.0, 0.0)
 @given(st.lists(FLOATS, min_size=1, max_size=25), FLOATS, st.floats(0.0, 5.0))

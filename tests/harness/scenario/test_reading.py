@@ -7,10 +7,17 @@ import pytest
 
 from harness.errors import UsageError
 from harness.scenario.bound import Bound
+from harness.scenario.launch import launch_of
 from harness.scenario.reading import read_scenario
 
 HEAD = "about: a test\nduration: 10\n"
 EXPECT = "expect: {truth.speed: {min: 0}}\n"
+
+
+LAUNCH = (
+    *("a --b 'c d'", ("e", "f g")),
+    *({"command": "h", "wait_for": "/i"}, {"command": ("j",), "wait_for": ()}),
+)
 
 
 def read(text: str, folder: Path) -> object:
@@ -110,6 +117,39 @@ def read(text: str, folder: Path) -> object:
             ":6:21: events.0.command.0 = Infinity is not valid: input should be a finite number",
         ),
         (
+            HEAD + EXPECT + "events:\n- {at: 1, pause: 2}\n",
+            ":5:3: events.0: without nodes nobody would notice a pause; it needs 'launch:' or",
+        ),
+        (
+            HEAD + EXPECT + "launch: [a b, 'c \"d']\n",
+            ":4:15: launch.1: No closing quotation",
+        ),
+        (
+            HEAD + EXPECT + "launch: [{command: a, wait_for: node}]\n",
+            ":4:23: launch.0.wait_for: 'node' is no full name of a topic or a node; give one such as",
+        ),
+        (
+            HEAD + EXPECT + "launch: [{comand: a}]\n",
+            ":4:11: key 'comand' does not exist; did you mean 'command'?",
+        ),
+        (HEAD + EXPECT + "launch: [[]]\n", ":4:10: launch.0 is empty; give one or more"),
+        (
+            HEAD + "expect:\n  topic./scan.rat: {min: 1}\n",
+            ":4:3: expect.topic./scan.rat: /scan: field 'rat' does not exist; available: header,",
+        ),
+        (
+            HEAD + "expect:\n  topic./scan.latency: {max: 1}\n",
+            ":4:3: expect.topic./scan.latency: a latency needs the topic of the input, e.g. of: /scan",
+        ),
+        (
+            HEAD + "expect:\n  topic./scan.rate: {max: 1, of: /imu}\n",
+            ":4:3: expect.topic./scan.rate: 'of' belongs to the latency of a topic",
+        ),
+        (
+            HEAD + "expect:\n  topic./scan.count: {max: 1, over: mean}\n",
+            ":4:3: expect.topic./scan.count: a count is one number; leave out 'over: mean'",
+        ),
+        (
             HEAD + EXPECT + "pass_rate: {min: 1.5}\n",
             ":4:13: pass_rate.min = 1.5 is not valid: input should be less than or equal to 1",
         ),
@@ -137,7 +177,9 @@ driver: cmd_vel
 duration: 10
 start: [1, 2, 0.5]
 goal: {at: [5, 0]}
-events: [{at: 1, command: [0.3, 0]}, {at: 2, reset: true}, {at: 3, fault: "scan:nan", for: 2}]
+launch: [a --b 'c d', [e, f g], {command: h, wait_for: /i}, {command: [j], wait_for: []}]
+events: [{at: 1, command: [0.3, 0]}, {at: 2, reset: true}, {at: 3, fault: "scan:nan", for: 2},
+  {at: 4, pause: 1}]
 expect:
   truth.tilt_deg: {max: 20}
   truth.speed: [{min: 0.1, over: mean, window: [1, 2]}, {over: end, relative: 0.1, absolute: 0.05}]
@@ -156,7 +198,9 @@ pass_rate: {min: 0.5}
             {"at": 1.0, "command": (0.3, 0.0)},
             {"at": 2.0, "reset": True},
             {"at": 3.0, "fault": "scan:nan", "for": 2.0},
+            {"at": 4.0, "pause": 1.0},
         ),
+        launch=LAUNCH,
         expect={
             "truth.tilt_deg": Bound(max=20.0),
             "truth.speed": (
@@ -166,3 +210,13 @@ pass_rate: {min: 0.5}
         },
         pass_rate={"min": 0.5},
     )
+    launches = scenario.launches  # type: ignore[attr-defined]  # of a Scenario
+    assert [launch.words("/w") for launch in launches] == [
+        ["a", "--b", "c d"],
+        ["e", "f g"],
+        ["h"],
+        ["j"],
+    ]
+    assert [launch.nodes for launch in launches] == [None, None, ("/i",), ()]
+    assert scenario.needs_ros  # type: ignore[attr-defined]
+    assert launch_of(("a", "b:={folder}/c")).words("/w") == ["a", "b:=/w/c"]

@@ -13,6 +13,7 @@ from harness.scenario.case import cases_of
 from harness.scenario.quantities import QUANTITIES, RUN
 from harness.scenario.reading import read_scenario
 from harness.scenario.schema import schema
+from harness.scenario.topic import MEASURES
 
 ROOT = Path(__file__).parents[3]
 SCENARIOS = sorted((ROOT / "scenarios").glob("*.scenario.yaml"))
@@ -23,7 +24,7 @@ PUBLISHED_RULES = jsonschema.Draft202012Validator(json.loads(PUBLISHED))
 def test_the_published_schema_is_current() -> None:
     mend = "python -m harness.scenario.schema > scenarios/scenario.schema.json"
     assert schema() == PUBLISHED, mend
-    assert len(SCENARIOS) == 12
+    assert len(SCENARIOS) == 14
 
 
 @pytest.mark.parametrize("path", SCENARIOS, ids=lambda path: path.name)
@@ -48,6 +49,9 @@ def test_the_baselines_that_ship_are_of_todays_models() -> None:
         {"about": "a", "expect": {}},
         {"about": "a", "expect": {"truth.sped": {"min": 0}}},
         {"about": "a", "expect": {"truth.speed": {"mix": 0}}},
+        {"about": "a", "expect": {"topic.scan.rate": {"min": 0}}},
+        {"about": "a", "expect": {"topic./a.latency": {"min": 0, "of": "b"}}},
+        {"about": "a", "expect": {"truth.speed": {"min": 0}}, "launch": [{"wait_for": "/a"}]},
         {"about": "a", "expect": {"truth.speed": {"min": 0}}, "sed": 1},
         {"about": "a", "expect": {"truth.speed": {"min": 0}}, "events": [{"at": 1, "for": 3}]},
     ],
@@ -61,4 +65,5 @@ def test_the_document_has_every_quantity_with_its_meaning() -> None:
     text = (ROOT / "docs/scenarios.md").read_text()
     rows = [f"| `{name}` | {q.unit} | {q.meaning} |" for name, q in QUANTITIES.items()]
     rows += [f"| `{name}` |  | {meaning} |" for name, meaning in RUN.items()]
+    rows += [f"| `topic./NAME.{name}` | {unit} | {told} |" for name, (unit, told) in MEASURES.items()]
     assert [row for row in rows if row not in text] == []

@@ -4,6 +4,7 @@ import math
 import signal
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Generator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -35,13 +36,13 @@ class Backwards(Backend):
 
 
 class Ending(Backend):
-    """Ends so after the first outcome."""
+    """Ends so after some outcomes."""
 
-    def __init__(self, error: Exception) -> None:
-        self.error = error
+    def __init__(self, error: Exception, after: int = 1) -> None:
+        self.error, self.after = error, after
 
     def map(self, work: Callable[[Any], Any], items: Sequence[Any]) -> Generator[Any, None, None]:
-        yield work(items[0])
+        yield from [work(item) for item in items[: self.after]]
         raise self.error
 
 
@@ -116,11 +117,56 @@ def test_attempts_come_in_the_order_of_their_cases(
     found = run_all(cases, Backwards(), tmp_path, show)
     assert [attempt.case for attempt in found] == cases
     assert [config.seed for config in driven] == [2, 1, 0]
-    assert shown == [(1, 3), (2, 3), (3, 3)]
-    with pytest.raises(RunFailed, match="a worker process was killed"):
-        run_all(cases, Ending(WorkerLost("a worker process was killed")), tmp_path, show)
-    with pytest.raises(Interrupted, match="stopped by SIGINT after 1 of 3 runs"):
-        run_all(cases, Ending(Interrupted(signal.SIGINT)), tmp_path, show)
+    assert shown == [(0, 3), (1, 3), (2, 3), (3, 3)]
+    killed = WorkerLost("a worker process was killed")
+    run_all(cases, Ending(killed), tmp_path, show)  # one more each time
+    assert shown[4:] == [(0, 3), (1, 3), (2, 3), (3, 3)]
+    undone = r"a worker process was killed; not done: two\[0\], two\[1\], two\[2\]; .* --resume"
+    with pytest.raises(RunFailed, match=undone):
+        run_all(cases, Ending(killed, 0), tmp_path, show)
+
+
+def test_a_suite_that_was_stopped_goes_on_if_nothing_has_changed(
+    make_cases: MakeCases, tmp_path: Path, driven: list[EpisodeConfig]
+) -> None:
+    cases, out = make_cases("{truth.hazard_contacts: {max: 1}}", "seeds: 3"), tmp_path / "out"
+
+    def run(backend: Backend, *, resume: bool = False) -> tuple[list[Attempt], list[int]]:
+        driven.clear()
+        found = run_all(cases, backend, out, lambda *_: None, resume=resume)
+        return [replace(one, wall_s=0.0) for one in found], sorted(config.seed for config in driven)
+
+    def stop() -> Path:
+        stopped = "stopped by SIGINT after 2 of 3 runs; the same command with --resume goes on"
+        with pytest.raises(Interrupted, match=stopped):
+            run(Ending(Interrupted(signal.SIGINT), 2))
+        (unfinished,) = out.iterdir()
+        return unfinished
+
+    whole, _ = run(Backwards())
+    stop()
+    assert run(Backwards(), resume=True) == (whole, [2])
+    assert not out.exists()
+    assert run(Backwards(), resume=True) == (whole, [0, 1, 2])  # there is nothing to go on with
+
+    def edit(old: str, new: str) -> Callable[[Path], object]:
+        return lambda path: path.write_text(path.read_text().replace(old, new, 1))
+
+    for change, left in (
+        (lambda path: path.write_text(path.read_text()[:-9]), [1, 2]),  # killed as it wrote
+        (lambda path: path.write_bytes(b"\xff"), [0, 1, 2]),
+        (edit('"error":null', '"error":"no disk"'), [0, 2]),
+        (edit('"kept":[]', '"kept":["nowhere"]'), [0, 2]),
+        (lambda _: cases[0].path.write_text(cases[0].path.read_text() + "\n"), [0, 1, 2]),
+    ):
+        unfinished = stop()
+        change(unfinished)
+        assert run(Backwards(), resume=True) == (whole, left), left
+    stop()
+    assert run(Backwards()) == (whole, [0, 1, 2])
+    out.touch()
+    with pytest.raises(Interrupted, match=r"after 1 of 3 runs$"):  # nothing can be kept there
+        run(Ending(Interrupted(signal.SIGINT)))
 
 
 def wilson(good: int, count: int) -> tuple[float, float]:
@@ -214,6 +260,7 @@ def test_the_command_runs_a_folder_writes_junit_and_records_baselines(
         (["--only", "leo"], "--only leo: give NAME=VALUE of a matrix, e.g. --only robot=leo"),
         (["--jobs", "0"], "0 jobs are not valid"),
         (["--junit", str(tmp_path)], str(tmp_path)),
+        (["--html", str(tmp_path / "no" / "a.html")], "create it first"),
     ):
         capsys.readouterr()
         assert main([*words[:1], *wrong]) == 2

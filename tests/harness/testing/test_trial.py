@@ -252,7 +252,7 @@ def test_invalid_fault_is_refused_before_anything_starts() -> None:
 
 
 def test_process_that_ends_at_once_is_told_with_its_exit_code() -> None:
-    with trial() as one, pytest.raises(RunFailed, match="/absent ended at its start with exit code 7"):
+    with trial() as one, pytest.raises(RunFailed, match="ended with exit code 7"):
         one.launch([sys.executable, "-c", "raise SystemExit(7)"], node="/absent")
 
 

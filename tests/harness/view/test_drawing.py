@@ -11,27 +11,37 @@ from PIL import Image
 
 from harness.errors import UsageError
 from harness.run import main
+from harness.view import drawing
 from harness.view.drawing import Drawing, DrawingFailed
 from tests.harness.view.recorded import CONFIG
 
 RUN = ["--direct", "--terrain", "flat", "--duration", "1"]
 
 
+# Smooth edges and sharp shadows take most of a picture's time.
+COARSE = """
+import sys
+from dataclasses import replace
+from harness.view import picture
+picture.QUALITY = replace(picture.QUALITY, samples=0, shadow_map=1024)
+sys.exit(picture.main())
+"""
+
+
 @cache
-def why_no_opengl() -> str | None:
-    """The reason why nothing can be drawn here, or None."""
+def working_environment() -> dict[str, str] | str:
+    """The environment in which something can be drawn here, or the reason why nothing can."""
     try:
-        with Drawing(Path("x.png"), None, lidar=False) as drawing:
-            drawing.prepare(CONFIG)
+        return drawing._working_environment("")
     except UsageError as error:
         return str(error)
-    return None
 
 
 @pytest.fixture
-def _opengl() -> None:
-    if (reason := why_no_opengl()) is not None:
-        pytest.skip(reason)
+def _opengl(monkeypatch: pytest.MonkeyPatch) -> None:
+    if isinstance(found := working_environment(), str):
+        pytest.skip(found)
+    monkeypatch.setattr(drawing, "_working_environment", lambda _: found)
 
 
 @pytest.mark.parametrize(
@@ -85,9 +95,9 @@ def test_each_system_has_its_opengl(
 
     monkeypatch.setattr("harness.view.drawing.platform.system", lambda: system)
     monkeypatch.setattr("harness.view.drawing._call", fails)
-    drawing = Drawing(Path("x.png"), None, lidar=False, backend=asked)
-    with drawing, pytest.raises(UsageError, match=mend):
-        drawing.prepare(CONFIG)
+    one = Drawing(Path("x.png"), None, lidar=False, backend=asked)
+    with one, pytest.raises(UsageError, match=mend):
+        one.prepare(CONFIG)
     assert called == tried
 
 
@@ -119,7 +129,10 @@ def test_missing_opengl_is_one_line_that_names_the_packages_and_only_pictures_ne
 
 
 @pytest.mark.usefixtures("_opengl")
-def test_run_draws_its_picture_and_its_bytes_stay_the_same(tmp_path: Path) -> None:
+def test_run_draws_its_picture_and_its_bytes_stay_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(drawing, "PROGRAM", (sys.executable, "-c", COARSE))
     words = ["--direct", "--terrain", "posts", "--driver", "straight", "--duration", "6", "--log-dir"]
     assert main([*words, str(tmp_path / "plain")]) == 0
     picture = tmp_path / "a.png"
@@ -146,9 +159,9 @@ def test_run_draws_its_video_with_a_caption_and_tells_how_far_it_is(
     shown: list[tuple[int, int]] = []
     finish = Drawing.finish
 
-    def told(drawing: Drawing, show: Callable[[int, int], None]) -> list[Path]:
+    def told(one: Drawing, show: Callable[[int, int], None]) -> list[Path]:
         show(0, 1)  # what the bar takes
-        return finish(drawing, lambda done, total: shown.append((done, total)))
+        return finish(one, lambda done, total: shown.append((done, total)))
 
     monkeypatch.setattr(Drawing, "finish", told)
     assert main([*words, "--video", str(video)]) == 0

@@ -12,6 +12,7 @@ from rover_metrics.analysis.statistics.autocorrelation import block_length, effe
 Interval = tuple[float, float]
 
 RESAMPLES = 2000
+_AT_ONCE = 200_000  # blocks that are drawn, which bounds the memory that it takes
 SEED = 0  # the same log gives the same interval every time
 _MOST_BLOCKS = 5000  # more say no more, and longer blocks than the best are no less valid
 _FEWEST_FOR_BOOTSTRAP = 20  # rows; below, blocks are too few to resample
@@ -129,10 +130,11 @@ def block_bootstrap_interval(
     rng = np.random.default_rng(SEED)
     n = values.size
     weighted, weight = _block_sums(values * weights, length), _block_sums(weights, length)
+    count = -(-n // length)
     means = np.empty(RESAMPLES)
-    for i in range(RESAMPLES):
-        blocks = rng.integers(n, size=-(-n // length))
-        means[i] = weighted[blocks].sum() / weight[blocks].sum()
+    for some in np.array_split(means, -(-RESAMPLES * count // _AT_ONCE)):
+        blocks = rng.integers(n, size=(len(some), count))
+        some[:] = weighted[blocks].sum(axis=1) / weight[blocks].sum(axis=1)
     low, high = np.quantile(means, [(1 - confidence) / 2, (1 + confidence) / 2])
     return float(low), float(high)
 

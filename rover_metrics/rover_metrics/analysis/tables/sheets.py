@@ -75,8 +75,8 @@ def _statistics(result: Result, log: LogResult, number_of_log: int) -> Sheet:
             code,
             {
                 "Mean": number(summary.mean),
-                f"{level} rows": _interval(summary.interval),
-                f"{level} blocks": _interval(summary.bootstrap_interval),
+                f"{level} rows": interval_text(summary.interval),
+                f"{level} blocks": interval_text(summary.bootstrap_interval),
                 **_spread(summary),
                 "n": str(summary.n),
                 "n eff.": _formatted(summary.n_effective, ".0f"),
@@ -116,7 +116,7 @@ def _across(result: Result, group: str, summaries: Mapping[str, Summary], number
             code,
             {
                 "Mean of means": number(summary.mean),
-                f"{_level(result)} t": _interval(summary.interval),
+                f"{_level(result)} t": interval_text(summary.interval),
                 **_spread(summary),
                 "Logs": str(summary.n),
             },
@@ -176,7 +176,7 @@ def _compared(result: Result, item: Comparison) -> dict[str, str]:
         f"{first} mean": number(item.means[0]),
         f"{second} mean": number(item.means[1]),
         "Difference": number(item.difference),
-        _level(result): _interval(item.interval),
+        _level(result): interval_text(item.interval),
         "p": probability(item.p),
         "p (Holm)": probability(item.p_holm),
         "g": _formatted(item.hedges_g, "+.2f"),
@@ -215,7 +215,8 @@ def probability(p: float | None) -> str:
     return "<0.001" if p < 0.001 else f"{p:.3f}"
 
 
-def _interval(interval: Interval | None) -> str:
+def interval_text(interval: Interval | None) -> str:
+    """Returns both ends of an interval."""
     return NONE if interval is None else f"{number(interval[0])} to {number(interval[1])}"
 
 

@@ -10,8 +10,8 @@ def square(number: int) -> tuple[int, int]:
     return number, number * number
 
 
-def threads(_: int) -> str | None:
-    return os.environ.get("OPENBLAS_NUM_THREADS")
+def square_and_threads(number: int) -> tuple[int, int, str | None]:
+    return *square(number), os.environ.get("OPENBLAS_NUM_THREADS")
 
 
 def die_the_first_time(item: tuple[int, Path]) -> int:

@@ -218,6 +218,27 @@ def test_no_data_is_what_the_tag_says_but_for_rounding(
     assert np.argwhere(np.isnan(read_raster(tmp_path / "a.tif").values)).tolist() == [[3, 4]] * missing
 
 
+@pytest.mark.parametrize(
+    ("items", "expected"),
+    [({"scale": 0.01, "offset": 100.0}, 112.5), ({"scale": 0.1}, 125.0), ({"offset": -50.0}, 1200.0)],
+)
+def test_gdals_scale_and_offset_make_heights_of_what_is_stored_but_not_of_no_data(
+    tmp_path: Path, items: dict[str, float], expected: float
+) -> None:
+    values = np.full((9, 9), 1250, np.int16)
+    values[3, 4] = -32768
+    xml = "".join(f'<Item name="X" sample="0" role="{role}">{n}</Item>\n' for role, n in items.items())
+    tags = [
+        (42112, "s", 0, f"<GDALMetadata>{xml}</GDALMetadata>", True),
+        (42113, "s", 0, "-32768", True),
+    ]
+    tifffile.imwrite(tmp_path / "a.tif", values, extratags=tags)
+    raster = read_raster(tmp_path / "a.tif")
+    assert (raster.in_metres, len(raster.notes)) == (True, 1)
+    assert np.unique(raster.values[np.isfinite(raster.values)]).tolist() == [pytest.approx(expected)]
+    assert np.argwhere(np.isnan(raster.values)).tolist() == [[3, 4]]
+
+
 def test_gdal_nodata_and_nan_are_filled_and_reported(tmp_path: Path) -> None:
     values = hills()
     values[10:15, 20:25] = -9999.0

@@ -103,6 +103,7 @@ def test_the_bootstrap_resamples_blocks_that_go_round(
         rows = [(start + i) % 50 for start in starts for i in range(length)]
         means.append(np.average(values[rows], weights=weights[rows]))
     monkeypatch.setattr("rover_metrics.analysis.statistics.summary.RESAMPLES", 300)
+    monkeypatch.setattr("rover_metrics.analysis.statistics.summary._AT_ONCE", 700)
     found = block_bootstrap_interval(values, weights, length, 0.8)
     assert found == pytest.approx(np.percentile(means, [10, 90]))
 

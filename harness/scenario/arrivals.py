@@ -1,0 +1,110 @@
+"""What was heard of topics, and what their quantities were over time."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import unknown
+from harness.scenario.series import Series
+from harness.scenario.topic import MEASURES, TopicQuantity
+from harness.sensors.message_types import numbers_at
+from harness.sim_time import NANOSECONDS
+from rover_metrics.topics import stamp_ns
+
+SAMPLED_NS = NANOSECONDS // 20  # between two values of a rate
+
+Integers = NDArray[np.int64]
+
+
+@dataclass
+class Arrivals:
+    """The messages of one topic that were heard.
+
+    Attributes:
+        paths: Into each message, to the numbers that are kept.
+        times: When each was heard since the start [ns]; `told` is the same on the clock that listeners
+            see, and `stamps` those of their headers, or `told` where there is none.
+        numbers: By path, those of each message.
+    """
+
+    paths: Sequence[str] = ()
+    times: list[int] = field(default_factory=list)
+    told: list[int] = field(default_factory=list)
+    stamps: list[int] = field(default_factory=list)
+    numbers: dict[str, list[list[float]]] = field(default_factory=dict)
+
+    def take(self, message: Any, time_ns: int, told_ns: int) -> None:  # noqa: ANN401 - of any type
+        """Takes a message.
+
+        Args:
+            message: As rclpy or rosbags gives it; its bytes where only that it came is asked for.
+            time_ns: When it was heard, since the start.
+            told_ns: What the clock of the listeners shows then.
+        """
+        self.times.append(time_ns)
+        self.told.append(told_ns)
+        self.stamps.append(stamp_ns(message) if hasattr(message, "header") else told_ns)
+        for path in self.paths:
+            self.numbers.setdefault(path, []).append(numbers_at(message, path))
+
+
+def topic_series(
+    quantity: TopicQuantity,
+    of: str | None,
+    heard: Mapping[str, Arrivals],
+    known: Iterable[str],
+    end_ns: int,
+) -> Series:
+    """Returns a quantity over time; where the topic did not exist, without any value, and why.
+
+    Args:
+        quantity: Of a topic.
+        of: The topic of the input, of a latency.
+        heard: Of each topic that somebody has published and that is expected something of.
+        known: All topics that somebody publishes.
+        end_ns: When the run ended, since its start.
+    """
+    for topic in filter(None, (quantity.topic, of)):
+        if topic not in heard:
+            return Series(np.empty(0), np.empty(0), nothing=unknown("topic", topic, known))
+    own = heard[quantity.topic]
+    times = np.array(own.times, dtype=np.int64)
+    nothing = f"nothing was heard on {quantity.topic}" if not len(times) else "there is no value"
+    unit, _ = MEASURES.get(quantity.what, ("", ""))
+    match quantity.what:
+        case "count":
+            return Series(times / NANOSECONDS, np.ones(len(times)), is_tally=True)
+        case "rate":
+            return _rate(times, end_ns)
+        case "age":
+            values = (np.array(own.told, dtype=np.int64) - np.array(own.stamps)) / NANOSECONDS
+        case "latency":
+            values = _latency(own, heard[of or ""])
+            if len(times):
+                nothing = f"nothing was heard on {of} before {quantity.topic}"
+        case path:
+            numbers = own.numbers.get(path, [])
+            times = np.repeat(times, np.array([len(some) for some in numbers], dtype=np.intp))
+            values = np.array([value for some in numbers for value in some])
+    return Series(times / NANOSECONDS, values, unit, nothing)
+
+
+def _rate(times: Integers, end_ns: int) -> Series:
+    """Messages in the second up to each 50 ms, from the first whole second on."""
+    ends = np.arange(NANOSECONDS, end_ns + 1, SAMPLED_NS, dtype=np.int64)
+    ordered = np.searchsorted(times, ends, side="right")
+    counts = ordered - np.searchsorted(times, ends - NANOSECONDS, side="right")
+    return Series(ends / NANOSECONDS, counts.astype(float), "Hz")
+
+
+def _latency(output: Arrivals, source: Arrivals) -> NDArray[np.float64]:
+    """From the stamp of the newest input that had been heard by then to each output [s]."""
+    newest = np.searchsorted(np.array(source.times), np.array(output.times), side="right") - 1
+    values = np.full(len(output.times), np.nan)
+    known = newest >= 0
+    told, stamps = np.array(output.told, dtype=np.int64), np.array(source.stamps, dtype=np.int64)
+    values[known] = (told[known] - stamps[newest[known]]) / NANOSECONDS
+    return values

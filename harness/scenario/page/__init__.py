@@ -1,0 +1,1 @@
+"""The page of a suite: what failed, and scenarios cell by cell."""

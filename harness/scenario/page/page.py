@@ -1,0 +1,108 @@
+"""The page of a suite: what its template shows."""
+
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from harness import __version__
+from harness.page.figure import Plot, named
+from harness.page.shell import fill
+from harness.scenario.attempt import Attempt
+from harness.scenario.case import scenario_name
+from harness.scenario.comparison import Comparisons
+from harness.scenario.page.figures import height, plots_of
+from harness.scenario.tables import HOW, Texts, passed_texts, quantity_texts
+from harness.scenario.verdict import Outcome, Verdict, outcome_of, reasons_of
+
+CLASSES = {Outcome.PASSED: "complete", Outcome.FAILED: "failed", Outcome.ERROR: "interrupted"}
+
+
+def render(several: Sequence[Comparisons], page: Path) -> str:
+    """Returns the HTML of a suite; the same attempts give the same bytes.
+
+    Args:
+        several: Its scenarios.
+        page: Where it is going to be, for its links to what runs have left.
+    """
+    verdicts = [compared.verdict for compared in several]
+    scenarios = [
+        _scenario(f"scenario-{number}", compared)
+        for number, compared in enumerate(several)
+        if len(compared.verdict.attempts) > 1
+    ]
+    plots = [plot for scenario in scenarios for plot in scenario["plots"]]
+    content = {
+        **_headline(verdicts),
+        "version": __version__,
+        "bad": [*_bad(verdicts, page)],
+        "overview": [_line(number, verdict) for number, verdict in enumerate(verdicts)],
+        "scenarios": scenarios,
+        "how": HOW,
+        "figures": named(plots),
+    }
+    return fill("suite", content, package="harness.scenario.page")
+
+
+def _headline(verdicts: Sequence[Verdict]) -> dict[str, str]:
+    count = len(verdicts)
+    failed, errors = (sum(v.outcome is o for v in verdicts) for o in (Outcome.FAILED, Outcome.ERROR))
+    told = [f"{n} {words}" for n, words in ((failed, "failed"), (errors, "could not run")) if n]
+    scenarios = f"{count} scenario{'' if count == 1 else 's'}"
+    headline = f"{scenarios}: {', '.join(told) if told else 'passed'}"
+    worst = Outcome.ERROR if errors and not failed else Outcome.FAILED if failed else Outcome.PASSED
+    return {"headline": headline, "state": CLASSES[worst]}
+
+
+def _bad(verdicts: Sequence[Verdict], page: Path) -> Iterator[dict[str, Any]]:
+    """Every run that makes its scenario red."""
+    for verdict in verdicts:
+        if verdict.outcome is Outcome.PASSED:
+            continue
+        for attempt in verdict.attempts:
+            outcome = outcome_of(attempt)
+            if not outcome.is_good:
+                yield {
+                    "name": attempt.case.name,
+                    "state": CLASSES.get(outcome, CLASSES[Outcome.FAILED]),
+                    "outcome": outcome.value,
+                    "reasons": reasons_of(attempt),
+                    "again": attempt.case.command,
+                    "link": _link(attempt, page),
+                }
+
+
+def _link(attempt: Attempt, page: Path) -> str | None:
+    if not attempt.kept:
+        return None
+    there = os.path.relpath(attempt.kept[0], page.parent)
+    return quote(Path(there).as_posix())
+
+
+def _line(number: int, verdict: Verdict) -> dict[str, Any]:
+    good = sum(outcome_of(attempt).is_good for attempt in verdict.attempts)
+    several = len(verdict.attempts) > 1
+    return {
+        "name": scenario_name(verdict.path),
+        "anchor": f"scenario-{number}" if several else None,
+        "state": CLASSES[verdict.outcome],
+        "outcome": verdict.outcome.value,
+        "runs": f"{good} of {len(verdict.attempts)}",
+        "interval": " to ".join(f"{limit:.0%}" for limit in verdict.interval) if several else "",
+        "about": verdict.attempts[0].case.scenario.about,
+    }
+
+
+def _scenario(name: str, compared: Comparisons) -> dict[str, Any]:
+    plots: list[Plot] = [*plots_of(name, compared)]
+    tables: list[tuple[str, Texts]] = [("Runs that pass", passed_texts(compared))]
+    tables += [(quantity.heading, quantity_texts(quantity)) for quantity in compared.quantities]
+    return {
+        "anchor": name,
+        "name": scenario_name(compared.verdict.path),
+        "about": compared.verdict.attempts[0].case.scenario.about,
+        "height": height(compared.cells),
+        "plots": plots,
+        "tables": tables,
+    }

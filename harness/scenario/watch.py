@@ -1,0 +1,154 @@
+"""What is watched of a run of a scenario, and what comes of it: what was not as expected."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.episode.batch import Batch
+from harness.episode.metrics_feed import extended_settings
+from harness.episode.result import RunResult
+from harness.report.log import read_log
+from harness.report.recorder import RunRecorder
+from harness.robots import find_rover
+from harness.scenario.baseline import (
+    Recorded,
+    check_comparable,
+    first_difference,
+    key_of,
+    read_baseline,
+    record,
+)
+from harness.scenario.case import Case
+from harness.scenario.contact import contact_of
+from harness.scenario.judge import judge, judge_against, value_of
+from harness.scenario.quantities import LOG, QUANTITIES, RUN
+from harness.scenario.series import Series, TruthSeries
+from rover_metrics.core.row import COLUMNS
+from rover_metrics.extended.settings import Settings
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a quantity came to in a run: what its bound compares.
+
+    Attributes:
+        value: In `unit`; None where there was none.
+        unit: Empty for counts, flags and columns of the log.
+    """
+
+    value: float | None
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What a run came to.
+
+    Attributes:
+        result: The run.
+        breaches: What was not as expected, in the order of the file.
+        measured: What each bound compares, in the same order.
+        recorded: What a baseline keeps of it; None if it has none.
+    """
+
+    result: RunResult
+    breaches: tuple[str, ...]
+    measured: tuple[Measured, ...]
+    recorded: Recorded | None
+
+
+class Watch:
+    """Watches a run, an Observer, and judges it.
+
+    Args:
+        case: The run.
+        compare: Whether it is compared with its baseline, if it has one.
+
+    Attributes:
+        truth: Its quantities of the truth; an Observer of its own.
+        page: What a page shows of it.
+
+    Raises:
+        UsageError: There is no baseline of it.
+    """
+
+    def __init__(self, case: Case, *, compare: bool = True) -> None:
+        self._case, goal = case, case.scenario.goal
+        self._baseline = read_baseline(case) if case.scenario.has_baseline and compare else None
+        names = [name for name in case.scenario.expect if name in QUANTITIES]
+        self.truth = TruthSeries(names, None if goal is None else (*goal.at, goal.radius))
+        self.page = RunRecorder()
+
+    @property
+    def settings(self) -> Settings:
+        """What the log is to hold: the extended columns where one is expected of."""
+        columns = [name.removeprefix(LOG) for name in self._case.scenario.expect if name.startswith(LOG)]
+        if set(columns) <= set(COLUMNS):
+            return Settings()
+        rover = find_rover(self._case.config.robot)
+        return Settings(extended_columns=True, extended=extended_settings(rover))
+
+    def take(self, batch: Batch) -> None:
+        """Takes the next batch."""
+        self.truth.take(batch)
+        self.page.take(batch)
+
+    def judged(self, result: RunResult, heard: Mapping[str, Series]) -> Findings:
+        """Returns what was not as expected.
+
+        Args:
+            result: What the run came to; its log is read.
+            heard: The quantities of its topics.
+
+        Raises:
+            UsageError: Its baseline is of another version, model, terrain or argument.
+        """
+        series = {**self.truth.series(), **_logged(result), **_of_the_run(result), **heard}
+        has_baseline = self._case.scenario.has_baseline
+        recorded = record(self._case, result, series) if has_baseline else None
+        if self._baseline is not None and recorded is not None:
+            check_comparable(recorded, self._baseline)
+        measured = (
+            Measured(value_of(bound, one), "" if bound.share else one.unit)
+            for name, bound in self._case.scenario.bounds
+            for one in [series[bound.label(name)]]
+        )
+        breaches = tuple(self._breaches(result, series, recorded))
+        return Findings(result, breaches, tuple(measured), recorded)
+
+    def _breaches(
+        self, result: RunResult, series: Mapping[str, Series], recorded: Recorded | None
+    ) -> Iterator[str]:
+        """What was not as expected, each in a line."""
+        if result.failure is not None:
+            yield f"run: {result.failure}"
+        baseline = self._baseline
+        for name, bound in self._case.scenario.bounds:
+            label = bound.label(name)
+            if not bound.has_baseline:
+                breach = judge(label, bound, series[label])
+            elif baseline is not None:
+                known = baseline.values.get(key_of(name, bound))
+                breach = judge_against(label, bound, series[label], known)
+            else:
+                continue
+            if breach is not None:
+                yield breach.reason + contact_of(name, breach, result.along.events)
+        if self._case.scenario.same_bytes and recorded is not None and baseline is not None:
+            difference = first_difference(recorded, baseline)
+            if difference is not None:
+                yield difference
+
+
+def _logged(result: RunResult) -> dict[str, Series]:
+    """The columns of the log, by the names of their quantities."""
+    log = read_log(result.log_path)
+    times = np.array(log.time_s)
+    return {f"{LOG}{name}": Series(times, np.array(values)) for name, values in log.columns.items()}
+
+
+def _of_the_run(result: RunResult) -> dict[str, Series]:
+    end = np.array([result.simulated_s])
+    values = (result.lost, result.rows)
+    return {name: Series(end, np.array([float(v)])) for name, v in zip(RUN, values, strict=True)}

@@ -1,0 +1,88 @@
+"""Messages of ROS as rosbags knows them, without ROS: their definitions, and the numbers in them.
+
+A path leads to numbers in a message: names of fields with dots between them, each followed by [INDEX]
+where it is a list and one element is meant; without, all are.
+"""
+
+import re
+from functools import cache
+from typing import Any
+
+from rosbags.interfaces import Nodetype
+from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
+
+from harness.errors import unknown
+
+STEP = re.compile(r"(?P<name>[A-Za-z]\w*)(?:\[(?P<index>\d+)\])?")
+TEXT = ("string", "wstring")
+MOST = 12  # fields that are listed to whoever named one that does not exist
+
+
+@cache  # it takes a while to build
+def typestore() -> Typestore:
+    """Returns all message types that rosbags knows."""
+    return get_typestore(Stores.LATEST)
+
+
+def check_path(type_name: str, path: str) -> str | None:
+    """Returns what is wrong with a path into messages of a type; None if it leads to numbers.
+
+    Args:
+        type_name: As in sensor_msgs/msg/LaserScan. Where rosbags does not know it, only the form counts.
+        path: As in twist.twist.linear.x, ranges or poses[0].position.x.
+    """
+    node: Any = (Nodetype.NAME, type_name)
+    for step in path.split("."):
+        found = STEP.fullmatch(step)
+        if found is None:
+            return f"'{path}' is no path to a field; give e.g. twist.linear.x or ranges[0]"
+        if node[0] == Nodetype.NAME and node[1] not in typestore().fielddefs:
+            continue
+        if node[0] != Nodetype.NAME:
+            return f"there is nothing below the numbers in front of '.{step}' in '{path}'"
+        fields = dict(typestore().fielddefs[node[1]][1])
+        if found["name"] not in fields:
+            return f"{unknown('field', found['name'], list(fields)[:MOST])} ({node[1]})"
+        node = fields[found["name"]]
+        if node[0] in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+            node = node[1][0]
+        elif found["index"] is not None:
+            return f"field '{found['name']}' is no list; leave out [{found['index']}] ({type_name})"
+    return _no_number(node)
+
+
+def _no_number(node: Any) -> str | None:  # noqa: ANN401 - of rosbags
+    if node[0] == Nodetype.BASE:
+        return "it leads to text; give a field with numbers" if node[1][0] in TEXT else None
+    if node[1] not in typestore().fielddefs:
+        return None
+    return f"it leads to a {node[1]}; go on with one of: {', '.join(_names(node[1]))}"
+
+
+def _names(type_name: str) -> list[str]:
+    return [name for name, _ in typestore().fielddefs[type_name][1]]
+
+
+def numbers_at(message: Any, path: str) -> list[float]:  # noqa: ANN401 - of rclpy or of rosbags
+    """Returns the numbers at a path of a message, truth values as 0 and 1; an index too high gives none.
+
+    Raises:
+        AttributeError: A field does not exist.
+        ValueError: It is no number.
+    """
+    found = [message]
+    for step in path.split("."):
+        name, _, index = step.rstrip("]").partition("[")
+        each = (_listed(getattr(one, name)) for one in found)
+        chosen = (some[int(index) : int(index) + 1] if index else some for some in each)
+        found = [one for some in chosen for one in some]
+    return list(map(_number, found))
+
+
+def _listed(value: Any) -> Any:  # noqa: ANN401 - a list, an array, or one value
+    return value if hasattr(value, "__len__") and not isinstance(value, str | bytes) else [value]
+
+
+def _number(value: Any) -> float:  # noqa: ANN401 - a number, or a byte as rclpy gives it
+    return float(value[0]) if isinstance(value, bytes) else float(value)

@@ -1,0 +1,119 @@
+"""When nodes in other processes are asked, and waited for."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+
+from harness.ros.lock_step import CLOCKS, RemoteNodes
+from harness.sim_time import NANOSECONDS, TICK_NS
+from rover_metrics.metrics_node import KEEPS_ORDER
+from rover_metrics.ros.guarded_node import CLOCK_QOS
+from tests.support.remote_nodes import Rig
+
+
+@pytest.fixture
+def rig(monkeypatch: pytest.MonkeyPatch) -> Rig:
+    return Rig(monkeypatch)
+
+
+def nodes_of(rig: Rig, *names: str, keep_order: str = "") -> RemoteNodes:
+    """Nodes of which one may keep order."""
+    nodes = []
+    for name in names:
+        rig.promise = KEEPS_ORDER if name == keep_order else ""
+        nodes.append(rig.node(name))
+    rig.asked.clear()
+    return RemoteNodes(nodes, rig.bridge)
+
+
+def test_several_nodes_are_asked_at_once_and_each_waiting_is_counted(rig: Rig) -> None:
+    parts = [rig.node("/a"), rig.node("/b"), rig.node("/c")]
+    began = rig.now
+    nodes = RemoteNodes(parts, rig.bridge)
+    for stamp_ns in (TICK_NS, 2 * TICK_NS):
+        rig.asked.clear()
+        nodes.wait_for_clock(stamp_ns)
+        assert rig.asked_now() == ["/a", "/b", "/c"]
+    assert rig.now - began == 2.0, "the three seconds of each tick are one"
+    assert [part.waited_s for part in parts] == [2.0, 2.0, 2.0]
+
+
+def test_after_samples_only_those_are_asked_that_listen_to_them(rig: Rig) -> None:
+    rig.readers = [("/", "a"), ("/rover1", "b"), ("/", "stranger")]
+    nodes = nodes_of(rig, "/a", "b", "/c")
+    rig.matched = 3
+    nodes.wait_for_samples([rig.scan])
+    assert rig.asked_now() == ["/a", "/rover1/b"]
+    rig.matched = 1
+    rig.readers = [("/", "stranger")]
+    nodes.wait_for_samples([rig.scan])
+    assert rig.asked_now() == []
+
+
+@pytest.mark.parametrize("unknown", ["not in the graph", "_NODE_NAME_UNKNOWN_"])
+def test_all_are_asked_as_long_as_a_reader_may_be_anybodys(rig: Rig, unknown: str) -> None:
+    nodes = nodes_of(rig, "/a", "/b")
+    rig.matched = 2
+    rig.readers = [("/", "a"), ("/", unknown)][: 1 if unknown == "not in the graph" else 2]
+    for _ in range(2):
+        rig.matched = 2
+        nodes.wait_for_samples([rig.scan])
+        assert rig.asked_now() == ["/a", "/b"]
+    rig.readers, rig.matched = [("/", "a"), ("/", "x")], 2
+    nodes.wait_for_samples([rig.scan])
+    assert rig.asked_now() == ["/a"]
+
+
+def test_a_reader_that_takes_anothers_place_is_known_a_second_later(rig: Rig) -> None:
+    nodes = nodes_of(rig, "/a", "/b")
+    rig.matched = 1
+    for reader, until_ns, asked in (("a", TICK_NS, "/a"), ("b", NANOSECONDS, "/a"), ("b", 0, "/b")):
+        rig.readers, rig.matched = [("/", reader)], 1
+        nodes.wait_for_samples([rig.scan])
+        assert rig.asked_now() == [asked]
+        nodes.wait_for_clock(until_ns)
+        rig.asked_now()
+
+
+def test_who_keeps_order_is_asked_after_the_clock_and_not_waited_for(rig: Rig) -> None:
+    nodes = nodes_of(rig, "/a", keep_order="/a")
+    rig.readers, rig.matched = [("/", "a")], 1
+    began = rig.now
+    nodes.make_room([rig.scan])
+    nodes.wait_for_samples([rig.scan])
+    assert rig.asked_now() == []
+    nodes.wait_for_clock(TICK_NS)
+    assert rig.asked_now() == ["/a"]
+    nodes.wait_for_clock(2 * TICK_NS)
+    assert (rig.asked_now(), rig.now) == ([], began), "its answer has come meanwhile"
+    nodes.make_room([rig.scan])
+    assert (rig.asked_now(), rig.now) == ([], began)
+
+
+def test_before_a_second_message_of_a_topic_its_queue_is_known_to_be_empty(rig: Rig) -> None:
+    nodes = nodes_of(rig, "/a", "/b", keep_order="/a")
+    rig.readers, rig.matched = [("/", "a"), ("/", "b")], 2
+    nodes.wait_for_samples([rig.scan])
+    assert rig.asked_now() == ["/b"], "the others are waited for as ever"
+    rig.matched = 2
+    imu: Any = SimpleNamespace(topic="/imu/data")
+    nodes.make_room([imu])
+    assert rig.asked_now() == []
+    nodes.make_room([rig.scan])
+    assert rig.asked_now() == ["/a"]
+    nodes.wait_for_samples([rig.scan])
+    nodes.wait_for_clock(TICK_NS)
+    assert rig.asked_now() == ["/b", "/b", "/a"]
+
+
+def test_no_more_times_wait_for_a_node_than_its_queue_holds(rig: Rig) -> None:
+    nodes = nodes_of(rig, "/a", keep_order="/a")
+    for tick in range(CLOCKS):
+        nodes.wait_for_clock(tick)
+    assert rig.asked_now() == []
+    nodes.wait_for_clock(CLOCKS)
+    assert rig.asked_now() == ["/a"]
+    assert CLOCK_QOS.depth > CLOCKS + 1

@@ -1,0 +1,156 @@
+"""Cells side by side: their values, statistics by hand, and what is compared run by run."""
+
+import csv
+import io
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import pytest
+from rich.console import Console
+
+from harness.scenario.attempt import Attempt
+from harness.scenario.bound import Bound
+from harness.scenario.comparison import Comparisons, comparisons_of, title_of
+from harness.scenario.outputs import print_tables
+from harness.scenario.tables import csv_of, json_of
+from harness.scenario.verdict import Verdict, verdicts_of
+from harness.scenario.watch import Measured
+from tests.harness.scenario.conftest import MakeCases
+
+EXPECT = "{truth.speed: {over: mean, max: 3}, truth.rock_contacts: {max: 5}}"
+LEO, ZERO = (1.0, 2.0, 3.0), (1.5, 3.0, 4.5)
+T = 4.302652729911275  # Student's t at 97.5 % for 2 degrees of freedom, from a table
+
+
+def verdict(make_cases: MakeCases, matrix: str = "robot: [leo, rover_zero4wd]") -> Verdict:
+    """Two cells of three runs: LEO and ZERO metres a second, the last one too many; 0 to 5 contacts."""
+    cases = make_cases(EXPECT, f"matrix: {{{matrix}}}\nseeds: [4, 7, 9]")
+    (made,) = verdicts_of(
+        [
+            Attempt(
+                case,
+                ("truth.speed: mean 4.5 m/s > 3 m/s",) if speed > 3 else (),
+                measured=(Measured(speed, "m/s"), Measured(float(number))),
+            )
+            for number, (case, speed) in enumerate(zip(cases, LEO + ZERO, strict=True))
+        ]
+    )
+    return made
+
+
+def test_a_cell_is_summed_up_and_differs_from_the_first_as_by_hand(make_cases: MakeCases) -> None:
+    compared = comparisons_of(verdict(make_cases))
+    assert [cell.name for cell in compared.cells] == ["leo", "rover_zero4wd"]
+    assert [cell.good for cell in compared.cells] == [3, 2]
+    speed, contacts = compared.quantities
+    assert (speed.title, speed.heading) == ("truth.speed, mean", "truth.speed, mean [m/s]")
+    assert (contacts.title, contacts.heading) == ("truth.rock_contacts, highest",) * 2
+    first, second = speed.rows
+    half = T * 1.0 / math.sqrt(3)
+    assert (first.values, first.summary.mean, first.difference) == (LEO, 2.0, None)
+    assert first.summary.interval == pytest.approx((2.0 - half, 2.0 + half))
+    difference = second.difference
+    assert difference is not None
+    assert difference.paired
+    assert difference.difference == pytest.approx(1.0)
+    # 0.5, 1, 1.5 run by run: their deviation is 0.5.
+    assert difference.interval == pytest.approx(
+        (1.0 - T * 0.5 / math.sqrt(3), 1.0 + T * 0.5 / math.sqrt(3))
+    )
+    pooled = math.sqrt((1.0 + 2.25) / 2)
+    assert difference.hedges_g == pytest.approx((1 - 3 / 15) * 1.0 / pooled)
+    assert difference.cliffs_delta == pytest.approx((6 - 2) / 9)
+    # All three signs alike happens twice in eight; two quantities are compared.
+    assert difference.p == pytest.approx(0.25)
+    assert difference.p_holm == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(
+    ("matrix", "paired"),
+    [
+        ("driver: [wander, straight]", True),
+        ("noise: [white, null]", True),
+        ("difficulty: [0, 1]", False),
+    ],
+)
+def test_runs_are_pairs_if_both_drove_in_the_same_worlds(
+    matrix: str, paired: bool, make_cases: MakeCases
+) -> None:
+    compared = comparisons_of(verdict(make_cases, matrix))
+    difference = compared.quantities[0].rows[1].difference
+    assert difference is not None
+    assert difference.paired == paired
+
+
+def test_runs_without_a_value_are_left_out_with_their_partners(make_cases: MakeCases) -> None:
+    made = verdict(make_cases)
+    attempts = list(made.attempts)
+    attempts[0] = Attempt(attempts[0].case, error="no disk")
+    attempts[4] = replace(attempts[4], measured=(Measured(None, "m/s"), Measured(1.0)))
+    (made,) = verdicts_of(attempts)
+    speed, _ = comparisons_of(made).quantities
+    assert speed.unit == "m/s"
+    assert [row.summary.n for row in speed.rows] == [2, 2]
+    difference = speed.rows[1].difference
+    assert difference is not None
+    assert (difference.n, difference.means) == ((1, 1), (3.0, 4.5))  # the last seed alone
+
+
+@pytest.mark.parametrize(
+    ("bound", "title"),
+    [
+        ({"max": 1}, "q, highest"),
+        ({"min": 1}, "q, lowest"),
+        ({"min": 1, "max": 2, "window": (1, 2.5)}, "q, nearest to a limit, 1 to 2.5 s"),
+        ({"max": 1, "over": "end"}, "q, at the end"),
+        ({"max": 1, "over": "p95"}, "q, 95th percentile"),
+        ({"max": 1, "over": "share", "share": 0.5}, "q, share within limits"),
+    ],
+)
+def test_a_title_says_what_of_a_quantity_is_compared(bound: dict[str, object], title: str) -> None:
+    assert title_of("q", Bound.model_validate(bound)) == title
+
+
+def rows_of(several: Sequence[Comparisons]) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(csv_of(several))))
+
+
+def test_csv_and_json_have_every_number(make_cases: MakeCases) -> None:
+    alone = verdicts_of([Attempt(case, error="no disk") for case in make_cases(EXPECT, name="=alone")])
+    several = [comparisons_of(made) for made in (verdict(make_cases), *alone)]
+    rows = rows_of(several)
+    assert [row["quantity"] for row in rows[:4]] == ["passed", "passed", *["truth.speed, mean"] * 2]
+    passed, second, last = rows[1], rows[3], rows[-1]
+    assert (passed["robot"], passed["n"], float(passed["mean"])) == ("rover_zero4wd", "3", 2 / 3)
+    assert {second[name] for name in ("difference", "unit", "limit_max", "paired")} == {
+        "1.0",
+        "m/s",
+        "3.0",
+        "True",
+    }
+    assert second["driver"] == second["limit_min"] == ""
+    assert (last["scenario"], last["n"], last["mean"]) == ("'=alone", "0", "")
+    read = json.loads(json_of(several))
+    side, one = read["scenarios"]
+    assert (side["outcome"], one["outcome"]) == ("failed", "could not run")
+    assert side["cells"][1]["robot"] == "rover_zero4wd"
+    assert side["cells"][1]["quantities"]["truth.speed, mean"]["difference"] == 1.0
+    worst = side["runs"][-1]
+    assert (worst["seed"], worst["reasons"]) == (9, ["truth.speed: mean 4.5 m/s > 3 m/s"])
+    assert worst["measured"] == {"truth.speed, mean": 4.5, "truth.rock_contacts, highest": 5.0}
+    assert one["runs"][0]["measured"] == {}
+
+
+def test_a_terminal_gets_a_table_a_quantity(
+    make_cases: MakeCases, capsys: pytest.CaptureFixture[str]
+) -> None:
+    alone = verdicts_of([Attempt(case) for case in make_cases(EXPECT, name="alone")])
+    print_tables(Console(width=100), [*alone, verdict(make_cases)])
+    told = capsys.readouterr().out
+    assert "alone" not in told
+    assert "two: truth.speed, mean [m/s]" in told
+    lines = [line.split() for line in told.splitlines()]
+    assert ["rover_zero4wd", "2", "of", "3", "67%", "21%", "to", "94%"] in lines
+    assert ["leo", "3", "2.000", "-0.4841", "to", "4.484", "-", "-", "-", "-"] in lines

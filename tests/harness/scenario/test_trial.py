@@ -1,0 +1,205 @@
+"""Runs of scenarios through ROS: what nodes and topics do is judged, told and kept."""
+
+import itertools
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+
+from geometry_msgs.msg import TwistStamped
+from rclpy.node import Node
+from rosbags.highlevel import AnyReader
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Bool
+
+from harness.episode.batch import Batch
+from harness.errors import RunFailed, UsageError
+from harness.scenario.attempt import Attempt, attempt
+from harness.scenario.bound import Bound
+from harness.scenario.junit import junit_of
+from harness.scenario.trial import ScenarioTrial
+from harness.scenario.verdict import reasons_of, verdicts_of
+from tests.harness.scenario.conftest import MakeCases
+
+ROOT = Path(__file__).parents[3]
+FAST = "driver: cmd_vel\nlidar_beams: 8\n"
+
+
+class Brake(Node):  # type: ignore[misc]  # rclpy has no types for mypy
+    """Drives on each scan, 30 ms after it, stops after 1 s, and then tells so for the first time."""
+
+    def __init__(self) -> None:
+        super().__init__("brake")
+        self.clocks = 0
+        self._waits = 0
+        self._done: Any = None
+        self._command = self.create_publisher(TwistStamped, "cmd_vel", 10)
+        self.create_subscription(LaserScan, "scan", self._on_scan, 10)
+        self.create_timer(0.01, self._on_time)
+
+    def _on_scan(self, _: LaserScan) -> None:
+        self._waits = 4  # the timer is called once on the scan's own tick
+
+    def _on_time(self) -> None:
+        self._waits -= 1
+        if self._waits:
+            return
+        command, now = TwistStamped(), self.get_clock().now()
+        command.header.stamp = now.to_msg()
+        command.twist.linear.x = 0.4 if now.nanoseconds < 1e9 else 0.0
+        self._command.publish(command)
+        if not command.twist.linear.x:
+            self._done = self._done or self.create_publisher(Bool, "done", 10)
+            self._done.publish(Bool(data=True))
+
+
+def run(case_of: MakeCases, expect: str, more: str = "", seconds: float = 2.0) -> tuple[str, ...]:
+    (case,) = case_of(expect, FAST + more)
+    with ScenarioTrial(replace(case, config=replace(case.config, duration=seconds))) as trial:
+        trial.host(Brake)
+        return trial.finish()
+
+
+def test_what_a_node_does_is_judged_beside_the_truth(make_cases: MakeCases) -> None:
+    expect = """
+  truth.speed: [{over: p95, min: 0.3}, {over: end, max: 0.02}]
+  topic./cmd_vel.latency: {of: /scan, min: 0.1299, max: 0.1301}
+  topic./cmd_vel.twist.linear.x: [{min: 0.4, window: [0, 1]}, {max: 0, window: [1.02, 2]}]
+  topic./cmd_vel.count: [{min: 37, max: 37}, {min: 7, max: 7, window: [0, 0.5]}]
+  topic./cmd_vel.rate: {min: 20, max: 20, window: [1.2, 2]}
+  topic./cmd_vel.age: {max: 0}
+  topic./scan.age: {min: 0.0999, max: 0.1001}
+  topic./scan.ranges: {min: 0}
+  topic./tf.transforms.transform.translation.x: {min: -5, max: 5}
+  topic./tf_static.count: {min: 1, max: 1}
+  topic./clock.count: {min: 250, max: 250}
+  topic./done.data: {min: 1}
+  run.rows: {min: 2, max: 2}
+  topic./scn.count: {max: 0}
+  topic./odom_ground_truth.twist.twist.linear.x: {max: 0.1}
+"""
+    more = "events: [{at: 0, fault: 'scan:latency=0.1'}, {at: 1, pause: 0.5}]"
+    found = run(make_cases, expect, more)
+    assert found[0] == "topic./scn.count: topic '/scn' does not exist; did you mean '/scan'?"
+    assert found[1].startswith("topic./odom_ground_truth.twist.twist.linear.x: 0.39")
+    assert len(found) == 2, found
+
+
+def lines(path: Path) -> list[str]:
+    return path.read_text().splitlines()
+
+
+def test_a_metrics_node_that_is_started_writes_the_log_that_is_judged(tmp_path: Path) -> None:
+    path = ROOT / "scenarios/logging_node.scenario.yaml"
+    trial = ScenarioTrial.load(path, seed=3, robot="rover_zero4wd")
+    assert (trial.config.seed, trial.config.robot) == (3, "rover_zero4wd")
+    trial.config = replace(trial.config, duration=3.01)
+    expect = trial.case.scenario.expect | {"topic./rover/metrics.count": Bound(min=3, max=3)}
+    scenario = trial.case.scenario.model_copy(update={"expect": expect})
+    with ScenarioTrial(replace(trial.case, scenario=scenario, config=trial.config)) as trial:
+        assert trial.finish() == ()
+        result = trial.findings.result
+        assert result.mode == "ROS 2, lock-step with /metrics_node"
+        assert [result.topics[topic].received for topic in ("/scan", "/imu/data")] == [60, 60]
+        page, *kept = trial.keep(tmp_path / "out", "to look at")
+        (own,) = (tmp_path / "out/files").glob("*.csv")
+    assert page.name == "run.html"
+    (log,) = (path for path in kept if path.suffix == ".csv")
+    assert log.read_bytes() == own.read_bytes()
+    assert len(lines(log)) == 4
+    assert "logging to" in (tmp_path / "out/launch_1.txt").read_text()
+    (manifest,) = (path for path in kept if path.suffix == ".json")
+    outcome = json.loads(manifest.read_text())
+    assert outcome["recording"] == str(tmp_path / "out/run.mcap")
+    with AnyReader([tmp_path / "out/run.mcap"]) as bag:
+        counts = {each.topic: each.msgcount for each in bag.connections}
+    assert (counts["/rover/metrics"], counts["/scan"], counts["/clock"]) == (3, 60, 351)
+
+
+DIES = """sh -c 'while [ ! -e {folder}/go ]; do sleep 0.01; done; echo one; echo two; exit 3'"""
+
+
+def test_a_program_that_ends_before_the_run_does_is_told_with_its_last_words(
+    make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    launch = f"launch:\n- command: {DIES}\n  wait_for: []\n"
+    (case,) = make_cases("{truth.x: {min: -1}}", FAST + launch)
+    finish = ScenarioTrial.finish
+
+    def finish_later(trial: ScenarioTrial) -> tuple[str, ...]:
+        trial.step(0.5)
+        (trial._files / "go").touch()
+        trial._processes[0]._process.wait()
+        return finish(trial)
+
+    monkeypatch.setattr(ScenarioTrial, "finish", finish_later)
+    done = attempt(case, tmp_path / "out")
+    assert done.error is not None
+    first, *said = done.error.splitlines()
+    assert first.startswith("sh -c 'while [ ! -e ")
+    assert first.endswith(" ended with exit code 3 at 0.51 s")
+    assert said == lines(tmp_path / "out/launch_1.txt") == ["one", "two"]
+    kept = [path.suffix for path in done.kept]
+    assert kept == [".html", ".csv", ".json", ".mcap", ".txt", ""]
+    (verdict,) = verdicts_of([done])
+    assert reasons_of(done) == (first, "one", "two")
+    assert 'message="sh -c ' in junit_of([verdict])
+
+
+def test_a_program_that_may_end_and_one_that_shows_no_node(
+    make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    launch = "launch: [{command: 'true', wait_for: []}]"
+    (case,) = make_cases("{topic./scan.rate: {min: 20, max: 20}}", FAST + launch)
+    assert attempt(case, tmp_path).passed
+    monkeypatch.setattr("harness.scenario.trial.START_PATIENCE", 0.1)
+    monkeypatch.setattr("harness.testing.trial.START_PATIENCE", 0.1)
+    (case,) = make_cases("{truth.x: {min: -1}}", f"{FAST}launch: [sleep 1000]")
+    told = "launch: a node has not turned up within 0.1 s; running: none"
+    assert attempt(case, tmp_path) == Attempt(case, error=told)
+    (case,) = make_cases("{truth.x: {min: -1}}", f"{FAST}launch: [slep 1000]")
+    told = "there is no program 'slep' to launch (slep 1000)"
+    assert attempt(case, tmp_path) == Attempt(case, error=told)
+
+
+def test_an_episode_that_ends_early_is_judged_and_a_test_that_fails_leaves_its_evidence(
+    make_cases: MakeCases, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (case,) = make_cases("{topic./scan.count: {min: 40}}", FAST)
+    with ScenarioTrial(case, tmp_path / "none") as trial:
+        batches = trial._episode.batches
+
+        def end_early() -> Iterator[Batch]:
+            yield from itertools.islice(batches(), 10)
+            raise RunFailed("the rover left the map at 0.5 s")
+
+        trial._episode.batches = end_early  # type: ignore[method-assign]
+        assert trial.finish() == ("run: the rover left the map at 0.5 s", "topic./scan.count: 10 < 40")
+    assert not (tmp_path / "none").exists()
+
+    def fail() -> None:
+        with ScenarioTrial(case, tmp_path / "out") as trial:
+            trial.step(0.1)
+            trial.reset(seed=3)
+
+    with pytest.raises(UsageError, match="a scenario's run is one episode; load another"):
+        fail()
+    told = capfd.readouterr().err.splitlines()
+    assert told[0] == f"kept: {tmp_path / 'out/run.html'}"
+    assert len(told) == len(list((tmp_path / "out").iterdir())) == 4
+
+
+def test_one_run_of_a_file_is_loaded(make_cases: MakeCases, tmp_path: Path) -> None:
+    make_cases("{truth.x: {min: -1}}", "matrix: {robot: [leo, rover_zero4wd], difficulty: [0, 1]}")
+    path = tmp_path / "two.scenario.yaml"
+    told = r"has 2 runs of a seed; choose one, e.g. robot='leo', difficulty=0.0"
+    with pytest.raises(UsageError, match=told):
+        ScenarioTrial.load(path, robot="leo")
+    with pytest.raises(UsageError, match="no run has robot=mole"):
+        ScenarioTrial.load(path, robot="mole")
+    assert ScenarioTrial.load(path, robot="leo", difficulty=1.0).case.name == "two[leo-1.0-0]"
