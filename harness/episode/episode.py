@@ -23,7 +23,7 @@ from harness.physics.scene import HAZARD_CONTACT, build_scene, model_hash
 from harness.physics.simulation import Simulation
 from harness.physics.start import check_room, check_start
 from harness.robots import find_rover
-from harness.samples import Imu, LaserScan, Place, Tick, Twist
+from harness.samples import Imu, LaserScan, Place, Sample, Tick, Twist
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import PRESETS, SensorNoise
