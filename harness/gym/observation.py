@@ -13,12 +13,17 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from harness.samples import Imu, LaserScan, Odometry, Pose, Quaternion, Sample
+from harness.world.heightfield import Heightfield
 
 Observation = dict[str, NDArray[np.float32]]
 Point = tuple[float, float]
 
 FARTHEST_GOAL = 100.0  # [m]
 LARGEST_FORCE, LARGEST_RATE, LARGEST_SPEED = 100.0, 50.0, 10.0  # [m/s^2], [rad/s], [m/s] and [rad/s]
+
+AHEAD = tuple(round(-0.5 + 0.2 * n, 3) for n in range(11))  # [m] at which the ground is scanned
+LEFT = tuple(round(0.6 - 0.2 * n, 3) for n in range(7))  # [m] likewise, from left to right
+LARGEST_HEIGHT = 2.0  # [m] above or below the rover that is told
 
 S = TypeVar("S")
 
@@ -87,6 +92,28 @@ def visible(scan: LaserScan, farthest: float) -> NDArray[np.float32]:
         farthest: What a miss becomes [m].
     """
     return np.fmax(np.fmin(scan.ranges, np.float32(farthest)), np.float32(0.0))  # fmin drops NaN
+
+
+def heights_around(ground: Heightfield, pose: Pose) -> list[float]:
+    """Returns the ground's heights over the rover's model frame [m] at AHEAD x LEFT of it, row by row.
+
+    Obstacles are not in it; the grid turns with the heading, not with roll and pitch.
+    """
+    x, y, z = pose.position
+    yaw = attitude(pose.orientation)[2]
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return [
+        ground.height_at(x + cos * ahead - sin * left, y + sin * ahead + cos * left) - z
+        for ahead in AHEAD
+        for left in LEFT
+    ]
+
+
+def height_part() -> Part:
+    """Returns what `heights_around` tells, as a part of an observation."""
+    where = f"{AHEAD[0]:g} to {AHEAD[-1]:g} m ahead, {LEFT[0]:g} m left to right, every 0.2 m"
+    about = f"heights of the ground without obstacles over the rover [m], {where}"
+    return Part((-LARGEST_HEIGHT,), (LARGEST_HEIGHT,), about, len(AHEAD) * len(LEFT))
 
 
 def point_nav_parts(beams: int, range_max: float) -> dict[str, Part]:

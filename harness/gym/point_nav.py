@@ -11,11 +11,19 @@ from numpy.typing import NDArray
 
 from harness.errors import UsageError
 from harness.gym.env import FLIPPED, Info, RoverEnv
-from harness.gym.observation import Part, point_nav_parts, point_nav_values, space_of
+from harness.gym.observation import (
+    Part,
+    height_part,
+    heights_around,
+    latest,
+    point_nav_parts,
+    point_nav_values,
+    space_of,
+)
 from harness.gym.options import Options
 from harness.gym.ride import Ride
 from harness.robots import find_rover
-from harness.samples import Twist
+from harness.samples import Pose, Twist
 from harness.sensors.lidar_spec import LidarSpec
 
 
@@ -49,11 +57,13 @@ class PointNavOptions(Options):
     Attributes:
         goal_radius: Distance at which the goal counts as reached [m].
         hazard_budget: Contact with hazards that ends an episode [s].
+        height_scan: Whether the ground around the rover is observed too, as `heights`.
         reward: Weights of the reward's terms.
     """
 
     goal_radius: float = 0.5
     hazard_budget: float = 1.0
+    height_scan: bool = False
     reward: PointNavWeights = field(default_factory=PointNavWeights)
 
     def check(self) -> None:
@@ -83,6 +93,8 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
         lidar = LidarSpec(beams=self.options.lidar_beams)
         self._range_max = lidar.range_max
         self.parts: Mapping[str, Part] = point_nav_parts(lidar.beams, lidar.range_max)
+        if self.options.height_scan:
+            self.parts = {**self.parts, "heights": height_part()}
         self.observation_space = space_of(self.parts)
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         rover = find_rover(self.options.robot)
@@ -105,7 +117,11 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
         return Twist(speed * self._scale[0], rate * self._scale[1])
 
     def _observe(self, ride: Ride) -> Mapping[str, object]:
-        return point_nav_values(ride.readings, self.goal, self._range_max)
+        values = point_nav_values(ride.readings, self.goal, self._range_max)
+        if self.options.height_scan:
+            ground, pose = ride.simulation.scene.world.ground, latest(ride.readings, Pose)
+            values["heights"] = heights_around(ground, pose)
+        return values
 
     def _judge(self, ride: Ride, failure: str) -> tuple[float, str, Info]:
         before, distance = self._distance, self._to_goal(ride)

@@ -1,7 +1,9 @@
+import importlib
 import json
 import math
 import pickle
 import re
+import sys
 import warnings
 from typing import Any
 
@@ -11,6 +13,7 @@ import pytest
 from gymnasium.error import InvalidAction, ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
+import harness.gym
 from harness.config import EpisodeConfig
 from harness.errors import UsageError
 from harness.gym import ENVIRONMENTS
@@ -67,6 +70,23 @@ def test_worlds_are_kept_for_some_episodes_and_starts_and_goals_vary(make: Make)
     assert len({tuple(info["start"]) for info in infos}) == 3
     for info in infos:
         assert 1.0 - 0.3 <= math.dist(info["start"][:2], info["goal"]) <= 4.0 + 0.3  # it may slide
+
+
+def test_success_makes_the_next_worlds_harder_until_a_seed_begins_anew(make: Make) -> None:
+    env = make(difficulty=(0.0, 1.0), curriculum={"step": 0.25, "window": 1})
+    here = {"options": {"start": (0.0, 0.0, 0.0), "goal": (0.2, 0.0)}}
+    for highest in (0.25, 0.5):
+        env.reset(seed=0 if highest == 0.25 else None, **here)
+        assert env.step(AHEAD)[4]["is_success"]
+        assert env._ladder.highest == highest
+    env.reset(seed=0)
+    assert env._ladder.highest == 0.0
+
+
+def test_without_gymnasium_the_mend_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "gymnasium", None)
+    with pytest.raises(UsageError, match=re.escape("pip install 'rover-harness[gym]'")):
+        importlib.reload(harness.gym)
 
 
 def test_start_and_goal_can_be_given(make: Make) -> None:

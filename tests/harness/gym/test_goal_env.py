@@ -37,10 +37,11 @@ def test_what_ends_an_episode_for_another_reason_still_does(
 
 
 def test_the_heading_and_what_point_nav_observes_follow_one_another(make: Make) -> None:
-    env, plain = make("PointNavGoal"), make()
+    env, plain = make("PointNavGoal", height_scan=True), make(height_scan=True)
     options = {"start": (1.0, 0.5, 2.0), "goal": (3.0, 1.0)}
     (seen, _), (expected, _) = (e.reset(seed=5, options=options) for e in (env, plain))
-    parts = [expected[name] for name in ("lidar", "imu", "velocities")]
+    parts = [expected[name] for name in ("lidar", "imu", "velocities", "heights")]
+    assert expected["heights"].shape == (77,)
     assert seen["observation"][:-2].tolist() == np.concatenate(parts).tolist()
     assert np.arctan2(*seen["observation"][-2:]) == pytest.approx(2.0, abs=0.02)
     assert seen["achieved_goal"] == pytest.approx([1.0, 0.5], abs=0.02)

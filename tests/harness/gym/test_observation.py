@@ -5,8 +5,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from harness.gym.observation import (
+    AHEAD,
+    LEFT,
     attitude,
     clipped,
+    heights_around,
     point_nav_parts,
     point_nav_values,
     space_of,
@@ -14,6 +17,7 @@ from harness.gym.observation import (
     way_to,
 )
 from harness.samples import Imu, LaserScan, Odometry, Pose, Quaternion, Sample, Twist
+from harness.world.heightfield import Heightfield
 
 TURNS = [(0.0, 0.0, 0.0), (0.3, -0.4, 2.0), (-1.0, 1.2, -3.0), (3.0, 0.1, 0.5)]
 
@@ -43,6 +47,18 @@ def test_the_way_to_a_goal_is_seen_from_the_rover(
 ) -> None:
     pose = Pose(0, (1.0, 2.0, 0.3), quaternion(0.1, 0.05, yaw))
     assert way_to(goal, pose) == pytest.approx(expected, abs=1e-8)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 2.0])
+def test_heights_are_those_of_a_plane_around_the_rover(yaw: float) -> None:
+    x, y = np.meshgrid(np.linspace(-5.0, 5.0, 41), np.linspace(-5.0, 5.0, 41))
+    plane = Heightfield(0.2 * x - 0.1 * y, 0.25)
+    pose = Pose(0, (1.0, -1.0, 0.5), quaternion(0.3, 0.2, yaw))  # roll and pitch do not turn it
+    seen = np.array(heights_around(plane, pose)).reshape(len(AHEAD), len(LEFT))
+    here, along, aside = 0.3 - 0.5, 0.2 * math.cos(yaw) - 0.1 * math.sin(yaw), -0.2 * math.sin(yaw)
+    aside -= 0.1 * math.cos(yaw)
+    assert seen == pytest.approx(here + along * np.array(AHEAD)[:, None] + aside * np.array(LEFT))
+    assert (AHEAD[0], AHEAD[-1], LEFT[0], LEFT[-1]) == (-0.5, 1.5, 0.6, -0.6)
 
 
 def test_ranges_become_numbers_and_nothing_is_nearer_than_what_is_too_near() -> None:

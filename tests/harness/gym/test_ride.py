@@ -118,6 +118,7 @@ def test_a_variation_changes_the_rover_alone_and_only_for_its_episode(flat_with_
     base, terrain = plain.body("rover").id, plain.geom("terrain").id
     weight = plain.body_subtreemass[base]
     assert model.body_subtreemass[base] == pytest.approx(1.2 * weight + 3.0)
+    assert model.body_inertia[base].tolist() == (1.2 * plain.body_inertia[base]).tolist()
     wheel, post = plain.geom("wheel_FL").id, plain.geom("hazard_0").id
     assert model.geom_friction[wheel, 0] == 0.5 * plain.geom_friction[wheel, 0]
     for other in (terrain, post):

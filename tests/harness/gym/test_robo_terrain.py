@@ -122,7 +122,7 @@ def test_the_heading_controller_is_pd_in_simulation_time(
     assert defective._twist(np.array([0.4, 0.5])).angular == pytest.approx(2.0 * 0.5 + 0.1 * 0.5 / 0.5)
 
 
-@pytest.mark.parametrize(("steps", "reward"), [(1, 0.0), (501, -20.0)])
+@pytest.mark.parametrize(("steps", "reward"), [(1, 0.0), (500, 0.0), (501, -20.0)])
 def test_who_flips_ends_and_pays_unless_it_was_early(make: Make, steps: int, reward: float) -> None:
     env = make("RoboTerrain")
     env.reset(seed=0, options=MIDDLE)
