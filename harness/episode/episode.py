@@ -12,7 +12,7 @@ from operator import itemgetter
 import numpy as np
 
 from harness.config import TICKS_PER_CONTROL, EpisodeConfig
-from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, find_driver
+from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, PolicyDriver, find_driver
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import RunFailed
 from harness.frames.options import FrameOptions
@@ -113,8 +113,8 @@ class Episode:
             self._driver.obey(twist)
 
     def head_for(self, place: Place) -> None:
-        """Gives the driver `goal` its next goal; other drivers choose their own."""
-        if isinstance(self._driver, Goal):
+        """Gives the driver `goal`, or a policy, its next goal; other drivers choose their own."""
+        if isinstance(self._driver, Goal | PolicyDriver):
             self._driver.head_for(place.x, place.y, place.yaw)
 
     def reset(self, place: Place | None = None) -> None:
@@ -174,7 +174,7 @@ class Episode:
         scan = self._sensors.latest.get(LaserScan)
         ranges = scan.ranges if isinstance(scan, LaserScan) else None
         touches, time_ns = bool(self._hazard_contact[0]), simulation.time_ns - self._began_ns
-        return Observation(time_ns, x, y, simulation.yaw, ranges, touches_hazard=touches)
+        return Observation(time_ns, x, y, simulation.yaw, ranges, touches, self._sensors.latest)
 
     def _tick(self, index: int) -> Tick:
         self.simulation.command_wheels(self._drive.wheel_speeds())

@@ -19,7 +19,7 @@ from harness.drivers.base import CONTROL_PERIOD
 from harness.errors import Diverged, RunFailed, UsageError, unknown
 from harness.gym.course import Course, draw_variation
 from harness.gym.difficulty import Ladder
-from harness.gym.observation import Observation, Part, clipped
+from harness.gym.observation import Observation, Part, within
 from harness.gym.options import Options, parse_options
 from harness.gym.picture import Painter
 from harness.gym.ride import Ride
@@ -259,7 +259,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         return np.clip(values, space.low, space.high)
 
     def _fresh_observation(self) -> Observation:
-        return clipped(self._seen, self.observation_space)
+        return within(self._seen, self.observation_space)
 
 
 def _checked_options(options: Mapping[str, Any]) -> dict[str, Any]:

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.drivers.point_nav import attitude, latest
 from harness.gym.env import Info
-from harness.gym.observation import Part, attitude, latest, space_of
+from harness.gym.observation import Part, space_of
 from harness.gym.point_nav import PointNavEnv, PointNavOptions
 from harness.gym.ride import Ride
 from harness.samples import Pose

@@ -9,15 +9,14 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from harness.drivers.point_nav import commanded, latest, observed
 from harness.errors import UsageError
 from harness.gym.env import FLIPPED, Info, RoverEnv
 from harness.gym.observation import (
     Part,
     height_part,
     heights_around,
-    latest,
     point_nav_parts,
-    point_nav_values,
     space_of,
 )
 from harness.gym.options import Options
@@ -97,11 +96,10 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
             self.parts = {**self.parts, "heights": height_part()}
         self.observation_space = space_of(self.parts)
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
-        rover = find_rover(self.options.robot)
-        self._scale = rover.top_speed, rover.cruise_yaw_rate  # [m/s], [rad/s] at 1
+        rover = self._rover = find_rover(self.options.robot)
         self.actions = (
-            f"speed; 1 is {self._scale[0]:.3g} m/s, as fast as the wheels of {rover.name} turn",
-            f"yaw rate; 1 is {self._scale[1]:.3g} rad/s to the left for {rover.name}",
+            f"speed; 1 is {rover.top_speed:.3g} m/s, as fast as the wheels of {rover.name} turn",
+            f"yaw rate; 1 is {rover.cruise_yaw_rate:.3g} rad/s to the left for {rover.name}",
         )
         self._weights = asdict(self.options.reward)
 
@@ -112,12 +110,11 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
 
     def _twist(self, action: NDArray[np.float64]) -> Twist:
         before, self._action = self._action, action.tolist()
-        speed, rate = self._action
-        self._jerk = abs(speed - before[0]) + abs(rate - before[1])
-        return Twist(speed * self._scale[0], rate * self._scale[1])
+        self._jerk = sum(abs(now - then) for now, then in zip(self._action, before, strict=True))
+        return commanded(action, self._rover)
 
     def _observe(self, ride: Ride) -> Mapping[str, object]:
-        values = point_nav_values(ride.readings, self.goal, self._range_max)
+        values = observed(ride.readings, self.goal, self._range_max)
         if self.options.height_scan:
             ground, pose = ride.simulation.scene.world.ground, latest(ride.readings, Pose)
             values["heights"] = heights_around(ground, pose)

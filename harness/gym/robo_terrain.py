@@ -15,9 +15,10 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from harness.drivers.base import CONTROL_PERIOD
+from harness.drivers.point_nav import Point, attitude, latest, visible, way_to
 from harness.errors import UsageError
 from harness.gym.env import Info, RoverEnv
-from harness.gym.observation import Part, Point, attitude, latest, space_of, visible, way_to
+from harness.gym.observation import Part, space_of
 from harness.gym.options import Options, Range
 from harness.gym.ride import Ride
 from harness.samples import Imu, LaserScan, Odometry, Pose, Twist

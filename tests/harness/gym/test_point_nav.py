@@ -1,8 +1,14 @@
 import math
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from harness.config import EpisodeConfig
+from harness.drivers import sensed_by
+from harness.drivers.policy import BESIDE_LIDAR, Policy, write_policy
+from harness.episode.episode import Episode
 from tests.harness.gym.conftest import Make
 
 ACTIONS = np.random.default_rng(3).uniform(-1.0, 1.0, (25, 2)).astype(np.float32)
@@ -88,3 +94,41 @@ def test_episodes_end_as_the_table_says(make: Make, monkeypatch: pytest.MonkeyPa
     _, _, terminated, truncated, info = env.step(still)
     assert (terminated, truncated, info["ending"], info["hazard_s"]) == (True, False, "hazard", 0.1)
     assert info["reward_terms"]["hazard"] == pytest.approx(-0.5)
+
+
+@pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
+def test_a_policy_drives_the_same_path_in_the_environment_and_as_driver(
+    make: Make, small: dict[str, Any], tmp_path: Path, robot: str
+) -> None:
+    rng, size = np.random.default_rng(1), BESIDE_LIDAR + small["lidar_beams"]
+    layers = tuple(
+        (
+            rng.normal(0.0, 0.2, shape).astype(np.float32),
+            rng.normal(0.0, 0.3, shape[1]).astype(np.float32),
+        )
+        for shape in ((size, 6), (6, 2))
+    )
+    path, policy, goal, seed = tmp_path / "small.npz", Policy(layers), (2.0, 1.0), 4
+    write_policy(path, policy)
+    env = make(robot=robot, noise="hardware", random_start=False)
+    seen, _ = env.reset(seed=seed, options={"goal": goal})
+    driven = [env._ride.simulation.data.qpos.tolist()]
+    for _ in range(15):
+        seen, *_ = env.step(policy.act(seen))
+        driven.append(env._ride.simulation.data.qpos.tolist())
+    config = EpisodeConfig(
+        terrain=small["terrain"],
+        terrain_size=(small["terrain_size"],) * 2,
+        robot=robot,
+        seed=seed,
+        duration=0.05 * 16,
+        noise="hardware",
+        lidar_beams=small["lidar_beams"],
+        driver=f"policy:{path}",
+        goals=((0.0, *goal, 0.0),),
+    )
+    episode = Episode(config)
+    assert [episode.simulation.data.qpos.tolist() for _ in episode.batches()] == driven
+    assert math.dist(driven[0][:2], driven[-1][:2]) > 0.02  # it does not just stand
+    plain = Episode(config, samples=sensed_by(config.driver))  # as a run without a log reads them
+    assert [plain.simulation.data.qpos.tolist() for _ in plain.batches()] == driven

@@ -50,5 +50,6 @@ def test_it_writes_into_the_page_and_knows_its_environments(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("code", CODE)
-def test_the_code_of_the_page_runs(code: str) -> None:
+def test_the_code_of_the_page_runs(code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     exec(code, {})  # noqa: S102 - our own
