@@ -57,7 +57,7 @@ EVENTS: dict[str, type[Part]] = {
 
 def _kind(event: Any) -> str | None:  # noqa: ANN401 - anything that stands in a file
     """Which event it is: the mistakes that are told are those of that one alone."""
-    names = event if isinstance(event, dict) else type(event).model_fields
+    names = event if isinstance(event, dict) else getattr(type(event), "model_fields", ())
     return next((name for name in EVENTS if name in names), None)
 
 

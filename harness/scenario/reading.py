@@ -66,9 +66,9 @@ def _load(path: Path) -> Any:  # noqa: ANN401 - whatever a file holds
     except OSError as error:
         raise UsageError(f"cannot read {path}: {error.strerror}") from error
     except MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
+        mark = error.problem_mark
         place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
-        raise UsageError(f"{path}{place}: not valid YAML: {error.problem or error.context}") from error
+        raise UsageError(f"{path}{place}: not valid YAML: {error.problem}") from error
     except (YAMLError, ValueError) as error:
         raise UsageError(f"{path}: not valid YAML: {' '.join(str(error).split())}") from error
 
@@ -115,5 +115,5 @@ def _mistake(error: ErrorDetails, keys: str) -> str:
 
 
 def _short(value: object) -> str:
-    text = json.dumps(value, default=str)
+    text = json.dumps(value)
     return text if len(text) <= 60 else text[:57] + "..."

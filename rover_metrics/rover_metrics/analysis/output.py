@@ -112,10 +112,8 @@ def save_tables(result: Result, folder: Path, *, as_csv: bool, as_latex: bool) -
     Raises:
         OutputError: A file cannot be written.
     """
-    files: list[Path] = []
     with _writing(folder):
-        if as_csv:
-            files += write_csv(result, folder)
+        files = write_csv(result, folder) if as_csv else []
         for sheet in sheets(result) if as_latex else ():
             files.append(folder / f"{sheet.file}.tex")
             files[-1].write_text(latex(sheet), encoding="utf-8")

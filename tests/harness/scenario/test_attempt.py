@@ -5,17 +5,22 @@ import math
 import re
 import signal
 import sys
+import tempfile
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from unittest.mock import Mock
 
+import mujoco
 import numpy as np
 import pytest
 
-from harness.config import RosOptions
+from harness import __version__
+from harness.config import EpisodeConfig, RosOptions
 from harness.episode import direct
 from harness.episode.episode import Episode
-from harness.errors import RunFailed
+from harness.episode.result import RunResult
+from harness.errors import RunFailed, UsageError
 from harness.interrupt import Interrupted, StopRequest
 from harness.scenario.attempt import Attempt, attempt
 from harness.scenario.baseline import write_baselines
@@ -24,6 +29,7 @@ from harness.scenario.judge import Breach
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import SAMPLES, TruthSeries
 from harness.truth.traversal import ContactEvent
+from rover_metrics.core.row import COLUMNS
 from tests.harness.scenario.conftest import MakeCases
 
 USED = "harness.scenario.attempt.run_direct"
@@ -47,6 +53,7 @@ def test_a_run_that_is_as_expected_leaves_nothing(make_cases: MakeCases, tmp_pat
     done = one(make_cases, tmp_path / "out", expect, "goal: {at: [1, 0], radius: 0.6}")
     assert done.passed, done
     assert (done.simulated_s, done.model_hash, done.terrain_hash) == (2.0, "model", "terrain")
+    assert done.recorded is None
     assert not (tmp_path / "out").exists()
 
 
@@ -58,14 +65,17 @@ def test_a_run_that_fails_says_what_touched_what_and_leaves_its_evidence(
     for _ in range(2):  # the second replaces what the first has left
         if (tmp_path / "out").exists():
             (tmp_path / "out/log_of_earlier.csv").touch()
-        done = one(make_cases, tmp_path / "out", "{truth.hazard_contacts: {max: 0}}")
+        expect = "{log.Current Velocity: {min: 0.5}, truth.hazard_contacts: {max: 0}}"
+        done = one(make_cases, tmp_path / "out", expect)
     told = "truth.hazard_contacts: 1 > 0, first at 1.05 s: front left wheel against hazard_3"
     assert done.breaches == (told,)
     page, log, manifest = done.kept
     assert {path.parent for path in done.kept} == {tmp_path / "out"}
     assert sorted(page.parent.iterdir()) == sorted(done.kept)
     assert told.partition(":")[0] in page.read_text()
+    assert log.read_text().splitlines()[0] == ",".join(COLUMNS)
     assert len(log.read_text().splitlines()) == 3
+    assert manifest.name == f"{log.stem}.json"
     outcome = json.loads(manifest.read_text())
     assert outcome["outcome"] == {"status": "failed", "reason": told}
     assert outcome["log"] == str(log)
@@ -76,9 +86,20 @@ def test_a_run_that_ends_early_is_a_failure_and_what_stops_the_command_is_none(
 ) -> None:
     (case,) = make_cases("{truth.hazard_contacts: {max: 1}, run.rows: {min: 2}}")
     run = direct.run_direct
-    failed = "the rover left the map at 1.9 s"
-    monkeypatch.setattr(USED, lambda *a, **k: replace(run(*a, **k), failure=failed))
-    assert attempt(case, tmp_path).breaches == (f"run: {failed}",)
+    failed, scratch = "the rover left the map at 1.9 s", list[Path]()
+
+    def fail(config: EpisodeConfig, options: RosOptions, *rest: Any) -> RunResult:  # noqa: ANN401
+        scratch.append(options.log_dir.parent)
+        return replace(run(config, options, *rest), failure=failed, info=None)
+
+    monkeypatch.setattr(USED, fail)
+    done = attempt(case, tmp_path / "out", scratch=tmp_path)
+    assert done.breaches == (f"run: {failed}",)
+    assert (done.model_hash, done.terrain_hash) == ("", "")
+    assert json.loads(done.kept[2].read_text())["outcome"]["reason"] == failed
+    monkeypatch.setattr("harness.scenario.attempt.keep_evidence", lambda *_: ())
+    attempt(case, tmp_path / "out", scratch=tmp_path / "gone")
+    assert scratch == [tmp_path, Path(tempfile.gettempdir())]
 
     def stop(*_: object, **__: object) -> None:
         raise Interrupted(signal.SIGINT)
@@ -134,7 +155,10 @@ def test_the_contact_of_a_breach_is_that_of_its_time_and_kind(
     assert contact_of(name, Breach("", time_s), EVENTS) == told
 
 
-def test_a_baseline_is_kept_until_something_differs(make_cases: MakeCases, tmp_path: Path) -> None:
+def test_a_baseline_is_kept_until_something_differs(
+    make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("harness.scenario.attempt.keep_evidence", lambda *_: ())
     expect = "{truth.path_length: {over: end, relative: 0.1}}"
     (case,) = make_cases(expect, "same_bytes: true")
     path = tmp_path / "two.baseline.json"
@@ -144,10 +168,23 @@ def test_a_baseline_is_kept_until_something_differs(make_cases: MakeCases, tmp_p
     assert first.passed
     assert first.recorded is not None
     assert write_baselines([(case, first.recorded)]) == [path]
+    with pytest.raises(UsageError, match="cannot write the baseline to "):
+        write_baselines([(replace(case, path=tmp_path / "no/two.scenario.yaml"), first.recorded)])
+    assert path.read_text().endswith("}\n")
     recorded = json.loads(path.read_text())["two[0]"]
+    assert recorded["of"] == {
+        "rover-harness": __version__,
+        "mujoco": mujoco.__version__,
+        "model": "model",
+        "terrain's hash": "terrain",
+        "terrain": "flat",
+        "duration": 2.0,
+    }
     assert recorded["values"] == {"truth.path_length end": 1.0}
     assert len(recorded["log"]) == 4  # the end of the last line is one more
     assert attempt(case, tmp_path).passed
+    elsewhere = replace(case, config=replace(case.config, terrain="elsewhere/flat"))
+    assert attempt(elsewhere, tmp_path).passed
 
     def changed(**values: object) -> Attempt:
         path.write_text(json.dumps({"two[0]": recorded | values}))
@@ -162,15 +199,34 @@ def test_a_baseline_is_kept_until_something_differs(make_cases: MakeCases, tmp_p
     assert told == f"same_bytes: row 2: Distance Traveled is {row[6]}, baseline 9.9"
     (told,) = changed(log=recorded["log"][:2]).breaches
     assert told == "same_bytes: row 2: Timestamp is 2, baseline nothing"
-    for name, value in (("mujoco", "3.9"), ("model", "other"), ("duration", 9.0), ("seed", 3)):
+    (told,) = changed(log=[]).breaches
+    assert told == "same_bytes: row 0:  is Timestamp, baseline nothing"
+    for name, value, now in (
+        *(("mujoco", "3.9", mujoco.__version__), ("model", "other", "model")),
+        *(("duration", 9.0, "2.0"), ("seed", 3, "the default")),
+    ):
         told = str(changed(of=recorded["of"] | {name: value}).error)
-        assert re.match(
-            rf"the baseline is of {name} {value}, this run of .+; .*--update-baseline$", told
-        )
+        words = f"the baseline is of {name} {value}, this run of {now}; "
+        assert re.match(re.escape(words) + ".*--update-baseline$", told)
     path.write_text("[")
     assert str(attempt(case, tmp_path).error).startswith(f"cannot read the baseline {path}: ")
     path.write_text("[]")
     assert str(attempt(case, tmp_path).error).startswith(f"the baseline {path} must hold runs by name")
+
+
+def test_a_run_is_compared_only_for_what_has_a_baseline(
+    make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("harness.scenario.attempt.keep_evidence", lambda *_: ())
+    expect = "{truth.path_length: {over: end, relative: 0.1}, truth.hazard_contacts: {max: 0}}"
+    (case,) = make_cases(expect)
+    assert "there is no baseline of it" in str(attempt(case, tmp_path).error)
+    done = attempt(case, tmp_path, compare=False)
+    assert [told.partition(",")[0] for told in done.breaches] == ["truth.hazard_contacts: 1 > 0"]
+    assert done.recorded is not None
+    assert done.recorded.log == ()
+    (case,) = make_cases("{truth.hazard_contacts: {max: 1}}", "same_bytes: true")
+    assert "there is no baseline of it" in str(attempt(case, tmp_path).error)
 
 
 def test_the_truth_that_is_judged_is_that_of_the_simulator(

@@ -27,7 +27,7 @@ def series(*values: float, unit: str = "m") -> Series:
         (Bound(max=2), (1, 3, 2.5, 4), "q: 4 m > 2 m, first at 2 s"),
         (Bound(min=2), (3, 1, 0.5), "q: 0.5 m < 2 m, first at 2 s"),
         (Bound(min=2, max=4), (3, 5, 1), "q: 1 m < 2 m, first at 3 s"),
-        (Bound(max=2, over="end"), (9, 9, 3), "q: at the end 3 m > 2 m"),
+        (Bound(max=2, over="end"), (9, 9, 3.14159), "q: at the end 3.142 m > 2 m"),
         (Bound(max=2, over="end"), (9, 9, 2), None),
         (Bound(max=2, over="mean", window=(1, 2)), (2, 3, 0), "q: mean 2.5 m > 2 m between 1 and 2 s"),
         (Bound(min=2, over="p95"), (0, 0, 1), "q: 95th percentile 1 m < 2 m"),
@@ -46,7 +46,7 @@ def series(*values: float, unit: str = "m") -> Series:
         (Bound(max=2, window=(7, 8)), (1,), "q: there is no value between 7 and 8 s"),
         (Bound(max=2, over="p95"), (1, *[INF] * 9), "q: 95th percentile inf m > 2 m"),
         (Bound(max=2, over="mean"), (INF, -INF), "q: mean nan m > 2 m"),
-        (Bound(max=1), (1.00001,), "q: 1.00001 m > 1 m, first at 1 s"),
+        (Bound(max=1), (1.00000123,), "q: 1.000001 m > 1 m, first at 1 s"),
     ],
 )
 @pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")
@@ -142,6 +142,7 @@ def test_a_bound_is_broken_just_where_plain_python_says_so(
         ({"relative": 0.1}, 1.05, 1.0, None),
         ({"relative": 0.1}, -2.15, -2.0, None),
         ({"relative": 0.1}, 1.2, 1.0, "q: at the end 1.2 m, baseline 1 m, allowed +- 0.1 m"),
+        ({"relative": 0.1}, 0.8, 1.0, "q: at the end 0.8 m, baseline 1 m, allowed +- 0.1 m"),
         ({"absolute": 0.5}, 1.5, 1.0, None),
         ({"absolute": 0.5}, 1.6, 1.0, "q: at the end 1.6 m, baseline 1 m, allowed +- 0.5 m"),
         ({"absolute": 0.5, "relative": 1.0}, 1.9, 1.0, None),

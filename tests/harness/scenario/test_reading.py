@@ -41,6 +41,9 @@ def read(text: str, folder: Path) -> object:
             HEAD + EXPECT + "seed: '1'\n",
             ':4:1: seed = "1" is not valid: input should be a valid integer',
         ),
+        (HEAD + EXPECT + "seed: 2020-01-01\n", ':4:1: seed = "2020-01-01" is not valid: input should'),
+        (HEAD + EXPECT + f"seed: {'x' * 58}\n", f':4:1: seed = "{"x" * 58}" is not valid: '),
+        (HEAD + EXPECT + f"seed: {'x' * 59}\n", f':4:1: seed = "{"x" * 56}... is not valid: '),
         (HEAD + EXPECT + "seed: 1\nseeds: 2\n", ":4:1: seed: give one of seed and seeds"),
         (HEAD + EXPECT + "seeds: []\n", ":4:1: seeds is empty; give one or more"),
         (HEAD + EXPECT + "start: [1, 2]\n", ":4:1: start has too few values"),
@@ -89,6 +92,10 @@ def read(text: str, folder: Path) -> object:
             ":4:3: expect.truth.speed: limits and a tolerance about the baseline are two bounds",
         ),
         (
+            HEAD + "expect:\n  truth.speed: {max: 0, relative: 0.1, over: end}\n",
+            ":4:3: expect.truth.speed: limits and a tolerance about the baseline are two bounds",
+        ),
+        (
             HEAD + "expect:\n  truth.speed: {absolute: 0.1}\n",
             ":4:3: expect.truth.speed: a baseline holds one value; give over: end, mean, p95",
         ),
@@ -99,6 +106,14 @@ def read(text: str, folder: Path) -> object:
         (
             HEAD + EXPECT + "events:\n- {at: 3}\n",
             ":5:3: events.0: an event needs one of the keys fault, command, reset",
+        ),
+        (
+            HEAD + EXPECT + "events: [3]\n",
+            ":4:10: events.0: an event needs one of the keys fault, command, reset",
+        ),
+        (
+            HEAD + EXPECT + "events:\n- {at: 3, command: [1, 0], reset: true}\n",
+            ":5:28: key 'reset' does not exist",
         ),
         (
             HEAD + EXPECT + "events:\n- {at: 3, fault: scan:nan, four: 2}\n",

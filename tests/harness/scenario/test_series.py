@@ -81,7 +81,7 @@ def test_the_latest_state_and_tilt_hold_until_the_next() -> None:
     watch = TruthSeries(["truth.speed", "truth.tilt_deg"])
     state = TruthState(0, False, False, False, 0.0, 0.5, 0.0, (0.0,) * 4, 0.0)
     watch.take(batch(1))
-    roof, wheels = ((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))  # the larger tilt counts
+    roof, wheels = ((1.0, 1e-5, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))  # the larger tilt counts; it is 180 deg
     watch.take(batch(2, state, *(Pose(0, (0.0,) * 3, attitude) for attitude in (roof, wheels))))
     watch.take(batch(3))
     assert np.array_equal(watch.series()["truth.speed"].values, [0.0, 0.5, 0.5])

@@ -11,13 +11,14 @@ from typing import Any
 import pytest
 from rich.console import Console
 
+from harness import __version__
 from harness.config import EpisodeConfig
 from harness.errors import RunFailed, UsageError
 from harness.interrupt import Interrupted
 from harness.scenario.__main__ import main
 from harness.scenario.attempt import Attempt
 from harness.scenario.case import Case
-from harness.scenario.junit import junit_of
+from harness.scenario.junit import junit_of, properties_of
 from harness.scenario.suite import find_files, plan, run_all
 from harness.scenario.told import tell
 from harness.scenario.verdict import Outcome, exit_code, verdicts_of
@@ -59,6 +60,9 @@ def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
     file = tmp_path / "two.scenario.yaml"
     words = "--seed 7 --only robot=leo --only difficulty=1.0"
     assert cases[3].command == f"python -m harness.scenario {file} {words}"
+    assert cases[3].folder == Path(*tmp_path.parts[1:], "two[leo-1.0-7]")
+    outside = replace(cases[3], path=Path("../two.scenario.yaml"))
+    assert outside.folder == Path("two[leo-1.0-7]")
     assert plan([file], [7], (("robot", "leo"), ("difficulty", "1.0"))) == [cases[3]]
     assert [case.config.seed for case in plan([file], range(3))] == [0, 1, 2] * 4
     with pytest.raises(UsageError, match="no run has robot=mole"):
@@ -177,10 +181,22 @@ def wilson(good: int, count: int) -> tuple[float, float]:
     return max(0.0, middle - half), min(1.0, middle + half)
 
 
-def outcomes(cases: Sequence[Case], letters: str) -> list[Attempt]:
+KEPT = (Path("out/run.html"), Path("out/log.csv"))
+
+
+def outcomes(cases: Sequence[Case], letters: str, **more: float) -> list[Attempt]:
     """Runs that passed, failed or could not be run: p, f, e."""
-    made = {"p": {}, "f": {"breaches": ("truth.speed: 1 < 2", "x: 3 > 2")}, "e": {"error": "no disk"}}
-    return [Attempt(case, **made[letter]) for case, letter in zip(cases, letters, strict=True)]  # type: ignore[arg-type]
+    failed = {"breaches": ("truth.speed: 1 < 2", "x: 3 > 2"), "kept": KEPT, "model_hash": "af"}
+    made = {"p": {"terrain_hash": "be"}, "f": failed, "e": {"error": "no disk"}}
+    return [
+        Attempt(case, **made[letter], **more)  # type: ignore[arg-type]
+        for case, letter in zip(cases, letters, strict=True)
+    ]
+
+
+def properties(element: ET.Element) -> list[tuple[str | None, str | None]]:
+    """Names and values, of a suite's own or a case's own."""
+    return [(each.get("name"), each.get("value")) for each in element.findall("properties/property")]
 
 
 KNOWN = "expected_to_fail: [{reason: it is blind, robot: leo}]"
@@ -215,6 +231,11 @@ def test_runs_become_a_verdict_an_exit_code_and_junit(
     (suite,) = root.findall("testsuite")
     counted = tuple(int(suite.get(name, -1)) for name in ("failures", "errors", "skipped"))
     assert counted == junit
+    low, high = wilson(good, 4)
+    assert properties(suite) == [
+        *(("file", str(cases[0].path)), ("pass rate", f"{good / 4:.3g}")),
+        ("interval", f"{low:.3g} to {high:.3g}"),
+    ]
     assert [case.get("name") for case in suite.findall("testcase")] == [case.name for case in cases]
 
 
@@ -222,7 +243,7 @@ def test_a_bad_run_is_told_with_its_reasons_and_the_command_that_repeats_it(
     make_cases: MakeCases, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cases = make_cases(SPEED, "seeds: 2")
-    verdicts = verdicts_of(outcomes(cases, "pf"))
+    verdicts = verdicts_of(outcomes(cases, "pf", simulated_s=12.0, wall_s=4.0))
     tell(Console(width=40), verdicts)
     again = f"again: {cases[1].command}"
     assert capsys.readouterr().out.splitlines() == [
@@ -231,12 +252,49 @@ def test_a_bad_run_is_told_with_its_reasons_and_the_command_that_repeats_it(
         "    truth.speed: 1 < 2",
         "    x: 3 > 2",
         f"    {again}",
+        "    see:   out/run.html",
+        "0 of 1 scenarios passed: 2 runs, 3x real time a process",
+    ]
+    root = ET.fromstring(junit_of(verdicts))  # noqa: S314 - our own
+    told = {"version": __version__, "simulated_s": "12", "real_time_factor": "3"}
+    for case, element, more in zip(
+        cases,
+        root.iter("testcase"),
+        (
+            {"model_hash": "", "terrain_hash": "be"},
+            {"model_hash": "af", "terrain_hash": "", "kept": "out"},
+        ),
+        strict=True,
+    ):
+        assert dict(properties(element)) == told | {"again": case.command} | more
+    assert properties_of(Attempt(cases[0], simulated_s=2.0))["real_time_factor"] == "0"
+    failure = root.find(".//failure")
+    assert failure is not None
+    assert (failure.get("message"), failure.get("type")) == ("truth.speed: 1 < 2", "failed")
+    assert failure.text == f"truth.speed: 1 < 2\nx: 3 > 2\n{again}"
+
+
+def test_what_is_expected_to_fail_is_told_with_the_reason(
+    make_cases: MakeCases, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cases = make_cases(SPEED, f"seeds: 2\n{KNOWN}")
+    tell(Console(width=40), verdicts_of(outcomes(cases, "fp")))
+    assert capsys.readouterr().out.splitlines() == [
+        "failed two: 1 of 2 runs (95 % interval 9% to 91%)",
+        "  failed as expected two[0]",
+        "    failed as expected: it is blind",
+        "    truth.speed: 1 < 2",
+        "    x: 3 > 2",
+        "    see:   out/run.html",
+        "  passed, but was expected to fail two[1]",
+        "    passed, but was expected to fail: it is blind",
+        f"    again: {cases[1].command}",
         "0 of 1 scenarios passed: 2 runs",
     ]
-    failure = ET.fromstring(junit_of(verdicts)).find(".//failure")  # noqa: S314 - our own
-    assert failure is not None
-    assert failure.get("message") == "truth.speed: 1 < 2"
-    assert failure.text == f"truth.speed: 1 < 2\nx: 3 > 2\n{again}"
+    tell(Console(width=40), verdicts_of(outcomes(make_cases(SPEED), "p")))
+    assert capsys.readouterr().out == "passed two\n1 of 1 scenarios passed: 1 runs\n"
+    tell(Console(width=40), verdicts_of(outcomes(make_cases(SPEED, "seeds: 49"), "p" + 48 * "f")))
+    assert capsys.readouterr().out.startswith("failed two: 1 of 49 runs ")  # 1 / 49 * 49 < 1
 
 
 def test_the_command_runs_a_folder_writes_junit_and_records_baselines(
@@ -252,14 +310,18 @@ def test_the_command_runs_a_folder_writes_junit_and_records_baselines(
     assert [case.tag for case in ET.parse(junit).iter("error")] == ["error"]  # noqa: S314 - our own
     assert main([*words, "--update-baseline"]) == 0
     assert main(words) == 0
+    assert "1 of 1 scenarios passed: 1 runs" in capsys.readouterr().out
     assert main([*words, "--seeds", "2"]) == 2
-    assert [config.seed for config in driven] == [1, 1, 1]
+    assert main([*words, "--seeds", "1", "--update-baseline"]) == 0
+    assert main([*words, "--seed", "5", "--update-baseline"]) == 0
+    assert [config.seed for config in driven] == [1, 1, 1, 0, 5]
     assert not (tmp_path / "out").exists()
     for wrong, told in (
         (["--seeds", "0"], "--seeds 0 is not valid; give 1 or more"),
         (["--only", "leo"], "--only leo: give NAME=VALUE of a matrix, e.g. --only robot=leo"),
+        (["--only", "terrain=a=b"], "no run has terrain=a=b"),
         (["--jobs", "0"], "0 jobs are not valid"),
-        (["--junit", str(tmp_path)], str(tmp_path)),
+        (["--junit", str(tmp_path)], f": --junit {tmp_path} is a folder"),
         (["--html", str(tmp_path / "no" / "a.html")], "create it first"),
     ):
         capsys.readouterr()
@@ -268,3 +330,6 @@ def test_the_command_runs_a_folder_writes_junit_and_records_baselines(
         assert err.startswith("harness.scenario: ")
         assert told in err
         assert err.count("\n") == 1
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert capsys.readouterr().out.startswith("usage: python -m harness.scenario [")

@@ -32,6 +32,7 @@ def test_a_metric_is_named_by_code_or_column_and_counts_once(words: list[str], c
         ("Roughness RMS", "no log has this column; metrics_node writes it with extended_columns:=true"),
         ("slop", "choose from TC, CS, SM, TSR, .*, all, or a column of the logs, such as Slip$"),
         ("xyzzy", "or a column of the logs$"),
+        ("", "or a column of the logs$"),
     ],
 )
 def test_a_word_that_is_neither_is_told_with_what_there_is(word: str, told: str) -> None:

@@ -54,6 +54,7 @@ def test_a_metric_is_read_from_columns_that_every_log_has() -> None:
     [
         ("Peak Jerk [m/s^3]", "Peak Jerk [m/s³]", Kind.LEVEL, "Peak Jerk"),
         ("Slip", "Slip", Kind.LEVEL, "Slip"),
+        ("Jolt [left] [m/s^2]", "Jolt [left] [m/s²]", Kind.LEVEL, "Jolt [left]"),
         ("Collision Events", "Collision Events [1/min]", Kind.COUNTER, "Collision Events"),
         ("my [odd] name", "my [odd] name", Kind.LEVEL, "my [odd] name"),
         ("a\x1b[31m", "a?[31m", Kind.LEVEL, "a?[31m"),

@@ -55,6 +55,10 @@ def test_short_options_are_options_of_their_own_joined_to_their_values_too() -> 
             ["--versus", "b.csv", "--unit", "episode", "--pair-by", "order"],
             "pairs logs; give --unit log",
         ),
+        (
+            ["--versus", "b.csv", "--unit", "episode", "--pair-by", "seed"],
+            "pairs logs; give --unit log",
+        ),
         (["--versus", "b.csv", "--pair-by", "name"], "'seed', 'order', 'none'"),
         (["--versus", "b.csv", "--group-names", "x", "x"], "two different names"),
         (["--confidence-level", "1"], "between 0 and 1"),

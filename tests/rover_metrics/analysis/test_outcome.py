@@ -97,8 +97,16 @@ def test_groups_are_summed_up_and_compared_by_the_means_of_their_logs(study: Stu
     for item, known, p in zip(result.comparisons, plain, adjusted, strict=True):
         assert item.difference == pytest.approx(known.difference)
         assert (item.n, item.p, item.p_holm) == (known.n, known.p, p)
+    (note,) = result.notes  # of 3 and 2 logs each p is 2 / 10 at least, of 3 and 3 logs 2 / 20
+    assert "below 0.5 among 5 metrics, whatever they show: no difference can be told at 0.1." in note
     alone = replace(study, groups=("a",), members=study.members[:3])
     assert analyse(alone).comparisons == ()
+    paired = replace(study, pairs=((0, 2), (1, 0), (2, 1))).compared(METRICS["OC"])
+    of_logs = [log.metrics["OC"].mean for log in result.logs[:-1]]  # the last has none, nor its partner
+    assert [list(means) for means in paired] == [
+        pytest.approx(of_logs[1:3]),
+        pytest.approx(of_logs[3:]),
+    ]
 
 
 def test_an_episode_is_an_observation_on_request(study: Study) -> None:
@@ -132,7 +140,8 @@ def test_pairs_of_metrics_are_correlated_but_not_two_views_of_one_column(study: 
             pairs[item.first, item.second] for pairs in by_log if (item.first, item.second) in pairs
         ]
         assert (item.rho, item.n) == (combine(parts).rho, sum(part.n for part in parts))
-    assert analyse(replace(study, options=Options(study.options.metrics))).correlations == ()
+    plain = analyse(replace(study, options=Options(study.options.metrics)))
+    assert {plain.correlations, *(log.correlations for log in plain.logs)} == {()}
 
 
 def test_of_a_long_log_every_kth_row_is_correlated(

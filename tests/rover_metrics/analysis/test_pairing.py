@@ -31,6 +31,8 @@ def logs(*runs: str) -> list[Log]:
         (("leo rocky 1",), ("leo sand 1",), ((0, 0),)),
         (("leo rocky 1", "leo sand 1"), ("zero sand 1", "zero rocky 1"), ((0, 1), (1, 0))),
         (("leo rocky 1", "leo sand 2"), ("zero sand 1", "zero rocky 2"), ()),
+        (("leo rocky 1", "leo sand 2"), ("zero rocky 1", "zero rocky 2"), ()),
+        (("leo rocky 1", "leo rocky 2"), ("zero rocky 1", "zero sand 2"), ()),
         (("leo rocky 1", "leo rocky 1"), ("zero rocky 1", "zero rocky 1"), ()),
         (("leo rocky 1", "leo rocky 2"), ("zero rocky 1",), ()),
         (("leo rocky 1", "leo rocky 2"), ("zero rocky 1", "zero rocky 3"), ()),

@@ -102,8 +102,9 @@ def test_sections_of_the_node_count_and_the_later_one_wins(file: Path, name: str
 def test_a_bad_file_is_one_line(file: Path, text: str, told: str) -> None:
     file.write_text(text)
     with pytest.raises(ParameterError) as refused:
-        read_parameters(file)
+        read_values(file)
     assert told in str(refused.value)
+    assert str(file) in str(refused.value)
     assert "\n" not in str(refused.value)
 
 

@@ -47,6 +47,8 @@ def test_rows_wait_while_the_disk_is_full_and_are_written_in_order_when_it_is_no
     told = Told()
     log = buffered(tmp_path, told)
     log.write(row(0))
+    with BufferedLog(tmp_path, STARTED, told.append, columns=("a", "b")) as other:
+        assert other.path.read_bytes() == b"a,b\r\n"
     with full_disk(log.path.stat().st_size + 5):
         for second in range(1, 6):
             log.write(row(second))

@@ -80,9 +80,9 @@ def test_a_contradiction_is_told_whatever_is_asked_for_and_by_the_records_thresh
 
 
 def smoothness(seconds: int, window: int | None, spread: float = 3.0) -> list[str]:
-    """A node's two columns: 20 samples a second, four decimals, a mean over so many of them."""
-    samples = np.random.default_rng(0).normal(11.0, spread, 20 * seconds)
-    ends = range(20, samples.size + 1, 20)
+    """A node's two columns: 19 or 21 samples a second, four decimals, a mean over so many of them."""
+    samples = np.random.default_rng(0).normal(11.0, spread, 20 * seconds + 1)
+    ends = [20 * second + second % 2 for second in range(1, seconds + 1)]
     means = [samples[max(0, end - window) if window else 0 : end].mean() for end in ends]
     rows = pd.DataFrame(
         {

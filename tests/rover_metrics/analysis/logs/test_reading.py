@@ -1,3 +1,4 @@
+import io
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 
 from rover_metrics.analysis.logs.header import UnreadableLog
+from rover_metrics.analysis.logs.parsing import _Narrow
 from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.analysis.metric import METRIC_COLUMNS, METRICS, other_metric
 from rover_metrics.core.row import COLUMNS
@@ -33,8 +35,13 @@ def test_a_good_log_has_all_columns_and_nothing_odd(write_log: WriteLog) -> None
     assert log.columns["Distance Traveled"][-1] == 14.5
 
 
-def test_only_the_columns_asked_for_and_the_counters_are_kept(write_log: WriteLog) -> None:
-    log = read_log(write_log(), [METRICS["CV"]])
+def test_only_the_columns_asked_for_and_the_counters_are_kept(write_log: WriteLog, row: Row) -> None:
+    changed = [row(1, Distance_Traveled="far"), row(2, Total_Collisions="inf", Obstacle_Clearance="?")]
+    log = read_log(write_log(lines=[row(0), *changed, row(3)]), [METRICS["CV"]])
+    assert log.findings == (
+        "1 cell without a number in Distance Traveled (line 3, 'far'): left out",
+        "1 infinite value in Total Collisions (line 4): left out",
+    )
     counters = {"Total Collisions", "Smoothness Metric", "Distance Traveled"}
     assert set(log.columns) == {*counters, "Current Velocity"}
     assert {column.dtype for column in log.columns.values()} == {np.dtype(np.float64)}
@@ -120,7 +127,9 @@ def test_a_last_line_without_a_line_end_counts_if_it_is_whole(write_log: WriteLo
     "note", ["", '"Low clearance, rough"', '"a, b, c, d"', '"Low clearance, ro', 'odd "quote']
 )
 def test_a_note_may_be_empty_or_hold_commas_and_quotes(write_log: WriteLog, row: Row, note: str) -> None:
-    log = read_log(write_log(lines=[row(0), row(1, Notes=note), row(2)]))
+    path = write_log(lines=[row(0), row(1, Notes=note), row(2, Notes="Latin-1: \xe4")])
+    path.write_bytes(path.read_text().encode("latin-1"))
+    log = read_log(path)
     assert len(log) == 3
     assert log.findings == ()
 
@@ -249,6 +258,11 @@ def test_pandas_does_not_warn_of_what_is_told_as_a_finding(write_log: WriteLog, 
         "1 row with more fields than the header, so which is which is unclear (line 2): left out",
         "1 cell without a number in Current Velocity (line 70002, 'fast'): left out",
     )
+
+
+def test_pandas_is_given_whole_lines_of_about_as_much_as_it_asks_for() -> None:
+    text = _Narrow(io.StringIO("a,b\nc,d,e\nf\n"), 2)
+    assert [text.read(1), text.read(None), text.read(1)] == ["a,b\n", "c,d\nf\n", ""]
 
 
 def test_without_notes_a_row_is_short_if_its_last_column_is_missing(tmp_path: Path) -> None:

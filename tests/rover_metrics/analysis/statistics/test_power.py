@@ -29,6 +29,7 @@ def test_it_is_told_whether_any_p_can_pass_after_holms_correction() -> None:
     (alone,) = told(3, 1)
     assert "below 0.1, whatever they show" in alone
     assert alone.endswith("It takes 4 logs in each group.")
+    assert "(Holm) below 1 among 4" in told(2, 4)[0]  # not 4 x 2 / 6
 
 
 @pytest.mark.parametrize("metrics", [1, 2, 11])
@@ -43,7 +44,8 @@ def test_as_many_as_it_takes_are_enough_and_one_less_is_not(metrics: int) -> Non
 def test_metrics_of_fewer_logs_are_named_and_without_any_test_nothing_else_is_said() -> None:
     few = compare("OC", np.arange(3.0), np.arange(3.0), 0.95)
     many = compare("CV", np.arange(9.0), np.arange(9.0), 0.95)
-    assert list(describe_power([few, many], "log", 0.05)) == [
+    alone = compare("VR", np.arange(1.0), np.arange(9.0), 0.95)  # no test, so nothing is said of it
+    assert list(describe_power([few, many, alone], "log", 0.05)) == [
         "So few logs cannot give a p below 0.05 for OC."
     ]
     assert told(1, 2) == ["No test: it needs two logs or more in each group."]
