@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from harness.drivers import point_nav
 from harness.drivers.base import DriverContext, Observation
 from harness.errors import UsageError, find_named
+from harness.robots import RoverSpec
 from harness.samples import Sample, Twist
 
 PREFIX = "policy:"  # of the driver's name, before the file's
@@ -59,6 +60,21 @@ class Policy:
                 values = ACTIVATIONS[self.activation](values)
             values = values @ weights + bias
         return point_nav.clipped(values, -1.0, 1.0)
+
+    def command(
+        self, readings: Mapping[type[Sample], Sample], goal: point_nav.Point, rover: RoverSpec
+    ) -> Twist:
+        """Returns the command for what was read.
+
+        Args:
+            readings: The last of each of point_nav.SENSED.
+            goal: In the world [m].
+            rover: Whose largest speeds an action is a share of.
+        """
+        values = point_nav.observed(readings, goal, RANGE_MAX)
+        ends = point_nav.limits(RANGE_MAX)
+        arrays = {name: point_nav.clipped(values[name], *ends[name]) for name in ends}
+        return point_nav.commanded(self.act(arrays).astype(np.float64), rover)
 
 
 def write_policy(path: Path, policy: Policy) -> None:
@@ -135,7 +151,6 @@ class PolicyDriver:
                 f"give --lidar-beams {self._policy.beams}"
             )
         self._goal: tuple[float, float] | None = None
-        self._limits = point_nav.limits(RANGE_MAX)
 
     def head_for(self, x: float, y: float, _yaw: float) -> None:
         """Takes the next goal.
@@ -149,12 +164,9 @@ class PolicyDriver:
 
     def command(self, observation: Observation) -> Twist:
         """Returns the policy's command."""
-        readings: Mapping[type[Sample], Sample] = observation.readings
-        if self._goal is None or not readings.keys() >= point_nav.SENSED:
+        if self._goal is None or not observation.readings.keys() >= point_nav.SENSED:
             return Twist()
-        values = point_nav.observed(readings, self._goal, RANGE_MAX)
-        arrays = {name: point_nav.clipped(values[name], *ends) for name, ends in self._limits.items()}
-        return point_nav.commanded(self._policy.act(arrays).astype(np.float64), self._rover)
+        return self._policy.command(observation.readings, self._goal, self._rover)
 
 
 @lru_cache(maxsize=4)

@@ -7,6 +7,7 @@
 docs/gym.md has a section for each: spaces, reward, endings, options.
 """
 
+import sys
 from functools import partial
 
 from harness.errors import UsageError
@@ -14,7 +15,11 @@ from harness.errors import UsageError
 try:
     import gymnasium
 except ImportError as error:
-    raise UsageError("harness.gym needs Gymnasium; pip install 'rover-harness[gym]'") from error
+    _MEND = "harness.gym needs Gymnasium; pip install 'rover-harness[gym]'"
+    if sys.argv[:1] == ["-m"]:  # a program of this package, which is not loaded yet to tell it
+        print(_MEND, file=sys.stderr)
+        sys.exit(UsageError.exit_code)
+    raise UsageError(_MEND) from error
 
 from harness.gym.goal_env import PointNavGoalEnv
 from harness.gym.options import Curriculum, Randomisation

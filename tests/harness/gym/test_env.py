@@ -83,10 +83,16 @@ def test_success_makes_the_next_worlds_harder_until_a_seed_begins_anew(make: Mak
     assert env._ladder.highest == 0.0
 
 
-def test_without_gymnasium_the_mend_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_gymnasium_the_mend_is_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.setitem(sys.modules, "gymnasium", None)
     with pytest.raises(UsageError, match=re.escape("pip install 'rover-harness[gym]'")):
         importlib.reload(harness.gym)
+    monkeypatch.setattr(sys, "argv", ["-m"])  # as python -m has it while it loads the package
+    with pytest.raises(SystemExit, match="2"):
+        importlib.reload(harness.gym)
+    assert capsys.readouterr().err.count("\n") == 1
 
 
 def test_start_and_goal_can_be_given(make: Make) -> None:
