@@ -51,6 +51,8 @@ Written by `python -m benchmarks --write` and `make soak`: change benchmarks/rea
   environments of a vector all stand in the same world and do the same, so that their physics costs what
   that of one does. A step is 50 ms with 640 beams, IMU and odometry.
 - The targets are those of this project's design, for 2 cores.
+- *Scenarios*: a run counts from the making of its world to its verdict. One whose expectations are of
+  the truth alone takes no log, and no scans but the driver's. Processes start within their own row.
 - *The soak* passes or fails; its speeds are a by-product. A lost message is one that the callbacks of
   some metrics node did not handle. "Bytes as without ROS": the log of each node against the one that
   `--direct` writes for the same drive with the same faults, on an undisturbed machine.

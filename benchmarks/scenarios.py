@@ -41,8 +41,6 @@ def measure(effort: Effort) -> Table:
                 *(len(suite), jobs, ">= 100"),
             ),
         )
-        for way in ways[1:3]:
-            way.run()  # what is compiled or read once is no part of a run
         rounds = Rounds({way.name: way.run for way in ways}, effort.rounds)
     return Table(
         title=f"Scenarios of {seconds:g} simulated seconds, leo wanders on rocky",

@@ -3,13 +3,18 @@
 import gc
 import shutil
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 from harness.ros.network import reserved_domain
+from tests.support.browser import CHROMIUM, FLAGS
 from tests.support.forking import ForkedSimulations
 from tests.support.surroundings import receive_signals, settle_environment
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 ROS_LOG = settle_environment()  # before any test imports rclpy
 receive_signals()
@@ -43,3 +48,15 @@ def ros_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     with reserved_domain() as domain:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
         yield domain
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator["Browser"]:
+    """A headless Chromium."""
+    sync_api = pytest.importorskip(
+        "playwright.sync_api", reason="needs playwright: pip install -e '.[dev]'"
+    )
+    with sync_api.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield browser
+        browser.close()

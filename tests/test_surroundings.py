@@ -17,7 +17,7 @@ PART = (
     "harness/episode/test_manifest.py",
     "harness/test_run.py::test_direct_run_writes_csv_and_manifest",
     "rover_metrics/log/test_csv_log.py",
-    "rover_metrics/test_metrics_program.py::test_a_signal_ends_the_program_cleanly_and_marks_the_end[2]",
+    "rover_metrics/test_metrics_program.py::test_a_signal_ends_the_program_cleanly_and_marks_the_end",
     "rover_metrics/log/test_session_record.py",
 )
 IGNORING = """trap '' HUP INT QUIT TERM PIPE; umask 077; exec "$@" """

@@ -36,7 +36,7 @@ class Commands:
 
     Args:
         node: Subscribes.
-        kind: "twist", "stamped" or "auto".
+        kind: "twist", "stamped" or "auto"; "auto_twist" begins with Twist in every distribution.
         frames: In which a TwistStamped may be, without a namespace; in none it is in the rover's own.
         take: Is given each command.
 
@@ -55,11 +55,12 @@ class Commands:
         self._node, self._frames, self._take = node, frames, take
         self.topic: str = node.resolve_topic_name("cmd_vel")
         self.count, self.told_ns = CommandCount(), 0
-        self._is_auto, self._has_complained = kind == "auto", False
+        self._is_auto, self._has_complained = kind.startswith("auto"), False
         self._heard: dict[str, Any] = {}
         self._recording: Recording | None = None
         self._recorders: dict[str, Callable[[Any], object]] = {}
-        first, second = ("stamped", "twist") if STAMPED_BY_DEFAULT else ("twist", "stamped")
+        stamped_first = STAMPED_BY_DEFAULT and kind == "auto"
+        first, second = ("stamped", "twist") if stamped_first else ("twist", "stamped")
         self._wanted = first if self._is_auto else kind
         self._hear(self._wanted)
         if self._is_auto:

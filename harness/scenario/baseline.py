@@ -52,6 +52,8 @@ def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded
     defaults, config = asdict(EpisodeConfig()), asdict(case.config)
     config["terrain"] = Path(case.config.terrain).name  # the file's place may change
     arguments = {k: value for k, value in config.items() if value != defaults[k]}
+    if case.params:
+        arguments["params"] = case.params
     versions = {"rover-harness": __version__, "mujoco": mujoco.__version__}
     info = result.info
     hashes = {"model": info.model_hash, "terrain's hash": info.terrain_hash} if info else {}

@@ -2,7 +2,7 @@
 
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,8 @@ from harness.drivers import takes_goals
 from harness.errors import UsageError
 from harness.scenario.events import CommandEvent, FaultEvent, ResetEvent
 from harness.scenario.spec import ExpectedFailure, Scenario
+from rover_metrics.errors import ParameterError
+from rover_metrics.extended.parameter_file import read_values
 
 # Left to EpisodeConfig where they are left out.
 _PASSED_ON = (
@@ -31,18 +33,20 @@ class Case:
         scenario: What it says.
         cell: The values of its matrix that this run has, by name.
         config: The run.
+        params: Parameters of the metrics that are not the defaults, by name.
     """
 
     path: Path
     scenario: Scenario
     cell: Cell
     config: EpisodeConfig
+    params: dict[str, Any] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
         """Returns e.g. "kerb[leo-rocky-3]": the scenario, the values of its matrix, the seed."""
-        values = [*_texts(self.cell), str(self.config.seed)]
-        return f"{scenario_name(self.path)}[{'-'.join(values)}]"
+        values = [Path(str(value)).name for _, value in self.cell]
+        return f"{scenario_name(self.path)}[{'-'.join([*values, str(self.config.seed)])}]"
 
     @property
     def command(self) -> str:
@@ -69,11 +73,7 @@ class Case:
 
 def cell_name(cell: Cell) -> str:
     """Returns what the runs of a cell have in common, e.g. "leo, gravel, 0.5"."""
-    return ", ".join(_texts(cell))
-
-
-def _texts(cell: Cell) -> list[str]:
-    return [Path(str(value)).name for _, value in cell]
+    return ", ".join(f"no {name}" if value is None else Path(str(value)).name for name, value in cell)
 
 
 def scenario_name(path: Path) -> str:
@@ -96,8 +96,9 @@ def cases_of(path: Path, scenario: Scenario, seeds: Sequence[int] | None = None)
     cells = [tuple(zip(lists, values, strict=True)) for values in product(*lists.values())]
     try:
         cases = [
-            Case(path, scenario, cell, _config(path, scenario, dict(cell), seed))
+            Case(path, scenario, cell, _config(path, scenario, dict(cell), seed), params)
             for cell in cells
+            for params in [_params(path, dict(cell).get("params", scenario.params))]
             for seed in (seeds or scenario.all_seeds)
         ]
         for case in cases:
@@ -107,13 +108,25 @@ def cases_of(path: Path, scenario: Scenario, seeds: Sequence[int] | None = None)
     return cases
 
 
+def _beside(path: Path, name: str) -> Path:
+    """A file beside the scenario, if there is such a one, or what is called so otherwise."""
+    there = path.parent / name
+    return there if there.is_file() else Path(name)
+
+
+def _params(path: Path, name: str | None) -> dict[str, Any]:
+    try:
+        return {} if name is None else read_values(_beside(path, name))
+    except ParameterError as error:
+        raise UsageError(f"params: {error}") from error
+
+
 def _config(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> EpisodeConfig:
     values = {name: getattr(scenario, name) for name in ("robot", "terrain", "driver", "duration")}
     given = {name: getattr(scenario, name) for name in _PASSED_ON}
     values |= {name: value for name, value in given.items() if value is not None} | cell
-    beside = path.parent / values["terrain"]
-    if beside.is_file():
-        values["terrain"] = str(beside)
+    values["terrain"] = str(_beside(path, values["terrain"]))
+    values.pop("params", None)
     events, goal = scenario.events, scenario.goal
     return EpisodeConfig(
         **values,

@@ -15,6 +15,7 @@ import numpy as np
 from harness.scenario.attempt import Attempt
 from harness.scenario.bound import Bound
 from harness.scenario.case import Case, cell_name
+from harness.scenario.topic import COUNT, topic_quantity
 from harness.scenario.verdict import CONFIDENCE, Verdict, outcome_of, wilson
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind
@@ -112,6 +113,9 @@ def comparisons_of(verdict: Verdict) -> Comparisons:
 
 def title_of(name: str, bound: Bound) -> str:
     """Returns what the values of a bound are called."""
+    quantity = topic_quantity(name)
+    if quantity is not None and quantity.what == COUNT:
+        return f"{name}{_window(bound)}"
     words = {
         "end": "at the end",
         "mean": "mean",
@@ -124,8 +128,11 @@ def title_of(name: str, bound: Bound) -> str:
         what = "nearest to a limit"
     else:
         what = "highest" if bound.min is None else "lowest"
-    window = "" if bound.window is None else f", {bound.window[0]:g} to {bound.window[1]:g} s"
-    return f"{bound.label(name)}, {what}{window}"
+    return f"{bound.label(name)}, {what}{_window(bound)}"
+
+
+def _window(bound: Bound) -> str:
+    return "" if bound.window is None else f", {bound.window[0]:g} to {bound.window[1]:g} s"
 
 
 def _cells(attempts: Sequence[Attempt]) -> Iterator[Cell]:

@@ -1,6 +1,6 @@
 """Listens to the topics that a scenario expects something of, as soon as somebody publishes them."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from typing import Any
@@ -30,7 +30,8 @@ class Hearing:
 
     Args:
         bridge: Subscribes.
-        wanted: What is expected of each topic; of one that is only the input of a latency nothing.
+        wanted: What is expected of each topic.
+        inputs: Topics from whose stamps latencies count.
         now: Tells simulation time since the start, and that of the listeners' clock [ns].
         record: Returns what records the messages of a topic that the bridge does not publish itself.
 
@@ -42,11 +43,14 @@ class Hearing:
         self,
         bridge: Bridge,
         wanted: Mapping[str, Sequence[TopicQuantity]],
+        inputs: Collection[str],
+        *,
         now: Callable[[], tuple[int, int]],
         record: Record,
     ) -> None:
         self._bridge, self._now, self._record = bridge, now, record
-        self._wanted, self._missing = wanted, set(wanted)
+        self._wanted, self._inputs = wanted, inputs
+        self._missing = {*wanted, *inputs}
         self._problem: str | None = None
         self.heard: dict[str, Arrivals] = {}
 
@@ -74,16 +78,16 @@ class Hearing:
         return len(self._missing) < before
 
     def _listen(self, topic: str, publishers: Sequence[Any]) -> None:
-        name, wanted = publishers[0].topic_type, self._wanted[topic]
+        name, wanted = publishers[0].topic_type, self._wanted.get(topic, ())
         kind = message_class(name)
         if kind is None:
             raise UsageError(f"{topic} is of the type {name}, which is not installed for this harness")
         for quantity in wanted:
             if problem := check_messages(quantity, name):
                 raise UsageError(problem)
-        arrivals = Arrivals(sorted({q.path for q in wanted if q.path is not None}))
-        # Their content counts only where something is expected of it, or their stamps are an input's.
-        is_read = not wanted or any(q.path is not None or q.what == AGE for q in wanted)
+        arrivals = Arrivals(sorted({q.path for q in wanted if q.path}))
+        # Their content counts only where something is expected of it, or of their stamps.
+        is_read = topic in self._inputs or any(q.path or q.what == AGE for q in wanted)
         is_made = not hasattr(kind, "get_fields_and_field_types")  # for bytes alone
         record: list[Callable[[Any], object]] = []
         take = partial(self._take, arrivals, record, name if is_read and is_made else None)

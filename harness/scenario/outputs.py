@@ -47,7 +47,7 @@ def print_tables(console: Console, verdicts: Sequence[Verdict]) -> None:
     """Prints the cells of every scenario that has several runs."""
     several = [comparisons_of(verdict) for verdict in verdicts if len(verdict.attempts) > 1]
     for compared in several:
-        for table in printable(compared):
+        for table in printable(compared, console.width):
             console.print(table)
     if several:
         console.print(HOW, style="dim", highlight=False)

@@ -90,5 +90,5 @@ def _identity(cases: Sequence[Case], *, compare: bool) -> str:
         if path.is_file():
             digest.update(path.read_bytes())
     for case in cases:
-        digest.update(repr(case.config).encode())
+        digest.update(repr((case.config, case.params)).encode())
     return digest.hexdigest()

@@ -83,6 +83,7 @@ class Matrix(Part):
     difficulty: tuple[float, ...] = ()
     driver: tuple[str, ...] = ()
     noise: tuple[str | None, ...] = ()
+    params: tuple[Text | None, ...] = ()
 
 
 class Scenario(Part):
@@ -97,6 +98,7 @@ class Scenario(Part):
         matrix: Instead of single values of those, lists.
         seed: Of the run; `seeds` is a number of seeds from 0 on, or a list.
         noise: Errors of the sensors; none if left out.
+        params: Parameter file of the metrics that judge the log; the defaults if left out.
         goal: Where the rover is to arrive; the driver `goal` is told. See the quantity truth.goal_s.
         launch: Commands whose nodes hear the rover over ROS and are waited for.
         events: What happens on the way.
@@ -119,6 +121,7 @@ class Scenario(Part):
     seed: Seed = 0
     seeds: Seeds | None = None
     noise: str | None = None
+    params: Text | None = None
     lidar_beams: int | None = None
     imu_rate: int | None = None
     goal: Goal | None = None

@@ -4,6 +4,7 @@ import csv
 import json
 from collections.abc import Iterator, Sequence
 from io import StringIO
+from itertools import compress
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
@@ -17,7 +18,7 @@ from harness.scenario.case import scenario_name
 from harness.scenario.comparison import Cell, Compared, Comparisons, Row
 from harness.scenario.spec import Matrix
 from harness.scenario.verdict import outcome_of, reasons_of
-from rover_metrics.analysis.tables.sheets import interval_text, number, probability
+from rover_metrics.analysis.tables.sheets import NONE, interval_text, number, probability
 from rover_metrics.log.csv_log import harmless
 from rover_metrics.log.files import json_safe
 
@@ -30,8 +31,8 @@ HOW = (
     "U, where both cells drove in the same worlds exact sign flips or Wilcoxon, run by run; "
     "Holm: adjusted for all comparisons of the scenario."
 )
+SPARE, WIDE = ("difference", "delta"), 100  # what terminals with fewer columns leave out
 PASSED = "passed"
-NONE = "-"
 
 
 def passed_texts(compared: Comparisons) -> Texts:
@@ -67,12 +68,16 @@ def _texts(row: Row) -> tuple[str, ...]:
     )
 
 
-def printable(compared: Comparisons) -> Iterator[Table | Text]:
-    """Yields the tables of a scenario for a terminal."""
+def printable(compared: Comparisons, width: int) -> Iterator[Table]:
+    """Yields the tables of a scenario for a terminal of so many columns; a narrow one is shown less."""
     name = scenario_name(compared.verdict.path)
     yield _table(f"{name}: {PASSED}", passed_texts(compared))
     for quantity in compared.quantities:
-        yield _table(f"{name}: {quantity.heading}", quantity_texts(quantity))
+        texts = quantity_texts(quantity)
+        if width < WIDE:
+            shown = [head not in SPARE for head in HEAD]
+            texts = [tuple(compress(row, shown)) for row in texts]
+        yield _table(f"{name}: {quantity.heading}", texts)
 
 
 def _table(title: str, texts: Texts) -> Table:
@@ -100,11 +105,12 @@ def json_of(several: Sequence[Comparisons]) -> str:
 
 
 def _records(compared: Comparisons) -> Iterator[dict[str, Any]]:
-    name = scenario_name(compared.verdict.path)
+    path = compared.verdict.path
+    scenario = {"scenario": scenario_name(path), "file": str(path)}
     for cell in compared.cells:
         low, high = cell.interval
         yield {
-            "scenario": name,
+            **scenario,
             **_values(cell.values),
             "quantity": PASSED,
             "unit": "",
@@ -115,8 +121,8 @@ def _records(compared: Comparisons) -> Iterator[dict[str, Any]]:
         }
     for quantity in compared.quantities:
         for row in quantity.rows:
-            about = {"scenario": name, **_values(row.cell.values), "quantity": quantity.title}
-            yield about | {"unit": quantity.unit, **_numbers(quantity, row)}
+            about = {"quantity": quantity.title, "unit": quantity.unit}
+            yield scenario | _values(row.cell.values) | about | _numbers(quantity, row)
 
 
 def _numbers(quantity: Compared, row: Row) -> dict[str, Any]:
@@ -128,7 +134,7 @@ def _numbers(quantity: Compared, row: Row) -> dict[str, Any]:
     low, high = (difference and difference.interval) or (None, None)
     own = ("difference", "hedges_g", "cliffs_delta", "test", "paired", "p", "p_holm")
     compared = {name: getattr(difference, name) if difference else None for name in own}
-    return numbers | {"difference": None, "difference_low": low, "difference_high": high} | compared
+    return numbers | compared | {"difference_low": low, "difference_high": high}
 
 
 def _values(values: Values) -> dict[str, Any]:

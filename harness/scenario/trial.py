@@ -63,7 +63,7 @@ class ScenarioTrial(Trial):
         UsageError: There is no baseline of it.
     """
 
-    CMD_VEL = "auto"
+    CMD_VEL = "auto_twist"  # hosted nodes send Twist, as to every trial; others what they like
 
     def __init__(
         self,
@@ -185,13 +185,11 @@ class ScenarioTrial(Trial):
 
     def _start(self, at_end: ExitStack) -> None:
         super()._start(at_end)
-        self._await_nodes()
         self._bridge.get_logger().set_level(LoggingSeverity.WARN)  # one of many runs
-        commands = self._bridge.commands
-        spin_until(self._executor, commands.look_around, DISCOVERY_PATIENCE)
-        self._hearing = Hearing(self._bridge, self._wanted(), self._now, self._recording.hear)
-        self._hearing.look_around()
-        self._renew()
+        inputs = {bound.of for _, bound in self.case.scenario.bounds if bound.of is not None}
+        hear, wanted = self._recording.hear, self._wanted()
+        self._hearing = Hearing(self._bridge, wanted, inputs, now=self._now, record=hear)
+        self._await_nodes()
         if not self._subjects:  # what is published here is heard when somebody has answered after it
             self.host(lambda: rclpy.create_node("scenario", enable_rosout=False))
         mode = f"ROS 2, lock-step with {', '.join(subject.name for subject in self._subjects)}"
@@ -213,7 +211,7 @@ class ScenarioTrial(Trial):
             absent = [name for name in named if name not in self._nodes()]
             return absent + ["a node"] * (others - len(unnamed()))
 
-        self._await(lambda: not missing() or any(process.has_ended for process in self._processes))
+        self._await(lambda: not missing())
         if missing():
             running = ", ".join(sorted(self._nodes())) or "none"
             patience = f"{missing()[0]} has not turned up within {START_PATIENCE:g} s"
@@ -221,15 +219,22 @@ class ScenarioTrial(Trial):
         for name in (*named, *unnamed()[:others]):
             self._keep_in_step(name)
 
+    def _keep_in_step(self, name: str, node: object = None) -> None:
+        """Hears what a node publishes from its first message on; see Trial."""
+        super()._keep_in_step(name, node)
+        commands = self._bridge.commands
+        before = commands.heard
+        spin_until(self._executor, commands.look_around, DISCOVERY_PATIENCE)
+        if self._hearing.look_around() or commands.heard != before:
+            self._renew()
+
     def _wanted(self) -> dict[str, list[TopicQuantity]]:
-        """What is expected of each topic; the inputs of latencies are heard too."""
+        """What is expected of each topic."""
         wanted: dict[str, list[TopicQuantity]] = {}
-        for name, bound in self.case.scenario.bounds:
+        for name in self.case.scenario.expect:
             quantity = topic_quantity(name)
             if quantity is not None:
                 wanted.setdefault(quantity.topic, []).append(quantity)
-            if bound.of is not None:
-                wanted.setdefault(bound.of, [])
         return wanted
 
     def _now(self) -> tuple[int, int]:

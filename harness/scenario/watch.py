@@ -82,12 +82,13 @@ class Watch:
 
     @property
     def settings(self) -> Settings:
-        """What the log is to hold: the extended columns where one is expected of."""
+        """What the log is to hold: the extended columns where one is expected of, by the parameters."""
         columns = [name.removeprefix(LOG) for name in self._case.scenario.expect if name.startswith(LOG)]
-        if set(columns) <= set(COLUMNS):
-            return Settings()
-        rover = find_rover(self._case.config.robot)
-        return Settings(extended_columns=True, extended=extended_settings(rover))
+        settings = Settings()
+        if not set(columns) <= set(COLUMNS):
+            rover = find_rover(self._case.config.robot)
+            settings = Settings(extended_columns=True, extended=extended_settings(rover))
+        return settings.updated(self._case.params)
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""

@@ -70,11 +70,6 @@ class Process:
         if not there:
             raise UsageError(f"there is no program '{name}' to launch ({self._command})")
 
-    @property
-    def has_ended(self) -> bool:
-        """Whether it runs no more."""
-        return self._process.poll() is not None
-
     def check(self, when: str = "") -> None:
         """Makes sure that it still runs.
 

@@ -38,22 +38,36 @@ class Subject(RemoteNode):
         check: Callable[[], None] = lambda: None,
         time_jumps: bool = False,
     ) -> None:
-        self.node, self._check = node, check
+        self.node, self._check, self._owes = node, check, False
         super().__init__(name, bridge, time_jumps=time_jumps)
 
-    def make_room(self, channels: Sequence[Channel]) -> None:
-        """Returns at once: nothing of it waits between two ticks."""
+    def make_room(self, channels: Sequence[Channel]) -> None:  # noqa: ARG002 - all is waited for at once
+        """Returns when it has handled what it was not waited for yet."""
+        if self._owes:
+            self._wait()
 
-    def wait_for_samples(self, channels: Sequence[Channel] = ()) -> None:  # noqa: ARG002
-        """Returns when it has handled its queue, whatever it listens to: other nodes may feed it too."""
-        wait_for_answers({self: self.ask()}, self._executor, self._check)
+    def wait_for_samples(self, channels: Sequence[Channel]) -> None:  # noqa: ARG002
+        """Returns when it has handled its queue, whatever it listens to: other nodes may feed it too.
+
+        One that keeps order is sure to do so before the /clock that follows.
+        """
+        if self.keeps_order:
+            self._owes = True
+        else:
+            self._wait()
 
     def wait_for_clock(self, stamp_ns: int) -> None:  # noqa: ARG002 - the barrier knows no times
         """Returns when it has handled its queue and its timers have run."""
-        self.wait_for_samples()
+        self._wait()
+        if self.keeps_order:
+            return
         while self.node is not None and timer_is_due(self.node):
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
-        self.wait_for_samples()
+        self._wait()
+
+    def _wait(self) -> None:
+        wait_for_answers({self: self.ask()}, self._executor, self._check)
+        self._owes = False
 
 
 @dataclass(eq=False)

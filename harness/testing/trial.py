@@ -98,8 +98,8 @@ class Trial:
 
     def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
         with self._at_end:
-            if error is not None:
-                print(self.keep_evidence(f"{type(error).__name__}: {error}"), file=sys.stderr)
+            if error is not None and (told := self.keep_evidence(f"{type(error).__name__}: {error}")):
+                print(told, file=sys.stderr)
 
     def keep_evidence(self, reason: str) -> str:
         """Ends the recording and writes recording and page to `artifacts`.
@@ -174,8 +174,8 @@ class Trial:
             RunFailed: The program ended at once.
             UsageError: There is no such program, the node is not found, or runs on wall time.
         """
-        process = self._begin(command)
-        self._await(lambda: process.has_ended or node in self._nodes())
+        self._begin(command)
+        self._await(lambda: node in self._nodes())
         self._keep_in_step(node)
 
     def _begin(
@@ -185,18 +185,21 @@ class Trial:
         output: Path | None = None,
         *,
         may_end: bool = False,
-    ) -> Process:
+    ) -> None:
         """Starts a program in this trial's domain; see Process."""
         environment = {**os.environ, "ROS_DOMAIN_ID": str(self.domain)}
         process = Process(command, environment, folder=folder, output=output, may_end=may_end)
         self._at_end.callback(process.stop)
         self._processes.append(process)
-        return process
 
     def _await(self, is_there: Callable[[], bool]) -> None:
-        """Waits until nodes are there, or a program has ended."""
-        spin_until(self._executor, is_there, START_PATIENCE)
-        self._check_processes()
+        """Waits until nodes are there, or for as long as they may take."""
+
+        def are_there() -> bool:
+            self._check_processes()
+            return is_there()
+
+        spin_until(self._executor, are_there, START_PATIENCE)
 
     def _check_processes(self) -> None:
         for process in self._processes:

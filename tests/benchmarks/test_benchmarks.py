@@ -24,6 +24,8 @@ def test_every_benchmark_measures_something(
     name: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("benchmarks.__main__.QUICK", SMALLEST)
+    monkeypatch.setattr("benchmarks.start.WAYS", {"--direct": ("--direct",)})
+    monkeypatch.setattr("benchmarks.tuning.ROVERS", ("leo",))
     if name in {"runs", "lockstep", "start"}:
         pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     assert main(["--quick", name]) == 0

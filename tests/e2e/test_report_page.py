@@ -1,7 +1,5 @@
 """The run report, opened and used in a headless Chromium."""
 
-import shutil
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,62 +7,31 @@ from typing import TYPE_CHECKING
 import pytest
 
 from harness.run import main
+from tests.support.browser import NEEDS_CHROMIUM, Visit, drag, wait_for, x_range
+from tests.support.once import made_once
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, BrowserContext, Page, ViewportSize
+    from playwright.sync_api import Browser, Page
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install -e '.[dev]'")
-
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium: apt-get install chromium")
-
-DESKTOP: "ViewportSize" = {"width": 1366, "height": 900}
-PHONE: "ViewportSize" = {"width": 360, "height": 740}
-FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+pytestmark = NEEDS_CHROMIUM
 
 
 @pytest.fixture(scope="module")
 def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The report of a run that ends at a wall of the maze."""
-    folder = tmp_path_factory.mktemp("report")
-    words = ["--direct", "--terrain", "maze", "--driver", "straight", "--duration", "22"]
-    assert main([*words, "--log-dir", str(folder), "--report", str(folder / "report.html")]) == 0
-    return folder / "report.html"
+    file = tmp_path_factory.mktemp("report") / "report.html"
 
+    def make() -> Path:
+        words = ["--direct", "--terrain", "maze", "--driver", "straight", "--duration", "22"]
+        assert main([*words, "--log-dir", str(file.parent), "--report", str(file)]) == 0
+        return file
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator["Browser"]:
-    with sync_api.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield browser
-        browser.close()
-
-
-class Visit:
-    """An opened report and everything that it said or asked for."""
-
-    def __init__(self, context: "BrowserContext", file: Path) -> None:
-        self.context = context
-        self.page = context.new_page()
-        self.said: list[str] = []
-        self.asked_for: list[str] = []
-        self.page.on("console", lambda message: self.said.append(message.text))
-        self.page.on("pageerror", lambda error: self.said.append(str(error)))
-        self.page.on("request", lambda request: self.asked_for.append(request.url))
-        self.page.goto(file.as_uri())
-        self.page.wait_for_selector("html[data-drawn]")
-
-    def __enter__(self) -> "Visit":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.context.close()
+    return made_once(tmp_path_factory, "run_report", make)
 
 
 @pytest.fixture(scope="module")
 def desktop(browser: "Browser", page_file: Path) -> Iterator[Visit]:
-    context = browser.new_context(viewport=DESKTOP, color_scheme="light")
-    with Visit(context, page_file) as visit:
+    with Visit(browser, page_file) as visit:
         yield visit
 
 
@@ -82,32 +49,6 @@ def visit(desktop: Visit) -> Iterator[Visit]:
     del desktop.asked_for[opened:]
 
 
-def drag(page: "Page", plot: str) -> None:
-    """Draws a box over the middle of a plot."""
-    area = page.locator(f"#{plot} .nsewdrag").first
-    area.scroll_into_view_if_needed()
-    box = area.bounding_box()
-    assert box is not None
-    x, y, width, height = box["x"], box["y"], box["width"], box["height"]
-    page.mouse.move(x + 0.3 * width, y + 0.3 * height)
-    page.mouse.down()
-    page.mouse.move(x + 0.6 * width, y + 0.6 * height, steps=4)
-    page.mouse.up()
-
-
-def wait_for(page: "Page", condition: str) -> None:
-    """Looks each frame whether a condition holds; the page's policy forbids Playwright's own way."""
-    deadline = time.monotonic() + 10.0
-    while not page.evaluate(condition):
-        assert time.monotonic() < deadline, f"did not come true: {condition}"
-        page.evaluate("new Promise(requestAnimationFrame)")
-
-
-def time_range(page: "Page", plot: str) -> list[float]:
-    found: list[float] = page.evaluate(f"document.getElementById('{plot}').layout.xaxis.range")
-    return found
-
-
 def test_page_opens_without_a_complaint_and_asks_for_nothing_but_itself(
     visit: Visit, page_file: Path
 ) -> None:
@@ -119,21 +60,21 @@ def test_page_opens_without_a_complaint_and_asks_for_nothing_but_itself(
 
 def test_drag_zooms_all_time_axes_and_the_button_zooms_out_again(visit: Visit) -> None:
     page = visit.page
-    whole = time_range(page, "series-0")
+    whole = x_range(page, "series-0")
     drag(page, "series-5")
     wait_for(page, "document.getElementById('series-0').layout.xaxis.range[0] > 1")
-    zoomed = time_range(page, "series-0")
+    zoomed = x_range(page, "series-0")
     assert zoomed[1] - zoomed[0] == pytest.approx(0.3 * (whole[1] - whole[0]), rel=0.1)
-    assert time_range(page, "series-9") == zoomed
+    assert x_range(page, "series-9") == zoomed
     page.get_by_role("button", name="Whole run").click()
     wait_for(page, "document.getElementById('series-9').layout.xaxis.range[0] === 0")
-    assert time_range(page, "series-5") == whole
+    assert x_range(page, "series-5") == whole
     assert visit.said == []
 
 
 def test_map_zooms_by_drag_and_its_buttons_show_the_whole_map_or_the_path(visit: Visit) -> None:
     page = visit.page
-    path = time_range(page, "map")
+    path = x_range(page, "map")
     drag(page, "map")
     wait_for(page, f"document.getElementById('map').layout.xaxis.range[0] > {path[0] + 0.5}")
     page.get_by_role("button", name="Whole map").click()
@@ -162,8 +103,7 @@ def test_a_plot_is_saved_as_a_picture_without_a_server(visit: Visit) -> None:
 def test_page_is_readable_on_a_phone_and_a_finger_scrolls_it(
     browser: "Browser", page_file: Path
 ) -> None:
-    phone = browser.new_context(viewport=PHONE, is_mobile=True, has_touch=True)
-    with Visit(phone, page_file) as visit:
+    with Visit(browser, page_file, phone=True) as visit:
         widths = "[document.documentElement.scrollWidth, document.documentElement.clientWidth]"
         assert visit.page.evaluate(widths) == [360, 360]
         assert visit.page.evaluate("document.getElementById('map').layout.dragmode") is False
@@ -177,13 +117,13 @@ def test_colours_follow_the_system_with_enough_contrast_and_the_view_stays(visit
     assert_contrast(page)
     drag(page, "series-5")
     wait_for(page, "document.getElementById('series-0').layout.xaxis.range[0] > 1")
-    light, zoomed = colours(page), time_range(page, "series-0")
+    light, zoomed = colours(page), x_range(page, "series-0")
     page.emulate_media(color_scheme="dark")
     wait_for(page, f"document.getElementById('map').layout.paper_bgcolor !== '{light[2]}'")
     dark = colours(page)
     assert_contrast(page)
     assert all(before != after for before, after in zip(light, dark, strict=True))
-    assert time_range(page, "series-0") == zoomed
+    assert x_range(page, "series-0") == zoomed
     assert visit.said == []
 
 

@@ -1,4 +1,4 @@
-"""The soak in half a simulated minute: nothing lost, nothing grown, the bytes of an undisturbed run."""
+"""The soak in 15 simulated seconds: nothing lost, nothing grown, the bytes of an undisturbed run."""
 
 import os
 import signal
@@ -27,7 +27,7 @@ from benchmarks.soak.scenarios import (
 from tests.support.once import made_once
 
 WORLD = ("--terrain", "flat", "--timestep", "0.005", "--lidar-beams", "90")  # light ones
-PLAN = Plan(long=25, stopped=3, many=1, starved=2, nodes=2, fault_every=1, world=WORLD)
+PLAN = Plan(long=15, stopped=3, many=1, starved=2, nodes=2, fault_every=1, world=WORLD)
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def test_nothing_is_lost_and_nothing_grows(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("benchmarks.resident.MINUTE", 5)  # what is light has filled its buffers by then
+    monkeypatch.setattr("benchmarks.resident.MINUTE", 3)  # what is light has filled its buffers by then
     outcome = scenario(PLAN, reference, tmp_path)
     assert outcome.complaints == ()
     assert outcome.messages > 250 * outcome.seconds

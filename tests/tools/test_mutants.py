@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.once import made_once
 from tools.mutants import __main__ as command
 from tools.mutants import mutations, survivors
 from tools.mutants.journal import Journal, Outcome
@@ -109,6 +110,10 @@ def texts(source: str) -> set[str]:
 def fates(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], str]:
     """What killed each mutant of the tiny project, by its function and the line that it makes."""
     root = tmp_path_factory.mktemp("project")
+    return made_once(tmp_path_factory, "fates", lambda: judged(root))
+
+
+def judged(root: Path) -> dict[tuple[str, str], str]:
     (root / "src").mkdir()
     (root / "tests").mkdir()
     (root / "src/tank.py").write_text(CODE)

@@ -16,8 +16,6 @@ from harness.robots import RoverSpec
 from tests.harness.frames.made_rover import made_rover
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
-yourdfpy = pytest.importorskip("yourdfpy", reason="needs the extra [dev]: make setup")
-
 EXACT = 1e-6
 BOX, CAPSULE = mujoco.mjtGeom.mjGEOM_BOX.value, mujoco.mjtGeom.mjGEOM_CAPSULE.value
 
@@ -48,6 +46,7 @@ def posed(rover: RoverSpec, seed: int) -> tuple[mujoco.MjModel, mujoco.MjData, d
 
 def parse(urdf: str, folder: Path) -> Any:  # noqa: ANN401 - it has no types
     """What yourdfpy reads."""
+    yourdfpy = pytest.importorskip("yourdfpy", reason="needs the extra [dev]: make setup")
     file = folder / "rover.urdf"
     file.write_text(urdf)
     return yourdfpy.URDF.load(str(file), build_scene_graph=True, load_meshes=False)

@@ -70,6 +70,7 @@ def stamped(linear: float, frame: str = "", at_ns: int = 0) -> TwistStamped:
         ("stamped", True, {"TwistStamped"}),
         ("auto", True, {"Twist", "TwistStamped"}),
         ("auto", False, {"TwistStamped" if STAMPED_BY_DEFAULT else "Twist"}),
+        ("auto_twist", False, {"Twist"}),
     ],
 )
 def test_auto_hears_both_types_where_it_can_and_else_that_of_the_distribution(

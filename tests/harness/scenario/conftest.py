@@ -30,9 +30,10 @@ class Scripted:
     """Drives at SPEED along x for 2 s, level until the last 50 ms."""
 
     seen: list[EpisodeConfig]
+    wanted: object = None  # samples, by whoever drove it last
 
-    def __init__(self, config: EpisodeConfig, samples: object = None) -> None:  # noqa: ARG002 - as Episode
-        self.info = INFO
+    def __init__(self, config: EpisodeConfig, samples: object = None) -> None:
+        self.info, type(self).wanted = INFO, samples
         self.seen.append(config)
 
     def batches(self) -> Iterator[Batch]:

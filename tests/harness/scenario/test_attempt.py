@@ -22,6 +22,7 @@ from harness.episode.episode import Episode
 from harness.episode.result import RunResult
 from harness.errors import RunFailed, UsageError
 from harness.interrupt import Interrupted, StopRequest
+from harness.samples import LaserScan, Sample
 from harness.scenario.attempt import Attempt, attempt
 from harness.scenario.baseline import write_baselines
 from harness.scenario.contact import contact_of
@@ -30,7 +31,7 @@ from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import SAMPLES, TruthSeries
 from harness.truth.traversal import ContactEvent
 from rover_metrics.core.row import COLUMNS
-from tests.harness.scenario.conftest import MakeCases
+from tests.harness.scenario.conftest import MakeCases, Scripted
 
 USED = "harness.scenario.attempt.run_direct"
 pytestmark = pytest.mark.usefixtures("driven")
@@ -49,10 +50,20 @@ def test_a_run_that_is_as_expected_leaves_nothing(make_cases: MakeCases, tmp_pat
   log.Current Velocity: {min: 0.5, max: 0.5}
   log.Scan Rate [Hz]: {over: end, min: 20, max: 20}
   run.rows: {min: 2, max: 2}
+  truth.speed: {over: share, min: 0, share: 1}
   run.lost_messages: {max: 0}"""
     done = one(make_cases, tmp_path / "out", expect, "goal: {at: [1, 0], radius: 0.6}")
     assert done.passed, done
     assert (done.simulated_s, done.model_hash, done.terrain_hash) == (2.0, "model", "terrain")
+    length, _, *tilts, share, lost = done.measured[:5] + done.measured[-2:]
+    assert [(round(one.value or 0, 6), one.unit) for one in (length, *tilts, share, lost)] == [
+        (1.0, "m"),
+        (30.0, "deg"),
+        (30.0, "deg"),
+        (0.0, "deg"),
+        (1.0, ""),
+        (0.0, ""),
+    ]
     assert done.recorded is None
     assert not (tmp_path / "out").exists()
 
@@ -208,6 +219,9 @@ def test_a_baseline_is_kept_until_something_differs(
         told = str(changed(of=recorded["of"] | {name: value}).error)
         words = f"the baseline is of {name} {value}, this run of {now}; "
         assert re.match(re.escape(words) + ".*--update-baseline$", told)
+    changed()
+    told = str(attempt(replace(case, params={"collision_threshold": 5.0}), tmp_path).error)
+    assert told.startswith("the baseline is of params the default, this run of {'collision_threshold'")
     path.write_text("[")
     assert str(attempt(case, tmp_path).error).startswith(f"cannot read the baseline {path}: ")
     path.write_text("[]")
@@ -252,23 +266,35 @@ def test_the_truth_that_is_judged_is_that_of_the_simulator(
 
 
 def test_only_what_the_truth_cannot_say_takes_a_log_and_every_sensor(
-    make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    make_cases: MakeCases,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    driven: list[EpisodeConfig],
 ) -> None:
     with_log = Mock(wraps=direct.run_direct)
     monkeypatch.setattr(USED, with_log)
-    for number, (expect, more, logs) in enumerate(
-        (
-            ("{truth.hazard_contacts: {max: 1}}", "", False),
-            ("{truth.hazard_contacts: {max: 0}}", "", True),  # for its evidence
-            ("{truth.hazard_contacts: {max: 0}}", "expected_to_fail: [{reason: so}]", True),
-            ("{truth.hazard_contacts: {max: 1}, run.rows: {max: 2}}", "", True),
-            ("{truth.hazard_contacts: {max: 1}}", "same_bytes: true", True),
-        )
+    monkeypatch.setattr("harness.scenario.attempt.keep_evidence", lambda *_: ())
+    for expect, more, logs, drives in (
+        ("{truth.hazard_contacts: {max: 1}}", "", False, 1),
+        ("{truth.hazard_contacts: {max: 0}}", "", True, 2),  # for its evidence
+        ("{truth.hazard_contacts: {max: 0}}", "expected_to_fail: [{reason: so}]", True, 1),
+        ("{truth.hazard_contacts: {max: 1}, run.rows: {max: 2}}", "", True, 1),
+        ("{truth.hazard_contacts: {max: 1}}", "same_bytes: true", True, 1),
     ):
         with_log.reset_mock()
+        driven.clear()
         (case,) = make_cases(expect, more)
-        attempt(case, tmp_path / str(number), compare=False)
-        assert with_log.called == logs, (expect, more)
+        attempt(case, tmp_path, compare=False)
+        assert (with_log.called, len(driven)) == (logs, drives), (expect, more)
+
+
+@pytest.mark.parametrize(("driver", "scans"), [("wander", {LaserScan}), ("straight", set())])
+def test_the_truth_takes_scans_only_where_the_driver_does(
+    driver: str, scans: set[type[Sample]], make_cases: MakeCases, tmp_path: Path
+) -> None:
+    (case,) = make_cases("{truth.hazard_contacts: {max: 1}}", f"driver: {driver}")
+    assert attempt(case, tmp_path).passed
+    assert Scripted.wanted == SAMPLES | scans
 
 
 def test_the_truth_is_the_same_without_the_other_sensors(
@@ -276,7 +302,7 @@ def test_the_truth_is_the_same_without_the_other_sensors(
 ) -> None:
     monkeypatch.setattr(direct, "Episode", Episode)
     (case,) = make_cases("{truth.speed: {max: 9}}", "driver: wander\nnoise: white\nlidar_beams: 90")
-    config = replace(case.config, terrain="rocky", duration=1.5)
+    config = replace(case.config, terrain="rocky", duration=1.0)
     full, alone = TruthSeries(QUANTITIES), TruthSeries(QUANTITIES)
     stop = StopRequest()
     first = direct.run_direct(config, RosOptions(log_dir=tmp_path), stop, observers=(full,))

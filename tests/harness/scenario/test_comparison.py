@@ -17,6 +17,7 @@ from harness.scenario.outputs import print_tables
 from harness.scenario.tables import csv_of, json_of
 from harness.scenario.verdict import Verdict, verdicts_of
 from harness.scenario.watch import Measured
+from rover_metrics.analysis.tables.sheets import NONE
 from tests.harness.scenario.conftest import MakeCases
 
 EXPECT = "{truth.speed: {over: mean, max: 3}, truth.rock_contacts: {max: 5}}"
@@ -111,6 +112,7 @@ def test_runs_without_a_value_are_left_out_with_their_partners(make_cases: MakeC
 )
 def test_a_title_says_what_of_a_quantity_is_compared(bound: dict[str, object], title: str) -> None:
     assert title_of("q", Bound.model_validate(bound)) == title
+    assert title_of("topic./scan.count", Bound(min=1, window=(0, 2))) == "topic./scan.count, 0 to 2 s"
 
 
 def rows_of(several: Sequence[Comparisons]) -> list[dict[str, str]]:
@@ -130,6 +132,12 @@ def test_csv_and_json_have_every_number(make_cases: MakeCases) -> None:
         "3.0",
         "True",
     }
+    for row, name, middle in (
+        (second, "difference", 1.0),
+        (second, "mean", 3.0),
+        (passed, "mean", 2 / 3),
+    ):
+        assert float(row[f"{name}_low"]) < middle < float(row[f"{name}_high"])
     assert second["driver"] == second["limit_min"] == ""
     assert (last["scenario"], last["n"], last["mean"]) == ("'=alone", "0", "")
     read = json.loads(json_of(several))
@@ -147,10 +155,13 @@ def test_a_terminal_gets_a_table_a_quantity(
     make_cases: MakeCases, capsys: pytest.CaptureFixture[str]
 ) -> None:
     alone = verdicts_of([Attempt(case) for case in make_cases(EXPECT, name="alone")])
+    print_tables(Console(width=80), [verdict(make_cases, "noise: [white, null]")])
+    narrow = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["no", "noise", "3", "3.000", "-0.7262", "to", "6.726", "0.6276", "0.500"] in narrow
     print_tables(Console(width=100), [*alone, verdict(make_cases)])
     told = capsys.readouterr().out
     assert "alone" not in told
     assert "two: truth.speed, mean [m/s]" in told
     lines = [line.split() for line in told.splitlines()]
     assert ["rover_zero4wd", "2", "of", "3", "67%", "21%", "to", "94%"] in lines
-    assert ["leo", "3", "2.000", "-0.4841", "to", "4.484", "-", "-", "-", "-"] in lines
+    assert ["leo", "3", "2.000", "-0.4841", "to", "4.484", *NONE * 4] in lines

@@ -69,6 +69,23 @@ def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
         plan([file], None, (("robot", "mole"),))
 
 
+def cases_with(make_cases: MakeCases, parameters: str) -> list[Case]:
+    """Runs with a parameter file, and without one."""
+    (one,) = make_cases(SPEED)
+    (one.path.parent / "near.yaml").write_text(parameters)
+    return make_cases("{log.Total Collisions: {max: 0}}", "matrix: {params: [near.yaml, null]}")
+
+
+def test_parameters_of_the_metrics_are_those_that_the_log_is_written_with(
+    make_cases: MakeCases, tmp_path: Path, driven: list[EpisodeConfig]
+) -> None:
+    cases = cases_with(make_cases, "metrics_node: {ros__parameters: {collision_threshold: 5.0}}")
+    near, far = run_all(cases, Backwards(), tmp_path / "out", lambda *_: None)
+    assert near.breaches == ("log.Total Collisions: 40 > 0, first at 1 s",)  # the nearest is at 2 m
+    assert far.passed
+    assert len(driven) == 2
+
+
 def test_a_file_becomes_the_configuration_that_it_describes(make_cases: MakeCases) -> None:
     events = (
         '[{at: 0.5, command: [0.3, 0]}, {at: 1, reset: true}, {at: 1.5, fault: "scan:nan", for: 0.2}]'
@@ -90,6 +107,11 @@ def test_a_file_becomes_the_configuration_that_it_describes(make_cases: MakeCase
     assert case.config.goals == ((0.0, 3.0, 4.0, 1.0),)
     (case,) = make_cases(SPEED, "driver: straight\ngoal: {at: [3, 4], yaw: 1}")
     assert case.config.goals == ()
+    params = cases_with(make_cases, "metrics_node: {ros__parameters: {collision_threshold: 5.0}}")
+    assert [case.params for case in params] == [{"collision_threshold": 5.0}, {}]
+    assert [case.name for case in params] == ["two[near.yaml-0]", "two[None-0]"]
+    with pytest.raises(UsageError, match=r"two\.scenario\.yaml: params: .*near\.yaml: .*collision_t"):
+        cases_with(make_cases, "metrics_node: {ros__parameters: {collision_threshol: 5.0}}")
     with pytest.raises(UsageError, match=r"two\.scenario\.yaml: robot 'mole' does not exist; available"):
         make_cases(SPEED, "robot: mole")
 
@@ -145,6 +167,7 @@ def test_a_suite_that_was_stopped_goes_on_if_nothing_has_changed(
         with pytest.raises(Interrupted, match=stopped):
             run(Ending(Interrupted(signal.SIGINT), 2))
         (unfinished,) = out.iterdir()
+        assert len(unfinished.read_text().splitlines()) == 3  # what the suite is, and two runs
         return unfinished
 
     whole, _ = run(Backwards())
@@ -166,6 +189,7 @@ def test_a_suite_that_was_stopped_goes_on_if_nothing_has_changed(
         unfinished = stop()
         change(unfinished)
         assert run(Backwards(), resume=True) == (whole, left), left
+    stop()
     stop()
     assert run(Backwards()) == (whole, [0, 1, 2])
     out.touch()

@@ -11,7 +11,7 @@ import pytest
 
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
-from geometry_msgs.msg import TwistStamped
+from geometry_msgs.msg import Twist
 from rclpy.node import Node
 from rosbags.highlevel import AnyReader
 from sensor_msgs.msg import LaserScan
@@ -19,6 +19,7 @@ from std_msgs.msg import Bool
 
 from harness.episode.batch import Batch
 from harness.errors import RunFailed, UsageError
+from harness.samples import Imu
 from harness.scenario.attempt import Attempt, attempt
 from harness.scenario.bound import Bound
 from harness.scenario.junit import junit_of
@@ -35,10 +36,10 @@ class Brake(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
     def __init__(self) -> None:
         super().__init__("brake")
-        self.clocks = 0
         self._waits = 0
         self._done: Any = None
-        self._command = self.create_publisher(TwistStamped, "cmd_vel", 10)
+        self._command = self.create_publisher(Twist, "cmd_vel", 10)
+        self._ready = self.create_publisher(Bool, "ready", 10)
         self.create_subscription(LaserScan, "scan", self._on_scan, 10)
         self.create_timer(0.01, self._on_time)
 
@@ -46,14 +47,16 @@ class Brake(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         self._waits = 4  # the timer is called once on the scan's own tick
 
     def _on_time(self) -> None:
+        now = self.get_clock().now().nanoseconds / 1e9
+        if now == 0.01:
+            self._ready.publish(Bool(data=True))
         self._waits -= 1
         if self._waits:
             return
-        command, now = TwistStamped(), self.get_clock().now()
-        command.header.stamp = now.to_msg()
-        command.twist.linear.x = 0.4 if now.nanoseconds < 1e9 else 0.0
+        command = Twist()
+        command.linear.x = 0.4 if now < 1.0 else 0.0
         self._command.publish(command)
-        if not command.twist.linear.x:
+        if not command.linear.x:
             self._done = self._done or self.create_publisher(Bool, "done", 10)
             self._done.publish(Bool(data=True))
 
@@ -68,22 +71,26 @@ def run(case_of: MakeCases, expect: str, more: str = "", seconds: float = 2.0) -
 def test_what_a_node_does_is_judged_beside_the_truth(make_cases: MakeCases) -> None:
     expect = """
   truth.speed: [{over: p95, min: 0.3}, {over: end, max: 0.02}]
-  topic./cmd_vel.latency: {of: /scan, min: 0.1299, max: 0.1301}
-  topic./cmd_vel.twist.linear.x: [{min: 0.4, window: [0, 1]}, {max: 0, window: [1.02, 2]}]
+  topic./cmd_vel.latency:
+  - {of: /scan, min: 0.1299, max: 0.1301}
+  - {of: /imu/data, window: [0.25, 2], min: 0.2299, max: 0.2301}
+  topic./imu/data.count: {min: 36, max: 36}
+  topic./cmd_vel.linear.x: [{min: 0.4, window: [0, 1]}, {max: 0, window: [1.02, 2]}]
   topic./cmd_vel.count: [{min: 37, max: 37}, {min: 7, max: 7, window: [0, 0.5]}]
   topic./cmd_vel.rate: {min: 20, max: 20, window: [1.2, 2]}
-  topic./cmd_vel.age: {max: 0}
+  topic./ready.count: {min: 1, max: 1}
   topic./scan.age: {min: 0.0999, max: 0.1001}
   topic./scan.ranges: {min: 0}
   topic./tf.transforms.transform.translation.x: {min: -5, max: 5}
   topic./tf_static.count: {min: 1, max: 1}
-  topic./clock.count: {min: 250, max: 250}
+  topic./clock.count: [{min: 250, max: 250}, {min: 150, max: 150, window: [0, 1]}]
   topic./done.data: {min: 1}
   run.rows: {min: 2, max: 2}
   topic./scn.count: {max: 0}
   topic./odom_ground_truth.twist.twist.linear.x: {max: 0.1}
 """
-    more = "events: [{at: 0, fault: 'scan:latency=0.1'}, {at: 1, pause: 0.5}]"
+    faults = "{at: 0, fault: 'scan:latency=0.1'}, {at: 0, fault: 'imu:latency=0.2'}"
+    more = f"events: [{faults}, {{at: 1, pause: 0.5}}]"
     found = run(make_cases, expect, more)
     assert found[0] == "topic./scn.count: topic '/scn' does not exist; did you mean '/scan'?"
     assert found[1].startswith("topic./odom_ground_truth.twist.twist.linear.x: 0.39")
@@ -94,31 +101,34 @@ def lines(path: Path) -> list[str]:
     return path.read_text().splitlines()
 
 
-def test_a_metrics_node_that_is_started_writes_the_log_that_is_judged(tmp_path: Path) -> None:
+def test_a_metrics_node_that_is_started_writes_the_log_that_is_judged_and_is_asked_what_it_missed(
+    tmp_path: Path,
+) -> None:
     path = ROOT / "scenarios/logging_node.scenario.yaml"
     trial = ScenarioTrial.load(path, seed=3, robot="rover_zero4wd")
     assert (trial.config.seed, trial.config.robot) == (3, "rover_zero4wd")
-    trial.config = replace(trial.config, duration=3.01)
-    expect = trial.case.scenario.expect | {"topic./rover/metrics.count": Bound(min=3, max=3)}
+    trial.config = replace(trial.config, duration=2.01)
+    expect = trial.case.scenario.expect | {"topic./rover/metrics.count": Bound(min=2, max=2)}
     scenario = trial.case.scenario.model_copy(update={"expect": expect})
     with ScenarioTrial(replace(trial.case, scenario=scenario, config=trial.config)) as trial:
-        assert trial.finish() == ()
+        trial._bridge.channels_of[Imu][0].published += 1  # as if one had been lost
+        assert trial.finish() == ("run.lost_messages: 1 > 0, first at 2.01 s",)
         result = trial.findings.result
         assert result.mode == "ROS 2, lock-step with /metrics_node"
-        assert [result.topics[topic].received for topic in ("/scan", "/imu/data")] == [60, 60]
+        assert [result.topics[topic].received for topic in ("/scan", "/imu/data")] == [40, 40]
         page, *kept = trial.keep(tmp_path / "out", "to look at")
         (own,) = (tmp_path / "out/files").glob("*.csv")
     assert page.name == "run.html"
     (log,) = (path for path in kept if path.suffix == ".csv")
     assert log.read_bytes() == own.read_bytes()
-    assert len(lines(log)) == 4
+    assert len(lines(log)) == 3
     assert "logging to" in (tmp_path / "out/launch_1.txt").read_text()
     (manifest,) = (path for path in kept if path.suffix == ".json")
     outcome = json.loads(manifest.read_text())
     assert outcome["recording"] == str(tmp_path / "out/run.mcap")
     with AnyReader([tmp_path / "out/run.mcap"]) as bag:
         counts = {each.topic: each.msgcount for each in bag.connections}
-    assert (counts["/rover/metrics"], counts["/scan"], counts["/clock"]) == (3, 60, 351)
+    assert (counts["/rover/metrics"], counts["/scan"], counts["/clock"]) == (2, 40, 251)
 
 
 DIES = """sh -c 'while [ ! -e {folder}/go ]; do sleep 0.01; done; echo one; echo two; exit 3'"""

@@ -297,10 +297,11 @@ def test_no_two_trials_share_a_domain() -> None:
 FAILING = """
 import pytest
 from harness.config import EpisodeConfig
+from harness.testing import Trial
 
 @pytest.mark.parametrize("name", ["a/b"])
 def test_it(name, start_trial):
-    trial = start_trial(EpisodeConfig(terrain="flat", driver="cmd_vel", lidar_beams=8))
+    trial = start_trial(Trial(EpisodeConfig(terrain="flat", driver="cmd_vel", lidar_beams=8)))
     trial.step(0.2)
     raise AssertionError("0.2 s < 0")
 """

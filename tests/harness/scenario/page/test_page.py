@@ -82,6 +82,10 @@ def test_a_green_suite_says_so_and_is_the_same_bytes_each_time(
     assert "<h1>1 scenario: passed</h1>" in page
     assert "What went wrong" not in page
     assert figures(page)["scenario-0-passed"]["layout"]["shapes"][0]["x0"] == 50.0
-    assert figures(page)["scenario-0-0"]["data"] == []  # no run had a value
+    empty = figures(page)["scenario-0-0"]
+    assert empty["data"] == []  # no run had a value
+    low, high = empty["layout"]["xaxis"]["range"]
+    assert low < 1.0  # but it had limits
+    assert high > 3.0
     again = [Attempt(one.case, one.breaches, wall_s=9.0, measured=one.measured) for one in attempts]
     assert render([comparisons_of(*verdicts_of(again))], tmp_path / "page.html") == page

@@ -1,24 +1,16 @@
 """The report of a tuning, opened and used in a headless Chromium."""
 
-import shutil
-import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.support.browser import NEEDS_CHROMIUM, Visit, drag, wait_for, x_range
+
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Page, ViewportSize
+    from playwright.sync_api import Browser
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install -e '.[dev]'")
-
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium: apt-get install chromium")
-
-DESKTOP: "ViewportSize" = {"width": 1366, "height": 900}
-PHONE: "ViewportSize" = {"width": 360, "height": 740}
-FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+pytestmark = NEEDS_CHROMIUM
 
 # Pairs of words in a drawing that cover each other, and words that leave it.
 OVERLAPS = """[...document.querySelectorAll("svg.drawing")].flatMap((svg) => {
@@ -37,23 +29,6 @@ SMALLEST = """Math.min(...[...document.querySelectorAll("td, th, p, li, pre, .dr
   parseFloat(getComputedStyle(e).fontSize) * (e.ownerSVGElement ? e.getScreenCTM().a : 1)))"""
 
 
-class Visit:
-    """The opened report and everything that it said or asked for."""
-
-    def __init__(self, browser: "Browser", file: Path, *, phone: bool) -> None:
-        self.context = browser.new_context(
-            viewport=PHONE if phone else DESKTOP, is_mobile=phone, has_touch=phone, color_scheme="light"
-        )
-        self.page = self.context.new_page()
-        self.said: list[str] = []
-        self.asked_for: list[str] = []
-        self.page.on("console", lambda message: self.said.append(message.text))
-        self.page.on("pageerror", lambda error: self.said.append(str(error)))
-        self.page.on("request", lambda request: self.asked_for.append(request.url))
-        self.page.goto(file.as_uri())
-        self.page.wait_for_selector("html[data-drawn]")
-
-
 @pytest.fixture(scope="module")
 def page_file(small_page: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("tuning") / "report.html"
@@ -62,30 +37,8 @@ def page_file(small_page: str, tmp_path_factory: pytest.TempPathFactory) -> Path
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator["Browser"]:
-    with sync_api.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield browser
-        browser.close()
-
-
-@pytest.fixture(scope="module")
 def visit(browser: "Browser", page_file: Path) -> Visit:
-    return Visit(browser, page_file, phone=False)
-
-
-def wait_for(page: "Page", condition: str, act: Callable[[], None] = lambda: None) -> None:
-    """Acts and looks each frame whether a condition holds; the page forbids Playwright's own way."""
-    deadline = time.monotonic() + 10.0
-    while not page.evaluate(condition):
-        assert time.monotonic() < deadline, f"did not come true: {condition}"
-        act()
-        page.evaluate("new Promise(requestAnimationFrame)")
-
-
-def x_range(page: "Page", plot: str) -> list[float]:
-    found: list[float] = page.evaluate(f"document.getElementById('{plot}').layout.xaxis.range")
-    return found
+    return Visit(browser, page_file)
 
 
 def test_every_figure_is_drawn_without_a_complaint_or_a_request(visit: Visit, page_file: Path) -> None:
@@ -105,15 +58,8 @@ def test_words_in_the_drawings_keep_apart(visit: Visit) -> None:
 
 def test_drag_zooms_a_figure_and_a_double_click_shows_all_of_it(visit: Visit) -> None:
     page = visit.page
-    area = page.locator("#leo-f1 .nsewdrag").first
-    area.scroll_into_view_if_needed()
-    whole, box = x_range(page, "leo-f1"), area.bounding_box()
-    assert box is not None
-    x, y = box["x"], box["y"] + box["height"] / 2
-    page.mouse.move(x + 0.3 * box["width"], y)
-    page.mouse.down()
-    page.mouse.move(x + 0.6 * box["width"], y, steps=4)
-    page.mouse.up()
+    area, whole = page.locator("#leo-f1 .nsewdrag").first, x_range(page, "leo-f1")
+    drag(page, "leo-f1")
     wait_for(page, "document.getElementById('leo-f1').layout.xaxis.range[0] > 0.2")
     assert x_range(page, "leo-f1") == pytest.approx([0.3 * whole[1], 0.6 * whole[1]], abs=0.01)
     # A machine that is busy may take the two clicks for single ones.
@@ -134,7 +80,7 @@ def test_the_button_copies_the_whole_parameter_file(visit: Visit) -> None:
 def test_without_a_clipboard_the_button_selects_the_whole_parameter_file(
     browser: "Browser", page_file: Path
 ) -> None:
-    page = Visit(browser, page_file, phone=False).page
+    page = Visit(browser, page_file).page
     page.evaluate("Object.defineProperty(navigator, 'clipboard', { value: undefined })")
     page.locator("button[data-copies=file-rover_zero4wd]").click()
     wait_for(page, f"{button_of('rover_zero4wd')}.textContent === 'Selected'")
@@ -159,11 +105,10 @@ def test_colours_follow_the_system(visit: Visit) -> None:
 
 
 def test_page_is_readable_on_a_phone(browser: "Browser", page_file: Path) -> None:
-    visit = Visit(browser, page_file, phone=True)
-    widths = "[document.documentElement.scrollWidth, document.documentElement.clientWidth]"
-    assert visit.page.evaluate(widths) == [360, 360]
-    assert visit.page.evaluate(SMALLEST) >= 11
-    assert visit.page.evaluate(OVERLAPS) == []
-    assert visit.page.evaluate("document.getElementById('leo-f1').layout.dragmode") is False
-    assert visit.said == []
-    visit.context.close()
+    with Visit(browser, page_file, phone=True) as visit:
+        widths = "[document.documentElement.scrollWidth, document.documentElement.clientWidth]"
+        assert visit.page.evaluate(widths) == [360, 360]
+        assert visit.page.evaluate(SMALLEST) >= 11
+        assert visit.page.evaluate(OVERLAPS) == []
+        assert visit.page.evaluate("document.getElementById('leo-f1').layout.dragmode") is False
+        assert visit.said == []

@@ -83,11 +83,12 @@ def test_contacts_found_and_alarms_that_are_right_are_counted_apart(make_record:
     record = near_at(make_record, 0.1, *long, 2.6, 3.9, contacts=[(1.0, 1.1), (1.4, 1.5), (2.1, 2.15)])
     other = near_at(make_record, 2.0)
 
-    counts = event_counts(nearest_range)([record, other], np.array([0.1, 0.2]))
+    counts = event_counts(nearest_range)([record, other], np.array([0.1, 0.2, 0.3]))
 
-    assert counts.shape == (2, 2, 5)
+    assert counts.shape == (3, 2, 5)
     assert counts[0].tolist() == [[3, 0, 0, 0, 0.004], [0, 0, 0, 0, 0.004]]
     assert counts[1].tolist() == [[3, 2, 4, 1, 0.004], [0, 0, 1, 0, 0.004]]
+    assert counts[2].tolist() == counts[1].tolist()
     measured = {name: float(measure(counts[1, 0])) for name, measure in EVENT_MEASURES.items()}
     precision, recall = 1 / 4, 2 / 3
     assert measured == pytest.approx(
