@@ -76,6 +76,7 @@ def test_an_episode_has_a_tick_each_10_ms_and_a_batch_each_50_ms_or_part_of_it(
         {"lidar_beams": 100_000},
         {"imu_rate": 1},
         {"imu_rate": 100},
+        {"driver": "cmd_vel", "cmd_vel_timeout": 0.05},
         {"noise": "white"},
         {"noise": "hardware"},
         {"faults": ("imu:nan",)},
@@ -124,6 +125,15 @@ def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object
         ({"imu_rate": 0}, "rate 0 Hz does not divide"),
         ({"timestep": 0.003}, "timestep 0.003 s is refused"),
         ({"duration": 0.0}, "duration 0 s is not valid"),
+        (
+            {"driver": "cmd_vel", "cmd_vel_timeout": 0.049},
+            "command timeout 0.049 s is not valid; give 0.05 or more",
+        ),
+        ({"driver": "cmd_vel", "cmd_vel_timeout": math.inf}, "command timeout inf s is not valid"),
+        (
+            {"cmd_vel_timeout": 1.0},
+            "--cmd-vel-timeout is for --driver cmd_vel only; other drivers go on",
+        ),
         ({"noise": "loud"}, "'loud' does not exist; available: white, hardware, gazebo"),
         ({"noise": ""}, "'' does not exist; available: white, hardware, gazebo"),
         ({"faults": ("imu:gone",)}, "gone"),

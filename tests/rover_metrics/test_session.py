@@ -108,7 +108,7 @@ def test_each_sample_is_handed_on_once_and_named_if_something_is_odd(
 def test_every_component_reaches_its_metric_and_the_extended_ones_come_after() -> None:
     spy = Extended()
     session = spy.stand_in(MetricsSession())
-    session.take_scan(0, (3.0, 0.125), angles=(0.0, 0.1))
+    assert session.take_scan(0, (3.0, 0.125), angles=(0.0, 0.1)) is None  # no limits, nothing odd
     session.take_imu(0, (2.0, 3.0, -6.0), (4.0, 4.0, 2.0))  # 7 and 6
     assert spy.smoothness == 13.0
     session.take_odometry(0, (2.0, 1.0, -2.0))

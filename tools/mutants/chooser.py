@@ -12,7 +12,8 @@ from tools.mutants.session import Trace
 
 SLOW = 3.0  # [s]; a slower test comes last
 BUDGET = 6.0  # [s] of quick tests for one mutant
-LAST_BUDGET = 15.0  # [s] of all other tests, for one that has survived these
+# [s] of other tests, for one that has survived these; first those that share its words
+LAST_BUDGET = 15.0
 LEAST = 1.0  # [s] that any test may take
 
 Timed = list[tuple[str, float]]  # tests and the seconds that each may take
@@ -38,6 +39,7 @@ class Chooser:
         self._killers: Counter[tuple[str, str, str]] = Counter()
         self._distrusted: set[str] = set()
         self._words: dict[str, set[str]] = defaultdict(set)
+        self._said: dict[str, set[str]] = {}  # words of a test itself, by its name without parameters
         for file, lines in trace.lines.items():
             texts = Path(file).read_text().splitlines()
             for line, tests in lines.items():
@@ -49,8 +51,13 @@ class Chooser:
         for test in trace.costs:
             by_file[test.partition("::")[0]].add(test)
         for file, some in by_file.items():
-            for word in set(re.findall(r"\w+", (root / file).read_text())):
+            source = (root / file).read_text()
+            for word in set(re.findall(r"\w+", source)):
                 self._words[word] |= some
+            for node in ast.parse(source).body:
+                if isinstance(node, ast.FunctionDef):
+                    said = source.splitlines()[node.lineno - 1 : node.end_lineno]
+                    self._said[f"{file}::{node.name}"] = set(re.findall(r"\w+", "\n".join(said)))
 
     def runs_at_import(self, mutant: Mutant) -> bool:
         """Whether a mutant's statement is executed before any test."""
@@ -77,8 +84,13 @@ class Chooser:
                 costs[test],
             )
 
+        said = set(re.findall(r"\w+", mutant.line))
+
+        def unrelated(test: str) -> tuple[int, float]:
+            return -len(said & self._said.get(test.partition("[")[0], set())), costs[test]
+
         chosen = self._within(self._budget, sorted(quick, key=rank))
-        others = sorted(tests - set(chosen) - self.trace.slow, key=costs.__getitem__)
+        others = sorted(tests - set(chosen) - self.trace.slow, key=unrelated)
         chosen += self._within(self._last_budget, others)
         return self.limits(chosen or sorted(tests, key=costs.__getitem__)[:3])
 

@@ -55,7 +55,13 @@ PACKAGES = (
             " episode/metrics_feed episode/result",
         ),
     ),
-    Package("scenarios", _modules(_HARNESS, "scenario/*")),
+    Package(
+        "verdicts",
+        _modules(
+            f"{_HARNESS}/scenario",
+            "arrivals baseline bound case events judge quantities reading series topic verdict",
+        ),
+    ),
     Package(
         "learning environments",
         _modules(_HARNESS, "gym/*"),

@@ -154,15 +154,22 @@ def test_spin_turns_left_in_place() -> None:
     assert math.hypot(truth[-1].x, truth[-1].y) < 0.1
 
 
-def test_cmd_vel_driver_stands_until_commanded() -> None:
-    episode = Episode(config(driver="cmd_vel", duration=3.0))
+@pytest.mark.parametrize(("timeout", "shortest", "longest"), [(None, 0.4, 0.7), (0.5, 0.1, 0.2)])
+def test_cmd_vel_driver_stands_until_commanded_and_from_the_timeout_on(
+    timeout: float | None, shortest: float, longest: float
+) -> None:
+    episode = Episode(config(driver="cmd_vel", duration=3.0, cmd_vel_timeout=timeout))
+    assert episode.description is None
     path = []
     for index, batch in enumerate(episode.batches()):
         path.append(batch.truth.path_length)
         if index == 19:
             episode.command(Twist(linear=0.3))
     assert path[19] < 1e-3
-    assert path[-1] > 0.4
+    assert shortest < path[-1] < longest  # of 0.3 m/s for 2 s, or for 0.5 s
+    episode.reset(Place(5.0, -3.0, 1.0))
+    assert episode.simulation.position[:2] == pytest.approx((5.0, -3.0), abs=0.02)
+    assert episode.simulation.yaw == pytest.approx(1.0, abs=0.02)
 
 
 def test_what_is_planned_happens_at_the_next_control_period() -> None:
@@ -456,6 +463,9 @@ def test_divergence_is_reported_with_time_and_state(
 def test_invalid_value_is_refused_with_what_is_valid(changes: dict[str, object], message: str) -> None:
     with pytest.raises(UsageError, match=message):
         Episode(config(**changes))
+    if "off the map" in message:  # is told before anything is built
+        with pytest.raises(UsageError, match=message):
+            config(**changes).check_world()
 
 
 def test_the_wheels_get_faster_from_tick_to_tick_as_the_controller_of_the_rover_lets_them() -> None:

@@ -52,6 +52,7 @@ def test_an_account_leaves_pauses_out_of_the_wall_time_and_has_the_first_row_sin
     account = RunAccount(
         result, 4.0, told.append, lambda: {"/a": TopicCount(7)}, lambda: len(told), lambda: 2.0
     )
+    assert account.ended().paused_s == 0.0
     truths = [Truth(last * TICK_NS, path_length=0.1 * last) for last in (2, 4, 6)]
     for truth in truths:
         account.take(Batch((), truth, (EVENT,)))

@@ -37,6 +37,8 @@ def test_stamps_go_on_while_the_clock_alone_fails_and_it_then_catches_up() -> No
         assert times(imus(spec)) == [n / 100 for n in range(1, 401)]
         assert clock_times(spec)[-200:] == [n / 100 for n in range(201, 401)]
     assert len(clock_times("clock:dropout@1+1")) == 300
+    assert len(clock_times("clock:dropout@1+1", "clock:dropout@1.5+1")) == 250
+    assert len(clock_times("clock:dropout@1.5+1", "clock:dropout@1+1", "clock:dropout=1e-9")) == 250
 
 
 def test_time_never_leaves_what_a_stamp_can_hold() -> None:

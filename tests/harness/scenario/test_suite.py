@@ -205,7 +205,7 @@ def wilson(good: int, count: int) -> tuple[float, float]:
     return max(0.0, middle - half), min(1.0, middle + half)
 
 
-KEPT = (Path("out/run.html"), Path("out/log.csv"))
+KEPT = (Path("out/run.html"),)
 
 
 def outcomes(cases: Sequence[Case], letters: str, **more: float) -> list[Attempt]:

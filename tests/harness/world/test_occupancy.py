@@ -99,13 +99,24 @@ def test_a_hazard_covers_the_cells_below_it_and_no_others(
     assert marked.sum() < 1.2 * below.sum() + 8
 
 
+def test_a_box_on_its_corner_covers_just_the_cells_that_it_overlaps() -> None:
+    """Its outline is |x| + |y| <= r, and so is the nearest point of a cell, axis by axis."""
+    turned = (math.cos(math.pi / 8), 0.0, 0.0, math.sin(math.pi / 8))
+    box = Obstacle(ObstacleKind.HAZARD, "box", (0.325, 0.325, 0.4), (0.63, -1.21, 0.3), turned)
+    grid = occupancy(world(None, box), SLOPE, STEP)
+    x, y = (np.maximum(np.abs(middles(grid) - c) - grid.resolution / 2, 0.0) for c in (0.63, -1.21))
+    inner = np.abs(middles(grid)) < HALF - 0.5
+    expected = (y[:, None] + x <= 0.325 * math.sqrt(2.0)) | ~inner | ~inner[:, None]
+    assert ((grid.cells == OCCUPIED) == expected).all()
+
+
 @pytest.mark.parametrize(("height", "is_free"), [(0.06, True), (0.08, False)])
 def test_a_rock_is_occupied_if_it_is_higher_than_the_rover_climbs(height: float, is_free: bool) -> None:
-    ground = np.full((81, 81), 1.5)
-    rock = Obstacle(ObstacleKind.ROCK, "ellipsoid", (0.2, 0.2, 0.1), (1.0, 0.5, 1.5 + height - 0.1))
+    ground = 1.5 + 0.1 * axes()[0]
+    rock = Obstacle(ObstacleKind.ROCK, "ellipsoid", (0.2, 0.2, 0.1), (1.0, 0.5, 1.55 + height - 0.1))
     grid = occupancy(world(ground, rock), SLOPE, STEP)
     assert grid.is_free(1.0, 0.5) is is_free
-    assert top(rock) == pytest.approx(1.5 + height)
+    assert top(rock) == pytest.approx(1.55 + height)
 
 
 def test_a_leaning_body_is_as_high_as_its_highest_point() -> None:
@@ -128,9 +139,10 @@ def test_a_disc_is_free_if_no_occupied_cell_lies_in_it_and_nothing_off_the_map_i
     )
 
 
-def test_a_coarse_map_keeps_what_fine_ground_shows() -> None:
+@pytest.mark.parametrize("resolution", [0.5, 0.6])  # the last cell of 0.6 m is half off the map
+def test_a_coarse_map_keeps_what_fine_ground_shows(resolution: float) -> None:
     heights = 0.5 * (np.hypot(*axes()) < 0.05)  # one vertex
-    grid = occupancy(world(heights), SLOPE, STEP, resolution=0.5)
+    grid = occupancy(world(heights), SLOPE, STEP, resolution=resolution)
     assert not grid.is_free(0.1, 0.1)
     assert grid.is_free(1.1, 1.1)
 

@@ -77,11 +77,11 @@ def test_a_promise_is_described_with_its_units() -> None:
         slope_p50=(1.0, 2.0),
         slope_p95=(3.0, 4.0),
         rms_1m=(0.01, 0.02),
-        rms_03m=(0.0, 0.0),
+        rms_03m=(0.002, 0.002),
         obstacle_density=(0.1, 0.1),
     )
     assert promise.describe() == (
-        "slope p50 1-2 deg, p95 3-4 deg, roughness 10-20 mm over 1 m, 0 mm over 0.3 m, "
+        "slope p50 1-2 deg, p95 3-4 deg, roughness 10-20 mm over 1 m, 2 mm over 0.3 m, "
         "10 obstacles per 100 m2"
     )
 

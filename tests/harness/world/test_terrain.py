@@ -17,6 +17,7 @@ class Noise(Terrain):
     size: float = constant(12.0, "m")
     height: float = parameter(0.1, 0.5, 2.0, "m")
     stones: int = parameter(1, 4, 9, "")
+    rocks: int = parameter(0, 0, 3, "")
 
     def _heights(self, x: Field, _y: Field, rng: np.random.Generator, /) -> Field:
         return self.height * rng.standard_normal(x.shape) - 0.0
@@ -33,13 +34,16 @@ def test_difficulty_moves_parameters_from_easiest_through_default_to_hardest() -
 
 
 def test_whole_numbers_stay_whole() -> None:
-    stones = Noise.at_difficulty(0.6).stones
+    stones = Noise.at_difficulty(0.58).stones  # 4.8
     assert stones == 5
     assert isinstance(stones, int)
 
 
 def test_a_description_tells_parameters_with_range_and_unit() -> None:
-    assert Noise.describe() == "size 12 m, cell 0.1 m, height 0.5 (0.1..2) m, stones 4 (1..9)"
+    assert (
+        Noise.describe()
+        == "size 12 m, cell 0.1 m, height 0.5 (0.1..2) m, stones 4 (1..9), rocks 0 (0..3)"
+    )
 
 
 def test_the_grid_has_its_size_and_cell_with_a_vertex_at_the_origin() -> None:

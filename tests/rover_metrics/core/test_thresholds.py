@@ -3,6 +3,7 @@ import math
 
 import pytest
 
+from rover_metrics.core.parameter import ParameterInfo
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO, Thresholds
 from rover_metrics.errors import ParameterError
 
@@ -24,6 +25,7 @@ def test_thresholds_have_roboterrains_defaults_and_a_described_range_from_zero()
         assert described == (default, 0.0, maximum, unit)
         assert info.valid_range == f"from 0.0 to {maximum} {unit}"
         assert info.description
+    assert ParameterInfo(default=1.0, description="a share").valid_range == "from 0.0 to inf"
 
 
 @pytest.mark.parametrize("name", VALID)

@@ -177,9 +177,11 @@ def test_grey_pictures_are_read_as_they_are(tmp_path: Path, mode: str) -> None:
     assert (raster.pixel, raster.in_metres) == ("it does not say how large it is", False)
 
 
-def test_lzw_by_another_writer_is_read(tmp_path: Path) -> None:
-    Image.fromarray(hills()).save(tmp_path / "a.tif", compression="tiff_lzw")
-    np.testing.assert_array_equal(read_raster(tmp_path / "a.tif").values, hills())
+@pytest.mark.parametrize("rows", [1, 200])  # of a strip; 200 are more than a SHORT counts bytes
+def test_lzw_by_another_writer_is_read(tmp_path: Path, rows: int) -> None:
+    heights = np.linspace(0.0, 1.0, 200 * 150, dtype=np.float32).reshape(200, 150)
+    Image.fromarray(heights).save(tmp_path / "a.tif", compression="tiff_lzw", tiffinfo={278: rows})
+    np.testing.assert_array_equal(read_raster(tmp_path / "a.tif").values, heights)
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.int16, np.float32])
@@ -445,7 +447,8 @@ def test_the_start_is_the_vertex_next_to_the_middle_with_gentle_ground_around_it
 
 
 def test_dem_on_which_no_rover_can_stand_is_refused(tmp_path: Path) -> None:
-    path = saved(tmp_path / "a.npy", np.tile(0.2 * np.arange(101.0), (101, 1)))
+    steps = np.where(np.arange(101) < 50, 0.2, 0.3)  # [m] from cell to cell of 0.2 m
+    path = saved(tmp_path / "a.npy", np.tile(steps.cumsum(), (101, 1)))
     with pytest.raises(UsageError, match=r"no rover can stand within 5\.05 m .* 45 deg steep"):
         world_of(path)
 

@@ -120,6 +120,7 @@ def test_a_negative_scale_is_a_size_as_for_gdal(tmp_path: Path) -> None:
         {"scale": (math.nan, 0.2, 0.0)},
         {"scale": (math.inf, 0.2, 0.0)},
         {"matrix": (0,) * 16},
+        {"matrix": (1, 0, 0, 0, 1, *(0,) * 11)},
     ],
 )
 def test_without_a_usable_place_the_size_is_unknown(tmp_path: Path, tags: dict[str, Any]) -> None:
@@ -149,6 +150,7 @@ def test_feet_and_kilometres_become_metres(tmp_path: Path, unit: int, metres: fl
         raster = read(tmp_path, scale=(2, 3, 0), keys={**keys, VERTICAL_UNIT: vertical})
         assert raster.in_metres
         np.testing.assert_allclose(raster.values, VALUES * height_unit)
+    assert not read(tmp_path, scale=(2, 3, 0), keys={**keys, VERTICAL_UNIT: 5103}).in_metres
 
 
 @pytest.mark.parametrize(
@@ -160,6 +162,8 @@ def test_feet_and_kilometres_become_metres(tmp_path: Path, unit: int, metres: fl
     ],
 )
 def test_degrees_and_unknown_units_are_named(tmp_path: Path, keys: dict[int, int], said: str) -> None:
-    pixel = read(tmp_path, scale=(1e-5, 1e-5, 0), keys=keys).pixel
-    assert isinstance(pixel, str)
-    assert pixel.startswith(said)
+    raster = read(tmp_path, scale=(1e-5, 1e-5, 0), keys=keys, values=VALUES.astype(np.uint8))
+    assert isinstance(raster.pixel, str)
+    assert raster.pixel.startswith(said)
+    assert raster.in_metres is (keys[MODEL_TYPE] == 2)  # heights above degrees are in metres
+    np.testing.assert_array_equal(raster.values, VALUES)

@@ -2,6 +2,8 @@
 
 import io
 import tarfile
+import tracemalloc
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +11,7 @@ import pytest
 import tifffile
 
 from harness.errors import UsageError
-from harness.world.heightmap.packed import READABLE, unpacked
+from harness.world.heightmap.packed import READABLE, _inflated, unpacked
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +53,15 @@ def test_a_part_that_holds_too_little_is_damaged(files: dict[str, bytes]) -> Non
     page.databytecounts = (9, *page.databytecounts[1:])
     with pytest.raises(ValueError, match=r"reshape|buffer"):
         unpacked(page)
+
+
+def test_a_part_that_holds_too_much_is_not_unpacked_whole() -> None:
+    packed = zlib.compress(bytes(10**7))
+    tracemalloc.start()
+    with pytest.raises(UsageError, match="unpacks to more than its size"):
+        _inflated(packed, 10**3)
+    assert tracemalloc.get_traced_memory()[1] < 10**6
+    tracemalloc.stop()
 
 
 def test_an_unknown_predictor_is_named(files: dict[str, bytes]) -> None:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from harness.world.terrains.marsyard import crater, hill
+from harness.world.terrains.marsyard import Marsyard, crater, hill
 from harness.world.world import build_world
 
 
@@ -18,6 +18,13 @@ def test_its_craters_lie_below_and_its_hills_above_the_plain() -> None:
     plain = np.median(heights)
     assert heights.min() < plain - 0.9
     assert heights.max() > plain + 2.5
+
+
+def test_a_hill_stands_between_two_half_as_high_and_craters_as_deep_as_wide() -> None:
+    scales = sorted(
+        scale for scale, _ in Marsyard(hill=3.0, crater=1.0)._features(np.random.default_rng(0))
+    )
+    assert scales == pytest.approx([0.44, 0.72, 1.0, 1.5, 1.5, 3.0])
 
 
 def test_a_hill_peaks_at_its_centre_and_ends_at_its_radius() -> None:

@@ -1,8 +1,11 @@
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 
+from harness.world.heightfield import Heightfield
 from harness.world.obstacles import ObstacleKind
+from harness.world.terrains.rocky import Rocky
 from harness.world.world import World, build_world
 
 TopAt = Callable[[float, float], float]
@@ -36,6 +39,16 @@ def test_all_boulders_are_seen_by_a_low_lidar_and_half_of_them_by_a_high_one(
     assert len(shown) == 10
     assert min(shown) > ZERO_LIDAR + 0.1
     assert sum(height > LEO_LIDAR + 0.1 for height in shown) == 5
+
+
+def test_boulders_leave_a_metre_more_than_their_reach_around_the_spawn_free() -> None:
+    terrain, small = Rocky(rocks=0, boulders=4), Heightfield(np.zeros((81, 81)), 0.1)
+    places = [
+        boulder.position[:2]
+        for seed in range(60)
+        for boulder in terrain.obstacles(small, np.random.default_rng(seed))
+    ]
+    assert 3.1 <= np.hypot(*np.transpose(places)).min() < 3.11  # 1.5 m free, 0.6 m of reach
 
 
 def test_rocks_are_ellipsoids_of_four_to_fifteen_centimetres() -> None:
