@@ -14,7 +14,7 @@ class Effort:
         rounds: Repeats of each measurement.
         seconds: Simulated seconds of a run.
         poses: Places from which a scan is taken in each round.
-        maps: How many of the lidar's maps, the small ones first.
+        maps: How many of the lidar's maps, the small ones first, and at most as many rovers that learn.
         hour: What the memory benchmark calls an hour, in simulated seconds.
     """
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
-from harness.drivers import find_driver
+from harness.drivers import find_driver, takes_goals
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.drivers.staged import StagedEncounter
 from harness.errors import UsageError, find_named
@@ -135,8 +135,12 @@ class EpisodeConfig:
 
     def _validate_plan(self) -> None:
         told = (*self.commands, *self.goals)
-        for what, driver in ((self.commands, CMD_VEL), (self.goals, "goal")):
-            if what and self.driver != driver:
+        plans = (
+            (self.commands, self.driver == CMD_VEL, CMD_VEL),
+            (self.goals, takes_goals(self.driver), "goal"),
+        )
+        for what, heeds, driver in plans:
+            if what and not heeds:
                 raise UsageError(f"driver '{self.driver}' is told nothing; this needs driver '{driver}'")
         if not all(math.isfinite(value) for _, *values in told for value in values):
             raise UsageError("a command or goal is not valid; give finite numbers")

@@ -12,7 +12,13 @@ from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 from harness.errors import UsageError
 
 T = TypeVar("T")
-NAMES = {str: "text", int: "a whole number", float: "a number", dict: "keys with values"}
+NAMES = {
+    bool: "true or false",
+    str: "text",
+    int: "a whole number",
+    float: "a number",
+    dict: "keys with values",
+}
 
 
 def read_mapping(path: Path) -> dict[str, Any]:

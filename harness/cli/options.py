@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from harness import __version__
 from harness.config import CMD_VEL_TYPES, EpisodeConfig, RosOptions
-from harness.drivers import DRIVERS
+from harness.drivers import DRIVERS, takes_goals
 from harness.episode.metrics_feed import extended_ros_args, extended_settings, parameter_words
 from harness.errors import UsageError
 from harness.faults.spec import FORM, describe_faults
@@ -30,7 +30,7 @@ Option = tuple[str, Callable[[str], Any], str, str]  # flag, type, metavar, help
 
 EPISODE: tuple[Option, ...] = (
     ("--robot", str, "NAME", ", ".join(ROVERS)),
-    ("--driver", str, "NAME", ", ".join(DRIVERS)),
+    ("--driver", str, "NAME", f"{', '.join(DRIVERS)}, or policy:FILE.npz (docs/gym.md)"),
     ("--seed", int, "N", "of everything random"),
     ("--duration", float, "S", "simulated seconds"),
     ("--difficulty", float, "D", "0 to 1"),
@@ -185,7 +185,7 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         (options.odom_tf != FrameOptions.odom_tf, "--odom-tf"),
         (options.odom_tf_3d, "--odom-tf-3d"),
         (options.map_tf, "--map-tf"),
-        (options.driver in ("cmd_vel", "goal"), f"--driver {options.driver}"),
+        (options.driver == "cmd_vel" or takes_goals(options.driver), f"--driver {options.driver}"),
     ):
         if given:
             raise UsageError(f"{flag} needs ROS; leave out --direct")

@@ -1,11 +1,16 @@
 """Drivers by name: what chooses the commands of an episode."""
 
+from pathlib import Path
+
 from harness.drivers.base import Driver, DriverContext, Observation
 from harness.drivers.encounters import Graze, PassBy, Ram, ReverseInto, Swing
 from harness.drivers.goal import Goal
+from harness.drivers.point_nav import SENSED
+from harness.drivers.policy import PREFIX, PolicyDriver, driver_of, read_policy
 from harness.drivers.scripted import CmdVel, Figure8, Spin, Straight
 from harness.drivers.wander import Roam, Wander
 from harness.errors import find_named
+from harness.samples import LaserScan, Sample
 
 __all__ = [
     "DRIVERS",
@@ -15,7 +20,10 @@ __all__ = [
     "DriverContext",
     "Goal",
     "Observation",
+    "PolicyDriver",
     "find_driver",
+    "sensed_by",
+    "takes_goals",
 ]
 
 DRIVERS: dict[str, type[Driver]] = {
@@ -32,13 +40,37 @@ DRIVERS: dict[str, type[Driver]] = {
     "swing": Swing,
     "pass_by": PassBy,
 }
-LOOKING = ("wander", "roam")  # those that use scans
+LOOKING = ("wander", "roam", "goal")  # those that use scans
 
 
 def find_driver(name: str) -> type[Driver]:
-    """Returns the driver of that name.
+    """Returns the driver of that name, or of the policy in a file, `policy:FILE`.
 
     Raises:
-        UsageError: No such driver; the message names those there are.
+        UsageError: No such driver; the message names those there are. Or no such policy.
     """
+    if name.startswith(PREFIX):
+        file = Path(name.removeprefix(PREFIX))
+        read_policy(file)
+        return driver_of(file)
     return find_named("driver", name, DRIVERS)
+
+
+def takes_goals(name: str) -> bool:
+    """Returns whether the driver of that name goes where it is told.
+
+    Raises:
+        UsageError: No such driver.
+    """
+    return issubclass(find_driver(name), Goal | PolicyDriver)
+
+
+def sensed_by(name: str) -> frozenset[type[Sample]]:
+    """Returns the samples that the driver of that name looks at.
+
+    Raises:
+        UsageError: No such driver.
+    """
+    if issubclass(find_driver(name), PolicyDriver):
+        return SENSED
+    return frozenset((LaserScan,) if name in LOOKING else ())

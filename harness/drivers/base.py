@@ -1,13 +1,14 @@
 """What a driver is: from what the rover can know to a twist, once per control period."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.robots import RoverSpec
-from harness.samples import Twist
+from harness.samples import Sample, Twist
 from harness.world.obstacles import Obstacle
 
 CONTROL_PERIOD_NS = 50_000_000  # 20 Hz, the lidar's rate: every command can use a fresh scan
@@ -23,6 +24,7 @@ class Observation:
         x: Position [m] in the world, as a localisation would tell; likewise `y`.
         yaw: Heading [rad].
         ranges: The last scan, shape (beams,), or None before the first.
+        readings: The last sample of each kind that is read.
         touches_hazard: What a bumper all around the rover would tell; for staged encounters.
     """
 
@@ -32,6 +34,7 @@ class Observation:
     yaw: float
     ranges: NDArray[np.float32] | None
     touches_hazard: bool = False
+    readings: Mapping[type[Sample], Sample] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Self
 
 from harness.config import EpisodeConfig, RosOptions
-from harness.drivers import LOOKING
+from harness.drivers import sensed_by
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.loop import Observer, Pacer, drive
@@ -23,7 +23,7 @@ from harness.errors import RunFailed, UsageError
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.interrupt import StopRequest
-from harness.samples import LaserScan, Sample, Tick
+from harness.samples import Sample, Tick
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.errors import LogError
 from rover_metrics.extended.settings import Settings
@@ -137,15 +137,14 @@ def run_unlogged(
     Args:
         config: What to run.
         stop: Ends the run early.
-        samples: What the observers want; the driver gets its scans all the same.
+        samples: What the observers want; the driver gets what it looks at all the same.
         observers: See every batch.
 
     Raises:
         UsageError: The arguments are not valid.
     """
     started = time.monotonic()
-    scans = {LaserScan} if config.driver in LOOKING else set()
-    episode = Episode(config, samples=samples | scans)
+    episode = Episode(config, samples=samples | sensed_by(config.driver))
     begun = RunResult(config=config, mode="without a log", info=episode.info)
     account = RunAccount(begun, started, None, dict, int)
     faults = FaultInjector((), config.seed)

@@ -12,7 +12,7 @@ from operator import itemgetter
 import numpy as np
 
 from harness.config import TICKS_PER_CONTROL, EpisodeConfig
-from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, find_driver
+from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, PolicyDriver, find_driver
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import RunFailed
 from harness.frames.options import FrameOptions
@@ -21,14 +21,13 @@ from harness.frames.transforms import describe
 from harness.physics.diff_drive import DiffDrive
 from harness.physics.scene import HAZARD_CONTACT, build_scene, model_hash
 from harness.physics.simulation import Simulation
-from harness.physics.start import check_start
+from harness.physics.start import check_room, check_start
 from harness.robots import find_rover
 from harness.samples import Imu, LaserScan, Place, Sample, Tick, Twist
-from harness.sensors import table
-from harness.sensors.base import HIGHEST_RATE, Sensor
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import PRESETS, SensorNoise
+from harness.sensors.suite import SensorSuite
 from harness.sim_time import NANOSECONDS, TICK_NS, parse_timestep
 from harness.truth.recorder import TruthRecorder
 from harness.world.world import terrain_hash
@@ -70,38 +69,26 @@ class Episode:
             start=world.start,
             notes=world.notes,
         )
+        if config.start is not None:
+            check_room(scene)
         self.simulation = Simulation(scene, timestep_ns)
         if config.start is not None:
             check_start(scene, self.simulation.data)
         self._recorder = TruthRecorder(self.simulation)
         self._hazard_contact = self.simulation.summed(HAZARD_CONTACT)
         lidar_spec = LidarSpec(beams=config.lidar_beams)
-        sensors: dict[type[Sample], Sensor] = {}
         parts: dict[str, object] = {
             "simulation": self.simulation,
             "lidar": Lidar(self.simulation.model, lidar_spec),
             "recorder": self._recorder,
-            "sensors": sensors,
         }
         self.description = None
         if frame_options is not None:
             frames = rover_frames(rover)
             self.description = describe(frames, frame_options)
             parts |= {"frames": frames, "frame_options": frame_options}
-        rates: dict[type[Sample], int] = {Imu: config.imu_rate}
-        for row in table.SENSORS:
-            wanted = samples is None or row.sample in samples
-            if wanted and parts.keys() >= set(row.parts):
-                sensors[row.sample] = row.make(parts, rates.get(row.sample, row.rate_on(rover)))
-        self._sensors = tuple(sensors.values())
-        # Periods divide a second: what is due in one is due in each.
-        self._due = [[s for s in self._sensors if s.due(n or HIGHEST_RATE)] for n in range(HIGHEST_RATE)]
-        self._observing = [s for s in self._sensors if type(s).observe is not Sensor.observe]
-        _, scan_rng, imu_rng = _generators(config.seed, 3)
-        limits = (lidar_spec.range_min, lidar_spec.range_max)
-        self._noise: SensorNoise | None = None
-        if config.noise is not None:
-            self._noise = SensorNoise(PRESETS[config.noise], limits, scan_rng, imu_rng)
+        noise = sensor_noise(config, lidar_spec)
+        self._sensors = SensorSuite(parts, rover, {Imu: config.imu_rate}, wanted=samples, noise=noise)
         self._bearings = lidar_spec.bearings
         planned: list[tuple[float, Callable[[], None]]] = [(t, self.reset) for t in config.resets]
         planned += [(t, partial(self.command, Twist(*twist))) for t, *twist in config.commands]
@@ -113,13 +100,12 @@ class Episode:
         """A driver that has done nothing yet, at a rover that stands."""
         self._began_ns = self.simulation.time_ns
         self._drive = DiffDrive(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
-        scene, (rng, *_) = self.simulation.scene, _generators(self.config.seed, 3)
+        scene, (rng, *_) = self.simulation.scene, generators(self.config.seed, 3)
         half_size, obstacles = scene.world.ground.half_size, scene.world.obstacles
         seconds = self.config.cmd_vel_timeout
         timeout_ns = None if seconds is None else round(seconds * NANOSECONDS)
         context = DriverContext(scene.rover, half_size, self._bearings, rng, obstacles, timeout_ns)
         self._driver: Driver = find_driver(self.config.driver)(context)
-        self._last_scan: LaserScan | None = None
 
     def command(self, twist: Twist) -> None:
         """Hands a command to the cmd_vel driver; other drivers make their own."""
@@ -127,8 +113,8 @@ class Episode:
             self._driver.obey(twist)
 
     def head_for(self, place: Place) -> None:
-        """Gives the driver `goal` its next goal; other drivers choose their own."""
-        if isinstance(self._driver, Goal):
+        """Gives the driver `goal`, or a policy, its next goal; other drivers choose their own."""
+        if isinstance(self._driver, Goal | PolicyDriver):
             self._driver.head_for(place.x, place.y, place.yaw)
 
     def reset(self, place: Place | None = None) -> None:
@@ -144,14 +130,12 @@ class Episode:
         Raises:
             Diverged: It cannot stand there.
         """
-        for sensor in self._sensors:
-            sensor.before_reset()
+        self._sensors.before_reset()
         if place is None:
             self.simulation.return_to_start()
         else:
             self.simulation.put(place.x, place.y, place.yaw)
-        for sensor in self._sensors:
-            sensor.after_reset()
+        self._sensors.after_reset()
         self._recorder.carried_away()
         self._begin()
 
@@ -187,28 +171,27 @@ class Episode:
 
     def _observe(self) -> Observation:
         simulation, (x, y, _) = self.simulation, self.simulation.position
-        ranges = None if self._last_scan is None else self._last_scan.ranges
+        scan = self._sensors.latest.get(LaserScan)
+        ranges = scan.ranges if isinstance(scan, LaserScan) else None
         touches, time_ns = bool(self._hazard_contact[0]), simulation.time_ns - self._began_ns
-        return Observation(time_ns, x, y, simulation.yaw, ranges, touches_hazard=touches)
+        return Observation(time_ns, x, y, simulation.yaw, ranges, touches, self._sensors.latest)
 
     def _tick(self, index: int) -> Tick:
         self.simulation.command_wheels(self._drive.wheel_speeds())
         self.simulation.tick()
         self._recorder.observe()
-        for sensor in self._observing:
-            sensor.observe()
-        samples = tuple(self._read(sensor) for sensor in self._due[index % HIGHEST_RATE])
-        return Tick(self.simulation.time_ns, samples)
-
-    def _read(self, sensor: Sensor) -> Sample:
-        sample = sensor.read()
-        if self._noise is not None:
-            sample = self._noise.corrupt(sample)
-        if isinstance(sample, LaserScan):
-            self._last_scan = sample
-        return sample
+        return Tick(self.simulation.time_ns, self._sensors.tick(index))
 
 
-def _generators(seed: int, count: int) -> list[np.random.Generator]:
+def sensor_noise(config: EpisodeConfig, lidar: LidarSpec) -> SensorNoise | None:
+    """Returns the noise of an episode, from its own generators; None without."""
+    if config.noise is None:
+        return None
+    _, scan_rng, imu_rng = generators(config.seed, 3)
+    return SensorNoise(PRESETS[config.noise], (lidar.range_min, lidar.range_max), scan_rng, imu_rng)
+
+
+def generators(seed: int, count: int) -> list[np.random.Generator]:
+    """Returns an episode's generators: of its driver, of its scans' noise, of its IMU's."""
     source = np.random.SeedSequence(seed, spawn_key=(RANDOM_STREAM,))
     return [np.random.default_rng(child) for child in source.spawn(count)]

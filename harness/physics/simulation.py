@@ -42,6 +42,7 @@ class Simulation:
         steps_per_tick: Steps of one clock tick.
         tick_sum: MuJoCo's sensor values, each summed over the steps of the last tick.
         contacts: What the rover touched in the last tick.
+        wheels: The actuators of the wheel joints, in the rover's order.
     """
 
     def __init__(self, scene: Scene, timestep_ns: int) -> None:
@@ -57,7 +58,7 @@ class Simulation:
         self.step_count = 0
         self.tick_sum = np.zeros(self.model.nsensordata)
         self.contacts = ContactWatch(self.model, self.data)
-        self._wheels = np.array([self.model.actuator(n).id for n in scene.rover.wheel_joints])
+        self.wheels = np.array([self.model.actuator(n).id for n in scene.rover.wheel_joints])
         self._parking = ParkingHold(self.model, scene.rover.wheel_joints)
         self._edge_x, self._edge_y = (half - EDGE_MARGIN for half in scene.world.ground.half_size)
         self._settle(scene.world.start)
@@ -113,7 +114,7 @@ class Simulation:
 
     def command_wheels(self, speeds: NDArray[np.float64]) -> None:
         """Sets the wheel speeds [rad/s] in the order of the rover's wheel joints; all 0 parks it."""
-        self.data.ctrl[self._wheels] = speeds
+        self.data.ctrl[self.wheels] = speeds
         self._parking.hold(not any(speeds.tolist()))
 
     def tick(self) -> None:
@@ -132,13 +133,21 @@ class Simulation:
             if any(counts.tolist()):
                 contacts.look()
         self.step_count += self.steps_per_tick
+        self.check()
+
+    def check(self) -> None:
+        """Checks the present state.
+
+        Raises:
+            RunFailed: It diverged, or the rover reached the edge of the map.
+        """
         self._check_health()
         self._check_edge()
 
     def return_to_start(self) -> None:
         """Puts the rover back to where and how it stood at time zero; time goes on."""
         mujoco.mj_setState(self.model, self.data, self._start, WHOLE_STATE)
-        self.command_wheels(self.data.ctrl[self._wheels])
+        self.command_wheels(self.data.ctrl[self.wheels])
         self.tick_sum.fill(0.0)
         self.contacts.begin()
 
@@ -169,7 +178,7 @@ class Simulation:
                 )
 
     def _check_edge(self) -> None:
-        x, y = self.data.qpos[0], self.data.qpos[1]
+        x, y = self.data.qpos[:2].tolist()
         if not (abs(x) < self._edge_x and abs(y) < self._edge_y):
             raise RunFailed(
                 f"the rover reached the edge of the map at t = {self.time_ns / NANOSECONDS:.2f} s "

@@ -29,27 +29,38 @@ def spawn_pose(scene: Scene, start: Start) -> NDArray[np.float64]:
     return np.array([x, y, height, math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)])
 
 
+def check_room(scene: Scene) -> None:
+    """Checks a start that somebody chose, before a rover is set down there.
+
+    Raises:
+        UsageError: An obstacle is in the way.
+    """
+    if names := _in_the_way(scene):
+        raise UsageError(f"{_told(scene)} is inside {', '.join(names)}; choose another --start")
+
+
 def check_start(scene: Scene, settled: mujoco.MjData) -> None:
-    """Checks a start that somebody chose.
+    """Checks what came of a start that somebody chose.
 
     Args:
         scene: The rover in its world.
         settled: The state that it came to from there.
 
     Raises:
-        UsageError: An obstacle is in the way, or the ground is too steep to stand on.
+        UsageError: The ground is too steep to stand on.
     """
-    start = "start " + ",".join(f"{value:g}" for value in scene.world.start)
-    if names := _in_the_way(scene):
-        raise UsageError(f"{start} is inside {', '.join(names)}; choose another --start")
     slid = math.dist(settled.qpos[:2], scene.world.start[:2])
     w, x, y, z = settled.qpos[3:7].tolist()
     tilt = math.acos(min(1.0, w * w - x * x - y * y + z * z))
     if slid > MOST_SLID or tilt > MOST_TILTED:
         raise UsageError(
-            f"no rover can stand at {start}: it slid {slid:.1f} m and leans by "
+            f"no rover can stand at {_told(scene)}: it slid {slid:.1f} m and leans by "
             f"{math.degrees(tilt):.0f} deg; choose another --start, on gentler ground"
         )
+
+
+def _told(scene: Scene) -> str:
+    return "start " + ",".join(f"{value:g}" for value in scene.world.start)
 
 
 def _in_the_way(scene: Scene) -> list[str]:

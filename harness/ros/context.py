@@ -79,3 +79,27 @@ def spin_until(executor: Executor, condition: Callable[[], bool], patience: floa
             return False
         executor.spin_once(timeout_sec=SPIN_TIMEOUT)
     return True
+
+
+def spin_until_quiet(
+    executor: Executor,
+    look: Callable[[], object],
+    quiet: float,
+    patience: float,
+    now: Callable[[], float] = time.monotonic,
+) -> None:
+    """Spins until what is looked at has not changed for a while.
+
+    Args:
+        executor: To be spun.
+        look: Returns what may change.
+        quiet: How long it must not [s].
+        patience: How long to spin at most [s].
+        now: Wall clock [s].
+    """
+    began = since = now()
+    seen = look()
+    while now() - since < quiet and now() - began < patience:
+        executor.spin_once(timeout_sec=min(quiet, SPIN_TIMEOUT))
+        if (found := look()) != seen:
+            seen, since = found, now()

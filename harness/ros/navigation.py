@@ -16,6 +16,7 @@ from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid
 
 from harness.config import EpisodeConfig
+from harness.drivers import takes_goals
 from harness.episode.stream import EpisodeProcess
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
@@ -76,7 +77,7 @@ class Navigation:
         self._take("initialpose", message.header.frame_id, message.pose.pose, self._source.put)
 
     def _head_for(self, message: PoseStamped) -> None:
-        if self._config.driver != "goal":
+        if not takes_goals(self._config.driver):
             if self._bridge.count_subscribers("goal_pose") == 1:  # else it is for Nav2's bt_navigator
                 reason = f"the driver is {self._config.driver}; start with --driver goal"
                 self._refuse("goal_pose", reason)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.config import EpisodeConfig
+from harness.drivers import takes_goals
 from harness.errors import UsageError
 from harness.scenario.events import CommandEvent, FaultEvent, ResetEvent
 from harness.scenario.spec import ExpectedFailure, Scenario
@@ -132,6 +133,6 @@ def _config(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> 
         seed=seed,
         faults=tuple(event.spec for event in events if isinstance(event, FaultEvent)),
         commands=tuple((e.at, *e.command) for e in events if isinstance(e, CommandEvent)),
-        goals=((0.0, *goal.at, goal.yaw),) if goal and values["driver"] == "goal" else (),
+        goals=((0.0, *goal.at, goal.yaw),) if goal and takes_goals(values["driver"]) else (),
         resets=tuple(event.at for event in events if isinstance(event, ResetEvent)),
     )

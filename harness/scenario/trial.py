@@ -23,7 +23,7 @@ from harness.episode.batch import Batch
 from harness.episode.direct import LoggedRun
 from harness.episode.result import RunResult, TopicCount
 from harness.errors import HarnessError, RunFailed, UsageError
-from harness.ros.context import spin_until
+from harness.ros.context import spin_until, spin_until_quiet
 from harness.ros.remote import DISCOVERY_PATIENCE, counted_by
 from harness.samples import Tick
 from harness.scenario.arrivals import topic_series
@@ -44,6 +44,7 @@ from rover_metrics.errors import LogError
 KEPT = 10.0  # [s] of the recording
 RECORDING = "run.mcap"
 OUTPUT, FILES = ".txt", "files"  # what programs say, and the folder that they may write into
+QUIET = 0.2  # [s] of wall time in which nothing new is discovered, before a run begins
 LOOK_NS = NANOSECONDS // 10  # of simulated time, between two looks for topics that have turned up
 # Nodes that are no part of what a command is started for: of ros2's own tools.
 TOOLS = ("_", "launch_ros_")
@@ -222,11 +223,18 @@ class ScenarioTrial(Trial):
     def _keep_in_step(self, name: str, node: object = None) -> None:
         """Hears what a node publishes from its first message on; see Trial."""
         super()._keep_in_step(name, node)
+        if node is None:  # no answer of another process tells that all of its publishers are known here
+            spin_until_quiet(self._executor, self._publishers, QUIET, DISCOVERY_PATIENCE)
         commands = self._bridge.commands
         before = commands.heard
         spin_until(self._executor, commands.look_around, DISCOVERY_PATIENCE)
         if self._hearing.look_around() or commands.heard != before:
             self._renew()
+
+    def _publishers(self) -> list[tuple[str, int]]:
+        """How many publishers each topic is known to have."""
+        bridge = self._bridge
+        return [(t, bridge.count_publishers(t)) for t, _ in bridge.get_topic_names_and_types()]
 
     def _wanted(self) -> dict[str, list[TopicQuantity]]:
         """What is expected of each topic."""

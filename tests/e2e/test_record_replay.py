@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from harness.run import main as run
 from rover_metrics.replay import main as replay
+from tests.support.complaint import complaint
 from tests.support.layouts import foxglove_paths, look_up, plotjuggler_paths
 from tests.support.waiting import wait_until
 
@@ -41,14 +42,6 @@ def recorded(bag: Path, *but: str) -> list[tuple[str, int, bytes]]:
     """Topic, time and bytes of every message of the other topics."""
     with AnyReader([bag]) as reader:
         return [(c.topic, t, bytes(data)) for c, t, data in reader.messages() if c.topic not in but]
-
-
-def complaint(capsys: pytest.CaptureFixture[str], *words: str) -> str:
-    """The one line of a run that is refused with exit code 2."""
-    assert run(words) == 2
-    told = capsys.readouterr().err
-    assert told.count("\n") == 1
-    return told
 
 
 @pytest.mark.usefixtures("ros_domain")
@@ -202,10 +195,12 @@ def test_recording_is_refused_before_the_run_where_it_cannot_be_written(
     words = ("--terrain", "flat", "--duration", "1", "--log-dir", str(tmp_path / "live"), "--record")
     taken = tmp_path / "taken.mcap"
     taken.touch()
-    assert "taken.mcap exists already, not overwriting" in complaint(capsys, *words, str(taken))
+    assert "taken.mcap exists already, not overwriting" in complaint(run, [*words, str(taken)], capsys)
     nowhere = str(tmp_path / "nowhere" / "x.mcap")
-    assert "create it first" in complaint(capsys, *words, nowhere)
-    assert "cannot be written: " in complaint(capsys, *words, "/proc/x.mcap")
-    assert "name a file that ends in .mcap" in complaint(capsys, *words, "x.bag")
-    assert "--record needs ROS; leave out --direct" in complaint(capsys, *words, "x.mcap", "--direct")
+    assert "create it first" in complaint(run, [*words, nowhere], capsys)
+    assert "cannot be written: " in complaint(run, [*words, "/proc/x.mcap"], capsys)
+    assert "name a file that ends in .mcap" in complaint(run, [*words, "x.bag"], capsys)
+    assert "--record needs ROS; leave out --direct" in complaint(
+        run, [*words, "x.mcap", "--direct"], capsys
+    )
     assert [path.name for path in tmp_path.iterdir()] == ["taken.mcap"]

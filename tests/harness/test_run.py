@@ -7,21 +7,9 @@ import pytest
 
 from harness.run import main
 from harness.world.terrains import TERRAINS
+from tests.support.complaint import complaint
 
 QUICK = ["--direct", "--terrain", "flat", "--duration", "2"]
-
-
-def complaint(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
-    """The one line that a wrong command line gives, with exit code 2."""
-    try:
-        code = main(arguments)
-    except SystemExit as leaving:
-        code = leaving.code  # type: ignore[assignment]  # argparse exits with a number
-    assert code == 2
-    text = capsys.readouterr().err
-    assert text.count("\n") == 1
-    assert "Traceback" not in text
-    return text
 
 
 def test_direct_run_writes_csv_and_manifest(tmp_path: Path) -> None:
@@ -100,7 +88,7 @@ def test_list_names_terrains_with_their_promises_robots_drivers_and_noise(
 def test_bad_argument_is_one_line_that_names_what_is_valid(
     arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    assert expected in complaint([*arguments, "--log-dir", str(tmp_path)], capsys)
+    assert expected in complaint(main, [*arguments, "--log-dir", str(tmp_path)], capsys)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -108,12 +96,14 @@ def test_file_where_the_log_folder_should_be_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "logs").write_text("not a folder")
-    text = complaint([*QUICK, "--log-dir", str(tmp_path / "logs")], capsys)
+    text = complaint(main, [*QUICK, "--log-dir", str(tmp_path / "logs")], capsys)
     assert "a file stands where a folder should be" in text
 
 
 def test_unwritable_log_folder_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert "cannot create a log in /proc/logs" in complaint([*QUICK, "--log-dir", "/proc/logs"], capsys)
+    assert "cannot create a log in /proc/logs" in complaint(
+        main, [*QUICK, "--log-dir", "/proc/logs"], capsys
+    )
 
 
 def test_missing_rclpy_names_the_extra_and_direct(
@@ -122,6 +112,6 @@ def test_missing_rclpy_names_the_extra_and_direct(
     for module in [name for name in sys.modules if name.startswith("harness.ros.")]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, "rclpy", None)
-    text = complaint(["--terrain", "flat", "--log-dir", str(tmp_path)], capsys)
+    text = complaint(main, ["--terrain", "flat", "--log-dir", str(tmp_path)], capsys)
     assert "pip install 'rover-harness[ros]'" in text
     assert "--direct" in text

@@ -24,6 +24,7 @@ from rover_metrics.replay import main
 from rover_metrics.session import MetricsSession
 from rover_metrics.timing.recorded_time import TimeSource
 from rover_metrics.topics import SENSORS
+from tests.support.complaint import complaint
 
 NANOSECONDS = 1_000_000_000
 REAL_BAG = Path(__file__).parents[3] / "shared/data/roboterrain/bags/rover_trajectory"
@@ -180,19 +181,6 @@ def replay(bag: Path, *words: str, code: int = 0) -> list[list[str]]:
         return list(csv.reader(file))[1:]
 
 
-def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
-    """The one line of a command line that cannot be served, with exit code 2."""
-    try:
-        code = main(words)
-    except SystemExit as leaving:
-        code = int(leaving.code or 0)
-    told = capsys.readouterr().err
-    assert code == 2
-    assert told.count("\n") == 1
-    assert "Traceback" not in told
-    return told
-
-
 def cells(rows: list[Row]) -> list[list[str]]:
     return [[str(cell) for cell in row.as_fields()] for row in rows]
 
@@ -273,7 +261,9 @@ def test_recording_without_clock_follows_recorded_time_and_tells_of_other_stamps
     assert "--time header follows them" in capsys.readouterr().err
     assert replay(bag, "--time", "header") == cells(expected_rows())
     assert capsys.readouterr().err == ""
-    assert "--time sim needs /clock, but /clock is missing" in refused(capsys, str(bag), "--time", "sim")
+    assert "--time sim needs /clock, but /clock is missing" in complaint(
+        main, [str(bag), "--time", "sim"], capsys
+    )
 
 
 def test_second_that_ends_with_the_recording_has_its_row_in_every_time(tmp_path: Path) -> None:
@@ -318,7 +308,7 @@ def test_remapped_topics_are_read_from_where_they_were_recorded(
     names = ["scan", "imu/data", "/rover/pose_array", "odometry/wheels", "/clock"]
     words = [w for name in names for w in ("--remap", f"{name}:=rover1/{name.lstrip('/')}")]
     assert replay(bag, *words) == cells(expected_rows())
-    told = refused(capsys, str(bag))
+    told = complaint(main, [str(bag)], capsys)
     assert "no topic to replay" in told
     assert "/rover1/scan" in told
 
@@ -338,7 +328,7 @@ def test_bad_argument_is_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], expected: str
 ) -> None:
     bag = write_mcap(tmp_path / "bag.mcap", drive(1.0))
-    assert expected in refused(capsys, str(bag), *words)
+    assert expected in complaint(main, [str(bag), *words], capsys)
 
 
 def test_existing_file_is_replaced_only_on_request(
@@ -347,13 +337,15 @@ def test_existing_file_is_replaced_only_on_request(
     bag = write_mcap(tmp_path / "bag.mcap", drive())
     output = tmp_path / "rows.csv"
     output.write_text("precious")
-    told = refused(capsys, str(bag), "-o", str(output))
+    told = complaint(main, [str(bag), "-o", str(output)], capsys)
     assert "rows.csv exists already, not overwriting" in told
     assert output.read_text() == "precious"
     assert main([str(bag), "-o", str(output), "--overwrite"]) == 0
     assert output.read_text().startswith("Timestamp,")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bag.mcap", "rows.csv"]
-    assert "is the recording itself" in refused(capsys, str(bag), "-o", str(bag), "--overwrite")
+    assert "is the recording itself" in complaint(
+        main, [str(bag), "-o", str(bag), "--overwrite"], capsys
+    )
 
 
 def test_without_a_name_the_log_goes_where_those_of_the_node_go(
@@ -459,22 +451,22 @@ def test_file_that_is_no_recording_is_refused_with_the_reason(
 ) -> None:
     file = tmp_path / "bag.mcap"
     file.write_bytes(content)
-    assert expected in refused(capsys, str(file), "-o", str(tmp_path / "rows.csv"))
+    assert expected in complaint(main, [str(file), "-o", str(tmp_path / "rows.csv")], capsys)
     assert list(tmp_path.iterdir()) == [file]
 
 
 def test_place_without_a_recording_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert "does not exist" in refused(capsys, str(tmp_path / "nothing"))
-    assert refused(capsys, str(tmp_path)).endswith("holds no .mcap and no .db3 file\n")
+    assert "does not exist" in complaint(main, [str(tmp_path / "nothing")], capsys)
+    assert complaint(main, [str(tmp_path)], capsys).endswith("holds no .mcap and no .db3 file\n")
     for name in ("a", "b", "deep/down", "empty"):
         (tmp_path / "runs" / name).mkdir(parents=True)
     for name in ("a/a.mcap", "b/b.db3", "deep/down/no.mcap"):
         (tmp_path / "runs" / name).touch()
-    assert refused(capsys, str(tmp_path / "runs")).endswith("; bags in it: a, b\n")
+    assert complaint(main, [str(tmp_path / "runs")], capsys).endswith("; bags in it: a, b\n")
     bag = write_mcap(tmp_path / "bag.mcap", drive(1.0), encoding="json")
-    assert "/scan is json-encoded" in refused(capsys, str(bag))
+    assert "/scan is json-encoded" in complaint(main, [str(bag)], capsys)
 
 
 def test_replay_needs_no_ros(tmp_path: Path) -> None:

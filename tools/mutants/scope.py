@@ -62,6 +62,11 @@ PACKAGES = (
             "arrivals baseline bound case events judge quantities reading series topic verdict",
         ),
     ),
+    Package(
+        "learning environments",
+        _modules(_HARNESS, "gym/*"),
+        tests=("tests/harness/gym",),
+    ),
     Package("world", _modules(f"{_HARNESS}/world", "* terrains/* heightmap/*")),
     Package("tuning scores", _modules(f"{_HARNESS}/tuning", "scoring/* episodes/contacts")),
 )

@@ -1,0 +1,175 @@
+"""The driver of a trained policy: a small network in a file of numpy arrays, no learning library.
+
+The file (.npz) has `weights_0`, `bias_0`, `weights_1`, ... of its layers, shapes (in, out) and (out,),
+and the name of the `activation` between them. It takes what RoverHarness/PointNav-v0 observes, array
+after array in the order of their names, and gives that environment's action.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import ClassVar
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.drivers import point_nav
+from harness.drivers.base import DriverContext, Observation
+from harness.errors import UsageError, find_named
+from harness.robots import RoverSpec
+from harness.samples import Sample, Twist
+
+PREFIX = "policy:"  # of the driver's name, before the file's
+RANGE_MAX = 10.0  # [m] of the lidar, as harness.sensors.lidar_spec has it
+BESIDE_LIDAR = sum(len(low) for name, (low, _) in point_nav.limits(RANGE_MAX).items() if name != "lidar")
+
+Floats = NDArray[np.float32]
+
+
+def _relu(values: Floats) -> Floats:
+    return np.maximum(values, np.float32(0.0))
+
+
+ACTIVATIONS: dict[str, Callable[[Floats], Floats]] = {"tanh": np.tanh, "relu": _relu}
+
+
+@dataclass(frozen=True, eq=False)
+class Policy:
+    """A network of dense layers.
+
+    Attributes:
+        layers: Weights, shape (in, out), and bias, shape (out,), of each.
+        activation: Between two layers; one of ACTIVATIONS.
+    """
+
+    layers: tuple[tuple[Floats, Floats], ...]
+    activation: str = "tanh"
+
+    @property
+    def beams(self) -> int:
+        """Beams of the lidar that it was made for."""
+        return len(self.layers[0][0]) - BESIDE_LIDAR
+
+    def act(self, observation: Mapping[str, Floats]) -> Floats:
+        """Returns the action for an observation of PointNav, shape (2,), each -1 to 1."""
+        values = np.concatenate([observation[name] for name in sorted(observation)])
+        for index, (weights, bias) in enumerate(self.layers):
+            if index:
+                values = ACTIVATIONS[self.activation](values)
+            values = values @ weights + bias
+        return point_nav.clipped(values, -1.0, 1.0)
+
+    def command(
+        self, readings: Mapping[type[Sample], Sample], goal: point_nav.Point, rover: RoverSpec
+    ) -> Twist:
+        """Returns the command for what was read.
+
+        Args:
+            readings: The last of each of point_nav.SENSED.
+            goal: In the world [m].
+            rover: Whose largest speeds an action is a share of.
+        """
+        values = point_nav.observed(readings, goal, RANGE_MAX)
+        ends = point_nav.limits(RANGE_MAX)
+        arrays = {name: point_nav.clipped(values[name], *ends[name]) for name in ends}
+        return point_nav.commanded(self.act(arrays).astype(np.float64), rover)
+
+
+def write_policy(path: Path, policy: Policy) -> None:
+    """Writes a policy as the driver reads it."""
+    arrays: dict[str, NDArray[np.generic]] = {"activation": np.array(policy.activation)}
+    for index, (weights, bias) in enumerate(policy.layers):
+        arrays |= {f"weights_{index}": weights, f"bias_{index}": bias}
+    np.savez(path, **arrays)  # type: ignore[arg-type]  # its own keyword is of another type
+
+
+def read_policy(path: Path) -> Policy:
+    """Returns the policy of a file.
+
+    Raises:
+        UsageError: It cannot be read, or is no policy for point navigation.
+    """
+    try:
+        return _read(path, path.stat().st_mtime_ns)
+    except OSError as error:
+        raise UsageError(f"policy {path} cannot be read: {error.strerror}; give an .npz file") from error
+
+
+@lru_cache(maxsize=4)
+def _read(path: Path, _modified_ns: int) -> Policy:
+    try:
+        with np.load(path, allow_pickle=False) as found:
+            arrays = dict(found)
+    except (ValueError, BadZipFile, TypeError, EOFError) as error:
+        raise UsageError(f"policy {path} is no .npz file of arrays; see docs/gym.md") from error
+    count = sum(name.startswith("weights_") for name in arrays)
+    names = [f"{kind}_{index}" for index in range(max(count, 1)) for kind in ("weights", "bias")]
+    missing = [name for name in ("activation", *names) if name not in arrays]
+    if missing:
+        raise UsageError(f"policy {path} lacks {', '.join(missing)}; see docs/gym.md")
+    floats = [arrays[name].astype(np.float32) for name in names]
+    layers = tuple(zip(floats[::2], floats[1::2], strict=True))
+    activation = str(arrays["activation"])
+    find_named(f"policy {path}: activation", activation, ACTIVATIONS)
+    _check_shapes(path, layers)
+    return Policy(layers, activation)
+
+
+def _check_shapes(path: Path, layers: tuple[tuple[Floats, Floats], ...]) -> None:
+    size = layers[0][0].shape[0] if layers[0][0].ndim else 0
+    for index, (weights, bias) in enumerate(layers):
+        if weights.ndim != 2 or weights.shape != (size, bias.size) or bias.ndim != 1:
+            shapes = f"{weights.shape} and {bias.shape}"
+            raise UsageError(f"policy {path}: layer {index} of {shapes} does not take {size} numbers")
+        size = bias.size
+    finite = all(np.isfinite(array).all() for layer in layers for array in layer)
+    if size != 2 or len(layers[0][0]) <= BESIDE_LIDAR or not finite:
+        raise UsageError(
+            f"policy {path} was made for other spaces, {len(layers[0][0])} inputs and {size} outputs; "
+            f"give one with {BESIDE_LIDAR} inputs and one a beam, 2 outputs, and finite numbers"
+        )
+
+
+class PolicyDriver:
+    """Drives to each goal that it is told as its policy does; stands without one, and before a scan.
+
+    Raises:
+        UsageError: The policy is for a lidar with another number of beams.
+    """
+
+    summary: ClassVar[str] = "drives to each /goal_pose as a policy trained on PointNav does"
+    file: ClassVar[Path]
+
+    def __init__(self, context: DriverContext) -> None:
+        self._policy, self._rover = read_policy(self.file), context.rover
+        beams = len(context.bearings)
+        if beams != self._policy.beams:
+            raise UsageError(
+                f"policy {self.file} is for {self._policy.beams} beams, the lidar has {beams}; "
+                f"give --lidar-beams {self._policy.beams}"
+            )
+        self._goal: tuple[float, float] | None = None
+
+    def head_for(self, x: float, y: float, _yaw: float) -> None:
+        """Takes the next goal.
+
+        Args:
+            x: Position in the world [m]; likewise `y`.
+            y: See `x`.
+            _yaw: Not minded: PointNav is at its goal however it stands.
+        """
+        self._goal = x, y
+
+    def command(self, observation: Observation) -> Twist:
+        """Returns the policy's command."""
+        if self._goal is None or not observation.readings.keys() >= point_nav.SENSED:
+            return Twist()
+        return self._policy.command(observation.readings, self._goal, self._rover)
+
+
+@lru_cache(maxsize=4)
+def driver_of(file: Path) -> type[PolicyDriver]:
+    """Returns the driver of the policy in a file."""
+    return type(f"PolicyDriver[{file.name}]", (PolicyDriver,), {"file": file})

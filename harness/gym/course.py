@@ -1,0 +1,86 @@
+"""A compiled world that a rover drives in episode after episode, and the rover that varies."""
+
+import copy
+from dataclasses import asdict, dataclass, replace
+
+import mujoco
+import numpy as np
+
+from harness.config import EpisodeConfig
+from harness.drivers.base import CONTROL_PERIOD
+from harness.gym.options import Randomisation
+from harness.gym.places import Places
+from harness.physics.scene import Scene, build_scene
+from harness.robots import find_rover
+from harness.sensors.lidar import Lidar
+from harness.sensors.lidar_spec import LidarSpec
+from harness.world.world import Start, starting_at
+
+
+@dataclass(frozen=True, kw_only=True)
+class Variation:
+    """One draw from a `Randomisation`, whose fields it has."""
+
+    friction: float = 1.0
+    mass: float = 1.0
+    payload: float = 0.0
+    motor_strength: float = 1.0
+    latency: float = 0.0
+
+    @property
+    def late_periods(self) -> int:
+        """Control periods by which readings are late."""
+        return round(self.latency / CONTROL_PERIOD)
+
+
+def draw_variation(randomisation: Randomisation, rng: np.random.Generator) -> Variation:
+    """Returns a draw; each field takes one number from the generator, wherever its bounds are."""
+    return Variation(**{name: rng.uniform(*bounds) for name, bounds in asdict(randomisation).items()})
+
+
+class Course:
+    """One world with one rover, compiled once.
+
+    Args:
+        config: Which world, rover and lidar.
+
+    Attributes:
+        config: Likewise.
+        scene: The rover where `harness.run` starts.
+        lidar: Of that rover in that world.
+        places: Where episodes may start and end.
+    """
+
+    def __init__(self, config: EpisodeConfig) -> None:
+        world, rover = config.world(), find_rover(config.robot)
+        self.config = config
+        self.scene = build_scene(world, rover, config.timestep)
+        self.lidar = Lidar(self.scene.model, LidarSpec(beams=config.lidar_beams))
+        self.places = Places(world, rover)
+
+    def varied(self, start: Start, variation: Variation) -> Scene:
+        """Returns the scene of an episode, which may change its model as it likes.
+
+        Args:
+            start: x, y [m] and yaw [rad].
+            variation: Of the rover.
+
+        Raises:
+            UsageError: The start is not on the map.
+        """
+        scene, model = self.scene, copy.copy(self.scene.model)
+        if variation != Variation(latency=variation.latency):
+            _vary(model, variation)
+        return replace(scene, model=model, world=starting_at(scene.world, start))
+
+
+def _vary(model: mujoco.MjModel, variation: Variation) -> None:
+    """Changes friction, masses and motors of the rover."""
+    base = model.body("rover").id
+    own = model.body_rootid == base
+    model.geom_friction[own[model.geom_bodyid], 0] *= variation.friction
+    model.body_mass[own] *= variation.mass
+    model.body_inertia[own] *= variation.mass
+    model.body_mass[base] += variation.payload
+    model.actuator_forcerange[:] *= variation.motor_strength
+    mujoco.mj_setConst(model, mujoco.MjData(model))

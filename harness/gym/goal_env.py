@@ -1,0 +1,111 @@
+"""RoverHarness/PointNavGoal: PointNav with sparse rewards, as hindsight experience replay wants it.
+
+The rules are those of Gymnasium-Robotics' GoalEnv: `compute_reward` and its siblings judge any pair of
+an achieved and a desired goal, one by one or in batches.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.drivers.point_nav import attitude, latest
+from harness.gym.env import Info
+from harness.gym.observation import Part, space_of
+from harness.gym.point_nav import PointNavEnv, PointNavOptions
+from harness.gym.ride import Ride
+from harness.samples import Pose
+
+FARTHEST = 1000.0  # [m] from the map's middle: maps are smaller, or nobody drives there in an episode
+POSITION = "x, y of the rover in the world [m], of /rover/pose_array"
+Numbers = NDArray[np.floating[Any]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointNavGoalOptions(PointNavOptions):
+    """What PointNavGoal understands: what PointNav does; the weights of `reward` have no effect."""
+
+
+class PointNavGoalEnv(PointNavEnv):
+    """Drives to a goal in the world; the reward is 0 there and -1 anywhere else."""
+
+    options_class = PointNavGoalOptions
+
+    def __init__(self, render_mode: str | None = None, **options: object) -> None:
+        super().__init__(render_mode, **options)
+        own = {name: part for name, part in self.parts.items() if name != "goal"}
+        boxes = [own[name].space() for name in own]
+        heading = (-1.0, -1.0), (1.0, 1.0)
+        low = (*np.concatenate([box.low for box in boxes]).tolist(), *heading[0])
+        high = (*np.concatenate([box.high for box in boxes]).tolist(), *heading[1])
+        about = f"{', '.join(own)} of PointNav one after the other, then sine and cosine of the yaw"
+        self._own = tuple(own)
+        self.parts = {
+            "observation": Part(low, high, about),
+            "achieved_goal": Part((-FARTHEST,) * 2, (FARTHEST,) * 2, POSITION),
+            "desired_goal": Part((-FARTHEST,) * 2, (FARTHEST,) * 2, "x, y of the goal in the world [m]"),
+        }
+        self.observation_space = space_of(self.parts)
+
+    def compute_reward(self, achieved_goal: Numbers, desired_goal: Numbers, info: Any) -> Numbers:  # noqa: ANN401, ARG002
+        """Returns 0 where a goal is reached, else -1; for one pair or for many.
+
+        Args:
+            achieved_goal: Shape (2,) or (n, 2) [m].
+            desired_goal: Likewise.
+            info: Not needed.
+        """
+        return np.asarray(self._reached(achieved_goal, desired_goal), np.float64) - 1.0
+
+    def compute_terminated(self, achieved_goal: Numbers, desired_goal: Numbers, info: Info) -> bool:
+        """Returns whether the episode ends there by itself.
+
+        Args:
+            achieved_goal: Shape (2,) [m].
+            desired_goal: Likewise.
+            info: Of the step; what ended it for another reason still does.
+        """
+        ended = info.get("ending", "") in self.terminal_endings - {"reached"}
+        return ended or bool(self._reached(achieved_goal, desired_goal))
+
+    def compute_truncated(self, achieved_goal: Numbers, desired_goal: Numbers, info: Info) -> bool:  # noqa: ARG002
+        """Returns whether the step ended the episode without an outcome.
+
+        Args:
+            achieved_goal: Not needed; likewise `desired_goal`.
+            desired_goal: See `achieved_goal`.
+            info: Of the step.
+        """
+        ending = info.get("ending", "")
+        return bool(ending) and ending not in self.terminal_endings
+
+    def _reached(self, achieved: Numbers, desired: Numbers) -> NDArray[np.bool_]:
+        return np.asarray(_apart(achieved, desired) < self.options.goal_radius)
+
+    def _observe(self, ride: Ride) -> Mapping[str, object]:
+        values = super()._observe(ride)
+        pose = latest(ride.readings, Pose)
+        yaw = attitude(pose.orientation)[2]
+        flat = [np.asarray(values[name], np.float32) for name in self._own]
+        flat.append(np.array([math.sin(yaw), math.cos(yaw)], np.float32))
+        achieved, desired = pose.position[:2], self.goal
+        return {"observation": np.concatenate(flat), "achieved_goal": achieved, "desired_goal": desired}
+
+    def _to_goal(self, ride: Ride) -> float:
+        """By what is observed, so that a reward computed afterwards is the one that was given."""
+        achieved = np.array(latest(ride.readings, Pose).position[:2], np.float32)
+        return float(_apart(achieved, np.array(self.goal, np.float32)))
+
+    def _judge(self, ride: Ride, failure: str) -> tuple[float, str, Info]:
+        _, ending, info = super()._judge(ride, failure)
+        del info["reward_terms"]
+        return float(ending == "reached") - 1.0, ending, info
+
+
+def _apart(achieved: Numbers, desired: Numbers) -> Numbers:
+    """Distance of each pair of goals [m]."""
+    apart = np.asarray(achieved, np.float64) - np.asarray(desired, np.float64)
+    return np.asarray(np.hypot(apart[..., 0], apart[..., 1]))

@@ -1,0 +1,92 @@
+"""The spaces of what agents observe, part by part, and the ground around a rover as one of the parts."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from harness.drivers.point_nav import attitude, clipped, limits
+from harness.samples import Pose
+from harness.world.heightfield import Heightfield
+
+Observation = dict[str, NDArray[np.float32]]
+
+AHEAD = tuple(round(-0.5 + 0.2 * n, 3) for n in range(11))  # [m] at which the ground is scanned
+LEFT = tuple(round(0.6 - 0.2 * n, 3) for n in range(7))  # [m] likewise, from left to right
+LARGEST_HEIGHT = 2.0  # [m] above or below the rover that is told
+
+
+@dataclass(frozen=True)
+class Part:
+    """One entry of a Dict observation.
+
+    Attributes:
+        low: Smallest value, of all or of each; likewise `high`.
+        about: What it is, with units, for the docs.
+    """
+
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    about: str
+    size: int = 0  # if all have the same limits
+
+    def space(self) -> spaces.Box:
+        """Returns its space."""
+        if self.size:
+            return spaces.Box(self.low[0], self.high[0], (self.size,), np.float32)
+        return spaces.Box(np.array(self.low, np.float32), np.array(self.high, np.float32))
+
+
+def space_of(parts: Mapping[str, Part]) -> spaces.Dict:
+    """Returns the space of an observation of these parts."""
+    return spaces.Dict({name: part.space() for name, part in parts.items()})
+
+
+def within(values: Mapping[str, object], space: spaces.Dict) -> Observation:
+    """Returns an observation within its space: float32, in new arrays."""
+    boxes = cast("Mapping[str, spaces.Box]", space.spaces)
+    return {name: clipped(values[name], box.low, box.high) for name, box in boxes.items()}
+
+
+def heights_around(ground: Heightfield, pose: Pose) -> list[float]:
+    """Returns the ground's heights over the rover's model frame [m] at AHEAD x LEFT of it, row by row.
+
+    Obstacles are not in it; the grid turns with the heading, not with roll and pitch.
+    """
+    x, y, z = pose.position
+    yaw = attitude(pose.orientation)[2]
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return [
+        ground.height_at(x + cos * ahead - sin * left, y + sin * ahead + cos * left) - z
+        for ahead in AHEAD
+        for left in LEFT
+    ]
+
+
+def height_part() -> Part:
+    """Returns what `heights_around` tells, as a part of an observation."""
+    where = f"{AHEAD[0]:g} to {AHEAD[-1]:g} m ahead, {LEFT[0]:g} m left to right, every 0.2 m"
+    about = f"heights of the ground without obstacles over the rover [m], {where}"
+    return Part((-LARGEST_HEIGHT,), (LARGEST_HEIGHT,), about, len(AHEAD) * len(LEFT))
+
+
+def point_nav_parts(beams: int, range_max: float) -> dict[str, Part]:
+    """Returns what RoverHarness/PointNav observes.
+
+    Args:
+        beams: Of the lidar.
+        range_max: Of the lidar [m].
+    """
+    about = {
+        "lidar": "ranges of /scan [m], the first ahead, then counter-clockwise; a miss is the largest",
+        "goal": "distance [m], sine, cosine of bearing",
+        "imu": "specific force [m/s^2], angular rate [rad/s] along x, y, z, roll, pitch [rad], by IMU",
+        "velocities": "speed [m/s], yaw rate [rad/s] of /odometry/wheels",
+    }
+    sizes = {"lidar": beams}
+    ends = limits(range_max)
+    return {name: Part(*ends[name], text, sizes.get(name, 0)) for name, text in about.items()}

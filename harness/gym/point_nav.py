@@ -1,0 +1,159 @@
+"""RoverHarness/PointNav: to a point, by lidar, IMU and wheel odometry, without touching hazards."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import ClassVar
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from harness.drivers.point_nav import commanded, latest, observed
+from harness.errors import UsageError
+from harness.gym.env import FLIPPED, Info, RoverEnv
+from harness.gym.observation import (
+    Part,
+    height_part,
+    heights_around,
+    point_nav_parts,
+    space_of,
+)
+from harness.gym.options import Options
+from harness.gym.ride import Ride
+from harness.robots import find_rover
+from harness.samples import Pose, Twist
+from harness.sensors.lidar_spec import LidarSpec
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointNavWeights:
+    """Weights of the reward's terms.
+
+    Attributes:
+        progress: Metres that the rover came nearer to the goal.
+        reached: 1 at the goal.
+        time: 1 in each step.
+        hazard: Seconds of contact with hazards.
+        scrape: Seconds in which anything but a wheel touched the ground.
+        flipped: 1 if the rover lies on its side or roof.
+        jerk: Change of the action, both components' magnitudes added.
+    """
+
+    progress: float = 1.0
+    reached: float = 10.0
+    time: float = -0.01
+    hazard: float = -10.0
+    scrape: float = -1.0
+    flipped: float = -10.0
+    jerk: float = -0.01
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointNavOptions(Options):
+    """What PointNav understands beside what all do.
+
+    Attributes:
+        goal_radius: Distance at which the goal counts as reached [m].
+        hazard_budget: Contact with hazards that ends an episode [s].
+        height_scan: Whether the ground around the rover is observed too, as `heights`.
+        reward: Weights of the reward's terms.
+    """
+
+    goal_radius: float = 0.5
+    hazard_budget: float = 1.0
+    height_scan: bool = False
+    reward: PointNavWeights = field(default_factory=PointNavWeights)
+
+    def check(self) -> None:
+        """Checks what is PointNav's, too."""
+        super().check()
+        for name in ("goal_radius", "hazard_budget"):
+            value = getattr(self, name)
+            if not 0.0 < value < math.inf:
+                raise UsageError(f"{name} {value:g} is not valid; give a number above 0")
+
+
+class PointNavEnv(RoverEnv[PointNavOptions]):
+    """Drives to a goal that it is told the direction of; the action is speed and yaw rate."""
+
+    options_class = PointNavOptions
+    endings: ClassVar[Mapping[str, str]] = {
+        "reached": "terminated: within `goal_radius` of the goal",
+        "flipped": "terminated: tilted by more than 75 deg",
+        "hazard": "terminated: `hazard_budget` of contact with hazards is spent",
+        "edge": "truncated: half a metre from the edge of the map",
+        "diverged": "truncated: the physics blew up",
+        "time": "truncated: `time_limit` is over",
+    }
+
+    def __init__(self, render_mode: str | None = None, **options: object) -> None:
+        super().__init__(render_mode, **options)
+        lidar = LidarSpec(beams=self.options.lidar_beams)
+        self._range_max = lidar.range_max
+        self.parts: Mapping[str, Part] = point_nav_parts(lidar.beams, lidar.range_max)
+        if self.options.height_scan:
+            self.parts = {**self.parts, "heights": height_part()}
+        self.observation_space = space_of(self.parts)
+        self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
+        rover = self._rover = find_rover(self.options.robot)
+        self.actions = (
+            f"speed; 1 is {rover.top_speed:.3g} m/s, as fast as the wheels of {rover.name} turn",
+            f"yaw rate; 1 is {rover.cruise_yaw_rate:.3g} rad/s to the left for {rover.name}",
+        )
+        self._weights = asdict(self.options.reward)
+
+    def _begin(self, ride: Ride) -> None:
+        self._distance = self._to_goal(ride)
+        self._hazard_s = self._jerk = 0.0
+        self._action: list[float] = [0.0, 0.0]
+
+    def _twist(self, action: NDArray[np.float64]) -> Twist:
+        before, self._action = self._action, action.tolist()
+        self._jerk = sum(abs(now - then) for now, then in zip(self._action, before, strict=True))
+        return commanded(action, self._rover)
+
+    def _observe(self, ride: Ride) -> Mapping[str, object]:
+        values = observed(ride.readings, self.goal, self._range_max)
+        if self.options.height_scan:
+            ground, pose = ride.simulation.scene.world.ground, latest(ride.readings, Pose)
+            values["heights"] = heights_around(ground, pose)
+        return values
+
+    def _judge(self, ride: Ride, failure: str) -> tuple[float, str, Info]:
+        before, distance = self._distance, self._to_goal(ride)
+        diverged = failure == "diverged"
+        self._distance = before if diverged else distance
+        hazard_s, scrape_s = (0.0, 0.0) if failure else (ride.hazard_s, ride.scrape_s)
+        self._hazard_s += hazard_s
+        ending = failure
+        if not diverged:
+            ending = self._ending(ride) or failure
+        measured = {
+            "progress": before - self._distance,
+            "reached": float(ending == "reached"),
+            "time": 1.0,
+            "hazard": hazard_s,
+            "scrape": scrape_s,
+            "flipped": float(ending == "flipped"),
+            "jerk": self._jerk,
+        }
+        terms = {name: weight * measured[name] for name, weight in self._weights.items()}
+        told = {
+            "distance": self._distance,
+            "hazard_s": self._hazard_s,
+            "is_success": ending == "reached",
+            "reward_terms": terms,
+        }
+        return sum(terms.values()), ending, told
+
+    def _ending(self, ride: Ride) -> str:
+        if ride.upright < FLIPPED:
+            return "flipped"
+        if self._hazard_s >= self.options.hazard_budget - 1e-9:  # a sum of hundredths
+            return "hazard"
+        return "reached" if self._distance < self.options.goal_radius else ""
+
+    def _to_goal(self, ride: Ride) -> float:
+        x, y, _ = ride.simulation.position
+        return math.dist(self.goal, (x, y))

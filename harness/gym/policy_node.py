@@ -1,0 +1,175 @@
+"""Command: a ROS 2 node that drives as a policy does that was trained on RoverHarness/PointNav.
+
+    python -m harness.gym.policy_node FILE.npz --goal 3,1 --ros-args -p use_sim_time:=true
+    python -m harness.run --driver cmd_vel --wait-for /policy
+
+It hears /scan, /imu/data, /rover/pose_array, /odometry/wheels and /goal_pose, and answers with /cmd_vel
+when /clock says that all of a scan's tick has been sent. In lock-step it drives the path that the policy
+drives in its environment.
+"""
+
+import argparse
+import math
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from rover_metrics.errors import OneLineParser, begin_program, run_program
+
+if __name__ == "__main__":
+    begin_program("harness.gym.policy_node")
+
+from harness.errors import INSTALL_ROS, UsageError
+
+try:
+    import rclpy
+    from geometry_msgs.msg import PoseArray, PoseStamped, Twist
+    from nav_msgs.msg import Odometry as OdometryMessage
+    from rclpy.executors import ExternalShutdownException
+    from rclpy.node import Node
+    from rclpy.qos import QoSProfile, ReliabilityPolicy
+    from rosgraph_msgs.msg import Clock
+    from sensor_msgs.msg import Imu as ImuMessage
+    from sensor_msgs.msg import LaserScan as ScanMessage
+except ImportError as error:
+    raise UsageError(f"ROS 2 is not importable ({error}); {INSTALL_ROS}") from error
+
+import numpy as np
+
+from harness import samples
+from harness.drivers import point_nav
+from harness.drivers.policy import Policy, read_policy
+from harness.robots import RoverSpec, find_rover
+from harness.sim_time import NANOSECONDS
+
+BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+
+class PolicyNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
+    """Answers each scan with the policy's command; silent without a goal.
+
+    Args:
+        policy: What drives.
+        rover: Whose largest speeds an action is a share of.
+        goal: Where to in the world [m], until /goal_pose says otherwise; None for nowhere yet.
+    """
+
+    def __init__(
+        self, policy: Policy, rover: RoverSpec, goal: tuple[float, float] | None = None
+    ) -> None:
+        super().__init__("policy")
+        self._policy, self._rover, self._goal = policy, rover, goal
+        self._readings: dict[type[samples.Sample], samples.Sample] = {}
+        self._answered_ns = 0  # the stamp of the last scan that was answered
+        self._command = self.create_publisher(Twist, "cmd_vel", 10)
+        heard: tuple[tuple[type, str, Callable[..., None], object], ...] = (
+            (ScanMessage, "scan", self._on_scan, 10),
+            (ImuMessage, "imu/data", self._on_imu, 10),
+            (PoseArray, "rover/pose_array", self._on_pose, BEST_EFFORT),
+            (OdometryMessage, "odometry/wheels", self._on_odometry, 10),
+            (PoseStamped, "goal_pose", self._on_goal, 10),
+            (Clock, "/clock", self._on_clock, 10),
+        )
+        for kind, topic, callback, qos in heard:
+            self.create_subscription(kind, topic, callback, qos)
+
+    def _on_scan(self, message: ScanMessage) -> None:
+        if len(message.ranges) == self._policy.beams:
+            ranges = np.array(message.ranges, np.float32)
+            self._readings[samples.LaserScan] = samples.LaserScan(_stamp_ns(message), ranges)
+            return
+        self.get_logger().error(
+            f"the policy is for {self._policy.beams} beams, /scan has {len(message.ranges)}: no answer",
+            throttle_duration_sec=5.0,
+        )
+
+    def _on_imu(self, message: ImuMessage) -> None:
+        rate, force = message.angular_velocity, message.linear_acceleration
+        self._readings[samples.Imu] = samples.Imu(
+            _stamp_ns(message),
+            _quaternion(message.orientation),
+            (rate.x, rate.y, rate.z),
+            (force.x, force.y, force.z),
+        )
+
+    def _on_pose(self, message: PoseArray) -> None:
+        for pose in message.poses[:1]:
+            place = (pose.position.x, pose.position.y, pose.position.z)
+            told = samples.Pose(_stamp_ns(message), place, _quaternion(pose.orientation))
+            self._readings[samples.Pose] = told
+
+    def _on_odometry(self, message: OdometryMessage) -> None:
+        twist = message.twist.twist
+        moved = samples.Twist(twist.linear.x, twist.angular.z)
+        self._readings[samples.Odometry] = samples.Odometry(_stamp_ns(message), 0.0, 0.0, 0.0, moved)
+
+    def _on_goal(self, message: PoseStamped) -> None:
+        place = message.pose.position
+        if math.isfinite(place.x) and math.isfinite(place.y):
+            self._goal = place.x, place.y
+
+    def _on_clock(self, _: Clock) -> None:
+        if self._goal is None or not self._readings.keys() >= point_nav.SENSED:
+            return
+        stamp_ns = point_nav.latest(self._readings, samples.LaserScan).stamp_ns
+        if stamp_ns != self._answered_ns:
+            self._answered_ns = stamp_ns
+            told = self._policy.command(self._readings, self._goal, self._rover)
+            twist = Twist()
+            twist.linear.x, twist.angular.z = told.linear, told.angular
+            self._command.publish(twist)
+
+
+def _stamp_ns(message: ScanMessage | ImuMessage | PoseArray | OdometryMessage) -> int:
+    stamp = message.header.stamp
+    return int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)
+
+
+def _quaternion(orientation: object) -> samples.Quaternion:
+    x, y, z, w = (float(getattr(orientation, name)) for name in "xyzw")
+    return x, y, z, w
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the node until it is stopped; returns its exit code."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    cut = words.index("--ros-args") if "--ros-args" in words else len(words)
+    options = _parser().parse_args(words[:cut])
+    return run_program("harness.gym.policy_node", lambda: _run(options, words[cut:]))
+
+
+def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
+    policy, rover = read_policy(options.file), find_rover(options.robot)
+    try:
+        with rclpy.init(args=ros_args):
+            rclpy.spin(PolicyNode(policy, rover, options.goal))
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    return 0
+
+
+def _goal(text: str) -> tuple[float, float]:
+    try:
+        x, y = map(float, text.split(","))
+    except ValueError:
+        x = y = math.nan
+    if not (math.isfinite(x) and math.isfinite(y)):
+        raise argparse.ArgumentTypeError(f"'{text}' is not valid; give X,Y in metres")
+    return x, y
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = OneLineParser(
+        prog="python -m harness.gym.policy_node",
+        description="Drives as a policy does, over ROS 2.",
+        epilog="Arguments after --ros-args go to ROS; -p use_sim_time:=true is needed for lock-step.",
+    )
+    parser.add_argument("file", type=Path, metavar="FILE.npz", help="the policy (docs/gym.md)")
+    parser.add_argument("--robot", default="leo", metavar="NAME", help="whose speeds it commands")
+    about = "where to drive, in metres; later ones come by /goal_pose"
+    parser.add_argument("--goal", type=_goal, metavar="X,Y", help=about)
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,96 @@
+"""One rover that is driven, control period by control period: the physics and the sensors of an episode.
+
+What it senses is what `harness.run` publishes, at the same ticks, with the same noise: the same commands
+give the same samples, to the bit.
+"""
+
+from collections import deque
+from dataclasses import replace
+
+import numpy as np
+
+from harness.config import IMU_RATE, TICKS_PER_CONTROL
+from harness.episode.episode import sensor_noise
+from harness.gym.course import Course, Variation
+from harness.physics.diff_drive import DiffDrive
+from harness.physics.leap import Leap
+from harness.physics.scene import HAZARD_CONTACT, SCRAPE_CONTACT
+from harness.physics.simulation import Simulation
+from harness.physics.start import check_room, check_start
+from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
+from harness.sensors.suite import SensorSuite
+from harness.sim_time import NANOSECONDS, TICK_NS, parse_timestep
+from harness.world.world import Start
+
+SENSED = (LaserScan, Imu, Pose, Odometry)
+TICK = TICK_NS / NANOSECONDS  # [s]
+
+Readings = dict[type[Sample], Sample]
+
+
+class Ride:
+    """One episode's rover, settled, after one control period of standing: everything has been read.
+
+    Args:
+        course: Where it drives.
+        start: x, y [m] and yaw [rad].
+        variation: Of the rover.
+        noise_seed: Of the sensors' noise.
+
+    Attributes:
+        simulation: The physics.
+        readings: The last samples, of each kind in SENSED; late ones if the variation says so.
+        hazard_s: Contact with hazards in the last control period [s]; likewise `scrape_s`, of the body
+            with the ground.
+
+    Raises:
+        UsageError: The rover cannot stand there.
+        RunFailed: Nor fall there.
+    """
+
+    def __init__(self, course: Course, start: Start, variation: Variation, noise_seed: int) -> None:
+        config, scene = course.config, course.varied(start, variation)
+        chosen = start != course.scene.world.start
+        if chosen:
+            check_room(scene)
+        self.simulation = Simulation(scene, parse_timestep(config.timestep))
+        if chosen:
+            check_start(scene, self.simulation.data)
+        self._leap = Leap(self.simulation, TICKS_PER_CONTROL)
+        self._base = DiffDrive(scene.rover, TICK)
+        parts = {"simulation": self.simulation, "lidar": course.lidar}
+        noise = sensor_noise(replace(config, seed=noise_seed), course.lidar.spec)
+        self._suite = SensorSuite(parts, scene.rover, {Imu: IMU_RATE}, wanted=SENSED, noise=noise)
+        self._late: deque[Readings] = deque(maxlen=1 + variation.late_periods)
+        sensors = [scene.model.sensor(index) for index in range(scene.model.nsensor)]
+        self._hazard = int(scene.model.sensor(HAZARD_CONTACT).adr[0])
+        self._scrapes = [int(s.adr[0]) for s in sensors if s.name.startswith(SCRAPE_CONTACT)]
+        self._ticks = 0
+        self.hazard_s = self.scrape_s = 0.0
+        self.readings: Readings = {}
+        self.advance(Twist())
+
+    def advance(self, twist: Twist) -> None:
+        """Drives one control period with a command.
+
+        Raises:
+            RunFailed: The rover left the map, or the simulation diverged; the readings are from before.
+        """
+        self._base.command(twist)
+        speeds = np.array([self._base.wheel_speeds() for _ in range(TICKS_PER_CONTROL)])
+        hazards = scrapes = 0
+        for _ in self._leap.run(speeds):
+            self._ticks += 1
+            counts = self.simulation.tick_sum.tolist()
+            hazards += counts[self._hazard] > 0
+            scrapes += any(counts[scrape] for scrape in self._scrapes)
+            self._suite.tick(self._ticks)
+        self.hazard_s, self.scrape_s = TICK * hazards, TICK * scrapes
+        self._late.append(self._suite.latest.copy())
+        self.readings = self._late[0]
+
+    @property
+    def upright(self) -> float:
+        """Cosine of the angle between the rover's and the world's vertical."""
+        _, x, y, _ = self.simulation.data.qpos[3:7].tolist()
+        return 1.0 - 2.0 * (float(x) ** 2 + float(y) ** 2)

@@ -1,0 +1,222 @@
+"""Many environments that are stepped together, on all processors.
+
+Each is an environment of its own, with its own world; threads take the next one that is not stepped yet.
+Physics and lidar leave the interpreter to the others meanwhile, so threads suffice, and each trajectory
+is the one that the environment drives by itself, to the bit.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+from gymnasium.error import ResetNeeded
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from joblib import cpu_count
+from numpy.typing import NDArray
+
+from harness.errors import UsageError
+from harness.gym.env import Action, Info, RoverEnv
+from harness.gym.observation import Observation
+
+Flags = NDArray[np.bool_]
+
+
+class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
+    """Environments of one kind, of which each has worlds of its own.
+
+    Args:
+        num_envs: How many.
+        make: Makes one; it is given the options.
+        autoreset_mode: When one that has ended begins anew, as Gymnasium defines it.
+        threads: How many step them; 0 for one a processor.
+        render_mode: Of each.
+        options: Of each.
+
+    Raises:
+        UsageError: A value is not valid.
+    """
+
+    def __init__(
+        self,
+        make: Callable[..., RoverEnv[Any]],
+        *,
+        num_envs: int = 1,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+        threads: int = 0,
+        render_mode: str | None = None,
+        **options: object,
+    ) -> None:
+        if num_envs < 1:
+            raise UsageError(f"num_envs {num_envs} is not valid; give 1 or more")
+        if threads < 0:
+            raise UsageError(f"threads {threads} is not valid; give 1 or more, or 0 for all processors")
+        self._mode = _mode(autoreset_mode)
+        self.envs = [make(render_mode=render_mode, **options) for _ in range(num_envs)]
+        self.num_envs, self.render_mode = num_envs, render_mode
+        self.metadata = {**self.envs[0].metadata, "autoreset_mode": self._mode}
+        self.single_observation_space = self.envs[0].observation_space
+        self.single_action_space = self.envs[0].action_space
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._threads = min(num_envs, threads or cpu_count())
+        self._pool = ThreadPoolExecutor(self._threads - 1) if self._threads > 1 else None
+        self._seen: list[Observation] = [{}] * num_envs
+        self._ended: Flags = np.zeros(num_envs, np.bool_)
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, Info]:
+        """Begins an episode in each environment, or in those of options["reset_mask"].
+
+        Args:
+            seed: Of each, or of the first: those that follow have the numbers that follow.
+            options: As of the single environment, for all, and the mask, of shape (num_envs,).
+        """
+        options = dict(options or {})
+        mask = self._checked_mask(options.pop("reset_mask", np.ones(self.num_envs, np.bool_)))
+        seeds = self._seeds(seed)
+        infos: list[Info | None] = [None] * self.num_envs
+
+        def begin(index: int) -> None:
+            self._seen[index], infos[index] = self.envs[index].reset(seed=seeds[index], options=options)
+
+        self._each(begin, np.flatnonzero(mask).tolist())
+        self._ended[mask] = False
+        return self._observations(), stacked(infos)
+
+    def step(self, actions: Action) -> tuple[Observation, NDArray[np.float64], Flags, Flags, Info]:
+        """Steps all; with NEXT_STEP, one that has ended begins its next episode instead.
+
+        Args:
+            actions: Shape (num_envs, 2).
+
+        Raises:
+            UsageError: There are not as many actions as environments.
+        """
+        if len(actions) != self.num_envs:
+            raise UsageError(f"{len(actions)} actions are not valid; give {self.num_envs}, one for each")
+        rewards = np.zeros(self.num_envs)
+        terminated, truncated = np.zeros((2, self.num_envs), np.bool_)
+        infos: list[Info | None] = [None] * self.num_envs
+        final: list[tuple[Observation, Info] | None] = [None] * self.num_envs
+
+        def step(index: int) -> None:
+            env = self.envs[index]
+            if self._ended[index] and self._mode is AutoresetMode.NEXT_STEP:
+                self._seen[index], infos[index] = env.reset()
+                return
+            told = env.step(actions[index])
+            self._seen[index], rewards[index], terminated[index], truncated[index], infos[index] = told
+            if self._mode is AutoresetMode.SAME_STEP and (terminated[index] or truncated[index]):
+                final[index] = told[0], told[4]
+                self._seen[index], infos[index] = env.reset()
+
+        self._each(step, range(self.num_envs))
+        self._ended = terminated | truncated
+        told = stacked(infos)
+        if any(final):
+            told |= self._final(final)
+        return self._observations(), rewards, terminated, truncated, told
+
+    def render(self) -> tuple[Any, ...]:
+        """Returns what each environment draws."""
+        return tuple(env.render() for env in self.envs)
+
+    def close_extras(self, **_: Any) -> None:  # noqa: ANN401 - gymnasium's signature
+        """Closes the environments and ends the threads."""
+        for env in self.envs:
+            env.close()
+        if self._pool is not None:
+            self._pool.shutdown()
+
+    def _each(self, work: Callable[[int], None], indices: Sequence[int]) -> None:
+        """Does the work for each index, on all threads, this one among them."""
+        if self._pool is None:
+            for index in indices:
+                work(index)
+            return
+        left = iter(
+            indices
+        )  # whoever is free takes the next: next() of it is one step of the interpreter
+
+        def take() -> None:
+            for index in left:
+                work(index)
+
+        others = [self._pool.submit(take) for _ in range(min(self._threads, len(indices)) - 1)]
+        try:
+            take()
+        finally:
+            for other in others:
+                other.result()
+
+    def _observations(self) -> Observation:
+        seen = self._seen
+        return {name: np.stack([observation[name] for observation in seen]) for name in seen[0]}
+
+    def _final(self, final: Sequence[tuple[Observation, Info] | None]) -> Info:
+        observations = np.array([None if last is None else last[0] for last in final], dtype=object)
+        ended = np.array([last is not None for last in final])
+        infos = stacked([None if last is None else last[1] for last in final])
+        return {
+            "final_obs": observations,
+            "_final_obs": ended,
+            "final_info": infos,
+            "_final_info": ended,
+        }
+
+    def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, int | np.integer):
+            return [int(seed) + index for index in range(self.num_envs)]
+        if len(seed) != self.num_envs:
+            raise UsageError(f"{len(seed)} seeds are not valid; give {self.num_envs}, or the first one")
+        return seed
+
+    def _checked_mask(self, mask: Flags) -> Flags:
+        mask = np.asarray(mask)
+        if mask.shape != (self.num_envs,) or mask.dtype != np.bool_ or not mask.any():
+            raise UsageError(
+                f"reset_mask is not valid; give {self.num_envs} booleans, at least one of them true"
+            )
+        if not mask.all() and not all(self._seen):
+            raise ResetNeeded("the first reset() begins all environments; leave out reset_mask")
+        return mask
+
+
+def stacked(infos: Sequence[Mapping[str, Any] | None]) -> Info:
+    """Returns the infos of all environments as Gymnasium has them: an array a key, and who has it.
+
+    Args:
+        infos: Of each environment; None for one that told nothing.
+    """
+    told: Info = {}
+    keys = dict.fromkeys(key for info in infos if info for key in info)
+    for key in keys:
+        values = [info[key] if info and key in info else None for info in infos]
+        has = np.array([value is not None for value in values])
+        told[key], told[f"_{key}"] = _stack(values, has), has
+    return told
+
+
+def _stack(values: list[Any], has: Flags) -> Any:  # noqa: ANN401 - an array, or a dict of arrays
+    first = values[int(has.argmax())]
+    if isinstance(first, dict):
+        return stacked(values)
+    if not isinstance(first, bool | int | float | np.ndarray):
+        return np.array(values, dtype=object)
+    blank = np.zeros_like(first)
+    return np.array([blank if value is None else value for value in values])
+
+
+def _mode(mode: str | AutoresetMode) -> AutoresetMode:
+    named = {choice.value: choice for choice in AutoresetMode} | {c.name: c for c in AutoresetMode}
+    if isinstance(mode, AutoresetMode):
+        return mode
+    if mode not in named:
+        available = ", ".join(choice.value for choice in AutoresetMode)
+        raise UsageError(f"autoreset_mode '{mode}' does not exist; available: {available}")
+    return named[mode]

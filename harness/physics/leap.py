@@ -1,0 +1,94 @@
+"""Several ticks of a simulation in one call of MuJoCo, which other threads need not wait for.
+
+`Simulation.tick` takes Python between two steps, to see what is touched and how hard. Who only wants to
+know that something was touched, as the contact sensors tell, leaps: mujoco.rollout steps on the calling
+thread and gives the interpreter free meanwhile. Same states, same sums, to the bit: the warm start and
+the parking of the wheels are carried over.
+"""
+
+from collections.abc import Iterator
+from itertools import groupby
+
+import mujoco
+import numpy as np
+from mujoco.rollout import Rollout
+from numpy.typing import NDArray
+
+from harness.physics.simulation import Simulation
+
+STATE, CONTROL = int(mujoco.mjtState.mjSTATE_FULLPHYSICS), int(mujoco.mjtState.mjSTATE_CTRL)
+
+
+class Leap:
+    """Leaps over a fixed number of clock ticks of one simulation."""
+
+    def __init__(self, simulation: Simulation, ticks: int) -> None:
+        model, steps = simulation.model, ticks * simulation.steps_per_tick
+        self._simulation, self._ticks = simulation, ticks
+        self._rollout = Rollout(nthread=0)
+        self._begin = np.empty((1, mujoco.mj_stateSize(model, STATE)))
+        self._warm_start = np.empty((1, model.nv))
+        self._controls = np.empty((1, steps, model.nu))
+        self._states = np.empty((1, steps, self._begin.size))
+        self._sensors = np.empty((1, steps, model.nsensordata))
+
+    def run(self, wheel_speeds: NDArray[np.float64]) -> Iterator[int]:
+        """Simulates the ticks, then shows one after the other.
+
+        While a tick is shown, the simulation's time, `tick_sum`, qpos and qvel are those of its end;
+        whatever else MuJoCo knows is that of the last one. All are to be consumed.
+
+        Args:
+            wheel_speeds: Of each tick in the order of the wheel joints [rad/s], shape (ticks, 4).
+
+        Yields:
+            The index of the tick, from 0.
+
+        Raises:
+            RunFailed: As `Simulation.tick`, of the end of the last tick; none is shown then.
+        """
+        begin = 0
+        for _, alike in groupby(map(any, wheel_speeds.tolist())):
+            end = begin + len(list(alike))
+            self._simulate(wheel_speeds, begin, end)  # parked all the time, or not at all
+            begin = end
+        simulation, begun = self._simulation, self._simulation.step_count
+        simulation.step_count += self._ticks * simulation.steps_per_tick
+        simulation.check()
+        simulation.step_count = begun
+        yield from self._show()
+
+    def _simulate(self, wheel_speeds: NDArray[np.float64], begin: int, end: int) -> None:
+        simulation, per_tick = self._simulation, self._simulation.steps_per_tick
+        model, data = simulation.model, simulation.data
+        simulation.command_wheels(wheel_speeds[begin])
+        steps = slice(begin * per_tick, end * per_tick)
+        self._controls[0, steps] = data.ctrl
+        self._controls[0, steps, simulation.wheels] = wheel_speeds[begin:end].repeat(per_tick, axis=0).T
+        mujoco.mj_getState(model, data, self._begin[0], STATE)
+        self._warm_start[0] = data.qacc_warmstart
+        self._rollout.rollout(
+            [model],
+            [data],
+            self._begin,
+            self._controls[:, steps],
+            control_spec=CONTROL,
+            skip_checks=True,
+            nstep=steps.stop - steps.start,
+            initial_warmstart=self._warm_start,
+            state=self._states[:, steps],
+            sensordata=self._sensors[:, steps],
+        )
+
+    def _show(self) -> Iterator[int]:
+        simulation, per_tick = self._simulation, self._simulation.steps_per_tick
+        qpos, qvel = simulation.data.qpos, simulation.data.qvel
+        ends = self._states[0, per_tick - 1 :: per_tick, 1 : 1 + qpos.size + qvel.size]  # after the time
+        sums = (
+            self._sensors[0].reshape(self._ticks, per_tick, -1).sum(axis=1)
+        )  # one step after the other
+        for tick in range(self._ticks):
+            qpos[:], qvel[:] = ends[tick, : qpos.size], ends[tick, qpos.size :]
+            simulation.tick_sum[:] = sums[tick]
+            simulation.step_count += per_tick
+            yield tick

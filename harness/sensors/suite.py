@@ -1,0 +1,69 @@
+"""The sensors that a rover carries: which are due at a tick, what they read, what noise makes of it."""
+
+from collections.abc import Collection, Mapping
+
+from harness.robots import RoverSpec
+from harness.samples import Sample
+from harness.sensors import table
+from harness.sensors.base import HIGHEST_RATE, Sensor
+from harness.sensors.noise import SensorNoise
+
+
+class SensorSuite:
+    """The sensors of one rover; call `tick` after every clock tick, in their order.
+
+    Args:
+        parts: What sensors may be made from, by the names that the table's rows use.
+        rover: Whose rates they have.
+        rates: Other rates, by sample [Hz].
+        wanted: Which samples; None for all that the parts suffice for.
+        noise: What corrupts their readings; None for nothing.
+
+    Attributes:
+        latest: The last sample of each kind.
+    """
+
+    def __init__(
+        self,
+        parts: Mapping[str, object],
+        rover: RoverSpec,
+        rates: Mapping[type[Sample], int],
+        *,
+        wanted: Collection[type[Sample]] | None = None,
+        noise: SensorNoise | None = None,
+    ) -> None:
+        made: dict[type[Sample], Sensor] = {}
+        parts = {**parts, "sensors": made}
+        for row in table.SENSORS:
+            if parts.keys() >= set(row.parts) and (wanted is None or row.sample in wanted):
+                made[row.sample] = row.make(parts, rates.get(row.sample, row.rate_on(rover)))
+        self._sensors = tuple(made.values())
+        # Periods divide a second: what is due in one is due in each.
+        self._due = [[s for s in self._sensors if s.due(n or HIGHEST_RATE)] for n in range(HIGHEST_RATE)]
+        self._observing = [s for s in self._sensors if type(s).observe is not Sensor.observe]
+        self._noise = noise
+        self.latest: dict[type[Sample], Sample] = {}
+
+    def tick(self, index: int) -> tuple[Sample, ...]:
+        """Returns the samples of the tick that has just been simulated, counted from 1."""
+        for sensor in self._observing:
+            sensor.observe()
+        return tuple(self._read(sensor) for sensor in self._due[index % HIGHEST_RATE])
+
+    def before_reset(self) -> None:
+        """Called when the rover is about to be put elsewhere."""
+        for sensor in self._sensors:
+            sensor.before_reset()
+
+    def after_reset(self) -> None:
+        """Called when it has been put there: what was read before is forgotten."""
+        for sensor in self._sensors:
+            sensor.after_reset()
+        self.latest.clear()
+
+    def _read(self, sensor: Sensor) -> Sample:
+        sample = sensor.read()
+        if self._noise is not None:
+            sample = self._noise.corrupt(sample)
+        self.latest[type(sample)] = sample
+        return sample

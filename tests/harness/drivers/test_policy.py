@@ -1,0 +1,113 @@
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.config import EpisodeConfig
+from harness.drivers import DriverContext, Observation, find_driver, sensed_by, takes_goals
+from harness.drivers.point_nav import SENSED, commanded
+from harness.drivers.policy import BESIDE_LIDAR, Policy, read_policy, write_policy
+from harness.errors import UsageError
+from harness.robots import find_rover
+from harness.samples import LaserScan, Twist
+
+BEAMS = 16
+GENERATOR = np.random.default_rng(0)
+LAYERS = tuple(
+    (
+        GENERATOR.normal(0.0, 0.3, (m, n)).astype(np.float32),
+        GENERATOR.normal(0.0, 0.1, n).astype(np.float32),
+    )
+    for m, n in ((BEAMS + BESIDE_LIDAR, 8), (8, 2))
+)
+
+
+@pytest.fixture
+def policy(tmp_path: Path) -> Path:
+    path = tmp_path / "small.npz"
+    write_policy(path, Policy(LAYERS))
+    return path
+
+
+@pytest.mark.parametrize("activation", ["tanh", "relu"])
+def test_a_policy_is_the_network_that_was_written(tmp_path: Path, activation: str) -> None:
+    path = tmp_path / "small.npz"
+    write_policy(path, Policy(LAYERS, activation))
+    read = read_policy(path)
+    assert read.beams == BEAMS
+    sizes = {"velocities": 2, "lidar": BEAMS, "imu": 8, "goal": 3}
+    seen = {name: np.linspace(-1.0, 1.0, size, dtype=np.float32) for name, size in sizes.items()}
+    flat = np.concatenate([seen["goal"], seen["imu"], seen["lidar"], seen["velocities"]]).astype(float)
+    hidden = flat @ LAYERS[0][0] + LAYERS[0][1]
+    hidden = np.tanh(hidden) if activation == "tanh" else hidden * (hidden > 0.0)
+    assert read.act(seen) == pytest.approx(
+        np.clip(hidden @ LAYERS[1][0] + LAYERS[1][1], -1, 1), abs=1e-5
+    )
+    loud = Policy((LAYERS[0], (1e3 * LAYERS[1][0], LAYERS[1][1])))
+    assert set(np.abs(loud.act(seen)).tolist()) == {1.0}
+
+
+def test_it_stands_until_it_has_a_goal_and_has_read_everything(policy: Path) -> None:
+    made = find_driver(f"policy:{policy}")
+    context = DriverContext(find_rover("leo"), (20.0, 20.0), np.zeros(BEAMS), np.random.default_rng(0))
+    driver = made(context)
+    seen = Observation(
+        0, 0.0, 0.0, 0.0, None, readings={LaserScan: LaserScan(0, np.ones(BEAMS, np.float32))}
+    )
+    assert driver.command(seen) == Twist()
+    driver.head_for(1.0, 2.0, 0.0)  # type: ignore[attr-defined]
+    assert driver.command(seen) == Twist()
+    with pytest.raises(UsageError, match=r"for 16 beams, the lidar has 640; give --lidar-beams 16"):
+        made(replace(context, bearings=np.zeros(640)))
+
+
+def test_an_action_is_a_share_of_the_largest_speeds() -> None:
+    rover = find_rover("leo")  # 12 rad/s on wheels of 6.25 cm
+    assert commanded(np.array([0.5, -1.0]), rover) == Twist(0.5 * 0.75, -1.0 * rover.cruise_yaw_rate)
+
+
+def test_drivers_say_what_they_look_at_and_whether_they_take_goals(policy: Path) -> None:
+    name = f"policy:{policy}"
+    assert [sensed_by(n) for n in (name, "goal", "spin")] == [SENSED, {LaserScan}, set()]
+    assert [takes_goals(n) for n in (name, "goal", "wander")] == [True, True, False]
+    EpisodeConfig(driver=name, lidar_beams=BEAMS, goals=((0.0, 1.0, 2.0, 0.0),)).validate()
+
+
+WRONG = [
+    ({"bias_1": None}, "lacks bias_1; see docs/gym.md"),
+    ({"weights_0": None, "weights_1": None}, "lacks weights_0; see docs/gym.md"),
+    ({"activation": None}, "lacks activation"),
+    ({"activation": np.array("swish")}, "activation 'swish' does not exist; available: tanh, relu"),
+    ({"bias_0": np.zeros(3)}, "layer 0 of (29, 8) and (3,) does not take 29 numbers"),
+    ({"weights_1": np.zeros((9, 2))}, "layer 1 of (9, 2) and (2,) does not take 8 numbers"),
+    (
+        {"weights_1": np.zeros((8, 3)), "bias_1": np.zeros(3)},
+        "other spaces, 29 inputs and 3 outputs",
+    ),
+    ({"bias_1": np.array([0.0, np.nan])}, "2 outputs, and finite numbers"),
+]
+
+
+@pytest.mark.parametrize(("changes", "message"), WRONG)
+def test_a_policy_that_is_none_is_told_in_a_line(
+    policy: Path, changes: dict[str, np.ndarray | None], message: str
+) -> None:
+    arrays = dict(np.load(policy)) | changes
+    wrong = policy.with_name("wrong.npz")
+    np.savez(wrong, **{name: array for name, array in arrays.items() if array is not None})
+    with pytest.raises(UsageError, match=re.escape(message)) as raised:
+        EpisodeConfig(driver=f"policy:{wrong}").validate()
+    assert "\n" not in str(raised.value)
+
+
+def test_a_file_that_is_none_is_told_in_a_line(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"nowhere\.npz cannot be read: No such file or directory"):
+        find_driver(f"policy:{tmp_path / 'nowhere.npz'}")
+    text, array = tmp_path / "text.npz", tmp_path / "array.npy"
+    text.write_text("hello")
+    np.save(array, np.zeros(3))
+    for path in (text, array):
+        with pytest.raises(UsageError, match=r"is no \.npz file of arrays"):
+            find_driver(f"policy:{path}")

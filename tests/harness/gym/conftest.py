@@ -1,0 +1,48 @@
+"""Environments on a small map: ready in a fraction of a second."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+import harness.gym  # noqa: F401 - registers
+
+SIDE, VERTICES = 14.0, 57  # [m], a vertex every 25 cm
+
+Make = Callable[..., Any]
+
+
+@pytest.fixture(scope="session")
+def bumpy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A heightmap: bumps of a few centimetres, level around its middle, with a rim to be seen."""
+    rng, axis = np.random.default_rng(0), np.linspace(-1.0, 1.0, VERTICES)
+    radius = np.hypot(*np.meshgrid(axis, axis))
+    far, rim = radius > 0.15, 6.0 * np.maximum(radius - 0.8, 0.0)
+    path = tmp_path_factory.mktemp("maps") / "bumpy.npy"
+    np.save(path, np.where(far, rim + 0.03 * rng.random((VERTICES, VERTICES)), 0.015))
+    return path
+
+
+@pytest.fixture(scope="session")
+def small(bumpy: Path) -> dict[str, Any]:
+    """The options of an environment there."""
+    return {
+        "robot": "rover_zero4wd",
+        "terrain": str(bumpy),
+        "terrain_size": SIDE,
+        "lidar_beams": 32,
+        "goal_distance": (1.0, 4.0),
+    }
+
+
+@pytest.fixture(scope="session")
+def make(small: dict[str, Any]) -> Make:
+    """Makes an environment there by the name in its id, without Gymnasium's wrappers."""
+
+    def made(name: str = "PointNav", **options: object) -> Any:  # noqa: ANN401 - of any kind
+        return gymnasium.make(f"RoverHarness/{name}-v0", **{**small, **options}).unwrapped
+
+    return made

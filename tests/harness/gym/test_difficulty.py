@@ -1,0 +1,35 @@
+import numpy as np
+import pytest
+
+from harness.gym.difficulty import Ladder
+from harness.gym.options import Curriculum
+
+STEPS = Curriculum(step=0.3, window=4, success=0.75)
+
+
+def test_without_a_curriculum_the_whole_range_is_drawn_from_whatever_succeeds() -> None:
+    ladder, rng = Ladder(Curriculum(window=1), (0.2, 0.6)), np.random.default_rng(0)
+    ladder.take(success=False)
+    draws = [ladder.draw(rng) for _ in range(100)]
+    assert 0.2 <= min(draws) < 0.22
+    assert 0.58 < max(draws) <= 0.6
+
+
+@pytest.mark.parametrize(
+    ("windows", "highest"),
+    [
+        ([3], 0.5),  # three of four are enough
+        ([4, 4], 0.8),
+        ([4, 4, 4], 1.0),  # not beyond the range
+        ([4, 4, 2], 0.8),  # half of the wanted share is 1.5: it stays
+        ([4, 4, 1], 0.5),
+        ([0, 0], 0.2),  # not below it
+    ],
+)
+def test_a_window_of_episodes_moves_the_upper_end(windows: list[int], highest: float) -> None:
+    ladder = Ladder(STEPS, (0.2, 1.0))
+    for successes in windows:
+        for episode in range(4):
+            ladder.take(success=episode < successes)
+    assert ladder.highest == pytest.approx(highest)
+    assert 0.2 <= ladder.draw(np.random.default_rng(1)) <= highest

@@ -1,0 +1,48 @@
+import numpy as np
+import pytest
+
+from tests.harness.gym.conftest import Make
+
+
+def test_rewards_and_endings_can_be_computed_again_from_what_was_observed(make: Make) -> None:
+    env = make("PointNavGoal", goal_radius=0.5)
+    env.reset(seed=1, options={"start": (0.0, 0.0, 0.0), "goal": (0.7, 0.0)})
+    ahead, achieved, rewards, ending = np.array([0.6, 0.0], np.float32), [], [], ""
+    while not ending:
+        seen, reward, terminated, truncated, info = env.step(ahead)
+        ending, goals = info["ending"], (seen["achieved_goal"], seen["desired_goal"])
+        achieved.append(goals[0])
+        rewards.append(reward)
+        assert env.compute_reward(*goals, info) == reward
+        assert env.compute_terminated(*goals, info) is terminated
+        assert env.compute_truncated(*goals, info) is truncated
+    assert (ending, rewards[-1], set(rewards[:-1])) == ("reached", 0.0, {-1.0})
+    # In hindsight: the goal was where it stood at the fifth step.
+    batch = env.compute_reward(np.array(achieved), np.tile(achieved[4], (len(achieved), 1)), None)
+    near = np.linalg.norm(np.array(achieved) - achieved[4], axis=1) < 0.5
+    assert batch.tolist() == [0.0 if there else -1.0 for there in near]
+
+
+@pytest.mark.parametrize(
+    ("ending", "terminated", "truncated"),
+    [("", False, False), ("hazard", True, False), ("flipped", True, False), ("time", False, True)],
+)
+def test_what_ends_an_episode_for_another_reason_still_does(
+    make: Make, ending: str, terminated: bool, truncated: bool
+) -> None:
+    env, here, far = make("PointNavGoal"), np.zeros(2), np.ones(2)
+    info = {"ending": ending}
+    assert env.compute_terminated(here, far, info) is terminated
+    assert env.compute_truncated(here, far, info) is truncated
+
+
+def test_the_heading_and_what_point_nav_observes_follow_one_another(make: Make) -> None:
+    env, plain = make("PointNavGoal", height_scan=True), make(height_scan=True)
+    options = {"start": (1.0, 0.5, 2.0), "goal": (3.0, 1.0)}
+    (seen, _), (expected, _) = (e.reset(seed=5, options=options) for e in (env, plain))
+    parts = [expected[name] for name in ("lidar", "imu", "velocities", "heights")]
+    assert expected["heights"].shape == (77,)
+    assert seen["observation"][:-2].tolist() == np.concatenate(parts).tolist()
+    assert np.arctan2(*seen["observation"][-2:]) == pytest.approx(2.0, abs=0.02)
+    assert seen["achieved_goal"] == pytest.approx([1.0, 0.5], abs=0.02)
+    assert seen["desired_goal"].tolist() == [3.0, 1.0]

@@ -1,0 +1,31 @@
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from harness.gym.observation import AHEAD, LEFT, heights_around, point_nav_parts, space_of, within
+from harness.samples import Pose
+from harness.world.heightfield import Heightfield
+
+
+@pytest.mark.parametrize("yaw", [0.0, 2.0])
+def test_heights_are_those_of_a_plane_around_the_rover(yaw: float) -> None:
+    x, y = np.meshgrid(np.linspace(-5.0, 5.0, 41), np.linspace(-5.0, 5.0, 41))
+    plane = Heightfield(0.2 * x - 0.1 * y, 0.25)
+    qx, qy, qz, qw = Rotation.from_euler("ZYX", [yaw, 0.2, 0.3]).as_quat().tolist()
+    pose = Pose(0, (1.0, -1.0, 0.5), (qx, qy, qz, qw))  # roll and pitch do not turn it
+    seen = np.array(heights_around(plane, pose)).reshape(len(AHEAD), len(LEFT))
+    here, along, aside = 0.3 - 0.5, 0.2 * math.cos(yaw) - 0.1 * math.sin(yaw), -0.2 * math.sin(yaw)
+    aside -= 0.1 * math.cos(yaw)
+    assert seen == pytest.approx(here + along * np.array(AHEAD)[:, None] + aside * np.array(LEFT))
+    assert (AHEAD[0], AHEAD[-1], LEFT[0], LEFT[-1]) == (-0.5, 1.5, 0.6, -0.6)
+
+
+def test_an_observation_is_kept_within_its_space() -> None:
+    space = space_of(point_nav_parts(3, 10.0))
+    for sign in (1.0, -1.0):
+        seen = within({name: np.full(box.shape or (), sign * 1e9) for name, box in space.items()}, space)
+        assert space.contains(seen)
+        ends = {name: getattr(box, "high" if sign > 0 else "low") for name, box in space.items()}
+        assert all(seen[name].tolist() == end.tolist() for name, end in ends.items())

@@ -1,0 +1,79 @@
+from collections.abc import Callable
+from typing import Any
+from unittest.mock import Mock
+
+import numpy as np
+import pytest
+from gymnasium.error import ResetNeeded
+
+from harness.errors import UsageError
+from harness.gym import picture
+from tests.harness.gym.conftest import Make
+
+GOAL = np.array([13, 199, 219])  # of GOAL_COLOR, 0..255
+
+
+@pytest.fixture
+def drawing(make: Make, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
+    monkeypatch.setattr("harness.view.stage.SOIL_PIXELS", 64)  # the soil's grain takes a second
+    try:
+        picture._context().free()
+    except UsageError as error:
+        pytest.skip(str(error))
+    return make
+
+
+def test_an_image_shows_the_rover_in_the_middle_and_the_goal(drawing: Callable[..., Any]) -> None:
+    env = drawing(render_mode="rgb_array", random_start=False)
+    with pytest.raises(ResetNeeded, match="nothing to draw yet"):
+        env.render()
+    env.reset(seed=0, options={"goal": (2.0, -0.5)})
+    image = env.render()
+    assert (image.shape, image.dtype) == ((400, 640, 3), np.uint8)
+    blueish = (image[..., 2].astype(int) - image[..., 0]) > 40  # nothing else on Mars is
+    assert blueish.sum() > 200, blueish.sum()
+    env.reset(options={"goal": (-6.0, 0.0)})  # behind the camera
+    other = env.render()
+    assert ((other[..., 2].astype(int) - other[..., 0]) > 40).sum() == 0
+    env.close()
+    env.close()
+
+
+def test_who_does_not_draw_needs_no_opengl_and_is_told(make: Make) -> None:
+    env = make()
+    env.reset(seed=0)
+    with pytest.warns(UserWarning, match="draws nothing without render_mode"):
+        assert env.render() is None
+    env.close()
+
+
+def test_without_opengl_or_display_the_mend_is_told(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    env = make(render_mode="rgb_array")
+    env.reset(seed=0)
+    monkeypatch.setattr(picture, "CONTEXTS", ("mujoco.nothing",))
+    with pytest.raises(UsageError, match="'rgb_array' needs OpenGL; install"):
+        env.render()
+    monkeypatch.setattr("sys.platform", "linux")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(UsageError, match="'human' needs a display; use render_mode 'rgb_array'"):
+        make(render_mode="human").reset(seed=0)
+
+
+def test_a_window_is_shown_each_step_and_opened_anew_in_a_new_world(
+    make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DISPLAY", ":0")
+    viewer = Mock()
+    monkeypatch.setattr(picture, "dress", lambda *_, **__: None)  # slow, and nobody looks
+    monkeypatch.setattr(picture, "import_module", lambda _: viewer)
+    env = make(render_mode="human")
+    env.reset(seed=0)
+    env.step(np.zeros(2, np.float32))
+    env.reset()
+    window = viewer.launch_passive.return_value
+    assert (viewer.launch_passive.call_count, window.sync.call_count) == (1, 3)
+    env.reset(seed=1)
+    assert (viewer.launch_passive.call_count, window.close.call_count) == (2, 1)
+    env.close()
+    assert window.close.call_count == 2

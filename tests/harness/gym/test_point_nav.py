@@ -1,0 +1,134 @@
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.config import EpisodeConfig
+from harness.drivers import sensed_by
+from harness.drivers.policy import BESIDE_LIDAR, Policy, write_policy
+from harness.episode.episode import Episode
+from tests.harness.gym.conftest import Make
+
+ACTIONS = np.random.default_rng(3).uniform(-1.0, 1.0, (25, 2)).astype(np.float32)
+WEIGHTS = {"progress": 3.0, "reached": 7.0, "time": -0.5, "flipped": -9.0, "jerk": -0.25}
+
+
+def test_each_term_is_its_weight_times_what_the_simulator_knows(make: Make) -> None:
+    env = make(reward=WEIGHTS)
+    env.reset(seed=2)
+    simulation, previous = env._ride.simulation, np.zeros(2)
+    before = math.dist(simulation.position[:2], env.goal)
+    for action in ACTIONS:
+        _, reward, *_, info = env.step(action)
+        now = math.dist(simulation.data.qpos[:2], env.goal)
+        assert info["distance"] == pytest.approx(now)
+        terms = info["reward_terms"]
+        assert terms == pytest.approx(
+            {
+                "progress": 3.0 * (before - now),
+                "reached": 0.0,
+                "time": -0.5,
+                "hazard": 0.0,
+                "scrape": -env._ride.scrape_s,
+                "flipped": 0.0,
+                "jerk": -0.25 * float(np.abs(action.astype(float) - previous).sum()),
+            }
+        )
+        assert reward == pytest.approx(sum(terms.values()))
+        before, previous = now, action.astype(float)
+
+
+@pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
+def test_full_ahead_is_the_speed_at_which_the_wheels_turn_as_fast_as_they_can(
+    make: Make, robot: str
+) -> None:
+    env = make(robot=robot, random_start=False)
+    env.reset(seed=0)
+    for _ in range(20):
+        seen, *_ = env.step(np.array([1.0, 0.0], np.float32))
+    simulation = env._ride.simulation
+    rover, limit = simulation.scene.rover, simulation.model.actuator_ctrlrange[0, 1]
+    radius, believed = rover.wheel_radius, rover.controller_radius
+    assert simulation.data.ctrl[0] * believed == pytest.approx(limit * radius)
+    assert seen["velocities"][0] == pytest.approx(limit * radius, rel=0.1)
+
+
+def test_episodes_end_as_the_table_says(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    env, still = make(goal_radius=0.3, hazard_budget=0.1), np.zeros(2, np.float32)
+    env.reset(seed=0, options={"start": (0.0, 0.0, 0.0), "goal": (0.29, 0.0)})
+    _, reward, terminated, truncated, info = env.step(still)
+    assert (terminated, truncated, info["ending"], info["is_success"]) == (True, False, "reached", True)
+    assert info["reward_terms"]["reached"] == 10.0
+
+    env.reset(options={"start": (0.0, 0.0, 0.0), "goal": (0.35, 0.0)})
+    assert env.step(still)[4]["ending"] == ""
+    env._ride.simulation.data.qpos[3:7] = math.cos(0.7), math.sin(0.7), 0.0, 0.0  # 80 deg
+    _, _, terminated, truncated, info = env.step(still)
+    assert (terminated, truncated, info["ending"], info["is_success"]) == (True, False, "flipped", False)
+    assert info["reward_terms"]["flipped"] == -10.0
+
+    env.reset(options={"start": (0.0, 0.0, 0.0), "goal": (2.0, 0.0)})
+    env._ride.simulation.data.qpos[0] = 6.6  # the map ends at 7 m
+    seen, _, terminated, truncated, info = env.step(still)
+    assert (terminated, truncated, info["ending"]) == (False, True, "edge")
+    assert info["reward_terms"]["progress"] == pytest.approx(2.0 - 4.6, abs=0.05)
+
+    env.reset(options={"start": (0.0, 0.0, 0.0), "goal": (2.0, 0.0)})
+    env._ride.simulation.data.qvel[0] = np.nan
+    seen, reward, terminated, truncated, info = env.step(still)
+    assert (terminated, truncated, info["ending"]) == (False, True, "diverged")
+    assert all(np.isfinite(values).all() for values in seen.values())
+    assert math.isfinite(reward)
+
+    env.reset(options={"start": (0.0, 0.0, 0.0), "goal": (2.0, 0.0)})
+    advance = env._ride.advance
+
+    def touching(twist: object) -> None:
+        advance(twist)
+        env._ride.hazard_s = 0.05
+
+    monkeypatch.setattr(env._ride, "advance", touching)
+    assert env.step(still)[4]["ending"] == ""
+    _, _, terminated, truncated, info = env.step(still)
+    assert (terminated, truncated, info["ending"], info["hazard_s"]) == (True, False, "hazard", 0.1)
+    assert info["reward_terms"]["hazard"] == pytest.approx(-0.5)
+
+
+@pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
+def test_a_policy_drives_the_same_path_in_the_environment_and_as_driver(
+    make: Make, small: dict[str, Any], tmp_path: Path, robot: str
+) -> None:
+    rng, size = np.random.default_rng(1), BESIDE_LIDAR + small["lidar_beams"]
+    layers = tuple(
+        (
+            rng.normal(0.0, 0.2, shape).astype(np.float32),
+            rng.normal(0.0, 0.3, shape[1]).astype(np.float32),
+        )
+        for shape in ((size, 6), (6, 2))
+    )
+    path, policy, goal, seed = tmp_path / "small.npz", Policy(layers), (2.0, 1.0), 4
+    write_policy(path, policy)
+    env = make(robot=robot, noise="hardware", random_start=False)
+    seen, _ = env.reset(seed=seed, options={"goal": goal})
+    driven = [env._ride.simulation.data.qpos.tolist()]
+    for _ in range(15):
+        seen, *_ = env.step(policy.act(seen))
+        driven.append(env._ride.simulation.data.qpos.tolist())
+    config = EpisodeConfig(
+        terrain=small["terrain"],
+        terrain_size=(small["terrain_size"],) * 2,
+        robot=robot,
+        seed=seed,
+        duration=0.05 * 16,
+        noise="hardware",
+        lidar_beams=small["lidar_beams"],
+        driver=f"policy:{path}",
+        goals=((0.0, *goal, 0.0),),
+    )
+    episode = Episode(config)
+    assert [episode.simulation.data.qpos.tolist() for _ in episode.batches()] == driven
+    assert math.dist(driven[0][:2], driven[-1][:2]) > 0.02  # it does not just stand
+    plain = Episode(config, samples=sensed_by(config.driver))  # as a run without a log reads them
+    assert [plain.simulation.data.qpos.tolist() for _ in plain.batches()] == driven

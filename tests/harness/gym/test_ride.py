@@ -1,0 +1,146 @@
+from dataclasses import replace
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from harness.config import EpisodeConfig
+from harness.episode.episode import Episode
+from harness.errors import RunFailed, UsageError
+from harness.gym.course import Course, Variation, draw_variation
+from harness.gym.options import Randomisation
+from harness.gym.ride import SENSED, Ride
+from harness.samples import Imu, LaserScan, Pose, Twist
+from harness.sim_time import NANOSECONDS
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.world import World
+
+START = 0.75, -0.5, 2.0
+FREE = -2.0, -1.0, 2.0
+PLAIN = Variation()
+COMMANDS = [(0.4, 0.5), (0.4, 0.5), (-0.3, 1.0), (0.0, 0.0), (0.0, 0.0), (0.7, -1.0)] * 2
+POST = Obstacle(ObstacleKind.HAZARD, "box", (0.1, 0.6, 0.5), (0.6, 0.0, 0.5))
+
+
+@pytest.fixture(scope="module")
+def flat_with_post() -> Course:
+    ground = Heightfield(np.zeros((41, 41)), 0.2)
+
+    class Made(EpisodeConfig):
+        def world(self) -> World:
+            return World("made", ground, (POST,), seed=0, difficulty=None)
+
+    return Course(Made(lidar_beams=8, robot="rover_zero4wd"))
+
+
+@pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
+def test_a_ride_reads_what_the_same_commands_of_an_episode_publish(
+    small: dict[str, Any], robot: str
+) -> None:
+    size = small["terrain_size"], small["terrain_size"]
+    config = EpisodeConfig(
+        terrain=small["terrain"],
+        terrain_size=size,
+        robot=robot,
+        seed=3,
+        duration=0.05 * (1 + len(COMMANDS)),
+        driver="cmd_vel",
+        noise="hardware",
+        lidar_beams=64,
+        start=START,
+        commands=tuple((0.05 * (1 + n), *twist) for n, twist in enumerate(COMMANDS)),
+    )
+    published: dict[type, Any] = {}
+    ride = Ride(Course(replace(config, start=None)), START, PLAIN, config.seed)
+    for batch, command in zip(Episode(config).batches(), [*COMMANDS, (0.0, 0.0)], strict=True):
+        published |= {type(sample): sample for tick in batch.ticks for sample in tick.samples}
+        for kind in SENSED:
+            assert repr(ride.readings[kind]) == repr(published[kind])
+        scan: Any = ride.readings[LaserScan]
+        np.testing.assert_array_equal(scan.ranges, published[LaserScan].ranges)
+        ride.advance(Twist(*command))
+
+
+def test_late_readings_are_those_of_some_periods_before(flat_with_post: Course) -> None:
+    prompt, late = (Ride(flat_with_post, FREE, Variation(latency=s), 0) for s in (0.0, 0.1))
+    stamps = []
+    for _ in range(4):
+        stamps.append((prompt.readings[Imu].stamp_ns, late.readings[Imu].stamp_ns))
+        for ride in (prompt, late):
+            ride.advance(Twist(0.3, 0.0))
+    periods = [(1, 1), (2, 1), (3, 1), (4, 2)]  # nothing is older than the first
+    assert stamps == [tuple(n * NANOSECONDS // 20 for n in pair) for pair in periods]
+
+
+def test_contact_with_a_hazard_counts_in_hundredths_of_a_second(flat_with_post: Course) -> None:
+    ride, seconds = Ride(flat_with_post, (0.0, 0.0, 0.0), PLAIN, 0), 0.0
+    for _ in range(30):
+        ride.advance(Twist(0.7, 0.0))
+        touching = ride.simulation.data.contact.geom
+        post = ride.simulation.model.geom("hazard_0").id
+        assert (ride.hazard_s > 0.0) >= (post in touching)
+        assert ride.hazard_s in [0.01 * n for n in range(6)]
+        seconds += ride.hazard_s
+    assert 0.1 < seconds < 1.4
+
+
+def test_a_body_on_the_ground_is_a_scrape_and_tilt_is_told(flat_with_post: Course) -> None:
+    ride = Ride(flat_with_post, (-2.0, 0.0, 0.0), PLAIN, 0)
+    assert ride.upright == pytest.approx(1.0, abs=1e-3)
+    ride.simulation.data.qpos[2:7] = 0.3, np.cos(0.5), np.sin(0.5), 0.0, 0.0  # rolled by 1 rad
+    assert ride.upright == pytest.approx(np.cos(1.0))
+    ride.simulation.data.qpos[2:7] = 0.35, 0.0, 1.0, 0.0, 0.0  # on its roof
+    for _ in range(8):
+        ride.advance(Twist())
+    assert ride.scrape_s == pytest.approx(0.05)
+
+
+def test_a_start_in_an_obstacle_or_off_the_map_is_refused(flat_with_post: Course) -> None:
+    with pytest.raises(UsageError, match="is inside hazard_0"):
+        Ride(flat_with_post, (0.6, 0.0, 0.0), PLAIN, 0)
+    with pytest.raises(UsageError, match="off the map"):
+        Ride(flat_with_post, (9.0, 0.0, 0.0), PLAIN, 0)
+    ride = Ride(flat_with_post, (3.4, 0.0, 0.0), PLAIN, 0)
+    ride.simulation.data.qpos[0] = 3.49  # 1 cm
+    ride.simulation.data.qvel[0] = 0.5
+    before = ride.readings[Pose]
+    with pytest.raises(RunFailed, match="edge of the map"):
+        ride.advance(Twist(0.7, 0.0))
+    assert ride.readings[Pose] is before
+
+
+def test_a_variation_changes_the_rover_alone_and_only_for_its_episode(flat_with_post: Course) -> None:
+    variation = Variation(friction=0.5, mass=1.2, payload=3.0, motor_strength=0.25)
+    plain = flat_with_post.scene.model
+    model = flat_with_post.varied(FREE, variation).model
+    base, terrain = plain.body("rover").id, plain.geom("terrain").id
+    weight = plain.body_subtreemass[base]
+    assert model.body_subtreemass[base] == pytest.approx(1.2 * weight + 3.0)
+    assert model.body_inertia[base].tolist() == (1.2 * plain.body_inertia[base]).tolist()
+    wheel, post = plain.geom("wheel_FL").id, plain.geom("hazard_0").id
+    assert model.geom_friction[wheel, 0] == 0.5 * plain.geom_friction[wheel, 0]
+    for other in (terrain, post):
+        assert model.geom_friction[other].tolist() == plain.geom_friction[other].tolist()
+    assert model.actuator_forcerange.tolist() == (0.25 * plain.actuator_forcerange).tolist()
+    # A settled rover presses on the ground with its weight.
+    data = Ride(flat_with_post, FREE, variation, 0).simulation.data
+    force, total = np.empty(6), 0.0
+    for index in range(data.ncon):
+        mujoco.mj_contactForce(model, data, index, force)
+        total += force[0]
+    assert total == pytest.approx(model.body_subtreemass[base] * 9.8, rel=0.01)
+
+
+def test_a_draw_is_within_the_ranges_and_one_range_leaves_the_others_draws_alone() -> None:
+    wide = Randomisation(friction=(0.5, 1.5), payload=(1.0, 2.0), latency=(0.0, 0.2))
+    draws = [draw_variation(wide, np.random.default_rng(seed)) for seed in range(50)]
+    assert {draw.mass for draw in draws} == {1.0}
+    for name, (low, high) in (("friction", (0.5, 1.5)), ("payload", (1.0, 2.0))):
+        values = [getattr(draw, name) for draw in draws]
+        assert low <= min(values) < low + 0.1
+        assert high - 0.1 < max(values) <= high
+    assert {draw.late_periods for draw in draws} == {0, 1, 2, 3, 4}
+    narrow = draw_variation(Randomisation(latency=(0.0, 0.2)), np.random.default_rng(0))
+    assert narrow.latency == draws[0].latency

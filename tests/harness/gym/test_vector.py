@@ -1,0 +1,92 @@
+import re
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.error import InvalidAction, ResetNeeded
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+
+from harness.errors import UsageError
+
+ID = "RoverHarness/PointNav-v0"
+
+
+def vector(small: dict[str, Any], count: int = 2, **options: object) -> Any:  # noqa: ANN401
+    return gymnasium.make_vec(ID, num_envs=count, **{**small, **options})
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+def test_it_does_what_gymnasiums_own_does_with_single_environments(
+    small: dict[str, Any], mode: AutoresetMode
+) -> None:
+    options = {**small, "time_limit": 0.15, "noise": "hardware"}
+    ours = vector(options, autoreset_mode=mode.value, threads=2)
+    plain = SyncVectorEnv([lambda: gymnasium.make(ID, **options)] * 2, autoreset_mode=mode)
+    assert ours.observation_space == plain.observation_space
+    assert ours.metadata["autoreset_mode"] is mode
+    assert_alike(ours.reset(seed=5), plain.reset(seed=5))
+    for actions in np.random.default_rng(0).uniform(-1.0, 1.0, (4, 2, 2)).astype(np.float32):
+        stepped = ours.step(actions)
+        assert_alike(stepped, plain.step(actions))
+        if mode is AutoresetMode.DISABLED and stepped[3].any():
+            mask = stepped[3]
+            told = [envs.reset(options={"reset_mask": mask}) for envs in (ours, plain)]
+            assert_alike(*told)
+    ours.close()
+    plain.close()
+
+
+def assert_alike(one: Any, other: Any) -> None:  # noqa: ANN401 - what steps and resets return
+    """To the bit, key by key."""
+    if isinstance(one, dict):
+        assert one.keys() == other.keys()
+        keys = list(one)
+        one, other = ([told[key] for key in keys] for told in (one, other))
+    if isinstance(one, list | tuple) or one.dtype == object:
+        for mine, its in zip(one, other, strict=True):
+            if isinstance(mine, dict | list | tuple | np.ndarray):
+                assert_alike(mine, its)
+            else:
+                assert mine == its
+    else:
+        assert one.dtype == other.dtype
+        np.testing.assert_array_equal(one, other)
+
+
+WRONG = [
+    ({"num_envs": 0}, "num_envs 0 is not valid; give 1 or more"),
+    ({"threads": -1}, "threads -1 is not valid; give 1 or more, or 0 for all processors"),
+    (
+        {"autoreset_mode": "never"},
+        "autoreset_mode 'never' does not exist; available: NextStep, SameStep",
+    ),
+    ({"robot": "spirit"}, "robot 'spirit' does not exist"),
+]
+
+
+@pytest.mark.parametrize(("options", "message"), WRONG)
+def test_mistakes_with_a_vector_are_told_in_a_line(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(UsageError, match=re.escape(message)):
+        gymnasium.make_vec(ID, **options)
+
+
+def test_mistakes_with_many_episodes_are_told_in_a_line(small: dict[str, Any]) -> None:
+    envs = vector(small, 2, threads=2)
+    actions, mask = np.zeros((2, 2), np.float32), np.array([True, False])
+    with pytest.raises(ResetNeeded, match="the first reset"):
+        envs.reset(options={"reset_mask": mask})
+    with pytest.raises(ResetNeeded, match="no episode to step"):
+        envs.step(actions)
+    with pytest.raises(UsageError, match="3 seeds are not valid; give 2, or the first one"):
+        envs.reset(seed=[1, 2, 3])
+    envs.reset(seed=[1, 2])
+    for wrong in (~mask & mask, np.array([1, 0]), np.array([True])):
+        with pytest.raises(UsageError, match="reset_mask is not valid; give 2 booleans"):
+            envs.reset(options={"reset_mask": wrong})
+    with pytest.raises(UsageError, match="1 actions are not valid; give 2, one for each"):
+        envs.step(actions[:1])
+    with pytest.raises(InvalidAction, match="finite numbers"):  # of a thread's environment, too
+        envs.step(np.array([[0.0, 0.0], [0.0, np.nan]], np.float32))
+    envs.close()
+    envs.close()

@@ -1,0 +1,35 @@
+"""Spinning until something holds, on a clock of the test's own."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+
+from harness.ros.context import spin_until_quiet
+
+
+@pytest.mark.parametrize(
+    ("changes", "ends"),
+    [
+        ([], 0.3),
+        ([0.1], 0.4),
+        ([0.1, 0.3, 0.5], 0.8),
+        ([n / 10 for n in range(1, 40)], 2.0),
+    ],
+)
+def test_it_is_quiet_when_nothing_has_changed_for_long_enough_or_nobody_waits_longer(
+    changes: list[float], ends: float
+) -> None:
+    clock = [0.0]
+
+    def spin_once(timeout_sec: float) -> None:
+        clock[0] = round(clock[0] + timeout_sec, 6)
+
+    def look() -> int:
+        return sum(clock[0] >= change for change in changes)
+
+    executor: Any = SimpleNamespace(spin_once=spin_once)
+    spin_until_quiet(executor, look, quiet=0.3, patience=2.0, now=lambda: clock[0])
+    assert clock[0] == pytest.approx(ends)
