@@ -11,9 +11,11 @@ import pytest
 from tests.support.once import made_once
 from tools.mutants import __main__ as command
 from tools.mutants import mutations, survivors
+from tools.mutants.chooser import Chooser
 from tools.mutants.journal import Journal, Outcome
 from tools.mutants.mutations import Mutant, mutants_of
 from tools.mutants.scope import PACKAGES, ROOT, Package, changed_since, modules_of
+from tools.mutants.session import Trace
 from tools.mutants.survivors import LISTED, SCORES, TABLE, Score, complaints, listed, record, recorded
 
 CODE = '''"""Tanks."""
@@ -104,6 +106,17 @@ print(json.dumps([(*o.mutant.key[1:], o.killer) for o in outcomes]))
 
 def texts(source: str) -> set[str]:
     return {mutant.becomes for mutant in mutants_of("a.py", source)}
+
+
+def test_slow_tests_that_share_a_mutants_words_come_before_cheaper_ones(tmp_path: Path) -> None:
+    (tmp_path / "a.py").write_text("def fill(tank):\n    tank.level = 1\n")
+    tests = "def test_other():\n    pass\n\n\ndef test_fill(tank):\n    assert tank.level\n"
+    (tmp_path / "test_b.py").write_text(tests)
+    other, fill = "test_b.py::test_other", "test_b.py::test_fill[1]"
+    covered = {str(tmp_path / "a.py"): {2: {other, fill}}}
+    chooser = Chooser(tmp_path, Trace(covered, {other: 4.0, fill: 5.0}), {})
+    mutant = mutants_of("a.py", (tmp_path / "a.py").read_text())[0]
+    assert [test for test, _ in chooser.tests(mutant)] == [fill, other]
 
 
 @pytest.fixture(scope="module")
