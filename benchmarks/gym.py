@@ -106,11 +106,7 @@ def _driving(env: Any, actions: NDArray[np.float32]) -> Callable[[], float]:  # 
         for action in actions:
             env.step(action)
 
-    def measured() -> float:
-        env.reset(options=WHERE)
-        return timed(drive)()
-
-    return measured
+    return _from_the_start(env, drive)
 
 
 def _vector(robot: str, count: int, threads: int, actions: NDArray[np.float32]) -> Callable[[], float]:
@@ -123,8 +119,12 @@ def _vector(robot: str, count: int, threads: int, actions: NDArray[np.float32]) 
         for each in all_actions:
             envs.step(each)
 
+    return _from_the_start(envs, drive)
+
+
+def _from_the_start(env: Any, drive: Callable[[], None]) -> Callable[[], float]:  # noqa: ANN401
     def measured() -> float:
-        envs.reset(options=WHERE)
+        env.reset(options=WHERE)
         return timed(drive)()
 
     return measured

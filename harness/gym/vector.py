@@ -137,9 +137,7 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
             for index in indices:
                 work(index)
             return
-        left = iter(
-            indices
-        )  # whoever is free takes the next: next() of it is one step of the interpreter
+        left = iter(indices)  # shared: its next() is one step of the interpreter
 
         def take() -> None:
             for index in left:

@@ -84,9 +84,8 @@ class Leap:
         simulation, per_tick = self._simulation, self._simulation.steps_per_tick
         qpos, qvel = simulation.data.qpos, simulation.data.qvel
         ends = self._states[0, per_tick - 1 :: per_tick, 1 : 1 + qpos.size + qvel.size]  # after the time
-        sums = (
-            self._sensors[0].reshape(self._ticks, per_tick, -1).sum(axis=1)
-        )  # one step after the other
+        # Of axis 1, which numpy adds one step after the other, as Simulation.tick does.
+        sums = self._sensors[0].reshape(self._ticks, per_tick, -1).sum(axis=1)
         for tick in range(self._ticks):
             qpos[:], qvel[:] = ends[tick, : qpos.size], ends[tick, qpos.size :]
             simulation.tick_sum[:] = sums[tick]

@@ -111,7 +111,7 @@ class Hearing:
         try:
             arrivals.take(content, *self._now())
         except (AttributeError, TypeError, ValueError) as error:  # of a type that rosbags does not know
-            self._problem = f"{type(message).__name__} has no such field: {error}"
+            self._problem = f"{made or type(message).__name__} has no such field: {error}"
 
 
 def _quality(publishers: Sequence[Any]) -> QoSProfile:
