@@ -156,8 +156,8 @@ class PolicyDriver:
         """Takes the next goal.
 
         Args:
-            x: Position in the world [m]; likewise `y`.
-            y: See `x`.
+            x: Position in the world [m].
+            y: Likewise.
             _yaw: Not minded: PointNav is at its goal however it stands.
         """
         self._goal = x, y

@@ -26,7 +26,6 @@ try:
     from geometry_msgs.msg import PoseArray, PoseStamped, Twist
     from nav_msgs.msg import Odometry as OdometryMessage
     from rclpy.executors import ExternalShutdownException
-    from rclpy.node import Node
     from rclpy.qos import QoSProfile, ReliabilityPolicy
     from rosgraph_msgs.msg import Clock
     from sensor_msgs.msg import Imu as ImuMessage
@@ -40,12 +39,13 @@ from harness import samples
 from harness.drivers import point_nav
 from harness.drivers.policy import Policy, read_policy
 from harness.robots import RoverSpec, find_rover
-from harness.sim_time import NANOSECONDS
+from rover_metrics.ros.guarded_node import GuardedNode
+from rover_metrics.topics import stamp_ns
 
 BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
-class PolicyNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
+class PolicyNode(GuardedNode):
     """Answers each scan with the policy's command; silent without a goal.
 
     Args:
@@ -76,7 +76,7 @@ class PolicyNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def _on_scan(self, message: ScanMessage) -> None:
         if len(message.ranges) == self._policy.beams:
             ranges = np.array(message.ranges, np.float32)
-            self._readings[samples.LaserScan] = samples.LaserScan(_stamp_ns(message), ranges)
+            self._readings[samples.LaserScan] = samples.LaserScan(stamp_ns(message), ranges)
             return
         self.get_logger().error(
             f"the policy is for {self._policy.beams} beams, /scan has {len(message.ranges)}: no answer",
@@ -86,7 +86,7 @@ class PolicyNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def _on_imu(self, message: ImuMessage) -> None:
         rate, force = message.angular_velocity, message.linear_acceleration
         self._readings[samples.Imu] = samples.Imu(
-            _stamp_ns(message),
+            stamp_ns(message),
             _quaternion(message.orientation),
             (rate.x, rate.y, rate.z),
             (force.x, force.y, force.z),
@@ -95,13 +95,13 @@ class PolicyNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
     def _on_pose(self, message: PoseArray) -> None:
         for pose in message.poses[:1]:
             place = (pose.position.x, pose.position.y, pose.position.z)
-            told = samples.Pose(_stamp_ns(message), place, _quaternion(pose.orientation))
+            told = samples.Pose(stamp_ns(message), place, _quaternion(pose.orientation))
             self._readings[samples.Pose] = told
 
     def _on_odometry(self, message: OdometryMessage) -> None:
         twist = message.twist.twist
         moved = samples.Twist(twist.linear.x, twist.angular.z)
-        self._readings[samples.Odometry] = samples.Odometry(_stamp_ns(message), 0.0, 0.0, 0.0, moved)
+        self._readings[samples.Odometry] = samples.Odometry(stamp_ns(message), 0.0, 0.0, 0.0, moved)
 
     def _on_goal(self, message: PoseStamped) -> None:
         place = message.pose.position
@@ -118,11 +118,6 @@ class PolicyNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
             twist = Twist()
             twist.linear.x, twist.angular.z = told.linear, told.angular
             self._command.publish(twist)
-
-
-def _stamp_ns(message: ScanMessage | ImuMessage | PoseArray | OdometryMessage) -> int:
-    stamp = message.header.stamp
-    return int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)
 
 
 def _quaternion(orientation: object) -> samples.Quaternion:
