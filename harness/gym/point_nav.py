@@ -37,7 +37,7 @@ class PointNavWeights:
         hazard: Seconds of contact with hazards.
         scrape: Seconds in which anything but a wheel touched the ground.
         flipped: 1 if the rover lies on its side or roof.
-        jerk: Change of the action, both components' magnitudes added.
+        action_rate: Change of the action, both components' magnitudes added.
     """
 
     progress: float = 1.0
@@ -46,7 +46,7 @@ class PointNavWeights:
     hazard: float = -10.0
     scrape: float = -1.0
     flipped: float = -10.0
-    jerk: float = -0.01
+    action_rate: float = -0.01
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,12 +105,12 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
 
     def _begin(self, ride: Ride) -> None:
         self._distance = self._to_goal(ride)
-        self._hazard_s = self._jerk = 0.0
+        self._hazard_s = self._action_rate = 0.0
         self._action: list[float] = [0.0, 0.0]
 
     def _twist(self, action: NDArray[np.float64]) -> Twist:
         before, self._action = self._action, action.tolist()
-        self._jerk = sum(abs(now - then) for now, then in zip(self._action, before, strict=True))
+        self._action_rate = sum(abs(now - then) for now, then in zip(self._action, before, strict=True))
         return commanded(action, self._rover)
 
     def _observe(self, ride: Ride) -> Mapping[str, object]:
@@ -136,7 +136,7 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
             "hazard": hazard_s,
             "scrape": scrape_s,
             "flipped": float(ending == "flipped"),
-            "jerk": self._jerk,
+            "action_rate": self._action_rate,
         }
         terms = {name: weight * measured[name] for name, weight in self._weights.items()}
         told = {

@@ -12,7 +12,7 @@ from harness.episode.episode import Episode
 from tests.harness.gym.conftest import Make
 
 ACTIONS = np.random.default_rng(3).uniform(-1.0, 1.0, (25, 2)).astype(np.float32)
-WEIGHTS = {"progress": 3.0, "reached": 7.0, "time": -0.5, "flipped": -9.0, "jerk": -0.25}
+WEIGHTS = {"progress": 3.0, "reached": 7.0, "time": -0.5, "flipped": -9.0, "action_rate": -0.25}
 
 
 def test_each_term_is_its_weight_times_what_the_simulator_knows(make: Make) -> None:
@@ -33,7 +33,7 @@ def test_each_term_is_its_weight_times_what_the_simulator_knows(make: Make) -> N
                 "hazard": 0.0,
                 "scrape": -env._ride.scrape_s,
                 "flipped": 0.0,
-                "jerk": -0.25 * float(np.abs(action.astype(float) - previous).sum()),
+                "action_rate": -0.25 * float(np.abs(action.astype(float) - previous).sum()),
             }
         )
         assert reward == pytest.approx(sum(terms.values()))
