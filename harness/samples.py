@@ -152,7 +152,7 @@ class TruthState:
         slip: Slip ratio of each wheel in the order of RoverSpec.wheel_joints, -1..1; positive when it
             turns faster than it moves, 0 while it stands (harness.truth.wheels).
         roughness: Of the terrain under the wheels [m]: the root of the mean, over the windows of 0.3 m
-            around the four wheels, of the squared height above the mean of the 0.3 m around.
+            around the wheels, of the squared height above the mean of the 0.3 m around.
     """
 
     stamp_ns: int
@@ -162,7 +162,7 @@ class TruthState:
     contact_force: float
     speed: float
     path_length: float
-    slip: tuple[float, float, float, float]
+    slip: tuple[float, ...]
     roughness: float
 
     @property

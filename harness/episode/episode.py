@@ -18,11 +18,12 @@ from harness.errors import RunFailed
 from harness.frames.options import FrameOptions
 from harness.frames.rover_frames import rover_frames
 from harness.frames.transforms import describe
-from harness.physics.diff_drive import DiffDrive
-from harness.physics.scene import HAZARD_CONTACT, build_scene, model_hash
+from harness.physics.base_controller import base_controller
+from harness.physics.scene import HAZARD_CONTACT, build_scene
 from harness.physics.simulation import Simulation
 from harness.physics.start import check_room, check_start
 from harness.robots import find_rover
+from harness.robots.reading import model_hash
 from harness.samples import Imu, LaserScan, Place, Sample, Tick, Twist
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
@@ -89,7 +90,7 @@ class Episode:
             parts |= {"frames": frames, "frame_options": frame_options}
         noise = sensor_noise(config, lidar_spec)
         self._sensors = SensorSuite(parts, rover, {Imu: config.imu_rate}, wanted=samples, noise=noise)
-        self._bearings = lidar_spec.bearings
+        self._bearings = lidar_spec.bearings_at(rover.lidar_yaw)
         planned: list[tuple[float, Callable[[], None]]] = [(t, self.reset) for t in config.resets]
         planned += [(t, partial(self.command, Twist(*twist))) for t, *twist in config.commands]
         planned += [(t, partial(self.head_for, Place(*place))) for t, *place in config.goals]
@@ -99,7 +100,7 @@ class Episode:
     def _begin(self) -> None:
         """A driver that has done nothing yet, at a rover that stands."""
         self._began_ns = self.simulation.time_ns
-        self._drive = DiffDrive(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
+        self._drive = base_controller(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
         scene, (rng, *_) = self.simulation.scene, generators(self.config.seed, 3)
         half_size, obstacles = scene.world.ground.half_size, scene.world.obstacles
         seconds = self.config.cmd_vel_timeout

@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 
 from harness.errors import UsageError
 from harness.frames.tree import Edge, check_tree
-from harness.physics.scene import read_model
 from harness.robots import FrameRow, RoverSpec
+from harness.robots.measures import frame_name
+from harness.robots.model import read_model
 from harness.samples import Quaternion, Vector3
 
 Matrix = NDArray[np.float64]
 
-ROVER = "rover"  # the root body of every model
+ROOT = 1  # the root body's id
 LIDAR_FRAME = "lidar_link"
 ON_AXIS = 1e-9  # [m]: a link's origin lies on its joint's axis
 HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
@@ -92,7 +93,7 @@ def rover_frames(rover: RoverSpec) -> RoverFrames:
     Raises:
         UsageError: The frames of rover.yaml are no tree, or do not fit the model; it names what is.
     """
-    model = read_model(rover.model_path).compile()
+    model = read_model(rover).compile()
     data = mujoco.MjData(model)
     data.qpos[:] = 0.0
     data.qpos[3] = 1.0  # the free joint of the rover is the first
@@ -102,8 +103,7 @@ def rover_frames(rover: RoverSpec) -> RoverFrames:
     base = rover.odometry_child_frame
     check_tree(base, [(row.parent, row.child) for row in rows], where)
     carried = {row.body for row in rows if row.body}
-    body = _body(model, ROVER, where)
-    links = {base: Link(base, "", body, ROVER not in carried, np.eye(4), -1)}
+    links = {base: Link(base, "", ROOT, model.body(ROOT).name not in carried, np.eye(4), -1)}
     waiting = list(rows)
     while waiting:  # a parent may stand below its child in the file
         row = next(row for row in waiting if row.parent in links)
@@ -116,12 +116,12 @@ def _of_the_model(rover: RoverSpec, model: mujoco.MjModel) -> Iterator[FrameRow]
     """A frame for each body, the lidar and the IMU, where rover.yaml has none."""
     named = {row.child for row in rover.frames}
     frame_of = {row.body: row.child for row in rover.frames if row.body}
-    frame_of.setdefault(ROVER, rover.odometry_child_frame)
+    frame_of.setdefault(model.body(ROOT).name, rover.odometry_child_frame)
     for body in range(1, model.nbody):  # a parent stands before its children
         name = model.body(body).name
         if name not in frame_of:
             above = model.body(model.body_parentid[body]).name
-            frame_of[name] = f"{name}_link"
+            frame_of[name] = frame_name(name)
             anchor = model.jnt_pos[model.body_jntadr[body]] if model.body_jntnum[body] else np.zeros(3)
             yield FrameRow(
                 parent=frame_of[above], child=frame_of[name], body=name, xyz=tuple(anchor.tolist())

@@ -117,7 +117,7 @@ class _Image:
         """Returns the image of a state, shape (height, width, 3)."""
         self._context.make_current()
         position = data.qpos[:3].copy()
-        forward = data.body("rover").xmat.reshape(3, 3)[:, 0]
+        forward = data.body(1).xmat.reshape(3, 3)[:, 0]
         view = chase_view(position, float(np.arctan2(forward[1], forward[0])))
         aim_sun(self._model, position, view.azimuth)
         mujoco.mj_camlight(self._model, data)

@@ -9,9 +9,11 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from harness.physics.scene import BODY_PREFIX, HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT, TERRAIN
+from harness.physics.scene import HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT, TERRAIN, body_geoms
+from harness.robots import RoverSpec
 from harness.samples import ContactKind
 
+BODY_PREFIX = "body_"  # of the names of geoms that are not wheels, in the models that ship
 KIND_OF_BODY: dict[str, ContactKind] = {"rocks": "rock", "hazards": "hazard"}
 
 
@@ -40,7 +42,7 @@ class ContactWatch:
         strongest: The strongest contact of each kind since the last `begin`.
     """
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, rover: RoverSpec) -> None:
         self._model, self._data = model, data
         self.counts = data.sensordata[_contact_counts(model)]
         self._obstacles: dict[int, ContactKind] = {
@@ -49,9 +51,7 @@ class ContactWatch:
             for geom in np.flatnonzero(model.geom_bodyid == model.body(body).id).tolist()
         }
         self._terrain = int(model.geom(TERRAIN).id)
-        self._body = {
-            geom for geom in range(model.ngeom) if model.geom(geom).name.startswith(BODY_PREFIX)
-        }
+        self._body = body_geoms(model, rover)
         self._force = np.zeros(6)
         self.strongest: dict[ContactKind, Touch] = {}
 
@@ -80,7 +80,7 @@ class ContactWatch:
         """Returns what a part, an obstacle or the ground is called."""
         if geom == self._terrain:
             return "ground"
-        name: str = self._model.geom(geom).name
+        name: str = self._model.geom(geom).name or self._model.body(self._model.geom_bodyid[geom]).name
         return name.removeprefix(BODY_PREFIX)
 
 

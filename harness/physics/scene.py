@@ -4,26 +4,24 @@ Geom groups say what a thing is: 0 terrain, 1 obstacles, 2 rover as seen, 3 rove
 lidar's ray mask and the pictures rely on them.
 """
 
-import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
+from functools import lru_cache
 
 import mujoco
 import numpy as np
 
-from harness.errors import UsageError
 from harness.robots import RoverSpec
+from harness.robots.model import COLLIDING_GROUP, SEEN_GROUP, read_model, root_of
+from harness.robots.reading import model_hash
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
 
-TERRAIN_GROUP, OBSTACLE_GROUP, VISUAL_GROUP = 0, 1, 2
+TERRAIN_GROUP, OBSTACLE_GROUP, VISUAL_GROUP = 0, 1, SEEN_GROUP
 GROUND_CONTACT = {"contype": 2, "conaffinity": 1}  # the rover's geoms carry (1, 2)
 BASE_THICKNESS = 1.0  # [m] of solid ground below the lowest point
 
 TERRAIN = "terrain"
-BODY_PREFIX = "body_"  # of the names of the rover's geoms that are not wheels
 ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT = "rock_contact", "hazard_contact", "scrape_contact"
 OBSTACLE_BODIES = {ObstacleKind.ROCK: "rocks", ObstacleKind.HAZARD: "hazards"}
 SHAPES = {
@@ -54,42 +52,38 @@ def build_scene(world: World, rover: RoverSpec, timestep: float, dress: Dress | 
         dress: Adds colours and light to what is to be looked at. Without it, the geoms that are only
             to be seen are left out: a step is 5 % faster, and the physics is the same.
     """
-    path = rover.model_path
-    spec = _without_visuals(path, model_hash(rover)).copy() if dress is None else read_model(path)
+    spec = _without_visuals(rover, model_hash(rover)).copy() if dress is None else read_model(rover)
     spec.option.timestep = timestep
     _keep_constraints_soft(spec, timestep)
     _add_terrain(spec, world)
     _add_obstacles(spec, world.obstacles)
-    _add_truth_sensors(spec)
+    _add_truth_sensors(spec, rover)
     if dress is not None:
         dress(spec)
     return Scene(model=spec.compile(), world=world, rover=rover)
 
 
-def read_model(path: Path) -> mujoco.MjSpec:
-    """Returns a rover's model of that file, not compiled.
+def motors_of(model: mujoco.MjModel, joints: tuple[str, ...]) -> list[int]:
+    """Returns the actuator of each joint.
 
     Raises:
-        UsageError: The file of one of its meshes is not there.
+        KeyError: A joint has none.
     """
-    spec = mujoco.MjSpec.from_file(str(path))
-    for mesh in spec.meshes:
-        file = path.parent / spec.meshdir / mesh.file
-        if mesh.file and not file.is_file():
-            message = f"mesh '{mesh.name}' is to be in {file}, which does not exist"
-            raise UsageError(f"{path}: {message}; put it there, or mend its name")
-    return spec
+    on = {int(model.actuator_trnid[motor, 0]): motor for motor in range(model.nu)}
+    return [on[model.joint(name).id] for name in joints]
 
 
-def model_hash(rover: RoverSpec) -> str:
-    """Returns the SHA-256 of the rover's model file."""
-    return hashlib.sha256(rover.model_path.read_bytes()).hexdigest()
+def body_geoms(model: mujoco.MjModel, rover: RoverSpec) -> set[int]:
+    """Returns what collides of a rover and is no wheel's."""
+    wheels = {int(model.joint(name).bodyid[0]) for name in rover.wheel_joints}
+    colliding = np.flatnonzero(model.geom_group == COLLIDING_GROUP).tolist()
+    return {geom for geom in colliding if model.body_weldid[model.geom_bodyid[geom]] not in wheels}
 
 
-@cache
-def _without_visuals(path: Path, _: str) -> mujoco.MjSpec:
-    """A model file of that content, to be copied: to read it and to drop geoms takes most of a scene."""
-    spec = read_model(path)
+@lru_cache(maxsize=8)
+def _without_visuals(rover: RoverSpec, _: str) -> mujoco.MjSpec:
+    """A rover's model of that content, to be copied: to read it and to drop geoms takes most of a scene."""
+    spec = read_model(rover)
     for geom in [g for g in spec.geoms if g.group == VISUAL_GROUP]:
         spec.delete(geom)
     return spec
@@ -137,14 +131,14 @@ def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None
         )
 
 
-def _add_truth_sensors(spec: mujoco.MjSpec) -> None:
+def _add_truth_sensors(spec: mujoco.MjSpec, rover: RoverSpec) -> None:
     """Contact counts of the whole rover with rocks and hazards, of its body with the ground."""
     subtree, body, geom = (mujoco.mjtObj.mjOBJ_XBODY, mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_GEOM)
     counts = [
-        (ROCK_CONTACT, (subtree, "rover"), (body, "rocks")),
-        (HAZARD_CONTACT, (subtree, "rover"), (body, "hazards")),
+        (ROCK_CONTACT, (subtree, root_of(spec)), (body, "rocks")),
+        (HAZARD_CONTACT, (subtree, root_of(spec)), (body, "hazards")),
     ]
-    scraping = (part for part in spec.bodies if any(g.name.startswith(BODY_PREFIX) for g in part.geoms))
+    scraping = (part for part in spec.bodies if _scrapes(part, rover))
     counts += [(f"{SCRAPE_CONTACT}_{b.name}", (body, b.name), (geom, TERRAIN)) for b in scraping]
     found, net_force, slots = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 3, 1
     for name, (kind, one), (other_kind, other) in counts:
@@ -157,3 +151,12 @@ def _add_truth_sensors(spec: mujoco.MjSpec) -> None:
             refname=other,
             intprm=[found, net_force, slots],
         )
+
+
+def _scrapes(body: mujoco.MjsBody, rover: RoverSpec) -> bool:
+    """Whether something of a body collides that is no wheel's."""
+    if not any(geom.group == COLLIDING_GROUP for geom in body.geoms):
+        return False
+    while not body.joints and body.parent.name != "world":
+        body = body.parent
+    return not any(joint.name in rover.wheel_joints for joint in body.joints)

@@ -25,7 +25,7 @@ from harness.ros.channel import Fill, Message
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.table import SensorRow, Topic
 from harness.sim_time import NANOSECONDS
-from rover_metrics.extended.truth_columns import TRAVERSAL
+from rover_metrics.extended.truth_columns import traversal_names
 
 GROUND_TRUTH_POSE_VARIANCE = 0.01  # on the diagonal, as RoboTerrain's PoseConverterNode says
 
@@ -165,10 +165,11 @@ def _contact(message: Bool, _: RoverSpec, __: LidarSpec) -> Fill:
     return _refilled(message, {"data": attrgetter("hazard_contact")})
 
 
-def _traversal(message: Float64MultiArray, _: RoverSpec, __: LidarSpec) -> Fill:
+def _traversal(message: Float64MultiArray, rover: RoverSpec, _: LidarSpec) -> Fill:
     """The values of the truth; the label of the one dimension names them."""
-    size = len(TRAVERSAL)
-    message.layout.dim = [MultiArrayDimension(label=",".join(TRAVERSAL), size=size, stride=size)]
+    names = traversal_names(rover.wheel_names)
+    size = len(names)
+    message.layout.dim = [MultiArrayDimension(label=",".join(names), size=size, stride=size)]
     return _refilled(message, {"data": attrgetter("traversal")})
 
 

@@ -89,7 +89,9 @@ QUANTITIES: dict[str, Quantity] = {
     "truth.z": Quantity("m", "Position in the world.", lambda m: m.truth.position[2]),
     "truth.resets": Quantity("", "Times that it was put back so far.", lambda m: m.truth.resets),
     "truth.slip": Quantity(
-        "", "Mean magnitude of the wheels' slip ratios.", lambda m: sum(map(abs, m.state.slip)) / 4
+        "",
+        "Mean magnitude of the wheels' slip ratios.",
+        lambda m: sum(map(abs, m.state.slip)) / len(m.state.slip),
     ),
     **{
         f"truth.slip.{wheel}": Quantity("", "Slip ratio, -1 to 1.", lambda m, i=i: m.state.slip[i])  # type: ignore[misc]

@@ -54,7 +54,7 @@ def balance(rig: Rig) -> Balance:
     model, data = rig.simulation.model, rig.simulation.data
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
-    x, y, z = rig.in_model_frame(data.subtree_com[model.body("rover").id]).tolist()
+    x, y, z = rig.in_model_frame(data.subtree_com[1]).tolist()
     wheels = rig.in_model_frame(data.geom_xpos[rig.wheel_geoms])
     front_left, rear_left, front_right, rear_right = wheels
     return Balance(

@@ -9,6 +9,7 @@ from scipy.spatial import ConvexHull
 
 from harness.physics.scene import VISUAL_GROUP
 from harness.robots import RoverSpec
+from harness.robots.model import read_model
 
 ABOVE, SIDE = (0, 1), (0, 2)  # axes of the model frame that are seen
 STEP = 1e-3  # [m] along the outline, about
@@ -23,7 +24,7 @@ Told = tuple[float, float]  # range_min and a collision threshold [m]: touches b
 
 def silhouette(rover: RoverSpec, axes: tuple[int, int]) -> list[Points]:
     """Returns convex outlines of a rover on flat ground in its frame [m]; `axes` are ABOVE or SIDE."""
-    model = mujoco.MjModel.from_xml_path(str(rover.model_path))
+    model = read_model(rover).compile()
     data = mujoco.MjData(model)
     data.qpos[:3] = 0.0, 0.0, rover.rest_height
     mujoco.mj_kinematics(model, data)
@@ -80,4 +81,4 @@ def _sides(rover: RoverSpec) -> Iterator[tuple[Points, NDArray[np.float64], Poin
         length = float(np.hypot(*along))
         points = np.linspace(start, end, round(length / STEP))
         outward = np.array([along[1], -along[0]]) / length
-        yield points, np.hypot(points[:, 0] - rover.lidar_x, points[:, 1]), outward
+        yield points, np.hypot(points[:, 0] - rover.lidar_x, points[:, 1] - rover.lidar_y), outward

@@ -3,6 +3,7 @@
 import hashlib
 import math
 import shutil
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -10,8 +11,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from harness.physics.scene import Dress, Scene, build_scene, model_hash
+from harness.physics.scene import Dress, Scene, build_scene
 from harness.robots import ROVERS, RoverSpec
+from harness.robots.reading import model_hash
 from harness.view import stage
 from harness.view.picture import QUALITY
 from harness.world.heightfield import Heightfield
@@ -187,12 +189,10 @@ def test_the_hash_of_a_model_is_that_of_its_file() -> None:
     assert model_hash(LEO) == hashlib.sha256(LEO.model_path.read_bytes()).hexdigest()
 
 
-def test_a_model_file_that_has_changed_is_read_anew(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_model_file_that_has_changed_is_read_anew(tmp_path: Path) -> None:
     shutil.copytree(LEO.folder, tmp_path / LEO.name)
-    monkeypatch.setattr("harness.robots.MODELS_DIR", tmp_path)
-    before = scene_of().model.opt.gravity[2]
-    text = LEO.model_path.read_text()
-    LEO.model_path.write_text(text.replace(f"0 0 {before:g}", "0 0 -1.5"))
-    assert [before, scene_of().model.opt.gravity[2]] == [-LEO.gravity, -1.5]
+    copied = replace(LEO, folder=tmp_path / LEO.name)
+    before = scene_of(copied).model.opt.gravity[2]
+    text = copied.model_path.read_text()
+    copied.model_path.write_text(text.replace(f"0 0 {before:g}", "0 0 -1.5"))
+    assert [before, scene_of(copied).model.opt.gravity[2]] == [-LEO.gravity, -1.5]
