@@ -28,6 +28,7 @@ from harness.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.files import check_target, write_whole
 from harness.interrupt import HANGUP, StopRequest
 from harness.report.recorder import RunRecorder
+from harness.robots import robot_name
 from harness.view.drawing import Drawing, keep_opengl_out
 from harness.world.heightmap.dem import is_terrain_file
 
@@ -107,7 +108,7 @@ def _run(
         console.print(f"{config.terrain}: {note}", soft_wrap=True, highlight=False)
     config.check_world()
     drawing.prepare(config)
-    with RunProgress(console, f"{config.robot} on {config.terrain}", config.duration) as bar:
+    with RunProgress(console, f"{robot_name(config.robot)} on {config.terrain}", config.duration) as bar:
         observers = (drawing, recorder) if options.report is not None else (drawing,)
         return run(config, options.ros, stop, bar.show if console.is_terminal else None, observers)
 

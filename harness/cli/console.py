@@ -16,6 +16,8 @@ from harness.sensors.noise import PRESETS
 from harness.world.terrain import Terrain
 from harness.world.terrains import TERRAINS
 
+OWN_ROBOT = ("FOLDER", "your own: python -m harness.robot new NAME --from robot.urdf (docs/robots.md)")
+
 
 class RunProgress(Progress):
     """A progress bar over simulated time; silent where the output is no terminal."""
@@ -122,7 +124,7 @@ def print_choices(console: Console) -> None:
     """Prints terrains, robots, drivers and noise presets with what there is to know of each."""
     for title, lines in (
         ("terrains", [(name, _about(terrain)) for name, terrain in TERRAINS.items()]),
-        ("robots", [(name, rover.summary) for name, rover in ROVERS.items()]),
+        ("robots", [*((name, rover.summary) for name, rover in ROVERS.items()), OWN_ROBOT]),
         ("drivers", [(name, driver.summary) for name, driver in DRIVERS.items()]),
         ("noise", [(name, preset.summary) for name, preset in PRESETS.items()]),
     ):

@@ -29,7 +29,7 @@ T = TypeVar("T")
 Option = tuple[str, Callable[[str], Any], str, str]  # flag, type, metavar, help
 
 EPISODE: tuple[Option, ...] = (
-    ("--robot", str, "NAME", ", ".join(ROVERS)),
+    ("--robot", str, "NAME|FOLDER", f"{', '.join(ROVERS)}, or a folder (docs/robots.md)"),
     ("--driver", str, "NAME", f"{', '.join(DRIVERS)}, or policy:FILE.npz (docs/gym.md)"),
     ("--seed", int, "N", "of everything random"),
     ("--duration", float, "S", "simulated seconds"),

@@ -13,6 +13,7 @@ import numpy as np
 
 from harness.config import TICKS_PER_CONTROL, EpisodeConfig
 from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, PolicyDriver, find_driver
+from harness.drivers.steered import drivable
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import RunFailed
 from harness.frames.options import FrameOptions
@@ -150,7 +151,7 @@ class Episode:
         for start in range(0, self.config.total_ticks, TICKS_PER_CONTROL):
             stop = min(start + TICKS_PER_CONTROL, self.config.total_ticks)
             self._act(start)
-            self._drive.command(self._driver.command(self._observe()))
+            self._drive.command(self._commanded())
             ticks: list[Tick] = []
             failure: RunFailed | None = None
             try:
@@ -163,6 +164,13 @@ class Episode:
             yield Batch(tuple(ticks), self._recorder.truth(), events.take_closed(), events.open)
             if failure is not None:
                 raise failure
+
+    def _commanded(self) -> Twist:
+        """What the driver wants; commands from elsewhere and of policies are taken as they are."""
+        twist = self._driver.command(self._observe())
+        if isinstance(self._driver, CmdVel | PolicyDriver):
+            return twist
+        return drivable(twist, self.simulation.scene.rover)
 
     def _act(self, tick: int) -> None:
         """Does what is planned up to a tick."""

@@ -1,4 +1,4 @@
-"""cmd_vel -> speeds of the driven wheels and angles of the steered ones, of a rover that steers as a car.
+"""cmd_vel -> speeds of driven wheels and angles of steered ones, of a rover that steers like a car.
 
 The middle of the unsteered axles follows the commanded curvature, angular over linear, as far as the
 steering turns; each wheel rolls about the same centre, so that none skids:
@@ -48,7 +48,7 @@ class Ackermann:
         return True
 
     def wheel_speeds(self) -> NDArray[np.float64]:
-        """Returns the speeds of the driven wheels [rad/s], then the left and the right steering angle [rad]."""
+        """Returns the speeds of the driven wheels [rad/s], then left and right steering angle [rad]."""
         self._linear = approach(self._linear, self._target.linear, self._linear_step)
         self._steering = approach(self._steering, self._wanted(), self._turn_step)
         curvature = math.tan(self._steering) / self._wheelbase

@@ -82,7 +82,7 @@ def body_geoms(model: mujoco.MjModel, rover: RoverSpec) -> set[int]:
 
 @lru_cache(maxsize=8)
 def _without_visuals(rover: RoverSpec, _: str) -> mujoco.MjSpec:
-    """A rover's model of that content, to be copied: to read it and to drop geoms takes most of a scene."""
+    """A rover's model of that content, to be copied: to read it and drop geoms takes most of a scene."""
     spec = read_model(rover)
     for geom in [g for g in spec.geoms if g.group == VISUAL_GROUP]:
         spec.delete(geom)

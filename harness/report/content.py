@@ -17,7 +17,7 @@ from harness.report.recorder import RunRecorder
 from harness.report.series import MOST_ROWS, series_figure, varies
 from harness.report.tables import comparisons, contact_rows, facts, key_figures, steady_text
 from harness.report.terrain_map import map_figure
-from harness.robots import find_rover
+from harness.robots import find_rover, robot_name
 from harness.sensors.lidar_spec import scan_points
 
 LISTED = ("arguments", "versions", "world")  # parts of the manifest that are tables of their own
@@ -31,7 +31,7 @@ def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
     steady = [plot for plot in plots if plot not in series]
     return {
         "result": result,
-        "heading": f"{result.config.robot} on {Path(result.config.terrain).name}",
+        "heading": f"{robot_name(result.config.robot)} on {Path(result.config.terrain).name}",
         "arguments": values["arguments"],
         "outcome": values["outcome"],
         "written": datetime.now().astimezone().isoformat(sep=" ", timespec="seconds"),

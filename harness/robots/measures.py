@@ -177,17 +177,17 @@ class Measures:
     @cached_property
     def _lidar(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Position and axes."""
-        site = self._model.site("lidar").id
-        return self._data.site_xpos[site], self._data.site_xmat[site].reshape(3, 3)
+        site = self._data.site("lidar")
+        return np.array(site.xpos), np.array(site.xmat).reshape(3, 3)
 
     def _place(self, joint: str) -> NDArray[np.float64]:
         """The centre of a wheel: that of what collides of it [m]."""
         low, high = extent(self._model, self._data, self._geoms(joint))
-        return (low + high) / 2
+        return np.asarray((low + high) / 2)
 
     def _wheel_size(self, joint: str) -> NDArray[np.float64]:
         low, high = extent(self._model, self._data, self._geoms(joint))
-        return high - low
+        return np.asarray(high - low)
 
     def _geoms(self, joint: str) -> list[int]:
         """What collides of a wheel."""
@@ -246,6 +246,11 @@ class Measures:
             ordered = sorted(sides, key=lambda name: -sides[name][0])
             left = left or tuple(name for name in ordered if sides[name][1] > 0)
             right = right or tuple(name for name in ordered if sides[name][1] <= 0)
+        if len(left) != len(right):
+            raise UsageError(
+                f"{self._where}: drive: {len(left)} wheels left and {len(right)} right are not valid; "
+                f"give as many on either side, or leave both out (left: {left}, right: {right})"
+            )
         driven = said.driven or tuple(name for name in (*left, *right) if name in driving)
         self._check_motors(said, driven, driving, left and right)
         return Drive(
@@ -264,13 +269,11 @@ class Measures:
         lacking = [name for name in driven if name not in driving]
         if not sides or not driven or lacking:
             told = f"'{lacking[0]}' has none" if lacking else f"it has {len(driving)}"
-            raise UsageError(
-                f"{self._path}: the wheels of each side need <velocity> actuators on their joints; {told}"
-            )
+            raise UsageError(f"{self._path}: the wheels of each side need <velocity> actuators; {told}")
         if len(said.steering) != (2 if said.kind == "ackermann" else 0):
             raise UsageError(
                 f"{self._where}: drive: steering = {list(said.steering)} is not valid with "
-                f"kind '{said.kind}'; give the joints of the left and the right front wheel, or for skid none"
+                f"kind '{said.kind}'; give the joints of the left and the right front wheel, none with skid"
             )
         for name in said.steering:
             if self._motors.get(name) != POSITION:

@@ -124,7 +124,7 @@ def _add_site(spec: mujoco.MjSpec, name: str, mount: Mount | None, path: Path) -
     bodies = {body.name: body for body in _descendants(spec.worldbody)}
     if mount.body and mount.body not in bodies:
         raise UsageError(
-            f"{path.parent / 'rover.yaml'}: {name}: body = '{mount.body}' does not exist in {path.name}; "
+            f"{path.parent / 'rover.yaml'}: {name}: body '{mount.body}' does not exist in {path.name}; "
             f"available: {', '.join(filter(None, bodies))}"
         )
     quaternion = np.empty(4)
@@ -137,7 +137,7 @@ def _top(spec: mujoco.MjSpec) -> float:
     model = spec.copy().compile()
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    low, high = extent(model, data, np.flatnonzero(model.geom_group == COLLIDING_GROUP).tolist())
+    _, high = extent(model, data, np.flatnonzero(model.geom_group == COLLIDING_GROUP).tolist())
     return float(high[2] - data.xpos[1, 2]) if np.isfinite(high).all() else 0.0
 
 

@@ -46,7 +46,7 @@ def content_of(folder: Path) -> list[Path]:
 
 
 def model_hash(rover: RoverSpec) -> str:
-    """Returns the SHA-256 of a rover of models/'s model file; of any other folder that of its content."""
+    """Returns the SHA-256 of a shipped rover's model file; of another's that of its folder's content."""
     if rover.folder.parent == MODELS_DIR:
         return hashlib.sha256(rover.model_path.read_bytes()).hexdigest()
     content = hashlib.sha256()
@@ -110,8 +110,8 @@ def _no_rover(folder: Path) -> str:
     urdf = sorted(path.name for path in folder.glob("*") if path.suffix in (".urdf", ".xacro"))
     source = folder / urdf[0] if urdf else "robot.urdf"
     return (
-        f"{folder} holds no rover.yaml; python -m harness.robot new NAME --from {source} writes a folder "
-        "that does"
+        f"{folder} holds no rover.yaml; python -m harness.robot new NAME --from {source} writes "
+        "a folder that does"
     )
 
 

@@ -169,7 +169,7 @@ class RoverSpec:
 
     @property
     def motors(self) -> tuple[str, ...]:
-        """The joints that the controller commands: speeds of those driven, then angles of the steering."""
+        """The joints that the controller commands: the driven ones, then those of the steering."""
         return self.drive.driven + self.drive.steering
 
     @property

@@ -10,6 +10,7 @@ from typing import Any
 from harness.config import EpisodeConfig
 from harness.drivers import takes_goals
 from harness.errors import UsageError
+from harness.robots import ROVERS
 from harness.scenario.events import CommandEvent, FaultEvent, ResetEvent
 from harness.scenario.spec import ExpectedFailure, Scenario
 from rover_metrics.errors import ParameterError
@@ -114,6 +115,12 @@ def _beside(path: Path, name: str) -> Path:
     return there if there.is_file() else Path(name)
 
 
+def _robot_beside(path: Path, robot: str) -> str:
+    """A rover's folder beside the scenario, if there is such a one, or what is called so otherwise."""
+    there = path.parent / robot
+    return str(there) if robot not in ROVERS and (there / "rover.yaml").is_file() else robot
+
+
 def _params(path: Path, name: str | None) -> dict[str, Any]:
     try:
         return {} if name is None else read_values(_beside(path, name))
@@ -126,6 +133,7 @@ def _config(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> 
     given = {name: getattr(scenario, name) for name in _PASSED_ON}
     values |= {name: value for name, value in given.items() if value is not None} | cell
     values["terrain"] = str(_beside(path, values["terrain"]))
+    values["robot"] = _robot_beside(path, values["robot"])
     values.pop("params", None)
     events, goal = scenario.events, scenario.goal
     return EpisodeConfig(

@@ -1,9 +1,9 @@
 """Wheel odometry: what a rover's controller integrates from its quantised encoders.
 
 It uses the controller's radius and separation, so it inherits their errors and the skid's, as
-RoboTerrain's DiffDrive odometry does. A rover with steered wheels integrates the way of the others along
-the curve that its steering's angles mean. Planar, in the odom frame, zero at the start; it knows nothing of
-a rover that is carried to another place.
+RoboTerrain's DiffDrive odometry does. A rover with steered wheels integrates the way of the others
+along the curve that its steering's angles mean. Planar, in the odom frame, zero at the start; it knows
+nothing of a rover that is carried to another place.
 """
 
 import math

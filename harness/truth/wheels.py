@@ -36,13 +36,11 @@ class Wheels:
         self._model, self._data = simulation.model, simulation.data
         rover = simulation.scene.rover
         self._radius = rover.wheel_radius
-        bodies = [int(self._model.joint(name).bodyid[0]) for name in rover.wheel_joints]
-        steered = [name in rover.steered_wheels for name in rover.wheel_joints]
-        carriers = [
-            self._model.body_parentid[body] if s else ROOT
-            for body, s in zip(bodies, steered, strict=True)
-        ]
-        self._bodies = list(zip(bodies, map(int, carriers), strict=True))
+        self._bodies: list[tuple[int, int]] = []  # of each wheel, and along whose y its axle lies
+        for name in rover.wheel_joints:
+            body = int(self._model.joint(name).bodyid[0])
+            steered = name in rover.steered_wheels
+            self._bodies.append((body, int(self._model.body_parentid[body]) if steered else ROOT))
 
     def motion(self) -> list[WheelMotion]:
         """Returns what each wheel does now.

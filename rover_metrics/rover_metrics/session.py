@@ -137,7 +137,7 @@ class MetricsSession:
     def take_traversal(
         self, values: Sequence[float], names: Sequence[str] | None = None
     ) -> Remark | None:
-        """Takes the other values of the truth, with the names of these (TRAVERSAL, or more)."""
+        """Takes the other values of the truth, with the names of these if they are told."""
         return self._judged(self.extended is None or self.extended.truth.add_traversal(values, names))
 
     def row(self, now_ns: int, reported_lost: Mapping[Topic, int] = MappingProxyType({})) -> Row:

@@ -19,9 +19,9 @@ from harness.robots.urdf.source import read_urdf
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 # Keys of which the file tells the derived value, so that they can be set by who knows better.
 SHOWN = (
-    "odometry_child_frame", "linear_acceleration", "angular_acceleration", "cruise_speed", "cruise_yaw_rate",
-    "encoder_ticks", "odometry_rate", "rest_height", "track", "wheelbase", "footprint", "clearance",
-    "lidar_height", "step_limit", "slope_limit",
+    "odometry_child_frame", "linear_acceleration", "angular_acceleration", "cruise_speed",
+    "cruise_yaw_rate", "encoder_ticks", "odometry_rate", "rest_height", "track", "wheelbase",
+    "footprint", "clearance", "lidar_height", "step_limit", "slope_limit",
 )  # fmt: skip
 GUESSED = {"linear_acceleration", "angular_acceleration", "encoder_ticks", "step_limit", "slope_limit"}
 
@@ -140,8 +140,8 @@ def _said(name: str, joints: Joints, outfit: Outfit, urdf: Path) -> str:
         return "[" + ", ".join(f'"{joint}"' for joint in of) + "]"
 
     lines = [
-        f"# {name}: what {name}.xml cannot say; made of {urdf.name}. Metres, radians, seconds. docs/robots.md",
-        "# tells the keys. What is guessed is marked so; what is commented out is derived from the model.",
+        f"# {name}: what {name}.xml cannot say; made of {urdf.name}. Metres, radians, seconds.",
+        "# docs/robots.md tells the keys. Guesses are marked as guesses.",
         "",
         f"model: {name}.xml",
     ]

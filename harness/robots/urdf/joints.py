@@ -79,7 +79,7 @@ def find_joints(
     pair = steering if None not in steering and not others else ()
     held = {joint for joint in steers.values() if joint is not None and joint not in pair}
     turned = [n for n in (*left, *right) if data.xaxis[names[n]][1] < 0]
-    turned += [model.joint(j).name for j in {*pair, *held} if data.xaxis[j][2] < 0]  # type: ignore[index]
+    turned += [model.joint(j).name for j in {*pair, *held} if data.xaxis[j][2] < 0]
     return Joints(
         left=left,
         right=right,

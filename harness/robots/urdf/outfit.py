@@ -171,7 +171,7 @@ def _driven(robot: ET.Element, joints: Joints) -> tuple[str, ...]:
 
 def _beliefs(robot: ET.Element) -> dict[str, float]:
     """Radius and separation of the wheels that a controller's plugin in the URDF believes."""
-    found = {}
+    found: dict[str, float] = {}
     for key, tags in (
         ("controller_separation", ("wheel_separation", "wheelSeparation")),
         ("controller_radius", ("wheel_radius", "wheelRadius")),

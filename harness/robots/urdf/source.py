@@ -45,7 +45,8 @@ def read_urdf(path: Path, *, trust_xacro: bool = False) -> Source:
     Raises:
         UsageError: It cannot be read, is not URDF, or a mesh that collides is missing.
     """
-    robot, notes = _parsed(_text(path, trust_xacro=trust_xacro), path), []
+    robot = _parsed(_text(path, trust_xacro=trust_xacro), path)
+    notes: list[str] = []
     for link in robot.iter("link"):
         notes += _without_missing_visuals(link, path)
         _find_collision_meshes(link, path)
@@ -79,7 +80,7 @@ def _text(path: Path, *, trust_xacro: bool) -> str:
         return text
     if not trust_xacro:
         raise UsageError(
-            f"{path} is xacro, which runs Python of whoever wrote it; expand it yourself (xacro {path.name} > "
+            f"{path} is xacro, which runs Python of whoever wrote it; give the URDF that it makes (xacro {path.name} > "
             "robot.urdf) and give the URDF, or add --trust-xacro if you trust all that it includes"
         )
     return _expanded(path)
@@ -140,7 +141,7 @@ def _find_collision_meshes(link: ET.Element, path: Path) -> None:
 
 
 def _file(mesh: ET.Element, path: Path) -> tuple[Path | None, str]:
-    """Where a mesh is, and what the file calls it; package:// is looked for beside the file and above."""
+    """Where a mesh is, and what the file calls it; packages are looked for beside and above it."""
     told = mesh.get("filename", "")
     url = urlparse(told)
     name = unquote(url.path)

@@ -111,7 +111,7 @@ class TruthColumns:
         return True
 
     def add_traversal(self, values: Sequence[float], names: Sequence[str] | None = None) -> bool:
-        """Takes the values of a message and their names, if it tells them; tells whether they were usable."""
+        """Takes the values of a message and their names, if told; tells whether they were usable."""
         names = self._names if names is None else names
         if len(values) != len(names) or not all(map(math.isfinite, values)):
             return False
