@@ -15,7 +15,7 @@ from harness.samples import Twist
 
 
 class DiffDrive:
-    """Controller of a skid-steered rover of any number of wheels; call `wheel_speeds` once per period."""
+    """Controller of a rover that turns by its sides' difference; call `wheel_speeds` once per period."""
 
     def __init__(self, rover: RoverSpec, period: float) -> None:
         self._rover = rover

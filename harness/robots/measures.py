@@ -14,11 +14,6 @@ from harness.errors import UsageError, unknown
 from harness.robots.model import COLLIDING_GROUP, compiled, extent, read_model
 from harness.robots.spec import Drive, RoverSpec
 
-# What rover.yaml does not say, for the model does.
-TOLD = (
-    "passive_joints", "steered_wheels", "wheel_radius", "wheel_width", "wheel_speed_limit",
-    "gravity", "lidar_x", "lidar_y", "lidar_yaw",
-)  # fmt: skip
 HINGE, VELOCITY, POSITION = int(mujoco.mjtJoint.mjJNT_HINGE), "velocity", "position"
 MODEST = 0.5  # of the top speed: what the scripted drivers command, at most CRUISE
 CRUISE, TURNING = 1.0, 1.0  # [m/s], [rad/s]
@@ -43,11 +38,7 @@ class Measures:
     def __init__(self, rover: RoverSpec) -> None:
         self._rover, self._path = rover, rover.model_path
         self._where = rover.folder / "rover.yaml"
-        self._model = compiled(read_model(rover), self._path)
-        self._data = mujoco.MjData(self._model)
-        self._data.qpos[:] = 0.0
-        self._data.qpos[3] = 1.0
-        mujoco.mj_kinematics(self._model, self._data)
+        self._model, self._data = compiled_alone(rover)
         self._hinges = self._named_hinges()
         self._motors = {joint: kind for joint, (kind, _) in self._servos().items()}
         self.drive = self._drive()
@@ -273,7 +264,7 @@ class Measures:
         if len(said.steering) != (2 if said.kind == "ackermann" else 0):
             raise UsageError(
                 f"{self._where}: drive: steering = {list(said.steering)} is not valid with "
-                f"kind '{said.kind}'; give the joints of the left and the right front wheel, none with skid"
+                f"kind '{said.kind}'; give those of the left and the right front wheel, none with skid"
             )
         for name in said.steering:
             if self._motors.get(name) != POSITION:
@@ -313,6 +304,19 @@ class Measures:
                         f"{np.round(self._data.xaxis[self._model.joint(name).id], 3).tolist()} in the "
                         "root body's frame: turn it"
                     )
+
+
+def compiled_alone(rover: RoverSpec) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """Returns a rover's model without a world, and its state at the origin, all joints at 0.
+
+    Raises:
+        UsageError: The model is not valid.
+    """
+    model = compiled(read_model(rover), rover.model_path)
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qpos[3] = 0.0, 1.0
+    mujoco.mj_kinematics(model, data)
+    return model, data
 
 
 def frame_name(body: str) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 from harness.errors import UsageError
 from harness.robots.spec import Mount, RoverSpec
 
-SEEN_GROUP, COLLIDING_GROUP = 2, 3
+SEEN_GROUP, COLLIDING_GROUP, UNSEEN_GROUP = 2, 3, 4
 COLLIDING = (1, 2)  # contype, conaffinity; the world has 2 and 1, so that no part touches another
 ROOT, ROOT_JOINT = "rover", "root"  # where a model has no names for them
 SENSORS = {
@@ -129,7 +129,9 @@ def _add_site(spec: mujoco.MjSpec, name: str, mount: Mount | None, path: Path) -
         )
     quaternion = np.empty(4)
     mujoco.mju_euler2Quat(quaternion, np.array(mount.rpy), "XYZ")
-    bodies[mount.body or root_of(spec)].add_site(name=name, pos=mount.xyz, quat=quaternion)
+    bodies[mount.body or root_of(spec)].add_site(
+        name=name, pos=mount.xyz, quat=quaternion, group=UNSEEN_GROUP
+    )
 
 
 def _top(spec: mujoco.MjSpec) -> float:

@@ -14,7 +14,7 @@ from xml.etree import ElementTree as ET
 
 from harness.errors import UsageError
 from harness.robots.mjcf import told_by_mjcf
-from harness.robots.spec import DRIVES, Drive, RoverSpec
+from harness.robots.spec import DRIVES, GIVEN, MAY_BE_ZERO, TOLD, Drive, RoverSpec
 from harness.yaml_file import fill, read_mapping
 
 MODELS_DIR = next(
@@ -22,7 +22,6 @@ MODELS_DIR = next(
     for folder in (Path(__file__).parents[1] / "models", Path(__file__).parents[2] / "models")
     if folder.is_dir()
 )
-MAY_BE_ZERO = ("rest_height", "lidar_x", "lidar_y", "lidar_yaw")  # or negative
 # Of what a rover is made; pictures of it and notes about it do not change it.
 CONTENT = {".yaml", ".xml", ".stl", ".obj", ".msh"}
 
@@ -79,12 +78,11 @@ def _shipped(folder: Path) -> dict[str, Any]:
 
 def _brought_along(folder: Path, values: Mapping[str, Any]) -> RoverSpec:
     """A rover that does not ship; loads MuJoCo."""
-    from harness.robots.measures import TOLD, Measures  # noqa: PLC0415 - whoever publishes leo does without
+    from harness.robots.measures import Measures  # noqa: PLC0415 - whoever publishes leo does without
 
     path = folder / "rover.yaml"
-    told = (*TOLD, "name", "folder")
     unsaid = dict.fromkeys(RoverSpec.__dataclass_fields__)
-    said = fill(RoverSpec, values, str(path), otherwise=unsaid, **dict.fromkeys(told))
+    said = fill(RoverSpec, values, str(path), otherwise=unsaid, **dict.fromkeys(GIVEN))
     model = str(said.model or _only_model(folder))
     measures = Measures(
         replace(said, name=folder.name, folder=folder, model=model, drive=said.drive or Drive())

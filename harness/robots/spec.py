@@ -8,6 +8,13 @@ from typing import Any
 
 SKID, ACKERMANN = "skid", "ackermann"
 DRIVES = (SKID, ACKERMANN)
+# What rover.yaml does not say, for the model does; and the folder.
+TOLD = (
+    "passive_joints", "steered_wheels", "wheel_radius", "wheel_width", "wheel_speed_limit",
+    "gravity", "lidar_x", "lidar_y", "lidar_yaw",
+)  # fmt: skip
+MAY_BE_ZERO = ("rest_height", "lidar_x", "lidar_y", "lidar_yaw")  # or negative
+GIVEN = (*TOLD, "name", "folder")
 _COLUMNS = {1: ("",), 2: ("front_", "rear_"), 3: ("front_", "middle_", "rear_")}
 
 

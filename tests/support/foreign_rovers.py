@@ -36,9 +36,14 @@ def box(size: tuple[float, float, float]) -> str:
     return f'<collision><geometry><box size="{size[0]} {size[1]} {size[2]}"/></geometry></collision>'
 
 
+def seen(size: tuple[float, float, float]) -> str:
+    return box(size).replace("collision", "visual")
+
+
 def joint(name: str, kind: str, parent: str, child: str, xyz: tuple[float, ...], more: str = "") -> str:
     where = f'<origin xyz="{xyz[0]} {xyz[1]} {xyz[2]}"/>'
-    return f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>{where}{more}</joint>'
+    ends = f'<parent link="{parent}"/><child link="{child}"/>'
+    return f'<joint name="{name}" type="{kind}">{ends}{where}{more}</joint>'
 
 
 def wheel(
@@ -50,10 +55,8 @@ def wheel(
     mass: float,
     limit: str = "",
 ) -> str:
-    tyre = (
-        f'<collision><origin rpy="{QUARTER} 0 0"/><geometry><cylinder radius="{radius}" length="{width}"/>'
-        "</geometry></collision>"
-    )
+    cylinder = f'<geometry><cylinder radius="{radius}" length="{width}"/></geometry>'
+    tyre = f'<collision><origin rpy="{QUARTER} 0 0"/>{cylinder}</collision>'
     size = (1.7 * radius, width, 1.7 * radius)
     turning = joint(f"{name}_joint", "continuous", parent, name, xyz, f'<axis xyz="0 1 0"/>{limit}')
     return link(name, mass, tyre, size) + turning
@@ -136,12 +139,12 @@ def _rocker_bogie() -> Foreign:
 
     def side(s: str, y: float) -> Iterator[str]:
         mirrored = '<mimic joint="rocker_L_joint" multiplier="-1"/>' if s == "R" else ""
-        yield link(f"rocker_{s}", 0.5, "", (0.3, 0.03, 0.05))
+        yield link(f"rocker_{s}", 0.5, seen((0.5, 0.03, 0.04)), (0.3, 0.03, 0.05))
         yield joint(
             f"rocker_{s}_joint", "revolute", "base_link", f"rocker_{s}", (0, y, 0), swing + mirrored
         )
         yield wheel(f"rear_{s}", f"rocker_{s}", (-ahead, 0.0, low), radius, width, 0.4, limit)
-        yield link(f"bogie_{s}", 0.3, "", (0.25, 0.03, 0.03))
+        yield link(f"bogie_{s}", 0.3, seen((0.25, 0.03, 0.03)), (0.25, 0.03, 0.03))
         pivot = (ahead / 2, 0.0, low + 0.06)
         yield joint(f"bogie_{s}_joint", "revolute", f"rocker_{s}", f"bogie_{s}", pivot, swing)
         yield wheel(f"middle_{s}", f"bogie_{s}", (-ahead / 2, 0.0, -0.06), radius, width, 0.4, limit)

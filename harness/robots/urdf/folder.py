@@ -11,11 +11,13 @@ import mujoco
 from harness.errors import UsageError
 from harness.robots.model import compiled, free_root, show_what_collides, sort_geoms
 from harness.robots.reading import read_rover
+from harness.robots.schema import schema
 from harness.robots.spec import ACKERMANN, SKID, RoverSpec
 from harness.robots.urdf.joints import Joints, find_joints
 from harness.robots.urdf.outfit import Outfit, fit_out
 from harness.robots.urdf.source import read_urdf
 
+SCHEMA = "rover.schema.json"  # for editors
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 # Keys of which the file tells the derived value, so that they can be set by who knows better.
 SHOWN = (
@@ -76,8 +78,8 @@ def write_folder(
     joints = find_joints(model, left, right, str(urdf))
     notes += [f"joint '{joint}': its axis pointed backwards; turned" for joint in joints.backwards]
     notes += [f"joint '{joint}' steers; held straight" for joint in joints.held]
-    outfit = fit_out(spec, source.robot, joints, float(model.body_mass.sum()))
     show_what_collides(spec)
+    outfit = fit_out(spec, source.robot, joints, float(model.body_mass.sum()))
     notes += _loose(spec, joints)
     spec.modelname = name
     try:
@@ -103,6 +105,7 @@ def _write(
     path.write_text(said, encoding="utf-8")
     rover = read_rover(folder.resolve())
     path.write_text(said + _derived(rover, outfit), encoding="utf-8")
+    (folder / SCHEMA).write_text(schema(), encoding="utf-8")
     return rover
 
 
@@ -140,6 +143,7 @@ def _said(name: str, joints: Joints, outfit: Outfit, urdf: Path) -> str:
         return "[" + ", ".join(f'"{joint}"' for joint in of) + "]"
 
     lines = [
+        f"# yaml-language-server: $schema={SCHEMA}",
         f"# {name}: what {name}.xml cannot say; made of {urdf.name}. Metres, radians, seconds.",
         "# docs/robots.md tells the keys. Guesses are marked as guesses.",
         "",

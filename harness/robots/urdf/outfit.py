@@ -11,13 +11,15 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 
+from harness.robots.model import UNSEEN_GROUP
 from harness.robots.urdf.joints import Joints
 
 GRAVITY = 9.81
 TOP_SPEED = 1.0  # [m/s], of wheels whose joints tell no limit
 GRIP = 1.0  # friction of wheels; 1 is what RoboTerrain's rovers have
 SCRAPING = 0.3  # friction of all else
-TYRE = {"priority": 1, "condim": 3, "solref": [0.02, 1.0], "solimp": [0.5, 0.95, 0.002, 0.5, 2.0]}
+TYRE = {"priority": 1, "condim": 3, "solref": [0.02, 1.0], "solimp": [0.15, 0.95, 0.002, 0.5, 2.0]}
+UNTOLD_COLOR, RUBBER = (0.5, 0.5, 0.5, 1.0), (0.07, 0.07, 0.075, 1.0)
 STIFFNESS = 0.05  # of the top speed: so far behind it, a motor gives all its torque
 ROTOR = 0.2  # of a wheel's share of the mass, as a point at its rim: rotor and gear
 STEERING_SPEED = 2.0  # [rad/s]
@@ -70,7 +72,7 @@ def fit_out(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float)
     for name, pattern in (("lidar", LIDAR), ("imu", IMU)):
         if link := _link(spec, pattern):
             setattr(outfit, name, link)
-            spec.body(link).add_site(name=name, group=4, size=[0.01] * 3)
+            spec.body(link).add_site(name=name, group=UNSEEN_GROUP)
         else:
             place = "5 cm over the highest point" if name == "lidar" else "in the root link's origin"
             outfit.guesses[name] = f"no link is called so; {place}"
@@ -87,6 +89,8 @@ def _fit_tyres(spec: mujoco.MjSpec, joints: Joints, outfit: Outfit) -> None:
     shapes = mujoco.mjtGeom
     for geom in spec.geoms:
         if geom.contype == 0:
+            if geom.parent.name in wheels and np.allclose(geom.rgba, UNTOLD_COLOR):
+                geom.rgba = RUBBER
             continue
         if geom.parent.name not in wheels:
             geom.priority, geom.friction = 1, [SCRAPING, 0.005, 0.0001]

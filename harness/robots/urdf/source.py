@@ -80,8 +80,8 @@ def _text(path: Path, *, trust_xacro: bool) -> str:
         return text
     if not trust_xacro:
         raise UsageError(
-            f"{path} is xacro, which runs Python of whoever wrote it; give the URDF that it makes (xacro {path.name} > "
-            "robot.urdf) and give the URDF, or add --trust-xacro if you trust all that it includes"
+            f"{path} is xacro, which runs its author's Python; give the URDF that it makes "
+            f"(xacro {path.name} > robot.urdf), or add --trust-xacro if you trust all that it includes"
         )
     return _expanded(path)
 
