@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks import __main__ as benchmarks
 from benchmarks.soak import __main__ as soak
-from harness import call, check, topics, tune, validate
+from harness import call, check, robot, topics, tune, validate
 from harness.cli.options import run_parser
 from rover_metrics import dictionary
 from rover_metrics.analysis import options as analyze
@@ -18,6 +18,7 @@ PROGRAMS: dict[str, Callable[[], argparse.ArgumentParser]] = {
     "harness.tune": tune._parser,
     "harness.check": check._parser,
     "harness.validate": validate._parser,
+    "harness.robot": robot._parser,
     "harness.topics": topics._parser,
     "harness.call": call._parser,
     "rover_metrics.analyze": analyze._parser,

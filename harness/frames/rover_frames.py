@@ -127,7 +127,7 @@ def _of_the_model(rover: RoverSpec, model: mujoco.MjModel) -> Iterator[FrameRow]
                 parent=frame_of[above], child=frame_of[name], body=name, xyz=tuple(anchor.tolist())
             )
     for site, frame in (("lidar", LIDAR_FRAME), ("imu", rover.imu_frame)):
-        if frame not in named:
+        if frame not in named and frame not in frame_of.values():
             on = model.body(model.site(site).bodyid[0]).name
             yield FrameRow(parent=frame_of[on], child=frame, site=site)
 

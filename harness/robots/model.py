@@ -120,7 +120,7 @@ def show_what_collides(spec: mujoco.MjSpec) -> None:
 def _add_site(spec: mujoco.MjSpec, name: str, mount: Mount | None, path: Path) -> None:
     if any(site.name == name for site in spec.sites):
         return
-    mount = mount or Mount(xyz=(0.0, 0.0, _top(spec) + ABOVE))
+    mount = mount or Mount(xyz=(0.0, 0.0, _top(spec, path) + ABOVE))
     bodies = {body.name: body for body in _descendants(spec.worldbody)}
     if mount.body and mount.body not in bodies:
         raise UsageError(
@@ -134,9 +134,9 @@ def _add_site(spec: mujoco.MjSpec, name: str, mount: Mount | None, path: Path) -
     )
 
 
-def _top(spec: mujoco.MjSpec) -> float:
+def _top(spec: mujoco.MjSpec, path: Path) -> float:
     """The highest point of what collides, in the root body's frame, while all joints are at 0 [m]."""
-    model = spec.copy().compile()
+    model = compiled(spec.copy(), path)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     _, high = extent(model, data, np.flatnonzero(model.geom_group == COLLIDING_GROUP).tolist())

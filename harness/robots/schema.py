@@ -34,4 +34,6 @@ def _described() -> dict[str, str]:
     """What the docstring says of each field."""
     lines = inspect.cleandoc(RoverSpec.__doc__ or "").partition("Attributes:")[2]
     entries = re.findall(r"^    (\w+): (.*(?:\n {8}.*)*)", lines, re.MULTILINE)
-    return {name: " ".join(text.split()) for name, text in entries}
+    told = {name: " ".join(text.split()) for name, text in entries}
+    siblings = {name: text for text in told.values() for name in re.findall(r"`(\w+)`", text)}
+    return siblings | told

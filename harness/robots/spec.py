@@ -83,6 +83,8 @@ class RoverSpec:
 
     Attributes:
         folder: Of its files, and `model`: the name of its MJCF file there.
+        summary: What it is, in a line.
+        odometry_child_frame: The base frame, and `imu_frame` that of the IMU.
         drive: How it drives; complete, though rover.yaml may leave all of it out.
         passive_joints: Published in /joint_states but neither driven nor wheels; from the model, as are
             `wheel_radius`, `wheel_width`, `wheel_speed_limit` and `gravity` [m/s^2].
@@ -97,7 +99,7 @@ class RoverSpec:
         footprint: x_min, x_max, y_min, y_max over the wheels, in the model frame.
         linear_acceleration: The controller's limit on commands, as is `angular_acceleration`.
         cruise_speed: What the scripted drivers command; `cruise_yaw_rate` likewise.
-        encoder_ticks: Encoder resolution per wheel revolution.
+        encoder_ticks: Encoder resolution per wheel revolution; `odometry_rate` is that of the odometry.
         lidar_height: Above flat ground, as is `clearance`, that of the underside.
         frames: Of /tf and the URDF; harness.frames adds those of the model that are not named here.
         lidar: Where the lidar is, if the model has no site `lidar`; likewise `imu`.

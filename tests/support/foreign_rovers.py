@@ -162,3 +162,71 @@ def _rocker_bogie() -> Foreign:
 
 HUSKY, BUGGY, ROCKER_BOGIE = _husky(), _buggy(), _rocker_bogie()
 FOREIGN = {"husky": HUSKY, "buggy": BUGGY, "sojourner": ROCKER_BOGIE}
+
+
+def _leo_like() -> str:
+    """Names, nesting and meshes as in leo_description: rockers in turned frames, a mimic, a fixed base."""
+    inertial = '<inertial><mass value="{0}"/><inertia ixx="{1}" iyy="{1}" izz="{1}" ixy="0" ixz="0" iyz="0"/></inertial>'
+    mesh = '<geometry><mesh filename="package://leo_description/models/{}"/></geometry>'
+    seen_mesh = "<visual>" + mesh + "</visual>"
+    outline = f"<collision>{mesh.format('Chassis_outline.stl')}</collision>"
+    rocker = '<axis xyz="0 1 0"/><limit lower="-0.24" upper="0.24" effort="100" velocity="100"/>'
+    limit = '<limit effort="2" velocity="6"/><dynamics damping="0.1" friction="0.3125"/>'
+
+    def side(s: str, y: float, turned: str, more: str) -> Iterator[str]:
+        yield f'<link name="rocker_{s}_link">{inertial.format(1.387, 0.02)}</link>'
+        yield (
+            f'<joint name="rocker_{s}_joint" type="revolute"><parent link="base_link"/>'
+            f'<child link="rocker_{s}_link"/><origin xyz="0.00263 {y} -0.04731" rpy="0 0 {turned}"/>{rocker}{more}</joint>'
+        )
+        for end, x in (("F", 0.15256), ("R", -0.15256)):
+            ahead = -x if turned != "0" else x  # in the turned frame
+            outboard = -0.08214 if s == "R" or turned != "0" else 0.08214
+            place = (ahead, outboard, -0.08802)
+            name = f"wheel_{end}{s}"
+            axis = "0 -1 0" if turned != "0" else "0 1 0"
+            yield (
+                wheel(f"{name}_link", f"rocker_{s}_link", place, 0.0625, 0.07, 0.2836, limit)
+                .replace(f"{name}_link_joint", f"{name}_joint")
+                .replace('<axis xyz="0 1 0"/>', f'<axis xyz="{axis}"/>')
+            )
+
+    fixed = "fixed"
+    parts = (
+        link("base_footprint", 0.0),
+        joint("base_joint", fixed, "base_footprint", "base_link", (0, 0, 0.19783)),
+        f'<link name="base_link">{inertial.format(1.58, 0.01)}{seen_mesh.format("Chassis.dae")}{outline}</link>',
+        f'<link name="antenna_link">{seen_mesh.format("Antenna.dae")}</link>',
+        joint("antenna_joint", fixed, "base_link", "antenna_link", (0.0052, 0.056, -0.0065)),
+        link("lidar_link", 0.0),
+        joint("lidar_joint", fixed, "base_link", "lidar_link", (0.174, 0.0, 0.6)),
+        link("imu_frame", 0.0),
+        joint("imu_joint", fixed, "base_link", "imu_frame", (0.0628, -0.0314, -0.0393)),
+        *side("L", 0.14167, "3.14159265359", ""),
+        *side("R", -0.14167, "0", '<mimic joint="rocker_L_joint"/>'),
+    )
+    return robot("leo", *parts)
+
+
+def _rover_4wd_like() -> str:
+    """Names and nesting as in rover_4wd.urdf: wheels that turn about z of links that lie on their sides."""
+    size, mass = (0.4, 0.28, 0.1), 8.4
+
+    def corner(name: str, x: float, y: float) -> Iterator[str]:
+        tyre = '<collision><geometry><cylinder radius="0.127" length="0.083"/></geometry></collision>'
+        yield link(f"{name}_wheel", 0.8, tyre, (0.2, 0.2, 0.08))
+        roll = -QUARTER if y > 0 else QUARTER  # z outboard on both sides: the right one backwards
+        limit = '<limit effort="20" velocity="10"/>'
+        yield (
+            f'<joint name="{name}_wheel_to_chassis" type="continuous"><parent link="chassis_link"/>'
+            f'<child link="{name}_wheel"/><origin xyz="{x} {y} 0" rpy="{roll} 0 0"/><axis xyz="0 0 1"/>{limit}</joint>'
+        )
+
+    places = {"fl": (1, 1), "rl": (-1, 1), "fr": (1, -1), "rr": (-1, -1)}
+    corners = (part for name, (x, y) in places.items() for part in corner(name, 0.143 * x, 0.18 * y))
+    body = link("chassis_link", mass, box(size), size)
+    base = joint("base_joint", "fixed", "base_link", "chassis_link", (0, 0, 0.125))
+    return robot("rover_4wd", link("base_link", 0.0), base, body, *corners)
+
+
+LEO_LIKE, ROVER_4WD_LIKE = _leo_like(), _rover_4wd_like()

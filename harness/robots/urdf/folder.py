@@ -3,8 +3,9 @@
 import re
 import shutil
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from xml.sax.saxutils import quoteattr
 
 import mujoco
 
@@ -89,6 +90,7 @@ def write_folder(
             half_made.mkdir()
             rover = _write(half_made, name, spec, joints, outfit, urdf)
             half_made.rename(folder)
+            rover = replace(rover, folder=folder.resolve())
     except OSError as error:
         raise UsageError(f"cannot write {folder}: {error.strerror}") from error
     guesses = tuple(f"{key}: {told}" for key, told in outfit.guesses.items())
@@ -98,8 +100,8 @@ def write_folder(
 def _write(
     folder: Path, name: str, spec: mujoco.MjSpec, joints: Joints, outfit: Outfit, urdf: Path
 ) -> RoverSpec:
-    _copy_meshes(spec, folder)
-    (folder / f"{name}.xml").write_text(spec.to_xml(), encoding="utf-8")
+    model = _with_meshes_beside(spec.to_xml(), spec, folder)
+    (folder / f"{name}.xml").write_text(model, encoding="utf-8")
     said = _said(name, joints, outfit, urdf)
     path = folder / "rover.yaml"
     path.write_text(said, encoding="utf-8")
@@ -109,17 +111,14 @@ def _write(
     return rover
 
 
-def _copy_meshes(spec: mujoco.MjSpec, folder: Path) -> None:
-    """Brings the meshes along, so that the folder can be moved."""
-    taken: dict[str, str] = {}
-    for mesh in spec.meshes:
-        if mesh.file and mesh.file not in taken:
-            source = Path(mesh.file)
-            taken[mesh.file] = f"{len(taken)}_{source.name}"
-            (folder / "meshes").mkdir(exist_ok=True)
-            shutil.copyfile(source, folder / "meshes" / taken[mesh.file])
-        mesh.file = taken.get(mesh.file, "")
-    spec.meshdir = "meshes"
+def _with_meshes_beside(text: str, spec: mujoco.MjSpec, folder: Path) -> str:
+    """The model's text with its meshes in the folder, which can be moved then."""
+    for number, file in enumerate(sorted({mesh.file for mesh in spec.meshes if mesh.file})):
+        beside = f"meshes/{number}_{Path(file).name}"
+        (folder / "meshes").mkdir(exist_ok=True)
+        shutil.copyfile(file, folder / beside)
+        text = text.replace(f"file={quoteattr(file)}", f"file={quoteattr(beside)}")
+    return text
 
 
 def _loose(spec: mujoco.MjSpec, joints: Joints) -> list[str]:
