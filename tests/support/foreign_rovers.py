@@ -165,8 +165,9 @@ FOREIGN = {"husky": HUSKY, "buggy": BUGGY, "sojourner": ROCKER_BOGIE}
 
 
 def _leo_like() -> str:
-    """Names, nesting and meshes as in leo_description: rockers in turned frames, a mimic, a fixed base."""
-    inertial = '<inertial><mass value="{0}"/><inertia ixx="{1}" iyy="{1}" izz="{1}" ixy="0" ixz="0" iyz="0"/></inertial>'
+    """Names, nesting, meshes as in leo_description: rockers in turned frames, a mimic, a fixed base."""
+    moments = " ".join(f'i{a}="{{1}}"' for a in ("xx", "yy", "zz")) + ' ixy="0" ixz="0" iyz="0"'
+    inertial = '<inertial><mass value="{0}"/><inertia ' + moments + "/></inertial>"
     mesh = '<geometry><mesh filename="package://leo_description/models/{}"/></geometry>'
     seen_mesh = "<visual>" + mesh + "</visual>"
     outline = f"<collision>{mesh.format('Chassis_outline.stl')}</collision>"
@@ -177,7 +178,8 @@ def _leo_like() -> str:
         yield f'<link name="rocker_{s}_link">{inertial.format(1.387, 0.02)}</link>'
         yield (
             f'<joint name="rocker_{s}_joint" type="revolute"><parent link="base_link"/>'
-            f'<child link="rocker_{s}_link"/><origin xyz="0.00263 {y} -0.04731" rpy="0 0 {turned}"/>{rocker}{more}</joint>'
+            f'<child link="rocker_{s}_link"/><origin xyz="0.00263 {y} -0.04731" rpy="0 0 {turned}"/>'
+            f"{rocker}{more}</joint>"
         )
         for end, x in (("F", 0.15256), ("R", -0.15256)):
             ahead = -x if turned != "0" else x  # in the turned frame
@@ -191,11 +193,11 @@ def _leo_like() -> str:
                 .replace('<axis xyz="0 1 0"/>', f'<axis xyz="{axis}"/>')
             )
 
-    fixed = "fixed"
+    fixed, chassis = "fixed", seen_mesh.format("Chassis.dae") + outline
     parts = (
         link("base_footprint", 0.0),
         joint("base_joint", fixed, "base_footprint", "base_link", (0, 0, 0.19783)),
-        f'<link name="base_link">{inertial.format(1.58, 0.01)}{seen_mesh.format("Chassis.dae")}{outline}</link>',
+        f'<link name="base_link">{inertial.format(1.58, 0.01)}{chassis}</link>',
         f'<link name="antenna_link">{seen_mesh.format("Antenna.dae")}</link>',
         joint("antenna_joint", fixed, "base_link", "antenna_link", (0.0052, 0.056, -0.0065)),
         link("lidar_link", 0.0),
@@ -209,17 +211,19 @@ def _leo_like() -> str:
 
 
 def _rover_4wd_like() -> str:
-    """Names and nesting as in rover_4wd.urdf: wheels that turn about z of links that lie on their sides."""
+    """Names and nesting as in rover_4wd.urdf; wheels turn about z of links that lie on their sides."""
     size, mass = (0.4, 0.28, 0.1), 8.4
 
     def corner(name: str, x: float, y: float) -> Iterator[str]:
-        tyre = '<collision><geometry><cylinder radius="0.127" length="0.083"/></geometry></collision>'
+        cylinder = '<geometry><cylinder radius="0.127" length="0.083"/></geometry>'
+        tyre = f"<collision>{cylinder}</collision>"
         yield link(f"{name}_wheel", 0.8, tyre, (0.2, 0.2, 0.08))
         roll = -QUARTER if y > 0 else QUARTER  # z outboard on both sides: the right one backwards
         limit = '<limit effort="20" velocity="10"/>'
         yield (
             f'<joint name="{name}_wheel_to_chassis" type="continuous"><parent link="chassis_link"/>'
-            f'<child link="{name}_wheel"/><origin xyz="{x} {y} 0" rpy="{roll} 0 0"/><axis xyz="0 0 1"/>{limit}</joint>'
+            f'<child link="{name}_wheel"/><origin xyz="{x} {y} 0" rpy="{roll} 0 0"/>'
+            f'<axis xyz="0 0 1"/>{limit}</joint>'
         )
 
     places = {"fl": (1, 1), "rl": (-1, 1), "fr": (1, -1), "rr": (-1, -1)}

@@ -54,9 +54,8 @@ def test_a_model_gets_what_scenes_need(tmp_path: Path) -> None:
         (1, 2)
     }
     assert (model.geom_group == 2).sum() == 5  # something to be seen of each body, without a weight
-    assert model.body_mass.sum() == pytest.approx(
-        1000 * (0.5 * 0.2 * 0.1 + 4 * 0.06 * 0.031416), rel=1e-3
-    )
+    water = 1000 * (0.5 * 0.2 * 0.1 + 4 * 0.06 * 0.031416)  # MuJoCo's density of what tells none
+    assert model.body_mass.sum() == pytest.approx(water, rel=1e-3)
     assert [model.sensor(name).dim[0] for name in ("imu_accelerometer", "imu_gyro")] == [3, 3]
     assert model.site("lidar").pos[2] == pytest.approx(0.25 + 0.05)
     assert rover.drive.left == ("a", "b")
@@ -66,7 +65,8 @@ def test_a_model_gets_what_scenes_need(tmp_path: Path) -> None:
 def test_mounts_of_rover_yaml_place_sensors_that_the_model_lacks(tmp_path: Path) -> None:
     folder = brought_along(tmp_path / "car")
     (folder / "rover.yaml").write_text(
-        "model: car.xml\nlidar: {xyz: [0.1, 0.2, 0.4], rpy: [0, 0, 1.5]}\nimu: {body: car, xyz: [0, 0, 0.1]}\n"
+        "model: car.xml\nlidar: {xyz: [0.1, 0.2, 0.4], rpy: [0, 0, 1.5]}\n"
+        "imu: {body: car, xyz: [0, 0, 0.1]}\n"
     )
     rover = read_rover(folder)
     assert (rover.lidar_x, rover.lidar_y, rover.lidar_yaw) == pytest.approx((0.1, 0.2, 1.5))

@@ -42,12 +42,12 @@ MISTAKES = {
     "sensors: [1]": "sensors [1] = 1 is not valid; give keys with values",
     "lidar: {boddy: x}": "lidar: key 'boddy' does not exist; valid: body, xyz, rpy",
     "lidar: {body: mast}": "lidar: body 'mast' does not exist in buggy.xml; available: chassis",
-    "drive: {left: [front_letf_joint]}": "drive: left: hinge 'front_letf_joint' does not exist; did you mean "
+    "drive: {left: [front_letf_joint]}": "left: hinge 'front_letf_joint' does not exist; did you mean "
     "'front_left_joint'?",
     "drive: {kind: hover}": "drive: kind = 'hover' is not valid; give skid or ackermann",
     "drive: {kind: ackermann}": "drive: steering = [] is not valid with kind 'ackermann'",
-    "drive: {left: [rear_left_joint], right: [front_right_joint, rear_right_joint]}": "1 wheels left and 2 "
-    "right are not valid",
+    "drive: {left: [rear_left_joint], right: [front_right_joint, rear_right_joint]}": "1 wheels left "
+    "and 2 right are not valid",
     "drive: {left: [front_left_joint], right: [front_right_joint]}": "need <velocity> actuators",
     "drive: {steering_limit: wide}": "drive: steering_limit = 'wide' is not valid; give a number",
     "model: cart.xml": "cart.xml is no model that MuJoCo reads",

@@ -24,7 +24,7 @@ def test_nothing_is_odd_about_a_buggy_made_of_public_numbers(foreign: Foreign) -
     checks = by_name(checkup.check_up(foreign("buggy")))
     assert [name for name, check in checks.items() if not check.passed] == []
     assert checks["mass"].measured == pytest.approx(3.74)
-    # All masses are at the height of the axles; those of the front hinges are the only ones off the middle.
+    # All masses are as high as the axles; those of hinges and wheels are off the middle.
     ahead = (0.15875 * (2 * 0.05 + 2 * 0.2) - 0.17145 * 2 * 0.2) / 3.74
     backward = math.degrees(math.atan2(0.17145 + ahead, 0.0508))
     assert checks["tip angle backward, by its centre of mass"].measured == pytest.approx(

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import pytest
@@ -20,9 +19,9 @@ from tests.support.foreign_rovers import BUGGY, HUSKY, LEO_LIKE, ROVER_4WD_LIKE
 Foreign = Callable[[str], RoverSpec]
 
 
-def written(folder: Path, urdf: str, **options: Any) -> Written:
+def written(folder: Path, urdf: str, **sides: tuple[str, ...]) -> Written:
     (folder / "robot.urdf").write_text(urdf)
-    return write_folder("made", folder / "robot.urdf", folder / "made", **options)
+    return write_folder("made", folder / "robot.urdf", folder / "made", **sides)  # type: ignore[arg-type]  # left, right
 
 
 def test_a_rover_built_as_leo_is(tmp_path: Path) -> None:
@@ -31,9 +30,9 @@ def test_a_rover_built_as_leo_is(tmp_path: Path) -> None:
     meshes.mkdir(parents=True)
     trimesh.creation.box((0.31, 0.28, 0.1)).export(meshes / "Chassis_outline.stl")
     made = written(tmp_path, LEO_LIKE)
-    assert made.notes == (
-        "link 'base_link': visual mesh package://leo_description/models/Chassis.dae is not there; dropped",
-        "link 'antenna_link': visual mesh package://leo_description/models/Antenna.dae is not there; dropped",
+    assert made.notes == tuple(
+        f"link '{link}': visual mesh package://leo_description/models/{mesh} is not there; dropped"
+        for link, mesh in (("base_link", "Chassis.dae"), ("antenna_link", "Antenna.dae"))
     )
     rover, model = made.rover, read_model(made.rover).compile()
     assert (rover.drive.left, rover.drive.right) == (
@@ -42,7 +41,8 @@ def test_a_rover_built_as_leo_is(tmp_path: Path) -> None:
     )
     assert rover.passive_joints == ("rocker_L_joint", "rocker_R_joint")
     assert rover.imu_frame == "imu_frame"
-    assert (rover.odometry_child_frame, rover.wheelbase) == ("base_footprint", pytest.approx(0.30512))
+    assert rover.odometry_child_frame == "base_footprint"
+    assert rover.wheelbase == pytest.approx(0.30512)
     assert model.neq == 1
     assert (made.folder / "meshes" / "0_Chassis_outline.stl").is_file()
     assert rover.lidar_x == pytest.approx(0.174)
@@ -67,7 +67,7 @@ def test_a_rover_built_as_rover_4wd_is(tmp_path: Path) -> None:
 
 
 def test_what_the_urdf_says_is_kept_and_what_it_does_not_is_marked_as_a_guess(foreign: Foreign) -> None:
-    husky, model = foreign("husky"), read_model(foreign("husky")).compile()
+    model = read_model(foreign("husky")).compile()
     assert model.body_mass.sum() == pytest.approx(HUSKY.mass)
     assert model.body("front_left_wheel").inertia.tolist() == pytest.approx(
         sorted((2.637 / 12 * s for s in (0.0918, 0.1576, 0.0918)), reverse=True), rel=2e-2
