@@ -23,8 +23,8 @@ from harness.validation.rig import Rig
 PARAMETER, MEASURE = "min_safe_clearance", "F1"
 SCAN_PERIOD = 0.05  # [s]
 LATENCY = SCAN_PERIOD + CONTROL_PERIOD  # [s] from what is there to a command that answers it, at worst
-STANDSTILL, FLOOR_SPEED = 2.0  # [m/s]: faster, a rover leaves the floor of 12 m before it has stopped
-LONGEST_STOP = 0.01, 5.0  # [m/s], [s]
+FLOOR_SPEED = 2.0  # [m/s]: faster, a rover leaves the floor of 12 m before it has stopped
+STANDSTILL, LONGEST_STOP = 0.01, 5.0  # [m/s], [s]
 MARGIN = 0.1  # [m] of room that is left when the rover stands
 STEP = 0.01  # [m]
 HORIZON = 2.0  # [s] in which a contact must follow a warning
