@@ -85,7 +85,8 @@ def _convert(value: object, wanted: Any, where: str) -> object:  # noqa: ANN401 
 
 def _valid(wanted: Any) -> str:  # noqa: ANN401 - a type or an alias
     """What a field takes, in words."""
-    plain, parts = get_origin(wanted) or wanted, get_args(wanted)
+    plain: Any = get_origin(wanted) or wanted
+    parts = get_args(wanted)
     plain = dict if plain is Mapping else plain
     if plain is tuple:
         count = "a list" if Ellipsis in parts else f"a list of {len(parts)}"
