@@ -16,13 +16,16 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, PoseArray, Quaternion, Vector3
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import JointState, LaserScan
+from sensor_msgs.msg import CameraInfo, Image, JointState, LaserScan, PointCloud2
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
 from harness import samples
 from harness.robots import RoverSpec
+from harness.ros import ranging
 from harness.ros.channel import Fill, Message
+from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
 from harness.sensors.table import SensorRow, Topic
 from harness.sim_time import NANOSECONDS
 from rover_metrics.extended.truth_columns import TRAVERSAL
@@ -42,10 +45,10 @@ def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> 
     message = resolve_name(topic.message_type.replace("/msg/", ".msg:"))()
     if hasattr(message, "header"):
         message.header.frame_id = row.frame_on(rover)
-    kind = row.sample, type(message)
-    if row.given is not None and kind in OF_OPTIONS:
-        return OF_OPTIONS[kind](message, row.given)
-    special = FILLERS.get(kind)
+    of_options = OF_OPTIONS.get((type(row.given), type(message)))
+    if of_options is not None:
+        return of_options(message, row.given)
+    special = FILLERS.get((row.sample, type(message)))
     return by_names(message, row.sample) if special is None else special(message, rover, lidar)
 
 
@@ -184,5 +187,11 @@ FILLERS: dict[tuple[type, type], Callable[[Message, RoverSpec, LidarSpec], Fill]
     (samples.TruthState, Bool): _contact,
     (samples.TruthState, Float64MultiArray): _traversal,
 }
-# Of optional sensors.
-OF_OPTIONS: dict[tuple[type, type], Callable[[Message, Any], Fill]] = {}
+# Of optional sensors, by the class of their options.
+OF_OPTIONS: dict[tuple[type, type], Callable[[Message, Any], Fill]] = {
+    (PlanarLidarOptions, LaserScan): ranging.laser_scan,
+    (CloudLidarOptions, PointCloud2): ranging.lidar_cloud,
+    (DepthOptions, PointCloud2): ranging.depth_cloud,
+    (DepthOptions, Image): ranging.depth_image,
+    (DepthOptions, CameraInfo): ranging.depth_camera_info,
+}

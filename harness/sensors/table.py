@@ -26,8 +26,12 @@ from harness.samples import (
     TruthState,
 )
 from harness.sensors.base import HIGHEST_RATE, Sensor, period_ticks
+from harness.sensors.depth import DepthOptions
+from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
 from harness.sensors.optional import LIDAR_FRAME, Installation, SensorOptions
+from harness.sensors.ranging import RangeReading
 
+RANGE_SENSOR, POINT_CLOUD = "harness.sensors.range_sensor:RangeSensor", "sensor_msgs/msg/PointCloud2"
 ATTITUDE = ".attitude"  # behind a sensor's name in --fault: its attitude, not what it measures
 
 
@@ -197,6 +201,40 @@ SENSORS: tuple[SensorRow, ...] = (
             Topic("rover/truth/traversal", "std_msgs/msg/Float64MultiArray"),
         ),
         rate=20,
+    ),
+    SensorRow(
+        sample=RangeReading,
+        reader=RANGE_SENSOR,
+        parts=("simulation", "surroundings"),
+        topics=(Topic("scan", "sensor_msgs/msg/LaserScan"),),
+        fault="lidar2d",
+        measured=("ranges",),
+        options=PlanarLidarOptions,
+        summary="a planar lidar beside the usual one",
+    ),
+    SensorRow(
+        sample=RangeReading,
+        reader=RANGE_SENSOR,
+        parts=("simulation", "surroundings"),
+        topics=(Topic("points", POINT_CLOUD),),
+        fault="lidar3d",
+        measured=("ranges",),
+        options=CloudLidarOptions,
+        summary="a lidar with beams at several elevations",
+    ),
+    SensorRow(
+        sample=RangeReading,
+        reader=RANGE_SENSOR,
+        parts=("simulation", "surroundings"),
+        topics=(
+            Topic("image", "sensor_msgs/msg/Image"),
+            Topic("camera_info", "sensor_msgs/msg/CameraInfo"),
+            Topic("points", POINT_CLOUD, option="cloud"),
+        ),
+        fault="depth",
+        measured=("ranges",),
+        options=DepthOptions,
+        summary="a depth camera",
     ),
 )
 
