@@ -288,7 +288,8 @@ def cast_clear_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structur
             continue
         ray = (u, v, w, directions[i, 0] * su, directions[i, 1] * sv, directions[i, 2] * sw)
         if clear[i] > 0.0:  # it begins over the map and above the surface: no base, no walls
-            hit = _hit_surface(heights, pyramid, levels, ray, (clear[i], limit), 1.0, first_level)
+            stay = clear[i], min(_over_map(heights, ray)[1], limit)
+            hit = _hit_surface(heights, pyramid, levels, ray, stay, 1.0, first_level)
         else:
             hit = _hit_field(heights, pyramid, levels, extent, ray, limit)
         if hit <= limit:
