@@ -15,9 +15,9 @@ from harness.samples import (
 )
 from harness.sensors import table
 from harness.sim_time import TICK_NS as TICK
-from tests.harness.faults.faulty_ticks import imus, readings, sent, tick
+from tests.harness.faults.faulty_ticks import ROWS, imus, readings, sent, tick
 
-SENSORS = {name: row.sample for name, row in table.by_fault_name().items()}
+SENSORS = {name: row.source for name, row in table.by_fault_name(ROWS).items()}
 
 
 def test_without_faults_a_tick_passes_as_it_is() -> None:
@@ -89,7 +89,7 @@ class Beep:
 
 def test_a_sample_that_no_fault_knows_passes_through_any_fault() -> None:
     beep, faults = Beep(TICK), parse_faults(["imu:dropout", "clock:jump=10@0.01"])
-    told = FaultInjector(faults, seed=0).corrupt(replace(tick(1), samples=(beep, *tick(1).samples)))
+    told = FaultInjector(faults, 0, ROWS).corrupt(replace(tick(1), samples=(beep, *tick(1).samples)))
     assert told.samples[-1] is beep
     assert len(told.samples) == len(tick(1).samples)  # the beep, but no IMU
 
