@@ -1,6 +1,7 @@
 """Ticks with every sensor, and what listeners get of them under faults."""
 
 from collections.abc import Sequence
+from functools import cache
 from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -52,9 +53,13 @@ def tick(number: int) -> Tick:
 def _made(row: SensorRow, stamp: int, x: float) -> Sample:
     """A sample of an optional sensor with a number in every value."""
     named = {"stamp_ns": stamp, "sensor": row.fault}
-    hints = get_type_hints(row.sample)
-    values = {name: _value(hints[name], x) for name in row.sample.__dataclass_fields__}
-    return row.sample(**values | named)
+    values = {name: _value(hint, x) for name, hint in _hints(row.sample).items() if name not in named}
+    return row.sample(**values, **named)
+
+
+@cache
+def _hints(kind: type[Sample]) -> dict[str, Any]:
+    return {name: get_type_hints(kind)[name] for name in kind.__dataclass_fields__}
 
 
 def _value(hint: Any, x: float) -> object:  # noqa: ANN401 - a type or an alias
@@ -86,3 +91,12 @@ def imus(*specs: str, seed: int = 0) -> list[Imu]:
 
 def times(some: Sequence[Sample]) -> list[float]:
     return [reading.stamp_ns / SECOND for reading in some]
+
+
+def said(one: Tick) -> str:
+    """All that a tick says; the texts that numpy makes of arrays cost far more."""
+    values = [(type(s), [getattr(s, name) for name in s.__dataclass_fields__]) for s in one.samples]
+    plain = [
+        (kind, [v.tobytes() if isinstance(v, np.ndarray) else v for v in some]) for kind, some in values
+    ]
+    return repr((one.stamp_ns, one.tells_time, plain))
