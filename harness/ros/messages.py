@@ -16,13 +16,16 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, PoseArray, Quaternion, Vector3
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import JointState, LaserScan
+from sensor_msgs.msg import CameraInfo, Image, JointState, LaserScan, PointCloud2
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
 from harness import samples
 from harness.robots import RoverSpec
+from harness.ros import ranging
 from harness.ros.channel import Fill, Message
+from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
 from harness.sensors.table import SensorRow, Topic
 from harness.sim_time import NANOSECONDS
 from rover_metrics.extended.truth_columns import traversal_names
@@ -31,7 +34,7 @@ GROUND_TRUTH_POSE_VARIANCE = 0.01  # on the diagonal, as RoboTerrain's PoseConve
 
 
 def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> Fill:
-    """Returns what makes messages of a sensor's samples: one of FILLERS, or `by_names`.
+    """Returns what makes messages of a sensor's samples: of FILLERS, of OF_OPTIONS, or `by_names`.
 
     Args:
         row: The sensor.
@@ -42,6 +45,9 @@ def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> 
     message = resolve_name(topic.message_type.replace("/msg/", ".msg:"))()
     if hasattr(message, "header"):
         message.header.frame_id = row.frame_on(rover)
+    of_options = OF_OPTIONS.get((type(row.given), type(message)))
+    if of_options is not None:
+        return of_options(message, row.given)
     special = FILLERS.get((row.sample, type(message)))
     return by_names(message, row.sample) if special is None else special(message, rover, lidar)
 
@@ -181,4 +187,12 @@ FILLERS: dict[tuple[type, type], Callable[[Message, RoverSpec, LidarSpec], Fill]
     (samples.JointStates, JointState): _joint_states,
     (samples.TruthState, Bool): _contact,
     (samples.TruthState, Float64MultiArray): _traversal,
+}
+# Of optional sensors, by the class of their options.
+OF_OPTIONS: dict[tuple[type, type], Callable[[Message, Any], Fill]] = {
+    (PlanarLidarOptions, LaserScan): ranging.laser_scan,
+    (CloudLidarOptions, PointCloud2): ranging.lidar_cloud,
+    (DepthOptions, PointCloud2): ranging.depth_cloud,
+    (DepthOptions, Image): ranging.depth_image,
+    (DepthOptions, CameraInfo): ranging.depth_camera_info,
 }
