@@ -14,7 +14,7 @@ from pathlib import Path
 
 from harness.config import EpisodeConfig
 from harness.episode.batch import Batch
-from harness.errors import HarnessError, UsageError
+from harness.errors import INSTALL_OPENGL, HarnessError, UsageError
 from harness.files import check_target
 from harness.view.states import StateWriter
 
@@ -23,7 +23,6 @@ BACKENDS = {"Linux": ("egl", "osmesa"), "Darwin": ("cgl", "glfw"), "Windows": ("
 SUFFIXES = {"--picture": ".png", "--video": ".mp4"}
 FRAMES = re.compile(r"(\d+)/(\d+)\n")  # how many are drawn of how many, as harness.view.picture says it
 PROGRAM = (sys.executable, "-m", "harness.view.picture")
-MENDS = {"Linux": "install libegl1 libgl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"}
 
 
 @cache
@@ -156,5 +155,5 @@ def _working_environment(chosen: str) -> dict[str, str]:
             continue
         return environment
     tried = chosen or " or ".join(known)
-    mend = MENDS.get(system, "start it where a window could be opened")
+    mend = INSTALL_OPENGL.get(system, "start it where a window could be opened")
     raise UsageError(f"pictures need OpenGL, but MUJOCO_GL={tried} does not work here; {mend}")

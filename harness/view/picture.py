@@ -31,7 +31,7 @@ from harness.view.camera import View, best_view, chase_view
 from harness.view.caption import captioned
 from harness.view.ground import drawn
 from harness.view.marks import Mark, add_marks, beam_marks, path_marks, track_marks
-from harness.view.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
+from harness.physics.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
 from harness.view.states import States, read_states
 from rover_metrics.errors import OneLineParser
 

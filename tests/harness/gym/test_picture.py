@@ -8,6 +8,7 @@ from gymnasium.error import ResetNeeded
 
 from harness.errors import UsageError
 from harness.gym import picture
+from harness.physics.opengl import gl_context
 from tests.harness.gym.conftest import Make
 
 GOAL = np.array([13, 199, 219])  # of GOAL_COLOR, 0..255
@@ -15,9 +16,9 @@ GOAL = np.array([13, 199, 219])  # of GOAL_COLOR, 0..255
 
 @pytest.fixture
 def drawing(make: Make, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
-    monkeypatch.setattr("harness.view.stage.SOIL_PIXELS", 64)  # the soil's grain takes a second
+    monkeypatch.setattr("harness.physics.stage.SOIL_PIXELS", 64)  # the soil's grain takes a second
     try:
-        picture._context().free()
+        gl_context('a picture', 16, 16).free()
     except UsageError as error:
         pytest.skip(str(error))
     return make

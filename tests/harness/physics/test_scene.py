@@ -12,7 +12,7 @@ import pytest
 
 from harness.physics.scene import Dress, Scene, build_scene, model_hash
 from harness.robots import ROVERS, RoverSpec
-from harness.view import stage
+from harness.physics import stage
 from harness.view.picture import QUALITY
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
