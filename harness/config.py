@@ -16,7 +16,9 @@ from harness.faults.spec import parse_faults
 from harness.frames.options import FrameOptions
 from harness.robots import find_rover
 from harness.sensors.base import period_ticks
+from harness.sensors.choice import chosen
 from harness.sensors.noise import PRESETS
+from harness.sensors.table import SensorRow
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
 from harness.world.heightmap.dem import TerrainFile, file_world, is_terrain_file
 from harness.world.terrains import TERRAINS
@@ -61,6 +63,7 @@ class EpisodeConfig:
     noise: str | None = None  # a preset's name; None for exact sensors
     lidar_beams: int = LIDAR_BEAMS
     imu_rate: int = IMU_RATE
+    sensors: tuple[str, ...] | None = None  # optional ones: NAME or NAME=PRESET; None: of rover.yaml
     cmd_vel_timeout: float | None = None  # [s] of simulation time after which a command ends
     faults: tuple[str, ...] = ()  # on the way to listeners; the episode itself does not see them
     commands: tuple[tuple[float, float, float], ...] = ()  # to driver cmd_vel: when [s], m/s, rad/s
@@ -69,7 +72,7 @@ class EpisodeConfig:
 
     def __post_init__(self) -> None:
         """Takes lists for tuples, as JSON gives them back."""
-        for name in ("terrain_size", "start", "faults", "commands", "goals", "resets"):
+        for name in ("terrain_size", "start", "sensors", "faults", "commands", "goals", "resets"):
             if isinstance(value := getattr(self, name), list):
                 inner = (tuple(v) if isinstance(v, list) else v for v in value)
                 object.__setattr__(self, name, tuple(inner))
@@ -83,6 +86,14 @@ class EpisodeConfig:
     def total_periods(self) -> int:
         """Control periods from start to end, which is how many batches there are."""
         return math.ceil(self.total_ticks / TICKS_PER_CONTROL)
+
+    def sensor_rows(self) -> tuple[SensorRow, ...]:
+        """Returns the sensors that the rover carries, in publishing order.
+
+        Raises:
+            UsageError: One of the optional ones does not exist or is not valid.
+        """
+        return chosen(find_rover(self.robot), self.sensors)
 
     def world(self) -> World:
         """Returns the world, which is built once and then shared: nobody changes one.
@@ -149,7 +160,8 @@ class EpisodeConfig:
                 raise UsageError(f"an event at {time_s:g} s is not in the run of {self.duration:g} s")
 
     def _validate_faults(self) -> None:
-        for spec, fault in zip(self.faults, parse_faults(self.faults), strict=True):
+        parsed = parse_faults(self.faults, self.sensor_rows())
+        for spec, fault in zip(self.faults, parsed, strict=True):
             if fault.start_ns > self.total_ticks * TICK_NS:
                 raise UsageError(
                     f"fault '{spec}' begins after the end of the run at {self.duration:g} s; "

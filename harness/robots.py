@@ -64,6 +64,7 @@ class RoverSpec:
         frames: Of /tf and the URDF; harness.frames adds those of the model that are not named here.
         slope_limit: Steepest slope that it climbs; `step_limit` is the highest step.
         expected: What harness.validation.check reads.
+        sensors: Those that it carries beside the usual ones, each as rover.yaml has it.
     """
 
     name: str
@@ -95,6 +96,7 @@ class RoverSpec:
     slope_limit: float = math.radians(40.0)
     step_limit: float = 0.07
     expected: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
+    sensors: tuple[Mapping[str, Any], ...] = field(default=(), hash=False)
 
     @property
     def folder(self) -> Path:

@@ -30,6 +30,14 @@ class Sample(Protocol):
         """Returns the stamp [ns]."""
 
 
+Source = type[Sample] | str
+
+
+def source(sample: Sample) -> Source:
+    """Returns what read a sample: the name in `sensor` if a rover may carry several, else the type."""
+    return getattr(sample, "sensor", type(sample))
+
+
 @dataclass_transform(frozen_default=True)
 def plain_value(cls: type[T]) -> type[T]:
     """Makes a class of two fields or more a frozen dataclass that is pickled as a constructor's call.

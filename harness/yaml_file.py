@@ -68,6 +68,7 @@ def fill(cls: type[T], values: Mapping[str, object], where: str, **given: object
 
 def _convert(value: object, wanted: Any, where: str) -> object:  # noqa: ANN401 - a type or an alias
     plain, parts = get_origin(wanted) or wanted, get_args(wanted)
+    plain = dict if plain is Mapping else plain
     if isinstance(plain, type) and is_dataclass(plain) and isinstance(value, dict):
         return fill(plain, value, where)
     if plain is tuple and isinstance(value, list):
@@ -84,7 +85,9 @@ def _convert(value: object, wanted: Any, where: str) -> object:  # noqa: ANN401 
 
 def _valid(wanted: Any) -> str:  # noqa: ANN401 - a type or an alias
     """What a field takes, in words."""
-    plain, parts = get_origin(wanted) or wanted, get_args(wanted)
+    plain: Any = get_origin(wanted) or wanted
+    parts = get_args(wanted)
+    plain = dict if plain is Mapping else plain
     if plain is tuple:
         count = "a list" if Ellipsis in parts else f"a list of {len(parts)}"
         return f"{count}, each {_valid(parts[0])}"

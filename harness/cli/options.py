@@ -14,6 +14,7 @@ from harness.errors import UsageError
 from harness.faults.spec import FORM, describe_faults
 from harness.frames.options import ODOM_SOURCES, FrameOptions
 from harness.robots import ROVERS, find_rover
+from harness.sensors.choice import kinds
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
 from harness.world.world import Start
 from rover_metrics.errors import OneLineParser, ParameterError
@@ -204,6 +205,11 @@ def run_parser() -> argparse.ArgumentParser:
     about = f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_PRESET} if not named; default: none"
     sensors.add_argument("--noise", nargs="?", const=DEFAULT_PRESET, metavar="NAME", help=about)
     _add(sensors, SENSORS, EpisodeConfig())
+    about = (
+        f"optional ones, instead of those of rover.yaml: none, their names there, "
+        f"{', '.join(kinds())}; NAME=PRESET (docs/sensors.md)"
+    )
+    sensors.add_argument("--sensors", type=_names, metavar="NAME[,...]", help=about)
     about = f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable"
     faults = parser.add_argument_group("faults", describe_faults())
     faults.add_argument("--fault", action="append", default=[], metavar="SPEC", help=about)
@@ -258,6 +264,10 @@ def _add_run(run: Group) -> None:
     run.add_argument("--wait-for", action="append", default=[], metavar="NODE", help=about)
     _add(run, FILES)
     run.add_argument("--overwrite", action="store_true", help="let --record replace a file")
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(word.strip() for word in text.split(","))
 
 
 def _start(text: str) -> Start:

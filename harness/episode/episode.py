@@ -16,7 +16,7 @@ from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, Po
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import RunFailed
 from harness.frames.options import FrameOptions
-from harness.frames.rover_frames import rover_frames
+from harness.frames.rover_frames import RoverFrames, rover_frames
 from harness.frames.transforms import describe
 from harness.physics.diff_drive import DiffDrive
 from harness.physics.scene import HAZARD_CONTACT, build_scene, model_hash
@@ -27,12 +27,14 @@ from harness.samples import Imu, LaserScan, Place, Sample, Tick, Twist
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import PRESETS, SensorNoise
+from harness.sensors.optional import Installation, SensorOptions
 from harness.sensors.suite import SensorSuite
 from harness.sim_time import NANOSECONDS, TICK_NS, parse_timestep
 from harness.truth.recorder import TruthRecorder
 from harness.world.world import terrain_hash
 
 RANDOM_STREAM = 10  # keeps the episode's generators apart from those that made the world
+OPTIONAL_STREAM = 12  # those of optional sensors
 
 
 class Episode:
@@ -83,18 +85,32 @@ class Episode:
             "recorder": self._recorder,
         }
         self.description = None
+        rows = config.sensor_rows()
+        optional = [row.given for row in rows if row.given is not None]
+        if frame_options is not None or optional:
+            frames = rover_frames(rover, (frame for some in optional for frame in some.frames(rover)))
+            parts["install"] = partial(self._installed, frames)
         if frame_options is not None:
-            frames = rover_frames(rover)
             self.description = describe(frames, frame_options)
             parts |= {"frames": frames, "frame_options": frame_options}
         noise = sensor_noise(config, lidar_spec)
-        self._sensors = SensorSuite(parts, rover, {Imu: config.imu_rate}, wanted=samples, noise=noise)
+        rates: dict[type[Sample], int] = {Imu: config.imu_rate}
+        self._sensors = SensorSuite(parts, rover, rates, wanted=samples, noise=noise, rows=rows)
         self._bearings = lidar_spec.bearings
         planned: list[tuple[float, Callable[[], None]]] = [(t, self.reset) for t in config.resets]
         planned += [(t, partial(self.command, Twist(*twist))) for t, *twist in config.commands]
         planned += [(t, partial(self.head_for, Place(*place))) for t, *place in config.goals]
         self._planned = deque(sorted(planned, key=itemgetter(0)))  # at the same time in this order
         self._begin()
+
+    def _installed(self, frames: RoverFrames, options: SensorOptions) -> Installation:
+        """What an optional sensor is made with; its randomness depends on its name alone."""
+        source = np.random.SeedSequence(
+            self.config.seed, spawn_key=(OPTIONAL_STREAM, *options.name.encode())
+        )
+        mount = frames.mount(options.frame_id, self.simulation.model)
+        noise = None if self.config.noise is None else PRESETS[self.config.noise]
+        return Installation(options, mount, np.random.default_rng(source), noise)
 
     def _begin(self) -> None:
         """A driver that has done nothing yet, at a rover that stands."""

@@ -70,7 +70,11 @@ class SampleFeed:
         self._angles = float(np.float32(-lidar.angle_max)), float(np.float32(increment))
         sources = SENSORS if session.extended is None else (*SENSORS, *TRUTH)
         heard = {source.name for source in sources}
-        topics = {row.sample: tuple(f"/{topic.name}" for topic in row.topics) for row in table.SENSORS}
+        topics = {
+            row.sample: tuple(f"/{topic.name}" for topic in row.topics)
+            for row in table.SENSORS
+            if row.options is None
+        }
         self._topics = {sample: names for sample, names in topics.items() if heard.issuperset(names)}
         self.fed = {topic: 0 for topics in self._topics.values() for topic in topics}
 

@@ -31,7 +31,7 @@ GROUND_TRUTH_POSE_VARIANCE = 0.01  # on the diagonal, as RoboTerrain's PoseConve
 
 
 def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> Fill:
-    """Returns what makes messages of a sensor's samples: one of FILLERS, or `by_names`.
+    """Returns what makes messages of a sensor's samples: of FILLERS, of OF_OPTIONS, or `by_names`.
 
     Args:
         row: The sensor.
@@ -42,7 +42,10 @@ def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> 
     message = resolve_name(topic.message_type.replace("/msg/", ".msg:"))()
     if hasattr(message, "header"):
         message.header.frame_id = row.frame_on(rover)
-    special = FILLERS.get((row.sample, type(message)))
+    kind = row.sample, type(message)
+    if row.given is not None and kind in OF_OPTIONS:
+        return OF_OPTIONS[kind](message, row.given)
+    special = FILLERS.get(kind)
     return by_names(message, row.sample) if special is None else special(message, rover, lidar)
 
 
@@ -181,3 +184,5 @@ FILLERS: dict[tuple[type, type], Callable[[Message, RoverSpec, LidarSpec], Fill]
     (samples.TruthState, Bool): _contact,
     (samples.TruthState, Float64MultiArray): _traversal,
 }
+# Of optional sensors.
+OF_OPTIONS: dict[tuple[type, type], Callable[[Message, Any], Fill]] = {}

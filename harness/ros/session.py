@@ -72,9 +72,10 @@ class _Run:
         self._context = context = at_end.enter_context(ros_context(options.ros_args))
         rover, lidar = find_rover(config.robot), LidarSpec(beams=config.lidar_beams)
         obey, kind = source.command, options.cmd_vel
-        self.bridge = Bridge(rover, lidar, context=context, on_command=obey, cmd_vel=kind)
+        rows = config.sensor_rows()
+        self.bridge = Bridge(rover, lidar, context=context, on_command=obey, cmd_vel=kind, rows=rows)
         at_end.callback(self.bridge.destroy_node)
-        self._faults = FaultInjector(parse_faults(config.faults), config.seed)
+        self._faults = FaultInjector(parse_faults(config.faults, rows), config.seed, rows)
         executor = make_executor(context, time_jumps=self._faults.disturbs_time)
         self._executor = at_end.enter_context(executor)
         self._executor.add_node(self.bridge)

@@ -98,6 +98,7 @@ class Scenario(Part):
         matrix: Instead of single values of those, lists.
         seed: Of the run; `seeds` is a number of seeds from 0 on, or a list.
         noise: Errors of the sensors; none if left out.
+        sensors: Optional ones, as --sensors has them; those of rover.yaml if left out.
         params: Parameter file of the metrics that judge the log; the defaults if left out.
         goal: Where the rover is to arrive; the driver `goal` is told. See the quantity truth.goal_s.
         launch: Commands whose nodes hear the rover over ROS and are waited for.
@@ -124,6 +125,7 @@ class Scenario(Part):
     params: Text | None = None
     lidar_beams: int | None = None
     imu_rate: int | None = None
+    sensors: tuple[Text, ...] | None = None
     goal: Goal | None = None
     launch: tuple[Launched, ...] = ()
     events: tuple[Event, ...] = ()

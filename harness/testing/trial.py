@@ -120,14 +120,16 @@ class Trial:
         self.domain = at_end.enter_context(reserved_domain())
         self._begin_processes()
         self._episode = Episode(self.config, self._frames)
-        self._injector = injector = FaultInjector(parse_faults(self.config.faults), self.config.seed)
+        rows, seed = self.config.sensor_rows(), self.config.seed
+        injector = FaultInjector(parse_faults(self.config.faults, rows), seed, rows)
+        self._injector = injector
         self._ticks = drive_loop(self._batches(), injector, self._take, (self,))
         no_handlers, args = SignalHandlerOptions.NO, list(ON_SIMULATED_TIME)
         rclpy.init(args=args, domain_id=self.domain, signal_handler_options=no_handlers)
         at_end.callback(rclpy.try_shutdown)
         lidar = LidarSpec(beams=self.config.lidar_beams)
         rover, obey = find_rover(self.config.robot), self._command
-        self._bridge = Bridge(rover, lidar, on_command=obey, cmd_vel=self.CMD_VEL)
+        self._bridge = Bridge(rover, lidar, on_command=obey, cmd_vel=self.CMD_VEL, rows=rows)
         at_end.callback(self._bridge.destroy_node)
         self._record(at_end)
         if self._episode.description is not None:
