@@ -24,6 +24,7 @@ from harness.physics.simulation import Simulation
 from harness.physics.start import check_room, check_start
 from harness.robots import find_rover
 from harness.samples import Imu, LaserScan, Place, Sample, Tick, Twist
+from harness.sensors.geodesy import Datum
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import PRESETS, SensorNoise
@@ -83,6 +84,7 @@ class Episode:
             "simulation": self.simulation,
             "lidar": Lidar(self.simulation.model, lidar_spec),
             "recorder": self._recorder,
+            "datum": Datum(*config.datum),
         }
         self.description = None
         rows = config.sensor_rows()

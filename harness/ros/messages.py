@@ -16,13 +16,19 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, PoseArray, Quaternion, Vector3
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import JointState, LaserScan
+from sensor_msgs.msg import CameraInfo, Image, JointState, LaserScan, NavSatFix, NavSatStatus
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
 from harness import samples
 from harness.robots import RoverSpec
+from harness.ros.camera import Draw, camera_info_fill, image_fill
 from harness.ros.channel import Fill, Message
+from harness.ros.grid_map import grid_map_fill
+from harness.sensors.camera.sensor import CameraState
+from harness.sensors.gnss import GnssFix
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.message_types import GRID_MAP
+from harness.sensors.optional import SensorOptions
 from harness.sensors.table import SensorRow, Topic
 from harness.sim_time import NANOSECONDS
 from rover_metrics.extended.truth_columns import TRAVERSAL
@@ -30,7 +36,9 @@ from rover_metrics.extended.truth_columns import TRAVERSAL
 GROUND_TRUTH_POSE_VARIANCE = 0.01  # on the diagonal, as RoboTerrain's PoseConverterNode says
 
 
-def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> Fill:
+def filler(
+    row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec, draw: Draw | None = None
+) -> Fill:
     """Returns what makes messages of a sensor's samples: of FILLERS, of OF_OPTIONS, or `by_names`.
 
     Args:
@@ -38,11 +46,16 @@ def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> 
         topic: One of its topics.
         rover: Gives the frames.
         lidar: Gives the geometry of scans.
+        draw: Gives the images of cameras; without it there are none.
     """
+    if topic.message_type == GRID_MAP:
+        return grid_map_fill(row.given)
     message = resolve_name(topic.message_type.replace("/msg/", ".msg:"))()
     if hasattr(message, "header"):
         message.header.frame_id = row.frame_on(rover)
     kind = row.sample, type(message)
+    if isinstance(message, Image) and row.sample is CameraState:
+        return image_fill(message, row.given, draw)
     if row.given is not None and kind in OF_OPTIONS:
         return OF_OPTIONS[kind](message, row.given)
     special = FILLERS.get(kind)
@@ -175,6 +188,15 @@ def _traversal(message: Float64MultiArray, _: RoverSpec, __: LidarSpec) -> Fill:
     return _refilled(message, {"data": attrgetter("traversal")})
 
 
+def _nav_sat_fix(message: NavSatFix, _: SensorOptions) -> Fill:
+    """Fixes of a receiver for GPS, GLONASS, BeiDou and Galileo."""
+    used = NavSatStatus.SERVICE_GPS | NavSatStatus.SERVICE_GLONASS
+    message.status.service = used | NavSatStatus.SERVICE_COMPASS | NavSatStatus.SERVICE_GALILEO
+    names = [item.name for item in fields(GnssFix) if hasattr(message, item.name)]
+    sources = {name: attrgetter(name) for name in names}
+    return _refilled(message, {**sources, "status.status": attrgetter("fix")})
+
+
 FILLERS: dict[tuple[type, type], Callable[[Message, RoverSpec, LidarSpec], Fill]] = {
     (samples.LaserScan, LaserScan): _laser_scan,
     (samples.Pose, PoseArray): _pose_array,
@@ -185,4 +207,7 @@ FILLERS: dict[tuple[type, type], Callable[[Message, RoverSpec, LidarSpec], Fill]
     (samples.TruthState, Float64MultiArray): _traversal,
 }
 # Of optional sensors.
-OF_OPTIONS: dict[tuple[type, type], Callable[[Message, Any], Fill]] = {}
+OF_OPTIONS: dict[tuple[type, type], Callable[[Message, Any], Fill]] = {
+    (CameraState, CameraInfo): camera_info_fill,
+    (GnssFix, NavSatFix): _nav_sat_fix,
+}

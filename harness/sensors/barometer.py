@@ -1,15 +1,13 @@
 """A barometer: the pressure of the standard atmosphere at the rover's altitude."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
-
-from harness.errors import find_named
 from harness.samples import plain_value
-from harness.sensors.base import Sensor
 from harness.sensors.corruption import AxisErrors, AxisTriad
 from harness.sensors.geodesy import Datum
+from harness.sensors.optional import NO_ERRORS, Installation, OptionalSensor, SensorOptions
 
 if TYPE_CHECKING:  # the table of sensors does without MuJoCo
     from harness.physics.simulation import Simulation
@@ -17,8 +15,8 @@ if TYPE_CHECKING:  # the table of sensors does without MuJoCo
 # ISO 2533, lowest layer: pressure [Pa] and temperature [K] at sea level, lapse rate [K/m], standard
 # gravity [m/s^2], specific gas constant of dry air [J/(kg K)].
 SEA_LEVEL, TEMPERATURE, LAPSE, GRAVITY, GAS = 101_325.0, 288.15, 0.0065, 9.80665, 287.05287
-PRESETS = {
-    "none": AxisErrors(),
+CHIPS = {
+    NO_ERRORS: AxisErrors(),
     # Bosch BST-BMP280-DS001: absolute accuracy +-1 hPa taken as three deviations, 1.3 Pa RMS at full
     # bandwidth, 0.16 Pa resolution. The walk, which is the weather's, is an estimate: 1 hPa in 3 h.
     "bmp280": AxisErrors(white=1.3, bias=100.0 / 3.0, walk=1.0, step=0.16),
@@ -35,27 +33,22 @@ class Pressure:
     """
 
     stamp_ns: int
+    sensor: str
     fluid_pressure: float
     variance: float
 
 
 @dataclass(frozen=True, kw_only=True)
-class BarometerOptions:
+class BarometerOptions(SensorOptions):
     """Of a barometer.
 
     Attributes:
-        noise: One of PRESETS.
+        preset: One of CHIPS; if left out, --noise hardware means the BMP280, and all else none.
     """
 
-    noise: str = "none"
+    presets: ClassVar[Mapping[str, Mapping[str, object]]] = {name: {} for name in CHIPS}
 
-    def check(self) -> None:
-        """Checks the values.
-
-        Raises:
-            UsageError: One is not valid; the message names those that are.
-        """
-        find_named("barometer noise", self.noise, PRESETS)
+    preset: str = ""
 
 
 def standard_pressure(altitude: float) -> float:
@@ -64,25 +57,27 @@ def standard_pressure(altitude: float) -> float:
     return float(SEA_LEVEL * warmth ** (GRAVITY / (GAS * LAPSE)))
 
 
-class BarometerSensor(Sensor):
-    """The barometer, at the origin of the model frame; the geoid is taken for the ellipsoid."""
+class BarometerSensor(OptionalSensor):
+    """The barometer; height over the ellipsoid is taken for that over the sea."""
 
     def __init__(
         self,
         simulation: "Simulation",
         datum: Datum,
-        options: BarometerOptions,
-        rng: np.random.Generator,
+        installation: Installation,
         period_ticks: int,
     ) -> None:
-        super().__init__(simulation, period_ticks)
-        self._altitude = datum.altitude
-        self._variance = PRESETS[options.noise].variance
-        self._errors = AxisTriad(PRESETS[options.noise], rng)
+        super().__init__(simulation, installation, period_ticks)
+        options = installation.options
+        assert isinstance(options, BarometerOptions)  # noqa: S101 - of this row
+        errors = CHIPS[installation.errors_of(options.preset, "bmp280")]
+        self._altitude, self._variance = datum.altitude, errors.variance
+        self._errors = AxisTriad(errors, installation.rng)
 
     def read(self) -> Pressure:
-        """Returns the pressure where the rover is."""
-        simulation = self._simulation
-        pressure = standard_pressure(self._altitude + simulation.position[2])
-        read, _, _ = self._errors.corrupt((pressure, 0.0, 0.0), simulation.time_ns)
-        return Pressure(simulation.time_ns, read, self._variance)
+        """Returns the pressure where the sensor is."""
+        stamp_ns = self._simulation.time_ns
+        (_, _, z), _ = self.pose()
+        pressure = standard_pressure(self._altitude + z)
+        read, _, _ = self._errors.corrupt((pressure, 0.0, 0.0), stamp_ns)
+        return Pressure(stamp_ns, self.name, read, self._variance)

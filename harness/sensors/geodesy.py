@@ -16,6 +16,8 @@ from harness.samples import Vector3
 # radius that they belong to [m].
 DIPOLE = np.array([-1410.8e-9, 4545.4e-9, -29351.8e-9])  # along the axes of ECEF
 MAGNETIC_RADIUS = 6_371_200.0
+# Mars Desert Research Station, Utah, where rovers of universities compete.
+DEFAULT_DATUM = (38.4064, -110.7919, 1382.0)  # [deg], [deg], [m]
 LOWEST, HIGHEST = -500.0, 9000.0  # [m]: of what rovers drive on
 
 
@@ -28,9 +30,9 @@ class Datum:
         altitude: Above the WGS-84 ellipsoid [m].
     """
 
-    latitude: float = 38.4064  # Mars Desert Research Station, Utah, where the rovers of teams compete
-    longitude: float = -110.7919
-    altitude: float = 1382.0
+    latitude: float
+    longitude: float
+    altitude: float
 
     def check(self) -> None:
         """Checks that it is on the Earth.
@@ -41,7 +43,9 @@ class Datum:
         for name, value, low, high in (
             ("latitude", self.latitude, -89.9, 89.9),
             ("longitude", self.longitude, -180.0, 180.0),
-            ("altitude", self.altitude, LOWEST, HIGHEST),
+            ("altitude", self.altitude, # Mars Desert Research Station, Utah, where rovers of universities compete.
+DEFAULT_DATUM = (38.4064, -110.7919, 1382.0)  # [deg], [deg], [m]
+LOWEST, HIGHEST),
         ):
             if not low <= value <= high:
                 unit = "m" if name == "altitude" else "degrees"

@@ -1,16 +1,14 @@
 """A GNSS receiver: the rover's position on the Earth, with the errors of a named class of receivers."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
-
-from harness.errors import find_named
 from harness.samples import Vector3, plain_value
-from harness.sensors.base import Sensor
 from harness.sensors.corruption import AxisErrors, AxisTriad
 from harness.sensors.geodesy import Datum
+from harness.sensors.optional import NO_ERRORS, Installation, OptionalSensor, SensorOptions
 
 if TYPE_CHECKING:  # the table of sensors does without MuJoCo
     from harness.physics.simulation import Simulation
@@ -36,6 +34,7 @@ class GnssFix:
     """
 
     stamp_ns: int
+    sensor: str
     latitude: float
     longitude: float
     altitude: float
@@ -86,51 +85,52 @@ CONSUMER = GnssClass(
     vertical=2.0,
     fix=FIX,
 )
-CLASSES = {"none": EXACT, "rtk": RTK, "consumer": CONSUMER}
+CLASSES = {NO_ERRORS: EXACT, "rtk": RTK, "consumer": CONSUMER}
 
 
 @dataclass(frozen=True, kw_only=True)
-class GnssOptions:
+class GnssOptions(SensorOptions):
     """Of a receiver.
 
     Attributes:
-        noise: One of CLASSES.
+        preset: One of CLASSES; if left out, --noise hardware means a consumer's, and all else none.
     """
 
-    noise: str = "none"
+    presets: ClassVar[Mapping[str, Mapping[str, object]]] = {name: {} for name in CLASSES}
 
-    def check(self) -> None:
-        """Checks the values.
-
-        Raises:
-            UsageError: One is not valid; the message names those that are.
-        """
-        find_named("GNSS noise", self.noise, CLASSES)
+    preset: str = ""
+    rate: int = 5
 
 
-class GnssSensor(Sensor):
-    """The receiver; its antenna is at the origin of the model frame."""
+class GnssSensor(OptionalSensor):
+    """The receiver; its frame is that of its antenna."""
 
     def __init__(
         self,
         simulation: "Simulation",
         datum: Datum,
-        options: GnssOptions,
-        rng: np.random.Generator,
+        installation: Installation,
         period_ticks: int,
     ) -> None:
-        super().__init__(simulation, period_ticks)
-        self._datum, self._class = datum, CLASSES[options.noise]
-        self._errors = AxisTriad(self._class.horizontal, rng)
+        super().__init__(simulation, installation, period_ticks)
+        options = installation.options
+        assert isinstance(options, GnssOptions)  # noqa: S101 - of this row
+        self._datum = datum
+        self._class = CLASSES[installation.errors_of(options.preset, "consumer")]
+        self._errors = AxisTriad(self._class.horizontal, installation.rng)
 
     def read(self) -> GnssFix:
-        """Returns a fix of where the rover is now."""
-        simulation, kind = self._simulation, self._class
-        (x, y, z), stamp_ns = simulation.position, simulation.time_ns
+        """Returns a fix of where the antenna is now."""
+        stamp_ns, kind = self._simulation.time_ns, self._class
+        (x, y, z), _ = self.pose()
         east, north, up = self._errors.corrupt(ORIGIN, stamp_ns)
-        latitude, longitude, altitude = self._datum.geodetic(
-            (x + east, y + north, z + kind.vertical * up)
-        )
+        place = (x + east, y + north, z + kind.vertical * up)
         covariance = kind.covariance
-        known = DIAGONAL_KNOWN if any(covariance) else UNKNOWN
-        return GnssFix(stamp_ns, latitude, longitude, altitude, covariance, known, kind.fix)
+        return GnssFix(
+            stamp_ns,
+            self.name,
+            *self._datum.geodetic(place),
+            covariance,
+            DIAGONAL_KNOWN if any(covariance) else UNKNOWN,
+            kind.fix,
+        )

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import UsageError, find_named
+from harness.robots import FrameRow, RoverSpec
 from harness.samples import plain_value
-from harness.sensors.base import Sensor
+from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
 
 if TYPE_CHECKING:  # the table of sensors does without MuJoCo
     from harness.physics.simulation import Simulation
@@ -30,13 +31,14 @@ class HeightScan:
     """Heights around the rover.
 
     Attributes:
-        heights: Of the cells' middles over the origin of the model frame [m], float32, shape (cells along
-            the first axis, along the second), each from the lowest coordinate up; NaN off the map.
-        x: The grid's middle, which is the origin of the model frame [m]; likewise `y`, `z`.
+        heights: Of the cells' middles over the origin of the sensor's frame [m], float32, shape (cells
+            along the first axis, along the second), each from the lowest coordinate up; NaN off the map.
+        x: The grid's middle, which is that origin, in the world [m]; likewise `y`, `z`.
         yaw: Angle from the world's x axis to the grid's first one [rad].
     """
 
     stamp_ns: int
+    sensor: str
     heights: NDArray[np.float32]
     x: float
     y: float
@@ -45,18 +47,26 @@ class HeightScan:
 
 
 @dataclass(frozen=True, kw_only=True)
-class HeightScanOptions:
-    """Of a height scan.
+class HeightScanOptions(SensorOptions):
+    """Of a height scan; without a parent it is mounted on the rover's base.
 
     Attributes:
         size: Lengths along the grid's first and second axis [m]; at least a cell each.
         resolution: Side length of a cell [m].
         axes: One of AXES: whether the grid turns with the rover's heading.
+        grid_map: Whether it is published, as a GridMap.
     """
 
+    rate: int = 20
     size: tuple[float, float] = (2.0, 2.0)
     resolution: float = 0.1
     axes: str = ROVER
+    grid_map: bool = False
+
+    def frames(self, rover: RoverSpec) -> tuple[FrameRow, ...]:
+        """Returns the frame that it adds to those of a rover."""
+        parent = self.parent or rover.odometry_child_frame
+        return (FrameRow(parent=parent, child=self.frame_id, xyz=self.xyz, rpy=self.rpy),)
 
     @property
     def cells(self) -> tuple[int, int]:
@@ -70,6 +80,7 @@ class HeightScanOptions:
         Raises:
             UsageError: One is not valid; the message names those that are.
         """
+        super().check()
         find_named("axes", self.axes, AXES)
         for name, value in (("resolution", self.resolution), *(("size", s) for s in self.size)):
             if not (math.isfinite(value) and value > 0.0):
@@ -81,15 +92,15 @@ class HeightScanOptions:
             )
 
 
-class HeightScanSensor(Sensor):
-    """The height scan."""
+class HeightScanSensor(OptionalSensor):
+    """The height scan; the grid is level whichever way the rover leans."""
 
-    def __init__(
-        self, simulation: "Simulation", options: HeightScanOptions, period_ticks: int
-    ) -> None:
-        super().__init__(simulation, period_ticks)
+    def __init__(self, simulation: "Simulation", installation: Installation, period_ticks: int) -> None:
+        super().__init__(simulation, installation, period_ticks)
         from harness.physics.scene import OBSTACLE_GROUP  # noqa: PLC0415 - loads MuJoCo
 
+        options = installation.options
+        assert isinstance(options, HeightScanOptions)  # noqa: S101 - of this row
         self._turns = options.axes == ROVER
         middles = ((np.arange(n) - 0.5 * (n - 1)) * options.resolution for n in options.cells)
         self._along, self._across = np.meshgrid(*middles, indexing="ij")
@@ -100,8 +111,8 @@ class HeightScanSensor(Sensor):
 
     def read(self) -> HeightScan:
         """Returns the heights around where the rover is now."""
-        simulation = self._simulation
-        (x, y, z), yaw = simulation.position, simulation.yaw if self._turns else 0.0
+        simulation, ((x, y, z), axes) = self._simulation, self.pose()
+        yaw = math.atan2(axes[1, 0], axes[0, 0]) if self._turns else 0.0
         cos, sin = math.cos(yaw), math.sin(yaw)
         east = x + cos * self._along - sin * self._across
         north = y + sin * self._along + cos * self._across
@@ -109,7 +120,7 @@ class HeightScanSensor(Sensor):
         heights = np.maximum(ground.heights_at(east, north), self._obstacles_at(east, north, (x, y)))
         half_x, half_y = ground.half_size
         heights[(np.abs(east) > half_x) | (np.abs(north) > half_y)] = np.nan
-        return HeightScan(simulation.time_ns, (heights - z).astype(np.float32), x, y, z, yaw)
+        return HeightScan(simulation.time_ns, self.name, (heights - z).astype(np.float32), x, y, z, yaw)
 
     def _obstacles_at(
         self, east: NDArray[np.float64], north: NDArray[np.float64], middle: tuple[float, float]
@@ -119,7 +130,6 @@ class HeightScanSensor(Sensor):
 
         tops = np.full(east.shape, -np.inf)
         model, data = self._simulation.model, self._simulation.data
-        mujoco.mj_kinematics(model, data)  # poses are one step old
         centres, radii = data.geom_xpos[self._obstacles], model.geom_rbound[self._obstacles]
         near = np.hypot(*(centres[:, :2] - middle).T) <= radii + self._reach
         if not near.any():

@@ -15,7 +15,9 @@ from harness.physics.scene import OBSTACLE_BODIES
 from harness.physics.stage import SKY, Quality, dress
 from harness.world.heightfield import fractal
 
-SUN_AZIMUTH = -145.0  # [deg] as harness.physics.stage.aim_sun takes it: the sun is then in the west-south-west
+SUN_AZIMUTH = (
+    -145.0
+)  # [deg] as harness.physics.stage.aim_sun takes it: the sun is then in the west-south-west
 SKY_PIXELS, ROCK_PIXELS = 256, 256  # along a side of one face of a cube
 ZENITH, CLOUD, HAZE = (118.0, 140.0, 172.0), (240.0, 236.0, 230.0), SKY  # RGB, 0..255
 CLOUD_PIXELS, CLOUD_REACH = 512, 6.0  # of the layer of clouds, which repeats; its height is 1

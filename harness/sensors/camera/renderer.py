@@ -78,9 +78,7 @@ class CameraRenderer(AbstractContextManager["CameraRenderer"]):
         aim_sun(model, data.body("rover").xpos, SUN_AZIMUTH)
         mujoco.mj_camlight(model, data)
         every, scene = mujoco.mjtCatBit.mjCAT_ALL, self._canvas.scene
-        mujoco.mjv_updateScene(
-            model, data, visible_groups(), None, mujoco.MjvCamera(), every, scene
-        )
+        mujoco.mjv_updateScene(model, data, visible_groups(), None, mujoco.MjvCamera(), every, scene)
         assembly = self._assemblies[name]
         x, y, z, w = state.orientation
         rotation = rotation_matrix((w, x, y, z))

@@ -1,16 +1,18 @@
 """A colour camera: the state that its image is drawn from, which is drawn only where somebody looks."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import UsageError, find_named
+from harness.robots import FrameRow, RoverSpec
 from harness.samples import Quaternion, Vector3, plain_value
-from harness.sensors.base import Sensor
 from harness.sensors.camera.lens import LENSES, Lens
+from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
 
 if TYPE_CHECKING:  # the table of sensors does without MuJoCo
     from harness.physics.simulation import Simulation
@@ -18,6 +20,8 @@ if TYPE_CHECKING:  # the table of sensors does without MuJoCo
 FEWEST_PIXELS, MOST_PIXELS = 8, 4096  # along a side
 VISIBLE_STATE = 1 << 1 | 1 << 10 | 1 << 11  # of mjtState: QPOS, MOCAP_POS, MOCAP_QUAT
 MOST_NOISE = 0.5
+MOUNTS = ("camera_link", "camera_frame")  # of rovers that have a place for a camera, x ahead
+OPTICAL = (-math.pi / 2, 0.0, -math.pi / 2)  # [rad]: x right, y down, z ahead
 
 
 @plain_value
@@ -31,27 +35,60 @@ class CameraState:
     """
 
     stamp_ns: int
+    sensor: str
     position: Vector3
     orientation: Quaternion
     state: NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class CameraOptions:
+class CameraOptions(SensorOptions):
     """Of a camera.
 
+    Its frame is the optical one, NAME_optical_frame, unless `frame` says otherwise. Without a parent it
+    is that of the rover itself, or hangs on the rover's MOUNTS, or is where the lidar is.
+
     Attributes:
+        preset: One of `presets`; the first two are RoboTerrain's.
         lens: One of LENSES.
         width: Of the image [pixels]; likewise `height`.
         fov: Horizontal field of view [rad].
         noise: Standard deviation of a pixel over the full scale; RoboTerrain's cameras have 0.007.
     """
 
+    presets: ClassVar[Mapping[str, Mapping[str, object]]] = {
+        "roboterrain": {"width": 640, "height": 480, "fov": 1.1},
+        "fisheye": {"lens": "fisheye", "width": 1600, "height": 600, "fov": 2.8},
+        "small": {"width": 160, "height": 120, "fov": 1.1},
+        "small_fisheye": {"lens": "fisheye", "width": 320, "height": 120, "fov": 2.8},
+    }
+
+    preset: str = ""
     lens: str = "pinhole"
     width: int = 640
     height: int = 480
     fov: float = 1.1
     noise: float = 0.0
+
+    @property
+    def frame_id(self) -> str:
+        """The frame of its messages."""
+        return self.frame or f"{self.name}_optical_frame"
+
+    def frames(self, rover: RoverSpec) -> tuple[FrameRow, ...]:
+        """Returns the frames that it adds to those of a rover: mount and optical frame."""
+        known = [row.child for row in rover.frames]
+        if not self.parent and self.frame_id in known:
+            return ()
+        link = f"{self.name}_link"
+        optical = FrameRow(parent=link, child=self.frame_id, rpy=OPTICAL)
+        if not self.parent and link in known:
+            return (optical,)
+        parent = self.parent or next((name for name in MOUNTS if name in known), "")
+        mount = SensorOptions(
+            name=self.name, parent=parent, xyz=self.xyz, rpy=self.rpy, frame=link
+        ).frames(rover)
+        return (*mount, optical)
 
     def lens_of(self) -> Lens:
         """Returns its lens."""
@@ -63,6 +100,7 @@ class CameraOptions:
         Raises:
             UsageError: One is not valid; the message names those that are.
         """
+        super().check()
         widest = find_named("lens", self.lens, LENSES).widest
         for name, pixels in (("width", self.width), ("height", self.height)):
             if not FEWEST_PIXELS <= pixels <= MOST_PIXELS:
@@ -76,3 +114,24 @@ class CameraOptions:
             )
         if not 0.0 <= self.noise <= MOST_NOISE:
             raise UsageError(f"noise {self.noise:g} of a camera is not valid; give 0 to {MOST_NOISE:g}")
+
+
+class CameraSensor(OptionalSensor):
+    """The camera; it draws nothing itself."""
+
+    def __init__(self, simulation: "Simulation", installation: Installation, period_ticks: int) -> None:
+        super().__init__(simulation, installation, period_ticks)
+        from mujoco import mj_stateSize  # noqa: PLC0415 - whoever only publishes does without
+
+        self._size = mj_stateSize(simulation.model, VISIBLE_STATE)
+
+    def read(self) -> CameraState:
+        """Returns what an image of now is drawn from."""
+        from mujoco import mj_getState, mju_mat2Quat  # noqa: PLC0415 - likewise
+
+        simulation, (position, axes) = self._simulation, self.pose()
+        state, turned = np.empty(self._size), np.empty(4)
+        mj_getState(simulation.model, simulation.data, state, VISIBLE_STATE)
+        mju_mat2Quat(turned, axes.ravel())
+        w, x, y, z = turned.tolist()
+        return CameraState(simulation.time_ns, self.name, position, (x, y, z, w), state)

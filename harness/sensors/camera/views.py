@@ -85,7 +85,9 @@ class Assembly:
                 start += view.width * view.height
         return tuple(views)
 
-    def _look_up(self, pixels: NDArray[np.int64], x: Doubles, y: Doubles, view: View, start: int) -> None:
+    def _look_up(
+        self, pixels: NDArray[np.int64], x: Doubles, y: Doubles, view: View, start: int
+    ) -> None:
         """Notes four neighbours in a view, whose pixels begin at `start`, and their bilinear weights."""
         assert self._sources is not None  # noqa: S101 - for the type checker
         column = (x - view.left) / (view.right - view.left) * view.width - 0.5

@@ -18,7 +18,7 @@ GOAL = np.array([13, 199, 219])  # of GOAL_COLOR, 0..255
 def drawing(make: Make, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
     monkeypatch.setattr("harness.physics.stage.SOIL_PIXELS", 64)  # the soil's grain takes a second
     try:
-        gl_context('a picture', 16, 16).free()
+        gl_context("a picture", 16, 16).free()
     except UsageError as error:
         pytest.skip(str(error))
     return make

@@ -10,9 +10,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from harness.physics import stage
 from harness.physics.scene import Dress, Scene, build_scene, model_hash
 from harness.robots import ROVERS, RoverSpec
-from harness.physics import stage
 from harness.view.picture import QUALITY
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation
