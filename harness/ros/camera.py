@@ -44,7 +44,7 @@ def image_fill(message: Image, options: CameraOptions, draw: Draw | None) -> Fil
 
 
 def camera_info_fill(message: CameraInfo, options: CameraOptions) -> Fill:
-    """Returns a filler of what is known of the lens; a pinhole and a fisheye without further distortion."""
+    """Returns a filler of what is known of the lens, which is without further distortion."""
     lens = options.lens_of()
     message.width, message.height = lens.width, lens.height
     message.distortion_model = lens.distortion_model

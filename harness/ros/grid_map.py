@@ -54,5 +54,5 @@ def grid_map_fill(options: HeightScanOptions) -> Fill:
     return fill
 
 
-def _made(name: str, *values: object) -> Any:  # noqa: ANN401 - rosbags makes its classes
+def _made(name: str, *values: Any) -> Any:  # noqa: ANN401 - rosbags makes its classes
     return typestore().types[name](*values)

@@ -24,10 +24,10 @@ from harness.robots import RoverSpec
 from harness.ros.camera import Draw, camera_info_fill, image_fill
 from harness.ros.channel import Fill, Message
 from harness.ros.grid_map import grid_map_fill
-from harness.sensors.camera.sensor import CameraState
+from harness.sensors.camera.sensor import CameraOptions, CameraState
 from harness.sensors.gnss import GnssFix
+from harness.sensors.height_scan import HeightScanOptions
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.message_types import GRID_MAP
 from harness.sensors.optional import SensorOptions
 from harness.sensors.table import SensorRow, Topic
 from harness.sim_time import NANOSECONDS
@@ -48,13 +48,13 @@ def filler(
         lidar: Gives the geometry of scans.
         draw: Gives the images of cameras; without it there are none.
     """
-    if topic.message_type == GRID_MAP:
+    if isinstance(row.given, HeightScanOptions):
         return grid_map_fill(row.given)
     message = resolve_name(topic.message_type.replace("/msg/", ".msg:"))()
     if hasattr(message, "header"):
         message.header.frame_id = row.frame_on(rover)
     kind = row.sample, type(message)
-    if isinstance(message, Image) and row.sample is CameraState:
+    if isinstance(message, Image) and isinstance(row.given, CameraOptions):
         return image_fill(message, row.given, draw)
     if row.given is not None and kind in OF_OPTIONS:
         return OF_OPTIONS[kind](message, row.given)

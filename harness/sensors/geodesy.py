@@ -43,9 +43,7 @@ class Datum:
         for name, value, low, high in (
             ("latitude", self.latitude, -89.9, 89.9),
             ("longitude", self.longitude, -180.0, 180.0),
-            ("altitude", self.altitude, # Mars Desert Research Station, Utah, where rovers of universities compete.
-DEFAULT_DATUM = (38.4064, -110.7919, 1382.0)  # [deg], [deg], [m]
-LOWEST, HIGHEST),
+            ("altitude", self.altitude, LOWEST, HIGHEST),
         ):
             if not low <= value <= high:
                 unit = "m" if name == "altitude" else "degrees"

@@ -87,8 +87,8 @@ class HeightScanOptions(SensorOptions):
                 raise UsageError(f"{name} {value:g} m is not valid; give a number above 0")
         if math.prod(length / self.resolution for length in self.size) > MOST_CELLS:
             raise UsageError(
-                f"a height scan of {self.size[0]:g} x {self.size[1]:g} m at {self.resolution:g} m has more "
-                f"than {MOST_CELLS} cells; give a smaller size or a coarser resolution"
+                f"a height scan of {self.size[0]:g} x {self.size[1]:g} m at {self.resolution:g} m has "
+                f"more than {MOST_CELLS} cells; give a smaller size or a coarser resolution"
             )
 
 

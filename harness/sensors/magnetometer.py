@@ -19,8 +19,8 @@ MICRO = 1e-6
 STRONGEST = 1e-3  # [T]: ten times what the Earth has anywhere
 CHIPS = {
     NO_ERRORS: AxisErrors(),
-    # Bosch BST-BMM150-DS001: 0.3 uT RMS in its high-accuracy preset, 0.3 uT resolution, +-1300 uT. What is
-    # left of the offset when its hard iron is calibrated, 2 uT, is taken as a standard deviation.
+    # Bosch BST-BMM150-DS001: 0.3 uT RMS in its high-accuracy preset, 0.3 uT resolution, +-1300 uT. What
+    # is left of the offset when its hard iron is calibrated, 2 uT, is taken as a standard deviation.
     "bmm150": AxisErrors(white=0.3 * MICRO, bias=2.0 * MICRO, step=0.3 * MICRO, limit=1300 * MICRO),
 }
 

@@ -35,7 +35,7 @@ class Heightfield:
         return float(self.heights_at(x, y))
 
     def heights_at(self, x: Field | float, y: Field | float) -> Field:
-        """Returns the heights of the surface [m] at points of one shape, which are clamped to the map."""
+        """Returns the heights of the surface [m] at points, which are clamped to the map."""
         rows, columns = self.heights.shape
         half_x, half_y = self.half_size
         u = np.clip((x + half_x) / self.cell, 0.0, columns - 1.0)

@@ -1,7 +1,7 @@
 """Lenses: where a camera sees a direction, and the views that its image is put together from.
 
-The optical frame is REP-103's: x to the right, y down, z ahead. Pixels are counted from the middle of the
-upper left one, as OpenCV and sensor_msgs/CameraInfo have them.
+The optical frame is REP-103's: x to the right, y down, z ahead. Pixels are counted from the middle of
+the upper left one, as OpenCV and sensor_msgs/CameraInfo have them.
 """
 
 import math
@@ -53,10 +53,11 @@ class Lens(ABC):
         return np.array([[self.focal, 0.0, column], [0.0, self.focal, row], [0.0, 0.0, 1.0]])
 
     def offsets(self) -> tuple[Doubles, Doubles]:
-        """Returns columns and rows from the optical axis over the focal length, (width,), (height, 1)."""
+        """Returns columns (width,) and rows (height, 1) from the optical axis over the focal length."""
         column, row = self.centre
         columns = (np.arange(self.width) - column) / self.focal
-        return columns, ((np.arange(self.height) - row) / self.focal)[:, None]
+        rows = (np.arange(self.height) - row) / self.focal
+        return np.asarray(columns, np.float64), np.asarray(rows[:, None], np.float64)
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ class Equidistant(Lens):
         return self.width / self.fov
 
     def directions(self) -> Doubles:
-        """Returns the unit direction of every pixel, shape (height, width, 3); NaN beyond 180 degrees."""
+        """Returns the unit direction of every pixel, (height, width, 3); NaN beyond 180 degrees."""
         x, y = np.broadcast_arrays(*self.offsets())
         theta = np.hypot(x, y)
         aside = np.sinc(theta / math.pi)  # sin(theta) / theta

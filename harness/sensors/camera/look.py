@@ -1,4 +1,4 @@
-"""How a world looks to the rover's cameras: what harness.physics.stage gives it, and texture on all else.
+"""How a world looks to the rover's cameras: what harness.physics.stage gives it, and more texture.
 
 Feature trackers need corners wherever they look, so rocks have grain and the sky has clouds, which a
 picture for people does without. The sun stands still, and nothing shines from the camera: the faces of a
@@ -22,7 +22,7 @@ SKY_PIXELS, ROCK_PIXELS = 256, 256  # along a side of one face of a cube
 ZENITH, CLOUD, HAZE = (118.0, 140.0, 172.0), (240.0, 236.0, 230.0), SKY  # RGB, 0..255
 CLOUD_PIXELS, CLOUD_REACH = 512, 6.0  # of the layer of clouds, which repeats; its height is 1
 ROCK_CONTRAST = 0.28  # share of a rock's brightness, at one deviation of its grain
-# Right, up and ahead of the faces of a skybox as MuJoCo stacks them, seen from inside, in the world's axes.
+# Right, up and ahead of the faces of a skybox in the world's axes, as MuJoCo stacks them.
 SKY_FACES = (
     ((0, 1, 0), (0, 0, 1), (1, 0, 0)),
     ((0, -1, 0), (0, 0, 1), (-1, 0, 0)),

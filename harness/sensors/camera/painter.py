@@ -1,14 +1,13 @@
 """Draws the cameras' images in a process of its own, which starts when the first one is asked for.
 
-A run loads no OpenGL: it must start where there is none, and what goes wrong in a driver must not end it.
-Each kind of OpenGL is tried in a new process, since the first that is loaded stays.
+A run loads no OpenGL: it must start where there is none, and what goes wrong in a driver must not end
+it. Each kind of OpenGL is tried in a new process, since the first that is loaded stays.
 """
 
 import multiprocessing
 import os
 from collections.abc import Callable, Mapping
 from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -20,6 +19,8 @@ from harness.sensors.camera.backend import backends, keep_opengl_out
 from harness.sensors.camera.sensor import CameraOptions, CameraState
 
 if TYPE_CHECKING:
+    from multiprocessing.process import BaseProcess
+
     from harness.robots import RoverSpec
     from harness.world.world import World
 

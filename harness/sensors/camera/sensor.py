@@ -105,7 +105,8 @@ class CameraOptions(SensorOptions):
         for name, pixels in (("width", self.width), ("height", self.height)):
             if not FEWEST_PIXELS <= pixels <= MOST_PIXELS:
                 raise UsageError(
-                    f"a camera of {name} {pixels} is not valid; give {FEWEST_PIXELS} to {MOST_PIXELS} pixels"
+                    f"{name} {pixels} of a camera is not valid; "
+                    f"give {FEWEST_PIXELS} to {MOST_PIXELS} pixels"
                 )
         if not 0.0 < self.fov <= widest:
             raise UsageError(

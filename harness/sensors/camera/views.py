@@ -1,4 +1,4 @@
-"""The views that a lens's image is put together from: what OpenGL draws is flat and less than 180 degrees.
+"""The views that a lens's image is put together from: OpenGL draws flat ones of less than 180 degrees.
 
 A pinhole is one view. A fisheye looks up each of its pixels in the faces of a cube around it, of which
 only those, and only the parts of them, are drawn that it sees.
