@@ -2,7 +2,8 @@
 
 Feature trackers need corners wherever they look, so rocks have grain and the sky has clouds, which a
 picture for people does without. The sun stands still, and nothing shines from the camera: the faces of a
-fisheye's cube must agree.
+fisheye's cube must agree. It casts no shadows: their map would have to move with the rover, and the dots
+that it leaves on slopes along the sun's rays with it, which trackers take for corners.
 """
 
 from functools import partial
@@ -15,9 +16,7 @@ from harness.physics.scene import OBSTACLE_BODIES
 from harness.physics.stage import SKY, Quality, dress
 from harness.world.heightfield import fractal
 
-SUN_AZIMUTH = (
-    -145.0
-)  # [deg] as harness.physics.stage.aim_sun takes it: the sun is then in the west-south-west
+SUN_AZIMUTH = -145.0  # [deg] of a camera over whose shoulder it shines
 SKY_PIXELS, ROCK_PIXELS = 256, 256  # along a side of one face of a cube
 ZENITH, CLOUD, HAZE = (118.0, 140.0, 172.0), (240.0, 236.0, 230.0), SKY  # RGB, 0..255
 CLOUD_PIXELS, CLOUD_REACH = 512, 6.0  # of the layer of clouds, which repeats; its height is 1
@@ -37,6 +36,8 @@ def dress_for_cameras(spec: mujoco.MjSpec, quality: Quality) -> None:
     """Adds soil, sun, clouds and rocks with grain to a scene."""
     dress(spec, quality)
     spec.visual.headlight.ambient, spec.visual.headlight.diffuse = [0.5] * 3, [0.0] * 3
+    for light in spec.lights:
+        light.castshadow = False
     spec.delete(spec.texture("sky"))
     clouds = spec.add_texture(
         name="clouds",

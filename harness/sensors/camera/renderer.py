@@ -23,7 +23,7 @@ from harness.sensors.camera.views import Assembly, View
 from harness.world.obstacles import rotation_matrix
 from harness.world.world import World
 
-SAMPLES, SHADOW_MAP, SLICES = 4, 2048, 16
+SAMPLES, SHADOW_MAP, SLICES = 4, 16, 16  # nothing casts shadows
 MOST_GEOMS = 20_000
 
 
