@@ -80,9 +80,11 @@ class Episode:
         self._recorder = TruthRecorder(self.simulation)
         self._hazard_contact = self.simulation.summed(HAZARD_CONTACT)
         lidar_spec = LidarSpec(beams=config.lidar_beams)
+        lidar = Lidar(self.simulation.model, lidar_spec)
         parts: dict[str, object] = {
             "simulation": self.simulation,
-            "lidar": Lidar(self.simulation.model, lidar_spec),
+            "lidar": lidar,
+            "surroundings": lidar.surroundings,
             "recorder": self._recorder,
             "datum": Datum(*config.datum),
         }

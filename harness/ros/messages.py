@@ -16,18 +16,29 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, PoseArray, Quaternion, Vector3
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import CameraInfo, Image, JointState, LaserScan, NavSatFix, NavSatStatus
+from sensor_msgs.msg import (
+    CameraInfo,
+    Image,
+    JointState,
+    LaserScan,
+    NavSatFix,
+    NavSatStatus,
+    PointCloud2,
+)
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
 from harness import samples
 from harness.robots import RoverSpec
+from harness.ros import ranging
 from harness.ros.camera import Draw, camera_info_fill, image_fill
 from harness.ros.channel import Fill, Message
 from harness.ros.grid_map import grid_map_fill
-from harness.sensors.camera.sensor import CameraOptions, CameraState
-from harness.sensors.gnss import GnssFix
+from harness.sensors.camera.sensor import CameraOptions
+from harness.sensors.depth import DepthOptions
+from harness.sensors.gnss import GnssFix, GnssOptions
 from harness.sensors.height_scan import HeightScanOptions
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
 from harness.sensors.optional import SensorOptions
 from harness.sensors.table import SensorRow, Topic
 from harness.sim_time import NANOSECONDS
@@ -53,12 +64,12 @@ def filler(
     message = resolve_name(topic.message_type.replace("/msg/", ".msg:"))()
     if hasattr(message, "header"):
         message.header.frame_id = row.frame_on(rover)
-    kind = row.sample, type(message)
     if isinstance(message, Image) and isinstance(row.given, CameraOptions):
         return image_fill(message, row.given, draw)
-    if row.given is not None and kind in OF_OPTIONS:
-        return OF_OPTIONS[kind](message, row.given)
-    special = FILLERS.get(kind)
+    of_options = OF_OPTIONS.get((type(row.given), type(message)))
+    if of_options is not None:
+        return of_options(message, row.given)
+    special = FILLERS.get((row.sample, type(message)))
     return by_names(message, row.sample) if special is None else special(message, rover, lidar)
 
 
@@ -206,8 +217,13 @@ FILLERS: dict[tuple[type, type], Callable[[Message, RoverSpec, LidarSpec], Fill]
     (samples.TruthState, Bool): _contact,
     (samples.TruthState, Float64MultiArray): _traversal,
 }
-# Of optional sensors.
+# Of optional sensors, by the class of their options.
 OF_OPTIONS: dict[tuple[type, type], Callable[[Message, Any], Fill]] = {
-    (CameraState, CameraInfo): camera_info_fill,
-    (GnssFix, NavSatFix): _nav_sat_fix,
+    (PlanarLidarOptions, LaserScan): ranging.laser_scan,
+    (CloudLidarOptions, PointCloud2): ranging.lidar_cloud,
+    (DepthOptions, PointCloud2): ranging.depth_cloud,
+    (DepthOptions, Image): ranging.depth_image,
+    (DepthOptions, CameraInfo): ranging.depth_camera_info,
+    (CameraOptions, CameraInfo): camera_info_fill,
+    (GnssOptions, NavSatFix): _nav_sat_fix,
 }

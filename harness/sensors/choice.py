@@ -88,7 +88,7 @@ def _carried(name: str, entry: Mapping[str, Any], where: str) -> SensorRow:
     try:
         row = find_named("sensor", str(values.pop("kind")), kinds())
         assert row.options is not None  # noqa: S101 - `kinds` has no others
-        preset = values.get("preset")
+        preset = values.get("preset", getattr(row.options, "preset", ""))
         if preset and row.options.presets:
             values = dict(find_named("preset", str(preset), row.options.presets)) | values
     except UsageError as error:

@@ -7,13 +7,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.physics.scene import OBSTACLE_GROUP
 from harness.physics.simulation import Simulation
 from harness.samples import LaserScan
 from harness.sensors.base import Sensor
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.rays.arrays import heightfield_arrays, obstacle_arrays
-from harness.sensors.rays.heightfield_kernel import cast_rays
+from harness.sensors.rays.bundle import Surroundings
+from harness.sensors.rays.heightfield_kernel import UNKNOWN, cast_rays
 from harness.sensors.rays.obstacle_kernel import cast_fan
 
 
@@ -23,8 +22,8 @@ class Lidar:
     def __init__(self, model: mujoco.MjModel, spec: LidarSpec) -> None:
         self.spec = spec
         self._site = model.site("lidar").id
-        self._terrain = heightfield_arrays(model)
-        self._obstacles = obstacle_arrays(model, OBSTACLE_GROUP)
+        self.surroundings = Surroundings(model)
+        self._terrain, self._obstacles = self.surroundings.terrain, self.surroundings.obstacles
         angles = self.spec.angles
         self._beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
         self._fan = np.array([angles[0], angles[1] - angles[0], self.spec.range_max])
@@ -46,7 +45,7 @@ class Lidar:
         positions, matrices = data.geom_xpos, data.geom_xmat
         cast_fan(*self._obstacles, positions, matrices, pose, directions, self._fan, distances)
         # Obstacles first: the terrain is then walked no further than to them.
-        cast_rays(*self._terrain, pose[0], directions, self.spec.range_max, distances)
+        cast_rays(*self._terrain, pose[0], directions, self.spec.range_max, UNKNOWN, distances)
         distances[distances < self.spec.range_min] = -np.inf
         return distances.astype(np.float32)
 

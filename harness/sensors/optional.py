@@ -60,13 +60,17 @@ class SensorOptions:
 
     def frames(self, rover: RoverSpec) -> tuple[FrameRow, ...]:
         """Returns the frames that it adds to those of a rover, the mount first."""
+        return self.mount(rover, self.frame_id)
+
+    def mount(self, rover: RoverSpec, child: str) -> tuple[FrameRow, ...]:
+        """Returns the frame of its mount; none if it is one that the rover has already."""
         known = {LIDAR_FRAME, rover.imu_frame, *(row.child for row in rover.frames)}
-        if not self.parent and self.frame in known:
+        if not self.parent and child in known:
             return ()
         parent, (x, y, z) = self.parent or rover.odometry_child_frame, self.xyz
         if not self.parent:
             x, z = x + rover.lidar_x, z + rover.lidar_height - rover.rest_height
-        return (FrameRow(parent=parent, child=self.frame_id, xyz=(x, y, z), rpy=self.rpy),)
+        return (FrameRow(parent=parent, child=child, xyz=(x, y, z), rpy=self.rpy),)
 
     def topic_name(self, last: str, *, alone: bool) -> str:
         """Returns the name of one of its topics.

@@ -28,11 +28,15 @@ from harness.samples import (
 from harness.sensors.barometer import BarometerOptions, Pressure
 from harness.sensors.base import HIGHEST_RATE, Sensor, period_ticks
 from harness.sensors.camera.sensor import CameraOptions, CameraState
+from harness.sensors.depth import DepthOptions
 from harness.sensors.gnss import GnssFix, GnssOptions
 from harness.sensors.height_scan import HeightScan, HeightScanOptions
+from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
 from harness.sensors.magnetometer import MagneticField, MagnetometerOptions
 from harness.sensors.optional import LIDAR_FRAME, Installation, SensorOptions
+from harness.sensors.ranging import RangeReading
 
+RANGE_SENSOR, POINT_CLOUD = "harness.sensors.range_sensor:RangeSensor", "sensor_msgs/msg/PointCloud2"
 ATTITUDE = ".attitude"  # behind a sensor's name in --fault: its attitude, not what it measures
 
 
@@ -204,6 +208,40 @@ SENSORS: tuple[SensorRow, ...] = (
             Topic("rover/truth/traversal", "std_msgs/msg/Float64MultiArray"),
         ),
         rate=20,
+    ),
+    SensorRow(
+        sample=RangeReading,
+        reader=RANGE_SENSOR,
+        parts=("simulation", "surroundings"),
+        topics=(Topic("scan", "sensor_msgs/msg/LaserScan"),),
+        fault="lidar2d",
+        measured=("ranges",),
+        options=PlanarLidarOptions,
+        summary="a planar lidar beside the usual one",
+    ),
+    SensorRow(
+        sample=RangeReading,
+        reader=RANGE_SENSOR,
+        parts=("simulation", "surroundings"),
+        topics=(Topic("points", POINT_CLOUD),),
+        fault="lidar3d",
+        measured=("ranges",),
+        options=CloudLidarOptions,
+        summary="a lidar with beams at several elevations",
+    ),
+    SensorRow(
+        sample=RangeReading,
+        reader=RANGE_SENSOR,
+        parts=("simulation", "surroundings"),
+        topics=(
+            Topic("image", "sensor_msgs/msg/Image"),
+            Topic("camera_info", "sensor_msgs/msg/CameraInfo"),
+            Topic("points", POINT_CLOUD, option="cloud"),
+        ),
+        fault="depth",
+        measured=("ranges",),
+        options=DepthOptions,
+        summary="a depth camera",
     ),
     SensorRow(
         sample=CameraState,

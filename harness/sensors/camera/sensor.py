@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -12,6 +12,7 @@ from harness.errors import UsageError, find_named
 from harness.robots import FrameRow, RoverSpec
 from harness.samples import Quaternion, Vector3, plain_value
 from harness.sensors.camera.lens import LENSES, Lens
+from harness.sensors.depth import OPTICAL_RPY
 from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
 
 if TYPE_CHECKING:  # the table of sensors does without MuJoCo
@@ -21,7 +22,6 @@ FEWEST_PIXELS, MOST_PIXELS = 8, 4096  # along a side
 VISIBLE_STATE = 1 << 1 | 1 << 10 | 1 << 11  # of mjtState: QPOS, MOCAP_POS, MOCAP_QUAT
 MOST_NOISE = 0.5
 MOUNTS = ("camera_link", "camera_frame")  # of rovers that have a place for a camera, x ahead
-OPTICAL = (-math.pi / 2, 0.0, -math.pi / 2)  # [rad]: x right, y down, z ahead
 
 
 @plain_value
@@ -81,14 +81,10 @@ class CameraOptions(SensorOptions):
         if not self.parent and self.frame_id in known:
             return ()
         link = f"{self.name}_link"
-        optical = FrameRow(parent=link, child=self.frame_id, rpy=OPTICAL)
-        if not self.parent and link in known:
-            return (optical,)
-        parent = self.parent or next((name for name in MOUNTS if name in known), "")
-        mount = SensorOptions(
-            name=self.name, parent=parent, xyz=self.xyz, rpy=self.rpy, frame=link
-        ).frames(rover)
-        return (*mount, optical)
+        above = (name for name in MOUNTS if name in known and name != link)
+        mounted = replace(self, parent=self.parent or next(above, ""))
+        optical = FrameRow(parent=link, child=self.frame_id, rpy=OPTICAL_RPY)
+        return (*mounted.mount(rover, link), optical)
 
     def lens_of(self) -> Lens:
         """Returns its lens."""

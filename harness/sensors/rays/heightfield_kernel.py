@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from harness.sensors.rays.compiled import inlined, kernel
 
 MISS = math.inf
+NEAR_LEVEL = 3  # where a walk begins that is not far from its end
+UNKNOWN = np.empty(0)  # ways that may be clear or not
 
 Ray = tuple[float, float, float, float, float, float]  # u, v, w and their change per metre
 Interval = tuple[float, float]  # of t; empty if its begin lies behind its end
@@ -133,8 +135,9 @@ def _hit_surface(
     ray: Ray,
     stay: Interval,
     side: float,
+    level: int,
 ) -> float:
-    """Amanatides-Woo over blocks of 2**level cells.
+    """Amanatides-Woo over blocks of 2**level cells, first of those of a level.
 
     A block whose maximum the ray stays above is skipped whole, another is entered one level finer;
     a ray that steps into another parent block climbs one level. From below every cell is visited.
@@ -146,7 +149,6 @@ def _hit_surface(
     t, t_end = stay
     row, col = _cell_at(v + t * dv, rows), _cell_at(u + t * du, cols)
     top = levels.shape[0] - 1 if side > 0.0 else 0
-    level = top
     while 0 <= row < rows - 1 and 0 <= col < cols - 1:
         block_row, block_col = row >> level, col >> level
         t_u = _edge_time(u, pace_u, block_col, level)
@@ -201,7 +203,8 @@ def _hit_field(
     if clearance < 0.0 and over_map[0] > 0.0 and w_begin >= 0.0:
         return begin  # a side wall, from outside
     side = 1.0 if clearance > 0.0 else -1.0
-    surface = _hit_surface(heights, pyramid, levels, ray, (begin, end), side)
+    top = levels.shape[0] - 1 if side > 0.0 else 0
+    surface = _hit_surface(heights, pyramid, levels, ray, (begin, end), side, top)
     if surface == MISS and side < 0.0 and end == over_map[1] and ray[2] + end * ray[5] >= 0.0:
         return end  # a side wall, from within
     return min(surface, base)
@@ -209,9 +212,9 @@ def _hit_field(
 
 @kernel(
     "void(float32[:,::1], float32[::1], int64[:,::1], float64[:,::1], float64[::1],"
-    " float64[:,::1], float64, float64[::1])"
+    " float64[:,::1], float64, float64[::1], float64[::1])"
 )
-def cast_rays(
+def cast_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of them
     heights: NDArray[np.float32],
     pyramid: NDArray[np.float32],
     levels: NDArray[np.int64],
@@ -219,6 +222,7 @@ def cast_rays(
     origin: NDArray[np.float64],
     directions: NDArray[np.float64],
     range_max: float,
+    clear: NDArray[np.float64],
     ranges: NDArray[np.float64],
 ) -> None:
     """Lowers `ranges` to the distance of the heightfield where that is nearer.
@@ -232,6 +236,8 @@ def cast_rays(
         origin: Where the rays start in the world [m], shape (3,).
         directions: Unit vectors in the world, shape (n, 3).
         range_max: Where rays end [m].
+        clear: Distances [m] before which rays do not meet the surface, as clear_ways gives them,
+            shape (n,); or UNKNOWN.
         ranges: Distances [m] to what else was hit, or inf; shape (n,).
     """
     su, sv, sw = frame[1, 0], frame[1, 1], frame[1, 2]
@@ -239,9 +245,15 @@ def cast_rays(
     v = (origin[1] - frame[0, 1]) * sv
     w = (origin[2] - frame[0, 2]) * sw
     extent = (frame[2, 0], frame[2, 1])
+    first_level = min(NEAR_LEVEL, levels.shape[0] - 1)
     for i in range(ranges.shape[0]):
         ray = (u, v, w, directions[i, 0] * su, directions[i, 1] * sv, directions[i, 2] * sw)
         limit = min(ranges[i], range_max)
-        hit = _hit_field(heights, pyramid, levels, extent, ray, limit)
+        if clear.shape[0] and clear[i] > 0.0:  # it begins over the map, and above the surface
+            if clear[i] > limit:
+                continue
+            hit = _hit_surface(heights, pyramid, levels, ray, (clear[i], limit), 1.0, first_level)
+        else:
+            hit = _hit_field(heights, pyramid, levels, extent, ray, limit)
         if hit <= limit:
             ranges[i] = hit
