@@ -62,7 +62,7 @@ class MagnetometerOptions(SensorOptions):
             UsageError: One is not valid; the message names those that are.
         """
         super().check()
-        if len(self.field) not in (0, 3) or any(abs(value) > STRONGEST for value in self.field):
+        if len(self.field) not in (0, 3) or not all(abs(value) <= STRONGEST for value in self.field):
             raise UsageError(
                 f"field {list(self.field)} is not valid; give east, north and up in tesla, "
                 f"each within {STRONGEST:g}, e.g. [2.9e-6, 20.9e-6, -42.1e-6]"
