@@ -20,6 +20,7 @@ SUN_AZIMUTH = -145.0  # [deg] of a camera over whose shoulder it shines
 SKY_PIXELS, ROCK_PIXELS = 256, 256  # along a side of one face of a cube
 ZENITH, CLOUD, HAZE = (118.0, 140.0, 172.0), (240.0, 236.0, 230.0), SKY  # RGB, 0..255
 CLOUD_PIXELS, CLOUD_REACH = 512, 6.0  # of the layer of clouds, which repeats; its height is 1
+ROCK_GAIN = 2.0  # of the colours of harness.physics.stage, which the grain darkens
 ROCK_CONTRAST = 0.28  # share of a rock's brightness, at one deviation of its grain
 # Right, up and ahead of the faces of a skybox in the world's axes, as MuJoCo stacks them.
 SKY_FACES = (
@@ -93,6 +94,8 @@ def _add_rock(spec: mujoco.MjSpec) -> None:
     for body in OBSTACLE_BODIES.values():
         for geom in spec.body(body).geoms:
             name = f"rock {geom.name}"
-            material = spec.add_material(name=name, rgba=np.clip(1.4 * geom.rgba, 0, 1), specular=0.0)
+            material = spec.add_material(
+                name=name, rgba=np.clip(ROCK_GAIN * geom.rgba, 0, 1), specular=0.0
+            )
             material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "rock"
             geom.material = name
