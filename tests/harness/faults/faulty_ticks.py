@@ -1,6 +1,7 @@
 """Ticks with every sensor, and what listeners get of them under faults."""
 
 from collections.abc import Sequence
+from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -14,13 +15,17 @@ from harness.samples import (
     Odometry,
     Pose,
     Sample,
+    Source,
     Tick,
     Transforms,
     Twist,
+    source,
 )
+from harness.sensors.choice import by_default
 from harness.sim_time import NANOSECONDS as SECOND
 from harness.sim_time import TICK_NS as TICK
 
+ROWS = by_default()
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
@@ -42,14 +47,33 @@ def tick(number: int) -> Tick:
     )
 
 
-def sent(*specs: str, seconds: float = 4.0, seed: int = 0) -> list[Tick]:
-    """What listeners get of an episode with these faults."""
-    faults = FaultInjector(parse_faults(specs), seed)
-    return [faults.corrupt(tick(number)) for number in range(1, round(seconds * 100) + 1)]
+def carried(number: int, name: str) -> Tick:
+    """A tick with an optional sensor alone; its number can be read from each value."""
+    (row,) = (row for row in ROWS if row.source == name)
+    hints = get_type_hints(row.sample)
+    values = {field: _value(hints[field], float(number)) for field in row.sample.__dataclass_fields__}
+    sample = row.sample(**values | {"stamp_ns": number * TICK, "sensor": name})
+    return Tick(number * TICK, (sample,))
 
 
-def readings(ticks: Sequence[Tick], kind: type[Sample]) -> list[Sample]:
-    return [sample for one in ticks for sample in one.samples if type(sample) is kind]
+def _value(hint: Any, x: float) -> object:  # noqa: ANN401 - a type or an alias
+    plain, parts = get_origin(hint) or hint, get_args(hint)
+    if plain is np.ndarray:
+        return np.full(10, x, get_args(parts[1])[0])
+    if plain is tuple:
+        return (x,) * (3 if Ellipsis in parts else len(parts))
+    return plain(x)
+
+
+def sent(*specs: str, seconds: float = 4.0, seed: int = 0, optional: str | None = None) -> list[Tick]:
+    """What listeners get of an episode with these faults, or of an optional sensor in it."""
+    faults = FaultInjector(parse_faults(specs), seed, ROWS)
+    numbers = range(1, round(seconds * 100) + 1)
+    return [faults.corrupt(carried(n, optional) if optional else tick(n)) for n in numbers]
+
+
+def readings(ticks: Sequence[Tick], kind: Source) -> list[Sample]:
+    return [sample for one in ticks for sample in one.samples if source(sample) == kind]
 
 
 def scans(*specs: str) -> list[LaserScan]:

@@ -14,10 +14,11 @@ from harness.samples import (
     TruthState,
 )
 from harness.sensors import table
+from harness.sensors.choice import kinds
 from harness.sim_time import TICK_NS as TICK
 from tests.harness.faults.faulty_ticks import imus, readings, sent, tick
 
-SENSORS = {name: row.sample for name, row in table.by_fault_name().items()}
+SENSORS = {n: row.source for n, row in table.by_fault_name().items() if n not in kinds()}
 
 
 def test_without_faults_a_tick_passes_as_it_is() -> None:
@@ -29,11 +30,14 @@ def test_without_faults_a_tick_passes_as_it_is() -> None:
 def test_every_fault_of_every_sensor_changes_what_is_sent_in_its_time_and_nothing_before(
     sensor: str,
 ) -> None:
-    clean = [repr(one) for one in sent(seconds=0.6)]
+    optional = sensor if sensor in kinds() else None
+    clean = [repr(one) for one in sent(seconds=0.6, optional=optional)]
     for name, kind in faults_of(sensor).items():
         value = "" if kind.takes is None or kind.takes.default is not None else "=0.4"
         value = "=5" if name in ("beams", "rate") else value
-        faulty = [repr(one) for one in sent(f"{sensor}:{name}{value}@0.3", seconds=0.6)]
+        faulty = [
+            repr(one) for one in sent(f"{sensor}:{name}{value}@0.3", seconds=0.6, optional=optional)
+        ]
         assert faulty[:29] == clean[:29], name
         assert faulty[29:] != clean[29:], name
 

@@ -1,4 +1,4 @@
-"""Optional sensors on a rover that does nothing: a simulation of one pose, and what they are made with."""
+"""Optional sensors on a rover that does nothing: a simulation of one pose, and an installation."""
 
 from types import SimpleNamespace
 from typing import Any

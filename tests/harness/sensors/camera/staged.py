@@ -1,4 +1,4 @@
-"""What is before the camera in tests: a ball in the air over flat ground. A module of its own, for processes."""
+"""What a camera sees in tests: a ball over flat ground. A module of its own, for other processes."""
 
 import math
 

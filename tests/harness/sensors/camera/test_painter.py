@@ -1,4 +1,4 @@
-"""The process that draws: it starts with the first image, tries each OpenGL, and failing costs a line."""
+"""The process that draws: it starts with the first image, tries each OpenGL; failing costs a line."""
 
 import multiprocessing
 import os
@@ -45,6 +45,9 @@ class Threads:
         return SimpleNamespace(start=thread.start, join=thread.join, is_alive=thread.is_alive)
 
 
+Paint = Callable[..., tuple[CameraPainter, Threads]]
+
+
 @pytest.fixture
 def told() -> list[str]:
     return []
@@ -53,7 +56,7 @@ def told() -> list[str]:
 @pytest.fixture
 def paint(
     monkeypatch: pytest.MonkeyPatch, told: list[str]
-) -> Callable[..., tuple[CameraPainter, Threads]]:
+) -> Paint:
     def made(**acts: Callable[[Connection], object]) -> tuple[CameraPainter, Threads]:
         threads = Threads(acts)
         monkeypatch.setattr(multiprocessing, "get_context", lambda _: threads)
@@ -85,7 +88,7 @@ def dies(connection: Connection) -> None:
 
 
 def test_the_first_opengl_that_works_draws_and_nothing_starts_before_an_image_is_wanted(
-    paint: Any, told: list[str]
+    paint: Paint, told: list[str]
 ) -> None:
     subject, threads = paint(first=refuses, second=draws, third=draws)
     with subject:
@@ -107,7 +110,7 @@ def test_the_first_opengl_that_works_draws_and_nothing_starts_before_an_image_is
     ],
 )
 def test_without_opengl_there_is_one_line_and_no_image(
-    paint: Any, told: list[str], acts: Mapping[str, Any], reason: str
+    paint: Paint, told: list[str], acts: Mapping[str, Any], reason: str
 ) -> None:
     subject, threads = paint(**acts)
     with subject:

@@ -97,7 +97,7 @@ def test_noise_has_its_deviation_and_differs_from_stamp_to_stamp(renderer: Camer
 
 
 def test_ground_sky_and_obstacles_have_corners_for_trackers(renderer: CameraRenderer) -> None:
-    """Shi and Tomasi: where the smaller eigenvalue of the gradients' covariance is large, and locally largest."""
+    """Shi and Tomasi: where the smaller eigenvalue of the gradients' covariance has a large maximum."""
     grey = renderer.image("fisheye", state("fisheye", -0.1)).mean(axis=-1)
     across, down = sobel(grey, 1), sobel(grey, 0)
     a, b, c = (gaussian_filter(v, 1.5) for v in (across**2, across * down, down**2))
