@@ -54,9 +54,7 @@ def told() -> list[str]:
 
 
 @pytest.fixture
-def paint(
-    monkeypatch: pytest.MonkeyPatch, told: list[str]
-) -> Paint:
+def paint(monkeypatch: pytest.MonkeyPatch, told: list[str]) -> Paint:
     def made(**acts: Callable[[Connection], object]) -> tuple[CameraPainter, Threads]:
         threads = Threads(acts)
         monkeypatch.setattr(multiprocessing, "get_context", lambda _: threads)
