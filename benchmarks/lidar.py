@@ -15,7 +15,7 @@ from harness.physics.scene import Scene
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.rays.arrays import heightfield_arrays
-from harness.sensors.rays.heightfield_kernel import UNKNOWN, cast_rays
+from harness.sensors.rays.heightfield_kernel import cast_rays
 
 Array = NDArray[np.float64]
 SPEC = LidarSpec(beams=360)
@@ -88,7 +88,7 @@ def _against_pybullet(scene: Scene, states: list[mujoco.MjData], effort: Effort)
     def ours() -> list[Array]:
         found = [np.full(SPEC.beams, np.inf) for _ in fans]
         for fan, ranges in zip(fans, found, strict=True):
-            cast_rays(*terrain, fan.origin, fan.directions, SPEC.range_max, UNKNOWN, ranges)
+            cast_rays(*terrain, fan.origin, fan.directions, SPEC.range_max, ranges)
         return found
 
     client = bullet.connect(bullet.DIRECT)

@@ -207,8 +207,8 @@ def run_parser() -> argparse.ArgumentParser:
     sensors.add_argument("--noise", nargs="?", const=DEFAULT_PRESET, metavar="NAME", help=about)
     _add(sensors, SENSORS, EpisodeConfig())
     about = (
-        f"optional ones, instead of those of rover.yaml: none, their names there, "
-        f"{', '.join(kinds())}; NAME=PRESET (docs/sensors.md)"
+        f"optional ones, NAME or NAME=PRESET: none, {', '.join(kinds())}, names in rover.yaml "
+        "(docs/sensors.md); default: those of rover.yaml"
     )
     sensors.add_argument("--sensors", type=_names, metavar="NAME[,...]", help=about)
     about = f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable"

@@ -23,7 +23,9 @@ class DepthOptions(RangeOptions):
     Its messages are in the frame FRAME_optical (z ahead, x right, y down), below its mount FRAME.
 
     Attributes:
-        width: Pixels in a row; `height` is the number of rows.
+        preset: Name of values of the others.
+        width: Pixels in a row.
+        height: Rows.
         fov: Horizontal field of view, from edge to edge of the image [rad].
         cloud: Whether a PointCloud2 of the image is published too.
     """

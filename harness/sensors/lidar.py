@@ -12,7 +12,7 @@ from harness.samples import LaserScan
 from harness.sensors.base import Sensor
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.rays.bundle import Surroundings
-from harness.sensors.rays.heightfield_kernel import UNKNOWN, cast_rays
+from harness.sensors.rays.heightfield_kernel import cast_rays
 from harness.sensors.rays.obstacle_kernel import cast_fan
 
 
@@ -45,7 +45,7 @@ class Lidar:
         positions, matrices = data.geom_xpos, data.geom_xmat
         cast_fan(*self._obstacles, positions, matrices, pose, directions, self._fan, distances)
         # Obstacles first: the terrain is then walked no further than to them.
-        cast_rays(*self._terrain, pose[0], directions, self.spec.range_max, UNKNOWN, distances)
+        cast_rays(*self._terrain, pose[0], directions, self.spec.range_max, distances)
         distances[distances < self.spec.range_min] = -np.inf
         return distances.astype(np.float32)
 

@@ -26,7 +26,10 @@ class PlanarLidarOptions(RangeOptions):
     """A lidar whose beams lie in its xy plane.
 
     Attributes:
-        beams: Over angle_min..angle_max [rad], both ends included.
+        preset: Name of values of the others.
+        beams: How many there are, both ends of the field of view included.
+        angle_min: Azimuth of the first beam [rad].
+        angle_max: Azimuth of the last [rad].
     """
 
     # Slamtec, RPLIDAR S2 data sheet (LD510): 0.05-30 m, 32,000 samples a second, 10 Hz, 0.1125 deg.
@@ -80,10 +83,14 @@ class CloudLidarOptions(RangeOptions):
     """A lidar with beams at several elevations.
 
     Attributes:
-        rings: How many elevations there are, evenly from `lowest` to `highest` [rad].
-        elevations: Instead: all of them [rad], from the lowest to the highest.
-        columns: Directions around, from `angle_min` to `angle_max` [rad]; the last is left out if they
-            are the same.
+        preset: Name of values of the others.
+        rings: How many elevations there are, evenly from `lowest` to `highest`.
+        lowest: Elevation of the lowest ring [rad].
+        highest: Elevation of the highest ring [rad].
+        elevations: Instead of those three: all of them [rad], from the lowest to the highest.
+        columns: Directions around, from `angle_min` to `angle_max`.
+        angle_min: Azimuth of the first column [rad].
+        angle_max: Azimuth of the last [rad]; all around, it is that of the first and left out.
         pattern: rings; or spiral: rings * columns points spread evenly over the field of view by the
             golden ratio, in place of rings.
         organised: Whether the cloud is an image: rings, the highest first, by columns.

@@ -39,8 +39,9 @@ class RangeOptions(SensorOptions):
     """What can be told to all that measure along rays.
 
     Attributes:
-        range_min: Nearest reading [m]; `range_max` is the farthest.
-        noise: Its errors; if left out those of --noise, else none.
+        range_min: Nearest reading [m].
+        range_max: Farthest reading [m].
+        noise: Its errors: white and step [m], dropout [share]; if left out those of --noise, else none.
     """
 
     range_min: float = 0.1

@@ -18,7 +18,6 @@ from harness.sensors.rays.compiled import inlined, kernel
 
 MISS = math.inf
 NEAR_LEVEL = 3  # where a walk begins that is not far from its end
-UNKNOWN = np.empty(0)  # ways that may be clear or not
 
 Ray = tuple[float, float, float, float, float, float]  # u, v, w and their change per metre
 Interval = tuple[float, float]  # of t; empty if its begin lies behind its end
@@ -212,9 +211,9 @@ def _hit_field(
 
 @kernel(
     "void(float32[:,::1], float32[::1], int64[:,::1], float64[:,::1], float64[::1],"
-    " float64[:,::1], float64, float64[::1], float64[::1])"
+    " float64[:,::1], float64, float64[::1])"
 )
-def cast_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of them
+def cast_rays(
     heights: NDArray[np.float32],
     pyramid: NDArray[np.float32],
     levels: NDArray[np.int64],
@@ -222,7 +221,6 @@ def cast_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of 
     origin: NDArray[np.float64],
     directions: NDArray[np.float64],
     range_max: float,
-    clear: NDArray[np.float64],
     ranges: NDArray[np.float64],
 ) -> None:
     """Lowers `ranges` to the distance of the heightfield where that is nearer.
@@ -236,8 +234,6 @@ def cast_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of 
         origin: Where the rays start in the world [m], shape (3,).
         directions: Unit vectors in the world, shape (n, 3).
         range_max: Where rays end [m].
-        clear: Distances [m] before which rays do not meet the surface, as clear_ways gives them,
-            shape (n,); or UNKNOWN.
         ranges: Distances [m] to what else was hit, or inf; shape (n,).
     """
     su, sv, sw = frame[1, 0], frame[1, 1], frame[1, 2]
@@ -245,14 +241,55 @@ def cast_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of 
     v = (origin[1] - frame[0, 1]) * sv
     w = (origin[2] - frame[0, 2]) * sw
     extent = (frame[2, 0], frame[2, 1])
-    first_level = min(NEAR_LEVEL, levels.shape[0] - 1)
     for i in range(ranges.shape[0]):
         ray = (u, v, w, directions[i, 0] * su, directions[i, 1] * sv, directions[i, 2] * sw)
         limit = min(ranges[i], range_max)
-        if clear.shape[0] and clear[i] > 0.0:  # it begins over the map, and above the surface
-            if clear[i] > limit:
-                continue
-            hit = _hit_surface(heights, pyramid, levels, ray, (clear[i], limit), 1.0, first_level)
+        hit = _hit_field(heights, pyramid, levels, extent, ray, limit)
+        if hit <= limit:
+            ranges[i] = hit
+
+
+@kernel(
+    "void(float32[:,::1], float32[::1], int64[:,::1], float64[:,::1], float64[::1],"
+    " float64[:,::1], float64[::1], float64, float64[::1])"
+)
+def cast_clear_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of them
+    heights: NDArray[np.float32],
+    pyramid: NDArray[np.float32],
+    levels: NDArray[np.int64],
+    frame: NDArray[np.float64],
+    origin: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    clear: NDArray[np.float64],
+    range_max: float,
+    ranges: NDArray[np.float64],
+) -> None:
+    """As cast_rays, with walks that begin where it is not known any more that there is nothing.
+
+    Args:
+        heights: As cast_rays has it; likewise all that is not named here.
+        pyramid: See `heights`.
+        levels: See `heights`.
+        frame: See `heights`.
+        origin: See `heights`.
+        directions: See `heights`.
+        clear: Distances [m] before which rays do not meet the surface, as clear_ways gives them; (n,).
+        range_max: See `heights`.
+        ranges: See `heights`.
+    """
+    su, sv, sw = frame[1, 0], frame[1, 1], frame[1, 2]
+    u = (origin[0] - frame[0, 0]) * su
+    v = (origin[1] - frame[0, 1]) * sv
+    w = (origin[2] - frame[0, 2]) * sw
+    extent, first_level = (frame[2, 0], frame[2, 1]), min(NEAR_LEVEL, levels.shape[0] - 1)
+    for i in range(ranges.shape[0]):
+        limit = min(ranges[i], range_max)
+        if clear[i] > limit:
+            continue
+        ray = (u, v, w, directions[i, 0] * su, directions[i, 1] * sv, directions[i, 2] * sw)
+        if clear[i] > 0.0:  # it begins over the map and above the surface: no base, no walls
+            stay = clear[i], min(_over_map(heights, ray)[1], limit)
+            hit = _hit_surface(heights, pyramid, levels, ray, stay, 1.0, first_level)
         else:
             hit = _hit_field(heights, pyramid, levels, extent, ray, limit)
         if hit <= limit:

@@ -152,13 +152,13 @@ def clear_ways(
     """
     su, sv, sw = frame[1, 0], frame[1, 1], frame[1, 2]
     w = (origin[2] - frame[0, 2]) * sw
-    radii = np.empty(RINGS)
-    for ring in range(RINGS - 1):
-        radii[ring] = FIRST_RING * GROWTH**ring
+    radii = np.full(RINGS, FIRST_RING)
+    for ring in range(1, RINGS - 1):
+        radii[ring] = radii[ring - 1] * GROWTH
     radii[RINGS - 1] = np.inf
     for i in range(clear.shape[0]):
         du, dv, dw = directions[i, 0] * su, directions[i, 1] * sv, directions[i, 2] * sw
-        pace = math.hypot(du, dv)
+        pace = math.sqrt(du * du + dv * dv)
         clear[i] = 0.0
         if pace < STEEP:
             continue

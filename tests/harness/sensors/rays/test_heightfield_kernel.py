@@ -228,7 +228,7 @@ def test_only_nearer_hits_within_range_are_written() -> None:
     rays = heightfield_arrays(terrain_model(np.zeros((3, 3)), 1.0)[0])
     origin, down = np.array([0.3, 0.2, 0.5]), np.tile([0.0, 0.0, -1.0], (3, 1))
     ranges = np.array([np.inf, 0.4, 0.6])
-    cast_rays(*rays, origin, down, 10.0, np.empty(0), ranges)
+    cast_rays(*rays, origin, down, 10.0, ranges)
     assert ranges == pytest.approx([0.5, 0.4, 0.5])
     assert (cast(rays, origin, down, range_max=0.49) == np.inf).all()
 
