@@ -43,7 +43,8 @@ class BarometerOptions(SensorOptions):
     """Of a barometer.
 
     Attributes:
-        preset: One of CHIPS; if left out, --noise hardware means the BMP280, and all else none.
+        preset: Its errors: `none`, `bmp280`. If left out, `--noise hardware` means that chip's, and all
+            else none.
     """
 
     presets: ClassVar[Mapping[str, Mapping[str, object]]] = {name: {} for name in CHIPS}

@@ -5,8 +5,9 @@ those of what is met first from above; moving obstacles are where they are now.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,12 +52,18 @@ class HeightScanOptions(SensorOptions):
     """Of a height scan; without a parent it is mounted on the rover's base.
 
     Attributes:
+        preset: Name of values of the others.
         size: Lengths along the grid's first and second axis [m]; at least a cell each.
         resolution: Side length of a cell [m].
-        axes: One of AXES: whether the grid turns with the rover's heading.
-        grid_map: Whether it is published, as a GridMap.
+        axes: `rover`: the grid turns with the rover's heading; `world`: it does not.
+        grid_map: Whether it is published; the samples are there without.
     """
 
+    presets: ClassVar[Mapping[str, Mapping[str, object]]] = {
+        "grid_map": {"grid_map": True, "axes": WORLD}
+    }
+
+    preset: str = ""
     rate: int = 20
     size: tuple[float, float] = (2.0, 2.0)
     resolution: float = 0.1

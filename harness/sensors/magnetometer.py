@@ -45,7 +45,8 @@ class MagnetometerOptions(SensorOptions):
     """Of a magnetometer.
 
     Attributes:
-        preset: One of CHIPS; if left out, --noise hardware means the BMM150, and all else none.
+        preset: Its errors: `none`, `bmm150`. If left out, `--noise hardware` means that chip's, and all
+            else none.
         field: East, north, up at the datum [T]; empty for the Earth's dipole there.
     """
 

@@ -45,13 +45,15 @@ class CameraState:
 class CameraOptions(SensorOptions):
     """Of a camera.
 
-    Its frame is the optical one, NAME_optical_frame, unless `frame` says otherwise. Without a parent it
-    is that of the rover itself, or hangs on the rover's MOUNTS, or is where the lidar is.
+    Without a parent it is the rover's own camera if that has this optical frame, or hangs on one of
+    MOUNTS, or is where the lidar is.
 
     Attributes:
-        preset: One of `presets`; the first two are RoboTerrain's.
-        lens: One of LENSES.
-        width: Of the image [pixels]; likewise `height`.
+        frame: Its optical frame (x right, y down, z ahead); NAME_optical_frame if left out.
+        preset: `roboterrain` and `fisheye` are RoboTerrain's.
+        lens: `pinhole`, or `fisheye`, which is equidistant: its angles are evenly spaced.
+        width: Pixels in a row, 8 to 4096.
+        height: Rows, 8 to 4096.
         fov: Horizontal field of view [rad].
         noise: Standard deviation of a pixel over the full scale; RoboTerrain's cameras have 0.007.
     """
