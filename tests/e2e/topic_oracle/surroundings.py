@@ -30,7 +30,7 @@ SENSORS: tuple[Mapping[str, Any], ...] = (
 
 def carried(robot: str) -> tuple[Mapping[str, Any], ...]:
     """`sensors:` of a rover's rover.yaml."""
-    return tuple(some | {"parent": BASE[robot], "xyz": MOUNT, "rpy": RPY} for some in SENSORS)
+    return tuple({**some, "parent": BASE[robot], "xyz": MOUNT, "rpy": RPY} for some in SENSORS)
 
 
 def frames(robot: str) -> list[tuple[Any, ...]]:
@@ -141,7 +141,7 @@ def grid_map(twin: Twin) -> Mapping[str, Any]:
     ]
     pose = {
         "position": vector((float(x), float(y), 0.0)),
-        "orientation": vector((0.0, 0.0, 0.0)) | {"w": 1.0},
+        "orientation": {**vector((0.0, 0.0, 0.0)), "w": 1.0},
     }
     info = {"length_x": rows * RESOLUTION, "length_y": columns * RESOLUTION, "resolution": RESOLUTION}
     return {

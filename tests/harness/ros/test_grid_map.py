@@ -1,5 +1,7 @@
 """A height scan as a GridMap: read as grid_map_core reads it."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -17,7 +19,7 @@ def test_every_cell_is_where_grid_map_looks_for_it() -> None:
     """grid_map: index (0, 0) is at the largest x and y; data column by column (column-major)."""
     heights = np.array([[0.0, 1.0], [2.0, 3.0], [np.nan, 5.0]], np.float32)  # from the lowest x and y
     scan = HeightScan(12_000_000_345, "scan", heights, x=10.0, y=20.0, z=0.5, yaw=np.pi / 2)
-    told = typestore().deserialize_cdr(grid_map_fill(OPTIONS)(scan), GRID_MAP)
+    told: Any = typestore().deserialize_cdr(grid_map_fill(OPTIONS)(scan), GRID_MAP)
     assert (told.header.stamp.sec, told.header.stamp.nanosec, told.header.frame_id) == (12, 345, "odom")
     info, (layer,) = told.info, told.data
     assert (info.resolution, info.length_x, info.length_y) == pytest.approx((0.2, 0.6, 0.4))

@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.sensors.mount import Mount
 from harness.sensors.noise import NoisePreset
-from harness.sensors.optional import Installation, SensorOptions
+from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
 
 SECOND_NS = 1_000_000_000
 MODEL = mujoco.MjModel.from_xml_string("""<mujoco><worldbody><body name="rover"><freejoint/>
@@ -22,6 +22,12 @@ def simulation(
     data = mujoco.MjData(MODEL)
     data.qpos[:] = (*position, *np.array(quaternion) / np.linalg.norm(quaternion))
     return SimpleNamespace(model=MODEL, data=data, time_ns=0)
+
+
+def set_time(sensor: OptionalSensor, seconds: float) -> None:
+    """Of the simulation that the sensor looks at."""
+    stands_in: Any = sensor._simulation
+    stands_in.time_ns = round(seconds * SECOND_NS)
 
 
 def installation(

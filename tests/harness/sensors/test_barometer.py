@@ -6,7 +6,7 @@ import pytest
 from harness.sensors.barometer import BarometerOptions, BarometerSensor, standard_pressure
 from harness.sensors.geodesy import Datum
 from harness.sensors.noise import HARDWARE, NoisePreset
-from tests.harness.sensors.installed import SECOND_NS, installation, simulation
+from tests.harness.sensors.installed import installation, set_time, simulation
 
 # ISO 2533, table 5: geopotential altitude [m], pressure [Pa].
 TABLE = [
@@ -47,6 +47,6 @@ def test_the_bmp280_has_the_errors_of_its_data_sheet() -> None:
     assert np.diff(again)[::2].std() / 2**0.5 == pytest.approx(1.3, rel=5 / np.sqrt(count))
     np.testing.assert_allclose(again / 0.16, np.round(again / 0.16), atol=1e-6)
     assert one.read().variance == pytest.approx((100 / 3) ** 2 + 1.3**2)
-    one._simulation.time_ns = 10_000 * SECOND_NS  # a walk of 1 Pa/sqrt(s): weather
+    set_time(one, 10_000.0)  # a walk of 1 Pa/sqrt(s): weather
     assert abs(one.read().fluid_pressure - again.mean()) < 5 * 100.0
     assert sensor(noise=HARDWARE).read() == sensor("bmp280").read()

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from harness.sensors.geodesy import DEFAULT_DATUM, Datum
 from harness.sensors.gnss import GnssFix, GnssOptions, GnssSensor
 from harness.sensors.noise import GAZEBO, HARDWARE, WHITE, NoisePreset
-from tests.harness.sensors.installed import SECOND_NS, installation, simulation
+from tests.harness.sensors.installed import installation, set_time, simulation
 from tests.harness.sensors.test_geodesy import axes, ecef
 
 DATUM = Datum(*DEFAULT_DATUM)
@@ -36,7 +36,7 @@ def errors(preset: str, count: int, every_s: float = 0.0) -> NDArray[np.float64]
         return np.array([in_world(sensor(preset, seed).read()) - (0, 0, 0.5) for seed in range(count)])
     one, read = sensor(preset), []
     for n in range(count):
-        one._simulation.time_ns = round(n * every_s * SECOND_NS)
+        set_time(one, n * every_s)
         read.append(in_world(one.read()) - (0, 0, 0.5))
     return np.array(read)
 

@@ -43,7 +43,8 @@ def test_every_cell_has_the_height_of_what_is_met_first_from_above(
     simulation: Simulation, axes: str
 ) -> None:
     read = scan(simulation, (0.3, 0.1, 0.2), axes=axes)
-    assert (read.heights.shape, read.heights.dtype) == ((16, 9), np.float32)
+    assert read.heights.shape == (16, 9)
+    assert read.heights.dtype == np.float32
     yaw = simulation.yaw if axes == "rover" else 0.0
     mount = np.array(simulation.position) + simulation.rotation() @ (0.3, 0.1, 0.2)
     assert (read.x, read.y, read.z) == pytest.approx(mount.tolist())

@@ -1,5 +1,7 @@
 """The magnetometer: the Earth's field in its axes, and the errors of its chip."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -8,16 +10,18 @@ from harness.errors import UsageError
 from harness.sensors.geodesy import DEFAULT_DATUM, Datum
 from harness.sensors.magnetometer import MagnetometerOptions, MagnetometerSensor
 from harness.sensors.noise import HARDWARE
-from tests.harness.sensors.installed import SECOND_NS, installation, simulation
+from tests.harness.sensors.installed import installation, simulation
 
 DATUM = Datum(*DEFAULT_DATUM)
 FIELD = (2e-6, 20e-6, -46e-6)
 
 
 def sensor(
-    seed: int = 0, quaternion: tuple[float, ...] = (1, 0, 0, 0), **options: object
+    seed: int = 0,
+    quaternion: tuple[float, ...] = (1, 0, 0, 0),
+    **options: Any,  # noqa: ANN401 - of several types
 ) -> MagnetometerSensor:
-    told = MagnetometerOptions(name="compass", **options)  # type: ignore[arg-type]  # of several types
+    told = MagnetometerOptions(name="compass", **options)
     axes = Rotation.from_euler("xyz", (0.1, 0.2, 0.3)).as_matrix()
     return MagnetometerSensor(
         simulation(quaternion=quaternion), DATUM, installation(told, seed, axes=axes), 5
@@ -28,7 +32,9 @@ def test_it_sees_the_field_of_the_datum_in_its_own_axes() -> None:
     attitude = (0.8, 0.3, -0.4, 0.33)
     mounting = Rotation.from_euler("xyz", (0.1, 0.2, 0.3))  # URDF: about fixed axes
     rover = Rotation.from_quat((0.3, -0.4, 0.33, 0.8))
-    for field, told in ((FIELD, {"field": FIELD}), (DATUM.magnetic_field(), {})):
+    cases: tuple[tuple[Any, dict[str, Any]], ...]
+    cases = ((FIELD, {"field": FIELD}), (DATUM.magnetic_field(), {}))
+    for field, told in cases:
         read = sensor(quaternion=attitude, **told).read()
         assert read.magnetic_field == pytest.approx((rover * mounting).inv().apply(field), rel=1e-9)
         assert (read.sensor, set(read.magnetic_field_covariance)) == ("compass", {0.0})
@@ -36,7 +42,8 @@ def test_it_sees_the_field_of_the_datum_in_its_own_axes() -> None:
 
 def test_the_bmm150_has_the_errors_of_its_data_sheet() -> None:
     """BST-BMM150-DS001: 0.3 uT RMS, 0.3 uT resolution, 2 uT left of the offset, +-1300 uT."""
-    count, still = 200, {"field": FIELD, "preset": "bmm150"}
+    count = 200
+    still: dict[str, Any] = {"field": FIELD, "preset": "bmm150"}
     exact = np.array(sensor(field=FIELD).read().magnetic_field)
     first = np.array([sensor(seed, **still).read().magnetic_field for seed in range(count)]) - exact
     interval = 5 / np.sqrt(2 * first.size)
@@ -49,7 +56,6 @@ def test_the_bmm150_has_the_errors_of_its_data_sheet() -> None:
     np.testing.assert_allclose(again / 0.3e-6, np.round(again / 0.3e-6), atol=1e-6)
     told = np.array(one.read().magnetic_field_covariance).reshape(3, 3)
     np.testing.assert_allclose(told, (0.3**2 + 2.0**2) * 1e-12 * np.eye(3), rtol=1e-9, atol=0)
-    one._simulation.time_ns = SECOND_NS
     assert (
         max(np.abs(sensor(preset="bmm150", field=(1e-3, 1e-3, 1e-3)).read().magnetic_field)) <= 1300e-6
     )

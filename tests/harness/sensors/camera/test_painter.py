@@ -91,7 +91,7 @@ def test_the_first_opengl_that_works_draws_and_nothing_starts_before_an_image_is
     subject, threads = paint(first=refuses, second=draws, third=draws)
     with subject:
         assert threads.started == []
-        images = [subject.image(STATE) for _ in range(3)]
+        images = [np.asarray(subject.image(STATE)) for _ in range(3)]
     assert threads.started == ["first", "second"]
     assert [(image.shape, set(image.ravel().tolist())) for image in images] == [
         ((90, 120, 3), {n}) for n in range(3)

@@ -10,7 +10,7 @@ from harness.sensors.camera.views import Assembly, View
 
 def shade(directions: NDArray[np.float64]) -> NDArray[np.float64]:
     """A smooth colour of every direction, 20..235."""
-    return 127.5 + 107.5 * np.sin(1.3 * directions + np.array([0.3, 1.1, 2.0]))
+    return np.asarray(127.5 + 107.5 * np.sin(1.3 * directions + np.array([0.3, 1.1, 2.0])))
 
 
 def drawn(view: View) -> NDArray[np.uint8]:
@@ -37,7 +37,8 @@ def test_an_image_is_what_each_of_its_pixels_sees(lens: Lens, views: int) -> Non
     assert len(assembly.views) == views
     assert all(max(abs(v.left), abs(v.right), abs(v.top), abs(v.bottom)) < 1.1 for v in assembly.views)
     image = assembly.image([drawn(view) for view in assembly.views])
-    assert (image.shape, image.dtype) == ((lens.height, lens.width, 3), np.uint8)
+    assert image.shape == (lens.height, lens.width, 3)
+    assert image.dtype == np.uint8
     directions = lens.directions()
     seen = ~np.isnan(directions[..., 0])
     np.testing.assert_allclose(image[seen], shade(directions[seen]), atol=2.0)
