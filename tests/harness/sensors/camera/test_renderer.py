@@ -107,3 +107,11 @@ def test_ground_sky_and_obstacles_have_corners_for_trackers(renderer: CameraRend
     assert upper > 15
     assert lower > 15
     assert corners[sees_ball("fisheye", -0.1, 0.0)].any()
+
+
+@pytest.mark.parametrize("quarter", [1, 3, 5, 7])
+def test_the_sky_has_no_seams(renderer: CameraRenderer, quarter: int) -> None:
+    """At odd multiples of 45 degrees two faces of its cube meet in the middle of the image."""
+    image = renderer.image("pinhole", state("pinhole", quarter * np.pi / 4, -0.7)).astype(float)
+    steps = np.abs(np.diff(image, axis=1)).mean(axis=(0, 2))  # from each column to the next
+    assert steps[56:63].max() < 2.0 * np.median(steps)
