@@ -14,9 +14,10 @@ from harness.drivers.staged import StagedEncounter
 from harness.errors import UsageError, find_named
 from harness.faults.spec import parse_faults
 from harness.frames.options import FrameOptions
-from harness.robots import find_rover
+from harness.robots import RoverSpec, find_rover
 from harness.sensors.base import period_ticks
 from harness.sensors.choice import chosen
+from harness.sensors.geodesy import DEFAULT_DATUM, Datum
 from harness.sensors.noise import PRESETS
 from harness.sensors.table import SensorRow
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
@@ -58,6 +59,9 @@ class EpisodeConfig:
     difficulty: float = DEFAULT_DIFFICULTY
     terrain_size: tuple[float, float] | None = None  # [m] along x and y, of a terrain from a file
     terrain_height: float | None = None  # [m] of relief, likewise
+    datum: tuple[float, float, float] = (
+        DEFAULT_DATUM  # of the world's origin: latitude, longitude, altitude
+    )
     start: Start | None = None  # x, y [m], yaw [rad] in the world; None: where the terrain has it
     timestep: float = DEFAULT_TIMESTEP_NS / NANOSECONDS
     noise: str | None = None  # a preset's name; None for exact sensors
@@ -72,7 +76,16 @@ class EpisodeConfig:
 
     def __post_init__(self) -> None:
         """Takes lists for tuples, as JSON gives them back."""
-        for name in ("terrain_size", "start", "sensors", "faults", "commands", "goals", "resets"):
+        for name in (
+            "terrain_size",
+            "datum",
+            "start",
+            "sensors",
+            "faults",
+            "commands",
+            "goals",
+            "resets",
+        ):
             if isinstance(value := getattr(self, name), list):
                 inner = (tuple(v) if isinstance(v, list) else v for v in value)
                 object.__setattr__(self, name, tuple(inner))
@@ -103,6 +116,15 @@ class EpisodeConfig:
         """
         world = self._terrain_world()
         return world if self.start is None else starting_at(world, self.start)
+
+    def scenery(self) -> tuple[World, RoverSpec]:
+        """Returns what there is to be seen, of a configuration that comes from another process.
+
+        Raises:
+            UsageError: A value is not valid.
+        """
+        self.validate()
+        return self.world(), find_rover(self.robot)
 
     def check_world(self) -> None:
         """Checks what depends on the world, which is built only where something does.
@@ -184,6 +206,7 @@ class EpisodeConfig:
             UsageError: A value is not valid; the message names those that are.
         """
         self._validate_terrain()
+        Datum(*self.datum).check()
         find_rover(self.robot)
         find_driver(self.driver)
         parse_timestep(self.timestep)

@@ -17,7 +17,8 @@ from harness.cli.edge import begin_program, run_program
 if __name__ == "__main__":
     begin_program("harness.robot")
 
-from harness.view.drawing import Drawing, keep_opengl_out
+from harness.sensors.camera.backend import keep_opengl_out
+from harness.view.drawing import Drawing
 
 if __name__ == "__main__":
     keep_opengl_out()  # before MuJoCo is loaded

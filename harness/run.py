@@ -29,7 +29,8 @@ from harness.files import check_target, write_whole
 from harness.interrupt import HANGUP, StopRequest
 from harness.report.recorder import RunRecorder
 from harness.robots import robot_name
-from harness.view.drawing import Drawing, keep_opengl_out
+from harness.sensors.camera.backend import keep_opengl_out
+from harness.view.drawing import Drawing
 from harness.world.heightmap.dem import is_terrain_file
 
 

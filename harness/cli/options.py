@@ -104,7 +104,8 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         UsageError: Two options exclude each other; the message names the mend.
     """
     words, ros_args = split_ros_args(arguments)
-    words = _joined("--start", words)  # argparse takes -3,4 for an option
+    for flag in ("--start", "--datum"):  # argparse takes -3,4 for an option
+        words = _joined(flag, words)
     parser = run_parser()
     wrong = complaint(ros_args, parser._option_string_actions)  # noqa: SLF001 - all of its options
     if wrong is not None:
@@ -244,6 +245,10 @@ def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
     world.add_argument("--terrain-height", type=float, metavar="M", help=about)
     about = "start [m] and heading from +x to +y [rad]; default: at or next to 0,0, the middle"
     world.add_argument("--start", type=_start, metavar="X,Y[,YAW]", help=about)
+    about = f"where the world's origin is, for GNSS and its like; default: {_told(defaults.datum)}"
+    world.add_argument(
+        "--datum", type=_datum, default=defaults.datum, metavar="LAT,LON[,ALT]", help=about
+    )
     _add(world, EPISODE, defaults)
 
 
@@ -278,6 +283,20 @@ def _start(text: str) -> Start:
         message = f"'{text}' is not valid; give X,Y or X,Y,YAW in metres and radians"
         raise argparse.ArgumentTypeError(message) from None
     return x, y, yaw
+
+
+def _datum(text: str) -> tuple[float, float, float]:
+    words = text.split(",")
+    try:
+        latitude, longitude, altitude = map(float, words if len(words) == 3 else [*words, "0"])
+    except ValueError:
+        message = f"'{text}' is not valid; give LAT,LON or LAT,LON,ALT in degrees and metres"
+        raise argparse.ArgumentTypeError(message) from None
+    return latitude, longitude, altitude
+
+
+def _told(numbers: tuple[float, ...]) -> str:
+    return ",".join(f"{number:g}" for number in numbers)
 
 
 def _add_frames(frames: Group, defaults: FrameOptions) -> None:

@@ -26,6 +26,7 @@ from harness.physics.start import check_room, check_start
 from harness.robots import find_rover
 from harness.robots.reading import model_hash
 from harness.samples import Imu, LaserScan, Place, Sample, Tick, Twist
+from harness.sensors.geodesy import Datum
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import PRESETS, SensorNoise
@@ -87,6 +88,7 @@ class Episode:
             "lidar": lidar,
             "surroundings": lidar.surroundings,
             "recorder": self._recorder,
+            "datum": Datum(*config.datum),
         }
         self.description = None
         rows = config.sensor_rows()

@@ -30,9 +30,12 @@ def sensors(rows: Iterable[SensorRow] | None = None) -> tuple[str, ...]:
     return (*named, *(name + ATTITUDE for name, row in named.items() if row.attitude), CLOCK)
 
 
-def faults_of(sensor: str) -> dict[str, Kind[Any]]:
-    """Returns the faults that a sensor or the clock can have, by name."""
+def faults_of(sensor: str, rows: Iterable[SensorRow] | None = None) -> dict[str, Kind[Any]]:
+    """Returns the faults that a sensor, of some or of all, or the clock can have, by name."""
     kinds: tuple[Kind[Any], ...] = OF_THE_CLOCK if sensor == CLOCK else OF_SENSORS
+    row = table.by_fault_name(rows).get(sensor)
+    if row is not None and not row.measured:  # a camera's image is drawn later
+        kinds = tuple(kind for kind in kinds if not kind.of_values)
     if sensor.endswith(ATTITUDE):
         return {kind.name: kind for kind in kinds if kind.of_values}
     return {kind.name: kind for kind in kinds if not kind.own or sensor in kind.own}
@@ -50,17 +53,17 @@ def parse_faults(
     Raises:
         UsageError: One is not valid; the message names what is.
     """
-    names = sensors(rows)
-    return tuple(_parse(spec, names) for spec in specs)
+    known = None if rows is None else tuple(rows)
+    return tuple(_parse(spec, known) for spec in specs)
 
 
 @cache  # a run checks its options and then makes its faults
-def _parse(spec: str, names: tuple[str, ...]) -> Fault[Any]:
+def _parse(spec: str, rows: tuple[SensorRow, ...] | None) -> Fault[Any]:
     found = _SPEC.fullmatch(spec)
     if found is None:
         raise UsageError(f"fault '{spec}' is not of the form {FORM}, e.g. imu:nan@10+2")
     sensor, name, value, start, length = found.groups()
-    some = faults_of(sensor)
+    some, names = faults_of(sensor, rows), sensors(rows)
     if sensor not in names:
         optional = f", but --sensors {sensor} adds it" if sensor in sensors() else ""
         raise _unknown(spec, f"there is no sensor '{sensor}'{optional}", names)

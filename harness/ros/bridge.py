@@ -21,6 +21,7 @@ from harness.errors import UsageError
 from harness.frames.tree import ODOM, Description
 from harness.robots import RoverSpec
 from harness.ros import messages
+from harness.ros.camera import Draw
 from harness.ros.channel import Channel, open_channel
 from harness.ros.commands import Commands
 from harness.ros.frames import FrameTopics
@@ -66,6 +67,7 @@ class Bridge(GuardedNode):
         on_command: Takes each command of /cmd_vel.
         cmd_vel: How commands come: "twist", "stamped" or "auto".
         rows: The sensors; None for those of every rover.
+        draw: Gives the images of cameras; without it there are none.
 
     Attributes:
         channels_of: The topics of each sensor's samples, in publishing order.
@@ -84,13 +86,14 @@ class Bridge(GuardedNode):
         on_command: Callable[[samples.Twist], None] | None = None,
         cmd_vel: str = "twist",
         rows: Iterable[SensorRow] | None = None,
+        draw: Draw | None = None,
     ) -> None:
         super().__init__("harness", context=context)
         self.time_ns = 0
         self.frames = FrameTopics(self)
         self.channels_of: dict[samples.Source, list[Channel]] = {
             row.source: [
-                open_channel(self, topic, messages.filler(row, topic, rover, lidar))
+                open_channel(self, topic, messages.filler(row, topic, rover, lidar, draw))
                 for topic in row.topics
             ]
             for row in (chosen(rover, ()) if rows is None else rows)

@@ -16,16 +16,30 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, PoseArray, Quaternion, Vector3
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import CameraInfo, Image, JointState, LaserScan, PointCloud2
+from sensor_msgs.msg import (
+    CameraInfo,
+    Image,
+    JointState,
+    LaserScan,
+    NavSatFix,
+    NavSatStatus,
+    PointCloud2,
+)
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
 from harness import samples
 from harness.robots import RoverSpec
 from harness.ros import ranging
+from harness.ros.camera import Draw, camera_info_fill, image_fill
 from harness.ros.channel import Fill, Message
+from harness.ros.grid_map import grid_map_fill
+from harness.sensors.camera.sensor import CameraOptions
 from harness.sensors.depth import DepthOptions
+from harness.sensors.gnss import GnssFix, GnssOptions
+from harness.sensors.height_scan import HeightScanOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
+from harness.sensors.optional import SensorOptions
 from harness.sensors.table import SensorRow, Topic
 from harness.sim_time import NANOSECONDS
 from rover_metrics.extended.truth_columns import traversal_names
@@ -33,7 +47,9 @@ from rover_metrics.extended.truth_columns import traversal_names
 GROUND_TRUTH_POSE_VARIANCE = 0.01  # on the diagonal, as RoboTerrain's PoseConverterNode says
 
 
-def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> Fill:
+def filler(
+    row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec, draw: Draw | None = None
+) -> Fill:
     """Returns what makes messages of a sensor's samples: of FILLERS, of OF_OPTIONS, or `by_names`.
 
     Args:
@@ -41,10 +57,15 @@ def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> 
         topic: One of its topics.
         rover: Gives the frames.
         lidar: Gives the geometry of scans.
+        draw: Gives the images of cameras; without it there are none.
     """
+    if isinstance(row.given, HeightScanOptions):
+        return grid_map_fill(row.given)
     message = resolve_name(topic.message_type.replace("/msg/", ".msg:"))()
     if hasattr(message, "header"):
         message.header.frame_id = row.frame_on(rover)
+    if isinstance(message, Image) and isinstance(row.given, CameraOptions):
+        return image_fill(message, row.given, draw)
     of_options = OF_OPTIONS.get((type(row.given), type(message)))
     if of_options is not None:
         return of_options(message, row.given)
@@ -179,6 +200,15 @@ def _traversal(message: Float64MultiArray, rover: RoverSpec, _: LidarSpec) -> Fi
     return _refilled(message, {"data": attrgetter("traversal")})
 
 
+def _nav_sat_fix(message: NavSatFix, _: SensorOptions) -> Fill:
+    """Fixes of a receiver for GPS, GLONASS, BeiDou and Galileo."""
+    used = NavSatStatus.SERVICE_GPS | NavSatStatus.SERVICE_GLONASS
+    message.status.service = used | NavSatStatus.SERVICE_COMPASS | NavSatStatus.SERVICE_GALILEO
+    names = [item.name for item in fields(GnssFix) if hasattr(message, item.name)]
+    sources = {name: attrgetter(name) for name in names}
+    return _refilled(message, {**sources, "status.status": attrgetter("fix")})
+
+
 FILLERS: dict[tuple[type, type], Callable[[Message, RoverSpec, LidarSpec], Fill]] = {
     (samples.LaserScan, LaserScan): _laser_scan,
     (samples.Pose, PoseArray): _pose_array,
@@ -195,4 +225,6 @@ OF_OPTIONS: dict[tuple[type, type], Callable[[Message, Any], Fill]] = {
     (DepthOptions, PointCloud2): ranging.depth_cloud,
     (DepthOptions, Image): ranging.depth_image,
     (DepthOptions, CameraInfo): ranging.depth_camera_info,
+    (CameraOptions, CameraInfo): camera_info_fill,
+    (GnssOptions, NavSatFix): _nav_sat_fix,
 }

@@ -18,6 +18,7 @@ from harness.faults.spec import parse_faults
 from harness.interrupt import GRACE, Overdue, StopRequest
 from harness.robots import find_rover
 from harness.ros.bridge import SECOND_PUBLISHER, Bridge
+from harness.ros.camera import painter
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.controls import Controls
 from harness.ros.hosted import HostedMetrics, metrics_node
@@ -72,8 +73,10 @@ class _Run:
         self._context = context = at_end.enter_context(ros_context(options.ros_args))
         rover, lidar = find_rover(config.robot), LidarSpec(beams=config.lidar_beams)
         obey, kind = source.command, options.cmd_vel
-        rows = config.sensor_rows()
-        self.bridge = Bridge(rover, lidar, context=context, on_command=obey, cmd_vel=kind, rows=rows)
+        rows, draw = config.sensor_rows(), at_end.enter_context(painter(config)).image
+        self.bridge = Bridge(
+            rover, lidar, context=context, on_command=obey, cmd_vel=kind, rows=rows, draw=draw
+        )
         at_end.callback(self.bridge.destroy_node)
         self._faults = FaultInjector(parse_faults(config.faults, rows), config.seed, rows)
         executor = make_executor(context, time_jumps=self._faults.disturbs_time)

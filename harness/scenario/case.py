@@ -18,7 +18,7 @@ from rover_metrics.extended.parameter_file import read_values
 
 # Left to EpisodeConfig where they are left out.
 _PASSED_ON = (
-    *("terrain_size", "terrain_height", "difficulty", "start"),
+    *("terrain_size", "terrain_height", "difficulty", "datum", "start"),
     *("noise", "lidar_beams", "imu_rate", "sensors"),
 )
 

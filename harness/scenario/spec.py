@@ -94,6 +94,7 @@ class Scenario(Part):
         robot: See `python -m harness.run --list`; likewise `terrain` (or a file) and `driver`.
         terrain_size: Along x and y [m], of a terrain from a file that does not say it.
         terrain_height: Of the relief [m], likewise.
+        datum: Latitude, longitude [deg] and altitude [m] of the world's origin.
         start: x and y in the world [m], and the heading [rad]; where the terrain has it if left out.
         matrix: Instead of single values of those, lists.
         seed: Of the run; `seeds` is a number of seeds from 0 on, or a list.
@@ -115,6 +116,7 @@ class Scenario(Part):
     terrain_size: tuple[Length, Length] | None = None
     terrain_height: Length | None = None
     difficulty: float | None = None
+    datum: tuple[float, float, float] | None = None
     start: tuple[float, float, float] | None = None
     driver: str = "wander"
     duration: float = 30.0

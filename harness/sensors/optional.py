@@ -10,19 +10,21 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.errors import UsageError
 from harness.robots import FrameRow, RoverSpec
 from harness.samples import Vector3
 from harness.sensors.base import Sensor, period_ticks
 from harness.sensors.mount import Mount
-from harness.sensors.noise import NoisePreset
+from harness.sensors.noise import HARDWARE, NoisePreset
 
 if TYPE_CHECKING:  # whoever only publishes does without MuJoCo
     from harness.physics.simulation import Simulation
 
 WORD = r"[A-Za-z]\w*"
 LIDAR_FRAME = "lidar_link"
+NO_ERRORS = "none"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,6 +114,16 @@ class Installation:
     rng: np.random.Generator
     noise: NoisePreset | None = None
 
+    def errors_of(self, preset: str, hardware: str) -> str:
+        """Returns the name of the sensor's errors: its own preset, else what --noise means for it.
+
+        Args:
+            preset: What its options say; empty for nothing.
+            hardware: The preset that --noise hardware stands for; without it there are none.
+        """
+        runs = self.noise is not None and self.noise.name == HARDWARE.name
+        return preset or (hardware if runs else NO_ERRORS)
+
 
 class OptionalSensor(Sensor):
     """A sensor with a name, which its samples carry in their field `sensor`."""
@@ -119,3 +131,13 @@ class OptionalSensor(Sensor):
     def __init__(self, simulation: "Simulation", installation: Installation, period_ticks: int) -> None:
         super().__init__(simulation, period_ticks)
         self.name, self._mount = installation.options.name, installation.mount
+
+    def pose(self) -> tuple[Vector3, NDArray[np.float64]]:
+        """Returns where the sensor is now: its origin [m] and R_world_sensor, shape (3, 3)."""
+        from mujoco import mj_kinematics  # noqa: PLC0415 - whoever only publishes does without
+
+        data = self._simulation.data
+        mj_kinematics(self._simulation.model, data)  # poses are one step old
+        pose = self._mount.pose(data)
+        x, y, z = pose[0].tolist()
+        return (x, y, z), pose[1:]

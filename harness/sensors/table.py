@@ -25,9 +25,14 @@ from harness.samples import (
     Transforms,
     TruthState,
 )
+from harness.sensors.barometer import BarometerOptions, Pressure
 from harness.sensors.base import HIGHEST_RATE, Sensor, period_ticks
+from harness.sensors.camera.sensor import CameraOptions, CameraState
 from harness.sensors.depth import DepthOptions
+from harness.sensors.gnss import GnssFix, GnssOptions
+from harness.sensors.height_scan import HeightScan, HeightScanOptions
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
+from harness.sensors.magnetometer import MagneticField, MagnetometerOptions
 from harness.sensors.optional import LIDAR_FRAME, Installation, SensorOptions
 from harness.sensors.ranging import RangeReading
 
@@ -47,6 +52,7 @@ class Topic:
         depth: How many messages may wait.
         latched: Whether who comes later gets the last ones too (transient local); else volatile.
         option: The field of the sensor's options that must be true for the topic to be there, if any.
+        on_demand: Whether messages are made only while somebody listens or records.
     """
 
     name: str
@@ -55,6 +61,7 @@ class Topic:
     depth: int = 10
     latched: bool = False
     option: str = ""
+    on_demand: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -235,6 +242,56 @@ SENSORS: tuple[SensorRow, ...] = (
         measured=("ranges",),
         options=DepthOptions,
         summary="a depth camera",
+    ),
+    SensorRow(
+        sample=CameraState,
+        reader="harness.sensors.camera.sensor:CameraSensor",
+        topics=(
+            Topic("image_raw", "sensor_msgs/msg/Image", on_demand=True),
+            Topic("camera_info", "sensor_msgs/msg/CameraInfo"),
+        ),
+        fault="camera",
+        options=CameraOptions,
+        summary="colour camera, pinhole or fisheye, drawn by OpenGL while somebody listens or records",
+    ),
+    SensorRow(
+        sample=GnssFix,
+        reader="harness.sensors.gnss:GnssSensor",
+        parts=("simulation", "datum"),
+        topics=(Topic("fix", "sensor_msgs/msg/NavSatFix"),),
+        fault="gnss",
+        measured=("latitude", "longitude", "altitude"),
+        options=GnssOptions,
+        summary="GNSS receiver on WGS-84",
+    ),
+    SensorRow(
+        sample=MagneticField,
+        reader="harness.sensors.magnetometer:MagnetometerSensor",
+        parts=("simulation", "datum"),
+        topics=(Topic("mag", "sensor_msgs/msg/MagneticField"),),
+        fault="magnetometer",
+        measured=("magnetic_field",),
+        options=MagnetometerOptions,
+        summary="the Earth's magnetic field in the rover's axes",
+    ),
+    SensorRow(
+        sample=Pressure,
+        reader="harness.sensors.barometer:BarometerSensor",
+        parts=("simulation", "datum"),
+        topics=(Topic("pressure", "sensor_msgs/msg/FluidPressure"),),
+        fault="barometer",
+        measured=("fluid_pressure",),
+        options=BarometerOptions,
+        summary="pressure of the standard atmosphere",
+    ),
+    SensorRow(
+        sample=HeightScan,
+        reader="harness.sensors.height_scan:HeightScanSensor",
+        topics=(Topic("grid_map", "grid_map_msgs/msg/GridMap", option="grid_map"),),
+        fault="height_scan",
+        measured=("heights",),
+        options=HeightScanOptions,
+        summary="true heights of ground and obstacles around the rover, on a grid",
     ),
 )
 

@@ -23,6 +23,7 @@ from harness.faults.spec import parse_faults
 from harness.frames.options import FrameOptions
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
+from harness.ros.camera import painter
 from harness.ros.context import make_executor, spin_until
 from harness.ros.network import reserved_domain, stay_local
 from harness.ros.remote import DISCOVERY_PATIENCE
@@ -129,7 +130,8 @@ class Trial:
         at_end.callback(rclpy.try_shutdown)
         lidar = LidarSpec(beams=self.config.lidar_beams)
         rover, obey = find_rover(self.config.robot), self._command
-        self._bridge = Bridge(rover, lidar, on_command=obey, cmd_vel=self.CMD_VEL, rows=rows)
+        draw = at_end.enter_context(painter(self.config)).image
+        self._bridge = Bridge(rover, lidar, on_command=obey, cmd_vel=self.CMD_VEL, rows=rows, draw=draw)
         at_end.callback(self._bridge.destroy_node)
         self._record(at_end)
         if self._episode.description is not None:

@@ -32,16 +32,22 @@ class Heightfield:
 
     def height_at(self, x: float, y: float) -> float:
         """Returns the height of the surface [m] at a point, which is clamped to the map."""
+        return float(self.heights_at(x, y))
+
+    def heights_at(self, x: Field | float, y: Field | float) -> Field:
+        """Returns the heights of the surface [m] at points, which are clamped to the map."""
         rows, columns = self.heights.shape
         half_x, half_y = self.half_size
-        u = min(max((x + half_x) / self.cell, 0.0), columns - 1.0)
-        v = min(max((y + half_y) / self.cell, 0.0), rows - 1.0)
-        col, row = min(int(u), columns - 2), min(int(v), rows - 2)
+        u = np.clip((x + half_x) / self.cell, 0.0, columns - 1.0)
+        v = np.clip((y + half_y) / self.cell, 0.0, rows - 1.0)
+        col = np.minimum(u.astype(np.int64), columns - 2)
+        row = np.minimum(v.astype(np.int64), rows - 2)
         du, dv = u - col, v - row
+        right = du >= dv  # of the two triangles of the cell
         near, far = self.heights[row, col], self.heights[row + 1, col + 1]
-        corner = self.heights[row, col + 1] if du >= dv else self.heights[row + 1, col]
-        low, high = min(du, dv), max(du, dv)
-        return float(near + (corner - near) * (high - low) + (far - near) * low)
+        corner = self.heights[np.where(right, row, row + 1), np.where(right, col + 1, col)]
+        low, high = np.minimum(du, dv), np.maximum(du, dv)
+        return np.asarray(near + (corner - near) * (high - low) + (far - near) * low)
 
 
 def fractal(

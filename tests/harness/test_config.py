@@ -35,6 +35,7 @@ def test_the_defaults_are_those_of_the_command_line() -> None:
         difficulty=0.5,
         terrain_size=None,
         terrain_height=None,
+        datum=(38.4064, -110.7919, 1382.0),
         start=None,
         timestep=0.0025,
         noise=None,

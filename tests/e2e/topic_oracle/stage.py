@@ -17,6 +17,7 @@ from harness.samples import Twist
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
+from tests.e2e.topic_oracle.surroundings import carried
 
 Grid = NDArray[np.float64]
 
@@ -64,9 +65,8 @@ class StagedRover(RoverSpec):
 
 def staged_rover(config: StagedConfig) -> StagedRover:
     """The rover of that name, with the staged model."""
-    return StagedRover(
-        **vars(robots.read_rover(robots.MODELS_DIR / config.robot)) | {"file": config.model}
-    )
+    told = vars(robots.read_rover(robots.MODELS_DIR / config.robot))
+    return StagedRover(**told | {"file": config.model, "sensors": carried(config.robot)})
 
 
 def write_model(rover: RoverSpec, folder: Path) -> Path:

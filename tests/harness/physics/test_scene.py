@@ -11,10 +11,10 @@ import mujoco
 import numpy as np
 import pytest
 
+from harness.physics import stage
 from harness.physics.scene import Dress, Scene, build_scene
 from harness.robots import ROVERS, RoverSpec
 from harness.robots.reading import model_hash
-from harness.view import stage
 from harness.view.picture import QUALITY
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation

@@ -25,11 +25,14 @@ from nav_msgs.msg import Odometry
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import (
     CameraInfo,
+    FluidPressure,
     Image,
     Imu,
     JointState,
     LaserScan,
     MagneticField,
+    NavSatFix,
+    NavSatStatus,
     PointCloud2,
     PointField,
 )
@@ -38,8 +41,12 @@ from std_msgs.msg import Bool, Float64MultiArray, Header, MultiArrayDimension, M
 from harness import samples
 from harness.ros.messages import by_names, filler
 from harness.sensors import table
+from harness.sensors.barometer import Pressure
+from harness.sensors.camera.sensor import CameraState
 from harness.sensors.choice import chosen
+from harness.sensors.gnss import GnssFix
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.magnetometer import MagneticField as MagneticFieldSample
 from harness.sensors.ranging import RangeReading
 from tests.support.rovers import ROVER_ZERO4WD
 
@@ -68,6 +75,9 @@ def planar(x: float, y: float) -> Pose:
     return Pose(position=Point(x=x, y=y, z=0.0), orientation=STRAIGHT)
 
 
+PIXELS = np.arange(216, dtype=np.uint8).reshape(8, 9, 3)
+SEEN = CameraState(STAMP_NS, "camera", HERE, ATTITUDE, np.zeros(1))
+COVARIANCE = tuple(float(n) for n in range(9))
 SQUARE, SQRT3 = np.array([4.0, np.inf, -np.inf, 6.0], np.float32), 3.0**0.5
 LAST = np.array([np.inf, 4.0, -np.inf, 6.0], np.float32)
 FOCAL = 1.0 / np.tan(np.pi / 4)  # [pixels], of an image of two by two over 90 degrees
@@ -219,6 +229,54 @@ EXPECTED: dict[str, tuple[samples.Sample, object]] = {
             + struct.pack("<3f", 3.0 / FOCAL, 3.0 / FOCAL, 6.0),
         ),
     ),
+    "camera/image_raw": (
+        SEEN,
+        Image(
+            header=header("camera_optical_frame"),
+            height=8,
+            width=9,
+            encoding="rgb8",
+            step=27,
+            data=PIXELS.tobytes(),
+        ),
+    ),
+    "camera/camera_info": (
+        SEEN,
+        CameraInfo(
+            header=header("camera_optical_frame"),
+            height=8,
+            width=9,
+            distortion_model="equidistant",
+            d=[0.0] * 4,
+            k=np.array([6.0, 0.0, 4.0, 0.0, 6.0, 3.5, 0.0, 0.0, 1.0]),
+            r=np.eye(3).ravel(),
+            p=np.array([6.0, 0.0, 4.0, 0.0, 0.0, 6.0, 3.5, 0.0, 0.0, 0.0, 1.0, 0.0]),
+        ),
+    ),
+    "gnss/fix": (
+        GnssFix(STAMP_NS, "gnss", 1.0, 2.0, 3.0, COVARIANCE, 2, 2),
+        NavSatFix(
+            header=header("gnss_link"),
+            status=NavSatStatus(status=NavSatStatus.STATUS_GBAS_FIX, service=15),
+            latitude=1.0,
+            longitude=2.0,
+            altitude=3.0,
+            position_covariance=np.array(COVARIANCE),
+            position_covariance_type=NavSatFix.COVARIANCE_TYPE_DIAGONAL_KNOWN,
+        ),
+    ),
+    "magnetometer/mag": (
+        MagneticFieldSample(STAMP_NS, "magnetometer", HERE, COVARIANCE),
+        MagneticField(
+            header=header("magnetometer_link"),
+            magnetic_field=xyz(Vector3, HERE),
+            magnetic_field_covariance=np.array(COVARIANCE),
+        ),
+    ),
+    "barometer/pressure": (
+        Pressure(STAMP_NS, "barometer", 1.5, 2.5),
+        FluidPressure(header=header("barometer_link"), fluid_pressure=1.5, variance=2.5),
+    ),
 }
 ROWS = chosen(
     replace(
@@ -229,6 +287,11 @@ ROWS = chosen(
             {"kind": "lidar3d", "elevations": [0.0, np.pi / 6], "columns": 2}
             | {"angle_min": -1.0, "angle_max": 0.0},
             {"kind": "depth", "width": 2, "height": 2, "fov": np.pi / 2, "cloud": True},
+            {"kind": "camera", "lens": "fisheye", "width": 9, "height": 8, "fov": 1.5},
+            {"kind": "gnss"},
+            {"kind": "magnetometer"},
+            {"kind": "barometer"},
+            {"kind": "height_scan"},  # test_grid_map.py
         ),
     ),
     None,
@@ -238,7 +301,7 @@ ROWS = chosen(
 def heard(topic_name: str, *sent: samples.Sample) -> list[Any]:
     """What a listener has of each sample, by way of one message that is refilled."""
     ((row, topic),) = ((row, topic) for row in ROWS for topic in row.topics if topic.name == topic_name)
-    fill = filler(row, topic, ROVER_ZERO4WD, LIDAR)
+    fill = filler(row, topic, ROVER_ZERO4WD, LIDAR, lambda _: PIXELS)
     messages = (fill(sample) for sample in sent)
     return [deserialize_message(serialize_message(message), type(message)) for message in messages]
 

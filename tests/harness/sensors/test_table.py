@@ -1,6 +1,6 @@
-"""A sensor that is not there yet: one class, one row, and it is in every part of a run."""
+"""A sensor is one file and one row: the barometer is in every part of a run by that alone."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
@@ -15,14 +15,12 @@ from harness.faults.spec import describe_faults, parse_faults
 from harness.frames.options import FrameOptions
 from harness.robots import ROVERS, find_rover
 from harness.samples import Tick
-from harness.sensors import table
+from harness.sensors.barometer import Pressure
 from harness.sensors.base import period_ticks
 from harness.sensors.choice import by_default
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.optional import OptionalSensor, SensorOptions
-from harness.sensors.table import SensorRow, Topic
+from harness.sensors.table import SensorRow
 
-SEA_LEVEL, GRADIENT = 101_325.0, -12.0  # [Pa], [Pa/m]
 BEAMS = 8
 RUN: Any = {
     "terrain": "flat",
@@ -33,42 +31,8 @@ RUN: Any = {
 }
 
 
-@dataclass(frozen=True)
-class Pressure:
-    """Air pressure and its variance."""
-
-    stamp_ns: int
-    sensor: str
-    fluid_pressure: float
-    variance: float
-
-
-class Barometer(OptionalSensor):
-    """Pressure that falls with height."""
-
-    def read(self) -> Pressure:
-        """Returns the pressure [Pa] where the rover is."""
-        height = self._simulation.position[2]
-        return Pressure(self._simulation.time_ns, self.name, SEA_LEVEL + GRADIENT * height, 2.5)
-
-
-BAROMETER = SensorRow(
-    sample=Pressure,
-    reader=f"{__name__}:Barometer",
-    topics=(Topic("pressure", "sensor_msgs/msg/FluidPressure"),),
-    fault="barometer",
-    options=SensorOptions,
-    measured=("fluid_pressure",),
-)
-
-
 @pytest.fixture
-def _barometer(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(table, "SENSORS", (*table.SENSORS, BAROMETER))
-
-
-@pytest.fixture
-def ticks(_barometer: None) -> tuple[Tick, ...]:
+def ticks() -> tuple[Tick, ...]:
     """Of one second with a barometer that says 7 from 0.5 s on, and never anything in between."""
     config = EpisodeConfig(**RUN)
     faults = FaultInjector(
@@ -85,14 +49,12 @@ def pressures(ticks: tuple[Tick, ...]) -> list[Pressure]:
 def test_a_new_row_is_read_at_its_rate_and_has_faults_of_its_own(ticks: tuple[Tick, ...]) -> None:
     told = pressures(ticks)
     assert [p.stamp_ns / 1e9 for p in told] == [n / 10 for n in range(1, 11)]
-    assert all(101_000.0 < p.fluid_pressure < SEA_LEVEL + 1.0 for p in told[:4])
+    assert all(85_000.0 < p.fluid_pressure < 87_000.0 for p in told[:4])  # of the datum's altitude
     assert {p.fluid_pressure for p in told[4:]} == {7.0}
-    assert {p.variance for p in told} == {2.5}
 
 
-@pytest.mark.usefixtures("_barometer")
 def test_a_new_row_is_in_the_help() -> None:
-    assert "barometer, imu.attitude" in describe_faults().splitlines()[0]
+    assert "barometer, height_scan, imu.attitude" in describe_faults().splitlines()[0]
 
 
 @pytest.fixture
@@ -120,7 +82,6 @@ def recording(ticks: tuple[Tick, ...], ros_domain: int, tmp_path: Path) -> Path:
     return tmp_path / "bag.mcap"
 
 
-@pytest.mark.usefixtures("_barometer")
 def test_a_mount_is_a_frame_of_the_urdf_and_of_tf_static() -> None:
     description = Episode(EpisodeConfig(**RUN), FrameOptions()).description
     assert description is not None
@@ -130,7 +91,6 @@ def test_a_mount_is_a_frame_of_the_urdf_and_of_tf_static() -> None:
     assert '<link name="barometer_link"' in description.urdf
 
 
-@pytest.mark.usefixtures("_barometer")
 def test_without_being_asked_for_there_is_none() -> None:
     config = EpisodeConfig(**RUN | {"sensors": None})
     assert "barometer" not in {row.source for row in config.sensor_rows()}
