@@ -29,7 +29,7 @@ from harness.files import check_target, write_whole
 from harness.interrupt import HANGUP, StopRequest
 from harness.report.recorder import RunRecorder
 from harness.view.drawing import Drawing, keep_opengl_out
-from harness.world.heightmap.dem import is_terrain_file
+from harness.world.terrain_file import is_terrain_file
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -101,10 +101,12 @@ class Episode:
         self._began_ns = self.simulation.time_ns
         self._drive = DiffDrive(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
         scene, (rng, *_) = self.simulation.scene, generators(self.config.seed, 3)
-        half_size, obstacles = scene.world.ground.half_size, scene.world.obstacles
+        middle, half_size = scene.world.roaming
         seconds = self.config.cmd_vel_timeout
         timeout_ns = None if seconds is None else round(seconds * NANOSECONDS)
-        context = DriverContext(scene.rover, half_size, self._bearings, rng, obstacles, timeout_ns)
+        context = DriverContext(
+            scene.rover, half_size, self._bearings, rng, scene.world.obstacles, timeout_ns, middle
+        )
         self._driver: Driver = find_driver(self.config.driver)(context)
 
     def command(self, twist: Twist) -> None:

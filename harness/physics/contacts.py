@@ -9,7 +9,14 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from harness.physics.scene import BODY_PREFIX, HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT, TERRAIN
+from harness.physics.scene import (
+    BODY_PREFIX,
+    DECKS,
+    HAZARD_CONTACT,
+    ROCK_CONTACT,
+    SCRAPE_CONTACT,
+    TERRAIN,
+)
 from harness.samples import ContactKind
 
 KIND_OF_BODY: dict[str, ContactKind] = {"rocks": "rock", "hazards": "hazard"}
@@ -48,7 +55,9 @@ class ContactWatch:
             for body, kind in KIND_OF_BODY.items()
             for geom in np.flatnonzero(model.geom_bodyid == model.body(body).id).tolist()
         }
-        self._terrain = int(model.geom(TERRAIN).id)
+        terrain = int(model.geom(TERRAIN).id)
+        decks = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, DECKS)  # -1 without
+        self._ground = {terrain, *np.flatnonzero(model.geom_bodyid == decks).tolist()}
         self._body = {
             geom for geom in range(model.ngeom) if model.geom(geom).name.startswith(BODY_PREFIX)
         }
@@ -63,7 +72,7 @@ class ContactWatch:
     def look(self) -> None:
         """Takes a step in which something was touched into account."""
         for index, (one, other) in enumerate(self._data.contact.geom.tolist()):
-            swapped = one in self._obstacles or one == self._terrain
+            swapped = one in self._obstacles or one in self._ground
             part, thing = (other, one) if swapped else (one, other)
             kind = self._obstacles.get(thing) or ("scrape" if part in self._body else None)
             if kind is None:
@@ -78,7 +87,7 @@ class ContactWatch:
 
     def name_of(self, geom: int) -> str:
         """Returns what a part, an obstacle or the ground is called."""
-        if geom == self._terrain:
+        if geom in self._ground:
             return "ground"
         name: str = self._model.geom(geom).name
         return name.removeprefix(BODY_PREFIX)

@@ -26,7 +26,9 @@ TERRAIN = "terrain"
 BODY_PREFIX = "body_"  # of the names of the rover's geoms that are not wheels
 ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT = "rock_contact", "hazard_contact", "scrape_contact"
 OBSTACLE_BODIES = {ObstacleKind.ROCK: "rocks", ObstacleKind.HAZARD: "hazards"}
+DECKS = "decks"  # the body of what is ground too; only where there is some
 SHAPES = {
+    "convex": mujoco.mjtGeom.mjGEOM_MESH,
     "box": mujoco.mjtGeom.mjGEOM_BOX,
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
     "ellipsoid": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
@@ -61,6 +63,10 @@ def build_scene(world: World, rover: RoverSpec, timestep: float, dress: Dress | 
     _add_terrain(spec, world)
     _add_obstacles(spec, world.obstacles)
     _add_truth_sensors(spec)
+    if world.gravity is not None:
+        spec.option.gravity = [0.0, 0.0, -world.gravity]
+    if world.friction is not None:
+        _limit_friction(spec, world.friction)
     if dress is not None:
         dress(spec)
     return Scene(model=spec.compile(), world=world, rover=rover)
@@ -117,7 +123,7 @@ def _add_terrain(spec: mujoco.MjSpec, world: World) -> None:
         name=TERRAIN,
         type=mujoco.mjtGeom.mjGEOM_HFIELD,
         hfieldname="terrain",
-        pos=[0.0, 0.0, lowest],
+        pos=[*world.ground.middle, lowest],
         group=TERRAIN_GROUP,
         **GROUND_CONTACT,
     )
@@ -125,9 +131,15 @@ def _add_terrain(spec: mujoco.MjSpec, world: World) -> None:
 
 def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None:
     bodies = {kind: spec.worldbody.add_body(name=name) for kind, name in OBSTACLE_BODIES.items()}
+    if any(obstacle.kind is ObstacleKind.DECK for obstacle in obstacles):
+        bodies[ObstacleKind.DECK] = spec.worldbody.add_body(name=DECKS)
     for index, obstacle in enumerate(obstacles):
+        name, is_mesh = f"{obstacle.kind.name.lower()}_{index}", obstacle.shape == "convex"
+        if is_mesh:
+            spec.add_mesh(name=name, uservert=np.ravel(obstacle.corners).tolist())
         bodies[obstacle.kind].add_geom(
-            name=f"{obstacle.kind.name.lower()}_{index}",
+            name=name,
+            meshname=name if is_mesh else "",
             type=SHAPES[obstacle.shape],
             size=[*obstacle.half_size, 0.0][:3],
             pos=list(obstacle.position),
@@ -135,6 +147,13 @@ def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None
             group=OBSTACLE_GROUP,
             **GROUND_CONTACT,
         )
+
+
+def _limit_friction(spec: mujoco.MjSpec, friction: float) -> None:
+    """Takes the lesser of two frictions, as Gazebo does: the rover's geoms decide, by their priority."""
+    for geom in spec.geoms:
+        if not geom.contype & GROUND_CONTACT["contype"]:
+            geom.friction = [min(geom.friction[0], friction), *geom.friction[1:]]
 
 
 def _add_truth_sensors(spec: mujoco.MjSpec) -> None:
@@ -147,6 +166,12 @@ def _add_truth_sensors(spec: mujoco.MjSpec) -> None:
     scraping = (part for part in spec.bodies if any(g.name.startswith(BODY_PREFIX) for g in part.geoms))
     counts += [(f"{SCRAPE_CONTACT}_{b.name}", (body, b.name), (geom, TERRAIN)) for b in scraping]
     found, net_force, slots = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 3, 1
+    if any(part.name == DECKS for part in spec.bodies):
+        counts += [
+            (f"{name}_deck", one, (body, DECKS))
+            for name, one, _ in counts
+            if name.startswith(SCRAPE_CONTACT)
+        ]
     for name, (kind, one), (other_kind, other) in counts:
         spec.add_sensor(
             name=name,

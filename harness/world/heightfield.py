@@ -1,7 +1,7 @@
 """Heights in metres over a rectangular grid: the surface of a terrain, and what terrains are built from.
 
-The grid is centred on the world's origin. Row index runs with +y and column index with +x, the vertices
-stand at the ends, and each square cell is two triangles split along (row, col)-(row+1, col+1): exactly
+The grid is centred on the world's origin, or on a point that it tells. Row index runs with +y and column
+index with +x, the vertices stand at the ends, and each square cell is two triangles split along (row, col)-(row+1, col+1): exactly
 MuJoCo's heightfield.
 """
 
@@ -19,10 +19,15 @@ FFT_MULTIPLE = 48  # transforms of multiples of 2^4 * 3 are fast
 
 @dataclass(frozen=True, eq=False)
 class Heightfield:
-    """Heights in metres, shape (rows, columns), `cell` metres apart."""
+    """Heights in metres, shape (rows, columns), `cell` metres apart.
+
+    Attributes:
+        middle: Of the map, in the world: x, y [m].
+    """
 
     heights: Field
     cell: float
+    middle: tuple[float, float] = (0.0, 0.0)
 
     @property
     def half_size(self) -> tuple[float, float]:
@@ -33,15 +38,38 @@ class Heightfield:
     def height_at(self, x: float, y: float) -> float:
         """Returns the height of the surface [m] at a point, which is clamped to the map."""
         rows, columns = self.heights.shape
-        half_x, half_y = self.half_size
-        u = min(max((x + half_x) / self.cell, 0.0), columns - 1.0)
-        v = min(max((y + half_y) / self.cell, 0.0), rows - 1.0)
+        (half_x, half_y), (middle_x, middle_y) = self.half_size, self.middle
+        u = min(max((x - middle_x + half_x) / self.cell, 0.0), columns - 1.0)
+        v = min(max((y - middle_y + half_y) / self.cell, 0.0), rows - 1.0)
         col, row = min(int(u), columns - 2), min(int(v), rows - 2)
         du, dv = u - col, v - row
         near, far = self.heights[row, col], self.heights[row + 1, col + 1]
         corner = self.heights[row, col + 1] if du >= dv else self.heights[row + 1, col]
         low, high = min(du, dv), max(du, dv)
         return float(near + (corner - near) * (high - low) + (far - near) * low)
+
+    def heights_at(self, x: Field, y: Field) -> Field:
+        """Returns the heights of the surface [m] at many points, as `height_at` does."""
+        (half_x, half_y), (middle_x, middle_y) = self.half_size, self.middle
+        rows, columns = self.heights.shape
+        u = ((x - middle_x + half_x) / self.cell).clip(0.0, columns - 1.0)
+        v = ((y - middle_y + half_y) / self.cell).clip(0.0, rows - 1.0)
+        col, row = (place.astype(int).clip(0, n - 2) for place, n in ((u, columns), (v, rows)))
+        du, dv = u - col, v - row
+        near, far = self.heights[row, col], self.heights[row + 1, col + 1]
+        corner = np.where(du >= dv, self.heights[row, col + 1], self.heights[row + 1, col])
+        low, high = np.minimum(du, dv), np.maximum(du, dv)
+        return np.asarray(near + (corner - near) * (high - low) + (far - near) * low)
+
+    def contains(self, x: float, y: float, margin: float = 0.0) -> bool:
+        """Returns whether a point [m] is on the map, further than `margin` from its edge."""
+        (half_x, half_y), (middle_x, middle_y) = self.half_size, self.middle
+        return abs(x - middle_x) < half_x - margin and abs(y - middle_y) < half_y - margin
+
+    def bounds(self, margin: float = 0.0) -> tuple[float, float, float, float]:
+        """Returns x from, x to, y from, y to [m] of the map without a margin along its edge."""
+        (half_x, half_y), (x, y) = self.half_size, self.middle
+        return x - half_x + margin, x + half_x - margin, y - half_y + margin, y + half_y - margin
 
 
 def fractal(

@@ -26,14 +26,17 @@ def read_xml(path: Path, most_bytes: int = MOST_BYTES) -> Element:
     if len(data) > most_bytes:
         raise UsageError(f"{path} is too large; at most {most_bytes / 2**20:g} MiB are read")
     try:
-        return _parsed(data)
-    except expat.ExpatError as error:
-        raise UsageError(f"{path} is not XML: {error}") from error
+        return parse_xml(data)
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from error
 
 
-def _parsed(data: bytes) -> Element:
+def parse_xml(data: bytes) -> Element:
+    """Returns the root of a document.
+
+    Raises:
+        UsageError: It is too deep, declares a document type, or is no XML.
+    """
     parser, builder, depth = expat.ParserCreate(), TreeBuilder(), 0
     parser.buffer_text = True
 
@@ -55,7 +58,10 @@ def _parsed(data: bytes) -> Element:
     parser.StartElementHandler, parser.EndElementHandler = start, end
     parser.CharacterDataHandler = builder.data
     parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = refuse
-    parser.Parse(data, True)  # noqa: FBT003 - expat's, by position only
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError as error:
+        raise UsageError(f"it is not XML: {error}") from error
     return builder.close()
 
 
