@@ -68,6 +68,7 @@ class Episode:
             map_size=(2 * world.ground.half_size[0], 2 * world.ground.half_size[1]),
             start=world.start,
             notes=world.notes,
+            files=world.files,
         )
         if config.start is not None:
             check_room(scene)
