@@ -20,6 +20,7 @@ from harness.world.world import World
 
 TERRAIN_GROUP, OBSTACLE_GROUP, VISUAL_GROUP = 0, 1, 2
 GROUND_CONTACT = {"contype": 2, "conaffinity": 1}  # the rover's geoms carry (1, 2)
+UNTOUCHED = {"contype": 0, "conaffinity": 0}
 BASE_THICKNESS = 1.0  # [m] of solid ground below the lowest point
 
 TERRAIN = "terrain"
@@ -29,6 +30,7 @@ OBSTACLE_BODIES = {ObstacleKind.ROCK: "rocks", ObstacleKind.HAZARD: "hazards"}
 DECKS = "decks"  # the body of what is ground too; only where there is some
 SHAPES = {
     "convex": mujoco.mjtGeom.mjGEOM_MESH,
+    "surface": mujoco.mjtGeom.mjGEOM_MESH,
     "box": mujoco.mjtGeom.mjGEOM_BOX,
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
     "ellipsoid": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
@@ -134,9 +136,9 @@ def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None
     if any(obstacle.kind is ObstacleKind.DECK for obstacle in obstacles):
         bodies[ObstacleKind.DECK] = spec.worldbody.add_body(name=DECKS)
     for index, obstacle in enumerate(obstacles):
-        name, is_mesh = f"{obstacle.kind.name.lower()}_{index}", obstacle.shape == "convex"
+        name, is_mesh = f"{obstacle.kind.name.lower()}_{index}", bool(obstacle.corners)
         if is_mesh:
-            spec.add_mesh(name=name, uservert=np.ravel(obstacle.corners).tolist())
+            _add_mesh(spec, name, obstacle)
         bodies[obstacle.kind].add_geom(
             name=name,
             meshname=name if is_mesh else "",
@@ -145,8 +147,18 @@ def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None
             pos=list(obstacle.position),
             quat=list(obstacle.quaternion),
             group=OBSTACLE_GROUP,
-            **GROUND_CONTACT,
+            **(UNTOUCHED if obstacle.shape == "surface" else GROUND_CONTACT),
         )
+
+
+def _add_mesh(spec: mujoco.MjSpec, name: str, obstacle: Obstacle) -> None:
+    """Adds a convex hull, or a surface that need not be closed."""
+    spec.add_mesh(
+        name=name,
+        uservert=np.ravel(obstacle.corners).tolist(),
+        userface=np.ravel(obstacle.faces).astype(int).tolist(),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+    )
 
 
 def _limit_friction(spec: mujoco.MjSpec, friction: float) -> None:

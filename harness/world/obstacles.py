@@ -5,7 +5,7 @@ deck is ground that no heightfield can show, as that of a bridge.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 from typing import Literal
 
@@ -19,7 +19,7 @@ TRIES_PER_POINT = 50
 Points = NDArray[np.float64]  # shape (k, 2): x, y in the world [m]
 
 Color = tuple[float, float, float, float]  # RGBA, 0..1
-Shape = Literal["ellipsoid", "box", "cylinder", "convex"]
+Shape = Literal["ellipsoid", "box", "cylinder", "convex", "surface"]
 
 
 class ObstacleKind(Enum):
@@ -36,10 +36,12 @@ class Obstacle:
 
     Attributes:
         half_size: Box: half lengths [m]; ellipsoid: semi-axes [m]; cylinder: radius, half height [m];
-            convex: half lengths of the box around it.
+            convex, surface: half lengths of the box around it.
         position: Centre x, y, z [m]; of the box around it likewise.
         quaternion: Orientation w, x, y, z.
-        corners: Of a convex one, from its centre, x, y, z [m]: it is their hull.
+        corners: Of a convex one, from its centre, x, y, z [m]: it is their hull. Those of a surface, which is
+            only seen.
+        faces: The triangles of a surface, by the numbers of its corners.
         color: How a file says that it looks.
     """
 
@@ -49,7 +51,19 @@ class Obstacle:
     position: tuple[float, float, float]
     quaternion: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
     corners: tuple[tuple[float, float, float], ...] = ()
+    faces: tuple[tuple[int, ...], ...] = ()
     color: Color | None = None
+
+
+def surface(kind: ObstacleKind, points: NDArray[np.float64], faces: NDArray[np.int64]) -> Obstacle:
+    """Returns triangles that are seen and not touched.
+
+    Args:
+        kind: What it is.
+        points: Corners in the world [m], shape (n, 3).
+        faces: Their numbers, shape (f, 3).
+    """
+    return replace(convex(kind, points), shape="surface", faces=tuple(map(tuple, faces.tolist())))
 
 
 def convex(kind: ObstacleKind, points: NDArray[np.float64]) -> Obstacle:
@@ -178,7 +192,7 @@ def _furthest(obstacle: Obstacle, directions: Points) -> Points:
             radial = np.linalg.norm(directions[:, :2], axis=1, keepdims=True)
             disc = half[0] * directions[:, :2] / np.maximum(radial, 1e-12)
             return np.column_stack([disc, np.sign(directions[:, 2]) * half[1]])
-        case "convex":
+        case "convex" | "surface":
             corners = np.array(obstacle.corners)
             return np.asarray(corners[np.argmax(directions @ corners.T, axis=1)])
 

@@ -109,7 +109,9 @@ def terrain_hash(world: World) -> str:
     for obstacle in world.obstacles:
         digest.update(f"{obstacle.kind.name} {obstacle.shape}".encode())
         numbers = (*obstacle.half_size, *obstacle.position, *obstacle.quaternion)
-        digest.update(np.array([*numbers, *chain(*obstacle.corners)], dtype="<f8").tobytes())
+        digest.update(
+            np.array([*numbers, *chain(*obstacle.corners, *obstacle.faces)], dtype="<f8").tobytes()
+        )
     if (physical := (*world.ground.middle, world.gravity, world.friction)) != (0.0, 0.0, None, None):
         digest.update(repr(physical).encode())
     return digest.hexdigest()

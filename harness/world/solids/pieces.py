@@ -1,33 +1,48 @@
 """Triangles that no heightfield shows -> convex obstacles: MuJoCo collides a mesh as its convex hull.
 
-What hangs together is one body. A closed convex body is one obstacle; of another one each flat convex
-facet becomes a prism, THICKNESS deep on its inner side, so that its outer side is where the mesh has it.
+What hangs together is one body. A body is halved, and its halves again, until each part is as its convex
+hull, to within FIT: either nearly all of the hull's surface is its own (a box, a piece of a pipe), or it is
+nearly flat, and becomes a slab THICKNESS deep on its inner side. It is halved across, or by the directions
+that its triangles face, whichever gives fewer parts. A ceiling (what faces down, HEADROOM above the ground)
+is touched by nobody: it stays as it is, to be seen.
 
-A body on which a rover can stand (STANDING_AREA no steeper than STEEPEST) is a structure, as a bridge is: its
-gentle facets are deck, which is ground; its others are rocks where they are no higher than the rover clears,
-else hazards. Of other bodies the height of their top above the ground decides, as of every obstacle.
+A body on which a rover can stand (STANDING_AREA no steeper than STEEPEST) is a structure, as a bridge is:
+its gentle triangles are deck, which is ground; others are rocks where they are no higher than the rover
+clears, else hazards. Of other bodies the height of their top above the ground decides.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import UsageError
-from harness.world.heightfield import Heightfield
-from harness.world.obstacles import Obstacle, ObstacleKind, convex
+from harness.world.heightfield import Field, Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind, convex, surface
+from harness.world.occupancy import HEADROOM
 from harness.world.solids.kinds import Kind
 from harness.world.solids.mesh_file import SIMPLER, Mesh
-from harness.world.solids.surface import on_map, slopes_up
+from harness.world.solids.surface import SAMPLES, on_map
 
 THICKNESS = 0.02  # [m]
 STANDING_AREA = 1.0  # [m2]
 STEEPEST = math.radians(35.0)
-SMALLEST_FACET = 1e-6  # [m2]
+SMALLEST_AREA = 1e-6  # [m2] of a triangle
+FIT = 0.03  # [m] by which a piece may differ from its triangles
+OWN_SHARE = 0.8  # of the surface of a hull
+FILLED_SHARE = 0.9  # of the area of an outline
+CUTS = 65  # places where a body may be halved
+FLAT_SHARE = 0.95  # of the area of triangles that is left when they are seen along their mean normal
+FEWEST = 6  # triangles that can have a hull of their own
 FLUSH = 0.005  # [m] above the ground up to which a body counts as buried
 MOST_PIECES = 6000
-CONVEX_SHARE = 0.999  # of its hull's area that a facet must have to be one piece
+
+ALIKE = 0.02  # difference of unit normals
+DOWNWARD = 0.1  # downward part of the normal of a ceiling
+
+Points = NDArray[np.float64]  # shape (n, 3) [m]
+Halves = Callable[[Mesh, Points], NDArray[np.bool_]]  # a part and its normals -> which are one half
 
 
 def bodies(mesh: Mesh) -> Iterator[Mesh]:
@@ -62,7 +77,7 @@ def obstacles_of(mesh: Mesh, ground: Heightfield, kind: Kind, clearance: float) 
     for body in bodies(mesh):
         rises = _rise(body.vertices, ground)
         if rises > FLUSH:
-            found += _pieces(body, kind(rises), clearance)
+            found += _pieces(body, kind(rises), clearance, ground)
         if len(found) > MOST_PIECES:
             raise UsageError(
                 f"what stands on its ground has more than {MOST_PIECES} facets; {SIMPLER}, or give boxes "
@@ -77,39 +92,125 @@ def _rise(points: NDArray[np.float64], ground: Heightfield) -> float:
     return float((z - ground.heights_at(x, y)).max(initial=-math.inf))
 
 
-def _pieces(body: Mesh, kind: ObstacleKind, clearance: float) -> Iterator[Obstacle]:
-    import trimesh  # noqa: PLC0415 - loaded with the mesh; other terrains save it
+def _pieces(body: Mesh, kind: ObstacleKind, clearance: float, ground: Heightfield) -> Iterator[Obstacle]:
+    areas, normals = _areas(body)
+    is_gentle = normals[:, 2] >= math.cos(STEEPEST)
+    if areas[is_gentle].sum() < STANDING_AREA:
+        kinds = np.full(len(areas), kind.value)
+    elif _own_hull(body, areas) is not None:  # a slab, or a block whose top cannot be reached
+        is_slab = np.ptp(body.vertices[:, 2]) <= clearance
+        kinds = np.full(len(areas), (ObstacleKind.DECK if is_slab else kind).value)
+    else:
+        is_low = np.ptp(body.corners[:, :, 2], axis=1) <= clearance
+        kinds = np.where(is_low, ObstacleKind.ROCK.value, ObstacleKind.HAZARD.value)
+        kinds[is_gentle] = ObstacleKind.DECK.value
+    chosen = areas > SMALLEST_AREA
+    is_ceiling = chosen & _is_ceiling(body, normals, ground)
+    if is_ceiling.sum() > 1:
+        ceiling = body.part(is_ceiling)
+        yield surface(ObstacleKind.DECK, ceiling.vertices, ceiling.faces)
+        chosen &= ~is_ceiling
+    for value in np.unique(kinds[chosen]).tolist():
+        alike = np.flatnonzero(chosen & (kinds == value))
+        ways = ([*_split(body, alike, halves)] for halves in (_across, _by_facing))
+        yield from (convex(ObstacleKind(value), corners) for corners in min(ways, key=len))
 
-    shape = trimesh.Trimesh(body.vertices, body.faces, process=False)
-    is_gentle = np.asarray(slopes_up(body.corners) >= math.cos(STEEPEST))
-    is_structure = shape.area_faces[is_gentle].sum() >= STANDING_AREA
-    if shape.is_volume and shape.is_convex:
-        is_slab = is_structure and np.ptp(body.vertices[:, 2]) <= clearance
-        yield convex(ObstacleKind.DECK if is_slab else kind, body.vertices)
+
+def _is_ceiling(body: Mesh, normals: Points, ground: Heightfield) -> NDArray[np.bool_]:
+    x, y, z = np.moveaxis(SAMPLES @ body.corners, -1, 0)
+    is_high = (z > ground.heights_at(x, y) + HEADROOM).all(axis=1)
+    return np.asarray(is_high & (normals[:, 2] < -DOWNWARD))
+
+
+def _split(body: Mesh, chosen: NDArray[np.int64], halves: Halves) -> Iterator[Points]:
+    """Corners of convex pieces that together are some triangles of a body."""
+    part = body.part(chosen)
+    areas, normals = _areas(part)
+    corners = _own_hull(part, areas)
+    if corners is None:
+        corners = _slab(part, areas, normals)
+    if corners is not None:
+        yield corners
         return
-    for facet in _facets(shape):
-        corners = body.vertices[np.unique(body.faces[facet])]
-        if is_structure:
-            is_low = np.ptp(corners[:, 2]) <= clearance
-            kind = ObstacleKind.ROCK if is_low else ObstacleKind.HAZARD
-            kind = ObstacleKind.DECK if is_gentle[facet[0]] else kind
-        inward = -THICKNESS * shape.face_normals[facet[0]]
-        yield convex(kind, np.concatenate([corners, corners + inward]))
+    is_first = halves(part, normals)
+    if is_first.all() or not is_first.any():
+        is_first = np.arange(len(chosen)) < len(chosen) // 2
+    yield from _split(body, chosen[is_first], halves)
+    yield from _split(body, chosen[~is_first], halves)
 
 
-def _facets(shape: "object") -> Iterator[NDArray[np.int64]]:
-    """Faces that make one flat convex piece, together or alone."""
+def _across(part: Mesh, _: Points) -> NDArray[np.bool_]:
+    """Which triangles are on one side of the plane across it that cuts into them least, near its middle."""
+    middles = part.corners.mean(axis=1)
+    along = _longest(middles)
+    ends, places = part.corners @ along, middles @ along
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    inner = np.unique(np.quantile(ends, np.linspace(0.25, 0.75, CUTS), method="nearest"))
+    cut_into = np.minimum(inner[:, None] - low, high - inner[:, None]).clip(0.0).sum(axis=1)
+    return np.asarray(places < inner[np.argmin(cut_into)])
+
+
+def _by_facing(part: Mesh, normals: Points) -> NDArray[np.bool_]:
+    """Which triangles face one way, of those that differ most; across where all face alike."""
+    places = normals @ _longest(normals)
+    order = np.sort(places)
+    gaps = np.diff(order) * np.sqrt(
+        np.minimum(np.arange(1, len(order)), np.arange(len(order) - 1, 0, -1))
+    )
+    widest = int(np.argmax(gaps))
+    if order[widest + 1] - order[widest] < ALIKE:
+        return _across(part, normals)
+    return np.asarray(places <= order[widest])
+
+
+def _longest(points: Points) -> Points:
+    """The direction in which points are spread most, shape (3,)."""
+    return np.asarray(np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][0])
+
+
+def _own_hull(part: Mesh, areas: Field) -> Points | None:
+    """Corners of its hull, if nearly all of the hull's surface is its own and it has no hollow."""
+    from scipy.spatial import ConvexHull, QhullError  # noqa: PLC0415 - 0.1 s that named terrains save
+
+    if len(part.faces) < FEWEST:
+        return None
+    try:
+        hull = ConvexHull(part.vertices)
+    except QhullError:  # flat
+        return None
+    depths = -(part.vertices @ hull.equations[:, :3].T + hull.equations[:, 3]).max(axis=1)
+    if areas.sum() < OWN_SHARE * hull.area or depths.max() > FIT:
+        return None
+    return np.asarray(part.vertices[hull.vertices])
+
+
+def _slab(part: Mesh, areas: Field, normals: Points) -> Points | None:
+    """Corners of a slab, if it is nearly flat and fills its outline; a triangle always is and does."""
     from scipy.spatial import ConvexHull, QhullError  # noqa: PLC0415 - as above
 
-    single = shape.area_faces > SMALLEST_FACET
-    for facet, area, normal in zip(shape.facets, shape.facets_area, shape.facets_normal, strict=True):
-        corners = shape.vertices[np.unique(shape.faces[facet])]
+    mean = (areas[:, None] * normals).sum(axis=0)
+    length = float(np.linalg.norm(mean))
+    if length < FLAT_SHARE * areas.sum():
+        return None
+    normal = mean / length
+    if np.ptp(part.vertices @ normal) > FIT:
+        return None
+    corners = part.vertices
+    if len(part.faces) > 1:
         across = np.linalg.svd(normal[None])[2][1:]  # two axes at right angles to it
         try:
-            hull = ConvexHull(corners @ across.T).volume  # of two dimensions: the area
+            outline = ConvexHull(corners @ across.T)
         except QhullError:
-            continue
-        if area >= CONVEX_SHARE * hull:
-            single[facet] = False
-            yield np.asarray(facet)
-    yield from np.flatnonzero(single)[:, None]
+            return None
+        if length < FILLED_SHARE * outline.volume:  # of two dimensions: its area
+            return None
+        corners = corners[outline.vertices]
+    return np.concatenate([corners, corners - THICKNESS * normal])
+
+
+def _areas(mesh: Mesh) -> tuple[Field, Points]:
+    """Areas [m2] and unit normals of the triangles."""
+    one, other = (mesh.corners[:, corner] - mesh.corners[:, 0] for corner in (1, 2))
+    doubled = np.cross(one, other)
+    lengths = np.linalg.norm(doubled, axis=1)
+    return 0.5 * lengths, doubled / np.maximum(lengths, 1e-300)[:, None]
