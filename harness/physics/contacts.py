@@ -11,11 +11,9 @@ import numpy as np
 
 from harness.physics.scene import (
     BODY_PREFIX,
-    DECKS,
     HAZARD_CONTACT,
     ROCK_CONTACT,
     SCRAPE_CONTACT,
-    TERRAIN,
 )
 from harness.samples import ContactKind
 
@@ -55,9 +53,7 @@ class ContactWatch:
             for body, kind in KIND_OF_BODY.items()
             for geom in np.flatnonzero(model.geom_bodyid == model.body(body).id).tolist()
         }
-        terrain = int(model.geom(TERRAIN).id)
-        decks = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, DECKS)  # -1 without
-        self._ground = {terrain, *np.flatnonzero(model.geom_bodyid == decks).tolist()}
+        self._ground = set(np.flatnonzero(model.geom_bodyid == 0).tolist())  # terrain and decks
         self._body = {
             geom for geom in range(model.ngeom) if model.geom(geom).name.startswith(BODY_PREFIX)
         }

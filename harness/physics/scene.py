@@ -27,7 +27,6 @@ TERRAIN = "terrain"
 BODY_PREFIX = "body_"  # of the names of the rover's geoms that are not wheels
 ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT = "rock_contact", "hazard_contact", "scrape_contact"
 OBSTACLE_BODIES = {ObstacleKind.ROCK: "rocks", ObstacleKind.HAZARD: "hazards"}
-DECKS = "decks"  # the body of what is ground too; only where there is some
 SHAPES = {
     "convex": mujoco.mjtGeom.mjGEOM_MESH,
     "surface": mujoco.mjtGeom.mjGEOM_MESH,
@@ -133,8 +132,7 @@ def _add_terrain(spec: mujoco.MjSpec, world: World) -> None:
 
 def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None:
     bodies = {kind: spec.worldbody.add_body(name=name) for kind, name in OBSTACLE_BODIES.items()}
-    if any(obstacle.kind is ObstacleKind.DECK for obstacle in obstacles):
-        bodies[ObstacleKind.DECK] = spec.worldbody.add_body(name=DECKS)
+    bodies[ObstacleKind.DECK] = spec.worldbody  # as the terrain is
     for index, obstacle in enumerate(obstacles):
         name, is_mesh = f"{obstacle.kind.name.lower()}_{index}", bool(obstacle.corners)
         if is_mesh:
@@ -176,14 +174,10 @@ def _add_truth_sensors(spec: mujoco.MjSpec) -> None:
         (HAZARD_CONTACT, (subtree, "rover"), (body, "hazards")),
     ]
     scraping = (part for part in spec.bodies if any(g.name.startswith(BODY_PREFIX) for g in part.geoms))
-    counts += [(f"{SCRAPE_CONTACT}_{b.name}", (body, b.name), (geom, TERRAIN)) for b in scraping]
+    has_decks = any(item.group == OBSTACLE_GROUP for item in spec.worldbody.geoms)
+    ground = (body, "world") if has_decks else (geom, TERRAIN)
+    counts += [(f"{SCRAPE_CONTACT}_{b.name}", (body, b.name), ground) for b in scraping]
     found, net_force, slots = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 3, 1
-    if any(part.name == DECKS for part in spec.bodies):
-        counts += [
-            (f"{name}_deck", one, (body, DECKS))
-            for name, one, _ in counts
-            if name.startswith(SCRAPE_CONTACT)
-        ]
     for name, (kind, one), (other_kind, other) in counts:
         spec.add_sensor(
             name=name,

@@ -95,12 +95,14 @@ def _rise(points: NDArray[np.float64], ground: Heightfield) -> float:
 def _pieces(body: Mesh, kind: ObstacleKind, clearance: float, ground: Heightfield) -> Iterator[Obstacle]:
     areas, normals = _areas(body)
     is_gentle = normals[:, 2] >= math.cos(STEEPEST)
-    if areas[is_gentle].sum() < STANDING_AREA:
-        kinds = np.full(len(areas), kind.value)
-    elif _own_hull(body, areas) is not None:  # a slab, or a block whose top cannot be reached
-        is_slab = np.ptp(body.vertices[:, 2]) <= clearance
-        kinds = np.full(len(areas), (ObstacleKind.DECK if is_slab else kind).value)
-    else:
+    is_structure = areas[is_gentle].sum() >= STANDING_AREA
+    whole = _own_hull(body, areas)
+    if whole is not None:  # a structure only if it is a slab: nobody gets onto a block
+        is_slab = is_structure and np.ptp(body.vertices[:, 2]) <= clearance
+        yield convex(ObstacleKind.DECK if is_slab else kind, whole)
+        return
+    kinds = np.full(len(areas), kind.value)
+    if is_structure:
         is_low = np.ptp(body.corners[:, :, 2], axis=1) <= clearance
         kinds = np.where(is_low, ObstacleKind.ROCK.value, ObstacleKind.HAZARD.value)
         kinds[is_gentle] = ObstacleKind.DECK.value
