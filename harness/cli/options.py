@@ -46,8 +46,7 @@ WORLDS: tuple[Option, ...] = (
         "--rock-height",
         float,
         "M",
-        "obstacles of worlds that are no higher are rocks, others hazards; "
-        "default: the rover's clearance",
+        "obstacles of files up to it are rocks; default: the rover's clearance",
     ),
     ("--rock", str, "PATTERN", "models that are rocks, whatever their height; repeatable"),
     ("--hazard", str, "PATTERN", "models that are hazards, likewise"),

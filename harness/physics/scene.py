@@ -20,6 +20,7 @@ from harness.world.world import World
 
 TERRAIN_GROUP, OBSTACLE_GROUP, VISUAL_GROUP = 0, 1, 2
 GROUND_CONTACT = {"contype": 2, "conaffinity": 1}  # the rover's geoms carry (1, 2)
+UNPAINTED = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's own: harness.view gives them their kind's colour
 UNTOUCHED = {"contype": 0, "conaffinity": 0}
 BASE_THICKNESS = 1.0  # [m] of solid ground below the lowest point
 
@@ -144,6 +145,7 @@ def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None
             size=[*obstacle.half_size, 0.0][:3],
             pos=list(obstacle.position),
             quat=list(obstacle.quaternion),
+            rgba=UNPAINTED if obstacle.color is None else obstacle.color,
             group=OBSTACLE_GROUP,
             **(UNTOUCHED if obstacle.shape == "surface" else GROUND_CONTACT),
         )

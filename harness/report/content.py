@@ -77,8 +77,8 @@ def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
     caption = (
         f"{2 * half_x:g} m {TIMES} {2 * half_y:g} m, heights {_signed(heights.min())} to "
         f"{_signed(heights.max())} m. +x is right and +y is up (a heightmap's first row is on top), "
-        f"the origin is {_origin(world.ground)}; the rover starts at x {x} m, y {y} m, heading {yaw} rad from +x "
-        "towards +y. Lit from the north-west, up being north, with slopes "
+        f"the origin is {_origin(world.ground)}; the rover starts at x {x} m, y {y} m, heading {yaw} "
+        "rad from +x towards +y. Lit from the north-west, up being north, with slopes "
         f"{hillshade.exaggeration:.1f} times as steep. A point of the path is the largest "
         f"||a| {MINUS} g| within {recorder.stretch_s:g} s; outlines include what is below the ground."
     )

@@ -1,8 +1,8 @@
 """Heights in metres over a rectangular grid: the surface of a terrain, and what terrains are built from.
 
 The grid is centred on the world's origin, or on a point that it tells. Row index runs with +y and column
-index with +x, the vertices stand at the ends, and each square cell is two triangles split along (row, col)-(row+1, col+1): exactly
-MuJoCo's heightfield.
+index with +x, the vertices stand at the ends, and each square cell is two triangles split along
+(row, col)-(row+1, col+1): exactly MuJoCo's heightfield.
 """
 
 import math

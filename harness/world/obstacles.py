@@ -39,8 +39,8 @@ class Obstacle:
             convex, surface: half lengths of the box around it.
         position: Centre x, y, z [m]; of the box around it likewise.
         quaternion: Orientation w, x, y, z.
-        corners: Of a convex one, from its centre, x, y, z [m]: it is their hull. Those of a surface, which is
-            only seen.
+        corners: Of a convex one, from its centre, x, y, z [m]: it is their hull; likewise of a
+            surface, which is only seen.
         faces: The triangles of a surface, by the numbers of its corners.
         color: How a file says that it looks.
     """

@@ -1,8 +1,8 @@
 """Rays against triangles that stand still, compiled by numba: a tree of boxes around them.
 
-The tree is binary and complete: node n has the children 2 n + 1 and 2 n + 2, its leaves hold LEAF triangles
-each, in their order, the last ones none. A ray walks it front to back with a stack of its own, past boxes
-that it does not meet before the nearest hit so far. Triangles are hit from both sides, as MuJoCo's meshes.
+The tree is binary and complete: node n has the children 2 n + 1 and 2 n + 2, its leaves hold at most
+LEAF triangles each. A ray walks it front to back with a stack of its own, past boxes that it does not meet
+before the nearest hit so far. Triangles are hit from both sides, as MuJoCo's meshes are.
 """
 
 import math
@@ -28,30 +28,31 @@ def build_tree(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArr
     count = len(corners)
     depth = max(0, math.ceil(math.log2(max(1, count) / LEAF)))
     leaves = 1 << depth
-    ranges, order, middles = [np.arange(count)], [], corners.mean(axis=1)
+    parts, middles = [np.arange(count)], corners.mean(axis=1)
     for _ in range(depth):
-        halves = []
-        for chosen in ranges:
-            spread = np.ptp(middles[chosen], axis=0) if len(chosen) else np.zeros(3)
-            chosen = chosen[np.argsort(middles[chosen, int(spread.argmax())], kind="stable")]
-            half = (len(chosen) + 1) // 2
-            halves += [chosen[:half], chosen[half:]]
-        ranges = halves
+        parts = [half for part in parts for half in _halves(part, middles)]
     boxes = np.empty((2 * leaves - 1, 6))
     boxes[:, :3], boxes[:, 3:] = np.inf, -np.inf
     triangles = np.full((leaves * LEAF, 9), np.nan)
-    for leaf, chosen in enumerate(ranges):
-        order = corners[chosen]
+    for leaf, part in enumerate(parts):
+        held = corners[part]
         node = leaves - 1 + leaf
-        if len(chosen):
-            boxes[node, :3], boxes[node, 3:] = order.min(axis=(0, 1)), order.max(axis=(0, 1))
-        edges = [order[:, 0], order[:, 1] - order[:, 0], order[:, 2] - order[:, 0]]
-        triangles[leaf * LEAF : leaf * LEAF + len(chosen)] = np.concatenate(edges, axis=1)
+        if len(part):
+            boxes[node, :3], boxes[node, 3:] = held.min(axis=(0, 1)), held.max(axis=(0, 1))
+        edges = [held[:, 0], held[:, 1] - held[:, 0], held[:, 2] - held[:, 0]]
+        triangles[leaf * LEAF : leaf * LEAF + len(part)] = np.concatenate(edges, axis=1)
     for node in range(leaves - 2, -1, -1):
         one, other = boxes[2 * node + 1], boxes[2 * node + 2]
         boxes[node, :3] = np.minimum(one[:3], other[:3])
         boxes[node, 3:] = np.maximum(one[3:], other[3:])
     return boxes, triangles
+
+
+def _halves(part: NDArray[np.int64], middles: NDArray[np.float64]) -> list[NDArray[np.int64]]:
+    spread = np.ptp(middles[part], axis=0) if len(part) else np.zeros(3)
+    ordered = part[np.argsort(middles[part, int(spread.argmax())], kind="stable")]
+    half = (len(part) + 1) // 2
+    return [ordered[:half], ordered[half:]]
 
 
 @inlined

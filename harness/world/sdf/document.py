@@ -1,7 +1,7 @@
-"""An SDF file -> its solids in the frame of the world, its gravity, its actors, and what cannot be had.
+"""An SDF file -> its solids in the frame of the world, gravity, actors, and what cannot be had.
 
-Models stand where they are told to and stay there: collisions are solids whether their model is static or
-not, but a model with joints that move is left out. What cannot be had is named once; the rest is read.
+Models stand where they are told to and stay there: collisions are solids whether their model is static
+or not, but a model with joints that move is left out. What cannot be had is named once.
 """
 
 from collections.abc import Sequence
@@ -247,4 +247,4 @@ def _color(visual: Element) -> Color | None:
     if len(values) not in (3, 4):
         return None
     red, green, blue, *alpha = numbers(text, len(values), "colour")
-    return red, green, blue, *(alpha or (1.0,))  # type: ignore[return-value]  # four numbers
+    return red, green, blue, alpha[0] if alpha else 1.0

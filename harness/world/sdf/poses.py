@@ -1,7 +1,7 @@
 """SDF's poses, and the graph of frames that they are told in.
 
-A pose is that of a frame in another one, by default its parent's. Within a model (or a world) frames have
-names; `relative_to` and `attached_to` refer to them, `model::frame` to one of a nested model.
+A pose is that of a frame in another one, by default its parent's. Within a model (or a world) frames
+have names; `relative_to` and `attached_to` refer to them, `model::frame` to one of a nested model.
 """
 
 import math

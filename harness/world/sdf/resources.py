@@ -1,8 +1,8 @@
 """Where files are that a world names: model://PACKAGE/path, file://, and plain paths.
 
 Relative names are looked for in the folders of `--resource-path`, those of Gazebo's variables of the
-environment, the folder of the file that names them and the two above it, in this order; a name that leads
-out of all of these is refused. Nothing is fetched.
+environment, the folder of the file that names them and the two above it, in this order; a name that
+leads out of all of these is refused. Nothing is fetched.
 """
 
 import os

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.errors import UsageError
 from harness.world.obstacles import Obstacle, ObstacleKind
@@ -134,13 +135,13 @@ def _room(surface: Surface) -> Bounds | None:
     step = max(1, round(BLOCK / ground.cell))
     rows, columns = (count // step for count in surface.has_floor.shape)
     blocks = surface.has_floor[: rows * step, : columns * step].reshape(rows, step, columns, step)
-    top, bottom, left, right = _largest_rectangle(blocks.all(axis=(1, 3)))
+    top, bottom, left, right = _largest_rectangle(np.asarray(blocks.all(axis=(1, 3))))
     x, _, y, _ = ground.bounds()
     width = step * ground.cell
     return x + left * width, x + right * width, y + top * width, y + bottom * width
 
 
-def _largest_rectangle(free: np.ndarray[tuple[int, int], np.dtype[np.bool_]]) -> tuple[int, ...]:
+def _largest_rectangle(free: NDArray[np.bool_]) -> tuple[int, int, int, int]:
     """First and last row, first and last column (ends beyond) of the largest all-true rectangle."""
     best, area = (0, 1, 0, 1), 0
     heights = np.zeros(free.shape[1] + 1, int)

@@ -1,8 +1,8 @@
 """Where vertical lines through a grid's vertices cross triangles, and on which of these one can stand.
 
 A line is followed upwards. The first surface that faces up is a floor. What faces down is a ceiling:
-with HEADROOM below it the floor stays; with less, nothing gets in between, and the next surface that faces
-up is the floor instead. A second floor without a ceiling in between is a sheet: it counts as a ceiling too.
+with HEADROOM below it the floor stays; with less, nothing gets in between, and the next surface that
+faces up is the floor instead. A second floor without a ceiling in between is a sheet, and a ceiling too.
 """
 
 from dataclasses import dataclass

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.errors import UsageError, find_named
 from harness.world.sdf.reader import parse_xml
 
 SUFFIXES = (".dae", ".obj", ".stl")
@@ -90,10 +90,7 @@ def read_mesh(path: Path, submesh: str = "", unit: str = "", up: str = "") -> tu
         data = _bytes(path)
         scale, axis = _told(data) if path.suffix.lower() == ".dae" else (1.0, "z")
         parts = _loaded(data, path.suffix.lower().lstrip("."))
-        if submesh and submesh not in parts:
-            names = ", ".join(sorted(parts)[:8])
-            raise UsageError(f"it has no part '{submesh}'; available: {names}")
-        mesh = joined([parts[submesh]] if submesh else [*parts.values()])
+        mesh = joined([find_named("its part", submesh, parts)] if submesh else [*parts.values()])
         _check(mesh)
     except UsageError as error:
         raise UsageError(f"mesh {path}: {error}") from error

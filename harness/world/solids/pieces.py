@@ -1,12 +1,12 @@
 """Triangles that no heightfield shows -> convex obstacles: MuJoCo collides a mesh as its convex hull.
 
 What hangs together is one body. A body is halved, and its halves again, until each part is as its convex
-hull, to within FIT: either nearly all of the hull's surface is its own (a box, a piece of a pipe), or it is
-nearly flat, and becomes a slab THICKNESS deep on its inner side. It is halved across, or by the directions
-that its triangles face, whichever gives fewer parts. A ceiling (what faces down, HEADROOM above the ground)
-is touched by nobody: it stays as it is, to be seen.
+hull, to within FIT: either nearly all of the hull's surface is its own (a box, a piece of a pipe), or it
+is nearly flat, and becomes a slab THICKNESS deep on its inner side. It is halved across, or by the
+directions that its triangles face, whichever gives fewer parts. A ceiling (what faces down, HEADROOM above
+the ground) is touched by nobody: it stays as it is, to be seen.
 
-A body on which a rover can stand (STANDING_AREA no steeper than STEEPEST) is a structure, as a bridge is:
+A body on which a rover can stand (STANDING_AREA no steeper than STEEPEST) is a structure, as a bridge:
 its gentle triangles are deck, which is ground; others are rocks where they are no higher than the rover
 clears, else hazards. Of other bodies the height of their top above the ground decides.
 """
@@ -80,8 +80,8 @@ def obstacles_of(mesh: Mesh, ground: Heightfield, kind: Kind, clearance: float) 
             found += _pieces(body, kind(rises), clearance, ground)
         if len(found) > MOST_PIECES:
             raise UsageError(
-                f"what stands on its ground has more than {MOST_PIECES} facets; {SIMPLER}, or give boxes "
-                "for collisions"
+                f"what stands on its ground has more than {MOST_PIECES} facets; {SIMPLER}, or give "
+                "boxes for collisions"
             )
     return found
 
@@ -142,7 +142,7 @@ def _split(body: Mesh, chosen: NDArray[np.int64], halves: Halves) -> Iterator[Po
 
 
 def _across(part: Mesh, _: Points) -> NDArray[np.bool_]:
-    """Which triangles are on one side of the plane across it that cuts into them least, near its middle."""
+    """Which triangles lie on one side of the plane across, near the middle, that cuts them least."""
     middles = part.corners.mean(axis=1)
     along = _longest(middles)
     ends, places = part.corners @ along, middles @ along

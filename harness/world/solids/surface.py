@@ -60,8 +60,8 @@ def chosen_grid(bounds: Bounds, cell: float | None) -> Grid:
     width, depth = bounds[1] - bounds[0], bounds[3] - bounds[2]
     if not SMALLEST_SIDE <= min(width, depth) <= max(width, depth) <= LARGEST_SIDE:
         raise UsageError(
-            f"it is {width:.4g} x {depth:.4g} m; between {SMALLEST_SIDE:g} and {LARGEST_SIDE:g} m can be "
-            "driven; --mesh-unit tells the unit of a mesh that does not"
+            f"it is {width:.4g} x {depth:.4g} m; between {SMALLEST_SIDE:g} and {LARGEST_SIDE:g} m can "
+            "be driven; --mesh-unit tells the unit of a mesh that does not"
         )
     least = math.sqrt(width * depth) / (math.sqrt(MOST_VERTICES) - 1)
     if cell is not None and cell < least:
@@ -138,7 +138,7 @@ def _closed(heights: Field, grid: Grid, notes: list[str]) -> Field:
 
 
 def _left_over(mesh: Mesh, found: Crossings, heights: Field, grid: Grid) -> NDArray[np.bool_]:
-    """Triangles that reach above the heightfield at its vertices, or at samples above all that is near."""
+    """Triangles that reach above the heightfield: at vertices, or at samples above all that is near."""
     from scipy.ndimage import maximum_filter  # noqa: PLC0415 - as above
 
     left_over = np.zeros(len(mesh.faces), np.bool_)
@@ -163,7 +163,7 @@ def slopes_up(corners: NDArray[np.float64]) -> Field:
 def _tell_error(
     corners: NDArray[np.float64], ground: Heightfield, has_floor: NDArray[np.bool_], notes: list[str]
 ) -> None:
-    """Compares heights at the triangles' samples, but for cells next to an edge, which it cannot show."""
+    """Compares heights at the triangles' samples, but for cells next to an edge, which none can show."""
     from scipy.ndimage import maximum_filter  # noqa: PLC0415 - as above
 
     gentle = corners[slopes_up(corners) > math.cos(STEEPEST_MEASURED)]
@@ -181,7 +181,7 @@ def _tell_error(
     errors = np.abs(ground.heights_at(x, y) - z)
     notes.append(
         f"heights differ from the mesh by {errors.max():.2g} m at most, 99 % of them by less than "
-        f"{np.quantile(errors, 0.99):.2g} m (but for cells next to an edge, and where it is steeper than 45 deg)"
+        f"{np.quantile(errors, 0.99):.2g} m (but next to edges, and where it is steeper than 45 deg)"
     )
 
 
