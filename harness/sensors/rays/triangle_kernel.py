@@ -1,8 +1,8 @@
 """Rays against triangles that stand still, compiled by numba: a tree of boxes around them.
 
 The tree is binary and complete: node n has the children 2 n + 1 and 2 n + 2, its leaves hold at most
-LEAF triangles each. A ray walks it front to back with a stack of its own, past boxes that it does not meet
-before the nearest hit so far. Triangles are hit from both sides, as MuJoCo's meshes are.
+LEAF triangles each. A ray walks it front to back with a stack of its own, past boxes that it does not
+meet before the nearest hit so far. Triangles are hit from both sides, as MuJoCo's meshes are.
 """
 
 import math

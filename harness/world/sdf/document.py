@@ -32,13 +32,11 @@ class Document:
         plugins: Names of those that were left out; `missing` says what else was, and why.
         movable: Names of the models that Gazebo would let fall.
         includes: How many there were.
-        scenery: Visuals of links that nothing can collide with.
     """
 
     name: str = ""
     gravity: float = 9.8
     solids: list[Solid] = field(default_factory=list)
-    scenery: list[Solid] = field(default_factory=list)
     actors: list[ToldActor] = field(default_factory=list)
     files: list[Path] = field(default_factory=list)
     plugins: dict[str, None] = field(default_factory=dict)
@@ -193,15 +191,9 @@ class _Reading:
     def _link(self, link: Element, frames: Frames, place: _Place) -> None:
         name = link.get("name", "link")
         at = place.within(name, frames.find(name))
-        visuals = link.findall("visual")
-        colors = filter(None, map(_color, visuals))
-        color = next(colors, None)
-        collisions = link.findall("collision")
-        for collision in collisions:
+        color = next(filter(None, map(_color, link.findall("visual"))), None)
+        for collision in link.findall("collision"):
             self._document.solids += self._solids(collision, frames, at, color)
-        if not collisions:
-            for visual in visuals:
-                self._document.scenery += self._solids(visual, frames, at, _color(visual))
         if len(self._document.solids) > MOST_SOLIDS:
             raise UsageError(f"more than {MOST_SOLIDS} collisions; take some out")
 

@@ -1,6 +1,7 @@
 """SDF's <geometry> -> shapes: a capsule is three, a polyline none."""
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -87,7 +88,7 @@ def _mesh(kind: Element, what: str, file: Path, resources: Resources) -> list[Sh
     return [MeshFile(resources.find(text_of(kind, "uri"), file), (x, y, z), name, centred)]
 
 
-READERS = {
+READERS: dict[str, Callable[..., list[Shape]]] = {
     "box": _box,
     "sphere": _sphere,
     "ellipsoid": _ellipsoid,

@@ -60,6 +60,8 @@ class Resources:
                 return Path(name)
             raise Missing(f"{uri}: there is no such file on this machine")
         name = name.lstrip("/")
+        if not name:
+            raise Missing(f"'{uri}': names nothing")
         leads_out = False
         for root in self._roots(named_in):
             found = Path(os.path.normpath(root / name))
@@ -69,12 +71,8 @@ class Resources:
                 return found
         if leads_out:
             raise Missing(f"{uri}: it leads out of the folders that are looked in")
-        raise Missing(
-            f"{uri}: not found; name the folder that has {PurePosixPath(name).parts[0]}/ by "
-            "--resource-path"
-            if name
-            else f"'{uri}': names nothing"
-        )
+        package = PurePosixPath(name).parts[0]
+        raise Missing(f"{uri}: not found; name the folder that has {package}/ by --resource-path")
 
     def _roots(self, named_in: Path) -> Iterator[Path]:
         home = Path(os.path.abspath(named_in)).parent  # noqa: PTH100 - links are not followed: names count

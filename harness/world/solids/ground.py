@@ -1,7 +1,7 @@
 """What of a world's solids is its ground, and how far its map reaches.
 
-Ground are planes that are level, heightmaps, and of meshes and boxes what is at least as wide and as deep
-as the smallest map and has a twentieth of the largest such area or more. The rest stands on it.
+Ground are level planes, heightmaps, and of meshes and boxes what is at least as wide and as deep as
+the smallest map and has a twentieth of the largest such area or more. The rest stands on it.
 """
 
 from collections.abc import Sequence

@@ -21,11 +21,11 @@ SUFFIXES = (".dae", ".obj", ".stl")
 MOST_BYTES = 128 * 2**20
 MOST_TRIANGLES = 500_000
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}  # length [m]
-# What axis is up in a file -> rows of R_world_file.
+# What axis is up in a file -> R_world_file, as COLLADA defines its three.
 UP = {
     "z": np.eye(3),
     "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
-    "x": np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]).T,
+    "x": np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]),
 }
 SIMPLER = "simplify it first (Blender: Decimate; MeshLab: Quadric Edge Collapse)"
 
