@@ -13,6 +13,8 @@ from harness.world.sdf.resources import Resources
 from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief
 
 BOX = "<geometry><box><size>2 4 6</size></box></geometry>"
+MESH = "<mesh><uri>m.obj</uri><scale>1 1 2</scale>"
+    "<submesh><name>s</name><center>1</center></submesh></mesh>"
 QUARTER = 0.5 * math.pi
 
 
@@ -60,8 +62,7 @@ def test_poses_of_model_link_and_collision_nest(tmp_path: Path, version: str) ->
         ),
         ("<plane><size>7 8</size></plane>", Plane((0.0, 0.0, 1.0), (7.0, 8.0))),
         (
-            "<mesh><uri>m.obj</uri><scale>1 1 2</scale><submesh><name>s</name><center>1</center>"
-            "</submesh></mesh>",
+            MESH,
             MeshFile(Path("m.obj"), (1.0, 1.0, 2.0), "s", True),
         ),
         (

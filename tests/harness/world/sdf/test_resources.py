@@ -68,7 +68,7 @@ def test_folders_are_named_by_the_option_then_by_the_environment(
 
 
 def test_a_folder_means_the_newest_file_that_its_config_names(tmp_path: Path) -> None:
-    with pytest.raises(Missing, match="neither model.config nor model.sdf"):
+    with pytest.raises(Missing, match=r"neither model\.config nor model\.sdf"):
         model_file(tmp_path)
     (tmp_path / "model.sdf").touch()
     assert model_file(tmp_path) == tmp_path / "model.sdf"
@@ -79,7 +79,7 @@ def test_a_folder_means_the_newest_file_that_its_config_names(tmp_path: Path) ->
     config.write_text(f"<model>{lines}</model>")
     assert model_file(tmp_path) == tmp_path / "m6.sdf"
     config.write_text("<model><sdf>../secret.sdf</sdf></model>")
-    with pytest.raises(Missing, match="there is no ../secret.sdf beside it"):
+    with pytest.raises(Missing, match=r"there is no \.\./secret\.sdf beside it"):
         model_file(tmp_path)
     config.write_text("<model/>")
     with pytest.raises(Missing, match="names no <sdf>"):
