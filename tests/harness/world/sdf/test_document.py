@@ -13,8 +13,8 @@ from harness.world.sdf.resources import Resources
 from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief
 
 BOX = "<geometry><box><size>2 4 6</size></box></geometry>"
-MESH = "<mesh><uri>m.obj</uri><scale>1 1 2</scale>"
-    "<submesh><name>s</name><center>1</center></submesh></mesh>"
+SUBMESH = "<submesh><name>s</name><center>1</center></submesh>"
+MESH = f"<mesh><uri>m.obj</uri><scale>1 1 2</scale>{SUBMESH}</mesh>"
 QUARTER = 0.5 * math.pi
 
 
