@@ -38,18 +38,18 @@ EPISODE: tuple[Option, ...] = (
     ("--timestep", float, "S", "physics step"),
 )
 WORLDS: tuple[Option, ...] = (
-    ("--resource-path", str, "DIR", "folder of an SDF world's models and meshes; repeatable"),
+    ("--resource-path", str, "DIR", "folder of an SDF world's models; repeatable; default: none"),
     ("--terrain-cell", float, "M", "distance of the heights that a mesh becomes; default: 0.1"),
     ("--mesh-unit", str, "NAME", f"unit of meshes: {', '.join(UNITS)}; default: as their files say"),
-    ("--mesh-up", str, "AXIS", f"axis of meshes that is up: {', '.join(UP)}; likewise"),
+    ("--mesh-up", str, "AXIS", f"axis of meshes that is up: {', '.join(UP)}; default: likewise"),
     (
         "--rock-height",
         float,
         "M",
         "obstacles of files up to it are rocks; default: the rover's clearance",
     ),
-    ("--rock", str, "PATTERN", "models that are rocks, whatever their height; repeatable"),
-    ("--hazard", str, "PATTERN", "models that are hazards, likewise"),
+    ("--rock", str, "PATTERN", "models that are rocks; repeatable; default: by height"),
+    ("--hazard", str, "PATTERN", "models that are hazards; repeatable; default: by height"),
 )
 REPEATABLE = ("--resource-path", "--rock", "--hazard")
 COMMANDS: tuple[Option, ...] = (

@@ -78,7 +78,7 @@ class Resources:
         home = Path(os.path.abspath(named_in)).parent  # noqa: PTH100 - links are not followed: names count
         yield from (Path(os.path.abspath(folder)) for folder in self._folders)  # noqa: PTH100 - likewise
         yield home
-        yield from [*home.parents][:2]
+        yield from (folder for folder in [*home.parents][:2] if folder != folder.parent)  # not /
 
 
 def _split(uri: str) -> tuple[str, str]:

@@ -28,7 +28,9 @@ def solid_world(file: TerrainFile, seed: int) -> World:
         solid = Solid(file.path.stem, MeshFile(file.path), np.eye(4))
         return assembled(file.path.name, [solid], file, seed, [])
     except UsageError as error:
-        told = str(error).removeprefix(f"{file.path}: ").removeprefix(f"mesh {file.path}: ")
+        told = str(error)
+        for prefix in (f"{file.path}: ", f"mesh {file.path}: ", f"{file.path} "):
+            told = told.removeprefix(prefix)
         raise UsageError(f"terrain {file.path}: {told}") from error
 
 

@@ -109,8 +109,9 @@ def _bytes(path: Path) -> bytes:
         raise UsageError(f"it cannot be read: {error.strerror}") from error
     if len(data) > MOST_BYTES:
         raise UsageError(f"it is larger than {MOST_BYTES >> 20} MiB; {SIMPLER}")
-    is_text = path.suffix.lower() == ".obj"
-    _check_count(data.count(b"\nf ") if is_text else 0)
+    binary_stl = len(data) >= 84 and len(data) == 84 + 50 * int.from_bytes(data[80:84], "little")
+    counts = {".obj": data.count(b"\nf "), ".stl": (len(data) - 84) // 50 if binary_stl else 0}
+    _check_count(counts.get(path.suffix.lower(), 0))  # before anything is decoded
     return data
 
 
