@@ -58,6 +58,7 @@ class RowTimer:
     def serve(self) -> None:
         """Does now what an executor would do later, after messages that have come meanwhile."""
         if self._timer.is_ready():
+            self._timer.handle.call_timer()
             self.on_time()
 
     def look(self, steady_ns: int) -> None:
