@@ -21,7 +21,8 @@ from harness.sensors.geodesy import DEFAULT_DATUM, Datum
 from harness.sensors.noise import PRESETS
 from harness.sensors.table import SensorRow
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
-from harness.world.heightmap.dem import TerrainFile, file_world, is_terrain_file
+from harness.world.files import file_world
+from harness.world.terrain_file import TerrainFile, is_terrain_file
 from harness.world.terrains import TERRAINS
 from harness.world.world import (
     DEFAULT_DIFFICULTY,
@@ -36,6 +37,10 @@ CMD_VEL_TYPES = ("auto", "twist", "stamped")
 LIDAR_BEAMS, IMU_RATE = 640, 20
 CMD_VEL = "cmd_vel"  # the driver that obeys commands
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
+FILE_OPTIONS = (  # for terrains from files alone
+    *("terrain_size", "terrain_height", "terrain_cell", "resource_path", "mesh_unit", "mesh_up"),
+    *("rock_height", "rock", "hazard"),
+)
 FEWEST_BEAMS, MOST_BEAMS = 2, 100_000
 
 
@@ -62,6 +67,13 @@ class EpisodeConfig:
     datum: tuple[float, float, float] = (
         DEFAULT_DATUM  # of the world's origin: latitude, longitude, altitude
     )
+    terrain_cell: float | None = None  # [m] between the vertices that a mesh becomes
+    resource_path: tuple[str, ...] = ()  # folders in which an SDF world's models and meshes are
+    mesh_unit: str = ""  # of meshes: m, cm, mm...; as their files say
+    mesh_up: str = ""  # their axis that is up, likewise
+    rock_height: float | None = None  # [m] up to which an obstacle of a file is a rock; the clearance
+    rock: tuple[str, ...] = ()  # patterns of names that are rocks whatever their height
+    hazard: tuple[str, ...] = ()  # likewise
     start: Start | None = None  # x, y [m], yaw [rad] in the world; None: where the terrain has it
     timestep: float = DEFAULT_TIMESTEP_NS / NANOSECONDS
     noise: str | None = None  # a preset's name; None for exact sensors
@@ -76,16 +88,8 @@ class EpisodeConfig:
 
     def __post_init__(self) -> None:
         """Takes lists for tuples, as JSON gives them back."""
-        for name in (
-            "terrain_size",
-            "datum",
-            "start",
-            "sensors",
-            "faults",
-            "commands",
-            "goals",
-            "resets",
-        ):
+        tuples = ("terrain_size", "datum", "start", "sensors", "faults", "commands", "goals", "resets")
+        for name in (*tuples, "resource_path", "rock", "hazard"):
             if isinstance(value := getattr(self, name), list):
                 inner = (tuple(v) if isinstance(v, list) else v for v in value)
                 object.__setattr__(self, name, tuple(inner))
@@ -136,7 +140,8 @@ class EpisodeConfig:
         if issubclass(driver, StagedEncounter):
             world = self.world()
             try:
-                driver.hazards(world.obstacles, world.ground.half_size)
+                middle, half_size = world.roaming
+                driver.hazards(world.obstacles, half_size, middle)
             except UsageError as error:
                 raise UsageError(f"driver '{self.driver}' on {self.terrain}: {error}") from error
         elif self.start is not None:
@@ -154,17 +159,28 @@ class EpisodeConfig:
             size=self.terrain_size,
             relief=self.terrain_height,
             needs_start=self.start is None,
+            folders=tuple(map(Path, self.resource_path)),
+            cell=self.terrain_cell,
+            mesh_unit=self.mesh_unit,
+            mesh_up=self.mesh_up,
+            rock_height=self.rock_height,
+            rocks=self.rock,
+            hazards=self.hazard,
+            clearance=(rover := find_rover(self.robot)).clearance,
+            step_limit=rover.step_limit,
         )
 
     def _validate_terrain(self) -> None:
+        find_rover(self.robot)
         if is_terrain_file(self.terrain):
             self._terrain_file().check()
             if self.difficulty != DEFAULT_DIFFICULTY:
                 raise UsageError("a terrain from a file has no difficulty; leave out --difficulty")
             return
         find_named("terrain", self.terrain, TERRAINS)
-        if self.terrain_size is not None or self.terrain_height is not None:
-            raise UsageError("--terrain-size and --terrain-height apply to terrains from files only")
+        for name in FILE_OPTIONS:
+            if getattr(self, name) not in (None, (), ""):
+                raise UsageError(f"--{name.replace('_', '-')} applies to terrains from files only")
 
     def _validate_plan(self) -> None:
         told = (*self.commands, *self.goals)

@@ -31,7 +31,7 @@ from harness.report.recorder import RunRecorder
 from harness.robots import robot_name
 from harness.sensors.camera.backend import keep_opengl_out
 from harness.view.drawing import Drawing
-from harness.world.heightmap.dem import is_terrain_file
+from harness.world.terrain_file import is_terrain_file
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -16,6 +16,7 @@ from harness.frames.options import ODOM_SOURCES, FrameOptions
 from harness.robots import ROVERS, find_rover
 from harness.sensors.choice import kinds
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
+from harness.world.solids.mesh_file import UNITS, UP
 from harness.world.world import Start
 from rover_metrics.errors import OneLineParser, ParameterError
 from rover_metrics.extended.parameter_file import read_values
@@ -37,6 +38,21 @@ EPISODE: tuple[Option, ...] = (
     ("--difficulty", float, "D", "0 to 1"),
     ("--timestep", float, "S", "physics step"),
 )
+WORLDS: tuple[Option, ...] = (
+    ("--resource-path", str, "DIR", "folder of an SDF world's models; repeatable; default: none"),
+    ("--terrain-cell", float, "M", "distance of the heights that a mesh becomes; default: 0.1"),
+    ("--mesh-unit", str, "NAME", f"unit of meshes: {', '.join(UNITS)}; default: as their files say"),
+    ("--mesh-up", str, "AXIS", f"axis of meshes that is up: {', '.join(UP)}; default: likewise"),
+    (
+        "--rock-height",
+        float,
+        "M",
+        "obstacles of files up to it are rocks; default: the rover's clearance",
+    ),
+    ("--rock", str, "PATTERN", "models that are rocks; repeatable; default: by height"),
+    ("--hazard", str, "PATTERN", "models that are hazards; repeatable; default: by height"),
+)
+REPEATABLE = ("--resource-path", "--rock", "--hazard")
 COMMANDS: tuple[Option, ...] = (
     ("--cmd-vel-timeout", float, "S", "stop S simulated seconds after the last command; off by default"),
 )
@@ -237,12 +253,25 @@ def _add(group: Group, options: Sequence[Option], defaults: object = None) -> No
 
 
 def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
-    about = "see --list, or a heightmap: GeoTIFF, TIFF, PNG, .npy (docs/worlds.md: axes, units)"
+    about = (
+        "see --list; a heightmap: GeoTIFF, TIFF, PNG, .npy; an SDF world: .world, .sdf; a mesh: .dae, "
+        ".obj, .stl (docs/worlds.md: axes, units)"
+    )
     world.add_argument("--terrain", default=defaults.terrain, metavar="NAME|FILE", help=about)
     about = "length along x and y, or of both, of a heightmap that does not say"
     world.add_argument("--terrain-size", type=float, nargs="+", metavar="M", help=about)
     about = "relief, lowest to highest point, of a heightmap that does not say"
     world.add_argument("--terrain-height", type=float, metavar="M", help=about)
+    for flag, kind, metavar, text in WORLDS:
+        is_many = flag in REPEATABLE
+        world.add_argument(
+            flag,
+            type=kind,
+            metavar=metavar,
+            help=text,
+            action="append" if is_many else "store",
+            default=[] if is_many else getattr(defaults, flag[2:].replace("-", "_")),
+        )
     about = "start [m] and heading from +x to +y [rad]; default: at or next to 0,0, the middle"
     world.add_argument("--start", type=_start, metavar="X,Y[,YAW]", help=about)
     about = f"where the world's origin is, for GNSS and its like; default: {_told(defaults.datum)}"

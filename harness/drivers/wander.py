@@ -40,6 +40,7 @@ class Wander:
 
     def __init__(self, context: DriverContext) -> None:
         self._rover = context.rover
+        self._middle = context.middle
         self._reach_x, self._reach_y = (half - BORDER for half in context.half_size)
         self._turn_back_x, self._turn_back_y = (half - TURN_BACK_BORDER for half in context.half_size)
         self._rng = context.rng
@@ -68,8 +69,9 @@ class Wander:
         return self._steer(error, free)
 
     def _bearing_to_goal(self, observation: Observation) -> float:
-        if abs(observation.x) > self._turn_back_x or abs(observation.y) > self._turn_back_y:
-            self._goal = (0.0, 0.0)
+        x, y = self._middle
+        if abs(observation.x - x) > self._turn_back_x or abs(observation.y - y) > self._turn_back_y:
+            self._goal = self._middle
         here, waited_ns = (observation.x, observation.y), observation.time_ns - self._goal_since_ns
         is_late = waited_ns > GOAL_PATIENCE_NS
         if self._goal is None or is_late or math.dist(self._goal, here) < GOAL_REACHED:
@@ -83,8 +85,11 @@ class Wander:
         bearing = self._rng.uniform(-math.pi, math.pi)
         x = observation.x + distance * math.cos(bearing)
         y = observation.y + distance * math.sin(bearing)
-        reach_x, reach_y = self._reach_x, self._reach_y
-        return max(-reach_x, min(reach_x, x)), max(-reach_y, min(reach_y, y))
+        (at_x, at_y), reach_x, reach_y = self._middle, self._reach_x, self._reach_y
+        return (
+            max(at_x - reach_x, min(at_x + reach_x, x)),
+            max(at_y - reach_y, min(at_y + reach_y, y)),
+        )
 
     def _free_ranges(self, observation: Observation) -> NDArray[np.float64]:
         """Free range [m] of each candidate heading, shape (48,)."""

@@ -16,7 +16,8 @@ class EpisodeInfo:
         obstacles: How many there are.
         map_size: Its lengths along x and y [m].
         start: Where the rover started: x, y [m], yaw [rad] of its model frame in the world.
-        notes: What a heightmap file holds, and what was done to it to make this map of it.
+        notes: What a file holds, and what was done to it to make this map of it.
+        files: Those that it was read from, each with its SHA-256.
     """
 
     model_hash: str
@@ -25,6 +26,7 @@ class EpisodeInfo:
     map_size: tuple[float, float]
     start: Start
     notes: tuple[str, ...] = ()
+    files: tuple[tuple[str, str], ...] = ()
 
 
 @plain_value

@@ -73,6 +73,7 @@ class Episode:
             map_size=(2 * world.ground.half_size[0], 2 * world.ground.half_size[1]),
             start=world.start,
             notes=world.notes,
+            files=world.files,
         )
         if config.start is not None:
             check_room(scene)
@@ -123,10 +124,12 @@ class Episode:
         self._began_ns = self.simulation.time_ns
         self._drive = base_controller(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
         scene, (rng, *_) = self.simulation.scene, generators(self.config.seed, 3)
-        half_size, obstacles = scene.world.ground.half_size, scene.world.obstacles
+        middle, half_size = scene.world.roaming
         seconds = self.config.cmd_vel_timeout
         timeout_ns = None if seconds is None else round(seconds * NANOSECONDS)
-        context = DriverContext(scene.rover, half_size, self._bearings, rng, obstacles, timeout_ns)
+        context = DriverContext(
+            scene.rover, half_size, self._bearings, rng, scene.world.obstacles, timeout_ns, middle
+        )
         self._driver: Driver = find_driver(self.config.driver)(context)
 
     def command(self, twist: Twist) -> None:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from harness.physics.scene import HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT, TERRAIN, body_geoms
+from harness.physics.scene import HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT, body_geoms
 from harness.robots import RoverSpec
 from harness.samples import ContactKind
 
@@ -50,7 +50,7 @@ class ContactWatch:
             for body, kind in KIND_OF_BODY.items()
             for geom in np.flatnonzero(model.geom_bodyid == model.body(body).id).tolist()
         }
-        self._terrain = int(model.geom(TERRAIN).id)
+        self._ground = set(np.flatnonzero(model.geom_bodyid == 0).tolist())  # terrain and decks
         self._body = body_geoms(model, rover)
         self._force = np.zeros(6)
         self.strongest: dict[ContactKind, Touch] = {}
@@ -63,7 +63,7 @@ class ContactWatch:
     def look(self) -> None:
         """Takes a step in which something was touched into account."""
         for index, (one, other) in enumerate(self._data.contact.geom.tolist()):
-            swapped = one in self._obstacles or one == self._terrain
+            swapped = one in self._obstacles or one in self._ground
             part, thing = (other, one) if swapped else (one, other)
             kind = self._obstacles.get(thing) or ("scrape" if part in self._body else None)
             if kind is None:
@@ -78,7 +78,7 @@ class ContactWatch:
 
     def name_of(self, geom: int) -> str:
         """Returns what a part, an obstacle or the ground is called."""
-        if geom == self._terrain:
+        if geom in self._ground:
             return "ground"
         name: str = self._model.geom(geom).name or self._model.body(self._model.geom_bodyid[geom]).name
         return name.removeprefix(BODY_PREFIX)

@@ -19,12 +19,16 @@ from harness.world.world import World
 
 TERRAIN_GROUP, OBSTACLE_GROUP, VISUAL_GROUP = 0, 1, SEEN_GROUP
 GROUND_CONTACT = {"contype": 2, "conaffinity": 1}  # the rover's geoms carry (1, 2)
+UNPAINTED = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's own: harness.view gives them their kind's colour
+UNTOUCHED = {"contype": 0, "conaffinity": 0}
 BASE_THICKNESS = 1.0  # [m] of solid ground below the lowest point
 
 TERRAIN = "terrain"
 ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT = "rock_contact", "hazard_contact", "scrape_contact"
 OBSTACLE_BODIES = {ObstacleKind.ROCK: "rocks", ObstacleKind.HAZARD: "hazards"}
 SHAPES = {
+    "convex": mujoco.mjtGeom.mjGEOM_MESH,
+    "surface": mujoco.mjtGeom.mjGEOM_MESH,
     "box": mujoco.mjtGeom.mjGEOM_BOX,
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
     "ellipsoid": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
@@ -58,6 +62,10 @@ def build_scene(world: World, rover: RoverSpec, timestep: float, dress: Dress | 
     _add_terrain(spec, world)
     _add_obstacles(spec, world.obstacles)
     _add_truth_sensors(spec, rover)
+    if world.gravity is not None:
+        spec.option.gravity = [0.0, 0.0, -world.gravity]
+    if world.friction is not None:
+        _limit_friction(spec, world.friction)
     if dress is not None:
         dress(spec)
     return Scene(model=spec.compile(), world=world, rover=rover)
@@ -111,7 +119,7 @@ def _add_terrain(spec: mujoco.MjSpec, world: World) -> None:
         name=TERRAIN,
         type=mujoco.mjtGeom.mjGEOM_HFIELD,
         hfieldname="terrain",
-        pos=[0.0, 0.0, lowest],
+        pos=[*world.ground.middle, lowest],
         group=TERRAIN_GROUP,
         **GROUND_CONTACT,
     )
@@ -119,16 +127,39 @@ def _add_terrain(spec: mujoco.MjSpec, world: World) -> None:
 
 def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None:
     bodies = {kind: spec.worldbody.add_body(name=name) for kind, name in OBSTACLE_BODIES.items()}
+    bodies[ObstacleKind.DECK] = spec.worldbody  # as the terrain is
     for index, obstacle in enumerate(obstacles):
+        name, is_mesh = f"{obstacle.kind.name.lower()}_{index}", bool(obstacle.corners)
+        if is_mesh:
+            _add_mesh(spec, name, obstacle)
         bodies[obstacle.kind].add_geom(
-            name=f"{obstacle.kind.name.lower()}_{index}",
+            name=name,
+            meshname=name if is_mesh else "",
             type=SHAPES[obstacle.shape],
             size=[*obstacle.half_size, 0.0][:3],
             pos=list(obstacle.position),
             quat=list(obstacle.quaternion),
+            rgba=UNPAINTED if obstacle.color is None else obstacle.color,
             group=OBSTACLE_GROUP,
-            **GROUND_CONTACT,
+            **(UNTOUCHED if obstacle.shape == "surface" else GROUND_CONTACT),
         )
+
+
+def _add_mesh(spec: mujoco.MjSpec, name: str, obstacle: Obstacle) -> None:
+    """Adds a convex hull, or a surface that need not be closed."""
+    spec.add_mesh(
+        name=name,
+        uservert=np.ravel(obstacle.corners).tolist(),
+        userface=np.ravel(obstacle.faces).astype(int).tolist(),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+    )
+
+
+def _limit_friction(spec: mujoco.MjSpec, friction: float) -> None:
+    """Takes the lesser of two frictions, as Gazebo does: the rover's geoms decide, by their priority."""
+    for geom in spec.geoms:
+        if not geom.contype & GROUND_CONTACT["contype"]:
+            geom.friction = [min(geom.friction[0], friction), *geom.friction[1:]]
 
 
 def _add_truth_sensors(spec: mujoco.MjSpec, rover: RoverSpec) -> None:
@@ -139,7 +170,9 @@ def _add_truth_sensors(spec: mujoco.MjSpec, rover: RoverSpec) -> None:
         (HAZARD_CONTACT, (subtree, root_of(spec)), (body, "hazards")),
     ]
     scraping = (part for part in spec.bodies if _scrapes(part, rover))
-    counts += [(f"{SCRAPE_CONTACT}_{b.name}", (body, b.name), (geom, TERRAIN)) for b in scraping]
+    has_decks = any(item.group == OBSTACLE_GROUP for item in spec.worldbody.geoms)
+    ground = (body, "world") if has_decks else (geom, TERRAIN)
+    counts += [(f"{SCRAPE_CONTACT}_{b.name}", (body, b.name), ground) for b in scraping]
     found, net_force, slots = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 3, 1
     for name, (kind, one), (other_kind, other) in counts:
         spec.add_sensor(

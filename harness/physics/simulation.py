@@ -62,7 +62,7 @@ class Simulation:
         self.motors = np.array(motors_of(self.model, scene.rover.motors))
         self.driven = len(scene.rover.drive.driven)
         self._parking = ParkingHold(self.model, scene.rover.drive.driven)
-        self._edge_x, self._edge_y = (half - EDGE_MARGIN for half in scene.world.ground.half_size)
+        self._ground = scene.world.ground
         self._settle(scene.world.start)
         # All that the next step depends on, warm start included: it goes on bit for bit.
         self._start = np.empty(mujoco.mj_stateSize(self.model, WHOLE_STATE))
@@ -185,7 +185,7 @@ class Simulation:
 
     def _check_edge(self) -> None:
         x, y = self.data.qpos[:2].tolist()
-        if not (abs(x) < self._edge_x and abs(y) < self._edge_y):
+        if not self._ground.contains(x, y, EDGE_MARGIN):
             raise RunFailed(
                 f"the rover reached the edge of the map at t = {self.time_ns / NANOSECONDS:.2f} s "
                 f"(x = {x:.2f} m, y = {y:.2f} m)"

@@ -19,6 +19,7 @@ from harness.report.tables import comparisons, contact_rows, facts, key_figures,
 from harness.report.terrain_map import map_figure
 from harness.robots import find_rover, robot_name
 from harness.sensors.lidar_spec import scan_points
+from harness.world.heightfield import Heightfield
 
 LISTED = ("arguments", "versions", "world")  # parts of the manifest that are tables of their own
 
@@ -76,12 +77,19 @@ def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
     caption = (
         f"{2 * half_x:g} m {TIMES} {2 * half_y:g} m, heights {_signed(heights.min())} to "
         f"{_signed(heights.max())} m. +x is right and +y is up (a heightmap's first row is on top), "
-        f"the origin is the middle; the rover starts at x {x} m, y {y} m, heading {yaw} rad from +x "
-        "towards +y. Lit from the north-west, up being north, with slopes "
+        f"the origin is {_origin(world.ground)}; the rover starts at x {x} m, y {y} m, heading {yaw} "
+        "rad from +x towards +y. Lit from the north-west, up being north, with slopes "
         f"{hillshade.exaggeration:.1f} times as steep. A point of the path is the largest "
         f"||a| {MINUS} g| within {recorder.stretch_s:g} s; outlines include what is below the ground."
     )
     return Plot("map", summary, figure, "Map", caption)
+
+
+def _origin(ground: Heightfield) -> str:
+    if ground.middle == (0.0, 0.0):
+        return "the middle"
+    x, y = (_signed(value) for value in ground.middle)
+    return f"the file's, the middle is at {x}, {y}"
 
 
 def _signed(value: float) -> str:

@@ -74,7 +74,7 @@ def map_figure(
     ]
     return {
         "data": [trace for trace in data if trace["x"]],
-        "layout": map_layout(world.ground.half_size, hillshade, track),
+        "layout": map_layout(world.ground, hillshade, track),
     }
 
 

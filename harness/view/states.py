@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.config import EpisodeConfig
+from harness.config import FILE_OPTIONS, EpisodeConfig
 from harness.episode.batch import Batch
 from harness.errors import UsageError
 from harness.robots import find_rover
@@ -23,7 +23,7 @@ PERIOD_NS = 40_000_000  # 25 states a second, as a video shows them
 POSE_SIZE = 7
 HALF_WINDOW = 0.25  # [s] of a speed that can be read
 SCENE = (  # of the configuration
-    *("terrain", "terrain_size", "terrain_height", "start", "difficulty", "seed"),
+    *("terrain", *FILE_OPTIONS, "start", "difficulty", "seed"),
     *("robot", "timestep", "lidar_beams"),
 )
 

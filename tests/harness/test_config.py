@@ -144,18 +144,25 @@ def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object
         ({"robot": "r2d2"}, "robot 'r2d2' does not exist"),
         ({"driver": "drunk"}, "driver 'drunk' does not exist"),
         ({"terrain": "moon"}, "terrain 'moon' does not exist; available: flat, slope, rolling, gravel"),
-        (
-            {"terrain_size": (20.0, 20.0)},
-            "--terrain-size and --terrain-height apply to terrains from files only",
-        ),
-        (
-            {"terrain_height": 0.0},
-            "--terrain-size and --terrain-height apply to terrains from files only",
-        ),
+        ({"terrain_size": (20.0, 20.0)}, "--terrain-size applies to terrains from files only"),
+        ({"terrain_height": 0.0}, "--terrain-height applies to terrains from files only"),
         (
             {"terrain": "a.npy", "difficulty": 0.6},
             "a terrain from a file has no difficulty; leave out --difficulty",
         ),
+        ({"rock": ("a",)}, "--rock applies to terrains from files only"),
+        (
+            {"terrain": "a.sdf", "terrain_size": (9.0, 20.0)},
+            "--terrain-size is for heightmaps; leave it",
+        ),
+        ({"terrain": "a.npy", "hazard": ("a",)}, "--hazard is for SDF worlds and meshes; leave it out"),
+        (
+            {"terrain": "a.obj", "mesh_unit": "furlong"},
+            "mesh unit 'furlong' does not exist; available: m",
+        ),
+        ({"terrain": "a.obj", "mesh_up": "w"}, "mesh axis 'w' does not exist; available: z, y, x"),
+        ({"terrain": "a.obj", "terrain_cell": 0.0}, "terrain cell 0 m is not valid; give 0.02 to 10"),
+        ({"terrain": "a.obj", "rock_height": -1.0}, "rock height -1 m is not valid; give 0 to 10000"),
         ({"terrain": "a.npy", "terrain_size": (9.0, 20.0)}, "terrain size 9 m is not valid"),
         ({"terrain": "a.npy", "terrain_height": -1.0}, "terrain height -1 m is not valid"),
     ],

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.physics.scene import OBSTACLE_GROUP
-from harness.sensors.rays.arrays import heightfield_arrays, obstacle_arrays
+from harness.sensors.rays.arrays import heightfield_arrays, obstacle_arrays, triangle_arrays
 from harness.sensors.rays.heightfield_kernel import cast_clear_rays
 from harness.sensors.rays.horizon_kernel import RINGS, SECTORS, clear_ways, highest_points
 from harness.sensors.rays.obstacle_kernel import cast_bundle
+from harness.sensors.rays.triangle_kernel import cast_triangles
 
 BINS_AROUND = 180
 BIN = math.tau / BINS_AROUND  # [rad]
@@ -28,6 +29,7 @@ class Surroundings:
     def __init__(self, model: mujoco.MjModel) -> None:
         self.terrain = heightfield_arrays(model)
         self.obstacles = obstacle_arrays(model, OBSTACLE_GROUP)
+        self.triangles = triangle_arrays(model, OBSTACLE_GROUP)
 
 
 class RayBundle:
@@ -65,6 +67,8 @@ class RayBundle:
         order, starts, grid = self._bins
         poses = data.geom_xpos, data.geom_xmat, pose
         cast_bundle(*obstacles, *poses, directions, order, starts, grid, self._range_max, distances)
+        if (triangles := self._surroundings.triangles) is not None:
+            cast_triangles(*triangles, origin, directions, self._range_max, distances)
         np.isfinite(distances, out=self.on_obstacle)
         nearest = distances.copy()
         heights, pyramid, levels, frame = terrain
