@@ -3,8 +3,8 @@
 What hangs together is one body. A body is halved, and its halves again, until each part is as its convex
 hull, to within FIT: either nearly all of the hull's surface is its own (a box, a piece of a pipe), or it
 is nearly flat, and becomes a slab THICKNESS deep on its inner side. It is halved across, or by the
-directions that its triangles face, whichever gives fewer parts. A ceiling of a structure (what faces
-down, HEADROOM above the ground) is touched by nobody: it stays as it is, to be seen.
+directions that its triangles face, whichever gives fewer parts. A vaulted ceiling of a structure (what
+faces down, HEADROOM above the ground) is touched by nobody: it stays as it is, to be seen.
 
 A body on which a rover can stand (STANDING_AREA no steeper than STEEPEST) is a structure, as a bridge:
 its gentle triangles are deck, which is ground; others are rocks where they are no higher than the rover
@@ -108,8 +108,8 @@ def _pieces(body: Mesh, kind: ObstacleKind, clearance: float, ground: Heightfiel
         kinds[is_gentle] = ObstacleKind.DECK.value
     chosen = areas > SMALLEST_AREA
     is_ceiling = chosen & _is_ceiling(body, normals, ground)
-    if is_structure and is_ceiling.sum() > 1:
-        ceiling = body.part(is_ceiling)
+    ceiling = body.part(is_ceiling)
+    if is_structure and len(ceiling.faces) >= FEWEST and _slab(ceiling, *_areas(ceiling)) is None:
         yield surface(ObstacleKind.DECK, ceiling.vertices, ceiling.faces)
         chosen &= ~is_ceiling
     for value in np.unique(kinds[chosen]).tolist():

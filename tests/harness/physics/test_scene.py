@@ -200,11 +200,11 @@ def test_a_model_file_that_has_changed_is_read_anew(tmp_path: Path) -> None:
 
 def test_a_world_from_a_file_brings_its_place_gravity_friction_and_meshes() -> None:
     corners = np.array([(x, y, z) for x in (9.0, 10.0) for y in (0.0, 1.0) for z in (0.0, 0.5)])
-    roof = np.array([(9.0, 2.0, 3.0), (11.0, 2.0, 3.0), (9.0, 4.0, 3.0)])
+    roof = np.array([(9.0, 2.0, 3.0), (11.0, 2.0, 3.0), (9.0, 4.0, 3.0), (11.0, 4.0, 4.0)])
     red = (1.0, 0.0, 0.0, 1.0)
     obstacles = (
         replace(convex(ObstacleKind.HAZARD, corners), color=red),
-        surface(ObstacleKind.DECK, roof, np.array([[0, 1, 2]])),
+        surface(ObstacleKind.DECK, roof, np.array([[0, 1, 2], [1, 3, 2]])),
     )
     ground = Heightfield(np.full((5, 5), -1.0), 2.0, (10.0, 2.0))
     world = World("w", ground, obstacles, 0, None, gravity=1.62, friction=0.25)

@@ -88,7 +88,8 @@ def test_a_bridge_in_a_mesh_is_driven_on_and_under(tmp_path: Path) -> None:
     mesh = "<mesh><uri>m.dae</uri><scale>1 1 1</scale></mesh>"
     world = world_of(tmp_path, solid("t", mesh, "100 50 0 0 0 0"))
     (deck,) = world.obstacles
-    assert (deck.kind, top(deck)) == (ObstacleKind.DECK, pytest.approx(2.54))
+    assert deck.kind is ObstacleKind.DECK
+    assert top(deck) == pytest.approx(2.54)
     assert world.ground.middle == pytest.approx((100.0, 50.0))
     assert world.ground.height_at(105.0, 55.0) == pytest.approx(1.0, abs=0.01)
     assert world.start == (100.0, 50.0, 0.0)

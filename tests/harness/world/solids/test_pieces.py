@@ -87,14 +87,16 @@ def test_a_bent_pipe_becomes_few_pieces_that_stay_near_it() -> None:
 
 
 def bridge() -> Mesh:
-    """A body of one piece: two decks at different heights, joined by a wall, and a ceiling over all."""
+    """A body of one piece: two decks at different heights, joined by a wall, and a vault over one."""
     profile = [(-4.0, 0.5), (0.0, 0.5), (0.0, 0.9), (4.0, 0.9)]
     vertices = np.array([(x, y, z) for x, z in profile for y in (-1.0, 1.0)])
     quads = [(0, 2, 3, 1), (4, 2, 3, 5)[::-1], (4, 6, 7, 5)]
     faces = [f for a, b, c, d in quads for f in ((a, b, c), (a, c, d))]
-    roof = np.array([(0.0, -1.0, 2.5), (4.0, -1.0, 2.5), (4.0, 1.0, 2.5), (0.0, 1.0, 2.5)])
-    wall = [(4, 8, 6), (6, 8, 9)]
-    return Mesh(np.concatenate([vertices, roof]), np.array([*faces, (8, 11, 10), (8, 10, 9), *wall]))
+    vault = [(-1.0, 2.5), (-0.5, 2.8), (0.0, 2.9), (0.5, 2.8), (1.0, 2.5)]
+    roof = np.array([(x, y, z) for y, z in vault for x in (0.0, 4.0)])
+    quads = [(8 + k, 10 + k, 11 + k, 9 + k) for k in (0, 2, 4, 6)]
+    faces += [f for a, b, c, d in quads for f in ((a, b, c), (a, c, d))]
+    return Mesh(np.concatenate([vertices, roof]), np.array([*faces, (4, 8, 6), (6, 8, 9)]))
 
 
 def test_a_structure_has_decks_hazards_and_a_ceiling_that_is_only_seen() -> None:
@@ -103,7 +105,7 @@ def test_a_structure_has_decks_hazards_and_a_ceiling_that_is_only_seen() -> None
     decks = sorted(top(o) for o in found if o.kind is ObstacleKind.DECK and o.shape == "convex")
     assert decks == pytest.approx([0.5, 0.9])
     (ceiling,) = (o for o in found if o.shape == "surface")
-    assert (len(ceiling.faces), bottom(ceiling)) == (2, 2.5)
+    assert (len(ceiling.faces), bottom(ceiling)) == (8, 2.5)
 
 
 def test_bodies_hang_together_by_their_vertices() -> None:
