@@ -72,8 +72,8 @@ def _print(written: Written, console: Console) -> None:
 
 
 def _check(options: argparse.Namespace, console: Console) -> int:
-    rover = find_rover(options.robot)
-    config = EpisodeConfig(robot=options.robot, terrain="flat", driver="figure8", duration=SHOWN)
+    rover = find_rover(options.rover)
+    config = EpisodeConfig(robot=options.rover, terrain="flat", driver="figure8", duration=SHOWN)
     with Drawing(options.picture, None, lidar=False, backend=keep_opengl_out()) as drawing:
         if drawing.wanted:
             drawing.prepare(config)
@@ -111,11 +111,14 @@ def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(
         prog="python -m harness.robot", description="Rovers of your own: docs/robots.md."
     )
-    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=OneLineParser)
+    commands = parser.add_subparsers(
+        required=True, metavar="COMMAND", parser_class=OneLineParser, help="COMMAND --help tells more"
+    )
     new = commands.add_parser("new", help="make a folder for --robot of a URDF")
     new.set_defaults(act=_new)
     new.add_argument("name", metavar="NAME", help="of the rover")
-    new.add_argument("--from", dest="source", type=Path, required=True, metavar="FILE.urdf")
+    about = "the URDF; its meshes beside it or in folders above"
+    new.add_argument("--from", dest="source", type=Path, required=True, metavar="FILE.urdf", help=about)
     new.add_argument("--out", type=Path, metavar="FOLDER", help="to be made; default: NAME")
     for side in ("left", "right"):
         about = f"joints of the wheels on the {side}, front to rear; found by their places if left out"
@@ -126,7 +129,7 @@ def _parser() -> argparse.ArgumentParser:
         "check", help="compile a rover, drive it on flat ground, tell what is odd"
     )
     check.set_defaults(act=_check)
-    check.add_argument("robot", metavar="FOLDER", help="or the name of a rover that ships")
+    check.add_argument("rover", metavar="FOLDER", help="or the name of a rover that ships")
     check.add_argument("--picture", type=Path, metavar="FILE.png", help="draw it")
     printed = commands.add_parser("schema", help="print the JSON schema of rover.yaml, for editors")
     printed.set_defaults(act=_schema)

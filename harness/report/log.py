@@ -16,6 +16,7 @@ from harness.samples import Vector3
 from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_COLUMNS
+from rover_metrics.extended.truth_columns import SLIP, slip_column
 
 TIME_COLUMN, NOTES_COLUMN = COLUMNS[0], COLUMNS[-1]
 COUNTER = "Total Collisions"
@@ -38,6 +39,8 @@ DICTIONARY = {column.name: column for column in ROBOTERRAIN_COLUMNS} | {
 
 def describe(name: str) -> Column:
     """Returns the entry of the data dictionary; what it does not know has the unit in its name."""
+    if name.startswith(SLIP):  # rovers differ in their wheels
+        return slip_column(name.removeprefix(SLIP).lower().replace(" ", "_"))
     unit = re.search(r"\[(.+)\]$", name)
     meaning = "The data dictionary does not know this column."
     unknown = Column(

@@ -22,6 +22,8 @@ SENSORS = {
     "imu_accelerometer": mujoco.mjtSensor.mjSENS_ACCELEROMETER,
     "imu_gyro": mujoco.mjtSensor.mjSENS_GYRO,
 }
+# Of what harness.physics.scene adds.
+TAKEN = frozenset(("terrain", "rocks", "hazards", "rock_contact", "hazard_contact"))
 ABOVE = 0.05  # [m] over the highest point: a lidar that nobody has placed
 
 
@@ -43,6 +45,7 @@ def read_model(rover: RoverSpec) -> mujoco.MjSpec:
         if mesh.file and not file.is_file():
             message = f"mesh '{mesh.name}' is to be in {file}, which does not exist"
             raise UsageError(f"{path}: {message}; put it there, or mend its name")
+    _check_names(spec, path)
     free_root(spec, path)
     sort_geoms(spec)
     show_what_collides(spec)
@@ -167,6 +170,14 @@ def _children(body: mujoco.MjsBody) -> Iterator[mujoco.MjsBody]:
     while child is not None:
         yield child
         child = body.next_body(child)
+
+
+def _check_names(spec: mujoco.MjSpec, path: Path) -> None:
+    """Checks that worlds can use the names that they use."""
+    named = [*spec.bodies, *spec.geoms, *spec.hfields, *spec.sensors]
+    for name in (thing.name for thing in named):
+        if name in TAKEN:
+            raise UsageError(f"{path}: the name '{name}' is the world's; give another")
 
 
 def _descendants(body: mujoco.MjsBody) -> Iterator[mujoco.MjsBody]:

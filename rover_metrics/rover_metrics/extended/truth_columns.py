@@ -11,6 +11,7 @@ STANDING = 0.05  # [m/s]: of the harness's wheels, which say 0 below it
 
 WHEELS = ("front_left", "rear_left", "front_right", "rear_right")  # if nobody says others
 ROUGHNESS = "roughness"
+SLIP = "True Slip "  # and the wheel: names of columns
 FIRST_SLIP = 5  # place among the values
 
 
@@ -49,17 +50,7 @@ def truth_columns(wheels: Sequence[str]) -> tuple[Column, ...]:
             "as RoboTerrain's pose converter does not.",
             source="/odom_ground_truth twist.twist.linear",
         ),
-        *(
-            Column(
-                name=f"True Slip {_in_words(wheel).title()}",
-                meaning=f"Slip ratio of the {_in_words(wheel)} wheel, -1 to 1.",
-                formula="Mean since the row before of (w r - v) / max(|w r|, |v|), w r the speed of its "
-                f"rim and v that of its centre; 0 while both are below {STANDING:g} m/s. A skid-steer's "
-                "wheels slip in every turn, though the rover does not.",
-                source=f"{_TRAVERSAL} slip_{wheel}",
-            )
-            for wheel in wheels
-        ),
+        *map(slip_column, wheels),
         Column(
             name="True Roughness",
             unit="m",
@@ -70,8 +61,17 @@ def truth_columns(wheels: Sequence[str]) -> tuple[Column, ...]:
     )
 
 
-def _in_words(wheel: str) -> str:
-    return wheel.replace("_", " ")
+def slip_column(wheel: str) -> Column:
+    """Returns the column of one wheel, e.g. front_left."""
+    words = wheel.replace("_", " ")
+    return Column(
+        name=f"{SLIP}{words.title()}",
+        meaning=f"Slip ratio of the {words} wheel, -1 to 1.",
+        formula="Mean since the row before of (w r - v) / max(|w r|, |v|), w r the speed of its "
+        f"rim and v that of its centre; 0 while both are below {STANDING:g} m/s. A skid-steer's "
+        "wheels slip in every turn, though the rover does not.",
+        source=f"{_TRAVERSAL} slip_{wheel}",
+    )
 
 
 class TruthColumns:

@@ -91,6 +91,7 @@ MISTAKES = {
         {'joint name="d" axis': "joint axis", '<velocity joint="d"': '<velocity joint="c"'},
         "no name",
     ),
+    "the world's name": ({'name="hull"': 'name="terrain"'}, "the name 'terrain' is the world's"),
     "no XML": ({"<mujoco>": "<mujoco"}, "is no model that MuJoCo reads"),
     "no mesh": (
         {"<worldbody>": '<asset><mesh file="x.stl"/></asset><worldbody>'},

@@ -92,6 +92,12 @@ def test_a_controllers_plugin_tells_what_it_believes(tmp_path: Path) -> None:
     assert (rover.controller_separation, rover.controller_radius) == (1.1, 0.15)
 
 
+def test_a_link_without_an_inertia_weighs_nothing(tmp_path: Path) -> None:
+    ball = "<collision><geometry><sphere radius='0.1'/></geometry></collision>"
+    made = written(tmp_path, HUSKY.urdf.replace('<link name="laser">', f'<link name="laser">{ball}'))
+    assert f"{HUSKY.mass:.1f} kg" in made.rover.summary
+
+
 def test_wheels_may_be_named(tmp_path: Path) -> None:
     sides = {"left": ("rear_left_wheel_joint",), "right": ("rear_right_wheel_joint",)}
     assert written(tmp_path, HUSKY.urdf, **sides).rover.wheel_joints == (*sides["left"], *sides["right"])
