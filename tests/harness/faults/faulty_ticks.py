@@ -1,6 +1,7 @@
 """Ticks with every sensor, and what listeners get of them under faults."""
 
 from collections.abc import Sequence
+from functools import cache
 from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -22,6 +23,7 @@ from harness.samples import (
     source,
 )
 from harness.sensors.choice import by_default
+from harness.sensors.table import SensorRow
 from harness.sim_time import NANOSECONDS as SECOND
 from harness.sim_time import TICK_NS as TICK
 
@@ -43,17 +45,21 @@ def tick(number: int) -> Tick:
             Odometry(stamp, x, x, 0.5, Twist(x, x)),
             GroundTruth(stamp, x, x, 0.5, vector, vector),
             JointStates(stamp, vector, vector, vector),
+            *(_made(row, stamp, x) for row in ROWS if row.given is not None),
         ),
     )
 
 
-def carried(number: int, name: str) -> Tick:
-    """A tick with an optional sensor alone; its number can be read from each value."""
-    (row,) = (row for row in ROWS if row.source == name)
-    hints = get_type_hints(row.sample)
-    values = {field: _value(hints[field], float(number)) for field in row.sample.__dataclass_fields__}
-    sample = row.sample(**values | {"stamp_ns": number * TICK, "sensor": name})
-    return Tick(number * TICK, (sample,))
+def _made(row: SensorRow, stamp: int, x: float) -> Sample:
+    """A sample of an optional sensor with a number in every value."""
+    named = {"stamp_ns": stamp, "sensor": row.fault}
+    values = {name: _value(hint, x) for name, hint in _hints(row.sample).items() if name not in named}
+    return row.sample(**values, **named)
+
+
+@cache
+def _hints(kind: type[Sample]) -> dict[str, Any]:
+    return {name: get_type_hints(kind)[name] for name in kind.__dataclass_fields__}
 
 
 def _value(hint: Any, x: float) -> object:  # noqa: ANN401 - a type or an alias
@@ -65,15 +71,14 @@ def _value(hint: Any, x: float) -> object:  # noqa: ANN401 - a type or an alias
     return plain(x)
 
 
-def sent(*specs: str, seconds: float = 4.0, seed: int = 0, optional: str | None = None) -> list[Tick]:
-    """What listeners get of an episode with these faults, or of an optional sensor in it."""
+def sent(*specs: str, seconds: float = 4.0, seed: int = 0) -> list[Tick]:
+    """What listeners get of an episode with these faults."""
     faults = FaultInjector(parse_faults(specs), seed, ROWS)
-    numbers = range(1, round(seconds * 100) + 1)
-    return [faults.corrupt(carried(n, optional) if optional else tick(n)) for n in numbers]
+    return [faults.corrupt(tick(number)) for number in range(1, round(seconds * 100) + 1)]
 
 
 def readings(ticks: Sequence[Tick], kind: Source) -> list[Sample]:
-    return [sample for one in ticks for sample in one.samples if source(sample) == kind]
+    return [sample for one in ticks for sample in one.samples if kind in (type(sample), source(sample))]
 
 
 def scans(*specs: str) -> list[LaserScan]:
@@ -86,3 +91,12 @@ def imus(*specs: str, seed: int = 0) -> list[Imu]:
 
 def times(some: Sequence[Sample]) -> list[float]:
     return [reading.stamp_ns / SECOND for reading in some]
+
+
+def said(one: Tick) -> str:
+    """All that a tick says; the texts that numpy makes of arrays cost far more."""
+    values = [(type(s), [getattr(s, name) for name in s.__dataclass_fields__]) for s in one.samples]
+    plain = [
+        (kind, [v.tobytes() if isinstance(v, np.ndarray) else v for v in some]) for kind, some in values
+    ]
+    return repr((one.stamp_ns, one.tells_time, plain))
