@@ -119,10 +119,11 @@ def _serve(
     connection: Connection,
 ) -> None:
     """The process: says None when it is ready, else why it is not; then an image for each state."""
-    os.environ["MUJOCO_GL"] = kind
+    os.environ["MUJOCO_GL"] = "off"  # MuJoCo does not load where what it names is missing
     from harness.physics.opengl import gl_context  # noqa: PLC0415 - loads MuJoCo
     from harness.sensors.camera.renderer import CameraRenderer  # noqa: PLC0415 - likewise
 
+    os.environ["MUJOCO_GL"] = kind
     try:
         context = gl_context("a camera", 1, 1)
     except UsageError as error:

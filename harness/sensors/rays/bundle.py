@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from harness.physics.scene import OBSTACLE_GROUP
 from harness.sensors.rays.arrays import heightfield_arrays, obstacle_arrays, triangle_arrays
+from harness.sensors.rays.compiled import kernel
 from harness.sensors.rays.heightfield_kernel import cast_clear_rays
 from harness.sensors.rays.horizon_kernel import RINGS, SECTORS, clear_ways, highest_points
 from harness.sensors.rays.obstacle_kernel import cast_bundle
@@ -62,7 +63,7 @@ class RayBundle:
         """
         directions, distances, origin = self._directions, self._distances, pose[0]
         terrain, obstacles = self._surroundings.terrain, self._surroundings.obstacles
-        np.matmul(self._local, pose[1:].T, out=directions)
+        turn(self._local, pose, directions)
         distances.fill(np.inf)
         order, starts, grid = self._bins
         poses = data.geom_xpos, data.geom_xmat, pose
@@ -77,6 +78,21 @@ class RayBundle:
         cast_clear_rays(*terrain, origin, directions, self._clear, self._range_max, distances)
         self.on_obstacle &= distances == nearest
         return distances
+
+
+@kernel("void(float64[:,::1], float64[:,::1], float64[:,::1])")
+def turn(local: Doubles, pose: Doubles, directions: Doubles) -> None:
+    """Sets `directions` to vectors of a frame in the world; BLAS would start threads for so many.
+
+    Args:
+        local: In the frame, shape (n, 3).
+        pose: Of the frame: origin and below it its rotation, shape (4, 3).
+        directions: Result, shape (n, 3).
+    """
+    for i in range(local.shape[0]):
+        for axis in range(3):
+            row = pose[axis + 1]
+            directions[i, axis] = local[i, 0] * row[0] + local[i, 1] * row[1] + local[i, 2] * row[2]
 
 
 def _sorted_into_bins(directions: Doubles) -> tuple[Integers, Integers, Doubles]:
