@@ -36,7 +36,12 @@ PACKAGES = (
     Package("log", _modules(_METRICS, "log/*")),
     Package("timing and health", _modules(_METRICS, "timing/* health/* ros/row_timer")),
     Package("extended columns", _modules(_METRICS, "extended/*")),
-    Package("statistics", _modules(f"{_METRICS}/analysis", "* logs/* statistics/*")),
+    Package(
+        "statistics",
+        _modules(
+            f"{_METRICS}/analysis", "* logs/* statistics/* social/log social/metrics social/comparison"
+        ),
+    ),
     Package("sensors", _modules(f"{_HARNESS}/sensors", "* rays/arrays")),
     Package("faults", _modules(_HARNESS, "faults/*")),
     Package(
