@@ -130,14 +130,12 @@ def _grouped(logs: Sequence[SocialLog], wanted: Sequence[str]) -> dict[str, list
             raise GroupError(f"--groups '{text}': give each group a name of its own")
         patterns[name] = pattern or None
     groups: dict[str, list[SocialLog]] = {name: [] for name in patterns}
+    lonely: list[SocialLog] = []
     for log in logs:
         homes = [name for name, pattern in patterns.items() if _belongs(log.path, name, pattern)]
         if len(homes) > 1:
-            raise GroupError(
-                f"{log.path} is in the groups {' and '.join(homes)}; each log belongs to one"
-            )
-        if not homes:
-            print(f"social: {printable(str(log.path))} is in no group and left out", file=sys.stderr)
+            raise GroupError(f"{log.path} is in groups {' and '.join(homes)}; each log belongs to one")
+        lonely += [] if homes else [log]
         for name in homes:
             groups[name].append(log)
     for name, members in groups.items():
@@ -146,6 +144,8 @@ def _grouped(logs: Sequence[SocialLog], wanted: Sequence[str]) -> dict[str, list
                 f"group '{name}' has no log; the folders of the logs are: {', '.join(folders)}; "
                 "or name a group and the logs in it: NAME=PATTERN, as in nav2='*/nav2_*.csv'"
             )
+    for log in lonely:
+        print(f"social: {printable(str(log.path))} is in no group and left out", file=sys.stderr)
     return groups
 
 
