@@ -10,6 +10,7 @@ from pathlib import Path
 
 from harness.drivers import find_driver, takes_goals
 from harness.drivers.base import CONTROL_PERIOD_NS
+from harness.drivers.goal_course import Area, check_area
 from harness.drivers.staged import StagedEncounter
 from harness.errors import UsageError, find_named
 from harness.faults.spec import parse_faults
@@ -18,6 +19,8 @@ from harness.robots import find_rover
 from harness.sensors.base import period_ticks
 from harness.sensors.noise import PRESETS
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
+from harness.world.actors.actor import with_actors
+from harness.world.actors.spec import parse_actors
 from harness.world.heightmap.dem import TerrainFile, file_world, is_terrain_file
 from harness.world.terrains import TERRAINS
 from harness.world.world import (
@@ -31,6 +34,10 @@ from harness.world.world import (
 
 CMD_VEL_TYPES = ("auto", "twist", "stamped")
 LIDAR_BEAMS, IMU_RATE = 640, 20
+LISTS = (  # the fields that are tuples
+    *("terrain_size", "start", "faults", "commands", "goals", "resets"),
+    *("actors", "goal_area"),
+)
 CMD_VEL = "cmd_vel"  # the driver that obeys commands
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
 FEWEST_BEAMS, MOST_BEAMS = 2, 100_000
@@ -64,12 +71,23 @@ class EpisodeConfig:
     cmd_vel_timeout: float | None = None  # [s] of simulation time after which a command ends
     faults: tuple[str, ...] = ()  # on the way to listeners; the episode itself does not see them
     commands: tuple[tuple[float, float, float], ...] = ()  # to driver cmd_vel: when [s], m/s, rad/s
+    goal_area: Area | None = None  # x from, to, y from, to [m]: one random goal in it after another
+    actors: tuple[str, ...] = ()  # people, as harness.world.actors.spec reads them
     goals: tuple[tuple[float, float, float, float], ...] = ()  # to driver goal: when [s], x, y, yaw
     resets: tuple[float, ...] = ()  # when the rover is put back to its start [s]
 
     def __post_init__(self) -> None:
         """Takes lists for tuples, as JSON gives them back."""
-        for name in ("terrain_size", "start", "faults", "commands", "goals", "resets"):
+        for name in (
+            "terrain_size",
+            "start",
+            "faults",
+            "commands",
+            "goals",
+            "resets",
+            "actors",
+            "goal_area",
+        ):
             if isinstance(value := getattr(self, name), list):
                 inner = (tuple(v) if isinstance(v, list) else v for v in value)
                 object.__setattr__(self, name, tuple(inner))
@@ -88,16 +106,19 @@ class EpisodeConfig:
         """Returns the world, which is built once and then shared: nobody changes one.
 
         Raises:
-            UsageError: The terrain's file is not usable, or the start is off the map.
+            UsageError: The terrain's file is not usable, the start is off the map, or no person can
+                walk so.
         """
         world = self._terrain_world()
-        return world if self.start is None else starting_at(world, self.start)
+        world = world if self.start is None else starting_at(world, self.start)
+        return with_actors(world, parse_actors(self.actors)) if self.actors else world
 
     def check_world(self) -> None:
         """Checks what depends on the world, which is built only where something does.
 
         Raises:
-            UsageError: The start is off the map, or there is nothing for the driver to meet.
+            UsageError: The start is off the map, no person can walk so, or there is nothing for the
+                driver to meet.
         """
         driver = find_driver(self.driver)
         if issubclass(driver, StagedEncounter):
@@ -106,7 +127,7 @@ class EpisodeConfig:
                 driver.hazards(world.obstacles, world.ground.half_size)
             except UsageError as error:
                 raise UsageError(f"driver '{self.driver}' on {self.terrain}: {error}") from error
-        elif self.start is not None:
+        elif self.start is not None or self.actors:
             self.world()
 
     def _terrain_world(self) -> World:
@@ -142,6 +163,11 @@ class EpisodeConfig:
         for what, heeds, driver in plans:
             if what and not heeds:
                 raise UsageError(f"driver '{self.driver}' is told nothing; this needs driver '{driver}'")
+        if self.goal_area is not None:
+            check_area(self.goal_area)
+            if self.goals or not takes_goals(self.driver):
+                needed = "leave out the goals" if self.goals else "it needs driver 'goal' or a policy"
+                raise UsageError(f"a goal area gives goals by itself: {needed}")
         if not all(math.isfinite(value) for _, *values in told for value in values):
             raise UsageError("a command or goal is not valid; give finite numbers")
         for time_s in (*(time_s for time_s, *_ in told), *self.resets):
@@ -181,6 +207,7 @@ class EpisodeConfig:
         check_duration(self.duration)
         self._validate_plan()
         self._validate_faults()
+        parse_actors(self.actors)
         self._validate_timeout()
         if self.start is not None:
             check_start(self.start)

@@ -15,6 +15,7 @@ import numpy as np
 
 from harness.errors import UsageError
 from harness.robots import RoverSpec
+from harness.world.actors.actor import Actor
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
 
@@ -60,7 +61,8 @@ def build_scene(world: World, rover: RoverSpec, timestep: float, dress: Dress | 
     _keep_constraints_soft(spec, timestep)
     _add_terrain(spec, world)
     _add_obstacles(spec, world.obstacles)
-    _add_truth_sensors(spec)
+    _add_actors(spec, world.actors)
+    _add_truth_sensors(spec, world.actors)
     if dress is not None:
         dress(spec)
     return Scene(model=spec.compile(), world=world, rover=rover)
@@ -137,13 +139,30 @@ def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None
         )
 
 
-def _add_truth_sensors(spec: mujoco.MjSpec) -> None:
-    """Contact counts of the whole rover with rocks and hazards, of its body with the ground."""
+def _add_actors(spec: mujoco.MjSpec, actors: tuple[Actor, ...]) -> None:
+    for actor in actors:
+        options = actor.spec.options
+        x, y = actor.begin
+        height = actor.world.ground.height_at(x, y) + 0.5 * options.height
+        body = spec.worldbody.add_body(name=actor.name, mocap=True, pos=[x, y, height])
+        body.add_geom(
+            name=actor.name,
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            size=[options.radius, 0.5 * options.height - options.radius, 0.0],
+            group=OBSTACLE_GROUP,
+            **(GROUND_CONTACT if options.push else {"contype": 0, "conaffinity": 0}),
+        )
+
+
+def _add_truth_sensors(spec: mujoco.MjSpec, actors: tuple[Actor, ...]) -> None:
+    """Contact counts of the whole rover with rocks, hazards and people, of its body with the ground."""
     subtree, body, geom = (mujoco.mjtObj.mjOBJ_XBODY, mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_GEOM)
     counts = [
         (ROCK_CONTACT, (subtree, "rover"), (body, "rocks")),
         (HAZARD_CONTACT, (subtree, "rover"), (body, "hazards")),
     ]
+    solid = (actor.name for actor in actors if actor.spec.options.push)
+    counts += [(f"{HAZARD_CONTACT}_{name}", (subtree, "rover"), (body, name)) for name in solid]
     scraping = (part for part in spec.bodies if any(g.name.startswith(BODY_PREFIX) for g in part.geoms))
     counts += [(f"{SCRAPE_CONTACT}_{b.name}", (body, b.name), (geom, TERRAIN)) for b in scraping]
     found, net_force, slots = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 3, 1

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from harness.errors import Diverged, RunFailed
 from harness.physics.contacts import ContactWatch
+from harness.physics.crowd import Crowd
 from harness.physics.parking import ParkingHold
 from harness.physics.scene import Scene
 from harness.physics.start import spawn_pose
@@ -43,6 +44,7 @@ class Simulation:
         tick_sum: MuJoCo's sensor values, each summed over the steps of the last tick.
         contacts: What the rover touched in the last tick.
         wheels: The actuators of the wheel joints, in the rover's order.
+        crowd: The people who walk about; None without any.
     """
 
     def __init__(self, scene: Scene, timestep_ns: int) -> None:
@@ -59,6 +61,7 @@ class Simulation:
         self.tick_sum = np.zeros(self.model.nsensordata)
         self.contacts = ContactWatch(self.model, self.data)
         self.wheels = np.array([self.model.actuator(n).id for n in scene.rover.wheel_joints])
+        self.crowd = Crowd(scene, self.data) if scene.world.actors else None
         self._parking = ParkingHold(self.model, scene.rover.wheel_joints)
         self._edge_x, self._edge_y = (half - EDGE_MARGIN for half in scene.world.ground.half_size)
         self._settle(scene.world.start)
@@ -127,11 +130,15 @@ class Simulation:
         contacts, counts = self.contacts, self.contacts.counts
         total.fill(0.0)
         contacts.begin()
+        if self.crowd is not None:
+            self.crowd.move(self.time_ns + TICK_NS)
         for _ in range(self.steps_per_tick):
             mujoco.mj_step(model, data)
             total += data.sensordata
             if any(counts.tolist()):
                 contacts.look()
+        if self.crowd is not None:
+            self.crowd.look(contacts)
         self.step_count += self.steps_per_tick
         self.check()
 

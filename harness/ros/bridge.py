@@ -29,6 +29,7 @@ from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
 from rover_metrics.ros.guarded_node import GuardedNode
 
+PERSON = "geometry_msgs/msg/Pose"  # RoboTerrain's plugin tells no stamp
 CLOCK = table.Topic("/clock", "rosgraph_msgs/msg/Clock")
 # In odom are those of Nav2's pure pursuit controllers, which mean the base: they copy its pose's header.
 COMMAND_FRAMES = ("base_link", "base_footprint", ODOM)
@@ -64,6 +65,7 @@ class Bridge(GuardedNode):
         context: Of rclpy.
         on_command: Takes each command of /cmd_vel.
         cmd_vel: How commands come: "twist", "stamped" or "auto".
+        actors: Names of the people, as NAME_actor.
 
     Attributes:
         channels_of: The topics of each kind of sample, in publishing order.
@@ -81,6 +83,7 @@ class Bridge(GuardedNode):
         context: Context | None = None,
         on_command: Callable[[samples.Twist], None] | None = None,
         cmd_vel: str = "twist",
+        actors: Sequence[str] = (),
     ) -> None:
         super().__init__("harness", context=context)
         self.time_ns = 0
@@ -93,6 +96,11 @@ class Bridge(GuardedNode):
             for row in table.SENSORS
             if row.sample is not samples.Transforms
         } | {samples.Transforms: self.frames.moving}
+        if actors:
+            self.channels_of[samples.ActorPoses] = [
+                open_channel(self, table.Topic(f"{name}/pose", PERSON), messages.person(index))
+                for index, name in enumerate(actors)
+            ]
         # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.
         self.clock_channel = open_channel(self, CLOCK, messages.by_names(Clock(), samples.Tick))
         frames = dict.fromkeys((rover.odometry_child_frame, *COMMAND_FRAMES))

@@ -33,6 +33,7 @@ from harness.testing.evidence import Evidence
 from harness.testing.process import Process
 from harness.testing.subject import Heard, Message, Subject
 from harness.truth.traversal import Truth
+from harness.world.actors.spec import actor_names
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 
@@ -127,7 +128,8 @@ class Trial:
         at_end.callback(rclpy.try_shutdown)
         lidar = LidarSpec(beams=self.config.lidar_beams)
         rover, obey = find_rover(self.config.robot), self._command
-        self._bridge = Bridge(rover, lidar, on_command=obey, cmd_vel=self.CMD_VEL)
+        names = actor_names(self.config.actors)
+        self._bridge = Bridge(rover, lidar, on_command=obey, cmd_vel=self.CMD_VEL, actors=names)
         at_end.callback(self._bridge.destroy_node)
         self._record(at_end)
         if self._episode.description is not None:

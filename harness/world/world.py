@@ -3,6 +3,7 @@
 import hashlib
 import math
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,6 +11,9 @@ from harness.errors import UsageError
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle
 from harness.world.terrains import TERRAINS
+
+if TYPE_CHECKING:
+    from harness.world.actors.actor import Actor
 
 DEFAULT_DIFFICULTY = 0.5
 EDGE_MARGIN = 0.5  # [m] of map that must remain around the rover's origin
@@ -25,6 +29,7 @@ class World:
         difficulty: None of a heightmap file, which has none.
         notes: What a heightmap file holds, and what was done to it to make this of it.
         start: Where the rover starts.
+        actors: People who walk about.
     """
 
     name: str
@@ -34,6 +39,7 @@ class World:
     difficulty: float | None
     notes: tuple[str, ...] = ()
     start: Start = (0.0, 0.0, 0.0)
+    actors: tuple["Actor", ...] = ()
 
 
 def build_world(name: str, seed: int, difficulty: float = DEFAULT_DIFFICULTY) -> World:
