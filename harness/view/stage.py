@@ -20,6 +20,7 @@ OBSTACLE_COLORS = {  # RGBA, darker than the ground
     ObstacleKind.ROCK: [0.3128, 0.272, 0.238, 1.0],
     ObstacleKind.HAZARD: [0.4216, 0.204, 0.136, 1.0],
 }
+PERSON_COLOR = [0.13, 0.28, 0.46, 1.0]
 FIELD_OF_VIEW = 38.0  # [deg], vertical
 SOIL_PIXELS, SOIL_TILE = 1024, 2.0  # [pixels], [m] along a side of what repeats
 DARK_SOIL, LIGHT_SOIL = (128.0, 82.0, 54.0), (226.0, 168.0, 122.0)  # RGB, 0..255
@@ -62,6 +63,9 @@ def dress(spec: mujoco.MjSpec, quality: Quality) -> None:
     for kind, body in OBSTACLE_BODIES.items():
         for geom in spec.body(body).geoms:
             geom.rgba = OBSTACLE_COLORS[kind]
+    for body in spec.bodies:
+        for geom in body.geoms if body.mocap else ():
+            geom.rgba = PERSON_COLOR
     _add_soil(spec)
     # One colour: of a gradient, a picture near the horizon shows nothing but bands.
     spec.add_texture(

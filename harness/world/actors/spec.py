@@ -7,7 +7,7 @@ each with :KEY=VALUE,... behind it
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
@@ -106,11 +106,23 @@ def actor_names(texts: Sequence[str]) -> tuple[str, ...]:
     return tuple(spec.full_name for spec in parse_actors(texts))
 
 
-def _parse(text: str) -> tuple[ActorSpec, ...]:
+def beside(text: str, place: Callable[[str], Path]) -> str:
+    """Returns a spec whose file, if it names one, is where `place` finds it."""
+    name, what, behind = _split(text)
+    named, options = name and f"{name}=", behind and f":{behind}"
+    return f"{named}{place(what)}{options}" if what.lower().endswith(SUFFIXES) else text
+
+
+def _split(text: str) -> tuple[str, str, str]:
+    """Its name, what walks, and its options; "" for what is not there."""
     found = BEHIND.fullmatch(text)
-    what, behind = (found["what"], found["options"]) if found else (text, None)
-    given = what.partition("=")
-    name, what = (given[0], given[2]) if given[1] and NAME.fullmatch(given[0]) else ("", what)
+    what, behind = (found["what"], found["options"] or "") if found else (text, "")
+    name, sign, rest = what.partition("=")
+    return (name, rest, behind) if sign and NAME.fullmatch(name) else ("", what, behind)
+
+
+def _parse(text: str) -> tuple[ActorSpec, ...]:
+    name, what, behind = _split(text)
     options = _options(text, behind)
     if what in WALKERS:
         return (ActorSpec(text, _checked(text, name or what), options, walker=what),)
@@ -148,7 +160,7 @@ def _checked(text: str, name: str) -> str:
     return short
 
 
-def _options(text: str, behind: str | None) -> Options:
+def _options(text: str, behind: str) -> Options:
     values: dict[str, Any] = {}
     names = [item.name for item in fields(Options)]
     for pair in behind.split(",") if behind else ():
