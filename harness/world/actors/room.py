@@ -31,7 +31,7 @@ class Room:
             points: In the world [m], shape (n, 2).
             radius: Of the body [m].
         """
-        outside = (np.abs(points) > self.reach).any(axis=1)
+        outside = ~(np.abs(points) <= self.reach).all(axis=1)  # so that NaN is
         if outside.any():
             return "off the map", points[int(outside.argmax())]
         low, high = points.min(axis=0) - radius, points.max(axis=0) + radius
