@@ -126,6 +126,6 @@ def read_states(path: Path) -> States:
     rows = rows[np.isfinite(rows).all(axis=1)]
     if not len(rows):
         raise UsageError("nothing to be drawn: the run ended before its first state")
-    persons = rows[:, end_of_joints:].reshape(-1, people, PERSON_SIZE)
+    persons = rows[:, end_of_joints:].reshape(len(rows), people, PERSON_SIZE)
     parts = (rows[:, 0], rows[:, 1:4], rows[:, 4:8], rows[:, 8:end_of_joints])
     return States(config, *parts, persons)

@@ -60,7 +60,7 @@ def test_rows_are_where_rover_and_people_are(tmp_path: Path) -> None:
 
 def test_what_cannot_be_written_is_told(tmp_path: Path) -> None:
     for name, told in (("log.txt", "does not end in .csv"), ("there.csv", "exists already")):
-        (tmp_path / name).touch()
+        (tmp_path / "there.csv").touch()
         with pytest.raises(UsageError, match=told):
             SocialRecorder(("a_actor", "b_actor"), tmp_path / name, tmp_path)
     log = SocialRecorder(("a_actor", "b_actor"), None, tmp_path / "there.csv")
