@@ -19,7 +19,8 @@ def force(
 ) -> list[float]:
     seconds = 1e-6  # so short that nobody is too fast
     _, after = step(STILL, velocity, WANTED, radius=0.25, bodies=bodies, walls=walls, seconds=seconds)
-    return ((after - velocity) / seconds).tolist()
+    x, y = ((after - velocity) / seconds).tolist()
+    return [x, y]
 
 
 @pytest.mark.parametrize(

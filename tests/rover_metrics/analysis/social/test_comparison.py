@@ -43,7 +43,8 @@ def test_each_pair_is_tested_and_adjusted_metric_by_metric() -> None:
     assert [each.groups for each in found] == pairs * 2
     for column, metric in enumerate(("risk_s_per_goal", "s_per_goal")):
         of_metric = [each for each in found if each.metric == metric]
-        plain = [stats.mannwhitneyu(*(values[n][:, column] for n in pair)).pvalue for pair in pairs]
+        one = {name: windows[:, column] for name, windows in values.items()}
+        plain = [stats.mannwhitneyu(one[a], one[b]).pvalue for a, b in pairs]
         assert [each.windows.p for each in of_metric] == pytest.approx(plain)
         adjusted = [each.windows.p_holm for each in of_metric]
         assert min(p for p in adjusted if p) == pytest.approx(3 * min(plain))
