@@ -30,7 +30,7 @@ PROGRAMS: dict[str, Callable[[], argparse.ArgumentParser]] = {
 WITHOUT = {  # what does nothing unless it is given, or must be
     *("terrain_size", "terrain_height", "fault", "namespace", "wait_for", "record", "report", "summary"),
     *("picture", "video", "address", "realism", "bag", "params", "remap", "logs", "versus", "value"),
-    "page",
+    *("page", "actor", "goal_area"),
 }
 
 

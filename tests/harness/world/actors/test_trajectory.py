@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from harness.errors import UsageError
@@ -49,7 +50,7 @@ def test_the_actors_of_a_world_have_their_names_poses_and_times(tmp_path: Path) 
     stands = "<actor name='b'><pose>7 8 9 0 0 0</pose></actor>"
     a, b = read_told(written(tmp_path, f"<sdf><world><model/>{actors}{stands}</world></sdf>"))
     assert (a.name, a.times, a.loops, a.delay) == ("a", (1.5, 4.0), False, 2.0)
-    assert a.points == (pytest.approx((8.0, 1.0, 3.0)), pytest.approx((5.0, 4.0, 6.0)))
+    assert np.array(a.points) == pytest.approx(np.array([[8.0, 1.0, 3.0], [5.0, 4.0, 6.0]]))
     assert (b.name, b.points, b.times, b.loops) == ("b", ((7.0, 8.0, 9.0),), (0.0,), True)
 
 
