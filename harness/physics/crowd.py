@@ -28,7 +28,7 @@ class Crowd:
 
     def __init__(self, scene: Scene, data: mujoco.MjData) -> None:
         model = scene.model
-        self.actors = scene.world.actors
+        self.actors = scene.world.people
         self._ground, self._model, self._data = scene.world.ground, model, data
         self._ways = [actor.way() for actor in self.actors]
         x_min, x_max, y_min, y_max = scene.rover.footprint

@@ -61,8 +61,8 @@ def build_scene(world: World, rover: RoverSpec, timestep: float, dress: Dress | 
     _keep_constraints_soft(spec, timestep)
     _add_terrain(spec, world)
     _add_obstacles(spec, world.obstacles)
-    _add_actors(spec, world.actors)
-    _add_truth_sensors(spec, world.actors)
+    _add_actors(spec, world.people)
+    _add_truth_sensors(spec, world.people)
     if dress is not None:
         dress(spec)
     return Scene(model=spec.compile(), world=world, rover=rover)

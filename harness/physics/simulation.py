@@ -61,7 +61,7 @@ class Simulation:
         self.tick_sum = np.zeros(self.model.nsensordata)
         self.contacts = ContactWatch(self.model, self.data)
         self.wheels = np.array([self.model.actuator(n).id for n in scene.rover.wheel_joints])
-        self.crowd = Crowd(scene, self.data) if scene.world.actors else None
+        self.crowd = Crowd(scene, self.data) if scene.world.people else None
         self._parking = ParkingHold(self.model, scene.rover.wheel_joints)
         self._edge_x, self._edge_y = (half - EDGE_MARGIN for half in scene.world.ground.half_size)
         self._settle(scene.world.start)

@@ -73,7 +73,7 @@ def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
     summary = (
         f"Path of {result.truth.path_length:.1f} m with {len(collided)} places where the metrics "
         f"counted collisions and {len(touched)} where the rover touched a hazard."
-        + (f" People were near {len(met)} times." if world.actors else "")
+        + (f" People were near {len(met)} times." if world.people else "")
     )
     caption = (
         f"{2 * half_x:g} m {TIMES} {2 * half_y:g} m, heights {_signed(heights.min())} to "

@@ -85,7 +85,7 @@ def map_figure(
     data = [
         *(_obstacles(world.obstacles, kind) for kind in NAMES),
         _points(scan, "last scan", {"size": 3, "color": SCAN}),
-        *_people(world.actors, track),
+        *_people(world.people, track),
         *_path(track, gravity),
         *_ends(track),
         _events(meetings, NEAR, "circle-open", PERSON),

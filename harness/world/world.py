@@ -29,7 +29,7 @@ class World:
         difficulty: None of a heightmap file, which has none.
         notes: What a heightmap file holds, and what was done to it to make this of it.
         start: Where the rover starts.
-        actors: People who walk about.
+        people: Who walks about.
     """
 
     name: str
@@ -39,7 +39,7 @@ class World:
     difficulty: float | None
     notes: tuple[str, ...] = ()
     start: Start = (0.0, 0.0, 0.0)
-    actors: tuple["Actor", ...] = ()
+    people: tuple["Actor", ...] = ()
 
 
 def build_world(name: str, seed: int, difficulty: float = DEFAULT_DIFFICULTY) -> World:
@@ -88,7 +88,7 @@ def starting_at(world: World, start: Start) -> World:
 
 
 def terrain_hash(world: World) -> str:
-    """Returns the SHA-256 of the heights and the obstacles: equal if and only if the worlds are."""
+    """Returns the SHA-256 of heights, obstacles and people: equal if and only if the worlds are."""
     digest = hashlib.sha256()
     digest.update(np.array(world.ground.cell, dtype="<f8").tobytes())
     digest.update(np.ascontiguousarray(world.ground.heights, dtype="<f8").tobytes())
@@ -96,4 +96,7 @@ def terrain_hash(world: World) -> str:
         digest.update(f"{obstacle.kind.name} {obstacle.shape}".encode())
         numbers = (*obstacle.half_size, *obstacle.position, *obstacle.quaternion)
         digest.update(np.array(numbers, dtype="<f8").tobytes())
+    for person in world.people:
+        digest.update(repr((person.spec.name, person.spec.walker, person.spec.options)).encode())
+        digest.update(repr(person.spec.told).encode())
     return digest.hexdigest()

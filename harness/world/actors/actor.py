@@ -50,7 +50,7 @@ def with_actors(world: World, specs: Sequence[ActorSpec]) -> World:
             begin at; the message tells where.
     """
     room = Room(world)
-    return replace(world, actors=tuple(_actor(spec, world, room) for spec in specs))
+    return replace(world, people=tuple(_actor(spec, world, room) for spec in specs))
 
 
 def _actor(spec: ActorSpec, world: World, room: Room) -> Actor:

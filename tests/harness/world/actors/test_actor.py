@@ -13,7 +13,7 @@ from harness.world.actors.stroll import StrollRoute
 from harness.world.actors.walker import SocialWalker
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
-from harness.world.world import World
+from harness.world.world import World, terrain_hash
 
 WALL = Obstacle(ObstacleKind.HAZARD, "box", (0.2, 1.0, 0.5), (3.0, 0.0, 0.5))
 BARE = World("bare", Heightfield(np.zeros((201, 201)), 0.1), (WALL,), seed=3, difficulty=0.0)
@@ -35,8 +35,8 @@ def test_ways_without_room_are_refused_with_the_place(text: str, told: str) -> N
 
 
 def test_a_random_walk_is_straight_free_steady_and_the_names_own() -> None:
-    both = with_actors(BARE, parse_actors(["a=random:speed=2,within=7", "b=random:within=7"])).actors
-    alone = with_actors(BARE, parse_actors(["b=random:within=7"])).actors
+    both = with_actors(BARE, parse_actors(["a=random:speed=2,within=7", "b=random:within=7"])).people
+    alone = with_actors(BARE, parse_actors(["b=random:within=7"])).people
     ways = [actor.way() for actor in (*both, *alone)]
     times = np.arange(0.0, 300.0, 0.5)
     places = np.array(
@@ -59,7 +59,7 @@ def test_a_random_walk_is_straight_free_steady_and_the_names_own() -> None:
 
 
 def social(text: str = "s=social:within=6") -> SocialWalker:
-    way = with_actors(BARE, parse_actors([text])).actors[0].way()
+    way = with_actors(BARE, parse_actors([text])).people[0].way()
     assert isinstance(way, SocialWalker)
     return way
 
@@ -95,3 +95,10 @@ def test_a_social_walker_waits_for_its_delay() -> None:
     places = walked(walker, 1.5, [])
     assert (places[:100] == places[0]).all()
     assert not (places[100:] == places[0]).all()
+
+
+def test_the_worlds_hash_tells_who_walks_and_where() -> None:
+    words = ([], ["g=0,2/0,3"], ["g=0,2/0,4"], ["h=0,2/0,3"], ["g=0,2/0,3:speed=2"], ["g=random"])
+    hashes = {terrain_hash(with_actors(BARE, parse_actors(some))) for some in words}
+    assert len(hashes) == len(words)
+    assert terrain_hash(BARE) in hashes
