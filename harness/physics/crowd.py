@@ -78,12 +78,12 @@ class Crowd:
         ]
 
     def look(self, contacts: ContactWatch) -> None:
-        """Takes note of whom the rover overlaps; those who push are met by MuJoCo's own contacts."""
+        """Takes note of whom the rover overlaps, without a force; MuJoCo's contacts tell that of who pushes."""
         x, y = self._data.qpos[:2].tolist()
         for geom, place, actor in zip(self._geoms, self.places, self.actors, strict=True):
             options = actor.spec.options
             near = math.hypot(place.x - x, place.y - y) - options.radius < self._rover_radius + REACH
-            if near and not options.push:
+            if near:
                 self._touch(geom, contacts)
 
     def _touch(self, geom: int, contacts: ContactWatch) -> None:

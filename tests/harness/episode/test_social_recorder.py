@@ -41,6 +41,14 @@ def test_each_second_has_a_row_and_goals_count_from_when_they_are_given(tmp_path
     assert (log.goals.reached, log.goals.goal) == (1, (9.0, 0.0))
 
 
+def test_a_goal_has_207_s_from_when_it_is_given(tmp_path: Path) -> None:
+    log = SocialRecorder(("a_actor", "b_actor"), None, tmp_path)
+    for second, given, failed in ((100, (), 0), (150, (Place(9, 9, 0),), 0), (307, (), 0), (308, (), 1)):
+        log.take(batch(second, 0.0, *given))
+        assert log.goals.failed == failed
+    log.close()
+
+
 def test_rows_are_where_rover_and_people_are(tmp_path: Path) -> None:
     actors = ("guide=3,0/3,4", "x=1,1")
     config = EpisodeConfig(terrain="flat", duration=3.0, driver="straight", actors=actors)

@@ -1,12 +1,12 @@
 """People in the physics: where they are, who is touched, and that nobody is pushed unless told."""
 
 from collections.abc import Callable
-from itertools import pairwise
 
 import mujoco
 import numpy as np
 import pytest
 
+from harness.physics.contacts import Touch
 from harness.physics.crowd import Crowd
 from harness.physics.simulation import Simulation
 from harness.sensors.lidar import Lidar
@@ -67,38 +67,33 @@ def test_the_lidar_sees_them_as_mujoco_does(make_simulation: MakeSimulation) -> 
     assert hits > 30 * 60
 
 
+def driven_into(
+    make_simulation: MakeSimulation, *actors: str
+) -> tuple[Simulation, list[bytes], dict[int, Touch]]:
+    """2 s straight ahead: the states after each tick, and the touches of hazards by tick."""
+    simulation = make_simulation(actors=actors)
+    simulation.command_wheels(np.full(4, 4.0))
+    path, touches = [], {}
+    for tick in range(200):
+        simulation.tick()
+        path.append(simulation.data.qpos.tobytes())
+        if touch := simulation.contacts.strongest.get("hazard"):
+            touches[tick] = touch
+    return simulation, path, touches
+
+
 def test_one_who_is_driven_into_is_touched_and_nobody_is_pushed(make_simulation: MakeSimulation) -> None:
-    """The path is that of a run without people, to the bit."""
-    paths, touched = [], []
-    for actors in ((), ("x=0.8,0",)):
-        simulation = make_simulation(actors=actors)
-        simulation.command_wheels(np.full(4, 4.0))
-        path, touches = [], []
-        for _ in range(200):
-            simulation.tick()
-            path.append(simulation.data.qpos.tobytes())
-            touches += [(simulation.time_ns, simulation.contacts.strongest.get("hazard"))]
-        paths.append(path)
-        touched.append({time: touch for time, touch in touches if touch is not None})
-    assert paths[0] == paths[1]
-    assert not touched[0]
-    model, times = simulation.model, sorted(touched[1])
-    first = touched[1][times[0]]
+    """The path is that of a run without people, to the bit; who is solid is touched at the same time."""
+    _, alone, none = driven_into(make_simulation)
+    simulation, path, touches = driven_into(make_simulation, "x=0.8,0")
+    solid, stopped, pushed = driven_into(make_simulation, "x=0.8,0:push=1", "y=-1,1:push=1")
+    assert (path, none) == (alone, {})
+    model, first = simulation.model, touches[min(touches)]
     assert (model.geom(first.other).name, first.force) == ("x_actor", 0.0)
     assert model.geom(first.part).name.startswith(("wheel", "body_"))
-    reach = max(simulation.scene.rover.footprint)
-    assert first.pose[0] == pytest.approx(0.8 - 0.25 - reach, abs=0.06)
-    assert all(after - before == 10_000_000 for before, after in pairwise(times))
-
-
-def test_one_who_pushes_stops_the_rover_with_a_force(make_simulation: MakeSimulation) -> None:
-    simulation = make_simulation(actors=("x=0.8,0:push=1", "y=-1,1:push=1"))
-    simulation.command_wheels(np.full(4, 4.0))
-    strongest = 0.0
-    for _ in range(200):
-        simulation.tick()
-        if touch := simulation.contacts.strongest.get("hazard"):
-            assert simulation.contacts.name_of(touch.other) == "x_actor"
-            strongest = max(strongest, touch.force)
-    assert strongest > 10.0
-    assert simulation.position[0] < 0.4
+    assert abs(min(touches) - min(pushed)) <= 1
+    assert sorted(touches) == list(range(min(touches), max(touches) + 1))
+    assert stopped != alone
+    assert max(touch.force for touch in pushed.values()) > 10.0
+    assert {solid.contacts.name_of(touch.other) for touch in pushed.values()} == {"x_actor"}
+    assert solid.position[0] < 0.4 < simulation.position[0]

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -62,9 +63,10 @@ def test_a_stretch_has_people_at_its_end_and_the_nearest_of_all() -> None:
         one, stamp = batch(index), (index + 1) * BATCH_NS
         places = ((9.0, 9.0, 1.0), (recorder.track[-1].position[0] if index else 0.0, far, 0.9))
         people = ActorPoses(stamp, places, ((0.0, 0.0, 0.0, 1.0),) * 2)
-        samples = (*one.ticks[0].samples, people)
+        later = replace(people, position=(places[0], places[0]))
+        samples = (*one.ticks[0].samples, people, later)
         recorder.take(Batch((Tick(stamp, samples),), one.truth))
-    assert [stretch.people[1][1] for stretch in recorder.track] == [3.0, 6.0]
+    assert [stretch.people[1][1] for stretch in recorder.track] == [9.0, 9.0]
     assert [stretch.nearest_person for stretch in recorder.track] == pytest.approx([3.0, 5.0], abs=1e-3)
 
 

@@ -98,7 +98,14 @@ def test_a_social_walker_waits_for_its_delay() -> None:
 
 
 def test_the_worlds_hash_tells_who_walks_and_where() -> None:
-    words = ([], ["g=0,2/0,3"], ["g=0,2/0,4"], ["h=0,2/0,3"], ["g=0,2/0,3:speed=2"], ["g=random"])
+    words: tuple[list[str], ...] = (
+        [],
+        ["g=0,2/0,3"],
+        ["g=0,2/0,4"],
+        ["h=0,2/0,3"],
+        ["g=0,2/0,3:speed=2"],
+        ["g=random"],
+    )
     hashes = {terrain_hash(with_actors(BARE, parse_actors(some))) for some in words}
     assert len(hashes) == len(words)
     assert terrain_hash(BARE) in hashes
