@@ -78,7 +78,7 @@ class Crowd:
         ]
 
     def look(self, contacts: ContactWatch) -> None:
-        """Takes note of whom the rover overlaps, without a force; MuJoCo's contacts tell that of who pushes."""
+        """Takes note of whom the rover overlaps; of who pushes, MuJoCo's contacts tell the force."""
         x, y = self._data.qpos[:2].tolist()
         for geom, place, actor in zip(self._geoms, self.places, self.actors, strict=True):
             options = actor.spec.options
