@@ -11,6 +11,7 @@ from harness.world.actors.social_force import SIGHT, Vector, step
 from harness.world.actors.stroll import Stroll
 
 ARRIVED = 0.5  # [m] from a way point
+LOOK_AGAIN = 0.5  # [m] from where it was last found out which walls are near
 PATIENCE = 20.0  # [s] for a leg beyond what it takes alone, then the next point is headed for
 
 
@@ -27,6 +28,8 @@ class SocialWalker:
         self._spot, self._place = 0, np.array(self._stroll.spot(0))
         self._velocity, self._yaw = np.zeros(2), 0.0
         self._until = -math.inf
+        self._walls: list[Vector] = []
+        self._looked_at = np.full(2, -math.inf)
 
     def walk(self, time_s: float, seconds: float, bodies: Sequence[tuple[float, float, float]]) -> Place:
         """Returns where one is, a step after the place returned before.
@@ -44,22 +47,31 @@ class SocialWalker:
     def _step(self, time_s: float, seconds: float, bodies: Sequence[tuple[float, float, float]]) -> None:
         way = self._way(time_s)
         wanted = way * (self._speed / max(math.hypot(*way), 1e-9))
-        walls = self._room.walls_near(self._place, self._radius + SIGHT)
+        if math.dist(self._place, self._looked_at) > LOOK_AGAIN:
+            self._looked_at = self._place
+            self._walls = self._room.walls_near(self._place, self._radius + SIGHT + LOOK_AGAIN)
         place, self._velocity = step(
             self._place,
             self._velocity,
             wanted,
             radius=self._radius,
             bodies=bodies,
-            walls=walls,
+            walls=self._walls,
             seconds=seconds,
         )
-        if self._room.trouble(place[None], self._radius) is not None:
+        if not self._is_free(place):
             self._velocity = np.zeros(2)  # pushed against a wall, or to the edge of the map
             return
         self._place = place
         if math.hypot(*self._velocity) > 0.05:
             self._yaw = math.atan2(self._velocity[1], self._velocity[0])
+
+    def _is_free(self, place: Vector) -> bool:
+        x, y = np.abs(place).tolist()
+        reach_x, reach_y = self._room.reach
+        if not self._walls and x < reach_x and y < reach_y:
+            return True
+        return self._room.trouble(place[None], self._radius) is None
 
     def _way(self, time_s: float) -> Vector:
         """To the next way point [m]; a new one where that is reached, or cannot be."""
