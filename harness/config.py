@@ -78,16 +78,7 @@ class EpisodeConfig:
 
     def __post_init__(self) -> None:
         """Takes lists for tuples, as JSON gives them back."""
-        for name in (
-            "terrain_size",
-            "start",
-            "faults",
-            "commands",
-            "goals",
-            "resets",
-            "actors",
-            "goal_area",
-        ):
+        for name in LISTS:
             if isinstance(value := getattr(self, name), list):
                 inner = (tuple(v) if isinstance(v, list) else v for v in value)
                 object.__setattr__(self, name, tuple(inner))
