@@ -57,11 +57,11 @@ def _actor(spec: ActorSpec, world: World, room: Room) -> Actor:
     way = _way(spec, world, room)
     if isinstance(way, Route) and (trouble := room.trouble(along(way.points), spec.options.radius)):
         what, (x, y) = trouble
-        reach_x, reach_y = room.reach
+        (x_min, y_min), (x_max, y_max) = room.low.tolist(), room.high.tolist()
         raise UsageError(
             f"actor '{spec.name}' walks {what} at {x:.2f},{y:.2f}; lead it around, or take another "
-            f"terrain; on this one people walk at x from {-reach_x:g} to {reach_x:g} m and y from "
-            f"{-reach_y:g} to {reach_y:g} m"
+            f"terrain; on this one people walk at x from {x_min:g} to {x_max:g} m and y from "
+            f"{y_min:g} to {y_max:g} m"
         )
     begin = way.walk(0.0, 0.0, ()) if isinstance(way, SocialWalker) else way.place(0.0)
     return Actor(spec, world, (begin.x, begin.y))

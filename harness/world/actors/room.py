@@ -11,11 +11,15 @@ CHECKED_EVERY = 0.1  # [m] along a leg
 
 
 class Room:
-    """The room that a world has for people."""
+    """The room that a world has for people.
+
+    Attributes:
+        low: Least x and y that the map leaves them [m]; likewise `high`.
+    """
 
     def __init__(self, world: World) -> None:
-        half_x, half_y = world.ground.half_size
-        self.reach = half_x - EDGE_MARGIN, half_y - EDGE_MARGIN
+        reach = np.array(world.ground.half_size) - EDGE_MARGIN
+        self.low, self.high = -reach, reach
         self._walls = {
             f"hazard_{index}": outline(obstacle)
             for index, obstacle in enumerate(world.obstacles)
@@ -31,7 +35,7 @@ class Room:
             points: In the world [m], shape (n, 2).
             radius: Of the body [m].
         """
-        outside = ~(np.abs(points) <= self.reach).all(axis=1)  # so that NaN is
+        outside = ~((points >= self.low) & (points <= self.high)).all(axis=1)  # so that NaN is
         if outside.any():
             return "off the map", points[int(outside.argmax())]
         low, high = points.min(axis=0) - radius, points.max(axis=0) + radius

@@ -67,11 +67,9 @@ class SocialWalker:
             self._yaw = math.atan2(self._velocity[1], self._velocity[0])
 
     def _is_free(self, place: Vector) -> bool:
-        x, y = np.abs(place).tolist()
-        reach_x, reach_y = self._room.reach
-        if not self._walls and x < reach_x and y < reach_y:
-            return True
-        return self._room.trouble(place[None], self._radius) is None
+        if self._walls:
+            return self._room.trouble(place[None], self._radius) is None
+        return bool((place >= self._room.low).all() and (place <= self._room.high).all())
 
     def _way(self, time_s: float) -> Vector:
         """To the next way point [m]; a new one where that is reached, or cannot be."""
