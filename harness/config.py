@@ -20,7 +20,7 @@ from harness.sensors.base import period_ticks
 from harness.sensors.noise import PRESETS
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
 from harness.world.actors.actor import with_actors
-from harness.world.actors.spec import parse_actors
+from harness.world.actors.spec import of_terrain, parse_actors
 from harness.world.heightmap.dem import TerrainFile, file_world, is_terrain_file
 from harness.world.terrains import TERRAINS
 from harness.world.world import (
@@ -93,6 +93,11 @@ class EpisodeConfig:
         """Control periods from start to end, which is how many batches there are."""
         return math.ceil(self.total_ticks / TICKS_PER_CONTROL)
 
+    @property
+    def people(self) -> tuple[str, ...]:
+        """Who walks, in words: the actors of an SDF world, then those asked for."""
+        return (*of_terrain(self.terrain), *self.actors)
+
     def world(self) -> World:
         """Returns the world, which is built once and then shared: nobody changes one.
 
@@ -102,7 +107,8 @@ class EpisodeConfig:
         """
         world = self._terrain_world()
         world = world if self.start is None else starting_at(world, self.start)
-        return with_actors(world, parse_actors(self.actors)) if self.actors else world
+        people = parse_actors(self.people)
+        return with_actors(world, people) if people else world
 
     def check_world(self) -> None:
         """Checks what depends on the world, which is built only where something does.
@@ -118,7 +124,7 @@ class EpisodeConfig:
                 driver.hazards(world.obstacles, world.ground.half_size)
             except UsageError as error:
                 raise UsageError(f"driver '{self.driver}' on {self.terrain}: {error}") from error
-        elif self.start is not None or self.actors:
+        elif self.start is not None or self.people:
             self.world()
 
     def _terrain_world(self) -> World:
@@ -198,7 +204,7 @@ class EpisodeConfig:
         check_duration(self.duration)
         self._validate_plan()
         self._validate_faults()
-        parse_actors(self.actors)
+        parse_actors(self.people)
         self._validate_timeout()
         if self.start is not None:
             check_start(self.start)

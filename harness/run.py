@@ -79,7 +79,7 @@ def _social(options: RunOptions) -> tuple[SocialRecorder, ...]:
     Raises:
         UsageError: It cannot be written there.
     """
-    names = actor_names(options.config.actors)
+    names = actor_names(options.config.people)
     if options.social_log is not None:
         check_target("--social-log", options.social_log, ".csv")
     return (SocialRecorder(names, options.social_log, options.ros.log_dir),) if names else ()

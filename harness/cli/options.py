@@ -17,6 +17,7 @@ from harness.frames.options import ODOM_SOURCES, FrameOptions
 from harness.robots import ROVERS, find_rover
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
 from harness.world.actors.spec import Options as ActorOptions
+from harness.world.actors.spec import of_terrain
 from harness.world.world import Start
 from rover_metrics.errors import OneLineParser, ParameterError
 from rover_metrics.extended.parameter_file import read_values
@@ -185,7 +186,7 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         )
     if options.overwrite and options.record is None:
         raise UsageError("--overwrite is for the file of --record; name one, or leave it out")
-    if options.social_log is not None and not options.actor:
+    if options.social_log is not None and not (options.actor or of_terrain(options.terrain)):
         raise UsageError("--social-log is of a run with people; add --actor SPEC, or leave it out")
     if not options.direct:
         return

@@ -73,7 +73,7 @@ class _Run:
         self._context = context = at_end.enter_context(ros_context(options.ros_args))
         rover, lidar = find_rover(config.robot), LidarSpec(beams=config.lidar_beams)
         obey, kind = source.command, options.cmd_vel
-        names = actor_names(config.actors)
+        names = actor_names(config.people)
         self.bridge = Bridge(rover, lidar, context=context, on_command=obey, cmd_vel=kind, actors=names)
         at_end.callback(self.bridge.destroy_node)
         self._faults = FaultInjector(parse_faults(config.faults), config.seed)

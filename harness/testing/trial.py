@@ -128,7 +128,7 @@ class Trial:
         at_end.callback(rclpy.try_shutdown)
         lidar = LidarSpec(beams=self.config.lidar_beams)
         rover, obey = find_rover(self.config.robot), self._command
-        names = actor_names(self.config.actors)
+        names = actor_names(self.config.people)
         self._bridge = Bridge(rover, lidar, on_command=obey, cmd_vel=self.CMD_VEL, actors=names)
         at_end.callback(self._bridge.destroy_node)
         self._record(at_end)

@@ -41,7 +41,7 @@ class StateWriter:
     def __init__(self, path: Path, config: EpisodeConfig) -> None:
         self.path = path
         self._file = path.open("wb")
-        self._people: tuple[float, ...] = (0.0,) * PERSON_SIZE * len(actor_names(config.actors))
+        self._people: tuple[float, ...] = (0.0,) * PERSON_SIZE * len(actor_names(config.people))
         self._file.write(json.dumps({name: getattr(config, name) for name in SCENE}).encode() + b"\n")
 
     def close(self) -> None:
@@ -119,7 +119,7 @@ def read_states(path: Path) -> States:
         config = EpisodeConfig(**json.loads(header))
     except (OSError, ValueError, TypeError) as error:
         raise UsageError(f"{path} is no recording of an episode: {error}") from error
-    joints, people = len(find_rover(config.robot).joints), len(actor_names(config.actors))
+    joints, people = len(find_rover(config.robot).joints), len(actor_names(config.people))
     end_of_joints = 1 + POSE_SIZE + joints
     width = end_of_joints + PERSON_SIZE * people
     rows = np.frombuffer(body[: len(body) // (8 * width) * 8 * width], np.float64).reshape(-1, width)

@@ -8,7 +8,7 @@ each with :KEY=VALUE,... behind it
 import math
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -106,6 +106,14 @@ def actor_names(texts: Sequence[str]) -> tuple[str, ...]:
     return tuple(spec.full_name for spec in parse_actors(texts))
 
 
+def of_terrain(terrain: str) -> tuple[str, ...]:
+    """Returns the words that ask for the people of a terrain: of an SDF world with actors, else none."""
+    path = Path(terrain)
+    if not terrain.lower().endswith(SUFFIXES) or not path.is_file():
+        return ()
+    return (terrain,) if b"<actor" in path.read_bytes() else ()
+
+
 def beside(text: str, place: Callable[[str], Path]) -> str:
     """Returns a spec whose file, if it names one, is where `place` finds it."""
     name, what, behind = _split(text)
@@ -139,11 +147,10 @@ def _parse(text: str) -> tuple[ActorSpec, ...]:
         raise UsageError(
             f"actor '{text}': {path} has {len(people)} actors with names; leave out '{name}='"
         )
+    called = [name or re.sub(r"\W", "_", told.name) for told in people]
     return tuple(
-        ActorSpec(
-            text, _checked(text, name or told.name), options, replace(told, name=name or told.name)
-        )
-        for told in people
+        ActorSpec(text, _checked(text, one), options, told)
+        for one, told in zip(called, people, strict=True)
     )
 
 

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from harness.config import EpisodeConfig
 from harness.errors import UsageError
-from harness.world.actors.spec import Options, actor_names, beside, parse_actors
+from harness.world.actors.spec import Options, actor_names, beside, of_terrain, parse_actors
 
 LINE = "<waypoint><time>0</time><pose>1 2 3 0 0 0</pose></waypoint>"
 
@@ -45,8 +46,19 @@ def test_a_file_names_its_people_unless_the_word_does(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="has 2 actors with names; leave out 'g='"):
         parse_actors([f"g={two}"])
     one.write_text("<actor name='c d'/>")  # read anew, as it has changed
-    with pytest.raises(UsageError, match="'c d' cannot be part of a topic's name"):
+    assert actor_names([str(one)]) == ("c_d_actor",)
+    one.write_text("<actor name='9'/>")
+    with pytest.raises(UsageError, match="'9' cannot be part of a topic's name"):
         parse_actors([str(one)])
+
+
+def test_the_people_of_a_terrain_are_the_actors_of_its_world(tmp_path: Path) -> None:
+    world, empty = tmp_path / "a.world", tmp_path / "b.sdf"
+    world.write_text("<sdf><world><actor name='a'/></world></sdf>")
+    empty.write_text("<sdf><world/></sdf>")
+    assert of_terrain(str(world)) == (str(world),)
+    assert [of_terrain(name) for name in ("rocky", str(empty), str(tmp_path / "c.sdf"))] == [()] * 3
+    assert EpisodeConfig(terrain=str(world), actors=("b=1,2",)).people == (str(world), "b=1,2")
 
 
 def test_a_file_is_found_beside_the_scenario_that_names_it() -> None:
