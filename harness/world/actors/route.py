@@ -85,9 +85,10 @@ class Route:
 
     def _heading(self, passed: float) -> float:
         """Of the leg; of the next one that leads anywhere where one stands still."""
-        leg, _ = self._leg(passed) if len(self.points) > 1 else (0, 0.0)
-        ahead = [*pairwise(self.points)]
-        for (x, y), (to_x, to_y) in [*ahead[leg:], *ahead[:leg]]:
+        legs = len(self.points) - 1
+        first, _ = self._leg(passed) if legs else (0, 0.0)
+        for leg in (*range(first, legs), *range(first)):
+            (x, y), (to_x, to_y) = self.points[leg : leg + 2]
             if math.hypot(to_x - x, to_y - y) > SAME:
                 return math.atan2(to_y - y, to_x - x)
         return 0.0
