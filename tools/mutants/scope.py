@@ -73,6 +73,7 @@ PACKAGES = (
         tests=("tests/harness/gym",),
     ),
     Package("world", _modules(f"{_HARNESS}/world", "* terrains/* heightmap/*")),
+    Package("people", _modules(_HARNESS, "world/actors/* physics/crowd episode/social_recorder")),
     Package("tuning scores", _modules(f"{_HARNESS}/tuning", "scoring/* episodes/contacts")),
 )
 
