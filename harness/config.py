@@ -10,6 +10,7 @@ from pathlib import Path
 
 from harness.drivers import find_driver, takes_goals
 from harness.drivers.base import CONTROL_PERIOD_NS
+from harness.drivers.goal_course import Area, check_area
 from harness.drivers.staged import StagedEncounter
 from harness.errors import UsageError, find_named
 from harness.faults.spec import parse_faults
@@ -21,6 +22,8 @@ from harness.sensors.geodesy import DEFAULT_DATUM, Datum
 from harness.sensors.noise import PRESETS
 from harness.sensors.table import SensorRow
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
+from harness.world.actors.actor import with_actors
+from harness.world.actors.spec import of_terrain, parse_actors
 from harness.world.files import file_world
 from harness.world.terrain_file import TerrainFile, is_terrain_file
 from harness.world.terrains import TERRAINS
@@ -35,6 +38,10 @@ from harness.world.world import (
 
 CMD_VEL_TYPES = ("auto", "twist", "stamped")
 LIDAR_BEAMS, IMU_RATE = 640, 20
+LISTS = (  # the fields that are tuples
+    *("terrain_size", "datum", "start", "sensors", "faults", "commands", "goals", "resets"),
+    *("resource_path", "rock", "hazard", "actors", "goal_area"),
+)
 CMD_VEL = "cmd_vel"  # the driver that obeys commands
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
 FILE_OPTIONS = (  # for terrains from files alone
@@ -83,13 +90,14 @@ class EpisodeConfig:
     cmd_vel_timeout: float | None = None  # [s] of simulation time after which a command ends
     faults: tuple[str, ...] = ()  # on the way to listeners; the episode itself does not see them
     commands: tuple[tuple[float, float, float], ...] = ()  # to driver cmd_vel: when [s], m/s, rad/s
+    goal_area: Area | None = None  # x from, to, y from, to [m]: one random goal in it after another
+    actors: tuple[str, ...] = ()  # people, as harness.world.actors.spec reads them
     goals: tuple[tuple[float, float, float, float], ...] = ()  # to driver goal: when [s], x, y, yaw
     resets: tuple[float, ...] = ()  # when the rover is put back to its start [s]
 
     def __post_init__(self) -> None:
         """Takes lists for tuples, as JSON gives them back."""
-        tuples = ("terrain_size", "datum", "start", "sensors", "faults", "commands", "goals", "resets")
-        for name in (*tuples, "resource_path", "rock", "hazard"):
+        for name in LISTS:
             if isinstance(value := getattr(self, name), list):
                 inner = (tuple(v) if isinstance(v, list) else v for v in value)
                 object.__setattr__(self, name, tuple(inner))
@@ -104,6 +112,11 @@ class EpisodeConfig:
         """Control periods from start to end, which is how many batches there are."""
         return math.ceil(self.total_ticks / TICKS_PER_CONTROL)
 
+    @property
+    def people(self) -> tuple[str, ...]:
+        """Who walks, in words: the actors of an SDF world, then those asked for."""
+        return (*of_terrain(self.terrain), *self.actors)
+
     def sensor_rows(self) -> tuple[SensorRow, ...]:
         """Returns the sensors that the rover carries, in publishing order.
 
@@ -116,10 +129,13 @@ class EpisodeConfig:
         """Returns the world, which is built once and then shared: nobody changes one.
 
         Raises:
-            UsageError: The terrain's file is not usable, or the start is off the map.
+            UsageError: The terrain's file is not usable, the start is off the map, or no person can
+                walk so.
         """
         world = self._terrain_world()
-        return world if self.start is None else starting_at(world, self.start)
+        world = world if self.start is None else starting_at(world, self.start)
+        people = parse_actors(self.people)
+        return with_actors(world, people) if people else world
 
     def scenery(self) -> tuple[World, RoverSpec]:
         """Returns what there is to be seen, of a configuration that comes from another process.
@@ -134,7 +150,8 @@ class EpisodeConfig:
         """Checks what depends on the world, which is built only where something does.
 
         Raises:
-            UsageError: The start is off the map, or there is nothing for the driver to meet.
+            UsageError: The start is off the map, no person can walk so, or there is nothing for the
+                driver to meet.
         """
         driver = find_driver(self.driver)
         if issubclass(driver, StagedEncounter):
@@ -144,7 +161,7 @@ class EpisodeConfig:
                 driver.hazards(world.obstacles, half_size, middle)
             except UsageError as error:
                 raise UsageError(f"driver '{self.driver}' on {self.terrain}: {error}") from error
-        elif self.start is not None:
+        elif self.start is not None or self.people:
             self.world()
 
     def _terrain_world(self) -> World:
@@ -191,6 +208,11 @@ class EpisodeConfig:
         for what, heeds, driver in plans:
             if what and not heeds:
                 raise UsageError(f"driver '{self.driver}' is told nothing; this needs driver '{driver}'")
+        if self.goal_area is not None:
+            check_area(self.goal_area)
+            if self.goals or not takes_goals(self.driver):
+                needed = "leave out the goals" if self.goals else "it needs driver 'goal' or a policy"
+                raise UsageError(f"a goal area gives goals by itself: {needed}")
         if not all(math.isfinite(value) for _, *values in told for value in values):
             raise UsageError("a command or goal is not valid; give finite numbers")
         for time_s in (*(time_s for time_s, *_ in told), *self.resets):
@@ -232,6 +254,7 @@ class EpisodeConfig:
         check_duration(self.duration)
         self._validate_plan()
         self._validate_faults()
+        parse_actors(self.people)
         self._validate_timeout()
         if self.start is not None:
             check_start(self.start)

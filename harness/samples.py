@@ -134,6 +134,15 @@ class JointStates:
 
 
 @plain_value
+class ActorPoses:
+    """Middles [m] and attitudes of the people in the world, in the order of its actors."""
+
+    stamp_ns: int
+    position: tuple[Vector3, ...]
+    orientation: tuple[Quaternion, ...]
+
+
+@plain_value
 class Transforms:
     """Poses of frames in their parents, in the order that harness.frames.tree.Description tells.
 

@@ -9,7 +9,7 @@ from benchmarks import __main__ as benchmarks
 from benchmarks.soak import __main__ as soak
 from harness import call, check, robot, topics, tune, validate
 from harness.cli.options import run_parser
-from rover_metrics import dictionary
+from rover_metrics import dictionary, social
 from rover_metrics.analysis import options as analyze
 from rover_metrics.bag import options as replay
 
@@ -31,6 +31,7 @@ PROGRAMS: dict[str, Callable[[], argparse.ArgumentParser]] = {
     "harness.topics": topics._parser,
     "harness.call": call._parser,
     "rover_metrics.analyze": analyze._parser,
+    "rover_metrics.social": social._parser,
     "rover_metrics.replay": replay.parser,
     "rover_metrics.dictionary": dictionary._parser,
     "benchmarks": benchmarks._parser,
@@ -39,7 +40,7 @@ PROGRAMS: dict[str, Callable[[], argparse.ArgumentParser]] = {
 WITHOUT = {  # what does nothing unless it is given, or must be
     *("terrain_size", "terrain_height", "fault", "namespace", "wait_for", "record", "report", "summary"),
     *("picture", "video", "address", "realism", "bag", "params", "remap", "logs", "versus", "value"),
-    *("name", "source", "left", "right", "rover"),
+    *("name", "source", "left", "right", "rover", "page", "actor", "goal_area"),
 }
 
 

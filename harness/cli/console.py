@@ -84,6 +84,8 @@ def print_summary(console: Console, run: result.RunResult) -> None:
         console.print(f"{node}: {share} of the run waited for it", soft_wrap=True, highlight=False)
     if run.log_path is not None:
         console.print(f"{run.rows} rows in {run.log_path}", soft_wrap=True, highlight=False)
+    if run.social_log is not None:
+        console.print(f"people: {run.social_log}", soft_wrap=True, highlight=False)
 
 
 def _counts_table(run: result.RunResult) -> Table:

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from harness import __version__
 from harness.config import CMD_VEL_TYPES, EpisodeConfig, RosOptions
 from harness.drivers import DRIVERS, takes_goals
+from harness.drivers.goal_course import Area
 from harness.episode.metrics_feed import extended_ros_args, extended_settings, parameter_words
 from harness.errors import UsageError
 from harness.faults.spec import FORM, describe_faults
@@ -16,6 +17,8 @@ from harness.frames.options import ODOM_SOURCES, FrameOptions
 from harness.robots import ROVERS, find_rover
 from harness.sensors.choice import kinds
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
+from harness.world.actors.spec import Options as ActorOptions
+from harness.world.actors.spec import of_terrain
 from harness.world.solids.mesh_file import UNITS, UP
 from harness.world.world import Start
 from rover_metrics.errors import OneLineParser, ParameterError
@@ -53,6 +56,11 @@ WORLDS: tuple[Option, ...] = (
     ("--hazard", str, "PATTERN", "models that are hazards; repeatable; default: by height"),
 )
 REPEATABLE = ("--resource-path", "--rock", "--hazard")
+ACTOR_HELP = (
+    "a person who walks; repeatable: NAME=X,Y/X,Y/... (way points), [NAME=]FILE.sdf (a trajectory, or "
+    "actors of a world), NAME=random or NAME=social; behind it :KEY=VALUE,... of "
+    f"{', '.join(item.name for item in fields(ActorOptions))} (docs/worlds.md)"
+)
 COMMANDS: tuple[Option, ...] = (
     ("--cmd-vel-timeout", float, "S", "stop S simulated seconds after the last command; off by default"),
 )
@@ -69,6 +77,7 @@ FILES: tuple[Option, ...] = (
     ("--record", Path, "FILE.mcap", RECORD_HELP),
     ("--report", Path, "FILE.html", "write a page about the run: map, plots, truth"),
     ("--summary", Path, "FILE.json", "write the manifest there"),
+    ("--social-log", Path, "FILE.csv", "the social log of a run with people; default: see --log-dir"),
 )
 PICTURES: tuple[Option, ...] = (
     ("--picture", Path, "FILE.png", "draw the rover at the end of its path"),
@@ -99,6 +108,7 @@ class RunOptions:
         params: The file that they come from; None without.
         report: Page to write about the run; None for none. Likewise `summary`, `picture`, `video`.
         picture_lidar: Whether pictures show the beams.
+        social_log: The log of a run with people; None for one in `log_dir`.
     """
 
     config: EpisodeConfig
@@ -111,6 +121,7 @@ class RunOptions:
     picture: Path | None
     video: Path | None
     picture_lidar: bool
+    social_log: Path | None
 
 
 def parse_run(arguments: Sequence[str]) -> RunOptions | None:
@@ -120,7 +131,7 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         UsageError: Two options exclude each other; the message names the mend.
     """
     words, ros_args = split_ros_args(arguments)
-    for flag in ("--start", "--datum"):  # argparse takes -3,4 for an option
+    for flag in ("--start", "--datum", "--goal-area"):  # argparse takes -3,4 for an option
         words = _joined(flag, words)
     parser = run_parser()
     wrong = complaint(ros_args, parser._option_string_actions)  # noqa: SLF001 - all of its options
@@ -134,7 +145,7 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
     if given.list:
         return None
     _check_combination(given, ros_args)
-    config = _filled(EpisodeConfig, given, faults=tuple(given.fault))
+    config = _filled(EpisodeConfig, given, faults=tuple(given.fault), actors=tuple(given.actor))
     namespace = given.namespace.strip("/")
     namespace_args = ("--ros-args", "-r", f"__ns:=/{namespace}", "--") if namespace else ()
     values = read_parameters(given.params) if given.params else {}
@@ -192,6 +203,8 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         )
     if options.overwrite and options.record is None:
         raise UsageError("--overwrite is for the file of --record; name one, or leave it out")
+    if options.social_log is not None and not (options.actor or of_terrain(options.terrain)):
+        raise UsageError("--social-log is of a run with people; add --actor SPEC, or leave it out")
     if not options.direct:
         return
     for given, flag in (
@@ -203,7 +216,11 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         (options.odom_tf != FrameOptions.odom_tf, "--odom-tf"),
         (options.odom_tf_3d, "--odom-tf-3d"),
         (options.map_tf, "--map-tf"),
-        (options.driver == "cmd_vel" or takes_goals(options.driver), f"--driver {options.driver}"),
+        (options.driver == "cmd_vel", "--driver cmd_vel"),
+        (
+            takes_goals(options.driver) and options.goal_area is None,
+            f"--driver {options.driver} without --goal-area",
+        ),
     ):
         if given:
             raise UsageError(f"{flag} needs ROS; leave out --direct")
@@ -262,6 +279,7 @@ def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
     world.add_argument("--terrain-size", type=float, nargs="+", metavar="M", help=about)
     about = "relief, lowest to highest point, of a heightmap that does not say"
     world.add_argument("--terrain-height", type=float, metavar="M", help=about)
+    world.add_argument("--actor", action="append", default=[], metavar="SPEC", help=ACTOR_HELP)
     for flag, kind, metavar, text in WORLDS:
         is_many = flag in REPEATABLE
         world.add_argument(
@@ -278,12 +296,14 @@ def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
     world.add_argument(
         "--datum", type=_datum, default=defaults.datum, metavar="LAT,LON[,ALT]", help=about
     )
+    about = "give the driver one random goal after another in this rectangle, as RoboTerrain's collector"
+    world.add_argument("--goal-area", type=_area, metavar="XMIN,XMAX,YMIN,YMAX", help=about)
     _add(world, EPISODE, defaults)
 
 
 def _add_run(run: Group) -> None:
     run.add_argument("--rate", type=_rate, metavar="R|max", help="times real time; default: max")
-    about = "folder for the log and its manifest"
+    about = "folder for the log and its manifest; with --actor, for social/social_log_....csv too"
     run.add_argument("--log-dir", type=Path, default=DEFAULT_LOG_DIR, metavar="DIR", help=about)
     run.add_argument(
         "--namespace", default="", metavar="NAME", help="of all topics but /clock, e.g. rover1"
@@ -326,6 +346,15 @@ def _datum(text: str) -> tuple[float, float, float]:
 
 def _told(numbers: tuple[float, ...]) -> str:
     return ",".join(f"{number:g}" for number in numbers)
+
+
+def _area(text: str) -> Area:
+    try:
+        x_min, x_max, y_min, y_max = map(float, text.split(","))
+    except ValueError:
+        message = f"'{text}' is not valid; give XMIN,XMAX,YMIN,YMAX in metres"
+        raise argparse.ArgumentTypeError(message) from None
+    return x_min, x_max, y_min, y_max
 
 
 def _add_frames(frames: Group, defaults: FrameOptions) -> None:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from harness.samples import Tick, plain_value
+from harness.samples import Place, Tick, plain_value
 from harness.truth.traversal import ContactEvent, Truth
 from harness.world.world import Start
 
@@ -36,12 +36,14 @@ class Batch:
     Attributes:
         events: Contact events that ended; with the last batch of an episode all are.
         open_events: Those that had not, as they stood at the end: what an interrupted run has of them.
+        goals: Those that the driver was given before its first tick.
     """
 
     ticks: tuple[Tick, ...]
     truth: Truth
     events: tuple[ContactEvent, ...] = ()
     open_events: tuple[ContactEvent, ...] = ()
+    goals: tuple[Place, ...] = ()
 
 
 def later(batch: Batch, by_ns: int) -> Batch:
@@ -65,4 +67,5 @@ def later(batch: Batch, by_ns: int) -> Batch:
         replace(batch.truth, time_ns=batch.truth.time_ns + by_ns),
         tuple(map(moved, batch.events)),
         tuple(map(moved, batch.open_events)),
+        batch.goals,
     )

@@ -51,6 +51,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
             if result.reception is None
             else {"segments": result.segments, "topics": result.reception},
             "recording": None if result.recording is None else str(result.recording),
+            "social_log": None if result.social_log is None else str(result.social_log),
             "report": None if result.report is None else str(result.report),
             "truth": _truth(result),
         }

@@ -50,6 +50,8 @@ class ContactWatch:
             for body, kind in KIND_OF_BODY.items()
             for geom in np.flatnonzero(model.geom_bodyid == model.body(body).id).tolist()
         }
+        people = np.flatnonzero(model.body_mocapid[model.geom_bodyid] >= 0).tolist()
+        self._obstacles |= dict.fromkeys(people, "hazard")
         self._ground = set(np.flatnonzero(model.geom_bodyid == 0).tolist())  # terrain and decks
         self._body = body_geoms(model, rover)
         self._force = np.zeros(6)
@@ -70,11 +72,14 @@ class ContactWatch:
                 continue  # a wheel on the ground
             mujoco.mj_contactForce(self._model, self._data, index, self._force)
             force = float(self._force[0])
-            before = self.strongest.get(kind)
-            if before is None or force > before.force:
-                position = self._data.contact.pos[index].tolist()
-                pose = self._data.qpos[:7].tolist()
-                self.strongest[kind] = Touch(force, part, thing, position, pose)
+            position, pose = self._data.contact.pos[index].tolist(), self._data.qpos[:7].tolist()
+            self.note(kind, Touch(force, part, thing, position, pose))
+
+    def note(self, kind: ContactKind, touch: Touch) -> None:
+        """Keeps a touch if none of its kind was stronger."""
+        before = self.strongest.get(kind)
+        if before is None or touch.force > before.force:
+            self.strongest[kind] = touch
 
     def name_of(self, geom: int) -> str:
         """Returns what a part, an obstacle or the ground is called."""

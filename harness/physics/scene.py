@@ -14,6 +14,7 @@ import numpy as np
 from harness.robots import RoverSpec
 from harness.robots.model import COLLIDING_GROUP, SEEN_GROUP, read_model, root_of
 from harness.robots.reading import model_hash
+from harness.world.actors.actor import Actor
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
 
@@ -61,7 +62,8 @@ def build_scene(world: World, rover: RoverSpec, timestep: float, dress: Dress | 
     _keep_constraints_soft(spec, timestep)
     _add_terrain(spec, world)
     _add_obstacles(spec, world.obstacles)
-    _add_truth_sensors(spec, rover)
+    _add_actors(spec, world.people)
+    _add_truth_sensors(spec, rover, world.people)
     if world.gravity is not None:
         spec.option.gravity = [0.0, 0.0, -world.gravity]
     if world.friction is not None:
@@ -162,13 +164,30 @@ def _limit_friction(spec: mujoco.MjSpec, friction: float) -> None:
             geom.friction = [min(geom.friction[0], friction), *geom.friction[1:]]
 
 
-def _add_truth_sensors(spec: mujoco.MjSpec, rover: RoverSpec) -> None:
-    """Contact counts of the whole rover with rocks and hazards, of its body with the ground."""
+def _add_actors(spec: mujoco.MjSpec, actors: tuple[Actor, ...]) -> None:
+    for actor in actors:
+        options = actor.spec.options
+        x, y = actor.begin
+        height = actor.world.ground.height_at(x, y) + 0.5 * options.height
+        body = spec.worldbody.add_body(name=actor.name, mocap=True, pos=[x, y, height])
+        body.add_geom(
+            name=actor.name,
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            size=[options.radius, 0.5 * options.height - options.radius, 0.0],
+            group=OBSTACLE_GROUP,
+            **(GROUND_CONTACT if options.push else {"contype": 0, "conaffinity": 0}),
+        )
+
+
+def _add_truth_sensors(spec: mujoco.MjSpec, rover: RoverSpec, actors: tuple[Actor, ...]) -> None:
+    """Contact counts of the whole rover with rocks, hazards and people, of its body with the ground."""
     subtree, body, geom = (mujoco.mjtObj.mjOBJ_XBODY, mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_GEOM)
     counts = [
         (ROCK_CONTACT, (subtree, root_of(spec)), (body, "rocks")),
         (HAZARD_CONTACT, (subtree, root_of(spec)), (body, "hazards")),
     ]
+    solid = (actor.name for actor in actors if actor.spec.options.push)
+    counts += [(f"{HAZARD_CONTACT}_{name}", (subtree, root_of(spec)), (body, name)) for name in solid]
     scraping = (part for part in spec.bodies if _scrapes(part, rover))
     has_decks = any(item.group == OBSTACLE_GROUP for item in spec.worldbody.geoms)
     ground = (body, "world") if has_decks else (geom, TERRAIN)

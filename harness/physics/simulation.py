@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from harness.errors import Diverged, RunFailed
 from harness.physics.contacts import ContactWatch
+from harness.physics.crowd import Crowd
 from harness.physics.parking import ParkingHold
 from harness.physics.scene import Scene, motors_of
 from harness.physics.start import spawn_pose
@@ -44,6 +45,7 @@ class Simulation:
         contacts: What the rover touched in the last tick.
         motors: The actuators that the controller commands, in the order of the rover's `motors`;
             the first `driven` of them drive.
+        crowd: The people who walk about; None without any.
     """
 
     def __init__(self, scene: Scene, timestep_ns: int) -> None:
@@ -61,6 +63,7 @@ class Simulation:
         self.contacts = ContactWatch(self.model, self.data, scene.rover)
         self.motors = np.array(motors_of(self.model, scene.rover.motors))
         self.driven = len(scene.rover.drive.driven)
+        self.crowd = Crowd(scene, self.data) if scene.world.people else None
         self._parking = ParkingHold(self.model, scene.rover.drive.driven)
         self._ground = scene.world.ground
         self._settle(scene.world.start)
@@ -133,11 +136,15 @@ class Simulation:
         contacts, counts = self.contacts, self.contacts.counts
         total.fill(0.0)
         contacts.begin()
+        if self.crowd is not None:
+            self.crowd.move(self.time_ns + TICK_NS)
         for _ in range(self.steps_per_tick):
             mujoco.mj_step(model, data)
             total += data.sensordata
             if any(counts.tolist()):
                 contacts.look()
+        if self.crowd is not None:
+            self.crowd.look(contacts)
         self.step_count += self.steps_per_tick
         self.check()
 

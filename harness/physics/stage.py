@@ -21,6 +21,7 @@ OBSTACLE_COLORS = {  # RGBA, darker than the ground
     ObstacleKind.HAZARD: [0.4216, 0.204, 0.136, 1.0],
     ObstacleKind.DECK: [0.51, 0.40, 0.31, 1.0],
 }
+PERSON_COLOR = [0.13, 0.28, 0.46, 1.0]
 FIELD_OF_VIEW = 38.0  # [deg], vertical
 SOIL_PIXELS, SOIL_TILE = 1024, 2.0  # [pixels], [m] along a side of what repeats
 DARK_SOIL, LIGHT_SOIL = (128.0, 82.0, 54.0), (226.0, 168.0, 122.0)  # RGB, 0..255
@@ -64,6 +65,9 @@ def dress(spec: mujoco.MjSpec, quality: Quality) -> None:
         for geom in spec.body(body).geoms:
             if geom.name != TERRAIN and np.allclose(geom.rgba, UNPAINTED):
                 geom.rgba = OBSTACLE_COLORS[kind]
+    for body in spec.bodies:
+        for geom in body.geoms if body.mocap else ():
+            geom.rgba = PERSON_COLOR
     _add_soil(spec)
     # One colour: of a gradient, a picture near the horizon shows nothing but bands.
     spec.add_texture(

@@ -12,10 +12,10 @@ from harness.episode.result import RunResult
 from harness.page.figure import MINUS, TIMES, Plot, named
 from harness.page.shell import fill
 from harness.report.hillshade import shade
-from harness.report.log import Log, caption, collisions, contacts, describe, read_log
+from harness.report.log import Log, caption, collisions, contacts, describe, meetings, read_log
 from harness.report.recorder import RunRecorder
 from harness.report.series import MOST_ROWS, series_figure, varies
-from harness.report.tables import comparisons, contact_rows, facts, key_figures, steady_text
+from harness.report.tables import comparisons, contact_rows, facts, key_figures, people, steady_text
 from harness.report.terrain_map import map_figure
 from harness.robots import find_rover, robot_name
 from harness.sensors.lidar_spec import scan_points
@@ -38,7 +38,7 @@ def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
         "written": datetime.now().astimezone().isoformat(sep=" ", timespec="seconds"),
         "key_figures": key_figures(result),
         "map": terrain_map,
-        "comparisons": comparisons(result, log),
+        "comparisons": [*comparisons(result, log), *people(recorder.track)],
         "contacts": contact_rows(result),
         "series": series,
         "steady": [
@@ -58,7 +58,7 @@ def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
     hillshade, heights = shade(world.ground), world.ground.heights
     half_x, half_y = world.ground.half_size
     x, y, yaw = (_signed(value) for value in world.start)
-    collided, touched = collisions(log, track), contacts(track)
+    collided, touched, met = collisions(log, track), contacts(track), meetings(track)
     placed = recorder.last_scan
     rover = find_rover(config.robot)
     figure = map_figure(
@@ -67,12 +67,14 @@ def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
         track,
         collisions=collided,
         contacts=touched,
+        meetings=met,
         scan=np.empty((0, 2)) if placed is None else scan_points(placed, rover),
         gravity=rover.gravity,
     )
     summary = (
         f"Path of {result.truth.path_length:.1f} m with {len(collided)} places where the metrics "
         f"counted collisions and {len(touched)} where the rover touched a hazard."
+        + (f" People were near {len(met)} times." if world.people else "")
     )
     caption = (
         f"{2 * half_x:g} m {TIMES} {2 * half_y:g} m, heights {_signed(heights.min())} to "

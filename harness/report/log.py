@@ -13,6 +13,7 @@ from pathlib import Path
 from harness.page.figure import spelled
 from harness.report.recorder import Stretch
 from harness.samples import Vector3
+from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
 from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_COLUMNS
@@ -105,6 +106,16 @@ def contacts(track: Sequence[Stretch]) -> list[Event]:
         Event(start_s, stretch.time_s, stretch.position)
         for start_s, stretch in zip(starts, track, strict=False)
         if stretch.contact_s > 0.0
+    )
+
+
+def meetings(track: Sequence[Stretch]) -> list[Event]:
+    """Returns when a person was in the rover's personal space, and where the rover was at first."""
+    starts = [0.0, *(stretch.time_s for stretch in track)]
+    return _joined(
+        Event(start_s, stretch.time_s, stretch.position)
+        for start_s, stretch in zip(starts, track, strict=False)
+        if stretch.nearest_person < PERSONAL_SPACE
     )
 
 

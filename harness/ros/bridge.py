@@ -31,6 +31,7 @@ from harness.sensors.table import SensorRow, Topic
 from harness.sim_time import NANOSECONDS
 from rover_metrics.ros.guarded_node import GuardedNode
 
+PERSON = "geometry_msgs/msg/Pose"  # RoboTerrain's plugin tells no stamp
 CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock")
 # In odom are those of Nav2's pure pursuit controllers, which mean the base: they copy its pose's header.
 COMMAND_FRAMES = ("base_link", "base_footprint", ODOM)
@@ -68,6 +69,7 @@ class Bridge(GuardedNode):
         cmd_vel: How commands come: "twist", "stamped" or "auto".
         rows: The sensors; None for those of every rover.
         draw: Gives the images of cameras; without it there are none.
+        actors: Names of the people, as NAME_actor.
 
     Attributes:
         channels_of: The topics of each sensor's samples, in publishing order.
@@ -87,6 +89,7 @@ class Bridge(GuardedNode):
         cmd_vel: str = "twist",
         rows: Iterable[SensorRow] | None = None,
         draw: Draw | None = None,
+        actors: Sequence[str] = (),
     ) -> None:
         super().__init__("harness", context=context)
         self.time_ns = 0
@@ -99,6 +102,11 @@ class Bridge(GuardedNode):
             for row in (chosen(rover, ()) if rows is None else rows)
             if row.sample is not samples.Transforms
         } | {samples.Transforms: self.frames.moving}
+        if actors:
+            self.channels_of[samples.ActorPoses] = [
+                open_channel(self, Topic(f"{name}/pose", PERSON), messages.person(index))
+                for index, name in enumerate(actors)
+            ]
         # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.
         self.clock_channel = open_channel(self, CLOCK, messages.by_names(Clock(), samples.Tick))
         frames = dict.fromkeys((rover.odometry_child_frame, *COMMAND_FRAMES))

@@ -73,6 +73,17 @@ def filler(
     return by_names(message, row.sample) if special is None else special(message, rover, lidar)
 
 
+def person(index: int) -> Fill:
+    """Returns a filler of the pose of one of the people; as RoboTerrain's, it has no stamp."""
+    sources = {"position": attrgetter("position"), "orientation": attrgetter("orientation")}
+    fields_of = {path: partial(_of_one, value_of, index) for path, value_of in sources.items()}
+    return _refilled(Pose(), fields_of)
+
+
+def _of_one(values: Callable[[Any], Any], index: int, sample: samples.Sample) -> object:
+    return values(sample)[index]
+
+
 def by_names(message: Message, sample_type: type) -> Fill:
     """Returns a filler of the stamp and of every field whose name the sample has too."""
     names = [item.name for item in fields(sample_type) if hasattr(message, item.name)]

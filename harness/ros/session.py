@@ -28,6 +28,7 @@ from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, counted_by
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
+from harness.world.actors.spec import actor_names
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
 LOOK_PERIOD_NS = NANOSECONDS // 10  # of simulation time, for publishers that have turned up
@@ -72,10 +73,16 @@ class _Run:
         self._config, self._options, self._source = config, options, source
         self._context = context = at_end.enter_context(ros_context(options.ros_args))
         rover, lidar = find_rover(config.robot), LidarSpec(beams=config.lidar_beams)
-        obey, kind = source.command, options.cmd_vel
         rows, draw = config.sensor_rows(), at_end.enter_context(painter(config)).image
         self.bridge = Bridge(
-            rover, lidar, context=context, on_command=obey, cmd_vel=kind, rows=rows, draw=draw
+            rover,
+            lidar,
+            context=context,
+            on_command=source.command,
+            cmd_vel=options.cmd_vel,
+            rows=rows,
+            draw=draw,
+            actors=actor_names(config.people),
         )
         at_end.callback(self.bridge.destroy_node)
         self._faults = FaultInjector(parse_faults(config.faults, rows), config.seed, rows)

@@ -3,6 +3,7 @@
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -13,13 +14,14 @@ from harness.errors import UsageError
 from harness.robots import ROVERS
 from harness.scenario.events import CommandEvent, FaultEvent, ResetEvent
 from harness.scenario.spec import ExpectedFailure, Scenario
+from harness.world.actors.spec import beside
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.parameter_file import read_values
 
 # Left to EpisodeConfig where they are left out.
 _PASSED_ON = (
     *("terrain_size", "terrain_height", "difficulty", "datum", "start"),
-    *("noise", "lidar_beams", "imu_rate", "sensors"),
+    *("noise", "lidar_beams", "imu_rate", "sensors", "goal_area"),
 )
 
 Cell = tuple[tuple[str, Any], ...]  # values of a matrix by name
@@ -141,6 +143,7 @@ def _config(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> 
         seed=seed,
         faults=tuple(event.spec for event in events if isinstance(event, FaultEvent)),
         commands=tuple((e.at, *e.command) for e in events if isinstance(e, CommandEvent)),
+        actors=tuple(beside(actor, partial(_beside, path)) for actor in scenario.actors),
         goals=((0.0, *goal.at, goal.yaw),) if goal and takes_goals(values["driver"]) else (),
         resets=tuple(event.at for event in events if isinstance(event, ResetEvent)),
     )

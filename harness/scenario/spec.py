@@ -101,6 +101,8 @@ class Scenario(Part):
         noise: Errors of the sensors; none if left out.
         sensors: Optional ones, as --sensors has them; those of rover.yaml if left out.
         params: Parameter file of the metrics that judge the log; the defaults if left out.
+        goal_area: Instead of one goal, random ones in x from, to, y from, to [m], as `--goal-area`.
+        actors: People who walk, each as `--actor` reads it; files stand relative to this one's folder.
         goal: Where the rover is to arrive; the driver `goal` is told. See the quantity truth.goal_s.
         launch: Commands whose nodes hear the rover over ROS and are waited for.
         events: What happens on the way.
@@ -128,6 +130,8 @@ class Scenario(Part):
     lidar_beams: int | None = None
     imu_rate: int | None = None
     sensors: tuple[Text, ...] | None = None
+    goal_area: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] | None = None
+    actors: tuple[Text, ...] = ()
     goal: Goal | None = None
     launch: tuple[Launched, ...] = ()
     events: tuple[Event, ...] = ()

@@ -34,6 +34,7 @@ from harness.testing.evidence import Evidence
 from harness.testing.process import Process
 from harness.testing.subject import Heard, Message, Subject
 from harness.truth.traversal import Truth
+from harness.world.actors.spec import actor_names
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 
@@ -131,7 +132,10 @@ class Trial:
         lidar = LidarSpec(beams=self.config.lidar_beams)
         rover, obey = find_rover(self.config.robot), self._command
         draw = at_end.enter_context(painter(self.config)).image
-        self._bridge = Bridge(rover, lidar, on_command=obey, cmd_vel=self.CMD_VEL, rows=rows, draw=draw)
+        names = actor_names(self.config.people)
+        self._bridge = Bridge(
+            rover, lidar, on_command=obey, cmd_vel=self.CMD_VEL, rows=rows, draw=draw, actors=names
+        )
         at_end.callback(self._bridge.destroy_node)
         self._record(at_end)
         if self._episode.description is not None:

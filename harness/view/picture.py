@@ -80,6 +80,10 @@ class Studio(AbstractContextManager["Studio"]):
         states = self.recording
         self.data.qpos[:7] = (*states.path[index], *states.orientations[index])
         self.data.qpos[self._joints] = states.joints[index]
+        if states.people.size:  # the only mocap bodies, in their order
+            self.data.mocap_pos[:] = states.people[index, :, :3]
+            half = states.people[index, :, 3] / 2
+            self.data.mocap_quat[:, 0], self.data.mocap_quat[:, 3] = np.cos(half), np.sin(half)
         mujoco.mj_forward(self.model, self.data)
 
     def image(self, index: int, view: View) -> NDArray[np.uint8]:

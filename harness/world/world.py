@@ -4,6 +4,7 @@ import hashlib
 import math
 from dataclasses import dataclass, replace
 from itertools import chain
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle
 from harness.world.sdf.actors import ToldActor
 from harness.world.terrains import TERRAINS
+
+if TYPE_CHECKING:
+    from harness.world.actors.actor import Actor
 
 DEFAULT_DIFFICULTY = 0.5
 EDGE_MARGIN = 0.5  # [m] of map that must remain around the rover's origin
@@ -32,6 +36,7 @@ class World:
         friction: Of the ground where it is less than the wheels' own; None is theirs.
         files: Those that it was read from, each with its SHA-256.
         actors: Those of an SDF world, as it tells them.
+        people: Who walks about.
     """
 
     name: str
@@ -41,6 +46,7 @@ class World:
     difficulty: float | None
     notes: tuple[str, ...] = ()
     start: Start = (0.0, 0.0, 0.0)
+    people: tuple["Actor", ...] = ()
     room: tuple[float, float, float, float] | None = None
     gravity: float | None = None
     friction: float | None = None
@@ -102,7 +108,7 @@ def starting_at(world: World, start: Start) -> World:
 
 
 def terrain_hash(world: World) -> str:
-    """Returns the SHA-256 of all that a rover can feel: equal if and only if the worlds are."""
+    """Returns the SHA-256 of all that a rover can feel or meet: equal if and only if the worlds are."""
     digest = hashlib.sha256()
     digest.update(np.array(world.ground.cell, dtype="<f8").tobytes())
     digest.update(np.ascontiguousarray(world.ground.heights, dtype="<f8").tobytes())
@@ -114,4 +120,7 @@ def terrain_hash(world: World) -> str:
         )
     if (physical := (*world.ground.middle, world.gravity, world.friction)) != (0.0, 0.0, None, None):
         digest.update(repr(physical).encode())
+    for person in world.people:
+        digest.update(repr((person.spec.name, person.spec.walker, person.spec.options)).encode())
+        digest.update(repr(person.spec.told).encode())
     return digest.hexdigest()

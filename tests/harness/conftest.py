@@ -16,6 +16,8 @@ from harness.physics.simulation import Simulation
 from harness.robots import ROVERS, RoverSpec
 from harness.robots.urdf.folder import write_folder
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS
+from harness.world.actors.actor import with_actors
+from harness.world.actors.spec import parse_actors
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle
 from harness.world.world import World
@@ -36,10 +38,12 @@ def make_simulation() -> MakeSimulation:
         *,
         heights: NDArray[np.float64] | None = None,
         obstacles: tuple[Obstacle, ...] = (),
+        actors: tuple[str, ...] = (),
         timestep_ns: int = TIMESTEP_NS,
     ) -> Simulation:
         ground = Heightfield(np.zeros((VERTICES, VERTICES)) if heights is None else heights, CELL)
         world = World("bench", ground, obstacles, seed=0, difficulty=0.0)
+        world = with_actors(world, parse_actors(actors)) if actors else world
         return Simulation(build_scene(world, ROVERS[robot], timestep_ns / 1e9), timestep_ns)
 
     return make

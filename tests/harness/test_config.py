@@ -141,6 +141,17 @@ def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object
         ({"start": (0.0, math.nan, 0.0)}, "start 0,nan,0 is not valid; give x and y in metres"),
         ({"start": (0.0, 0.0, 90.0)}, "start 0,0,90 is not valid"),
         ({"start": (0.0, 0.0)}, "start 0,0 is not valid"),
+        ({"actors": ("walker",)}, "actor 'walker' is not valid; give [NAME=]FILE"),
+        ({"actors": ("a=1,2", "a=3,4")}, "two actors are called 'a'"),
+        (
+            {"goal_area": (0.0, 1.0, 0.0, 1.0)},
+            "a goal area gives goals by itself: it needs driver 'goal' or a policy",
+        ),
+        (
+            {"driver": "goal", "goal_area": (0, 1, 0, 1), "goals": ((0.0, 1.0, 2.0, 0.0),)},
+            "a goal area gives goals by itself: leave out the goals",
+        ),
+        ({"driver": "goal", "goal_area": (1.0, 0.0, 0.0, 1.0)}, "goal area 1,0,0,1 is not valid"),
         ({"robot": "r2d2"}, "robot 'r2d2' does not exist"),
         ({"driver": "drunk"}, "driver 'drunk' does not exist"),
         ({"terrain": "moon"}, "terrain 'moon' does not exist; available: flat, slope, rolling, gravel"),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.physics.scene import TERRAIN
-from harness.sensors.rays.obstacle_kernel import BOX, CYLINDER, ELLIPSOID
+from harness.sensors.rays.obstacle_kernel import BOX, CAPSULE, CYLINDER, ELLIPSOID
 from harness.sensors.rays.triangle_kernel import build_tree
 
 MESH = int(mujoco.mjtGeom.mjGEOM_MESH)
@@ -46,15 +46,15 @@ def obstacle_arrays(model: mujoco.MjModel, group: int) -> tuple[Integers, Double
     """Returns the geoms of a group but for meshes, with kinds, and their sizes as cast_fan takes them.
 
     Raises:
-        ValueError: One of them is neither mesh, box, cylinder nor ellipsoid.
+        ValueError: One of them is neither mesh, box, cylinder, capsule nor ellipsoid.
     """
     geoms = np.flatnonzero((model.geom_group == group) & (model.geom_type != MESH))
     kinds = model.geom_type[geoms]
-    unseen = geoms[~np.isin(kinds, (BOX, CYLINDER, ELLIPSOID))]
+    unseen = geoms[~np.isin(kinds, (BOX, CYLINDER, CAPSULE, ELLIPSOID))]
     if unseen.size:
         raise ValueError(
             f"obstacle '{model.geom(unseen[0]).name}' has a shape that the lidar cannot see; "
-            "available: box, cylinder, ellipsoid, mesh"
+            "available: box, cylinder, capsule, ellipsoid, mesh"
         )
     sizes = np.column_stack([model.geom_size[geoms], model.geom_rbound[geoms]])
     return np.column_stack([geoms, kinds]).astype(np.int64), sizes

@@ -1,4 +1,4 @@
-"""Beams against boxes, cylinders and ellipsoids, compiled by numba: a planar fan, or any bundle.
+"""Beams against boxes, cylinders, capsules, ellipsoids, compiled by numba: a fan, or any bundle.
 
 Each obstacle is asked only by the beams whose directions its bounding sphere covers: those of a fan by
 their azimuths, those of a bundle by the bins of azimuth and elevation into which they are sorted once.
@@ -18,6 +18,7 @@ MISS = math.inf
 SLACK = 1e-6  # [rad]
 BOX = int(mujoco.mjtGeom.mjGEOM_BOX)
 CYLINDER = int(mujoco.mjtGeom.mjGEOM_CYLINDER)
+CAPSULE = int(mujoco.mjtGeom.mjGEOM_CAPSULE)
 ELLIPSOID = int(mujoco.mjtGeom.mjGEOM_ELLIPSOID)
 
 Vector = tuple[float, float, float]
@@ -55,6 +56,29 @@ def _ball(start: Vector, speed: Vector, scale: Vector) -> Interval:
 
 
 @inlined
+def _joined(one: Interval, other: Interval) -> Interval:
+    """What two intervals that overlap or are empty cover together."""
+    if one[0] > one[1]:
+        return other
+    if other[0] > other[1]:
+        return one
+    return min(one[0], other[0]), max(one[1], other[1])
+
+
+@inlined
+def _capsule(start: Vector, speed: Vector, size: Vector) -> Interval:
+    """Where along a ray it lies in a cylinder of that radius and half length, or in a ball at an end."""
+    inverse = 1.0 / size[0]
+    round_begin, round_end = _ball(start, speed, (inverse, inverse, 0.0))
+    flat_begin, flat_end = _slab(start[2], speed[2], size[1])
+    inside = max(round_begin, flat_begin), min(round_end, flat_end)
+    scale = (inverse, inverse, inverse)
+    upper = _ball((start[0], start[1], start[2] - size[1]), speed, scale)
+    lower = _ball((start[0], start[1], start[2] + size[1]), speed, scale)
+    return _joined(inside, _joined(upper, lower))
+
+
+@inlined
 def _hit_shape(kind: int, size: Vector, start: Vector, speed: Vector) -> float:
     """First t >= 0 on the surface of a shape, in its own frame."""
     if kind == ELLIPSOID:
@@ -63,6 +87,8 @@ def _hit_shape(kind: int, size: Vector, start: Vector, speed: Vector) -> float:
         round_begin, round_end = _ball(start, speed, (1.0 / size[0], 1.0 / size[0], 0.0))
         flat_begin, flat_end = _slab(start[2], speed[2], size[1])
         begin, end = max(round_begin, flat_begin), min(round_end, flat_end)
+    elif kind == CAPSULE:
+        begin, end = _capsule(start, speed, size)
     else:
         x_begin, x_end = _slab(start[0], speed[0], size[0])
         y_begin, y_end = _slab(start[1], speed[1], size[1])
@@ -115,7 +141,7 @@ def cast_fan(
     """Lowers `ranges` to the distance of the obstacles where that is nearer.
 
     Args:
-        obstacles: Geom and kind (BOX, CYLINDER or ELLIPSOID) of each, shape (k, 2).
+        obstacles: Geom and kind (BOX, CYLINDER, CAPSULE or ELLIPSOID) of each, shape (k, 2).
         sizes: Half sizes as MuJoCo has them and the bounding radius [m], shape (k, 4).
         positions: World positions of all geoms [m], shape (ngeom, 3).
         matrices: World rotations of all geoms, shape (ngeom, 9).

@@ -48,7 +48,9 @@ class Topic:
     def due(self, tick: int, rover: int) -> bool:
         """Whether it is at a tick, counted from 1, of a rover."""
         rates = self.rates[rover]
-        return any(tick % (100 // rate) == 0 for rate in ((rates,) if isinstance(rates, int) else rates))
+        # At the first tick by which another period is full: each nth where the rate divides 100.
+        every = (rates,) if isinstance(rates, int) else rates
+        return any(tick * rate // 100 > (tick - 1) * rate // 100 for rate in every)
 
 
 def quaternion(rotation: Rotation) -> Expected:
@@ -346,6 +348,12 @@ def traversal(twin: Twin) -> Expected:
     return {"layout": {"dim": [dimension], "data_offset": 0}, "data": list(values.values())}
 
 
+def person(twin: Twin) -> Expected:
+    """geometry_msgs/Pose of somebody who looks where they go."""
+    looks = Rotation.from_euler("z", -90, degrees=True)
+    return {"position": vector(twin.person), "orientation": quaternion(looks)}
+
+
 def topics() -> tuple[Topic, ...]:
     """Every topic, in the order in which those of one tick go out."""
     truth = "/rover/truth"
@@ -370,6 +378,7 @@ def topics() -> tuple[Topic, ...]:
         Topic("/joint_states", "sensor_msgs/msg/JointState", (50, 50), joint_states),
         Topic(f"{truth}/contact", "std_msgs/msg/Bool", (20, 20), contact),
         Topic(f"{truth}/traversal", "std_msgs/msg/Float64MultiArray", (20, 20), traversal),
+        Topic("/guide_actor/pose", "geometry_msgs/msg/Pose", (30, 30), person),
         Topic("/gnss/fix", "sensor_msgs/msg/NavSatFix", (5, 5), surroundings.fix),
         Topic("/imu/mag", "sensor_msgs/msg/MagneticField", (20, 20), surroundings.magnetic_field),
         Topic("/barometer/pressure", "sensor_msgs/msg/FluidPressure", (10, 10), surroundings.pressure),

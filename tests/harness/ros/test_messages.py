@@ -39,7 +39,7 @@ from sensor_msgs.msg import (
 from std_msgs.msg import Bool, Float64MultiArray, Header, MultiArrayDimension, MultiArrayLayout
 
 from harness import samples
-from harness.ros.messages import by_names, filler
+from harness.ros.messages import by_names, filler, person
 from harness.sensors import table
 from harness.sensors.barometer import Pressure
 from harness.sensors.camera.sensor import CameraState
@@ -311,6 +311,18 @@ def test_every_field_arrives_in_its_place_each_time(topic: str) -> None:
     sample, expected = EXPECTED[topic]
     earlier = replace(sample, stamp_ns=STAMP_NS - 10**9)
     assert heard(topic, earlier, sample)[-1] == expected
+
+
+def test_the_pose_of_a_person_is_a_pose_without_a_stamp_each_time() -> None:
+    people = samples.ActorPoses(STAMP_NS, (LINEAR, HERE), (ATTITUDE[::-1], ATTITUDE))
+    fill = person(1)
+    for expected in (people, replace(people, position=(LINEAR, ANGULAR))):
+        message = fill(expected)
+        back = deserialize_message(serialize_message(message), Pose)
+        x, y, z = expected.position[1]
+        assert (back.position.x, back.position.y, back.position.z) == (x, y, z)
+        turn = back.orientation
+        assert (turn.x, turn.y, turn.z, turn.w) == ATTITUDE
 
 
 def test_every_topic_of_a_sensor_is_expected_here() -> None:

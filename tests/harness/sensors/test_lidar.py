@@ -237,7 +237,7 @@ def test_obstacle_of_unknown_shape_is_named() -> None:
     world = terrain_spec(np.zeros((3, 3)), 1.0)
     add_rover(world, 0.5)
     world.worldbody.add_geom(
-        name="pillar", type=mujoco.mjtGeom.mjGEOM_CAPSULE, size=[0.1, 0.5, 0.0], group=1
+        name="ball", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.1, 0.0, 0.0], group=1
     )
-    with pytest.raises(ValueError, match=r"'pillar'.*available: box, cylinder, ellipsoid"):
+    with pytest.raises(ValueError, match=r"'ball'.*available: box, cylinder, capsule, ellipsoid"):
         Lidar(world.compile(), LidarSpec())
