@@ -1,5 +1,6 @@
 """Optional sensors: exact rays a second against mj_multiRay, and the speed of a run with each."""
 
+import resource
 import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, cast
@@ -33,12 +34,14 @@ Array = NDArray[np.float64]
 
 def measure(effort: Effort) -> Table:
     """Rays and runs, on the default terrain."""
-    alone = _run((), effort)
+    usual, usual_cpu = _run((), effort)
     rows: list[tuple[str, ...]] = []
-    rows.append(("the usual sensors", "-", "-", "-", "-", "-", f"{alone:.1f}", "**1.00**", "-"))
+    rows.append(
+        ("the usual sensors", *("-",) * 5, f"{usual:.1f}", f"{1 / usual_cpu:.1f}", "**1.00**", "-")
+    )
     for word, (rays, speed) in TARGETS.items():
-        with_it = _run((word,), effort)
-        told = f"{with_it:.1f}", f"**{with_it / alone:.2f}**", speed
+        factor, cpu = _run((word,), effort)
+        told = f"{factor:.1f}", f"{1 / cpu:.1f}", f"**{usual_cpu / cpu:.2f}**", speed
         rows.append((word, *_rays(word, effort), rays, *told))
     return Table(
         title=f"Optional sensors of leo on rocky, runs of {effort.seconds:g} simulated seconds",
@@ -50,18 +53,30 @@ def measure(effort: Effort) -> Table:
             "largest difference",
             "target, million rays a second",
             "run, times real time",
-            "run against that with the usual sensors",
+            "as far as the busier core goes",
+            "that against the usual sensors",
             "target, times real time",
         ),
         rows=tuple(rows),
     )
 
 
-def _run(sensors: tuple[str, ...], effort: Effort) -> float:
-    """The simulated seconds a second of a run."""
-    result = ros_runs.run(EpisodeConfig(duration=effort.seconds, sensors=sensors or ("none",)))
-    assert not result.lost
-    return result.real_time_factor
+def _run(sensors: tuple[str, ...], effort: Effort) -> tuple[float, float]:
+    """A run's simulated seconds a second, and its busier process's time on a core for each of them."""
+    spent: list[NDArray[np.float64]] = []
+    for seconds in (effort.seconds / 5, effort.seconds):  # the difference has no start-up in it
+        before = _cpu()
+        result = ros_runs.run(EpisodeConfig(duration=seconds, sensors=sensors or ("none",)))
+        assert not result.lost
+        spent.append(_cpu() - before)
+    per_second = (spent[1] - spent[0]) / (0.8 * effort.seconds)
+    return result.real_time_factor, float(per_second.max())
+
+
+def _cpu() -> Array:
+    """Time on a core of this process, and of its children that have ended [s]."""
+    usages = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return np.array([usage.ru_utime + usage.ru_stime for usage in usages])
 
 
 def _rays(word: str, effort: Effort) -> tuple[str, ...]:

@@ -44,6 +44,10 @@ def chosen(rover: RoverSpec, asked: Sequence[str] | None) -> tuple[SensorRow, ..
         wanted = []
     else:
         wanted = [_asked(word, dict(listed), where) for word in asked]
+        names = [name for name, _, _ in wanted]
+        for name in names:
+            if names.count(name) > 1:
+                raise UsageError(f"--sensors has '{name}' twice; leave one out")
     always = tuple(row for row in table.SENSORS if row.options is None)
     carried = tuple(_carried(name, entry, told) for name, entry, told in wanted)
     _check_apart((*always, *carried))

@@ -143,7 +143,7 @@ def test_a_wrong_entry_is_told_with_what_is_valid(entry: Mapping[str, Any], mess
     [
         (("ear",), r"sensor 'ear' does not exist; available: left, eye, nose, none"),
         (("eye", "none"), r"--sensors none stands alone"),
-        (("eye", "eye"), r"two sensors are named 'eye'"),
+        (("eye", "eye=fine"), r"--sensors has 'eye' twice; leave one out"),
         (("nose=fine",), r"--sensors nose=fine: key 'preset' does not exist"),
         (("",), r"sensor '' does not exist"),
     ],
