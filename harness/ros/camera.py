@@ -11,6 +11,8 @@ from sensor_msgs.msg import CameraInfo, Image
 
 from harness.config import EpisodeConfig
 from harness.ros.channel import Fill
+from harness.samples import Sample
+from harness.sensors.camera.lens import Lens
 from harness.sensors.camera.painter import CameraPainter
 from harness.sensors.camera.sensor import CameraOptions, CameraState
 from harness.sim_time import NANOSECONDS
@@ -44,8 +46,12 @@ def image_fill(message: Image, options: CameraOptions, draw: Draw | None) -> Fil
 
 
 def camera_info_fill(message: CameraInfo, options: CameraOptions) -> Fill:
-    """Returns a filler of what is known of the lens, which is without further distortion."""
-    lens = options.lens_of()
+    """Returns a filler of what is known of the camera's lens."""
+    return lens_info(message, options.lens_of())
+
+
+def lens_info(message: CameraInfo, lens: Lens) -> Fill:
+    """Returns a filler of what is known of a lens, which is without further distortion."""
     message.width, message.height = lens.width, lens.height
     message.distortion_model = lens.distortion_model
     message.d = [0.0] * lens.coefficients
@@ -53,12 +59,12 @@ def camera_info_fill(message: CameraInfo, options: CameraOptions) -> Fill:
     message.r = np.eye(3).ravel()
     message.p = np.column_stack([lens.matrix, np.zeros(3)]).ravel()
 
-    def fill(state: CameraState) -> CameraInfo:
-        _stamp(message, state)
+    def fill(sample: Sample) -> CameraInfo:
+        _stamp(message, sample)
         return message
 
     return fill
 
 
-def _stamp(message: Any, state: CameraState) -> None:  # noqa: ANN401 - rclpy's classes have no types
-    message.header.stamp.sec, message.header.stamp.nanosec = divmod(state.stamp_ns, NANOSECONDS)
+def _stamp(message: Any, sample: Sample) -> None:  # noqa: ANN401 - rclpy's classes have no types
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(sample.stamp_ns, NANOSECONDS)

@@ -10,7 +10,9 @@ from array import array
 import numpy as np
 from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2, PointField
 
+from harness.ros.camera import lens_info
 from harness.ros.channel import Fill
+from harness.sensors.camera.lens import Pinhole
 from harness.sensors.depth import DepthOptions
 from harness.sensors.lidars import AS_NAN, CloudLidarOptions, PlanarLidarOptions
 from harness.sensors.ranging import RangeReading
@@ -113,20 +115,9 @@ def depth_image(message: Image, options: DepthOptions) -> Fill:
 
 def depth_camera_info(message: CameraInfo, options: DepthOptions) -> Fill:
     """Returns what makes the calibration that goes with an image: a pinhole without distortion."""
-    (x, y), focal = options.centre, options.focal_length
-    message.height, message.width = options.height, options.width
-    message.distortion_model, message.d = "plumb_bob", array("d", bytes(5 * 8))
-    message.k = np.array([focal, 0.0, x, 0.0, focal, y, 0.0, 0.0, 1.0])
-    message.r = np.eye(3).ravel()
-    message.p = np.array([focal, 0.0, x, 0.0, 0.0, focal, y, 0.0, 0.0, 0.0, 1.0, 0.0])
-
-    def fill(reading: RangeReading) -> CameraInfo:
-        _set_stamp(message, reading)
-        return message
-
-    return fill
+    return lens_info(message, Pinhole(options.width, options.height, options.fov))
 
 
-def _set_stamp(message: LaserScan | PointCloud2 | Image | CameraInfo, reading: RangeReading) -> None:
+def _set_stamp(message: LaserScan | PointCloud2 | Image, reading: RangeReading) -> None:
     stamp = message.header.stamp
     stamp.sec, stamp.nanosec = divmod(reading.stamp_ns, NANOSECONDS)
