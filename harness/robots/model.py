@@ -34,6 +34,8 @@ def read_model(rover: RoverSpec) -> mujoco.MjSpec:
         UsageError: It cannot be read, the file of one of its meshes is not there, or it is no rover's.
     """
     path = rover.model_path
+    if not path.is_file():
+        raise UsageError(f"{path}, the rover's model, does not exist; put it there, or mend key 'model'")
     try:
         spec = mujoco.MjSpec.from_file(str(path))
     except (OSError, ValueError, mujoco.FatalError) as error:

@@ -50,7 +50,7 @@ MISTAKES = {
     "and 2 right are not valid",
     "drive: {left: [front_left_joint], right: [front_right_joint]}": "need <velocity> actuators",
     "drive: {steering_limit: wide}": "drive: steering_limit = 'wide' is not valid; give a number",
-    "model: cart.xml": "cart.xml is no model that MuJoCo reads",
+    "model: cart.xml": "cart.xml, the rover's model, does not exist; put it there, or mend key 'model'",
 }
 
 
