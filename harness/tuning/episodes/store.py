@@ -4,6 +4,7 @@ import io
 import json
 from collections.abc import Mapping
 from dataclasses import asdict
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import __version__
+from harness.drivers.policy import PREFIX
 from harness.errors import UsageError
 from harness.files import whole_file
 from harness.tuning.episodes.plan import Planned
@@ -111,6 +113,10 @@ def _identity(planned: tuple[Planned, ...]) -> dict[str, Any]:
     """What determines a sweep; exact sensors are false, as in the sweeps that users keep."""
     configs = {one.name: asdict(one.config) | {"noise": one.config.noise or False} for one in planned}
     identity = {"version": __version__, "schema": SCHEMA, "episodes": _used(configs)}
+    drivers = sorted({one.config.driver for one in planned})
+    files = [Path(name.removeprefix(PREFIX)) for name in drivers if name.startswith(PREFIX)]
+    if files:
+        identity["policies"] = [sha256(file.read_bytes()).hexdigest() for file in files]
     return dict(json_safe(identity))  # as it will be read: lists for tuples
 
 
@@ -136,4 +142,4 @@ def _difference(path: Path, ours: dict[str, Any]) -> str:
         return f"{SWEEP} is not readable"
     if episodes != len(ours["episodes"]):
         return f"{episodes} episodes instead of {len(ours['episodes'])}"
-    return "other robots, seed or duration"
+    return "other robots, driver, seed or duration"
