@@ -24,7 +24,7 @@ import harness.gym  # noqa: F401 - registers
 from harness.drivers.policy import Policy, write_policy
 
 ID, TERRAINS = "RoverHarness/PointNav-v0", ("gravel", "rocky")
-STEPS = 240_000
+STEPS = 120_000
 ENVIRONMENTS, HOLD = 16, 4  # steps for which an action is held while learning: 0.2 s
 TIME_LIMIT = 30.0  # [s] of an episode while learning; it is 60 s afterwards
 BEAMS, FAR = 64, 3.0  # of the lidar that the policy looks at, and how far [m]

@@ -53,8 +53,17 @@ class Policy:
         return len(self.layers[0][0]) - BESIDE_LIDAR
 
     def act(self, observation: Mapping[str, Floats]) -> Floats:
-        """Returns the action for an observation of PointNav, shape (2,), each -1 to 1."""
+        """Returns the action for an observation of PointNav, shape (2,), each -1 to 1.
+
+        Raises:
+            UsageError: It was made for other observations.
+        """
         values = np.concatenate([observation[name] for name in sorted(observation)])
+        if len(values) != len(self.layers[0][0]):
+            raise UsageError(
+                f"the policy was made for other spaces: it takes {len(self.layers[0][0])} numbers and is "
+                f"given {len(values)}; make the environment with lidar_beams={self.beams}, no other parts"
+            )
         for index, (weights, bias) in enumerate(self.layers):
             if index:
                 values = ACTIVATIONS[self.activation](values)
