@@ -33,12 +33,10 @@ class Outcome:
     Attributes:
         ending: As the environment tells it.
         seconds: Of simulation time.
-        efficiency: Way as the crow flies by the way that was driven, 0 without success.
     """
 
     ending: str
     seconds: float
-    efficiency: float
 
 
 def drive(policy: Policy, options: dict[str, Any], seed: int) -> Outcome:
@@ -51,14 +49,11 @@ def drive(policy: Policy, options: dict[str, Any], seed: int) -> Outcome:
     """
     env: Any = gymnasium.make(ID, disable_env_checker=True, **options).unwrapped
     observation, _ = env.reset(seed=seed)
-    straight, driven, ended = float(observation["goal"][0]), 0.0, False
-    while not ended:
-        observation, _, terminated, truncated, info = env.step(policy.act(observation))
-        driven += abs(float(observation["velocities"][0])) * CONTROL_PERIOD
-        ended = terminated or truncated
-    way = straight - info["distance"]
-    efficiency = way / max(way, driven) if info["is_success"] else 0.0
-    return Outcome(info["ending"], env.steps * CONTROL_PERIOD, efficiency)
+    ending = ""
+    while not ending:
+        observation, *_, info = env.step(policy.act(observation))
+        ending = info["ending"]
+    return Outcome(ending, env.steps * CONTROL_PERIOD)
 
 
 def straight_ahead(beams: int) -> Policy:
@@ -75,7 +70,6 @@ def row(name: str, terrain: str, outcomes: list[Outcome]) -> str:
     low, high = wilson(good, count)
     failures = ", ".join(f"{ending} {number}" for ending, number in sorted(endings.items()))
     times = [outcome.seconds for outcome in outcomes if outcome.ending == "reached"]
-    spl = np.mean([outcome.efficiency for outcome in outcomes])
     cells = (
         name,
         terrain,
@@ -83,7 +77,6 @@ def row(name: str, terrain: str, outcomes: list[Outcome]) -> str:
         f"{low:.0%} to {high:.0%}",
         failures or "-",
         f"{median(times):.1f} s" if times else "-",
-        f"{spl:.2f}",
     )
     return f"| {' | '.join(cells)} |"
 
@@ -97,8 +90,8 @@ def table(policy: Policy, terrains: list[str], episodes: int, **options: object)
         episodes: On each terrain.
         options: Of the environment.
     """
-    yield "| policy | terrain | reached | 95 % interval | else | time, median | SPL |"
-    yield "|---|---|---:|---:|---|---:|---:|"
+    yield "| policy | terrain | reached | 95 % interval | else | time, median |"
+    yield "|---|---|---:|---:|---|---:|"
     options["lidar_beams"] = policy.beams
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for terrain in terrains:

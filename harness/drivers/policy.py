@@ -59,10 +59,10 @@ class Policy:
             UsageError: It was made for other observations.
         """
         values = np.concatenate([observation[name] for name in sorted(observation)])
-        if len(values) != len(self.layers[0][0]):
+        if len(values) != (inputs := len(self.layers[0][0])):
             raise UsageError(
-                f"the policy was made for other spaces: it takes {len(self.layers[0][0])} numbers and is "
-                f"given {len(values)}; make the environment with lidar_beams={self.beams}, no other parts"
+                f"the policy was made for other spaces: it takes {inputs} numbers, not {len(values)}; "
+                f"make PointNav with lidar_beams={self.beams} and without optional parts"
             )
         for index, (weights, bias) in enumerate(self.layers):
             if index:

@@ -6,7 +6,7 @@ not draw needs none.
 
 import os
 import platform
-import sys
+import warnings
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -47,7 +47,7 @@ class Painter:
         self._window, self._context = window, None
         if not window:
             self._context = _context()
-        elif sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys():
+        elif not _has_display():
             raise UsageError("render_mode 'human' needs a display; use render_mode 'rgb_array'")
         self._course: Course | None = None
         self._view: Any = None  # an _Image, or a window of MuJoCo's
@@ -136,6 +136,13 @@ class _Image:
         """Gives the images' memory back."""
         self._context.make_current()
         self._target.free()
+
+
+def _has_display() -> bool:
+    """Whether a window can be opened: MuJoCo's would wait for ever where none can."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what there is to know is told by the caller, in a line
+        return bool(import_module("glfw").init())
 
 
 def _context() -> Any:  # noqa: ANN401 - of MuJoCo's, by system

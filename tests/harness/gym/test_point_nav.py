@@ -112,7 +112,7 @@ def test_a_policy_drives_the_same_path_in_the_environment_and_as_driver(
     )
     path, policy, goal, seed = tmp_path / "small.npz", Policy(layers), (2.0, 1.0), 4
     write_policy(path, policy)
-    with pytest.raises(UsageError, match="made for other spaces: it takes 45 numbers and is given 44"):
+    with pytest.raises(UsageError, match="made for other spaces: it takes 45 numbers, not 44"):
         policy.act({"lidar": np.zeros(44, np.float32)})
     env = make(robot=robot, noise="hardware", random_start=False)
     seen, _ = env.reset(seed=seed, options={"goal": goal})
