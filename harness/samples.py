@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 ContactKind = Literal["hazard", "rock", "scrape"]
+LIDAR_RANGE_MAX = 10.0  # [m] of RoboTerrain's gpu_lidar; a hit beyond it is a miss
 
 T = TypeVar("T")
 

@@ -9,7 +9,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Column, Table
 
-from harness.drivers import DRIVERS
+from harness.drivers import DRIVERS, PolicyDriver
+from harness.drivers.policy import PREFIX
 from harness.episode import result
 from harness.robots import ROVERS
 from harness.sensors.noise import PRESETS
@@ -124,10 +125,11 @@ def _metric(row: dict[str, int | float | str], column: str, unit: str) -> str:
 
 def print_choices(console: Console) -> None:
     """Prints terrains, robots, drivers and noise presets with what there is to know of each."""
+    drivers = DRIVERS | {f"{PREFIX}FILE.npz": PolicyDriver}
     for title, lines in (
         ("terrains", [(name, _about(terrain)) for name, terrain in TERRAINS.items()]),
         ("robots", [*((name, rover.summary) for name, rover in ROVERS.items()), OWN_ROBOT]),
-        ("drivers", [(name, driver.summary) for name, driver in DRIVERS.items()]),
+        ("drivers", [(name, driver.summary) for name, driver in drivers.items()]),
         ("noise", [(name, preset.summary) for name, preset in PRESETS.items()]),
     ):
         columns = Column(style="bold", no_wrap=True), Column()

@@ -64,6 +64,7 @@ class Driver(Protocol):
     """Chooses the command; made from a `DriverContext`."""
 
     summary: ClassVar[str]
+    senses: ClassVar[frozenset[type[Sample]]]  # the samples that it looks at
 
     def __init__(self, context: DriverContext) -> None: ...
 

@@ -12,7 +12,7 @@ from typing import ClassVar
 
 from harness.drivers.base import CONTROL_PERIOD, DriverContext, Observation
 from harness.errors import UsageError
-from harness.samples import Twist
+from harness.samples import Sample, Twist
 from harness.world.obstacles import Obstacle, ObstacleKind, half_extent
 from harness.world.terrains import WITH_HAZARDS
 
@@ -75,6 +75,7 @@ class StagedEncounter(ABC):
     """
 
     summary: ClassVar[str]
+    senses: ClassVar[frozenset[type[Sample]]] = frozenset()
 
     def __init__(self, context: DriverContext) -> None:
         self.rover, self.rng = context.rover, context.rng

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.drivers.base import DriverContext, Observation
-from harness.samples import Twist
+from harness.samples import LaserScan, Sample, Twist
 from harness.sim_time import NANOSECONDS
 
 GOAL_DISTANCE = (4.0, 10.0)  # [m] from where the rover is
@@ -37,6 +37,7 @@ class Wander:
     """Goal seeking with a polar histogram of free range (after VFH, Borenstein and Koren 1991)."""
 
     summary: ClassVar[str] = "seeks seeded goals, avoids hazards by its lidar, backs out when stuck"
+    senses: ClassVar[frozenset[type[Sample]]] = frozenset((LaserScan,))
 
     def __init__(self, context: DriverContext) -> None:
         self._rover = context.rover
@@ -133,6 +134,7 @@ class Roam:
     """Goes where `Wander` goes, at a new random speed every few seconds."""
 
     summary: ClassVar[str] = "wanders at speeds that change every 8 s, up to 0.9 of the top speed"
+    senses: ClassVar[frozenset[type[Sample]]] = frozenset((LaserScan,))
 
     def __init__(self, context: DriverContext) -> None:
         self.rover, self.rng = context.rover, context.rng

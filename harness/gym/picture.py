@@ -4,8 +4,7 @@ OpenGL is loaded when something is first drawn, and from where it works without 
 not draw needs none.
 """
 
-import os
-import sys
+import warnings
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
@@ -44,7 +43,7 @@ class Painter:
         self._window, self._context = window, None
         if not window:
             self._context = gl_context("render_mode 'rgb_array'", QUALITY.width, QUALITY.height)
-        elif sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys():
+        elif not _has_display():
             raise UsageError("render_mode 'human' needs a display; use render_mode 'rgb_array'")
         self._course: Course | None = None
         self._view: Any = None  # an _Image, or a window of MuJoCo's
@@ -122,3 +121,10 @@ class _Image:
     def close(self) -> None:
         """Gives the images' memory back."""
         self._canvas.close()
+
+
+def _has_display() -> bool:
+    """Whether a window can be opened: MuJoCo's would wait for ever where none can."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what there is to know is told by the caller, in a line
+        return bool(import_module("glfw").init())

@@ -139,7 +139,10 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
             "action_rate": self._action_rate,
         }
         terms = {name: weight * measured[name] for name, weight in self._weights.items()}
+        x, y, _ = ride.simulation.position
         told = {
+            "x_position": x,
+            "y_position": y,
             "distance": self._distance,
             "hazard_s": self._hazard_s,
             "is_success": ending == "reached",

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.robots import RoverSpec
-from harness.samples import PlacedScan
+from harness.samples import LIDAR_RANGE_MAX, PlacedScan
 from harness.world.obstacles import Points, rotation_matrix
 
 
@@ -21,7 +21,7 @@ class LidarSpec:
 
     beams: int = 640
     range_min: float = 0.15
-    range_max: float = 10.0
+    range_max: float = LIDAR_RANGE_MAX
     angle_max: float = 3.14159
 
     @property

@@ -4,6 +4,7 @@ import io
 import json
 from collections.abc import Mapping
 from dataclasses import asdict
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import __version__
+from harness.drivers.policy import PREFIX
 from harness.errors import UsageError
 from harness.files import whole_file
 from harness.robots import ROVERS, find_rover
@@ -116,6 +118,10 @@ def _identity(planned: tuple[Planned, ...]) -> dict[str, Any]:
     folders = {one.config.robot for one in planned} - set(ROVERS)
     if folders:  # those that ship change with the version
         identity["folders"] = {robot: model_hash(find_rover(robot)) for robot in sorted(folders)}
+    drivers = sorted({one.config.driver for one in planned})
+    files = [Path(name.removeprefix(PREFIX)) for name in drivers if name.startswith(PREFIX)]
+    if files:
+        identity["policies"] = [sha256(file.read_bytes()).hexdigest() for file in files]
     return dict(json_safe(identity))  # as it will be read: lists for tuples
 
 
@@ -141,4 +147,4 @@ def _difference(path: Path, ours: dict[str, Any]) -> str:
         return f"{SWEEP} is not readable"
     if episodes != len(ours["episodes"]):
         return f"{episodes} episodes instead of {len(ours['episodes'])}"
-    return "other robots, seed or duration"
+    return "other robots, driver, seed or duration"
