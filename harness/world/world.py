@@ -11,7 +11,6 @@ import numpy as np
 from harness.errors import UsageError
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle
-from harness.world.sdf.actors import ToldActor
 from harness.world.terrains import TERRAINS
 
 if TYPE_CHECKING:
@@ -35,7 +34,6 @@ class World:
         gravity: Downwards [m/s^2]; None is that of the rover's model.
         friction: Of the ground where it is less than the wheels' own; None is theirs.
         files: Those that it was read from, each with its SHA-256.
-        actors: Those of an SDF world, as it tells them.
         people: Who walks about.
     """
 
@@ -51,7 +49,6 @@ class World:
     gravity: float | None = None
     friction: float | None = None
     files: tuple[tuple[str, str], ...] = ()
-    actors: tuple[ToldActor, ...] = ()
 
     @property
     def roaming(self) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -10,7 +10,6 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from harness.errors import UsageError
-from harness.world.sdf.actors import ToldActor, read_actor
 from harness.world.sdf.geometry import read_shapes
 from harness.world.sdf.poses import IDENTITY, Frames, Transform, inverse, read_pose
 from harness.world.sdf.reader import is_true, numbers, read_xml, text_of
@@ -28,6 +27,7 @@ class Document:
 
     Attributes:
         gravity: Downwards [m/s^2].
+        actors: Names of the people of the file itself; harness.world.actors reads more of them.
         files: Every SDF file that was read.
         plugins: Names of those that were left out; `missing` says what else was, and why.
         movable: Names of the models that Gazebo would let fall.
@@ -37,7 +37,7 @@ class Document:
     name: str = ""
     gravity: float = 9.8
     solids: list[Solid] = field(default_factory=list)
-    actors: list[ToldActor] = field(default_factory=list)
+    actors: list[str] = field(default_factory=list)
     files: list[Path] = field(default_factory=list)
     plugins: dict[str, None] = field(default_factory=dict)
     missing: dict[str, None] = field(default_factory=dict)
@@ -143,7 +143,7 @@ class _Reading:
         for tag in ("population", "road"):
             if scope.find(tag) is not None:
                 self._left_out(f"<{tag}>")
-        self._document.actors += map(read_actor, scope.findall("actor"))
+        self._document.actors += map(_name, scope.findall("actor"))
         own = (_Call(model, None, place.chain) for model in scope.findall("model"))
         calls = [*own, *self._included(scope, place)]
         inner = [Frames("__model__") for _ in calls]
@@ -184,7 +184,8 @@ class _Reading:
             if self._document.includes > MOST_INCLUDES:
                 raise UsageError(f"more than {MOST_INCLUDES} includes; take some out")
             root = self._root(path)
-            self._document.actors += map(read_actor, root.findall("actor"))
+            for name in map(_name, root.findall("actor")):
+                self._left_out(f"actor '{name}' of {path}; let it walk with --actor {path}")
             found += [_Call(model, include, chain) for model in root.findall("model")[:1]]
         return found
 
@@ -230,6 +231,10 @@ def _add_frames(scope: Element, frames: Frames) -> None:
     for joint in scope.findall("joint"):
         pose, reference = read_pose(joint, joint.get("name", "joint"))
         frames.add(joint.get("name", ""), pose, reference or text_of(joint, "child"))
+
+
+def _name(actor: Element) -> str:
+    return actor.get("name", "actor")
 
 
 def _color(visual: Element) -> Color | None:

@@ -74,7 +74,7 @@ def test_a_file_is_found_beside_the_scenario_that_names_it() -> None:
         ("g=1,2/x", "is not valid; give"),
         ("1,2/3,4", "has no name; give"),
         ("9=random", "is not valid; give"),
-        ("g=none.sdf", "cannot read the trajectory none.sdf"),
+        ("g=none.sdf", "none.sdf cannot be read"),
         ("g=random:speed=0", r"speed '0' is not valid; give 0\.05 to 10"),
         ("g=random:speed=-1", "speed '-1' is not valid"),
         ("g=random:speed=nan", "speed 'nan' is not valid"),

@@ -156,19 +156,12 @@ def test_visuals_give_colours_and_nothing_to_collide_with(tmp_path: Path) -> Non
     assert [(s.name, s.color) for s in document.solids] == [("m::l::c", (1.0, 0.0, 0.0, 1.0))]
 
 
-def test_actors_are_handed_on_as_they_are_told(tmp_path: Path) -> None:
-    point = "<waypoint><time>{}</time><pose>1 2 3 0 0 {}</pose></waypoint>"
-    script = f"<trajectory>{point.format(0, 0)}{point.format(2.5, 1)}</trajectory>"
-    actor = f"<actor name='w'><pose>1 1 1 0 0 0</pose><script><loop>0</loop>{script}</script></actor>"
-    written(tmp_path, actor.replace("'w'", "'v'"), "walker.sdf")
-    document = read(tmp_path, actor + "<include><uri>walker.sdf</uri></include>")
-    one, other = document.actors
-    assert (one.name, one.loop, one.delay, other.name) == ("w", False, 0.0, "v")
-    assert [(p.time, p.pose) for p in one.way_points] == [
-        (0.0, (1.0, 2.0, 3.0, 0.0, 0.0, 0.0)),
-        (2.5, (1.0, 2.0, 3.0, 0.0, 0.0, 1.0)),
-    ]
-    assert one.pose[:3, 3].tolist() == [1.0, 1.0, 1.0]
+def test_people_of_the_file_are_named_and_those_of_included_files_can_be_had(tmp_path: Path) -> None:
+    written(tmp_path, "<actor name='v'/>", "walker.sdf")
+    document = read(tmp_path, "<actor name='w'/><include><uri>walker.sdf</uri></include>")
+    assert document.actors == ["w"]
+    walker = tmp_path / "walker.sdf"
+    assert f"left out: actor 'v' of {walker}; let it walk with --actor {walker}" in document.notes
 
 
 @pytest.mark.parametrize(
