@@ -52,7 +52,8 @@ MISTAKES = {
     "drive: {left: [front_left_joint], right: [front_right_joint]}": "need <velocity> actuators",
     f"drive: {{kind: ackermann, steering: {STEERING}, steering_rate: 0}}": "steering_rate = 0 "
     "is not valid; give a number above 0",
-    "drive: {kind: ackermann, steering: [rear_left_joint, right_steering]}": "steering joint 'rear_left_joint' needs a <position> actuator",
+    "drive: {kind: ackermann, steering: [rear_left_joint, right_steering]}": "steering joint "
+    "'rear_left_joint' needs a <position> actuator",
     "drive: {steering_limit: wide}": "drive: steering_limit = 'wide' is not valid; give a number",
     "model: cart.xml": "cart.xml, the rover's model, does not exist; put it there, or mend key 'model'",
 }
