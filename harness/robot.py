@@ -63,7 +63,7 @@ def _print(written: Written, console: Console) -> None:
     lines = [
         *(f"note: {note}" for note in written.notes),
         *(f"guess: {guess}" for guess in written.guesses),
-        f"{rover.summary}; {size}, {rover.top_speed:.3g} m/s",
+        f"{rover.name}: {rover.summary}; {size}, {rover.top_speed:.3g} m/s",
         f"written: {written.folder} (rover.yaml, {rover.model})",
         NEXT.format(written.folder),
     ]
@@ -79,7 +79,7 @@ def _check(options: argparse.Namespace, console: Console) -> int:
             drawing.prepare(config)
         with console.status(f"driving {rover.name}"):
             checks = check_up(rover)
-        _print_findings(console, rover.summary, checks)
+        _print_findings(console, f"{rover.name}: {rover.summary}", checks)
         if drawing.wanted:
             for batch in Episode(config).batches():
                 drawing.take(batch)

@@ -119,7 +119,7 @@ class Measures:
         if self.drive.steering:
             turning = cruise / (wheelbase / math.tan(self.drive.steering_limit) + track / 2)
         return {
-            "summary": f"{self._rover.name}: {mass:.1f} kg, {len(places)} wheels, {kind}",
+            "summary": f"{mass:.1f} kg, {len(places)} wheels, {kind}",
             "odometry_child_frame": frame_name(self._model.body(1).name),
             "imu_frame": "imu_link",
             "rest_height": rest_height,

@@ -127,6 +127,11 @@ def check_values(rover: RoverSpec, path: Path) -> None:
         raise UsageError(
             f"{path}: footprint = {rover.footprint} is empty; give x_min, x_max, y_min, y_max"
         )
+    if not 0 < rover.drive.steering_rate < float("inf"):
+        raise UsageError(
+            f"{path}: drive: steering_rate = {rover.drive.steering_rate:g} is not valid; "
+            "give a number above 0"
+        )
     if rover.drive.kind not in DRIVES:
         raise UsageError(
             f"{path}: drive: kind = '{rover.drive.kind}' is not valid; give {' or '.join(DRIVES)}"

@@ -32,6 +32,7 @@ def test_rover_yaml_wins_over_what_is_derived(folder: Path) -> None:
     assert rover.wheel_radius == pytest.approx(0.0508)
 
 
+STEERING = "[left_steering, right_steering]"
 MISTAKES = {
     "wheel_diameter: 0.1": "key 'wheel_diameter' does not exist; valid: ",
     "wheel_radius: 0.1": "key 'wheel_radius' does not exist; valid: ",  # the model says it
@@ -49,6 +50,10 @@ MISTAKES = {
     "drive: {left: [rear_left_joint], right: [front_right_joint, rear_right_joint]}": "1 wheels left "
     "and 2 right are not valid",
     "drive: {left: [front_left_joint], right: [front_right_joint]}": "need <velocity> actuators",
+    f"drive: {{kind: ackermann, steering: {STEERING}, steering_rate: 0}}": "steering_rate = 0 "
+    "is not valid; give a number above 0",
+    "drive: {kind: ackermann, steering: [rear_left_joint, right_steering]}": "steering joint "
+    "'rear_left_joint' needs a <position> actuator",
     "drive: {steering_limit: wide}": "drive: steering_limit = 'wide' is not valid; give a number",
     "model: cart.xml": "cart.xml, the rover's model, does not exist; put it there, or mend key 'model'",
 }
