@@ -60,12 +60,12 @@ def test_a_wall_ahead_has_the_same_depth_in_the_whole_image(make_simulation: Mak
     body = simulation.model.body("rover").id
     turn = simulation.data.xmat[body].reshape(3, 3)
     mount = Mount(body, turn.T @ ([0.1, 0.0, 0.9] - simulation.data.xpos[body]), turn.T @ ahead)
-    given = DepthOptions(name="eye", width=6, height=4, fov=1.2)
+    given = DepthOptions(name="eye", width=6, height=4, fov=1.2, range_max=1.45)
     install = Installation(given, mount, np.random.default_rng(0))
     reading = RangeSensor(simulation, Surroundings(simulation.model), install, 10).read()
     assert reading.ranges == pytest.approx(np.full(24, 1.4, np.float32), abs=2e-3)
     assert reading.on_obstacle.all()
-    near = replace(given, range_min=1.5)
+    near = replace(given, range_min=1.42)
     reading = RangeSensor(
         simulation, Surroundings(simulation.model), replace(install, options=near), 10
     ).read()
@@ -106,3 +106,12 @@ def test_what_cannot_be_a_camera_is_told(entry: dict[str, Any], message: str) ->
     rover = replace(find_rover("leo"), sensors=({"kind": "depth"} | entry,))
     with pytest.raises(UsageError, match=rf"models/leo/rover\.yaml: sensors, 'depth'.*{message}"):
         choice.chosen(rover, None)
+
+
+@pytest.mark.parametrize("noise", [None, "white"])
+def test_two_of_a_kind_at_one_place_differ_by_their_errors_alone(
+    monkeypatch: pytest.MonkeyPatch, noise: str | None
+) -> None:
+    one, other, *_ = readings(monkeypatch, SMALL, SMALL | {"name": "top"}, noise=noise)
+    assert one.stamp_ns == other.stamp_ns
+    assert (one.ranges.tobytes() == other.ranges.tobytes()) == (noise is None)
