@@ -19,6 +19,7 @@ from harness.sensors.ranging import RangeReading
 from harness.sensors.rays.bundle import Surroundings
 from harness.world.obstacles import Obstacle, ObstacleKind
 from tests.harness.conftest import MakeSimulation
+from tests.harness.faults.faulty_ticks import said
 
 LEVEL = {"kind": "depth", "parent": "base_link", "rpy": [0.0, 0.0, 0.0], "width": 8, "height": 6}
 SMALL = {"kind": "lidar3d", "rings": 4, "columns": 30}
@@ -84,6 +85,17 @@ def test_the_same_seed_gives_the_same_readings_whatever_else_is_carried(
     seen = np.isfinite(alone[0].ranges) & np.isfinite(exact[0].ranges)
     apart = alone[0].ranges[seen] - exact[0].ranges[seen]
     assert (apart.std() > 0.005) == (noise is not None)
+
+
+def test_all_else_is_the_same_with_optional_sensors_and_without() -> None:
+    config = EpisodeConfig(terrain="flat", lidar_beams=8, duration=0.2, noise="hardware")
+    told = []
+    for sensors in ((), ("lidar3d=livox", "depth")):
+        batches = Episode(replace(config, sensors=sensors)).batches()
+        ticks = [tick for batch in batches for tick in batch.ticks]
+        others = [tuple(s for s in t.samples if not isinstance(s, RangeReading)) for t in ticks]
+        told.append([said(replace(t, samples=some)) for t, some in zip(ticks, others, strict=True)])
+    assert told[0] == told[1]
 
 
 def test_noise_of_its_own_stands_before_that_of_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
