@@ -96,10 +96,10 @@ def test_those_of_rover_yaml_are_carried_unless_others_are_asked_for(
 
 
 def test_a_mount_hangs_on_its_parent_or_else_where_the_lidar_is() -> None:
-    leo = rover()
+    leo = replace(rover(), rest_height=0.2)  # of the base over the ground
     (free,) = EyeOptions(name="eye", xyz=(0.1, 0.2, 0.3)).frames(leo)
     assert (free.parent, free.child) == ("base_footprint", "eye_link")
-    assert free.xyz == pytest.approx((0.274, 0.2, 1.098))
+    assert free.xyz == pytest.approx((0.274, 0.2, 0.898))
     (fixed,) = EyeOptions(name="eye", parent="rocker_L_link", xyz=(0.1, 0.2, 0.3)).frames(leo)
     assert (fixed.parent, fixed.xyz) == ("rocker_L_link", (0.1, 0.2, 0.3))
     assert EyeOptions(name="eye", frame="camera_optical_frame").frames(leo) == ()

@@ -19,6 +19,7 @@ from harness.sensors.ranging import RangeReading
 from harness.sensors.rays.bundle import Surroundings
 from harness.world.obstacles import Obstacle, ObstacleKind
 from tests.harness.conftest import MakeSimulation
+from tests.harness.faults.faulty_ticks import said
 
 LEVEL = {"kind": "depth", "parent": "base_link", "rpy": [0.0, 0.0, 0.0], "width": 8, "height": 6}
 SMALL = {"kind": "lidar3d", "rings": 4, "columns": 30}
@@ -60,12 +61,12 @@ def test_a_wall_ahead_has_the_same_depth_in_the_whole_image(make_simulation: Mak
     body = simulation.model.body("rover").id
     turn = simulation.data.xmat[body].reshape(3, 3)
     mount = Mount(body, turn.T @ ([0.1, 0.0, 0.9] - simulation.data.xpos[body]), turn.T @ ahead)
-    given = DepthOptions(name="eye", width=6, height=4, fov=1.2)
+    given = DepthOptions(name="eye", width=6, height=4, fov=1.2, range_max=1.45)
     install = Installation(given, mount, np.random.default_rng(0))
     reading = RangeSensor(simulation, Surroundings(simulation.model), install, 10).read()
     assert reading.ranges == pytest.approx(np.full(24, 1.4, np.float32), abs=2e-3)
     assert reading.on_obstacle.all()
-    near = replace(given, range_min=1.5)
+    near = replace(given, range_min=1.42)
     reading = RangeSensor(
         simulation, Surroundings(simulation.model), replace(install, options=near), 10
     ).read()
@@ -84,6 +85,17 @@ def test_the_same_seed_gives_the_same_readings_whatever_else_is_carried(
     seen = np.isfinite(alone[0].ranges) & np.isfinite(exact[0].ranges)
     apart = alone[0].ranges[seen] - exact[0].ranges[seen]
     assert (apart.std() > 0.005) == (noise is not None)
+
+
+def test_all_else_is_the_same_with_optional_sensors_and_without() -> None:
+    config = EpisodeConfig(terrain="flat", lidar_beams=8, duration=0.2, noise="hardware")
+    told = []
+    for sensors in ((), ("lidar3d=livox", "depth")):
+        batches = Episode(replace(config, sensors=sensors)).batches()
+        ticks = [tick for batch in batches for tick in batch.ticks]
+        others = [tuple(s for s in t.samples if not isinstance(s, RangeReading)) for t in ticks]
+        told.append([said(replace(t, samples=some)) for t, some in zip(ticks, others, strict=True)])
+    assert told[0] == told[1]
 
 
 def test_noise_of_its_own_stands_before_that_of_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -106,3 +118,12 @@ def test_what_cannot_be_a_camera_is_told(entry: dict[str, Any], message: str) ->
     rover = replace(find_rover("leo"), sensors=({"kind": "depth"} | entry,))
     with pytest.raises(UsageError, match=rf"models/leo/rover\.yaml: sensors, 'depth'.*{message}"):
         choice.chosen(rover, None)
+
+
+@pytest.mark.parametrize("noise", [None, "white"])
+def test_two_of_a_kind_at_one_place_differ_by_their_errors_alone(
+    monkeypatch: pytest.MonkeyPatch, noise: str | None
+) -> None:
+    one, other, *_ = readings(monkeypatch, SMALL, SMALL | {"name": "top"}, noise=noise)
+    assert one.stamp_ns == other.stamp_ns
+    assert (one.ranges.tobytes() == other.ranges.tobytes()) == (noise is None)

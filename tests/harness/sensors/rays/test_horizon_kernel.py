@@ -55,6 +55,22 @@ def test_no_ray_is_told_to_be_clear_farther_than_it_goes_and_most_are_nearly_as_
     assert np.mean(walked) > 0.8
 
 
+def test_a_single_peak_is_in_nobodys_way_unseen() -> None:
+    rng, n, cell = np.random.default_rng(6), 65, 0.1
+    for _ in range(30):
+        heights, (row, col) = np.zeros((n, n)), rng.integers(2, n - 2, 2)
+        heights[row, col] = 2.0
+        peak = (np.array([col, row]) - (n - 1) / 2) * cell
+        targets = np.column_stack([peak + cell * rng.uniform(-0.5, 0.5, (40, 2)), np.full(40, 0.6)])
+        origin = np.append(rng.uniform(-3.0, 3.0, 2), 0.5)
+        if np.hypot(*(peak - origin[:2])) < 3 * cell:
+            continue
+        directions = (targets - origin) / np.linalg.norm(targets - origin, axis=1, keepdims=True)
+        clear, found = ways(heights, cell, origin, directions)
+        assert (clear <= found).all()
+        assert np.isfinite(found).mean() > 0.5
+
+
 @pytest.mark.parametrize("place", [(50.0, 0.0, 5.0), (0.0, -50.0, 5.0), (0.0, 0.0, -0.5)])
 def test_from_beside_the_map_or_under_the_ground_nothing_is_clear(place: tuple[float, ...]) -> None:
     clear, _ = ways(np.zeros((30, 30)), 0.2, np.array(place), ALL_AROUND)
