@@ -296,7 +296,7 @@ def _datum(text: str) -> tuple[float, float, float]:
 
 
 def _told(numbers: tuple[float, ...]) -> str:
-    return ",".join(f"{number:g}" for number in numbers)
+    return ",".join(f"{number:.10g}" for number in numbers)
 
 
 def _add_frames(frames: Group, defaults: FrameOptions) -> None:
