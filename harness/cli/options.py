@@ -345,7 +345,7 @@ def _datum(text: str) -> tuple[float, float, float]:
 
 
 def _told(numbers: tuple[float, ...]) -> str:
-    return ",".join(f"{number:g}" for number in numbers)
+    return ",".join(f"{number:.10g}" for number in numbers)
 
 
 def _area(text: str) -> Area:

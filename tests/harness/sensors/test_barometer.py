@@ -38,7 +38,7 @@ def test_it_reads_the_pressure_of_the_datums_altitude_and_its_own_height() -> No
 
 def test_the_bmp280_has_the_errors_of_its_data_sheet() -> None:
     """BST-BMP280-DS001: +-1 hPa absolute (three deviations), 1.3 Pa RMS, 0.16 Pa resolution."""
-    count, exact = 250, sensor().read().fluid_pressure
+    count, exact = 120, sensor().read().fluid_pressure
     first = np.array([sensor("bmp280", seed).read().fluid_pressure for seed in range(count)]) - exact
     interval = 5 / np.sqrt(2 * count)
     assert first.std() == pytest.approx(np.hypot(100 / 3, 1.3), rel=interval)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -37,6 +37,7 @@ def axes(datum: Datum) -> NDArray[np.float64]:
     )
 
 
+@settings(max_examples=25)
 @given(DATUMS, *[st.floats(-500, 500)] * 3)
 def test_a_point_of_the_world_is_where_the_ellipsoid_has_it(
     datum: Datum, x: float, y: float, z: float
@@ -46,6 +47,7 @@ def test_a_point_of_the_world_is_where_the_ellipsoid_has_it(
     assert back == pytest.approx((x, y, z), abs=1e-6)
 
 
+@settings(max_examples=25)
 @given(DATUMS)
 def test_the_field_is_that_of_a_dipole_through_the_middle_of_the_earth(datum: Datum) -> None:
     """In the dipole's own coordinates: B0 (a/r)^3 (2 cos along r, sin along the magnetic colatitude)."""

@@ -42,7 +42,7 @@ def test_it_sees_the_field_of_the_datum_in_its_own_axes() -> None:
 
 def test_the_bmm150_has_the_errors_of_its_data_sheet() -> None:
     """BST-BMM150-DS001: 0.3 uT RMS, 0.3 uT resolution, 2 uT left of the offset, +-1300 uT."""
-    count = 200
+    count = 80
     still: dict[str, Any] = {"field": FIELD, "preset": "bmm150"}
     exact = np.array(sensor(field=FIELD).read().magnetic_field)
     first = np.array([sensor(seed, **still).read().magnetic_field for seed in range(count)]) - exact

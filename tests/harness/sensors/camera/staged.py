@@ -1,6 +1,7 @@
 """What a camera sees in tests: a ball over flat ground. A module of its own, for other processes."""
 
 import math
+from importlib import import_module
 
 import numpy as np
 
@@ -24,6 +25,13 @@ def scenery() -> tuple[World, RoverSpec]:
     ground = Heightfield(np.zeros((25, 25)), 0.5)
     ball = Obstacle(ObstacleKind.HAZARD, "ellipsoid", (RADIUS,) * 3, BALL)
     return World("stage", ground, (ball,), seed=0, difficulty=0.0), find_rover("leo")
+
+
+def coarse_scenery() -> tuple[World, RoverSpec]:
+    """The same for a process of its own, without the grain of the soil, which takes a second."""
+    stage = import_module("harness.physics.stage")
+    stage.SOIL_PIXELS = 64  # type: ignore[attr-defined]  # a module's
+    return scenery()
 
 
 def looking(yaw: float = 0.0, pitch: float = 0.0) -> tuple[float, float, float, float]:

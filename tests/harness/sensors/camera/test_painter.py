@@ -16,7 +16,7 @@ from harness.errors import UsageError
 from harness.sensors.camera import painter
 from harness.sensors.camera.painter import CameraPainter
 from harness.sensors.camera.sensor import CameraState
-from tests.harness.sensors.camera.staged import CAMERAS, EYE, looking, scenery
+from tests.harness.sensors.camera.staged import CAMERAS, EYE, coarse_scenery, looking, scenery
 
 SEED = 5
 STATE = CameraState(0, "pinhole", EYE, looking(), np.zeros(3))
@@ -134,7 +134,7 @@ def test_what_a_process_cannot_do_it_says(fails: str, monkeypatch: pytest.Monkey
 
 @pytest.fixture
 def real(told: list[str]) -> Iterator[CameraPainter]:
-    with CameraPainter(scenery, CAMERAS, SEED, told.append) as subject:
+    with CameraPainter(coarse_scenery, CAMERAS, SEED, told.append) as subject:
         yield subject
 
 
