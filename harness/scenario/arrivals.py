@@ -71,7 +71,7 @@ def topic_series(
         if topic not in heard:
             return Series(np.empty(0), np.empty(0), nothing=unknown("topic", topic, known))
     own = heard[quantity.topic]
-    times = np.array(own.times, dtype=np.int64)
+    times = np.array(own.times)
     nothing = f"nothing was heard on {quantity.topic}" if not len(times) else "there is no value"
     unit, _ = MEASURES.get(quantity.what, ("", ""))
     match quantity.what:
@@ -80,7 +80,7 @@ def topic_series(
         case "rate":
             return _rate(times, end_ns)
         case "age":
-            values = (np.array(own.told, dtype=np.int64) - np.array(own.stamps)) / NANOSECONDS
+            values = (np.array(own.told) - np.array(own.stamps)) / NANOSECONDS
         case "latency":
             values = _latency(own, heard[of or ""])
             if len(times):
@@ -105,6 +105,6 @@ def _latency(output: Arrivals, source: Arrivals) -> NDArray[np.float64]:
     newest = np.searchsorted(np.array(source.times), np.array(output.times), side="right") - 1
     values = np.full(len(output.times), np.nan)
     known = newest >= 0
-    told, stamps = np.array(output.told, dtype=np.int64), np.array(source.stamps, dtype=np.int64)
+    told, stamps = np.array(output.told), np.array(source.stamps)
     values[known] = (told[known] - stamps[newest[known]]) / NANOSECONDS
     return values

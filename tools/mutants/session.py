@@ -141,6 +141,9 @@ class Session:
             return str(failed)
         except (KeyboardInterrupt, pytest.exit.Exception):
             return DIED
+        finally:
+            signal.setitimer(signal.ITIMER_PROF, 0)
+            signal.setitimer(signal.ITIMER_REAL, 0)
         return ""
 
     def trace(self, tests: list[str], include: list[str]) -> Trace:

@@ -30,6 +30,7 @@ from tools.mutants.session import DIED, Session, Trace
 from tools.mutants.swap import Importer, functions_of, swap
 
 AT_ONCE = 2  # processes
+LIKELY = 2  # test files
 PLAIN_PATIENCE = 4.0  # kernels that nobody compiles are slow
 _AT_IMPORT = "at import"  # what a fork answers whose mutant is not in a function
 
@@ -89,31 +90,30 @@ class Trial:
         for name in imported if left else ():
             with contextlib.suppress(Exception):
                 importlib.import_module(name)
-        failing = self._fail_when_imported([tests for _, tests in left])
-        sound = [(mutant, [one for one in tests if one[0] not in failing]) for mutant, tests in left]
-        for (mutant, tests), killer in in_forks(sound, self._imported, at_once=AT_ONCE):
-            outcomes.append(self._outcome(mutant, tests, killer))
-        return outcomes
+        return outcomes + self._tried_at_import(left)
 
-    def _fail_when_imported(self, choices: list[Timed]) -> set[str]:
-        """Tests that do not pass without a mutant where everything is imported anew."""
-        failing: set[str] = set()
-        files: dict[str, Timed] = defaultdict(list)
-        for timed in {one[0]: one for tests in choices for one in tests}.values():
-            files[timed[0].partition("::")[0]].append(timed)
-        while files:
-            again: dict[str, Timed] = {}
-            for (_, tests), killer in in_forks(
-                [(None, tests) for tests in files.values()], self._imported, at_once=AT_ONCE
+    def _tried_at_import(self, choices: list[tuple[Mutant, Timed]]) -> list[Outcome]:
+        """Tries mutants that are imported; again without the tests that fail without a mutant too."""
+        outcomes: dict[Mutant, Outcome] = {}
+        while choices:
+            for (mutant, tests), killer in in_forks(choices, self._imported, at_once=AT_ONCE):
+                outcomes[mutant] = self._outcome(mutant, tests, killer)
+            killed_by = {mutant: outcomes[mutant].killer for mutant, _ in choices}
+            limits = {one[0]: one for _, tests in choices for one in tests}
+            killers = [[limits[name]] for name in sorted(set(killed_by.values()) & limits.keys())]
+            failing = set()
+            for (_, ((name, _),)), failed in in_forks(
+                [(None, tests) for tests in killers], self._imported, at_once=AT_ONCE
             ):
-                bad = {killer} if killer in dict(tests) else {name for name, _ in tests if killer != ""}
-                failing |= bad
-                if bad and (rest := [one for one in tests if one[0] not in bad]):
-                    again[rest[0][0].partition("::")[0]] = rest
-            files = again
-        for test in sorted(failing):
-            sys.stderr.write(f"{test} fails without a mutant and is left out\n")
-        return failing
+                if failed != "":
+                    sys.stderr.write(f"{name} fails without a mutant and is left out\n")
+                    failing.add(name)
+            choices = [
+                (mutant, [one for one in tests if one[0] not in failing])
+                for mutant, tests in choices
+                if killed_by[mutant] in failing
+            ]
+        return list(outcomes.values())
 
     def _outcome(self, mutant: Mutant, tests: Timed, killer: str | None) -> Outcome:
         outcome = Outcome(mutant, DIED if killer is None else killer, tuple(test for test, _ in tests))
@@ -224,13 +224,21 @@ class Trial:
         mutant, tests = choice
         if mutant is not None:
             sys.meta_path.insert(0, Importer(self.root, mutant))
+        files = list(dict.fromkeys(test.partition("::")[0] for test, _ in tests))
+        # Most mutants die of the first tests: to collect all the files takes longer than these.
+        for some in (files[:LIKELY], files[LIKELY:]):
+            if some and (failure := self._first_failure_in(some, tests)):
+                return failure
+        return ""
+
+    def _first_failure_in(self, files: list[str], tests: Timed) -> str:
+        """The first test of these files that fails where they are imported now."""
         failure = ["import"]
 
         def serve(session: Session) -> None:
             failure[0] = session.first_failure([one for one in tests if one[0] in session.items])
 
-        files = dict.fromkeys(str(self.root / test.partition("::")[0]) for test, _ in tests)
-        Session(serve).run([f"--rootdir={self.root}", *files])
+        Session(serve).run([f"--rootdir={self.root}", *(str(self.root / file) for file in files)])
         return failure[0]
 
 

@@ -1,7 +1,7 @@
 """Everything that a sweep says of one robot: in values, and in sentences."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from harness.robots import find_rover
@@ -71,7 +71,7 @@ def study(robot: str, records: Mapping[Planned, EpisodeRecord], seed: int) -> Ro
     parts = scored_records(robot, records)
     return RobotStudy(
         robot=robot,
-        driven=_driven([record for planned, record in records.items() if planned.config.robot == robot]),
+        driven=_driven(robot, records),
         collision=study_collisions(parts),
         clearance=study_clearance(parts, rover, seed),
         grounds=tuple(study_ground(parts, signal) for signal in SIGNALS),
@@ -88,10 +88,11 @@ def scored_records(robot: str, records: Mapping[Planned, EpisodeRecord]) -> Reco
     return parts
 
 
-def _driven(records: Sequence[EpisodeRecord]) -> Driven:
-    scored = [record for record in records if record.ending is not Ending.DIVERGED]
+def _driven(robot: str, records: Mapping[Planned, EpisodeRecord]) -> Driven:
+    own = [record for planned, record in records.items() if planned.config.robot == robot]
+    scored = [record for record in own if record.ending is not Ending.DIVERGED]
     return Driven(
-        endings=dict(Counter(record.ending for record in records)),
+        endings=dict(Counter(record.ending for record in own)),
         seconds=sum(record.duration for record in scored),
         path_length=sum(record.path_length for record in scored),
     )

@@ -442,6 +442,7 @@ def test_divergence_is_reported_with_time_and_state(
         ),
         ({"start": (25.0, 0.0, 0.0)}, "start 25,0 is off the map"),
         ({"terrain": "maze", "start": (10.1, 3.0, 0.0)}, "start 10.1,3,0 is inside hazard_"),
+        ({"terrain": "marsyard", "start": (-14.0, -2.0, 0.0)}, "no rover can stand at start -14,-2,0"),
         ({"duration": -1.0}, "duration -1 s is not valid"),
         ({"duration": math.nan}, "duration nan s is not valid"),
         ({"duration": math.inf}, "duration inf s is not valid"),

@@ -45,6 +45,8 @@ def test_count_and_rate_are_those_of_plain_counting(ticks: list[int]) -> None:
     assert rate.times == pytest.approx([1.0 + 0.05 * n for n in range(41)])
     ends = [100 + 5 * n for n in range(41)]
     assert list(rate.values) == [sum(end - 100 < tick <= end for tick in ticks) for end in ends]
+    sooner = topic_series(TopicQuantity("/a", "rate"), None, heard, heard, END_NS - 1)
+    assert list(sooner.times) == list(rate.times[:-1])
 
 
 @settings(max_examples=30)
@@ -84,6 +86,7 @@ def test_a_field_has_the_time_of_its_message_for_each_of_its_numbers() -> None:
     field = series("values", {"/a": made})
     assert list(field.times) == [1.0, 1.0, 3.0]
     assert list(field.values) == [1.0, 2.0, np.inf]
+    assert field.unit == ""
 
 
 @pytest.mark.parametrize(
@@ -91,8 +94,10 @@ def test_a_field_has_the_time_of_its_message_for_each_of_its_numbers() -> None:
     [
         ("age", {"/a": arrivals()}, "nothing was heard on /a"),
         ("values", {"/a": arrivals()}, "nothing was heard on /a"),
+        ("values", {"/a": arrivals(5)}, "there is no value"),
         ("latency", {"/a": arrivals(), "/in": arrivals(5)}, "nothing was heard on /a"),
         ("latency", {"/a": arrivals(5), "/in": arrivals()}, "nothing was heard on /in before /a"),
+        ("latency", {"/x": arrivals(5)}, "topic '/a' does not exist"),
         ("latency", {"/a": arrivals(5), "/inn": arrivals()}, "topic '/in' does not exist; did you mean"),
         ("count", {"/ab": arrivals()}, "topic '/a' does not exist; did you mean '/ab'?"),
         ("rate", {"/x/y": arrivals()}, "topic '/a' does not exist; available: /x/y, /other"),
@@ -103,5 +108,6 @@ def test_where_nothing_came_the_reason_is_told(
 ) -> None:
     found = series(what, heard, "/in" if what == "latency" else None)
     assert np.isnan(found.values).all()
+    assert len(found.times) == len(found.values)
     assert not found.is_tally
     assert found.nothing.startswith(nothing)

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from rich.console import Console
 
@@ -107,6 +108,12 @@ def test_a_file_becomes_the_configuration_that_it_describes(make_cases: MakeCase
     assert case.config.goals == ((0.0, 3.0, 4.0, 1.0),)
     (case,) = make_cases(SPEED, "driver: straight\ngoal: {at: [3, 4], yaw: 1}")
     assert case.config.goals == ()
+    hill = case.path.parent / "hill.npy"
+    np.save(hill, np.zeros((40, 40)))
+    text = case.path.read_text().replace("flat", "hill.npy")
+    case.path.write_text(f"{text}terrain_size: [40, 40]\n")
+    (case,) = plan([case.path])
+    assert case.config.terrain == str(hill)
     params = cases_with(make_cases, "metrics_node: {ros__parameters: {collision_threshold: 5.0}}")
     assert [case.params for case in params] == [{"collision_threshold": 5.0}, {}]
     assert [case.name for case in params] == ["two[near.yaml-0]", "two[None-0]"]

@@ -40,6 +40,7 @@ def test_a_name_is_understood_or_told(name: str, told: str | None) -> None:
 
 def test_the_measures_are_told_where_one_was_meant() -> None:
     assert str(check_name("topic./scan.rat")).endswith("; measures: count, rate, age, latency")
+    assert "measures" not in str(check_name("topic./cmd_vel.linear.w"))
 
 
 def test_a_name_has_a_topic_and_what_is_asked_of_it() -> None:

@@ -230,6 +230,7 @@ class Stub:
         self.now_ns, self.wait_ns, self.ros_time_is_active = 0, 0, False
         self.timers: list[tuple[float, Any, Any]] = []
         self.resets = self.unregistered = 0
+        self.ready, self.handle = False, self
         self.told: list[str] = []
         self.fired: list[int] = []
         self.timer = RowTimer(self, 2.0, lambda: self.fired.append(self.now_ns), self.told.append, 3.0)
@@ -250,6 +251,12 @@ class Stub:
 
     def time_until_next_call(self) -> int | None:
         return self.wait_ns
+
+    def is_ready(self) -> bool:
+        return self.ready
+
+    def call_timer(self) -> None:
+        self.ready = False
 
     def reset(self) -> None:
         self.resets += 1
@@ -275,6 +282,16 @@ def test_rows_follow_the_nodes_clock_and_the_look_after_it_steady_time(
     assert before <= stub.fired[-1] <= time.monotonic_ns()
     stub.timer.close()
     assert stub.unregistered == 1
+
+
+def test_a_row_that_was_served_is_not_left_for_an_executor_which_knows_no_order() -> None:
+    stub = Stub()
+    stub.now_ns = 2 * SECOND
+    stub.timer.serve()
+    assert stub.fired == []
+    stub.ready = True
+    stub.timer.serve()
+    assert (stub.fired, stub.ready) == ([2 * SECOND], False)
 
 
 def test_a_jump_is_half_a_period_and_only_one_back_begins_a_segment_told_ever_more_rarely() -> None:

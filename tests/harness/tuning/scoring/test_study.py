@@ -35,7 +35,8 @@ def test_what_diverged_is_counted_but_not_scored(make_record: MakeRecord) -> Non
 
     parts = scored_records("leo", records)
     scored = {part: [record.duration for record in parts[part]] for part in Part}
-    driven = _driven(list(records.values()))
+    of_another = replace(planned[0], config=replace(planned[0].config, robot="rover_zero4wd"))
+    driven = _driven("leo", {of_another: make_record([3.0]), **records})
 
     assert scored == {Part.TRAIN: [1.0, 3.0], Part.TEST: [2.0, 4.0, 6.0]}  # in their order
     assert driven.endings == {Ending.COMPLETE: 4, Ending.DIVERGED: 1, Ending.TIPPED_OVER: 1}
