@@ -1,6 +1,7 @@
 """What is in examples/, as far as it can be checked without Nav2, Foxglove and PlotJuggler."""
 
 import json
+import math
 import runpy
 import sys
 from pathlib import Path
@@ -161,3 +162,14 @@ def test_the_notebook_runs_and_its_policy_reaches_the_goal(monkeypatch: pytest.M
     drawn = told["axes"].get_lines()[-2].get_xydata()
     assert np.hypot(*(drawn[-1] - told["goal"])) < 0.5
     told["plt"].close(told["figure"])
+
+
+def test_the_evaluation_counts_endings_and_tells_wilsons_interval() -> None:
+    script = runpy.run_path(str(EXAMPLES / "evaluate_policy.py"))
+    ends = [("reached", 9.0)] * 5 + [("reached", 11.0)] * 3 + [("time", 60.0), ("flipped", 3.0)]
+    line = script["row"]("learned", "rocky", [script["Outcome"](*end) for end in ends])
+    good, count, z = 8, 10, 1.959964
+    middle = (good + z * z / 2) / (count + z * z)
+    half = z * math.sqrt(good * (count - good) / count + z * z / 4) / (count + z * z)
+    interval = f"{middle - half:.0%} to {middle + half:.0%}"
+    assert line == f"| learned | rocky | 8 of 10 | {interval} | flipped 1, time 1 | 9.0 s |"

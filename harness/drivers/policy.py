@@ -73,7 +73,7 @@ class Policy:
     def command(
         self, readings: Mapping[type[Sample], Sample], goal: point_nav.Point, rover: RoverSpec
     ) -> Twist:
-        """Returns the command for what was read.
+        """Returns the command for what was read: to stand at the goal, where PointNav ends.
 
         Args:
             readings: The last of each of point_nav.SENSED.
@@ -82,6 +82,8 @@ class Policy:
         """
         values = point_nav.observed(readings, goal, LIDAR_RANGE_MAX)
         arrays = {name: point_nav.clipped(values[name], *ends) for name, ends in LIMITS.items()}
+        if arrays["goal"][0] < point_nav.GOAL_RADIUS:
+            return Twist()
         return point_nav.commanded(self.act(arrays).astype(np.float64), rover)
 
 
@@ -141,7 +143,7 @@ def _check_shapes(path: Path, layers: tuple[tuple[Floats, Floats], ...]) -> None
 
 
 class PolicyDriver:
-    """Drives to each goal that it is told as its policy does; stands without one, and before a scan.
+    """Drives to each goal that it is told as its policy does; stands there, and before the first.
 
     Raises:
         UsageError: The policy is for a lidar with another number of beams.

@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from harness.drivers.point_nav import commanded, latest, observed
+from harness.drivers.point_nav import GOAL_RADIUS, commanded, latest, observed
 from harness.errors import UsageError
 from harness.gym.env import FLIPPED, Info, RoverEnv
 from harness.gym.observation import (
@@ -60,7 +60,7 @@ class PointNavOptions(Options):
         reward: Weights of the reward's terms.
     """
 
-    goal_radius: float = 0.5
+    goal_radius: float = GOAL_RADIUS
     hazard_budget: float = 1.0
     height_scan: bool = False
     reward: PointNavWeights = field(default_factory=PointNavWeights)

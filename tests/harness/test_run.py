@@ -71,7 +71,7 @@ def test_list_names_terrains_with_their_promises_robots_drivers_and_noise(
     assert main(["--list"]) == 0
     listed = capsys.readouterr().out
     terrains = ("flat", "slope", "rolling", "gravel", "rocky", "washboard", "dunes", "posts", "maze")
-    drivers = ("wander", "straight", "spin", "figure8", "cmd_vel")
+    drivers = ("wander", "straight", "spin", "figure8", "cmd_vel", "policy:FILE.npz")
     for name in (*terrains, *drivers, "leo", "rover_zero4wd"):
         assert f"{name} " in listed
     assert {f" {name} " in listed for name in ("white", "hardware", "gazebo")} == {True}
