@@ -217,7 +217,7 @@ def test_roam_takes_wanders_way_at_a_new_speed_every_eight_seconds(
 
 @pytest.mark.parametrize("driver", [Wander, Roam])
 def test_where_the_map_lies_in_the_world_changes_nothing(driver: type[Wander]) -> None:
-    """Two maps, one moved by 256 m and -512 m, so that no bit is lost: the same commands, at edges too."""
+    """Two maps, one moved by 256 m and -512 m, so that no bit is lost: equal commands, at edges too."""
     at_origin, moved = (
         driver(DriverContext(LEO, (20.0, 15.0), BEARINGS, np.random.default_rng(5), middle=middle))
         for middle in ((0.0, 0.0), (256.0, -512.0))
