@@ -15,10 +15,11 @@ Array = NDArray[np.float64]
 Scene = tuple[mujoco.MjModel, mujoco.MjData]
 
 TOLERANCE = 1e-5  # [m]
-BOX, CYLINDER, ELLIPSOID = (
+BOX, CYLINDER, ELLIPSOID, MESH = (
     mujoco.mjtGeom.mjGEOM_BOX,
     mujoco.mjtGeom.mjGEOM_CYLINDER,
     mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+    mujoco.mjtGeom.mjGEOM_MESH,
 )
 YAWED_BY_PI = (0.0, 0.0, 0.0, 1.0)  # as both rovers carry it
 
@@ -64,6 +65,10 @@ def add_random_obstacles(spec: mujoco.MjSpec, rng: np.random.Generator, half: fl
             quat=rng.normal(size=4),
             group=1,
         )
+    for name in ("a", "b", "c"):
+        spec.add_mesh(name=name, uservert=rng.uniform(-0.5, 0.5, 18).tolist())
+        place = [*rng.uniform(-half, half, 2), rng.uniform(-0.2, 0.6)]
+        obstacles.add_geom(type=MESH, meshname=name, pos=place, quat=rng.normal(size=4), group=1)
 
 
 def compiled(spec: mujoco.MjSpec) -> Scene:
