@@ -28,7 +28,8 @@ def test_the_page_the_types_and_the_package_name_the_same(name: str) -> None:
     _, _, table = PAGE.partition(f"| from `{name}` |")
     named = set(re.findall(r"`(\w+)`", table.partition("\n\n")[0]))
     assert typed == package._PLACES
-    assert list(typed) and sorted(typed) == sorted(package.__all__)
+    assert typed
+    assert sorted(typed) == sorted(package.__all__)
     assert set(package.__all__) <= named
     assert (Path(str(package.__file__)).parent / "py.typed").read_text() == ""
     for public, place in typed.items():

@@ -18,7 +18,7 @@ def run_episode(
     observers: Sequence[Observer] = (),
     settings: Settings = DEFAULT_SETTINGS,
 ) -> RunResult:
-    """Runs an episode without ROS; its CSV has the bytes of `harness.run --direct`, and so of a run through ROS.
+    """Runs an episode without ROS; its CSV has the bytes of `harness.run`, with --direct and without.
 
     Signals stay the caller's: Ctrl-C raises KeyboardInterrupt, and the rows so far are in the file.
 
@@ -29,7 +29,7 @@ def run_episode(
         settings: Of the metrics: thresholds, and whether there are extended columns.
 
     Returns:
-        What the run came to; `failure` says why it ended early, if it did, and `log_path` where the CSV is.
+        What the run came to: `log_path` is the CSV, `failure` says why it ended early, if it did.
 
     Raises:
         UsageError: A value is not valid or the log cannot be created; the message names the mend.
