@@ -1,16 +1,20 @@
-"""What users import: named on one page, light, and typed; the page's own code runs."""
+"""What users import and type first: the API's page and the first plot's say what is so."""
 
 import ast
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+import tomllib
 
 import harness
 import rover_metrics
+from harness.cli.options import parse_run
 from harness.run import main
+from rover_metrics.analysis.options import parse
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs/api.md").read_text()
@@ -69,3 +73,21 @@ def test_the_code_of_the_page_runs_and_gives_the_bytes_of_the_command(
     assert 0.0 < path < 2.0 * 1.0  # at most what Leo drives in 2 s
     exec(metrics, {})  # noqa: S102
     assert "'Total Collisions': 1" in capsys.readouterr().out
+
+
+def test_the_commands_of_the_first_plot_are_understood(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = (ROOT / "docs/first_plot.md").read_text()
+    blocks = "\n".join(re.findall(r"```sh\n(.*?)```", text, re.DOTALL))
+    given = [shlex.split(line, comments=True) for line in blocks.splitlines() if line[:6] == "rover-"]
+    for folder in ("logs", "zero"):  # which the shell fills in
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "*.csv").write_text("Timestamp\n")
+    monkeypatch.chdir(tmp_path)
+    understood = {"rover-run": parse_run, "rover-analyze": parse}
+    options = [understood[program](words) for program, *words in given]
+    assert len(options) == 5 == len([program for program, *_ in given])
+    brought = set(re.findall(r"^\| (`.*?`) \|", text.partition("## Extras")[2], re.MULTILINE))
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    assert {word for cell in brought for word in re.findall(r"`(\w+)`", cell)} == set(extras)
