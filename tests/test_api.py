@@ -12,8 +12,10 @@ import tomllib
 
 import harness
 import rover_metrics
+from harness import Batch, EpisodeConfig, run_episode
 from harness.cli.options import parse_run
 from harness.run import main
+from rover_metrics import COLUMNS, Settings
 from rover_metrics.analysis.options import parse
 
 ROOT = Path(__file__).parents[1]
@@ -38,6 +40,24 @@ def test_the_page_the_types_and_the_package_name_the_same(name: str) -> None:
     assert (Path(str(package.__file__)).parent / "py.typed").read_text() == ""
     for public, place in typed.items():
         assert getattr(package, public) is getattr(sys.modules[place], public)
+
+
+def test_an_episode_from_python_has_the_settings_and_observers_it_is_given(tmp_path: Path) -> None:
+    class Counter:
+        batches = 0
+
+        def take(self, _: Batch) -> None:
+            self.batches += 1
+
+    counter, settings = Counter(), Settings(extended_columns=True)
+    config = EpisodeConfig(terrain="flat", duration=1.0)
+    result = run_episode(config, tmp_path / "new", observers=[counter], settings=settings)
+    assert counter.batches == 20  # of 50 ms
+    assert result.failure is None
+    assert result.log_path is not None
+    assert result.log_path.parent == tmp_path / "new"
+    header = result.log_path.read_text().partition("\n")[0]
+    assert len(header.split(",")) > len(COLUMNS) == 12
 
 
 def test_a_name_that_is_not_public_is_refused_with_those_that_are() -> None:

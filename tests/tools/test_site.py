@@ -70,17 +70,13 @@ LINKS = {
 @pytest.fixture
 def document(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A document in docs/ of a copy of what links lead to."""
-    for name in (
-        "docs/testing.md",
-        "docs/rocky.png",
-        "CONTRIBUTING.md",
-        "harness/config.py",
-        "scenarios/a",
-    ):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).touch()
-    monkeypatch.setattr("tools.site.links.ROOT", tmp_path)
-    return tmp_path / "docs/a.md"
+    root = tmp_path / "repository"
+    names = ("docs/testing.md", "docs/rocky.png", "CONTRIBUTING.md", "harness/config.py", "scenarios/a")
+    for name in (*names, "../elsewhere.md"):
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).touch()
+    monkeypatch.setattr("tools.site.links.ROOT", root)
+    return root / "docs/a.md"
 
 
 @pytest.mark.parametrize("link", LINKS)
