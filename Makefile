@@ -4,7 +4,7 @@ READY := .venv/.ready
 # Processes of `make test`; 0: its own only.
 JOBS ?= 2
 
-.PHONY: run test test-jazzy test-cluster mutants lint format bench soak lock audit clean setup
+.PHONY: run test test-jazzy test-cluster mutants lint format bench soak docs dist lock audit clean setup
 
 run: setup  ## a rover over rocky terrain, metrics logged to CSV
 	$(BIN)/python -m harness.run --terrain rocky $(ARGS)
@@ -36,6 +36,15 @@ bench: setup  ## tables of ratios, measured side by side
 
 soak: setup  ## hours of simulated driving with faults, a quarter of an hour; its table goes into benchmarks/README.md
 	$(BIN)/python -m benchmarks.soak --write
+
+docs: setup  ## the site, with strict links, into build/site: open build/site/index.html
+	tools/pinned.sh docs
+	$(BIN)/python -m tools.site build
+	NO_MKDOCS_2_WARNING=1 build/environments/docs/bin/mkdocs build --quiet --strict --config-file build/mkdocs.yml
+
+dist: setup  ## wheel and sdist into build/release, their descriptions checked, and the workflows by their schemas
+	tools/pinned.sh release
+	tools/dist.sh
 
 lock: setup  ## pins the newest versions that pyproject.toml allows, and the hashes of their files
 	tools/lock.sh --upgrade

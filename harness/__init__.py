@@ -1,3 +1,43 @@
-"""The simulator's side: worlds, rovers, sensors, episodes and their bridge to ROS 2."""
+"""The simulator's side: worlds, rovers, sensors, episodes and their bridge to ROS 2.
+
+What is named here is for use from elsewhere (docs/api.md), and is loaded when it is asked for.
+"""
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from harness.config import EpisodeConfig
+    from harness.episode.batch import Batch
+    from harness.episode.episode import Episode
+    from harness.episode.result import RunResult
+    from harness.episode.run import run_episode
+    from harness.errors import HarnessError, RunFailed, UsageError
 
 __version__ = "0.1.0"
+__all__ = [
+    "Batch",
+    "Episode",
+    "EpisodeConfig",
+    "HarnessError",
+    "RunFailed",
+    "RunResult",
+    "UsageError",
+    "run_episode",
+]
+_PLACES = {
+    "Batch": "harness.episode.batch",
+    "Episode": "harness.episode.episode",
+    "EpisodeConfig": "harness.config",
+    "HarnessError": "harness.errors",
+    "RunFailed": "harness.errors",
+    "RunResult": "harness.episode.result",
+    "UsageError": "harness.errors",
+    "run_episode": "harness.episode.run",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _PLACES:
+        raise AttributeError(f"module 'harness' has no attribute '{name}'; public: {', '.join(__all__)}")
+    return getattr(importlib.import_module(_PLACES[name]), name)

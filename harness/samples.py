@@ -31,6 +31,14 @@ class Sample(Protocol):
         """Returns the stamp [ns]."""
 
 
+Source = type[Sample] | str
+
+
+def source(sample: Sample) -> Source:
+    """Returns what read a sample: the name in `sensor` if a rover may carry several, else the type."""
+    return getattr(sample, "sensor", type(sample))
+
+
 @dataclass_transform(frozen_default=True)
 def plain_value(cls: type[T]) -> type[T]:
     """Makes a class of two fields or more a frozen dataclass that is pickled as a constructor's call.
@@ -127,6 +135,15 @@ class JointStates:
 
 
 @plain_value
+class ActorPoses:
+    """Middles [m] and attitudes of the people in the world, in the order of its actors."""
+
+    stamp_ns: int
+    position: tuple[Vector3, ...]
+    orientation: tuple[Quaternion, ...]
+
+
+@plain_value
 class Transforms:
     """Poses of frames in their parents, in the order that harness.frames.tree.Description tells.
 
@@ -153,7 +170,7 @@ class TruthState:
         slip: Slip ratio of each wheel in the order of RoverSpec.wheel_joints, -1..1; positive when it
             turns faster than it moves, 0 while it stands (harness.truth.wheels).
         roughness: Of the terrain under the wheels [m]: the root of the mean, over the windows of 0.3 m
-            around the four wheels, of the squared height above the mean of the 0.3 m around.
+            around the wheels, of the squared height above the mean of the 0.3 m around.
     """
 
     stamp_ns: int
@@ -163,7 +180,7 @@ class TruthState:
     contact_force: float
     speed: float
     path_length: float
-    slip: tuple[float, float, float, float]
+    slip: tuple[float, ...]
     roughness: float
 
     @property

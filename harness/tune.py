@@ -64,7 +64,7 @@ def _tune(options: argparse.Namespace, console: Console) -> int:
     with console.status("drawing the page"):
         for path in write_results(options.out, studies, records, _command(robots, options)):
             console.print(f"written: {path}", soft_wrap=True, highlight=False)
-    verdicts = [(each.robot, verdict) for each in studies for verdict in each.verdicts]
+    verdicts = [(each.name, verdict) for each in studies for verdict in each.verdicts]
     lacks = [(robot, verdict) for robot, verdict in verdicts if verdict.lack is not None]
     for robot, verdict in lacks:
         print(f"harness.tune: {robot}: no value for {verdict.name}, {verdict.lack}", file=sys.stderr)
@@ -91,8 +91,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--robot",
         action="append",
-        metavar="NAME",
-        help=f"{', '.join(ROVERS)}; repeatable; default: all",
+        metavar="NAME|FOLDER",
+        help=f"{', '.join(ROVERS)}, or a folder (docs/robots.md); repeatable; default: all that ship",
     )
     parser.add_argument(
         "--episodes", type=int, default=EPISODES, metavar="N", help="worlds; each robot drives in all"

@@ -1,15 +1,18 @@
 """Installs rover_metrics as an ament_python package (colcon build)."""
 
+import re
 from pathlib import Path
 
 from setuptools import find_packages, setup
 
 PACKAGE = "rover_metrics"
+VERSION = re.findall("<version>(.*)</version>", Path("package.xml").read_text(encoding="utf-8"))
 
 setup(
     name=PACKAGE,
-    version="0.1.0",
+    version=VERSION[0],
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
+    package_data={PACKAGE: ["py.typed"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
@@ -36,6 +39,7 @@ setup(
         "console_scripts": [
             "metrics_node = rover_metrics.__main__:main",
             "analyze = rover_metrics.analyze:main",
+            "social = rover_metrics.social:main",
             "replay = rover_metrics.replay:main",
         ]
     },

@@ -20,6 +20,8 @@ LOCKS = (
     "tools/jazzy.txt",
     "tools/cluster.txt",
     "tools/audit.txt",
+    "tools/docs.txt",
+    "tools/release.txt",
 )
 PINNED = ROOT / "tools/audit.txt"
 ENVIRONMENT = ROOT / "build/audit"

@@ -17,6 +17,8 @@ from harness.sensors.noise import PRESETS
 from harness.world.terrain import Terrain
 from harness.world.terrains import TERRAINS
 
+OWN_ROBOT = ("FOLDER", "your own: python -m harness.robot new NAME --from robot.urdf (docs/robots.md)")
+
 
 class RunProgress(Progress):
     """A progress bar over simulated time; silent where the output is no terminal."""
@@ -83,6 +85,8 @@ def print_summary(console: Console, run: result.RunResult) -> None:
         console.print(f"{node}: {share} of the run waited for it", soft_wrap=True, highlight=False)
     if run.log_path is not None:
         console.print(f"{run.rows} rows in {run.log_path}", soft_wrap=True, highlight=False)
+    if run.social_log is not None:
+        console.print(f"people: {run.social_log}", soft_wrap=True, highlight=False)
 
 
 def _counts_table(run: result.RunResult) -> Table:
@@ -124,7 +128,7 @@ def print_choices(console: Console) -> None:
     drivers = DRIVERS | {f"{PREFIX}FILE.npz": PolicyDriver}
     for title, lines in (
         ("terrains", [(name, _about(terrain)) for name, terrain in TERRAINS.items()]),
-        ("robots", [(name, rover.summary) for name, rover in ROVERS.items()]),
+        ("robots", [*((name, rover.summary) for name, rover in ROVERS.items()), OWN_ROBOT]),
         ("drivers", [(name, driver.summary) for name, driver in drivers.items()]),
         ("noise", [(name, preset.summary) for name, preset in PRESETS.items()]),
     ):

@@ -9,11 +9,13 @@ import signal
 import sys
 from collections.abc import Callable, Iterable
 from functools import partial
+from pathlib import Path
 from types import TracebackType
 from typing import Any, NoReturn
 
 EXTRAS = {"av": "[video]", "rclpy": "[ros]", "sklearn": "[tune]"}  # by what they bring
 OWN = ("harness", "rover_metrics")
+SCRIPTS = "rover-"  # how the names of the installed commands begin
 
 
 class KnownError(Exception):
@@ -149,12 +151,18 @@ def _as_typed(value: object) -> str:
 
 
 class OneLineParser(argparse.ArgumentParser):
-    """A parser of command lines whose errors are one line that begins with the command's name."""
+    """A parser of command lines whose errors are one line that begins with the command's name.
+
+    Its usage is that of the installed script (rover-run) where this is what was called.
+    """
 
     def __init__(self, **options: Any) -> None:  # noqa: ANN401 - argparse's
         super().__init__(**{"formatter_class": HelpWithDefaults} | options)
+        self._command = self.prog.removeprefix("python -m ").removeprefix("rover_metrics.")
+        typed = Path(sys.argv[0]).stem
+        if typed.startswith(SCRIPTS):
+            self.prog = typed
 
     def error(self, message: str) -> NoReturn:
         """Prints the message and leaves with exit code 2."""
-        command = self.prog.removeprefix("python -m ").removeprefix("rover_metrics.")
-        self.exit(RoverMetricsError.exit_code, f"{command}: {message}; see --help\n")
+        self.exit(RoverMetricsError.exit_code, f"{self._command}: {message}; see --help\n")

@@ -1,6 +1,7 @@
 """The folder rover_metrics/ as an ament_python package."""
 
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -36,10 +37,14 @@ def test_the_resource_marker_exists() -> None:
     assert (PACKAGE / "resource/rover_metrics").is_file()
 
 
-def test_both_packages_carry_one_version() -> None:
-    manifest = ET.parse(PACKAGE / "package.xml").getroot()  # noqa: S314
-    assert manifest.findtext("version") == harness.__version__
-    assert f'version="{harness.__version__}"' in (PACKAGE / "setup.py").read_text()
+def test_both_packages_carry_one_version(monkeypatch: pytest.MonkeyPatch) -> None:
+    given: dict[str, object] = {}
+    monkeypatch.setattr("setuptools.setup", lambda **options: given.update(options))
+    monkeypatch.chdir(PACKAGE)  # as colcon
+    runpy.run_path("setup.py")
+    manifest = ET.parse("package.xml").getroot()  # noqa: S314
+    assert manifest.findtext("version") == given["version"] == harness.__version__
+    assert given["package_data"] == {"rover_metrics": ["py.typed"]}
 
 
 def test_the_package_knows_nothing_of_the_harness_or_mujoco() -> None:

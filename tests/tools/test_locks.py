@@ -15,6 +15,8 @@ LOCKS = (
     "tools/jazzy.txt",
     "tools/cluster.txt",
     "tools/audit.txt",
+    "tools/docs.txt",
+    "tools/release.txt",
 )
 PIN = re.compile(r"([a-z0-9-]+)(?:\[[^]]*\])?==\S+( ; [^\\]+)? \\")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())

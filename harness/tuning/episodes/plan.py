@@ -13,6 +13,7 @@ import numpy as np
 from harness.config import EpisodeConfig
 from harness.drivers import find_driver, takes_goals
 from harness.errors import UsageError
+from harness.robots import robot_name
 
 FEWEST_EPISODES = 2  # one world to choose on, one to check on
 DIFFICULTIES = (0.5, 0.2, 0.8)
@@ -61,7 +62,8 @@ class Planned:
     def name(self) -> str:
         """Its name, which is that of its file too."""
         config = self.config
-        return f"{self.index:04d}-{config.robot}-{config.terrain}-{config.driver.partition(':')[0]}"
+        driver = config.driver.partition(":")[0]
+        return f"{self.index:04d}-{robot_name(config.robot)}-{config.terrain}-{driver}"
 
 
 def plan(
@@ -70,7 +72,7 @@ def plan(
     """Returns the episodes of a sweep.
 
     Args:
-        robots: Names of rovers; every one drives in all worlds.
+        robots: Names or folders of rovers; every one drives in all worlds.
         episodes: Number of worlds.
         seed: Of the whole sweep.
         duration: Of each episode [s].
@@ -81,7 +83,7 @@ def plan(
     """
     if episodes < FEWEST_EPISODES:
         raise UsageError(f"{episodes} episodes are not enough: half of them only check; give 2 or more")
-    if len(set(robots)) < len(robots):
+    if len(set(map(robot_name, robots))) < len(robots):
         raise UsageError("a robot is named twice; name each once")
     if seed < 0:
         raise UsageError(f"seed {seed} is not valid; give a whole number from 0 up")

@@ -15,6 +15,8 @@ from harness import __version__
 from harness.drivers.policy import PREFIX
 from harness.errors import UsageError
 from harness.files import whole_file
+from harness.robots import ROVERS, find_rover
+from harness.robots.reading import model_hash
 from harness.tuning.episodes.plan import Planned
 from harness.tuning.episodes.record import EVENT, SCAN, SCHEMA, WINDOW, Ending, EpisodeRecord, Table
 from rover_metrics.log.files import json_safe
@@ -113,6 +115,9 @@ def _identity(planned: tuple[Planned, ...]) -> dict[str, Any]:
     """What determines a sweep; exact sensors are false, as in the sweeps that users keep."""
     configs = {one.name: asdict(one.config) | {"noise": one.config.noise or False} for one in planned}
     identity = {"version": __version__, "schema": SCHEMA, "episodes": _used(configs)}
+    folders = {one.config.robot for one in planned} - set(ROVERS)
+    if folders:  # those that ship change with the version
+        identity["folders"] = {robot: model_hash(find_rover(robot)) for robot in sorted(folders)}
     drivers = sorted({one.config.driver for one in planned})
     files = [Path(name.removeprefix(PREFIX)) for name in drivers if name.startswith(PREFIX)]
     if files:

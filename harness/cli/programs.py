@@ -1,0 +1,28 @@
+"""The commands as they are installed: rover-run is `python -m harness.run`, and so on.
+
+Light to import: a program is made ready (Ctrl-C, missing libraries) before its libraries are loaded.
+"""
+
+import importlib
+from functools import partial
+
+from harness.cli.edge import begin_program
+
+
+def start(module: str) -> int:
+    """Runs the command of a module with the arguments of this process; returns its exit code."""
+    begin_program(module.removesuffix(".__main__").removeprefix("rover_metrics."))
+    code: int = importlib.import_module(module).main()
+    return code
+
+
+run = partial(start, "harness.run")
+tune = partial(start, "harness.tune")
+scenario = partial(start, "harness.scenario.__main__")
+check = partial(start, "harness.check")
+validate = partial(start, "harness.validate")
+topics = partial(start, "harness.topics")
+call = partial(start, "harness.call")
+policy = partial(start, "harness.gym.policy_node")
+analyze = partial(start, "rover_metrics.analyze")
+replay = partial(start, "rover_metrics.replay")

@@ -1,0 +1,143 @@
+"""The site: its pages, their links and what is generated; built if `make docs` has put mkdocs there."""
+
+import json
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+import tomllib
+
+from harness.robots import ROVERS
+from harness.sensors.table import SENSORS
+from tools.site.__main__ import write
+from tools.site.links import BrokenLinks, Links
+from tools.site.pages import GUIDES, ROOT, navigation, sources
+
+MKDOCS = ROOT / "build/environments/docs/bin/mkdocs"
+BLOB = "https://github.com/OWNER/rover-harness/blob/main"
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("site")
+    write(folder)
+    return folder
+
+
+def page(folder: Path, name: str) -> str:
+    return (folder / "docs" / name).read_text()
+
+
+def test_every_page_is_in_the_navigation_once_and_every_entry_is_a_page(written: Path) -> None:
+    told = json.loads((written / "mkdocs.yml").read_text())
+    entries = [entry for section in told["nav"] for pages in section.values() for entry in pages]
+    there = {str(path.relative_to(written / "docs")) for path in (written / "docs").rglob("*.md")}
+    assert sorted(entries) == sorted(there)
+    assert {path.name for path in (ROOT / "docs").glob("*.md")} < there
+    assert Path(told["INHERIT"]).is_file()
+
+
+def test_a_new_document_becomes_a_guide() -> None:
+    (guides,) = (
+        section[GUIDES] for section in navigation({"new.md": Path("docs/new.md")}) if GUIDES in section
+    )
+    assert guides[-1] == "new.md"
+
+
+def test_what_a_page_shows_or_links_to_is_on_the_site(written: Path) -> None:
+    for path in (written / "docs").rglob("*.md"):
+        text = re.sub(r"^```.*?^```|`[^`\n]*`", "", path.read_text(), flags=re.DOTALL | re.MULTILINE)
+        for target in re.findall(r"\]\(([^)#\s]+)", text):
+            if not re.match("[a-z]+:", target):
+                assert (path.parent / target).is_file(), f"{target} in {path.name}"
+
+
+LINKS = {
+    "](testing.md#faults)": "](testing.md#faults)",
+    "](../CONTRIBUTING.md)": "](contributing.md)",
+    "](../harness/config.py)": f"]({BLOB}/harness/config.py)",
+    "](../scenarios)": f"]({BLOB.replace('blob', 'tree')}/scenarios)",
+    "![A](rocky.png)": "![A](files/docs/rocky.png)",
+    "](https://mujoco.org)": "](https://mujoco.org)",
+    "](#here)": "](#here)",
+    "`a[0](b.md)`": "`a[0](b.md)`",
+    "```\nx](nowhere.md)\n```": "```\nx](nowhere.md)\n```",
+}
+
+
+@pytest.fixture
+def document(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A document in docs/ of a copy of what links lead to."""
+    for name in (
+        "docs/testing.md",
+        "docs/rocky.png",
+        "CONTRIBUTING.md",
+        "harness/config.py",
+        "scenarios/a",
+    ):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).touch()
+    monkeypatch.setattr("tools.site.links.ROOT", tmp_path)
+    return tmp_path / "docs/a.md"
+
+
+@pytest.mark.parametrize("link", LINKS)
+def test_a_link_of_a_document_holds_on_the_site(link: str, document: Path) -> None:
+    document.write_text(f"See\n{link}\n")
+    links = Links(sources())
+    assert links.rewritten(Path("docs/a.md"), "a.md") == f"See\n{LINKS[link]}\n"
+    links.check()
+    assert links.pictures == ({"docs/rocky.png"} if "png" in link else set())
+
+
+@pytest.mark.parametrize("target", ["nowhere.md", "../../elsewhere.md"])
+def test_a_link_that_leads_nowhere_is_named(target: str, document: Path) -> None:
+    document.write_text(f"[a]({target})\n")
+    links = Links(sources())
+    links.rewritten(Path("docs/a.md"), "a.md")
+    with pytest.raises(BrokenLinks, match=rf"^links that lead nowhere: {target} in docs/a.md$"):
+        links.check()
+
+
+def test_the_page_of_commands_has_the_help_of_each(written: Path) -> None:
+    scripts = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]
+    text = page(written, "reference/commands.md")
+    usages = re.findall(r"^## (\S+)\n\n`python -m \S+`\n\n```text\nusage: (\S+) ", text, re.MULTILINE)
+    assert usages == [(name, name) for name in sorted(scripts) if name.startswith("rover-")]
+    helps = re.findall(r"```text\n(.*?)```", text, re.DOTALL)
+    assert all("--help" in told for told in helps)
+    assert len(helps) == len(usages)
+
+
+def test_the_page_of_topics_says_what_the_readme_says(written: Path) -> None:
+    rows = re.findall(r"^\| `(/\S+)` \|(.*)\|$", page(written, "reference/topics.md"), re.MULTILINE)
+    made = {name: [cell.strip() for cell in rest.split("|")] for name, rest in rows}
+    assert len(made) == sum(len(row.topics) for row in SENSORS)
+    assert made["/scan"] == ["sensor_msgs/LaserScan", "reliable, 10", "20", "lidar_link", "scan", "yes"]
+    assert made["/tf"][:2] == ["tf2_msgs/TFMessage", "reliable, 100"]
+    assert made["/rover/pose_array"][1:3] == ["best effort, 10", "50"]
+    rates = {name: rover.odometry_rate for name, rover in ROVERS.items()}
+    assert all(f"{name} {rate}" in made["/odometry/wheels"][2] for name, rate in rates.items())
+
+
+@pytest.mark.skipif(not MKDOCS.exists(), reason="needs mkdocs: make docs")
+def test_mkdocs_builds_the_site_without_a_warning(written: Path) -> None:
+    # mkdocstrings looks for the sources beside the folder that it is given.
+    for name in ("harness", "rover_metrics"):
+        (written.parent / name).symlink_to(ROOT / name)
+    command: list[str | Path] = [
+        MKDOCS,
+        "build",
+        "--quiet",
+        "--strict",
+        "--config-file",
+        written / "mkdocs.yml",
+    ]
+    environment = os.environ | {"NO_MKDOCS_2_WARNING": "1"}
+    subprocess.run(command, env=environment, check=True, cwd=written)
+    reference = (written / "site/reference/python.html").read_text()
+    assert 'id="harness.episode.run.run_episode"' in reference
+    assert (written / "site/search/search_index.js").exists()
+    assert "https://fonts." not in reference

@@ -1,0 +1,60 @@
+"""Writes the site's pages and its configuration, for mkdocs to build. Called by `make docs`.
+
+    python -m tools.site build
+
+Leaves FOLDER/docs (Markdown and pictures) and FOLDER/mkdocs.yml.
+"""
+
+import argparse
+import json
+import shutil
+import sys
+from pathlib import Path
+
+from tools.site.generated import generated
+from tools.site.links import BrokenLinks, Links
+from tools.site.pages import ROOT, navigation, sources
+
+ASSETS = Path(__file__).with_name("assets")
+CONFIG = Path(__file__).with_name("mkdocs.yml")
+
+
+def main() -> int:
+    """Runs the command; returns its exit code: 1 if a link leads nowhere."""
+    parser = argparse.ArgumentParser(prog="python -m tools.site", description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, help="gets docs/ and mkdocs.yml; made anew")
+    folder: Path = parser.parse_args().folder
+    try:
+        write(folder)
+    except BrokenLinks as error:
+        print(f"tools.site: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def write(folder: Path) -> None:
+    """Writes the pages and the configuration.
+
+    Raises:
+        BrokenLinks: A link of a document leads nowhere.
+    """
+    docs = folder / "docs"
+    shutil.rmtree(docs, ignore_errors=True)
+    shutil.copytree(ASSETS, docs / "assets")
+    pages, made = sources(), generated()
+    links = Links(pages)
+    written = {page: links.rewritten(source, page) for page, source in pages.items()} | made
+    links.check()
+    for page, text in written.items():
+        (docs / page).parent.mkdir(parents=True, exist_ok=True)
+        (docs / page).write_text(text, encoding="utf-8")
+    for picture in links.pictures:
+        (docs / "files" / picture).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(ROOT / picture, docs / "files" / picture)
+    # JSON is YAML, but for the tags of mkdocs.yml, which stays what it is.
+    told = {"INHERIT": str(CONFIG), "nav": navigation(pages), "docs_dir": "docs", "site_dir": "site"}
+    (folder / "mkdocs.yml").write_text(json.dumps(told, indent=1))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
