@@ -13,7 +13,7 @@ import numpy as np
 
 from harness.faults.base import Fault, Readings
 from harness.faults.clock import CLOCK, FaultyClock
-from harness.samples import Sample, Tick, source
+from harness.samples import Sample, Source, Tick, source
 from harness.sensors import table
 from harness.sensors.table import SensorRow
 
@@ -57,15 +57,21 @@ class FaultInjector:
             return tick
         clock = self._clock
         clock.advance(tick.stamp_ns)
+        read: dict[Source, list[Sample]] = {kind: [] for kind in self._effects}
+        others: list[Sample] = []
+        for sample in tick.samples:
+            read.get(source(sample), others).append(sample)
         sent: list[Sample] = []
         for kind, effects in self._effects.items():
-            read = (sample for sample in tick.samples if source(sample) == kind)
-            readings: Readings = tuple(replace(sample, stamp_ns=clock.stamp_ns) for sample in read)
+            readings: Readings = tuple(_stamped(sample, clock.stamp_ns) for sample in read[kind])
             for effect in effects:
                 readings = effect(readings, tick.stamp_ns)
             sent.extend(readings)
-        sent.extend(sample for sample in tick.samples if source(sample) not in self._effects)
-        return Tick(clock.told_ns, tuple(sent), clock.tells)
+        return Tick(clock.told_ns, (*sent, *others), clock.tells)
+
+
+def _stamped(sample: Sample, stamp_ns: int) -> Sample:
+    return sample if sample.stamp_ns == stamp_ns else replace(sample, stamp_ns=stamp_ns)
 
 
 def _generator(seed: int, index: int) -> np.random.Generator:

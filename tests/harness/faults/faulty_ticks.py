@@ -31,6 +31,7 @@ ROWS = by_default()
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
+@cache
 def tick(number: int) -> Tick:
     """A tick with every sensor; its number can be read from each value."""
     stamp, x = number * TICK, float(number)
