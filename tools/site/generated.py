@@ -63,6 +63,8 @@ def topics() -> str:
     ]
     heard = {source.name.lstrip("/") for source in (*HEARD, *TRUTH)}
     for row in SENSORS:
+        if row.rate == 0:  # only where it is asked for
+            continue
         rates = _by_robot({name: str(row.rate_on(rover)) for name, rover in ROVERS.items()})
         frames = _by_robot({name: row.frame_on(rover) for name, rover in ROVERS.items()})
         for topic in row.topics:
