@@ -1,6 +1,7 @@
 """Steps of learning environments a second: alone, many at once, on two processors; and their resets."""
 
 import itertools
+import os
 from collections.abc import Callable
 from typing import Any
 from unittest.mock import patch
@@ -12,12 +13,14 @@ from numpy.typing import NDArray
 
 import harness.gym  # noqa: F401 - registers
 from benchmarks.measuring import Effort, Rounds, Table, timed
+from benchmarks.resident import MEGABYTE, resident
 from harness.drivers.base import CONTROL_PERIOD
 from harness.robots import ROVERS
 
 ID = "RoverHarness/PointNav-v0"
 COUNTS = (1, 4, 16, 64)
 ON_TWO = 16  # environments on two processors
+STEPS_A_WORLD = 50
 SLOW = 1.0 / 1.25  # of what physics alone does, a vector at least
 WHERE = {"goal": (15.0, 15.0)}  # far away: no episode ends
 PLAIN: dict[str, Any] = {
@@ -62,7 +65,7 @@ def _rows(robot: str, effort: Effort) -> list[tuple[str, ...]]:
         target = targets.get(name, f">= {SLOW:.2f}" if name.startswith("vector") else "-")
         against = f"**{count * rounds.ratio('physics alone', name):.2f}**"
         rows.append((robot, name, f"{count * steps / rounds.median(name):,.0f}", against, target))
-    return rows + _resets(robot, env, effort)
+    return [*rows, *_resets(robot, env, effort), _memory(robot, env, effort)]
 
 
 def _resets(robot: str, env: Any, effort: Effort) -> list[tuple[str, ...]]:  # noqa: ANN401
@@ -76,6 +79,24 @@ def _resets(robot: str, env: Any, effort: Effort) -> list[tuple[str, ...]]:  # n
     )
     targets = {"reset in the same world": "<= 20 ms", "reset in a new world": "<= 200 ms"}
     return [(robot, n, "-", f"{1e3 * rounds.median(n):.0f} ms", target) for n, target in targets.items()]
+
+
+def _memory(robot: str, env: Any, effort: Effort) -> tuple[str, ...]:  # noqa: ANN401
+    """What worlds, episodes and steps add to the process once there have been some."""
+    seeds, count = itertools.count(1000), 10 * effort.rounds
+
+    def drive(worlds: int) -> float:
+        for seed in itertools.islice(seeds, worlds):
+            env.reset(seed=seed)
+            env.reset()
+            for _ in range(STEPS_A_WORLD):
+                env.step(np.array([0.5, 0.2], np.float32))
+        return resident(os.getpid())
+
+    begun = drive(20)
+    grown = (drive(count) - begun) / MEGABYTE
+    what = f"memory after {count} worlds, {count * STEPS_A_WORLD:,} steps"
+    return robot, what, "-", f"{grown:+.1f} MB", "< 5 MB"
 
 
 def _recorded(env: Any, actions: NDArray[np.float32]) -> list[NDArray[np.float64]]:  # noqa: ANN401

@@ -35,6 +35,7 @@ BENCHMARKS = {
     for benchmark in (
         Benchmark("lidar", "a scan against mj_multiRay and PyBullet: cost, hits, parity"),
         Benchmark("growth", "what a scan costs with map size, cell size and beams"),
+        Benchmark("sensors", "optional lidars and depth camera: rays a second, runs with each"),
         Benchmark("runs", "physics alone, episode with sensors, run through ROS 2: speed"),
         Benchmark("lockstep", "lock-step in one process and across two: speed, messages, losses"),
         Benchmark("obstacles", "steps per second against the number of obstacles"),

@@ -45,16 +45,16 @@ def _sizes(harness: int, others: Mapping[str, int]) -> Sizes:
     try:
         children = Path(f"/proc/{harness}/task/{harness}/children").read_text().split()
         found = {
-            "harness": _resident(harness),
-            "simulation": max((_resident(int(child)) for child in children), default=0.0),
-        } | {name: _resident(number) for name, number in others.items()}
+            "harness": resident(harness),
+            "simulation": max((resident(int(child)) for child in children), default=0.0),
+        } | {name: resident(number) for name, number in others.items()}
     except OSError:
         return {}
     return found if all(found.values()) else {}
 
 
-def _resident(process: int) -> float:
-    """Resident memory [bytes]; 0 for a process that has ended."""
+def resident(process: int) -> float:
+    """Returns the resident memory [bytes]; 0 for a process that has ended."""
     for line in Path(f"/proc/{process}/status").read_text().splitlines():
         if line.startswith("VmRSS:"):
             return float(line.split()[1]) * 1024

@@ -186,7 +186,8 @@ def _parser() -> argparse.ArgumentParser:
         "missing and --no-ros was not given.",
     )
     parser.add_argument("--terrain", default=defaults.terrain, metavar="NAME", help="see harness.run")
-    parser.add_argument("--robot", default=defaults.robot, metavar="NAME", help=", ".join(ROVERS))
+    about = f"{', '.join(ROVERS)}, or a folder (docs/robots.md)"
+    parser.add_argument("--robot", default=defaults.robot, metavar="NAME|FOLDER", help=about)
     about = "of everything random; the other seed is the next"
     parser.add_argument("--seed", type=int, default=defaults.seed, metavar="N", help=about)
     parser.add_argument(

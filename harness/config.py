@@ -10,15 +10,22 @@ from pathlib import Path
 
 from harness.drivers import find_driver, takes_goals
 from harness.drivers.base import CONTROL_PERIOD_NS
+from harness.drivers.goal_course import Area, check_area
 from harness.drivers.staged import StagedEncounter
 from harness.errors import UsageError, find_named
 from harness.faults.spec import parse_faults
 from harness.frames.options import FrameOptions
-from harness.robots import find_rover
+from harness.robots import RoverSpec, find_rover
 from harness.sensors.base import period_ticks
+from harness.sensors.choice import chosen
+from harness.sensors.geodesy import DEFAULT_DATUM, Datum
 from harness.sensors.noise import PRESETS
+from harness.sensors.table import SensorRow
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
-from harness.world.heightmap.dem import TerrainFile, file_world, is_terrain_file
+from harness.world.actors.actor import with_actors
+from harness.world.actors.spec import of_terrain, parse_actors
+from harness.world.files import file_world
+from harness.world.terrain_file import TerrainFile, is_terrain_file
 from harness.world.terrains import TERRAINS
 from harness.world.world import (
     DEFAULT_DIFFICULTY,
@@ -31,8 +38,16 @@ from harness.world.world import (
 
 CMD_VEL_TYPES = ("auto", "twist", "stamped")
 LIDAR_BEAMS, IMU_RATE = 640, 20
+LISTS = (  # the fields that are tuples
+    *("terrain_size", "datum", "start", "sensors", "faults", "commands", "goals", "resets"),
+    *("resource_path", "rock", "hazard", "actors", "goal_area"),
+)
 CMD_VEL = "cmd_vel"  # the driver that obeys commands
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
+FILE_OPTIONS = (  # for terrains from files alone
+    *("terrain_size", "terrain_height", "terrain_cell", "resource_path", "mesh_unit", "mesh_up"),
+    *("rock_height", "rock", "hazard"),
+)
 FEWEST_BEAMS, MOST_BEAMS = 2, 100_000
 
 
@@ -56,20 +71,33 @@ class EpisodeConfig:
     difficulty: float = DEFAULT_DIFFICULTY
     terrain_size: tuple[float, float] | None = None  # [m] along x and y, of a terrain from a file
     terrain_height: float | None = None  # [m] of relief, likewise
+    datum: tuple[float, float, float] = (
+        DEFAULT_DATUM  # of the world's origin: latitude, longitude, altitude
+    )
+    terrain_cell: float | None = None  # [m] between the vertices that a mesh becomes
+    resource_path: tuple[str, ...] = ()  # folders in which an SDF world's models and meshes are
+    mesh_unit: str = ""  # of meshes: m, cm, mm...; as their files say
+    mesh_up: str = ""  # their axis that is up, likewise
+    rock_height: float | None = None  # [m] up to which an obstacle of a file is a rock; the clearance
+    rock: tuple[str, ...] = ()  # patterns of names that are rocks whatever their height
+    hazard: tuple[str, ...] = ()  # likewise
     start: Start | None = None  # x, y [m], yaw [rad] in the world; None: where the terrain has it
     timestep: float = DEFAULT_TIMESTEP_NS / NANOSECONDS
     noise: str | None = None  # a preset's name; None for exact sensors
     lidar_beams: int = LIDAR_BEAMS
     imu_rate: int = IMU_RATE
+    sensors: tuple[str, ...] | None = None  # optional ones: NAME or NAME=PRESET; None: of rover.yaml
     cmd_vel_timeout: float | None = None  # [s] of simulation time after which a command ends
     faults: tuple[str, ...] = ()  # on the way to listeners; the episode itself does not see them
     commands: tuple[tuple[float, float, float], ...] = ()  # to driver cmd_vel: when [s], m/s, rad/s
+    goal_area: Area | None = None  # x from, to, y from, to [m]: one random goal in it after another
+    actors: tuple[str, ...] = ()  # people, as harness.world.actors.spec reads them
     goals: tuple[tuple[float, float, float, float], ...] = ()  # to driver goal: when [s], x, y, yaw
     resets: tuple[float, ...] = ()  # when the rover is put back to its start [s]
 
     def __post_init__(self) -> None:
         """Takes lists for tuples, as JSON gives them back."""
-        for name in ("terrain_size", "start", "faults", "commands", "goals", "resets"):
+        for name in LISTS:
             if isinstance(value := getattr(self, name), list):
                 inner = (tuple(v) if isinstance(v, list) else v for v in value)
                 object.__setattr__(self, name, tuple(inner))
@@ -84,29 +112,56 @@ class EpisodeConfig:
         """Control periods from start to end, which is how many batches there are."""
         return math.ceil(self.total_ticks / TICKS_PER_CONTROL)
 
+    @property
+    def people(self) -> tuple[str, ...]:
+        """Who walks, in words: the actors of an SDF world, then those asked for."""
+        return (*of_terrain(self.terrain), *self.actors)
+
+    def sensor_rows(self) -> tuple[SensorRow, ...]:
+        """Returns the sensors that the rover carries, in publishing order.
+
+        Raises:
+            UsageError: One of the optional ones does not exist or is not valid.
+        """
+        return chosen(find_rover(self.robot), self.sensors)
+
     def world(self) -> World:
         """Returns the world, which is built once and then shared: nobody changes one.
 
         Raises:
-            UsageError: The terrain's file is not usable, or the start is off the map.
+            UsageError: The terrain's file is not usable, the start is off the map, or no person can
+                walk so.
         """
         world = self._terrain_world()
-        return world if self.start is None else starting_at(world, self.start)
+        world = world if self.start is None else starting_at(world, self.start)
+        people = parse_actors(self.people)
+        return with_actors(world, people) if people else world
+
+    def scenery(self) -> tuple[World, RoverSpec]:
+        """Returns what there is to be seen, of a configuration that comes from another process.
+
+        Raises:
+            UsageError: A value is not valid.
+        """
+        self.validate()
+        return self.world(), find_rover(self.robot)
 
     def check_world(self) -> None:
         """Checks what depends on the world, which is built only where something does.
 
         Raises:
-            UsageError: The start is off the map, or there is nothing for the driver to meet.
+            UsageError: The start is off the map, no person can walk so, or there is nothing for the
+                driver to meet.
         """
         driver = find_driver(self.driver)
         if issubclass(driver, StagedEncounter):
             world = self.world()
             try:
-                driver.hazards(world.obstacles, world.ground.half_size)
+                middle, half_size = world.roaming
+                driver.hazards(world.obstacles, half_size, middle)
             except UsageError as error:
                 raise UsageError(f"driver '{self.driver}' on {self.terrain}: {error}") from error
-        elif self.start is not None:
+        elif self.start is not None or self.people:
             self.world()
 
     def _terrain_world(self) -> World:
@@ -121,17 +176,28 @@ class EpisodeConfig:
             size=self.terrain_size,
             relief=self.terrain_height,
             needs_start=self.start is None,
+            folders=tuple(map(Path, self.resource_path)),
+            cell=self.terrain_cell,
+            mesh_unit=self.mesh_unit,
+            mesh_up=self.mesh_up,
+            rock_height=self.rock_height,
+            rocks=self.rock,
+            hazards=self.hazard,
+            clearance=(rover := find_rover(self.robot)).clearance,
+            step_limit=rover.step_limit,
         )
 
     def _validate_terrain(self) -> None:
+        find_rover(self.robot)
         if is_terrain_file(self.terrain):
             self._terrain_file().check()
             if self.difficulty != DEFAULT_DIFFICULTY:
                 raise UsageError("a terrain from a file has no difficulty; leave out --difficulty")
             return
         find_named("terrain", self.terrain, TERRAINS)
-        if self.terrain_size is not None or self.terrain_height is not None:
-            raise UsageError("--terrain-size and --terrain-height apply to terrains from files only")
+        for name in FILE_OPTIONS:
+            if getattr(self, name) not in (None, (), ""):
+                raise UsageError(f"--{name.replace('_', '-')} applies to terrains from files only")
 
     def _validate_plan(self) -> None:
         told = (*self.commands, *self.goals)
@@ -142,6 +208,11 @@ class EpisodeConfig:
         for what, heeds, driver in plans:
             if what and not heeds:
                 raise UsageError(f"driver '{self.driver}' is told nothing; this needs driver '{driver}'")
+        if self.goal_area is not None:
+            check_area(self.goal_area)
+            if self.goals or not takes_goals(self.driver):
+                needed = "leave out the goals" if self.goals else "it needs driver 'goal' or a policy"
+                raise UsageError(f"a goal area gives goals by itself: {needed}")
         if not all(math.isfinite(value) for _, *values in told for value in values):
             raise UsageError("a command or goal is not valid; give finite numbers")
         for time_s in (*(time_s for time_s, *_ in told), *self.resets):
@@ -149,7 +220,8 @@ class EpisodeConfig:
                 raise UsageError(f"an event at {time_s:g} s is not in the run of {self.duration:g} s")
 
     def _validate_faults(self) -> None:
-        for spec, fault in zip(self.faults, parse_faults(self.faults), strict=True):
+        parsed = parse_faults(self.faults, self.sensor_rows())
+        for spec, fault in zip(self.faults, parsed, strict=True):
             if fault.start_ns > self.total_ticks * TICK_NS:
                 raise UsageError(
                     f"fault '{spec}' begins after the end of the run at {self.duration:g} s; "
@@ -172,6 +244,7 @@ class EpisodeConfig:
             UsageError: A value is not valid; the message names those that are.
         """
         self._validate_terrain()
+        Datum(*self.datum).check()
         find_rover(self.robot)
         find_driver(self.driver)
         parse_timestep(self.timestep)
@@ -181,6 +254,7 @@ class EpisodeConfig:
         check_duration(self.duration)
         self._validate_plan()
         self._validate_faults()
+        parse_actors(self.people)
         self._validate_timeout()
         if self.start is not None:
             check_start(self.start)

@@ -6,6 +6,7 @@ from typing import TypeVar
 
 from rover_metrics.errors import KnownError
 
+INSTALL_OPENGL = {"Linux": "install libegl1 libgl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"}
 INSTALL_ROS = "pip install 'rover-harness[ros]', source a ROS 2 installation"
 
 T = TypeVar("T")

@@ -22,14 +22,19 @@ from rich.console import Console
 
 from harness.cli.console import RunProgress, counted, print_choices, print_summary
 from harness.cli.options import RunOptions, parse_run
+from harness.episode.loop import Observer
 from harness.episode.manifest import write_manifest
 from harness.episode.result import Run, RunResult
+from harness.episode.social_recorder import SocialRecorder
 from harness.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.files import check_target, write_whole
 from harness.interrupt import HANGUP, StopRequest
 from harness.report.recorder import RunRecorder
-from harness.view.drawing import Drawing, keep_opengl_out
-from harness.world.heightmap.dem import is_terrain_file
+from harness.robots import robot_name
+from harness.sensors.camera.backend import keep_opengl_out
+from harness.view.drawing import Drawing
+from harness.world.actors.spec import actor_names
+from harness.world.terrain_file import is_terrain_file
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -50,11 +55,15 @@ def _command(options: RunOptions, console: Console) -> int:
     options.config.validate()
     backend = keep_opengl_out()  # before MuJoCo is loaded
     drawing = Drawing(options.picture, options.video, lidar=options.picture_lidar, backend=backend)
-    recorder = RunRecorder()
+    recorder, social = RunRecorder(), _social(options)
+    observers = (*social, *((recorder,) if options.report is not None else ()))
     run = _loaded(options)
     with StopRequest() as stop, drawing:
-        result = _run(run, options, stop, console, drawing, recorder)
+        result = _run(run, options, stop, console, drawing, observers)
         result = replace(result, report=options.report, params=options.params)
+        for log in social:
+            log.close()
+            result = replace(result, social_log=log.path)
         exit_code = _report(result, options.summary, stop, console)
         if options.report is not None:
             from harness.report.content import render  # noqa: PLC0415 - see `_loaded`
@@ -64,6 +73,18 @@ def _command(options: RunOptions, console: Console) -> int:
             console.print(f"report: {options.report}", soft_wrap=True, highlight=False)
         _draw(drawing, stop, console)
     return exit_code
+
+
+def _social(options: RunOptions) -> tuple[SocialRecorder, ...]:
+    """Returns what keeps the social log of a run with people.
+
+    Raises:
+        UsageError: It cannot be written there.
+    """
+    names = actor_names(options.config.people)
+    if options.social_log is not None:
+        check_target("--social-log", options.social_log, ".csv")
+    return (SocialRecorder(names, options.social_log, options.ros.log_dir),) if names else ()
 
 
 def _loaded(options: RunOptions) -> Run:
@@ -97,7 +118,7 @@ def _run(
     stop: StopRequest,
     console: Console,
     drawing: Drawing,
-    recorder: RunRecorder,
+    observers: Sequence[Observer],
 ) -> RunResult:
     config = options.config
     for flag, path in (("--summary", options.summary), ("--report", options.report)):
@@ -107,9 +128,9 @@ def _run(
         console.print(f"{config.terrain}: {note}", soft_wrap=True, highlight=False)
     config.check_world()
     drawing.prepare(config)
-    with RunProgress(console, f"{config.robot} on {config.terrain}", config.duration) as bar:
-        observers = (drawing, recorder) if options.report is not None else (drawing,)
-        return run(config, options.ros, stop, bar.show if console.is_terminal else None, observers)
+    with RunProgress(console, f"{robot_name(config.robot)} on {config.terrain}", config.duration) as bar:
+        show = bar.show if console.is_terminal else None
+        return run(config, options.ros, stop, show, (drawing, *observers))
 
 
 def _report(result: RunResult, summary: Path | None, stop: StopRequest, console: Console) -> int:

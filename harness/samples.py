@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 ContactKind = Literal["hazard", "rock", "scrape"]
+LIDAR_RANGE_MAX = 10.0  # [m] of RoboTerrain's gpu_lidar; a hit beyond it is a miss
 
 T = TypeVar("T")
 
@@ -28,6 +29,14 @@ class Sample(Protocol):
     @property
     def stamp_ns(self) -> int:
         """Returns the stamp [ns]."""
+
+
+Source = type[Sample] | str
+
+
+def source(sample: Sample) -> Source:
+    """Returns what read a sample: the name in `sensor` if a rover may carry several, else the type."""
+    return getattr(sample, "sensor", type(sample))
 
 
 @dataclass_transform(frozen_default=True)
@@ -126,6 +135,15 @@ class JointStates:
 
 
 @plain_value
+class ActorPoses:
+    """Middles [m] and attitudes of the people in the world, in the order of its actors."""
+
+    stamp_ns: int
+    position: tuple[Vector3, ...]
+    orientation: tuple[Quaternion, ...]
+
+
+@plain_value
 class Transforms:
     """Poses of frames in their parents, in the order that harness.frames.tree.Description tells.
 
@@ -152,7 +170,7 @@ class TruthState:
         slip: Slip ratio of each wheel in the order of RoverSpec.wheel_joints, -1..1; positive when it
             turns faster than it moves, 0 while it stands (harness.truth.wheels).
         roughness: Of the terrain under the wheels [m]: the root of the mean, over the windows of 0.3 m
-            around the four wheels, of the squared height above the mean of the 0.3 m around.
+            around the wheels, of the squared height above the mean of the 0.3 m around.
     """
 
     stamp_ns: int
@@ -162,7 +180,7 @@ class TruthState:
     contact_force: float
     speed: float
     path_length: float
-    slip: tuple[float, float, float, float]
+    slip: tuple[float, ...]
     roughness: float
 
     @property

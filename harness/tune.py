@@ -6,6 +6,7 @@ Parses, calls, prints; the work is in harness.tuning.
 """
 
 import argparse
+import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -50,7 +51,7 @@ def _tune(options: argparse.Namespace, console: Console) -> int:
     robots = options.robot or list(ROVERS)
     for robot in robots:
         find_rover(robot)
-    planned = plan(robots, options.episodes, options.seed, options.duration)
+    planned = plan(robots, options.episodes, options.seed, options.duration, options.driver)
     with backend_of(options.backend, options.address, options.jobs) as backend:
         store = Store(options.out, planned)
         with counted(console, f"driving {options.duration:g} s episodes") as show:
@@ -63,7 +64,7 @@ def _tune(options: argparse.Namespace, console: Console) -> int:
     with console.status("drawing the page"):
         for path in write_results(options.out, studies, records, _command(robots, options)):
             console.print(f"written: {path}", soft_wrap=True, highlight=False)
-    verdicts = [(each.robot, verdict) for each in studies for verdict in each.verdicts]
+    verdicts = [(each.name, verdict) for each in studies for verdict in each.verdicts]
     lacks = [(robot, verdict) for robot, verdict in verdicts if verdict.lack is not None]
     for robot, verdict in lacks:
         print(f"harness.tune: {robot}: no value for {verdict.name}, {verdict.lack}", file=sys.stderr)
@@ -73,9 +74,10 @@ def _tune(options: argparse.Namespace, console: Console) -> int:
 def _command(robots: Sequence[str], options: argparse.Namespace) -> str:
     """What makes these files, without what does not change them."""
     named = " ".join(f"--robot {robot}" for robot in robots)
+    driver = f" --driver {shlex.quote(options.driver)}" if options.driver else ""
     return (
         f"python -m harness.tune {named} --episodes {options.episodes} "
-        f"--duration {options.duration:g} --seed {options.seed}"
+        f"--duration {options.duration:g} --seed {options.seed}{driver}"
     )
 
 
@@ -89,8 +91,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--robot",
         action="append",
-        metavar="NAME",
-        help=f"{', '.join(ROVERS)}; repeatable; default: all",
+        metavar="NAME|FOLDER",
+        help=f"{', '.join(ROVERS)}, or a folder (docs/robots.md); repeatable; default: all that ship",
     )
     parser.add_argument(
         "--episodes", type=int, default=EPISODES, metavar="N", help="worlds; each robot drives in all"
@@ -99,6 +101,8 @@ def _parser() -> argparse.ArgumentParser:
         "--duration", type=float, default=DURATION, metavar="S", help="simulated seconds of each episode"
     )
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the worlds and drives")
+    about = "who drives where none is to meet hazards, e.g. policy:FILE.npz; default: roam and wander"
+    parser.add_argument("--driver", default="", metavar="NAME", help=about)
     parser.add_argument("--jobs", type=int, metavar="N", help="processes; default: one per CPU")
     parser.add_argument(
         "--backend", default="local", metavar="NAME", help=f"who drives: {', '.join(BACKENDS)}"

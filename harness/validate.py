@@ -77,7 +77,8 @@ def _parser() -> argparse.ArgumentParser:
         prog="python -m harness.validate",
         description="Drives standard manoeuvres and compares the rovers with their sources.",
     )
-    parser.add_argument("--robot", metavar="NAME", help=f"{', '.join(ROVERS)}; default: all")
+    about = f"{', '.join(ROVERS)}, or a folder (docs/robots.md); default: all that ship"
+    parser.add_argument("--robot", metavar="NAME|FOLDER", help=about)
     parser.add_argument(
         "--seed", type=int, default=0, metavar="N", help="headings and the unevenness of the floor"
     )

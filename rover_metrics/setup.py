@@ -39,6 +39,7 @@ setup(
         "console_scripts": [
             "metrics_node = rover_metrics.__main__:main",
             "analyze = rover_metrics.analyze:main",
+            "social = rover_metrics.social:main",
             "replay = rover_metrics.replay:main",
         ]
     },

@@ -1,12 +1,14 @@
 """What is in examples/, as far as it can be checked without Nav2, Foxglove and PlotJuggler."""
 
 import json
+import math
 import runpy
 import sys
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from ruamel.yaml import YAML
 
@@ -14,7 +16,8 @@ from harness.robots import find_rover
 from harness.sensors.lidar_spec import LidarSpec
 from tests.support.layouts import FOXGLOVE, foxglove_panels
 
-NAV2 = Path(__file__).parents[1] / "examples/nav2"
+EXAMPLES = Path(__file__).parents[1] / "examples"
+NAV2, LEARNING = EXAMPLES / "nav2", EXAMPLES / "learn.ipynb"
 BASES = {"leo": "base_footprint", "rover_zero4wd": "base_link"}
 COSTMAPS = ("local_costmap", "global_costmap")
 
@@ -143,3 +146,30 @@ def test_the_foxglove_layout_shows_each_of_its_panels_once() -> None:
 
     layout = json.loads(FOXGLOVE.read_text())["layout"]
     assert sorted(shown(layout)) == sorted(foxglove_panels())
+
+
+def test_the_notebook_runs_and_its_policy_reaches_the_goal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(LEARNING.parent)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    cells = json.loads(LEARNING.read_text())["cells"]
+    told: dict[str, Any] = {}
+    for cell in cells:
+        if cell["cell_type"] == "code":
+            assert (cell["outputs"], cell["execution_count"]) == ([], None)  # no bytes of a machine
+            exec("".join(cell["source"]), told)  # noqa: S102 - our own
+    assert told["info"]["ending"] == "reached"
+    assert told["policy"].beams == LidarSpec().beams  # as harness.run has it without further words
+    drawn = told["axes"].get_lines()[-2].get_xydata()
+    assert np.hypot(*(drawn[-1] - told["goal"])) < 0.5
+    told["plt"].close(told["figure"])
+
+
+def test_the_evaluation_counts_endings_and_tells_wilsons_interval() -> None:
+    script = runpy.run_path(str(EXAMPLES / "evaluate_policy.py"))
+    ends = [("reached", 9.0)] * 5 + [("reached", 11.0)] * 3 + [("time", 60.0), ("flipped", 3.0)]
+    line = script["row"]("learned", "rocky", [script["Outcome"](*end) for end in ends])
+    good, count, z = 8, 10, 1.959964
+    middle = (good + z * z / 2) / (count + z * z)
+    half = z * math.sqrt(good * (count - good) / count + z * z / 4) / (count + z * z)
+    interval = f"{middle - half:.0%} to {middle + half:.0%}"
+    assert line == f"| learned | rocky | 8 of 10 | {interval} | flipped 1, time 1 | 9.0 s |"

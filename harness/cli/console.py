@@ -9,12 +9,15 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Column, Table
 
-from harness.drivers import DRIVERS
+from harness.drivers import DRIVERS, PolicyDriver
+from harness.drivers.policy import PREFIX
 from harness.episode import result
 from harness.robots import ROVERS
 from harness.sensors.noise import PRESETS
 from harness.world.terrain import Terrain
 from harness.world.terrains import TERRAINS
+
+OWN_ROBOT = ("FOLDER", "your own: python -m harness.robot new NAME --from robot.urdf (docs/robots.md)")
 
 
 class RunProgress(Progress):
@@ -82,6 +85,8 @@ def print_summary(console: Console, run: result.RunResult) -> None:
         console.print(f"{node}: {share} of the run waited for it", soft_wrap=True, highlight=False)
     if run.log_path is not None:
         console.print(f"{run.rows} rows in {run.log_path}", soft_wrap=True, highlight=False)
+    if run.social_log is not None:
+        console.print(f"people: {run.social_log}", soft_wrap=True, highlight=False)
 
 
 def _counts_table(run: result.RunResult) -> Table:
@@ -120,10 +125,11 @@ def _metric(row: dict[str, int | float | str], column: str, unit: str) -> str:
 
 def print_choices(console: Console) -> None:
     """Prints terrains, robots, drivers and noise presets with what there is to know of each."""
+    drivers = DRIVERS | {f"{PREFIX}FILE.npz": PolicyDriver}
     for title, lines in (
         ("terrains", [(name, _about(terrain)) for name, terrain in TERRAINS.items()]),
-        ("robots", [(name, rover.summary) for name, rover in ROVERS.items()]),
-        ("drivers", [(name, driver.summary) for name, driver in DRIVERS.items()]),
+        ("robots", [*((name, rover.summary) for name, rover in ROVERS.items()), OWN_ROBOT]),
+        ("drivers", [(name, driver.summary) for name, driver in drivers.items()]),
         ("noise", [(name, preset.summary) for name, preset in PRESETS.items()]),
     ):
         columns = Column(style="bold", no_wrap=True), Column()

@@ -9,12 +9,17 @@ from typing import Any, TypeVar
 from harness import __version__
 from harness.config import CMD_VEL_TYPES, EpisodeConfig, RosOptions
 from harness.drivers import DRIVERS, takes_goals
+from harness.drivers.goal_course import Area
 from harness.episode.metrics_feed import extended_ros_args, extended_settings, parameter_words
 from harness.errors import UsageError
 from harness.faults.spec import FORM, describe_faults
 from harness.frames.options import ODOM_SOURCES, FrameOptions
 from harness.robots import ROVERS, find_rover
+from harness.sensors.choice import kinds
 from harness.sensors.noise import DEFAULT_PRESET, PRESETS
+from harness.world.actors.spec import Options as ActorOptions
+from harness.world.actors.spec import of_terrain
+from harness.world.solids.mesh_file import UNITS, UP
 from harness.world.world import Start
 from rover_metrics.errors import OneLineParser, ParameterError
 from rover_metrics.extended.parameter_file import read_values
@@ -29,12 +34,32 @@ T = TypeVar("T")
 Option = tuple[str, Callable[[str], Any], str, str]  # flag, type, metavar, help
 
 EPISODE: tuple[Option, ...] = (
-    ("--robot", str, "NAME", ", ".join(ROVERS)),
+    ("--robot", str, "NAME|FOLDER", f"{', '.join(ROVERS)}, or a folder (docs/robots.md)"),
     ("--driver", str, "NAME", f"{', '.join(DRIVERS)}, or policy:FILE.npz (docs/gym.md)"),
     ("--seed", int, "N", "of everything random"),
     ("--duration", float, "S", "simulated seconds"),
     ("--difficulty", float, "D", "0 to 1"),
     ("--timestep", float, "S", "physics step"),
+)
+WORLDS: tuple[Option, ...] = (
+    ("--resource-path", str, "DIR", "folder of an SDF world's models; repeatable; default: none"),
+    ("--terrain-cell", float, "M", "distance of the heights that a mesh becomes; default: 0.1"),
+    ("--mesh-unit", str, "NAME", f"unit of meshes: {', '.join(UNITS)}; default: as their files say"),
+    ("--mesh-up", str, "AXIS", f"axis of meshes that is up: {', '.join(UP)}; default: likewise"),
+    (
+        "--rock-height",
+        float,
+        "M",
+        "obstacles of files up to it are rocks; default: the rover's clearance",
+    ),
+    ("--rock", str, "PATTERN", "models that are rocks; repeatable; default: by height"),
+    ("--hazard", str, "PATTERN", "models that are hazards; repeatable; default: by height"),
+)
+REPEATABLE = ("--resource-path", "--rock", "--hazard")
+ACTOR_HELP = (
+    "a person who walks; repeatable: NAME=X,Y/X,Y/... (way points), [NAME=]FILE.sdf (a trajectory, or "
+    "actors of a world), NAME=random or NAME=social; behind it :KEY=VALUE,... of "
+    f"{', '.join(item.name for item in fields(ActorOptions))} (docs/worlds.md)"
 )
 COMMANDS: tuple[Option, ...] = (
     ("--cmd-vel-timeout", float, "S", "stop S simulated seconds after the last command; off by default"),
@@ -52,6 +77,7 @@ FILES: tuple[Option, ...] = (
     ("--record", Path, "FILE.mcap", RECORD_HELP),
     ("--report", Path, "FILE.html", "write a page about the run: map, plots, truth"),
     ("--summary", Path, "FILE.json", "write the manifest there"),
+    ("--social-log", Path, "FILE.csv", "the social log of a run with people; default: see --log-dir"),
 )
 PICTURES: tuple[Option, ...] = (
     ("--picture", Path, "FILE.png", "draw the rover at the end of its path"),
@@ -82,6 +108,7 @@ class RunOptions:
         params: The file that they come from; None without.
         report: Page to write about the run; None for none. Likewise `summary`, `picture`, `video`.
         picture_lidar: Whether pictures show the beams.
+        social_log: The log of a run with people; None for one in `log_dir`.
     """
 
     config: EpisodeConfig
@@ -94,6 +121,7 @@ class RunOptions:
     picture: Path | None
     video: Path | None
     picture_lidar: bool
+    social_log: Path | None
 
 
 def parse_run(arguments: Sequence[str]) -> RunOptions | None:
@@ -103,7 +131,8 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         UsageError: Two options exclude each other; the message names the mend.
     """
     words, ros_args = split_ros_args(arguments)
-    words = _joined("--start", words)  # argparse takes -3,4 for an option
+    for flag in ("--start", "--datum", "--goal-area"):  # argparse takes -3,4 for an option
+        words = _joined(flag, words)
     parser = run_parser()
     wrong = complaint(ros_args, parser._option_string_actions)  # noqa: SLF001 - all of its options
     if wrong is not None:
@@ -116,7 +145,7 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
     if given.list:
         return None
     _check_combination(given, ros_args)
-    config = _filled(EpisodeConfig, given, faults=tuple(given.fault))
+    config = _filled(EpisodeConfig, given, faults=tuple(given.fault), actors=tuple(given.actor))
     namespace = given.namespace.strip("/")
     namespace_args = ("--ros-args", "-r", f"__ns:=/{namespace}", "--") if namespace else ()
     values = read_parameters(given.params) if given.params else {}
@@ -174,6 +203,8 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         )
     if options.overwrite and options.record is None:
         raise UsageError("--overwrite is for the file of --record; name one, or leave it out")
+    if options.social_log is not None and not (options.actor or of_terrain(options.terrain)):
+        raise UsageError("--social-log is of a run with people; add --actor SPEC, or leave it out")
     if not options.direct:
         return
     for given, flag in (
@@ -185,7 +216,11 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         (options.odom_tf != FrameOptions.odom_tf, "--odom-tf"),
         (options.odom_tf_3d, "--odom-tf-3d"),
         (options.map_tf, "--map-tf"),
-        (options.driver == "cmd_vel" or takes_goals(options.driver), f"--driver {options.driver}"),
+        (options.driver == "cmd_vel", "--driver cmd_vel"),
+        (
+            takes_goals(options.driver) and options.goal_area is None,
+            f"--driver {options.driver} without --goal-area",
+        ),
     ):
         if given:
             raise UsageError(f"{flag} needs ROS; leave out --direct")
@@ -204,6 +239,11 @@ def run_parser() -> argparse.ArgumentParser:
     about = f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_PRESET} if not named; default: none"
     sensors.add_argument("--noise", nargs="?", const=DEFAULT_PRESET, metavar="NAME", help=about)
     _add(sensors, SENSORS, EpisodeConfig())
+    about = (
+        f"optional ones, NAME or NAME=PRESET: none, {', '.join(kinds())}, names in rover.yaml "
+        "(docs/sensors.md); default: those of rover.yaml"
+    )
+    sensors.add_argument("--sensors", type=_names, metavar="NAME[,...]", help=about)
     about = f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable"
     faults = parser.add_argument_group("faults", describe_faults())
     faults.add_argument("--fault", action="append", default=[], metavar="SPEC", help=about)
@@ -230,20 +270,40 @@ def _add(group: Group, options: Sequence[Option], defaults: object = None) -> No
 
 
 def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
-    about = "see --list, or a heightmap: GeoTIFF, TIFF, PNG, .npy (docs/worlds.md: axes, units)"
+    about = (
+        "see --list; a heightmap: GeoTIFF, TIFF, PNG, .npy; an SDF world: .world, .sdf; a mesh: .dae, "
+        ".obj, .stl (docs/worlds.md: axes, units)"
+    )
     world.add_argument("--terrain", default=defaults.terrain, metavar="NAME|FILE", help=about)
     about = "length along x and y, or of both, of a heightmap that does not say"
     world.add_argument("--terrain-size", type=float, nargs="+", metavar="M", help=about)
     about = "relief, lowest to highest point, of a heightmap that does not say"
     world.add_argument("--terrain-height", type=float, metavar="M", help=about)
+    world.add_argument("--actor", action="append", default=[], metavar="SPEC", help=ACTOR_HELP)
+    for flag, kind, metavar, text in WORLDS:
+        is_many = flag in REPEATABLE
+        world.add_argument(
+            flag,
+            type=kind,
+            metavar=metavar,
+            help=text,
+            action="append" if is_many else "store",
+            default=[] if is_many else getattr(defaults, flag[2:].replace("-", "_")),
+        )
     about = "start [m] and heading from +x to +y [rad]; default: at or next to 0,0, the middle"
     world.add_argument("--start", type=_start, metavar="X,Y[,YAW]", help=about)
+    about = f"where the world's origin is, for GNSS and its like; default: {_told(defaults.datum)}"
+    world.add_argument(
+        "--datum", type=_datum, default=defaults.datum, metavar="LAT,LON[,ALT]", help=about
+    )
+    about = "give the driver one random goal after another in this rectangle, as RoboTerrain's collector"
+    world.add_argument("--goal-area", type=_area, metavar="XMIN,XMAX,YMIN,YMAX", help=about)
     _add(world, EPISODE, defaults)
 
 
 def _add_run(run: Group) -> None:
     run.add_argument("--rate", type=_rate, metavar="R|max", help="times real time; default: max")
-    about = "folder for the log and its manifest"
+    about = "folder for the log and its manifest; with --actor, for social/social_log_....csv too"
     run.add_argument("--log-dir", type=Path, default=DEFAULT_LOG_DIR, metavar="DIR", help=about)
     run.add_argument(
         "--namespace", default="", metavar="NAME", help="of all topics but /clock, e.g. rover1"
@@ -260,6 +320,10 @@ def _add_run(run: Group) -> None:
     run.add_argument("--overwrite", action="store_true", help="let --record replace a file")
 
 
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(word.strip() for word in text.split(","))
+
+
 def _start(text: str) -> Start:
     words = text.split(",")
     try:
@@ -268,6 +332,29 @@ def _start(text: str) -> Start:
         message = f"'{text}' is not valid; give X,Y or X,Y,YAW in metres and radians"
         raise argparse.ArgumentTypeError(message) from None
     return x, y, yaw
+
+
+def _datum(text: str) -> tuple[float, float, float]:
+    words = text.split(",")
+    try:
+        latitude, longitude, altitude = map(float, words if len(words) == 3 else [*words, "0"])
+    except ValueError:
+        message = f"'{text}' is not valid; give LAT,LON or LAT,LON,ALT in degrees and metres"
+        raise argparse.ArgumentTypeError(message) from None
+    return latitude, longitude, altitude
+
+
+def _told(numbers: tuple[float, ...]) -> str:
+    return ",".join(f"{number:.10g}" for number in numbers)
+
+
+def _area(text: str) -> Area:
+    try:
+        x_min, x_max, y_min, y_max = map(float, text.split(","))
+    except ValueError:
+        message = f"'{text}' is not valid; give XMIN,XMAX,YMIN,YMAX in metres"
+        raise argparse.ArgumentTypeError(message) from None
+    return x_min, x_max, y_min, y_max
 
 
 def _add_frames(frames: Group, defaults: FrameOptions) -> None:

@@ -5,16 +5,14 @@ from pathlib import Path
 from harness.drivers.base import Driver, DriverContext, Observation
 from harness.drivers.encounters import Graze, PassBy, Ram, ReverseInto, Swing
 from harness.drivers.goal import Goal
-from harness.drivers.point_nav import SENSED
 from harness.drivers.policy import PREFIX, PolicyDriver, driver_of, read_policy
 from harness.drivers.scripted import CmdVel, Figure8, Spin, Straight
 from harness.drivers.wander import Roam, Wander
 from harness.errors import find_named
-from harness.samples import LaserScan, Sample
+from harness.samples import Sample
 
 __all__ = [
     "DRIVERS",
-    "LOOKING",
     "CmdVel",
     "Driver",
     "DriverContext",
@@ -40,7 +38,6 @@ DRIVERS: dict[str, type[Driver]] = {
     "swing": Swing,
     "pass_by": PassBy,
 }
-LOOKING = ("wander", "roam", "goal")  # those that use scans
 
 
 def find_driver(name: str) -> type[Driver]:
@@ -71,6 +68,4 @@ def sensed_by(name: str) -> frozenset[type[Sample]]:
     Raises:
         UsageError: No such driver.
     """
-    if issubclass(find_driver(name), PolicyDriver):
-        return SENSED
-    return frozenset((LaserScan,) if name in LOOKING else ())
+    return find_driver(name).senses

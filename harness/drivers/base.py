@@ -43,11 +43,12 @@ class DriverContext:
 
     Attributes:
         rover: The rover to drive.
-        half_size: Half the lengths of the map along x and y [m].
+        half_size: Half the lengths of the map along x and y, or of what of it can be driven [m].
         bearings: Direction [rad] of each lidar beam in the rover's frame, 0 ahead, left positive.
         rng: The driver's own source of randomness.
         command_timeout_ns: After which a command of /cmd_vel ends; None for never.
         obstacles: What stands in the world; only a driver that stages encounters may look.
+        middle: Of the map, in the world: x, y [m].
     """
 
     rover: RoverSpec
@@ -56,12 +57,14 @@ class DriverContext:
     rng: np.random.Generator
     obstacles: tuple[Obstacle, ...] = ()
     command_timeout_ns: int | None = None
+    middle: tuple[float, float] = (0.0, 0.0)
 
 
 class Driver(Protocol):
     """Chooses the command; made from a `DriverContext`."""
 
     summary: ClassVar[str]
+    senses: ClassVar[frozenset[type[Sample]]]  # the samples that it looks at
 
     def __init__(self, context: DriverContext) -> None: ...
 

@@ -18,6 +18,7 @@ Limits = tuple[tuple[float, ...], tuple[float, ...]]  # of each number of an arr
 
 SENSED: frozenset[type[Sample]] = frozenset((LaserScan, Imu, Pose, Odometry))
 FARTHEST_GOAL = 100.0  # [m]
+GOAL_RADIUS = 0.5  # [m] within which a goal counts as reached
 LARGEST_FORCE, LARGEST_RATE, LARGEST_SPEED = 100.0, 50.0, 10.0  # [m/s^2], [rad/s], [m/s] and [rad/s]
 IMU_LIMITS = (LARGEST_FORCE,) * 3 + (LARGEST_RATE,) * 3 + (math.pi, math.pi / 2)
 

@@ -19,11 +19,11 @@ from harness.drivers import point_nav
 from harness.drivers.base import DriverContext, Observation
 from harness.errors import UsageError, find_named
 from harness.robots import RoverSpec
-from harness.samples import Sample, Twist
+from harness.samples import LIDAR_RANGE_MAX, Sample, Twist
 
 PREFIX = "policy:"  # of the driver's name, before the file's
-RANGE_MAX = 10.0  # [m] of the lidar, as harness.sensors.lidar_spec has it
-BESIDE_LIDAR = sum(len(low) for name, (low, _) in point_nav.limits(RANGE_MAX).items() if name != "lidar")
+LIMITS = point_nav.limits(LIDAR_RANGE_MAX)
+BESIDE_LIDAR = sum(len(low) for name, (low, _) in LIMITS.items() if name != "lidar")
 
 Floats = NDArray[np.float32]
 
@@ -53,8 +53,17 @@ class Policy:
         return len(self.layers[0][0]) - BESIDE_LIDAR
 
     def act(self, observation: Mapping[str, Floats]) -> Floats:
-        """Returns the action for an observation of PointNav, shape (2,), each -1 to 1."""
+        """Returns the action for an observation of PointNav, shape (2,), each -1 to 1.
+
+        Raises:
+            UsageError: It was made for other observations.
+        """
         values = np.concatenate([observation[name] for name in sorted(observation)])
+        if len(values) != (inputs := len(self.layers[0][0])):
+            raise UsageError(
+                f"the policy was made for other spaces: it takes {inputs} numbers, not {len(values)}; "
+                f"make PointNav with lidar_beams={self.beams} and without optional parts"
+            )
         for index, (weights, bias) in enumerate(self.layers):
             if index:
                 values = ACTIVATIONS[self.activation](values)
@@ -64,16 +73,17 @@ class Policy:
     def command(
         self, readings: Mapping[type[Sample], Sample], goal: point_nav.Point, rover: RoverSpec
     ) -> Twist:
-        """Returns the command for what was read.
+        """Returns the command for what was read: to stand at the goal, where PointNav ends.
 
         Args:
             readings: The last of each of point_nav.SENSED.
             goal: In the world [m].
             rover: Whose largest speeds an action is a share of.
         """
-        values = point_nav.observed(readings, goal, RANGE_MAX)
-        ends = point_nav.limits(RANGE_MAX)
-        arrays = {name: point_nav.clipped(values[name], *ends[name]) for name in ends}
+        values = point_nav.observed(readings, goal, LIDAR_RANGE_MAX)
+        arrays = {name: point_nav.clipped(values[name], *ends) for name, ends in LIMITS.items()}
+        if arrays["goal"][0] < point_nav.GOAL_RADIUS:
+            return Twist()
         return point_nav.commanded(self.act(arrays).astype(np.float64), rover)
 
 
@@ -82,7 +92,7 @@ def write_policy(path: Path, policy: Policy) -> None:
     arrays: dict[str, NDArray[np.generic]] = {"activation": np.array(policy.activation)}
     for index, (weights, bias) in enumerate(policy.layers):
         arrays |= {f"weights_{index}": weights, f"bias_{index}": bias}
-    np.savez(path, **arrays)  # type: ignore[arg-type]  # its own keyword is of another type
+    np.savez_compressed(path, **arrays)  # type: ignore[arg-type]  # its own keyword is of another type
 
 
 def read_policy(path: Path) -> Policy:
@@ -133,13 +143,14 @@ def _check_shapes(path: Path, layers: tuple[tuple[Floats, Floats], ...]) -> None
 
 
 class PolicyDriver:
-    """Drives to each goal that it is told as its policy does; stands without one, and before a scan.
+    """Drives to each goal that it is told as its policy does; stands there, and before the first.
 
     Raises:
         UsageError: The policy is for a lidar with another number of beams.
     """
 
     summary: ClassVar[str] = "drives to each /goal_pose as a policy trained on PointNav does"
+    senses: ClassVar[frozenset[type[Sample]]] = point_nav.SENSED
     file: ClassVar[Path]
 
     def __init__(self, context: DriverContext) -> None:

@@ -4,7 +4,7 @@ import math
 from typing import ClassVar
 
 from harness.drivers.base import DriverContext, Observation
-from harness.samples import Twist
+from harness.samples import Sample, Twist
 
 STRAIGHT_SPEED = 0.3  # [m/s]: a default run of 60 s ends before the edge of a 40 m map
 TURN_RADIUS = 1.5  # [m] of each circle of the eight
@@ -12,6 +12,8 @@ TURN_RADIUS = 1.5  # [m] of each circle of the eight
 
 class OpenLoop:
     """One twist, `latest`, whatever is observed."""
+
+    senses: ClassVar[frozenset[type[Sample]]] = frozenset()
 
     def __init__(self, twist: Twist) -> None:
         self.latest = twist
@@ -70,6 +72,7 @@ class Figure8:
     """Two circles, left then right; each ends when the heading has come round."""
 
     summary: ClassVar[str] = "left and right circles of 1.5 m radius in turn"
+    senses: ClassVar[frozenset[type[Sample]]] = frozenset()
 
     def __init__(self, context: DriverContext) -> None:
         self._speed = context.rover.cruise_speed

@@ -12,7 +12,7 @@ from typing import ClassVar
 
 from harness.drivers.base import CONTROL_PERIOD, DriverContext, Observation
 from harness.errors import UsageError
-from harness.samples import Twist
+from harness.samples import Sample, Twist
 from harness.world.obstacles import Obstacle, ObstacleKind, half_extent
 from harness.world.terrains import WITH_HAZARDS
 
@@ -75,26 +75,31 @@ class StagedEncounter(ABC):
     """
 
     summary: ClassVar[str]
+    senses: ClassVar[frozenset[type[Sample]]] = frozenset()
 
     def __init__(self, context: DriverContext) -> None:
         self.rover, self.rng = context.rover, context.rng
-        self._hazards = self.hazards(context.obstacles, context.half_size)
+        self._hazards = self.hazards(context.obstacles, context.half_size, context.middle)
         self._now = Observation(time_ns=0, x=0.0, y=0.0, yaw=0.0, ranges=None)
         self._script = self._visits()
 
     @classmethod
-    def hazards(cls, obstacles: Sequence[Obstacle], half_size: tuple[float, float]) -> list[Obstacle]:
+    def hazards(
+        cls, obstacles: Sequence[Obstacle], half_size: Point, middle: Point = (0.0, 0.0)
+    ) -> list[Obstacle]:
         """Returns those that it visits.
 
         Args:
             obstacles: What stands in the world.
             half_size: Half the lengths of the map along x and y [m].
+            middle: Of the map [m].
 
         Raises:
             UsageError: There is none; the message names terrains that have some.
         """
-        reach_x, reach_y = (half - BORDER for half in half_size)
-        within = [o for o in obstacles if abs(o.position[0]) < reach_x and abs(o.position[1]) < reach_y]
+        (x, y), (reach_x, reach_y) = middle, (half - BORDER for half in half_size)
+        places = ((o, o.position) for o in obstacles)
+        within = [o for o, at in places if abs(at[0] - x) < reach_x and abs(at[1] - y) < reach_y]
         if hazards := [o for o in within if o.kind is ObstacleKind.HAZARD]:
             return hazards
         raise UsageError(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.drivers.base import DriverContext, Observation
-from harness.samples import Twist
+from harness.samples import LaserScan, Sample, Twist
 from harness.sim_time import NANOSECONDS
 
 GOAL_DISTANCE = (4.0, 10.0)  # [m] from where the rover is
@@ -19,9 +19,11 @@ GOAL_REACHED = 0.6  # [m]
 GOAL_PATIENCE_NS = 45 * NANOSECONDS
 BORDER = 3.0  # [m] between the goals and the edge of the map
 TURN_BACK_BORDER = 2.0  # [m]: nearer to the edge than this, the goal is the map's centre
-STOP_RANGE = 0.45  # [m] of free range ahead below which the rover turns in place
-SLOW_RANGE = 1.2  # [m] below which it slows down
-MARGIN = 0.12  # [m] beside the rover that must be free
+STOP_RANGE = 0.45  # [m] of free range ahead below which the rover turns in place, at least
+SLOW_RANGE = 1.2  # [m] below which it slows down, at least
+BEFORE_BUMPER = 0.15, 0.9  # [m] of those that are ahead of the rover, at least
+MARGIN = 0.12  # [m] beside the middle of the wheels that must be free
+ASIDE = 0.05  # [m] beside the rover that must be
 LOOKAHEAD = 3.0  # [m]: what is farther away does not matter yet
 HEADINGS = np.linspace(-math.pi, math.pi, 49)[:-1]  # candidate directions, 7.5 deg apart
 STUCK_AFTER_NS = 3 * NANOSECONDS
@@ -35,14 +37,21 @@ class Wander:
     """Goal seeking with a polar histogram of free range (after VFH, Borenstein and Koren 1991)."""
 
     summary: ClassVar[str] = "seeks seeded goals, avoids hazards by its lidar, backs out when stuck"
+    senses: ClassVar[frozenset[type[Sample]]] = frozenset((LaserScan,))
 
     def __init__(self, context: DriverContext) -> None:
         self._rover = context.rover
+        self._middle = context.middle
         self._reach_x, self._reach_y = (half - BORDER for half in context.half_size)
         self._turn_back_x, self._turn_back_y = (half - TURN_BACK_BORDER for half in context.half_size)
         self._rng = context.rng
         self._bearings = context.bearings
-        self._corridors = _corridors(context.bearings, context.rover.track / 2 + MARGIN)
+        half_width = max(self._rover.track / 2 + MARGIN, self._rover.width / 2 + ASIDE)
+        self._corridors = _corridors(context.bearings, half_width)
+        overhang = self._rover.footprint[1] - self._rover.lidar_x  # ranges begin at the lidar
+        stop, slow = BEFORE_BUMPER
+        self._stop_range = max(STOP_RANGE, overhang + stop)
+        self._slow_range = max(SLOW_RANGE, overhang + slow)
         self._goal: tuple[float, float] | None = None
         self._goal_since_ns = 0
         self._anchor = (0.0, 0.0)
@@ -61,8 +70,9 @@ class Wander:
         return self._steer(error, free)
 
     def _bearing_to_goal(self, observation: Observation) -> float:
-        if abs(observation.x) > self._turn_back_x or abs(observation.y) > self._turn_back_y:
-            self._goal = (0.0, 0.0)
+        x, y = self._middle
+        if abs(observation.x - x) > self._turn_back_x or abs(observation.y - y) > self._turn_back_y:
+            self._goal = self._middle
         here, waited_ns = (observation.x, observation.y), observation.time_ns - self._goal_since_ns
         is_late = waited_ns > GOAL_PATIENCE_NS
         if self._goal is None or is_late or math.dist(self._goal, here) < GOAL_REACHED:
@@ -76,8 +86,11 @@ class Wander:
         bearing = self._rng.uniform(-math.pi, math.pi)
         x = observation.x + distance * math.cos(bearing)
         y = observation.y + distance * math.sin(bearing)
-        reach_x, reach_y = self._reach_x, self._reach_y
-        return max(-reach_x, min(reach_x, x)), max(-reach_y, min(reach_y, y))
+        (at_x, at_y), reach_x, reach_y = self._middle, self._reach_x, self._reach_y
+        return (
+            max(at_x - reach_x, min(at_x + reach_x, x)),
+            max(at_y - reach_y, min(at_y + reach_y, y)),
+        )
 
     def _free_ranges(self, observation: Observation) -> NDArray[np.float64]:
         """Free range [m] of each candidate heading, shape (48,)."""
@@ -97,9 +110,9 @@ class Wander:
         heading = float(HEADINGS[int(np.argmin(cost))])
         ahead = float(free[len(HEADINGS) // 2])
         turn = max(-1.0, min(1.0, 1.5 * heading)) * self._rover.cruise_yaw_rate
-        if ahead < STOP_RANGE:
+        if ahead < self._stop_range:
             return Twist(0.0, math.copysign(self._rover.cruise_yaw_rate, heading))
-        slow = min(1.0, ahead / SLOW_RANGE) * max(0.0, math.cos(heading))
+        slow = min(1.0, ahead / self._slow_range) * max(0.0, math.cos(heading))
         return Twist(self._rover.cruise_speed * slow, turn)
 
     def _is_stuck(self, observation: Observation) -> bool:
@@ -121,6 +134,7 @@ class Roam:
     """Goes where `Wander` goes, at a new random speed every few seconds."""
 
     summary: ClassVar[str] = "wanders at speeds that change every 8 s, up to 0.9 of the top speed"
+    senses: ClassVar[frozenset[type[Sample]]] = frozenset((LaserScan,))
 
     def __init__(self, context: DriverContext) -> None:
         self.rover, self.rng = context.rover, context.rng

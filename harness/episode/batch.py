@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from harness.samples import Tick, plain_value
+from harness.samples import Place, Tick, plain_value
 from harness.truth.traversal import ContactEvent, Truth
 from harness.world.world import Start
 
@@ -16,7 +16,8 @@ class EpisodeInfo:
         obstacles: How many there are.
         map_size: Its lengths along x and y [m].
         start: Where the rover started: x, y [m], yaw [rad] of its model frame in the world.
-        notes: What a heightmap file holds, and what was done to it to make this map of it.
+        notes: What a file holds, and what was done to it to make this map of it.
+        files: Those that it was read from, each with its SHA-256.
     """
 
     model_hash: str
@@ -25,6 +26,7 @@ class EpisodeInfo:
     map_size: tuple[float, float]
     start: Start
     notes: tuple[str, ...] = ()
+    files: tuple[tuple[str, str], ...] = ()
 
 
 @plain_value
@@ -34,12 +36,14 @@ class Batch:
     Attributes:
         events: Contact events that ended; with the last batch of an episode all are.
         open_events: Those that had not, as they stood at the end: what an interrupted run has of them.
+        goals: Those that the driver was given before its first tick.
     """
 
     ticks: tuple[Tick, ...]
     truth: Truth
     events: tuple[ContactEvent, ...] = ()
     open_events: tuple[ContactEvent, ...] = ()
+    goals: tuple[Place, ...] = ()
 
 
 def later(batch: Batch, by_ns: int) -> Batch:
@@ -63,4 +67,5 @@ def later(batch: Batch, by_ns: int) -> Batch:
         replace(batch.truth, time_ns=batch.truth.time_ns + by_ns),
         tuple(map(moved, batch.events)),
         tuple(map(moved, batch.open_events)),
+        batch.goals,
     )

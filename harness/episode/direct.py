@@ -59,7 +59,8 @@ def run_direct(
     episode = Episode(config)
     begun = RunResult(config=config, mode="direct, no ROS", info=episode.info)
     with LoggedRun(begun, options.log_dir, settings, started=started, show=show) as logged:
-        faults = FaultInjector(parse_faults(config.faults), config.seed)
+        rows = config.sensor_rows()
+        faults = FaultInjector(parse_faults(config.faults, rows), config.seed, rows)
         ticks = drive(episode.batches(), faults, logged.advance, (*observers, logged), stop)
         return logged.ended(*_driven(ticks, Pacer(options.rate, sleep=stop.sleep), stop))
 

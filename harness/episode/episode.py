@@ -4,6 +4,7 @@ No ROS and no wall clock: the same configuration gives the same stream, bit for 
 in batches of one control period, either in this process or through harness.episode.stream.
 """
 
+import math
 from collections import deque
 from collections.abc import Callable, Collection, Iterator
 from functools import partial
@@ -13,26 +14,35 @@ import numpy as np
 
 from harness.config import TICKS_PER_CONTROL, EpisodeConfig
 from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, PolicyDriver, find_driver
+from harness.drivers.goal_course import GoalCourse
+from harness.drivers.steered import drivable
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import RunFailed
 from harness.frames.options import FrameOptions
-from harness.frames.rover_frames import rover_frames
+from harness.frames.rover_frames import RoverFrames, rover_frames
 from harness.frames.transforms import describe
-from harness.physics.diff_drive import DiffDrive
-from harness.physics.scene import HAZARD_CONTACT, build_scene, model_hash
+from harness.physics.base_controller import base_controller
+from harness.physics.scene import HAZARD_CONTACT, build_scene
 from harness.physics.simulation import Simulation
 from harness.physics.start import check_room, check_start
 from harness.robots import find_rover
-from harness.samples import Imu, LaserScan, Place, Sample, Tick, Twist
+from harness.robots.reading import model_hash
+from harness.samples import ActorPoses, Imu, LaserScan, Place, Sample, Tick, Twist
+from harness.sensors.geodesy import Datum
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.noise import PRESETS, SensorNoise
+from harness.sensors.optional import Installation, SensorOptions
+from harness.sensors.people import PeopleSensor
 from harness.sensors.suite import SensorSuite
 from harness.sim_time import NANOSECONDS, TICK_NS, parse_timestep
 from harness.truth.recorder import TruthRecorder
-from harness.world.world import terrain_hash
+from harness.world.actors.room import Room
+from harness.world.world import World, terrain_hash
 
+GOAL_STREAM = 11
 RANDOM_STREAM = 10  # keeps the episode's generators apart from those that made the world
+OPTIONAL_STREAM = 12  # those of optional sensors
 
 
 class Episode:
@@ -68,6 +78,7 @@ class Episode:
             map_size=(2 * world.ground.half_size[0], 2 * world.ground.half_size[1]),
             start=world.start,
             notes=world.notes,
+            files=world.files,
         )
         if config.start is not None:
             check_room(scene)
@@ -77,34 +88,57 @@ class Episode:
         self._recorder = TruthRecorder(self.simulation)
         self._hazard_contact = self.simulation.summed(HAZARD_CONTACT)
         lidar_spec = LidarSpec(beams=config.lidar_beams)
+        lidar = Lidar(self.simulation.model, lidar_spec)
         parts: dict[str, object] = {
             "simulation": self.simulation,
-            "lidar": Lidar(self.simulation.model, lidar_spec),
+            "lidar": lidar,
+            "surroundings": lidar.surroundings,
             "recorder": self._recorder,
+            "datum": Datum(*config.datum),
         }
         self.description = None
+        rows = config.sensor_rows()
+        optional = [row.given for row in rows if row.given is not None]
+        if frame_options is not None or optional:
+            frames = rover_frames(rover, (frame for some in optional for frame in some.frames(rover)))
+            parts["install"] = partial(self._installed, frames)
         if frame_options is not None:
-            frames = rover_frames(rover)
             self.description = describe(frames, frame_options)
             parts |= {"frames": frames, "frame_options": frame_options}
         noise = sensor_noise(config, lidar_spec)
-        self._sensors = SensorSuite(parts, rover, {Imu: config.imu_rate}, wanted=samples, noise=noise)
-        self._bearings = lidar_spec.bearings
+        rates: dict[type[Sample], int] = {Imu: config.imu_rate}
+        self._sensors = SensorSuite(parts, rover, rates, wanted=samples, noise=noise, rows=rows)
+        crowd, told = self.simulation.crowd, samples is None or ActorPoses in samples
+        self._people = PeopleSensor(self.simulation, crowd) if crowd is not None and told else None
+        self._goals: list[Place] = []  # given since the last batch
+        self._bearings = lidar_spec.bearings_at(rover.lidar_yaw)
+        self._course = goal_course(config, world)
         planned: list[tuple[float, Callable[[], None]]] = [(t, self.reset) for t in config.resets]
         planned += [(t, partial(self.command, Twist(*twist))) for t, *twist in config.commands]
         planned += [(t, partial(self.head_for, Place(*place))) for t, *place in config.goals]
         self._planned = deque(sorted(planned, key=itemgetter(0)))  # at the same time in this order
         self._begin()
 
+    def _installed(self, frames: RoverFrames, options: SensorOptions) -> Installation:
+        """What an optional sensor is made with; its randomness depends on its name alone."""
+        source = np.random.SeedSequence(
+            self.config.seed, spawn_key=(OPTIONAL_STREAM, *options.name.encode())
+        )
+        mount = frames.mount(options.frame_id, self.simulation.model)
+        noise = None if self.config.noise is None else PRESETS[self.config.noise]
+        return Installation(options, mount, np.random.default_rng(source), noise)
+
     def _begin(self) -> None:
         """A driver that has done nothing yet, at a rover that stands."""
         self._began_ns = self.simulation.time_ns
-        self._drive = DiffDrive(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
+        self._drive = base_controller(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
         scene, (rng, *_) = self.simulation.scene, generators(self.config.seed, 3)
-        half_size, obstacles = scene.world.ground.half_size, scene.world.obstacles
+        middle, half_size = scene.world.roaming
         seconds = self.config.cmd_vel_timeout
         timeout_ns = None if seconds is None else round(seconds * NANOSECONDS)
-        context = DriverContext(scene.rover, half_size, self._bearings, rng, obstacles, timeout_ns)
+        context = DriverContext(
+            scene.rover, half_size, self._bearings, rng, scene.world.obstacles, timeout_ns, middle
+        )
         self._driver: Driver = find_driver(self.config.driver)(context)
 
     def command(self, twist: Twist) -> None:
@@ -115,6 +149,7 @@ class Episode:
     def head_for(self, place: Place) -> None:
         """Gives the driver `goal`, or a policy, its next goal; other drivers choose their own."""
         if isinstance(self._driver, Goal | PolicyDriver):
+            self._goals.append(place)
             self._driver.head_for(place.x, place.y, place.yaw)
 
     def reset(self, place: Place | None = None) -> None:
@@ -122,7 +157,8 @@ class Episode:
 
         From then on it drives as it did at first, step for step. The IMU begins a new window. Wheel
         odometry goes on without a jump, as that of Gazebo's DiffDrive after a set_pose, and so do the
-        biases of noise. Joints stand as they stood.
+        biases of noise. Joints stand as they stood. People begin their walks anew, unless the rover is
+        put elsewhere: then they walk on.
 
         Args:
             place: Where to, onto the ground; None for the start.
@@ -133,6 +169,8 @@ class Episode:
         self._sensors.before_reset()
         if place is None:
             self.simulation.return_to_start()
+            if self.simulation.crowd is not None:
+                self.simulation.crowd.restart(self.simulation.time_ns)
         else:
             self.simulation.put(place.x, place.y, place.yaw)
         self._sensors.after_reset()
@@ -149,7 +187,7 @@ class Episode:
         for start in range(0, self.config.total_ticks, TICKS_PER_CONTROL):
             stop = min(start + TICKS_PER_CONTROL, self.config.total_ticks)
             self._act(start)
-            self._drive.command(self._driver.command(self._observe()))
+            self._drive.command(self._commanded())
             ticks: list[Tick] = []
             failure: RunFailed | None = None
             try:
@@ -159,15 +197,30 @@ class Episode:
             events = self._recorder.events
             if failure is not None or stop == self.config.total_ticks:
                 events.close()
-            yield Batch(tuple(ticks), self._recorder.truth(), events.take_closed(), events.open)
+            truth, goals = self._recorder.truth(), tuple(self._goals)
+            self._goals.clear()
+            yield Batch(tuple(ticks), truth, events.take_closed(), events.open, goals)
             if failure is not None:
                 raise failure
+
+    def _commanded(self) -> Twist:
+        """What the driver wants; commands from elsewhere and of policies are taken as they are."""
+        twist = self._driver.command(self._observe())
+        if isinstance(self._driver, CmdVel | PolicyDriver):
+            return twist
+        return drivable(twist, self.simulation.scene.rover)
 
     def _act(self, tick: int) -> None:
         """Does what is planned up to a tick."""
         while self._planned and round(self._planned[0][0] * NANOSECONDS) <= tick * TICK_NS:
             _, act = self._planned.popleft()
             act()
+        if self._course is not None:
+            simulation, (x, y, _) = self.simulation, self.simulation.position
+            time_s = simulation.time_ns / NANOSECONDS
+            goal = self._course.next(time_s, (x, y), simulation.orientation)
+            if goal is not None:
+                self.head_for(goal)
 
     def _observe(self) -> Observation:
         simulation, (x, y, _) = self.simulation, self.simulation.position
@@ -180,7 +233,26 @@ class Episode:
         self.simulation.command_wheels(self._drive.wheel_speeds())
         self.simulation.tick()
         self._recorder.observe()
-        return Tick(self.simulation.time_ns, self._sensors.tick(index))
+        samples = self._sensors.tick(index)
+        if self._people is not None and self._people.due(index):
+            samples += (self._people.read(),)
+        return Tick(self.simulation.time_ns, samples)
+
+
+def goal_course(config: EpisodeConfig, world: World) -> GoalCourse | None:
+    """Returns what gives the goals of an episode, from a generator of its own; None without an area.
+
+    Raises:
+        UsageError: There is no free place in the area.
+    """
+    if config.goal_area is None:
+        return None
+    x_min, x_max, y_min, y_max = find_rover(config.robot).footprint
+    reach = math.hypot(max(-x_min, x_max), max(-y_min, y_max))
+    rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(GOAL_STREAM,)))
+    course = GoalCourse(config.goal_area, Room(world), reach, rng)
+    course.draw()
+    return course
 
 
 def sensor_noise(config: EpisodeConfig, lidar: LidarSpec) -> SensorNoise | None:

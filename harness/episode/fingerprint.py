@@ -13,13 +13,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
+
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
 from harness.episode.direct import run_direct
 from harness.episode.result import Run
 from harness.errors import RunFailed
 from harness.interrupt import Interrupted, StopRequest
-from harness.samples import LaserScan, Transforms
+from harness.samples import Transforms
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,8 +61,9 @@ class StreamHash:
                 if isinstance(sample, Transforms):
                     continue  # only runs through ROS have them, and they follow from the rest
                 canonical: object = sample
-                if isinstance(sample, LaserScan):
-                    canonical = (sample.stamp_ns, sample.ranges.tobytes())
+                values = [getattr(sample, name) for name in sample.__dataclass_fields__]
+                if any(isinstance(value, np.ndarray) for value in values):
+                    canonical = tuple(v.tobytes() if isinstance(v, np.ndarray) else v for v in values)
                 self._digest.update(repr(canonical).encode())
                 self.samples += 1
         self._digest.update(repr((batch.truth, batch.events)).encode())

@@ -16,7 +16,7 @@ from harness.errors import UsageError
 from harness.files import write_whole
 from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import ContactEvent
-from harness.world.heightmap.dem import is_terrain_file
+from harness.world.terrain_file import is_terrain_file
 from rover_metrics.log.files import json_safe
 
 FLAT_LIST = re.compile(r"\[[^\[\]{}\"]+\]")  # of numbers: one line for each is too much
@@ -51,6 +51,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
             if result.reception is None
             else {"segments": result.segments, "topics": result.reception},
             "recording": None if result.recording is None else str(result.recording),
+            "social_log": None if result.social_log is None else str(result.social_log),
             "report": None if result.report is None else str(result.report),
             "truth": _truth(result),
         }

@@ -1,7 +1,6 @@
 """How samples become rows without ROS, and what a run knows of its rover for the extended columns."""
 
 import json
-import math
 from collections.abc import Mapping
 from itertools import chain
 from typing import TYPE_CHECKING
@@ -15,6 +14,7 @@ from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
 from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.settings import ExtendedSettings
+from rover_metrics.extended.truth_columns import WHEELS
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.session import MetricsSession
 from rover_metrics.timing.row_times import RowSchedule
@@ -25,11 +25,12 @@ if TYPE_CHECKING:
 
 
 def extended_settings(rover: RoverSpec) -> ExtendedSettings:
-    """Returns the rover's footprint and gravity, and where its lidar is, which looks backwards."""
+    """Returns the rover's footprint and gravity, and where its lidar is."""
     return ExtendedSettings(
         footprint=Footprint.rectangle(rover.footprint),
-        lidar_pose=LidarPose(rover.lidar_x, 0.0, math.pi),
+        lidar_pose=LidarPose(rover.lidar_x, rover.lidar_y, rover.lidar_yaw),
         gravity=rover.gravity,
+        wheels=",".join(rover.wheel_names),
     )
 
 
@@ -43,7 +44,10 @@ def outline_parameters(rover: RoverSpec) -> dict[str, list[float]]:
 def extended_ros_args(rover: RoverSpec) -> list[str]:
     """Returns arguments for a metrics_node with extended columns; what follows them wins."""
     outline = outline_parameters(rover)
-    return parameter_words({"extended_columns": True} | outline | {"gravity": rover.gravity})
+    others: dict[str, object] = {"gravity": rover.gravity}
+    if rover.wheel_names != WHEELS:
+        others["wheels"] = ",".join(rover.wheel_names)
+    return parameter_words({"extended_columns": True} | outline | others)
 
 
 def parameter_words(values: Mapping[str, object]) -> list[str]:
@@ -70,7 +74,11 @@ class SampleFeed:
         self._angles = float(np.float32(-lidar.angle_max)), float(np.float32(increment))
         sources = SENSORS if session.extended is None else (*SENSORS, *TRUTH)
         heard = {source.name for source in sources}
-        topics = {row.sample: tuple(f"/{topic.name}" for topic in row.topics) for row in table.SENSORS}
+        topics = {
+            row.sample: tuple(f"/{topic.name}" for topic in row.topics)
+            for row in table.SENSORS
+            if row.options is None
+        }
         self._topics = {sample: names for sample, names in topics.items() if heard.issuperset(names)}
         self.fed = {topic: 0 for topics in self._topics.values() for topic in topics}
 

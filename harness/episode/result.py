@@ -66,6 +66,7 @@ class RunResult:
         recording: The MCAP file; None without one.
         report: The page that was asked for; None if none was.
         params: The parameter file of the metrics that was given; None without.
+        social_log: The log of how near people were; None without people.
     """
 
     config: EpisodeConfig
@@ -90,6 +91,7 @@ class RunResult:
     recording: Path | None = None
     report: Path | None = None
     params: Path | None = None
+    social_log: Path | None = None
 
     @property
     def simulated_s(self) -> float:

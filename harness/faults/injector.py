@@ -13,8 +13,9 @@ import numpy as np
 
 from harness.faults.base import Fault, Readings
 from harness.faults.clock import CLOCK, FaultyClock
-from harness.samples import Sample, Tick
+from harness.samples import Sample, Tick, source
 from harness.sensors import table
+from harness.sensors.table import SensorRow
 
 RANDOM_STREAM = 11  # keeps these generators apart from those of the episode
 
@@ -22,11 +23,18 @@ RANDOM_STREAM = 11  # keeps these generators apart from those of the episode
 class FaultInjector:
     """Makes the ticks of an episode into those of a faulty rover; give it every tick, in order.
 
+    Args:
+        faults: What goes wrong.
+        seed: Of the run.
+        rows: The sensors of the run; None for all there are.
+
     Attributes:
         disturbs_time: Whether time will do anything else than go on by one tick after the other.
     """
 
-    def __init__(self, faults: Iterable[Fault[Any]], seed: int) -> None:
+    def __init__(
+        self, faults: Iterable[Fault[Any]], seed: int, rows: Iterable[SensorRow] | None = None
+    ) -> None:
         drawn = [(fault, _generator(seed, index)) for index, fault in enumerate(faults)]
         clock_faults = [(fault, rng) for fault, rng in drawn if fault.sensor == CLOCK]
         self._faulty, self.disturbs_time = bool(drawn), bool(clock_faults)
@@ -36,8 +44,8 @@ class FaultInjector:
             return fault.sensor.removesuffix(table.ATTITUDE)
 
         self._effects = {
-            row.sample: [fault.kind.act(fault, rng) for fault, rng in drawn if of(fault) == name]
-            for name, row in table.by_fault_name().items()
+            row.source: [fault.kind.act(fault, rng) for fault, rng in drawn if of(fault) == name]
+            for name, row in table.by_fault_name(rows).items()
         }
 
     def corrupt(self, tick: Tick) -> Tick:
@@ -51,12 +59,12 @@ class FaultInjector:
         clock.advance(tick.stamp_ns)
         sent: list[Sample] = []
         for kind, effects in self._effects.items():
-            read = (sample for sample in tick.samples if type(sample) is kind)
+            read = (sample for sample in tick.samples if source(sample) == kind)
             readings: Readings = tuple(replace(sample, stamp_ns=clock.stamp_ns) for sample in read)
             for effect in effects:
                 readings = effect(readings, tick.stamp_ns)
             sent.extend(readings)
-        sent.extend(sample for sample in tick.samples if type(sample) not in self._effects)
+        sent.extend(sample for sample in tick.samples if source(sample) not in self._effects)
         return Tick(clock.told_ns, tuple(sent), clock.tells)
 
 

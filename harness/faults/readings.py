@@ -40,7 +40,8 @@ def measured(hit: Hit) -> SensorAct:
         fields = "attitude" if fault.sensor.endswith(table.ATTITUDE) else "measured"
 
         def change(reading: Sample, value: float, rng: np.random.Generator) -> Readings:
-            (row,) = (row for row in table.SENSORS if row.sample is type(reading))
+            # Kinds of sensors that share a sample have the same fields.
+            row = next(row for row in table.SENSORS if row.sample is type(reading))
             names = getattr(row, fields)
             changed = {n: _changed(getattr(reading, n), lambda v: hit(v, value, rng)) for n in names}
             return (replace(reading, **changed),)

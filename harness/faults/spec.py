@@ -14,7 +14,7 @@ from harness.faults.base import LONGEST, Fault, Kind
 from harness.faults.clock import CLOCK
 from harness.faults.kinds import OF_SENSORS, OF_THE_CLOCK
 from harness.sensors import table
-from harness.sensors.table import ATTITUDE
+from harness.sensors.table import ATTITUDE, SensorRow
 from harness.sim_time import NANOSECONDS
 
 FORM = "SENSOR:FAULT[=VALUE][@START[+LENGTH]]"
@@ -24,38 +24,49 @@ _SPEC = re.compile(
 )
 
 
-def sensors() -> tuple[str, ...]:
-    """Returns the names of all sensors that can have faults; the clock is the last."""
-    rows = table.by_fault_name()
-    return (*rows, *(name + ATTITUDE for name, row in rows.items() if row.attitude), CLOCK)
+def sensors(rows: Iterable[SensorRow] | None = None) -> tuple[str, ...]:
+    """Returns the names of what can have faults, of some sensors or of all; the clock is the last."""
+    named = table.by_fault_name(rows)
+    return (*named, *(name + ATTITUDE for name, row in named.items() if row.attitude), CLOCK)
 
 
-def faults_of(sensor: str) -> dict[str, Kind[Any]]:
-    """Returns the faults that a sensor or the clock can have, by name."""
+def faults_of(sensor: str, rows: Iterable[SensorRow] | None = None) -> dict[str, Kind[Any]]:
+    """Returns the faults that a sensor, of some or of all, or the clock can have, by name."""
     kinds: tuple[Kind[Any], ...] = OF_THE_CLOCK if sensor == CLOCK else OF_SENSORS
+    row = table.by_fault_name(rows).get(sensor)
+    if row is not None and not row.measured:  # a camera's image is drawn later
+        kinds = tuple(kind for kind in kinds if not kind.of_values)
     if sensor.endswith(ATTITUDE):
         return {kind.name: kind for kind in kinds if kind.of_values}
     return {kind.name: kind for kind in kinds if not kind.own or sensor in kind.own}
 
 
-def parse_faults(specs: Iterable[str]) -> tuple[Fault[Any], ...]:
+def parse_faults(
+    specs: Iterable[str], rows: Iterable[SensorRow] | None = None
+) -> tuple[Fault[Any], ...]:
     """Parses faults.
+
+    Args:
+        specs: As users write them.
+        rows: The sensors of the run; None for all there are.
 
     Raises:
         UsageError: One is not valid; the message names what is.
     """
-    return tuple(_parse(spec) for spec in specs)
+    known = None if rows is None else tuple(rows)
+    return tuple(_parse(spec, known) for spec in specs)
 
 
 @cache  # a run checks its options and then makes its faults
-def _parse(spec: str) -> Fault[Any]:
+def _parse(spec: str, rows: tuple[SensorRow, ...] | None) -> Fault[Any]:
     found = _SPEC.fullmatch(spec)
     if found is None:
         raise UsageError(f"fault '{spec}' is not of the form {FORM}, e.g. imu:nan@10+2")
     sensor, name, value, start, length = found.groups()
-    some = faults_of(sensor)
-    if sensor not in sensors():
-        raise _unknown(spec, f"there is no sensor '{sensor}'", sensors())
+    some, names = faults_of(sensor, rows), sensors(rows)
+    if sensor not in names:
+        optional = f", but --sensors {sensor} adds it" if sensor in sensors() else ""
+        raise _unknown(spec, f"there is no sensor '{sensor}'{optional}", names)
     if name not in some:
         raise _unknown(spec, f"{sensor} has no fault '{name}'", some)
     kind = some[name]

@@ -4,7 +4,7 @@ The model alone is compiled, at the origin and with all joints at 0: there the p
 asked of MuJoCo. Poses are homogeneous matrices, shape (4, 4).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import mujoco
@@ -13,14 +13,16 @@ from numpy.typing import NDArray
 
 from harness.errors import UsageError
 from harness.frames.tree import Edge, check_tree
-from harness.physics.scene import read_model
 from harness.robots import FrameRow, RoverSpec
+from harness.robots.measures import frame_name
+from harness.robots.model import read_model
 from harness.samples import Quaternion, Vector3
+from harness.sensors.mount import Mount
+from harness.sensors.optional import LIDAR_FRAME
 
 Matrix = NDArray[np.float64]
 
-ROVER = "rover"  # the root body of every model
-LIDAR_FRAME = "lidar_link"
+ROOT = 1  # the root body's id
 ON_AXIS = 1e-9  # [m]: a link's origin lies on its joint's axis
 HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 
@@ -80,30 +82,40 @@ class RoverFrames:
         (parent,) = (other for other in self.links if other.name == link.parent)
         return np.linalg.inv(parent.in_base) @ link.in_base
 
+    def mount(self, frame: str, scene: mujoco.MjModel) -> Mount:
+        """Returns where one of the frames is in a scene that the rover has been put into."""
+        (link,) = (link for link in self.links if link.name == frame)
+        data, body = self.data, link.body
+        in_body = np.linalg.inv(homogeneous(data.xpos[body], data.xmat[body])) @ link.in_base
+        return Mount(scene.body(self.model.body(body).name).id, in_body[:3, 3], in_body[:3, :3])
+
     def axis(self, link: Link) -> Matrix:
         """Returns the axis of a frame's joint in its own axes, shape (3,)."""
         turned: Matrix = self.data.xaxis[link.joint] @ link.in_base[:3, :3]
         return turned
 
 
-def rover_frames(rover: RoverSpec) -> RoverFrames:
+def rover_frames(rover: RoverSpec, mounts: Iterable[FrameRow] = ()) -> RoverFrames:
     """Returns the frames of a rover.
+
+    Args:
+        rover: Its model and rover.yaml have them.
+        mounts: Those of the optional sensors that it carries.
 
     Raises:
         UsageError: The frames of rover.yaml are no tree, or do not fit the model; it names what is.
     """
-    model = read_model(rover.model_path).compile()
+    model = read_model(rover).compile()
     data = mujoco.MjData(model)
     data.qpos[:] = 0.0
     data.qpos[3] = 1.0  # the free joint of the rover is the first
     mujoco.mj_kinematics(model, data)
     where = rover.folder / "rover.yaml"
-    rows = (*rover.frames, *_of_the_model(rover, model))
+    rows = (*rover.frames, *_of_the_model(rover, model), *mounts)
     base = rover.odometry_child_frame
     check_tree(base, [(row.parent, row.child) for row in rows], where)
     carried = {row.body for row in rows if row.body}
-    body = _body(model, ROVER, where)
-    links = {base: Link(base, "", body, ROVER not in carried, np.eye(4), -1)}
+    links = {base: Link(base, "", ROOT, model.body(ROOT).name not in carried, np.eye(4), -1)}
     waiting = list(rows)
     while waiting:  # a parent may stand below its child in the file
         row = next(row for row in waiting if row.parent in links)
@@ -116,18 +128,18 @@ def _of_the_model(rover: RoverSpec, model: mujoco.MjModel) -> Iterator[FrameRow]
     """A frame for each body, the lidar and the IMU, where rover.yaml has none."""
     named = {row.child for row in rover.frames}
     frame_of = {row.body: row.child for row in rover.frames if row.body}
-    frame_of.setdefault(ROVER, rover.odometry_child_frame)
+    frame_of.setdefault(model.body(ROOT).name, rover.odometry_child_frame)
     for body in range(1, model.nbody):  # a parent stands before its children
         name = model.body(body).name
         if name not in frame_of:
             above = model.body(model.body_parentid[body]).name
-            frame_of[name] = f"{name}_link"
+            frame_of[name] = frame_name(name)
             anchor = model.jnt_pos[model.body_jntadr[body]] if model.body_jntnum[body] else np.zeros(3)
             yield FrameRow(
                 parent=frame_of[above], child=frame_of[name], body=name, xyz=tuple(anchor.tolist())
             )
     for site, frame in (("lidar", LIDAR_FRAME), ("imu", rover.imu_frame)):
-        if frame not in named:
+        if frame not in named and frame not in frame_of.values():
             on = model.body(model.site(site).bodyid[0]).name
             yield FrameRow(parent=frame_of[on], child=frame, site=site)
 

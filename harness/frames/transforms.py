@@ -18,7 +18,7 @@ from harness.frames.rover_frames import HINGE, RoverFrames
 from harness.frames.tree import MAP, ODOM, Description, Edge
 from harness.frames.urdf import write_urdf
 from harness.physics.simulation import Simulation
-from harness.samples import Odometry, Quaternion, Sample, Transforms, Vector3
+from harness.samples import Odometry, Quaternion, Source, Transforms, Vector3
 from harness.sensors.base import Sensor, period_ticks
 from harness.sim_time import TICK_NS
 
@@ -48,7 +48,7 @@ class TransformSensor(Sensor):
         simulation: Is looked at.
         frames: Of the rover.
         options: Who owns odom -> base.
-        sensors: All of the episode, by their samples; they may be made later.
+        sensors: All of the episode; they may be made later.
         period_ticks: At most one sample in so many ticks.
     """
 
@@ -57,7 +57,7 @@ class TransformSensor(Sensor):
         simulation: Simulation,
         frames: RoverFrames,
         options: FrameOptions,
-        sensors: Mapping[type[Sample], Sensor],
+        sensors: Mapping[Source, Sensor],
         period_ticks: int,
     ) -> None:
         super().__init__(simulation, period_ticks)

@@ -76,7 +76,7 @@ class Course:
 
 def _vary(model: mujoco.MjModel, variation: Variation) -> None:
     """Changes friction, masses and motors of the rover."""
-    base = model.body("rover").id
+    base = 1  # the rover's root body
     own = model.body_rootid == base
     model.geom_friction[own[model.geom_bodyid], 0] *= variation.friction
     model.body_mass[own] *= variation.mass

@@ -256,7 +256,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             raise InvalidAction(f"an action of shape {values.shape} is not valid; give {space.shape}")
         if not np.isfinite(values).all():
             raise InvalidAction(f"action {values.tolist()} is not valid; give finite numbers")
-        return np.clip(values, space.low, space.high)
+        return np.minimum(np.maximum(values, space.low), space.high)  # np.clip takes longer
 
     def _fresh_observation(self) -> Observation:
         return within(self._seen, self.observation_space)

@@ -60,11 +60,10 @@ def heights_around(ground: Heightfield, pose: Pose) -> list[float]:
     x, y, z = pose.position
     yaw = attitude(pose.orientation)[2]
     cos, sin = math.cos(yaw), math.sin(yaw)
-    return [
-        ground.height_at(x + cos * ahead - sin * left, y + sin * ahead + cos * left) - z
-        for ahead in AHEAD
-        for left in LEFT
-    ]
+    ahead, left = (axis.ravel() for axis in np.meshgrid(AHEAD, LEFT, indexing="ij"))
+    heights = ground.heights_at(x + cos * ahead - sin * left, y + sin * ahead + cos * left)
+    there: list[float] = (heights - z).tolist()
+    return there
 
 
 def height_part() -> Part:

@@ -12,7 +12,7 @@ from typing import TypeVar
 from harness.config import LIDAR_BEAMS, EpisodeConfig
 from harness.errors import UsageError
 from harness.sim_time import check_duration
-from harness.world.heightmap.dem import is_terrain_file
+from harness.world.terrain_file import is_terrain_file
 from harness.world.world import DEFAULT_DIFFICULTY
 from harness.yaml_file import fill
 

@@ -4,10 +4,7 @@ OpenGL is loaded when something is first drawn, and from where it works without 
 not draw needs none.
 """
 
-import os
-import platform
-import sys
-from contextlib import suppress
+import warnings
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
@@ -19,18 +16,17 @@ from numpy.typing import NDArray
 
 from harness.errors import UsageError
 from harness.gym.course import Course
+from harness.physics.opengl import Canvas, gl_context
 from harness.physics.scene import build_scene
+from harness.physics.stage import Quality, aim_sun, dress, visible_groups
 from harness.view.camera import chase_view
-from harness.view.drawing import MENDS
 from harness.view.ground import drawn
 from harness.view.marks import Mark, add_marks
-from harness.view.stage import Quality, aim_sun, dress, visible_groups
 
 QUALITY = Quality(width=640, height=400, samples=4, shadow_map=2048, slices=16)
 GOAL_COLOR = (0.05, 0.78, 0.86, 0.6)
 GOAL_SIZE = (0.05, 0.6, 0.0)  # [m] radius and half height of the post that marks the goal
 MOST_GEOMS = 10_000
-CONTEXTS = ("mujoco.egl", "mujoco.osmesa", "mujoco.cgl", "mujoco.glfw")  # in the order they are tried
 
 
 class Painter:
@@ -46,8 +42,8 @@ class Painter:
     def __init__(self, *, window: bool) -> None:
         self._window, self._context = window, None
         if not window:
-            self._context = _context()
-        elif sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys():
+            self._context = gl_context("render_mode 'rgb_array'", QUALITY.width, QUALITY.height)
+        elif not _has_display():
             raise UsageError("render_mode 'human' needs a display; use render_mode 'rgb_array'")
         self._course: Course | None = None
         self._view: Any = None  # an _Image, or a window of MuJoCo's
@@ -106,49 +102,29 @@ class _Image:
     """Draws images of one model."""
 
     def __init__(self, model: mujoco.MjModel, context: Any) -> None:  # noqa: ANN401 - of MuJoCo's, by system
-        self._model, self._context = model, context
-        context.make_current()
-        self._scene = mujoco.MjvScene(model, MOST_GEOMS)
-        self._target = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._target)
-        self._rect = mujoco.MjrRect(0, 0, QUALITY.width, QUALITY.height)
+        self._model = model
+        self._canvas = Canvas(model, context, MOST_GEOMS)
 
     def image(self, data: mujoco.MjData, mark: Mark) -> NDArray[np.uint8]:
         """Returns the image of a state, shape (height, width, 3)."""
-        self._context.make_current()
         position = data.qpos[:3].copy()
-        forward = data.body("rover").xmat.reshape(3, 3)[:, 0]
+        forward = data.body(1).xmat.reshape(3, 3)[:, 0]
         view = chase_view(position, float(np.arctan2(forward[1], forward[0])))
         aim_sun(self._model, position, view.azimuth)
         mujoco.mj_camlight(self._model, data)
-        every = mujoco.mjtCatBit.mjCAT_ALL
-        mujoco.mjv_updateScene(
-            self._model, data, visible_groups(), None, view.camera(), every, self._scene
-        )
-        add_marks(self._scene, [mark], 0.0)
-        self._scene.flags[mujoco.mjtRndFlag.mjRND_HAZE] = True
-        pixels = np.empty((QUALITY.height, QUALITY.width, 3), np.uint8)
-        mujoco.mjr_render(self._rect, self._scene, self._target)
-        mujoco.mjr_readPixels(pixels, None, self._rect, self._target)
-        return np.ascontiguousarray(pixels[::-1])
+        every, scene = mujoco.mjtCatBit.mjCAT_ALL, self._canvas.scene
+        mujoco.mjv_updateScene(self._model, data, visible_groups(), None, view.camera(), every, scene)
+        add_marks(scene, [mark], 0.0)
+        scene.flags[mujoco.mjtRndFlag.mjRND_HAZE] = True
+        return self._canvas.drawn(QUALITY.width, QUALITY.height)
 
     def close(self) -> None:
         """Gives the images' memory back."""
-        self._context.make_current()
-        self._target.free()
+        self._canvas.close()
 
 
-def _context() -> Any:  # noqa: ANN401 - of MuJoCo's, by system
-    """An OpenGL context for images; MUJOCO_GL names which.
-
-    Raises:
-        UsageError: There is none.
-    """
-    chosen = os.environ.get("MUJOCO_GL", "").strip().lower()
-    names = (f"mujoco.{chosen}",) if f"mujoco.{chosen}" in CONTEXTS else CONTEXTS
-    for name in names:
-        with suppress(Exception):  # whatever a missing library brings about
-            return import_module(name).GLContext(QUALITY.width, QUALITY.height)
-    raise UsageError(
-        f"render_mode 'rgb_array' needs OpenGL; {MENDS.get(platform.system(), 'install its libraries')}"
-    )
+def _has_display() -> bool:
+    """Whether a window can be opened: MuJoCo's would wait for ever where none can."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what there is to know is told by the caller, in a line
+        return bool(import_module("glfw").init())

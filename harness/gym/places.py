@@ -37,8 +37,10 @@ class Places:
         if not sizes.any():
             raise UsageError(f"{rover.name} can stand nowhere on {world.name}; choose an easier world")
         rows, columns = np.nonzero(parts == sizes.argmax())
-        half = np.array(cells.half_size)
-        self.middles: NDArray[np.float64] = (np.column_stack([columns, rows]) + 0.5) * RESOLUTION - half
+        corner = np.array(cells.middle) - cells.half_size
+        self.middles: NDArray[np.float64] = (
+            np.column_stack([columns, rows]) + 0.5
+        ) * RESOLUTION + corner
 
     def draw(
         self, rng: np.random.Generator, around: Point, distance: Range, box: float = math.inf

@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from harness.drivers.point_nav import commanded, latest, observed
+from harness.drivers.point_nav import GOAL_RADIUS, commanded, latest, observed
 from harness.errors import UsageError
 from harness.gym.env import FLIPPED, Info, RoverEnv
 from harness.gym.observation import (
@@ -60,7 +60,7 @@ class PointNavOptions(Options):
         reward: Weights of the reward's terms.
     """
 
-    goal_radius: float = 0.5
+    goal_radius: float = GOAL_RADIUS
     hazard_budget: float = 1.0
     height_scan: bool = False
     reward: PointNavWeights = field(default_factory=PointNavWeights)
@@ -139,7 +139,10 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
             "action_rate": self._action_rate,
         }
         terms = {name: weight * measured[name] for name, weight in self._weights.items()}
+        x, y, _ = ride.simulation.position
         told = {
+            "x_position": x,
+            "y_position": y,
             "distance": self._distance,
             "hazard_s": self._hazard_s,
             "is_success": ending == "reached",

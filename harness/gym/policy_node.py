@@ -160,7 +160,7 @@ def _parser() -> argparse.ArgumentParser:
         epilog="Arguments after --ros-args go to ROS; -p use_sim_time:=true is needed for lock-step.",
     )
     parser.add_argument("file", type=Path, metavar="FILE.npz", help="the policy (docs/gym.md)")
-    parser.add_argument("--robot", default="leo", metavar="NAME", help="whose speeds it commands")
+    parser.add_argument("--robot", default="leo", metavar="NAME|FOLDER", help="whose speeds it commands")
     about = "where to drive, in metres; later ones come by /goal_pose"
     parser.add_argument("--goal", type=_goal, metavar="X,Y", help=about)
     return parser

@@ -12,7 +12,7 @@ import numpy as np
 from harness.config import IMU_RATE, TICKS_PER_CONTROL
 from harness.episode.episode import sensor_noise
 from harness.gym.course import Course, Variation
-from harness.physics.diff_drive import DiffDrive
+from harness.physics.base_controller import base_controller
 from harness.physics.leap import Leap
 from harness.physics.scene import HAZARD_CONTACT, SCRAPE_CONTACT
 from harness.physics.simulation import Simulation
@@ -57,7 +57,7 @@ class Ride:
         if chosen:
             check_start(scene, self.simulation.data)
         self._leap = Leap(self.simulation, TICKS_PER_CONTROL)
-        self._base = DiffDrive(scene.rover, TICK)
+        self._base = base_controller(scene.rover, TICK)
         parts = {"simulation": self.simulation, "lidar": course.lidar}
         noise = sensor_noise(replace(config, seed=noise_seed), course.lidar.spec)
         self._suite = SensorSuite(parts, scene.rover, {Imu: IMU_RATE}, wanted=SENSED, noise=noise)

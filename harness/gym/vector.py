@@ -95,8 +95,9 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         Raises:
             UsageError: There are not as many actions as environments.
         """
-        if len(actions) != self.num_envs:
-            raise UsageError(f"{len(actions)} actions are not valid; give {self.num_envs}, one for each")
+        if (shape := np.shape(actions)[:1]) != (self.num_envs,):
+            count = shape[0] if shape else "no"
+            raise UsageError(f"{count} actions are not valid; give {self.num_envs}, one for each")
         rewards = np.zeros(self.num_envs)
         terminated, truncated = np.zeros((2, self.num_envs), np.bool_)
         infos: list[Info | None] = [None] * self.num_envs

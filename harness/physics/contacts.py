@@ -9,9 +9,11 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from harness.physics.scene import BODY_PREFIX, HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT, TERRAIN
+from harness.physics.scene import HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT, body_geoms
+from harness.robots import RoverSpec
 from harness.samples import ContactKind
 
+BODY_PREFIX = "body_"  # of the names of geoms that are not wheels, in the models that ship
 KIND_OF_BODY: dict[str, ContactKind] = {"rocks": "rock", "hazards": "hazard"}
 
 
@@ -40,7 +42,7 @@ class ContactWatch:
         strongest: The strongest contact of each kind since the last `begin`.
     """
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, rover: RoverSpec) -> None:
         self._model, self._data = model, data
         self.counts = data.sensordata[_contact_counts(model)]
         self._obstacles: dict[int, ContactKind] = {
@@ -48,10 +50,10 @@ class ContactWatch:
             for body, kind in KIND_OF_BODY.items()
             for geom in np.flatnonzero(model.geom_bodyid == model.body(body).id).tolist()
         }
-        self._terrain = int(model.geom(TERRAIN).id)
-        self._body = {
-            geom for geom in range(model.ngeom) if model.geom(geom).name.startswith(BODY_PREFIX)
-        }
+        people = np.flatnonzero(model.body_mocapid[model.geom_bodyid] >= 0).tolist()
+        self._obstacles |= dict.fromkeys(people, "hazard")
+        self._ground = set(np.flatnonzero(model.geom_bodyid == 0).tolist())  # terrain and decks
+        self._body = body_geoms(model, rover)
         self._force = np.zeros(6)
         self.strongest: dict[ContactKind, Touch] = {}
 
@@ -63,24 +65,27 @@ class ContactWatch:
     def look(self) -> None:
         """Takes a step in which something was touched into account."""
         for index, (one, other) in enumerate(self._data.contact.geom.tolist()):
-            swapped = one in self._obstacles or one == self._terrain
+            swapped = one in self._obstacles or one in self._ground
             part, thing = (other, one) if swapped else (one, other)
             kind = self._obstacles.get(thing) or ("scrape" if part in self._body else None)
             if kind is None:
                 continue  # a wheel on the ground
             mujoco.mj_contactForce(self._model, self._data, index, self._force)
             force = float(self._force[0])
-            before = self.strongest.get(kind)
-            if before is None or force > before.force:
-                position = self._data.contact.pos[index].tolist()
-                pose = self._data.qpos[:7].tolist()
-                self.strongest[kind] = Touch(force, part, thing, position, pose)
+            position, pose = self._data.contact.pos[index].tolist(), self._data.qpos[:7].tolist()
+            self.note(kind, Touch(force, part, thing, position, pose))
+
+    def note(self, kind: ContactKind, touch: Touch) -> None:
+        """Keeps a touch if none of its kind was stronger."""
+        before = self.strongest.get(kind)
+        if before is None or touch.force > before.force:
+            self.strongest[kind] = touch
 
     def name_of(self, geom: int) -> str:
         """Returns what a part, an obstacle or the ground is called."""
-        if geom == self._terrain:
+        if geom in self._ground:
             return "ground"
-        name: str = self._model.geom(geom).name
+        name: str = self._model.geom(geom).name or self._model.body(self._model.geom_bodyid[geom]).name
         return name.removeprefix(BODY_PREFIX)
 
 

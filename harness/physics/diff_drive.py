@@ -15,10 +15,11 @@ from harness.samples import Twist
 
 
 class DiffDrive:
-    """Skid-steer controller of one rover; call `wheel_speeds` once per period."""
+    """Controller of a rover that turns by its sides' difference; call `wheel_speeds` once per period."""
 
     def __init__(self, rover: RoverSpec, period: float) -> None:
         self._rover = rover
+        self._on_left = np.array([name in rover.drive.left for name in rover.drive.driven])
         self._linear_step = rover.linear_acceleration * period
         self._angular_step = rover.angular_acceleration * period
         self._target = Twist()
@@ -33,14 +34,15 @@ class DiffDrive:
         return True
 
     def wheel_speeds(self) -> NDArray[np.float64]:
-        """Returns the speeds [rad/s] of the front left, rear left, front right and rear right wheel."""
-        self._linear = _approach(self._linear, self._target.linear, self._linear_step)
-        self._angular = _approach(self._angular, self._target.angular, self._angular_step)
+        """Returns the speeds of the driven wheels [rad/s], in the order of the rover's `motors`."""
+        self._linear = approach(self._linear, self._target.linear, self._linear_step)
+        self._angular = approach(self._angular, self._target.angular, self._angular_step)
         half_difference = self._angular * self._rover.controller_separation / 2
         left = (self._linear - half_difference) / self._rover.controller_radius
         right = (self._linear + half_difference) / self._rover.controller_radius
-        return np.array([left, left, right, right])
+        return np.where(self._on_left, left, right)
 
 
-def _approach(value: float, target: float, step: float) -> float:
+def approach(value: float, target: float, step: float) -> float:
+    """Returns a value that is nearer to a target by at most a step."""
     return value + max(-step, min(step, target - value))

@@ -32,14 +32,14 @@ class Leap:
         self._states = np.empty((1, steps, self._begin.size))
         self._sensors = np.empty((1, steps, model.nsensordata))
 
-    def run(self, wheel_speeds: NDArray[np.float64]) -> Iterator[int]:
+    def run(self, commands: NDArray[np.float64]) -> Iterator[int]:
         """Simulates the ticks, then shows one after the other.
 
         While a tick is shown, the simulation's time, `tick_sum`, qpos and qvel are those of its end;
         whatever else MuJoCo knows is that of the last one. All are to be consumed.
 
         Args:
-            wheel_speeds: Of each tick in the order of the wheel joints [rad/s], shape (ticks, 4).
+            commands: Of each tick as `Simulation.command_wheels` takes them, shape (ticks, motors).
 
         Yields:
             The index of the tick, from 0.
@@ -48,9 +48,9 @@ class Leap:
             RunFailed: As `Simulation.tick`, of the end of the last tick; none is shown then.
         """
         begin = 0
-        for _, alike in groupby(map(any, wheel_speeds.tolist())):
+        for _, alike in groupby(map(any, commands[:, : self._simulation.driven].tolist())):
             end = begin + len(list(alike))
-            self._simulate(wheel_speeds, begin, end)  # parked all the time, or not at all
+            self._simulate(commands, begin, end)  # parked all the time, or not at all
             begin = end
         simulation, begun = self._simulation, self._simulation.step_count
         simulation.step_count += self._ticks * simulation.steps_per_tick
@@ -58,13 +58,13 @@ class Leap:
         simulation.step_count = begun
         yield from self._show()
 
-    def _simulate(self, wheel_speeds: NDArray[np.float64], begin: int, end: int) -> None:
+    def _simulate(self, commands: NDArray[np.float64], begin: int, end: int) -> None:
         simulation, per_tick = self._simulation, self._simulation.steps_per_tick
         model, data = simulation.model, simulation.data
-        simulation.command_wheels(wheel_speeds[begin])
+        simulation.command_wheels(commands[begin])
         steps = slice(begin * per_tick, end * per_tick)
         self._controls[0, steps] = data.ctrl
-        self._controls[0, steps, simulation.wheels] = wheel_speeds[begin:end].repeat(per_tick, axis=0).T
+        self._controls[0, steps, simulation.motors] = commands[begin:end].repeat(per_tick, axis=0).T
         mujoco.mj_getState(model, data, self._begin[0], STATE)
         self._warm_start[0] = data.qacc_warmstart
         self._rollout.rollout(

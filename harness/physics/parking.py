@@ -10,6 +10,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.physics.scene import motors_of
+
 PARKED_IMPRATIO = 30.0  # stiffness of friction over that of the contact's normal direction
 NEARLY_RIGID = (0.9999, 0.9999, 0.001, 0.5, 2.0)  # solimp of the held bearings: they yield by 1e-4
 
@@ -19,7 +21,7 @@ class ParkingHold:
 
     Args:
         model: Freshly compiled; is changed in place.
-        joints: Names of the wheel joints; their motors have the same names.
+        joints: Names of the wheel joints; each has a motor.
     """
 
     def __init__(self, model: mujoco.MjModel, joints: tuple[str, ...]) -> None:
@@ -43,7 +45,7 @@ class ParkingHold:
 
 def _holding_torque(model: mujoco.MjModel, joints: tuple[str, ...]) -> NDArray[np.float64]:
     """The largest torque of each motor [N m]; without a limit, the rover's weight on a lever of 1 m."""
-    motors = [model.actuator(name).id for name in joints]
+    motors = motors_of(model, joints)
     weight = float(model.body_mass.sum() * np.linalg.norm(model.opt.gravity))
     limited = model.actuator_forcelimited[motors].astype(bool)
     return np.where(limited, model.actuator_forcerange[motors, 1], weight)

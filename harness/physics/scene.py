@@ -4,29 +4,32 @@ Geom groups say what a thing is: 0 terrain, 1 obstacles, 2 rover as seen, 3 rove
 lidar's ray mask and the pictures rely on them.
 """
 
-import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
+from functools import lru_cache
 
 import mujoco
 import numpy as np
 
-from harness.errors import UsageError
 from harness.robots import RoverSpec
+from harness.robots.model import COLLIDING_GROUP, SEEN_GROUP, read_model, root_of
+from harness.robots.reading import model_hash
+from harness.world.actors.actor import Actor
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
 
-TERRAIN_GROUP, OBSTACLE_GROUP, VISUAL_GROUP = 0, 1, 2
+TERRAIN_GROUP, OBSTACLE_GROUP, VISUAL_GROUP = 0, 1, SEEN_GROUP
 GROUND_CONTACT = {"contype": 2, "conaffinity": 1}  # the rover's geoms carry (1, 2)
+UNPAINTED = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's own: harness.view gives them their kind's colour
+UNTOUCHED = {"contype": 0, "conaffinity": 0}
 BASE_THICKNESS = 1.0  # [m] of solid ground below the lowest point
 
 TERRAIN = "terrain"
-BODY_PREFIX = "body_"  # of the names of the rover's geoms that are not wheels
 ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT = "rock_contact", "hazard_contact", "scrape_contact"
 OBSTACLE_BODIES = {ObstacleKind.ROCK: "rocks", ObstacleKind.HAZARD: "hazards"}
 SHAPES = {
+    "convex": mujoco.mjtGeom.mjGEOM_MESH,
+    "surface": mujoco.mjtGeom.mjGEOM_MESH,
     "box": mujoco.mjtGeom.mjGEOM_BOX,
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
     "ellipsoid": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
@@ -54,42 +57,43 @@ def build_scene(world: World, rover: RoverSpec, timestep: float, dress: Dress | 
         dress: Adds colours and light to what is to be looked at. Without it, the geoms that are only
             to be seen are left out: a step is 5 % faster, and the physics is the same.
     """
-    path = rover.model_path
-    spec = _without_visuals(path, model_hash(rover)).copy() if dress is None else read_model(path)
+    spec = _without_visuals(rover, model_hash(rover)).copy() if dress is None else read_model(rover)
     spec.option.timestep = timestep
     _keep_constraints_soft(spec, timestep)
     _add_terrain(spec, world)
     _add_obstacles(spec, world.obstacles)
-    _add_truth_sensors(spec)
+    _add_actors(spec, world.people)
+    _add_truth_sensors(spec, rover, world.people)
+    if world.gravity is not None:
+        spec.option.gravity = [0.0, 0.0, -world.gravity]
+    if world.friction is not None:
+        _limit_friction(spec, world.friction)
     if dress is not None:
         dress(spec)
     return Scene(model=spec.compile(), world=world, rover=rover)
 
 
-def read_model(path: Path) -> mujoco.MjSpec:
-    """Returns a rover's model of that file, not compiled.
+def motors_of(model: mujoco.MjModel, joints: tuple[str, ...]) -> list[int]:
+    """Returns the actuator of each joint.
 
     Raises:
-        UsageError: The file of one of its meshes is not there.
+        KeyError: A joint has none.
     """
-    spec = mujoco.MjSpec.from_file(str(path))
-    for mesh in spec.meshes:
-        file = path.parent / spec.meshdir / mesh.file
-        if mesh.file and not file.is_file():
-            message = f"mesh '{mesh.name}' is to be in {file}, which does not exist"
-            raise UsageError(f"{path}: {message}; put it there, or mend its name")
-    return spec
+    on = {int(model.actuator_trnid[motor, 0]): motor for motor in range(model.nu)}
+    return [on[model.joint(name).id] for name in joints]
 
 
-def model_hash(rover: RoverSpec) -> str:
-    """Returns the SHA-256 of the rover's model file."""
-    return hashlib.sha256(rover.model_path.read_bytes()).hexdigest()
+def body_geoms(model: mujoco.MjModel, rover: RoverSpec) -> set[int]:
+    """Returns what collides of a rover and is no wheel's."""
+    wheels = {int(model.joint(name).bodyid[0]) for name in rover.wheel_joints}
+    colliding = np.flatnonzero(model.geom_group == COLLIDING_GROUP).tolist()
+    return {geom for geom in colliding if model.body_weldid[model.geom_bodyid[geom]] not in wheels}
 
 
-@cache
-def _without_visuals(path: Path, _: str) -> mujoco.MjSpec:
-    """A model file of that content, to be copied: to read it and to drop geoms takes most of a scene."""
-    spec = read_model(path)
+@lru_cache(maxsize=8)
+def _without_visuals(rover: RoverSpec, _: str) -> mujoco.MjSpec:
+    """A rover's model of that content, to be copied: to read it and drop geoms takes most of a scene."""
+    spec = read_model(rover)
     for geom in [g for g in spec.geoms if g.group == VISUAL_GROUP]:
         spec.delete(geom)
     return spec
@@ -117,7 +121,7 @@ def _add_terrain(spec: mujoco.MjSpec, world: World) -> None:
         name=TERRAIN,
         type=mujoco.mjtGeom.mjGEOM_HFIELD,
         hfieldname="terrain",
-        pos=[0.0, 0.0, lowest],
+        pos=[*world.ground.middle, lowest],
         group=TERRAIN_GROUP,
         **GROUND_CONTACT,
     )
@@ -125,27 +129,69 @@ def _add_terrain(spec: mujoco.MjSpec, world: World) -> None:
 
 def _add_obstacles(spec: mujoco.MjSpec, obstacles: tuple[Obstacle, ...]) -> None:
     bodies = {kind: spec.worldbody.add_body(name=name) for kind, name in OBSTACLE_BODIES.items()}
+    bodies[ObstacleKind.DECK] = spec.worldbody  # as the terrain is
     for index, obstacle in enumerate(obstacles):
+        name, is_mesh = f"{obstacle.kind.name.lower()}_{index}", bool(obstacle.corners)
+        if is_mesh:
+            _add_mesh(spec, name, obstacle)
         bodies[obstacle.kind].add_geom(
-            name=f"{obstacle.kind.name.lower()}_{index}",
+            name=name,
+            meshname=name if is_mesh else "",
             type=SHAPES[obstacle.shape],
             size=[*obstacle.half_size, 0.0][:3],
             pos=list(obstacle.position),
             quat=list(obstacle.quaternion),
+            rgba=UNPAINTED if obstacle.color is None else obstacle.color,
             group=OBSTACLE_GROUP,
-            **GROUND_CONTACT,
+            **(UNTOUCHED if obstacle.shape == "surface" else GROUND_CONTACT),
         )
 
 
-def _add_truth_sensors(spec: mujoco.MjSpec) -> None:
-    """Contact counts of the whole rover with rocks and hazards, of its body with the ground."""
+def _add_mesh(spec: mujoco.MjSpec, name: str, obstacle: Obstacle) -> None:
+    """Adds a convex hull, or a surface that need not be closed."""
+    spec.add_mesh(
+        name=name,
+        uservert=np.ravel(obstacle.corners).tolist(),
+        userface=np.ravel(obstacle.faces).astype(int).tolist(),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+    )
+
+
+def _limit_friction(spec: mujoco.MjSpec, friction: float) -> None:
+    """Takes the lesser of two frictions, as Gazebo does: the rover's geoms decide, by their priority."""
+    for geom in spec.geoms:
+        if not geom.contype & GROUND_CONTACT["contype"]:
+            geom.friction = [min(geom.friction[0], friction), *geom.friction[1:]]
+
+
+def _add_actors(spec: mujoco.MjSpec, actors: tuple[Actor, ...]) -> None:
+    for actor in actors:
+        options = actor.spec.options
+        x, y = actor.begin
+        height = actor.world.ground.height_at(x, y) + 0.5 * options.height
+        body = spec.worldbody.add_body(name=actor.name, mocap=True, pos=[x, y, height])
+        body.add_geom(
+            name=actor.name,
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            size=[options.radius, 0.5 * options.height - options.radius, 0.0],
+            group=OBSTACLE_GROUP,
+            **(GROUND_CONTACT if options.push else {"contype": 0, "conaffinity": 0}),
+        )
+
+
+def _add_truth_sensors(spec: mujoco.MjSpec, rover: RoverSpec, actors: tuple[Actor, ...]) -> None:
+    """Contact counts of the whole rover with rocks, hazards and people, of its body with the ground."""
     subtree, body, geom = (mujoco.mjtObj.mjOBJ_XBODY, mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_GEOM)
     counts = [
-        (ROCK_CONTACT, (subtree, "rover"), (body, "rocks")),
-        (HAZARD_CONTACT, (subtree, "rover"), (body, "hazards")),
+        (ROCK_CONTACT, (subtree, root_of(spec)), (body, "rocks")),
+        (HAZARD_CONTACT, (subtree, root_of(spec)), (body, "hazards")),
     ]
-    scraping = (part for part in spec.bodies if any(g.name.startswith(BODY_PREFIX) for g in part.geoms))
-    counts += [(f"{SCRAPE_CONTACT}_{b.name}", (body, b.name), (geom, TERRAIN)) for b in scraping]
+    solid = (actor.name for actor in actors if actor.spec.options.push)
+    counts += [(f"{HAZARD_CONTACT}_{name}", (subtree, root_of(spec)), (body, name)) for name in solid]
+    scraping = (part for part in spec.bodies if _scrapes(part, rover))
+    has_decks = any(item.group == OBSTACLE_GROUP for item in spec.worldbody.geoms)
+    ground = (body, "world") if has_decks else (geom, TERRAIN)
+    counts += [(f"{SCRAPE_CONTACT}_{b.name}", (body, b.name), ground) for b in scraping]
     found, net_force, slots = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 3, 1
     for name, (kind, one), (other_kind, other) in counts:
         spec.add_sensor(
@@ -157,3 +203,12 @@ def _add_truth_sensors(spec: mujoco.MjSpec) -> None:
             refname=other,
             intprm=[found, net_force, slots],
         )
+
+
+def _scrapes(body: mujoco.MjsBody, rover: RoverSpec) -> bool:
+    """Whether something of a body collides that is no wheel's."""
+    if not any(geom.group == COLLIDING_GROUP for geom in body.geoms):
+        return False
+    while not body.joints and body.parent.name != "world":
+        body = body.parent
+    return not any(joint.name in rover.wheel_joints for joint in body.joints)

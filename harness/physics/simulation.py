@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from harness.errors import Diverged, RunFailed
 from harness.physics.contacts import ContactWatch
+from harness.physics.crowd import Crowd
 from harness.physics.parking import ParkingHold
-from harness.physics.scene import Scene
+from harness.physics.scene import Scene, motors_of
 from harness.physics.start import spawn_pose
 from harness.samples import Quaternion, Vector3
 from harness.sim_time import NANOSECONDS, TICK_NS
@@ -42,7 +43,9 @@ class Simulation:
         steps_per_tick: Steps of one clock tick.
         tick_sum: MuJoCo's sensor values, each summed over the steps of the last tick.
         contacts: What the rover touched in the last tick.
-        wheels: The actuators of the wheel joints, in the rover's order.
+        motors: The actuators that the controller commands, in the order of the rover's `motors`;
+            the first `driven` of them drive.
+        crowd: The people who walk about; None without any.
     """
 
     def __init__(self, scene: Scene, timestep_ns: int) -> None:
@@ -57,10 +60,12 @@ class Simulation:
         self.steps_per_tick = TICK_NS // timestep_ns
         self.step_count = 0
         self.tick_sum = np.zeros(self.model.nsensordata)
-        self.contacts = ContactWatch(self.model, self.data)
-        self.wheels = np.array([self.model.actuator(n).id for n in scene.rover.wheel_joints])
-        self._parking = ParkingHold(self.model, scene.rover.wheel_joints)
-        self._edge_x, self._edge_y = (half - EDGE_MARGIN for half in scene.world.ground.half_size)
+        self.contacts = ContactWatch(self.model, self.data, scene.rover)
+        self.motors = np.array(motors_of(self.model, scene.rover.motors))
+        self.driven = len(scene.rover.drive.driven)
+        self.crowd = Crowd(scene, self.data) if scene.world.people else None
+        self._parking = ParkingHold(self.model, scene.rover.drive.driven)
+        self._ground = scene.world.ground
         self._settle(scene.world.start)
         # All that the next step depends on, warm start included: it goes on bit for bit.
         self._start = np.empty(mujoco.mj_stateSize(self.model, WHOLE_STATE))
@@ -112,10 +117,14 @@ class Simulation:
         start, size = int(found.adr[0]), int(found.dim[0])
         return self.tick_sum[start : start + size]
 
-    def command_wheels(self, speeds: NDArray[np.float64]) -> None:
-        """Sets the wheel speeds [rad/s] in the order of the rover's wheel joints; all 0 parks it."""
-        self.data.ctrl[self.wheels] = speeds
-        self._parking.hold(not any(speeds.tolist()))
+    def command_wheels(self, commands: NDArray[np.float64]) -> None:
+        """Sets the speeds [rad/s] of the driven wheels, then the angles [rad] of the steering.
+
+        Args:
+            commands: In the order of the rover's `motors`; if all speeds are 0 it is parked.
+        """
+        self.data.ctrl[self.motors] = commands
+        self._parking.hold(not any(commands[: self.driven].tolist()))
 
     def tick(self) -> None:
         """Advances one clock tick; `tick_sum` then holds the sensor values summed over its steps.
@@ -127,11 +136,15 @@ class Simulation:
         contacts, counts = self.contacts, self.contacts.counts
         total.fill(0.0)
         contacts.begin()
+        if self.crowd is not None:
+            self.crowd.move(self.time_ns + TICK_NS)
         for _ in range(self.steps_per_tick):
             mujoco.mj_step(model, data)
             total += data.sensordata
             if any(counts.tolist()):
                 contacts.look()
+        if self.crowd is not None:
+            self.crowd.look(contacts)
         self.step_count += self.steps_per_tick
         self.check()
 
@@ -147,7 +160,7 @@ class Simulation:
     def return_to_start(self) -> None:
         """Puts the rover back to where and how it stood at time zero; time goes on."""
         mujoco.mj_setState(self.model, self.data, self._start, WHOLE_STATE)
-        self.command_wheels(self.data.ctrl[self.wheels])
+        self.command_wheels(self.data.ctrl[self.motors])
         self.tick_sum.fill(0.0)
         self.contacts.begin()
 
@@ -179,7 +192,7 @@ class Simulation:
 
     def _check_edge(self) -> None:
         x, y = self.data.qpos[:2].tolist()
-        if not (abs(x) < self._edge_x and abs(y) < self._edge_y):
+        if not self._ground.contains(x, y, EDGE_MARGIN):
             raise RunFailed(
                 f"the rover reached the edge of the map at t = {self.time_ns / NANOSECONDS:.2f} s "
                 f"(x = {x:.2f} m, y = {y:.2f} m)"

@@ -20,11 +20,10 @@ def spawn_pose(scene: Scene, start: Start) -> NDArray[np.float64]:
     x, y, yaw = start
     x_min, x_max, y_min, y_max = scene.rover.footprint
     ground, cos, sin = scene.world.ground, math.cos(yaw), math.sin(yaw)
-    highest = max(
-        ground.height_at(x + cos * ahead - sin * left, y + sin * ahead + cos * left)
-        for ahead in np.arange(x_min, x_max, ground.cell / 2).tolist()
-        for left in np.arange(y_min, y_max, ground.cell / 2).tolist()
+    ahead, left = np.meshgrid(
+        *(np.arange(*ends, ground.cell / 2) for ends in ((x_min, x_max), (y_min, y_max)))
     )
+    highest = ground.heights_at(x + cos * ahead - sin * left, y + sin * ahead + cos * left).max()
     height = highest + scene.rover.rest_height + DROP_HEIGHT
     return np.array([x, y, height, math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)])
 

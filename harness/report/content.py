@@ -12,13 +12,14 @@ from harness.episode.result import RunResult
 from harness.page.figure import MINUS, TIMES, Plot, named
 from harness.page.shell import fill
 from harness.report.hillshade import shade
-from harness.report.log import Log, caption, collisions, contacts, describe, read_log
+from harness.report.log import Log, caption, collisions, contacts, describe, meetings, read_log
 from harness.report.recorder import RunRecorder
 from harness.report.series import MOST_ROWS, series_figure, varies
-from harness.report.tables import comparisons, contact_rows, facts, key_figures, steady_text
+from harness.report.tables import comparisons, contact_rows, facts, key_figures, people, steady_text
 from harness.report.terrain_map import map_figure
-from harness.robots import find_rover
+from harness.robots import find_rover, robot_name
 from harness.sensors.lidar_spec import scan_points
+from harness.world.heightfield import Heightfield
 
 LISTED = ("arguments", "versions", "world")  # parts of the manifest that are tables of their own
 
@@ -31,13 +32,13 @@ def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
     steady = [plot for plot in plots if plot not in series]
     return {
         "result": result,
-        "heading": f"{result.config.robot} on {Path(result.config.terrain).name}",
+        "heading": f"{robot_name(result.config.robot)} on {Path(result.config.terrain).name}",
         "arguments": values["arguments"],
         "outcome": values["outcome"],
         "written": datetime.now().astimezone().isoformat(sep=" ", timespec="seconds"),
         "key_figures": key_figures(result),
         "map": terrain_map,
-        "comparisons": comparisons(result, log),
+        "comparisons": [*comparisons(result, log), *people(recorder.track)],
         "contacts": contact_rows(result),
         "series": series,
         "steady": [
@@ -57,7 +58,7 @@ def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
     hillshade, heights = shade(world.ground), world.ground.heights
     half_x, half_y = world.ground.half_size
     x, y, yaw = (_signed(value) for value in world.start)
-    collided, touched = collisions(log, track), contacts(track)
+    collided, touched, met = collisions(log, track), contacts(track), meetings(track)
     placed = recorder.last_scan
     rover = find_rover(config.robot)
     figure = map_figure(
@@ -66,22 +67,31 @@ def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
         track,
         collisions=collided,
         contacts=touched,
+        meetings=met,
         scan=np.empty((0, 2)) if placed is None else scan_points(placed, rover),
         gravity=rover.gravity,
     )
     summary = (
         f"Path of {result.truth.path_length:.1f} m with {len(collided)} places where the metrics "
         f"counted collisions and {len(touched)} where the rover touched a hazard."
+        + (f" People were near {len(met)} times." if world.people else "")
     )
     caption = (
         f"{2 * half_x:g} m {TIMES} {2 * half_y:g} m, heights {_signed(heights.min())} to "
         f"{_signed(heights.max())} m. +x is right and +y is up (a heightmap's first row is on top), "
-        f"the origin is the middle; the rover starts at x {x} m, y {y} m, heading {yaw} rad from +x "
-        "towards +y. Lit from the north-west, up being north, with slopes "
+        f"the origin is {_origin(world.ground)}; the rover starts at x {x} m, y {y} m, heading {yaw} "
+        "rad from +x towards +y. Lit from the north-west, up being north, with slopes "
         f"{hillshade.exaggeration:.1f} times as steep. A point of the path is the largest "
         f"||a| {MINUS} g| within {recorder.stretch_s:g} s; outlines include what is below the ground."
     )
     return Plot("map", summary, figure, "Map", caption)
+
+
+def _origin(ground: Heightfield) -> str:
+    if ground.middle == (0.0, 0.0):
+        return "the middle"
+    x, y = (_signed(value) for value in ground.middle)
+    return f"the file's, the middle is at {x}, {y}"
 
 
 def _signed(value: float) -> str:

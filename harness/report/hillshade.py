@@ -59,21 +59,21 @@ def shade(ground: Heightfield) -> Hillshade:
     light = facing / np.sqrt(1.0 + exaggeration**2 * (slope_x**2 + slope_y**2))
     grey = DARKEST + (BRIGHTEST - DARKEST) * np.clip(light, 0.0, 1.0)
     # A pixel lies around its vertex, so the picture reaches half a pixel beyond the outermost.
-    west, south = (-half - 0.5 * cell for half in ground.half_size)
+    west, south = (low - 0.5 * cell for low in ground.bounds()[::2])
     depth, width = (cell * count for count in heights.shape)
     pixels = np.flipud(grey.round().astype(np.uint8))
     return Hillshade(pixels, west, south + depth, (width, depth), exaggeration)
 
 
-def map_layout(half_size: tuple[float, float], hillshade: Hillshade, track: Sequence[Stretch]) -> Layout:
+def map_layout(ground: Heightfield, hillshade: Hillshade, track: Sequence[Stretch]) -> Layout:
     """Returns axes of one scale over the terrain as a picture.
 
     Args:
-        half_size: Of the terrain along x and y, from -half_size on [m].
+        ground: The terrain.
         hillshade: Its picture.
         track: What the axes show at first.
     """
-    x_range, y_range = _view(track, half_size)
+    x_range, y_range = _view(track, ground)
     picture = {
         "source": hillshade.data_uri(),
         "xref": "x",
@@ -96,13 +96,15 @@ def map_layout(half_size: tuple[float, float], hillshade: Hillshade, track: Sequ
     )
 
 
-def _view(track: Sequence[Stretch], half_size: tuple[float, float]) -> list[list[float]]:
+def _view(track: Sequence[Stretch], ground: Heightfield) -> list[list[float]]:
     """A square around the path, or what there is of it on the map: ranges of x and y."""
     if not track:
-        return [[-half, half] for half in half_size]
+        x, x_to, y, y_to = ground.bounds()
+        return [[x, x_to], [y, y_to]]
+    half_size, origin = np.array(ground.half_size), np.array(ground.middle)
     places = np.array([stretch.position[:2] for stretch in track])
     middle, extent = (places.min(axis=0) + places.max(axis=0)) / 2, np.ptp(places, axis=0).max()
     half = np.minimum(max(extent / 2 + MARGIN, SHORTEST_SIDE / 2), half_size)
-    middle = np.clip(middle, half - half_size, half_size - half)
+    middle = np.clip(middle, origin + half - half_size, origin + half_size - half)
     ranges: list[list[float]] = np.column_stack([middle - half, middle + half]).round(2).tolist()
     return ranges

@@ -13,9 +13,11 @@ from pathlib import Path
 from harness.page.figure import spelled
 from harness.report.recorder import Stretch
 from harness.samples import Vector3
+from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
 from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_COLUMNS
+from rover_metrics.extended.truth_columns import SLIP, slip_column
 
 TIME_COLUMN, NOTES_COLUMN = COLUMNS[0], COLUMNS[-1]
 COUNTER = "Total Collisions"
@@ -38,6 +40,8 @@ DICTIONARY = {column.name: column for column in ROBOTERRAIN_COLUMNS} | {
 
 def describe(name: str) -> Column:
     """Returns the entry of the data dictionary; what it does not know has the unit in its name."""
+    if name.startswith(SLIP):  # rovers differ in their wheels
+        return slip_column(name.removeprefix(SLIP).lower().replace(" ", "_"))
     unit = re.search(r"\[(.+)\]$", name)
     meaning = "The data dictionary does not know this column."
     unknown = Column(
@@ -102,6 +106,16 @@ def contacts(track: Sequence[Stretch]) -> list[Event]:
         Event(start_s, stretch.time_s, stretch.position)
         for start_s, stretch in zip(starts, track, strict=False)
         if stretch.contact_s > 0.0
+    )
+
+
+def meetings(track: Sequence[Stretch]) -> list[Event]:
+    """Returns when a person was in the rover's personal space, and where the rover was at first."""
+    starts = [0.0, *(stretch.time_s for stretch in track)]
+    return _joined(
+        Event(start_s, stretch.time_s, stretch.position)
+        for start_s, stretch in zip(starts, track, strict=False)
+        if stretch.nearest_person < PERSONAL_SPACE
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch
-from harness.samples import Imu, LaserScan, PlacedScan, Pose, Vector3
+from harness.samples import ActorPoses, Imu, LaserScan, PlacedScan, Pose, Vector3
 from harness.sim_time import NANOSECONDS
 
 BATCHES_PER_STRETCH = 2  # at first: 0.1 s
@@ -29,6 +29,8 @@ class Stretch:
         highest_acceleration: Largest of them, or -inf.
         nearest_range: Nearest finite range of its scans [m], or inf.
         contact_s: Time in contact with a hazard [s].
+        people: Where people are at its end [m].
+        nearest_person: From the model frame to the nearest person's axis, from above [m], or inf.
     """
 
     time_s: float
@@ -38,6 +40,8 @@ class Stretch:
     highest_acceleration: float = -math.inf
     nearest_range: float = math.inf
     contact_s: float = 0.0
+    people: tuple[Vector3, ...] = ()
+    nearest_person: float = math.inf
 
     def followed_by(self, later: "Stretch") -> "Stretch":
         """Returns the stretch that both are together."""
@@ -47,6 +51,7 @@ class Stretch:
             highest_acceleration=max(self.highest_acceleration, later.highest_acceleration),
             nearest_range=min(self.nearest_range, later.nearest_range),
             contact_s=self.contact_s + later.contact_s,
+            nearest_person=min(self.nearest_person, later.nearest_person),
         )
 
 
@@ -65,6 +70,8 @@ class RunRecorder:
         self._batches_per_stretch = BATCHES_PER_STRETCH
         self._batches = 0
         self._contact_s = 0.0
+        self._place: Vector3 | None = None
+        self._people: tuple[Vector3, ...] = ()
 
     @property
     def stretch_s(self) -> float:
@@ -86,10 +93,15 @@ class RunRecorder:
 
     def _stretch(self, batch: Batch) -> Stretch:
         accelerations: list[float] = []
-        nearest = math.inf
+        nearest = nearest_person = math.inf
         for tick in batch.ticks:
             for sample in tick.samples:
                 match sample:
+                    case Pose():
+                        self._place = sample.position
+                    case ActorPoses():
+                        self._people = sample.position
+                        nearest_person = min(nearest_person, self._to_nearest())
                     case Imu():
                         accelerations.append(math.hypot(*sample.linear_acceleration))
                     case LaserScan():
@@ -107,4 +119,12 @@ class RunRecorder:
             highest_acceleration=max(accelerations, default=-math.inf),
             nearest_range=nearest,
             contact_s=truth.hazard_contact_s - touched_s,
+            people=self._people,
+            nearest_person=nearest_person,
         )
+
+    def _to_nearest(self) -> float:
+        place = self._place
+        if place is None:
+            return math.inf
+        return min(math.dist(place[:2], person[:2]) for person in self._people)

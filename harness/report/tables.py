@@ -8,8 +8,10 @@ import numpy as np
 
 from harness.episode.result import RunResult
 from harness.page.figure import DASH, MINUS, TIMES, spelled
-from harness.report.log import Log, describe
+from harness.report.log import Log, describe, meetings
+from harness.report.recorder import Stretch
 from harness.sim_time import NANOSECONDS
+from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
 
 MOST_CONTACTS = 50
 DOING = {"hazard": "hits", "rock": "on", "scrape": "scrapes"}
@@ -48,6 +50,18 @@ def comparisons(result: RunResult, log: Log) -> list[Comparison]:
         Comparison("On rocks", truth=f"{truth.rock_contacts} contacts, {truth.rock_contact_s:.2f} s"),
         Comparison("Body scraping the ground", truth=f"{truth.scrapes} times, {truth.scrape_s:.2f} s"),
         Comparison("Largest tilt", truth=f"{math.degrees(truth.largest_tilt):.0f}°{tipped}"),
+    ]
+
+
+def people(track: Sequence[Stretch]) -> list[Comparison]:
+    """Returns how near people were; nothing of a run without any."""
+    nearest = min((stretch.nearest_person for stretch in track), default=math.inf)
+    if math.isinf(nearest):
+        return []
+    near = f"People within {PERSONAL_SPACE:g} m"
+    return [
+        Comparison(near, truth=f"{len(meetings(track))} times"),
+        Comparison("Nearest person", truth=f"{nearest:.2f} m"),
     ]
 
 

@@ -5,12 +5,26 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.page.figure import INK, METRIC, MINUS, SCAN, TRUTH, Figure, Layout, Trace, line, numbers
+from harness.page.figure import (
+    DASHES,
+    INK,
+    METRIC,
+    MINUS,
+    SCAN,
+    TRUTH,
+    Figure,
+    Layout,
+    Trace,
+    line,
+    numbers,
+)
 from harness.report.hillshade import Hillshade, map_layout
 from harness.report.log import Event
 from harness.report.recorder import Stretch
+from harness.world.actors.actor import Actor
 from harness.world.obstacles import Obstacle, ObstacleKind, Points, outline
 from harness.world.world import World
+from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
 
 SCALE_TOPS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # [m/s^2] few, so that runs can be compared
 SATURATED = 99.0  # [%] of the path below the top of the scale
@@ -28,6 +42,8 @@ HOVER = (
     "t = %{customdata[0]:.2f} s<br>roughness %{customdata[1]:.2f} m/s²<br>"
     "x %{x:.2f}, y %{y:.2f}, z %{customdata[2]:.2f} m"
 )
+PERSON = "--person"
+NEAR = f"person within {PERSONAL_SPACE:g} m"
 NAMES = {ObstacleKind.ROCK: ("rock", "--rock"), ObstacleKind.HAZARD: ("hazard", "--hazard")}
 
 
@@ -49,6 +65,7 @@ def map_figure(
     *,
     collisions: Sequence[Event],
     contacts: Sequence[Event],
+    meetings: Sequence[Event] = (),
     scan: Points,
     gravity: float,
 ) -> Figure:
@@ -60,6 +77,7 @@ def map_figure(
         track: What was recorded.
         collisions: What the metrics counted.
         contacts: What really happened.
+        meetings: When people were near.
         scan: Where the beams of the last scan ended [m].
         gravity: Of the run [m/s^2].
     """
@@ -67,14 +85,16 @@ def map_figure(
     data = [
         *(_obstacles(world.obstacles, kind) for kind in NAMES),
         _points(scan, "last scan", {"size": 3, "color": SCAN}),
+        *_people(world.people, track),
         *_path(track, gravity),
         *_ends(track),
+        _events(meetings, NEAR, "circle-open", PERSON),
         _events(collisions, "collision (metric)", "diamond-open", METRIC),
         _events(contacts, "contact with a hazard (truth)", "x-thin-open", TRUTH),
     ]
     return {
         "data": [trace for trace in data if trace["x"]],
-        "layout": map_layout(world.ground.half_size, hillshade, track),
+        "layout": map_layout(world.ground, hillshade, track),
     }
 
 
@@ -114,6 +134,20 @@ def _path(track: Sequence[Stretch], gravity: float) -> list[Trace]:
     ]
     points = _points([stretch.position for stretch in ordered], "path", marker, HOVER)
     return [casing | {"showlegend": False}, points | {"showlegend": False, "customdata": details}]
+
+
+def _people(actors: Sequence[Actor], track: Sequence[Stretch]) -> list[Trace]:
+    """The way of each person, dashed, and a dot where it ends."""
+    traces: list[Trace] = []
+    known = [stretch for stretch in track if stretch.people]
+    for number, actor in enumerate(actors if known else ()):
+        ways = [stretch.people[number] for stretch in known]
+        hover = f"{actor.name}<br>x %{{x:.2f}}, y %{{y:.2f}} m"
+        dash = tuple(DASHES)[1 + number % (len(DASHES) - 1)]
+        way = line(actor.name, *_columns(ways), PERSON, hover=hover, dash=dash)
+        end = _points(ways[-1:], actor.name, {"size": 9, "color": PERSON}, hover)
+        traces += [way, end | {"showlegend": False}]
+    return traces
 
 
 def _scale_top(rough: Sequence[float]) -> float:

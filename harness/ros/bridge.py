@@ -21,15 +21,18 @@ from harness.errors import UsageError
 from harness.frames.tree import ODOM, Description
 from harness.robots import RoverSpec
 from harness.ros import messages
+from harness.ros.camera import Draw
 from harness.ros.channel import Channel, open_channel
 from harness.ros.commands import Commands
 from harness.ros.frames import FrameTopics
-from harness.sensors import table
+from harness.sensors.choice import chosen
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.table import SensorRow, Topic
 from harness.sim_time import NANOSECONDS
 from rover_metrics.ros.guarded_node import GuardedNode
 
-CLOCK = table.Topic("/clock", "rosgraph_msgs/msg/Clock")
+PERSON = "geometry_msgs/msg/Pose"  # RoboTerrain's plugin tells no stamp
+CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock")
 # In odom are those of Nav2's pure pursuit controllers, which mean the base: they copy its pose's header.
 COMMAND_FRAMES = ("base_link", "base_footprint", ODOM)
 SECOND_PUBLISHER = (
@@ -64,9 +67,12 @@ class Bridge(GuardedNode):
         context: Of rclpy.
         on_command: Takes each command of /cmd_vel.
         cmd_vel: How commands come: "twist", "stamped" or "auto".
+        rows: The sensors; None for those of every rover.
+        draw: Gives the images of cameras; without it there are none.
+        actors: Names of the people, as NAME_actor.
 
     Attributes:
-        channels_of: The topics of each kind of sample, in publishing order.
+        channels_of: The topics of each sensor's samples, in publishing order.
         frames: /tf, /tf_static and /robot_description.
         clock_channel: /clock.
         commands: /cmd_vel.
@@ -81,18 +87,26 @@ class Bridge(GuardedNode):
         context: Context | None = None,
         on_command: Callable[[samples.Twist], None] | None = None,
         cmd_vel: str = "twist",
+        rows: Iterable[SensorRow] | None = None,
+        draw: Draw | None = None,
+        actors: Sequence[str] = (),
     ) -> None:
         super().__init__("harness", context=context)
         self.time_ns = 0
         self.frames = FrameTopics(self)
-        self.channels_of = {
-            row.sample: [
-                open_channel(self, topic, messages.filler(row, topic, rover, lidar))
+        self.channels_of: dict[samples.Source, list[Channel]] = {
+            row.source: [
+                open_channel(self, topic, messages.filler(row, topic, rover, lidar, draw))
                 for topic in row.topics
             ]
-            for row in table.SENSORS
+            for row in (chosen(rover, ()) if rows is None else rows)
             if row.sample is not samples.Transforms
         } | {samples.Transforms: self.frames.moving}
+        if actors:
+            self.channels_of[samples.ActorPoses] = [
+                open_channel(self, Topic(f"{name}/pose", PERSON), messages.person(index))
+                for index, name in enumerate(actors)
+            ]
         # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.
         self.clock_channel = open_channel(self, CLOCK, messages.by_names(Clock(), samples.Tick))
         frames = dict.fromkeys((rover.odometry_child_frame, *COMMAND_FRAMES))
@@ -120,7 +134,7 @@ class Bridge(GuardedNode):
         if tick.stamp_ns % NANOSECONDS == 0:
             self.frames.refuse_rivals()
         for burst in _bursts(sent.samples):
-            outlets = [(sample, self.channels_of[type(sample)]) for sample in burst]
+            outlets = [(sample, self.channels_of[samples.source(sample)]) for sample in burst]
             channels = [channel for _, some in outlets for channel in some]
             for listener in listeners:
                 listener.make_room(channels)
@@ -159,12 +173,13 @@ class Bridge(GuardedNode):
 
 
 def _bursts(sent: Iterable[samples.Sample]) -> list[list[samples.Sample]]:
-    """Parts with at most one sample of a kind: a listener's queue may hold only the latest message."""
+    """Parts with at most one sample of a sensor: a listener's queue may hold only the latest message."""
     bursts: list[list[samples.Sample]] = []
-    before: Counter[type[samples.Sample]] = Counter()
+    before: Counter[samples.Source] = Counter()
     for sample in sent:
-        if before[type(sample)] == len(bursts):
+        sensor = samples.source(sample)
+        if before[sensor] == len(bursts):
             bursts.append([])
-        bursts[before[type(sample)]].append(sample)
-        before[type(sample)] += 1
+        bursts[before[sensor]].append(sample)
+        before[sensor] += 1
     return bursts

@@ -14,7 +14,7 @@ from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE
 from rover_metrics.ros.subscriptions import keep_last
 
 Message = Any  # rclpy's classes have no types, and some messages are bytes
-Fill = Callable[[Any], Message]  # a sample of the topic's kind -> the refilled message
+Fill = Callable[[Any], Message]  # a sample of the topic's kind -> the refilled message, or None for none
 
 
 @dataclass(slots=True)
@@ -27,6 +27,7 @@ class Channel:
         topic: The resolved name, which a publisher forgets at shutdown.
         published: How many messages have been.
         record: Takes each message and returns the bytes to publish for it; None while nobody records.
+        on_demand: Whether messages are made only while somebody listens or records.
     """
 
     publisher: Publisher
@@ -34,10 +35,15 @@ class Channel:
     topic: str
     published: int = 0
     record: Callable[[Message], bytes] | None = None
+    on_demand: bool = False
 
     def publish(self, sample: Any) -> None:  # noqa: ANN401 - the kind of sample that `fill` takes
-        """Sends one sample."""
+        """Sends one sample, if it is wanted and there is a message of it."""
+        if self.on_demand and self.record is None and not self.publisher.get_subscription_count():
+            return
         message = self.fill(sample)
+        if message is None:
+            return
         self.publisher.publish(message if self.record is None else self.record(message))
         self.published += 1
 
@@ -60,4 +66,4 @@ def open_channel(node: Node, topic: Topic, fill: Fill) -> Channel:
     qos = keep_last(topic.depth, reliability, latched=topic.latched)
     publisher = node.create_publisher(kind, topic.name, qos)
     forget_missing_definition()
-    return Channel(publisher, fill, publisher.topic_name)
+    return Channel(publisher, fill, publisher.topic_name, on_demand=topic.on_demand)

@@ -16,34 +16,72 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, PoseArray, Quaternion, Vector3
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import JointState, LaserScan
+from sensor_msgs.msg import (
+    CameraInfo,
+    Image,
+    JointState,
+    LaserScan,
+    NavSatFix,
+    NavSatStatus,
+    PointCloud2,
+)
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
 from harness import samples
 from harness.robots import RoverSpec
+from harness.ros import ranging
+from harness.ros.camera import Draw, camera_info_fill, image_fill
 from harness.ros.channel import Fill, Message
+from harness.ros.grid_map import grid_map_fill
+from harness.sensors.camera.sensor import CameraOptions
+from harness.sensors.depth import DepthOptions
+from harness.sensors.gnss import GnssFix, GnssOptions
+from harness.sensors.height_scan import HeightScanOptions
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
+from harness.sensors.optional import SensorOptions
 from harness.sensors.table import SensorRow, Topic
 from harness.sim_time import NANOSECONDS
-from rover_metrics.extended.truth_columns import TRAVERSAL
+from rover_metrics.extended.truth_columns import traversal_names
 
 GROUND_TRUTH_POSE_VARIANCE = 0.01  # on the diagonal, as RoboTerrain's PoseConverterNode says
 
 
-def filler(row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec) -> Fill:
-    """Returns what makes messages of a sensor's samples: one of FILLERS, or `by_names`.
+def filler(
+    row: SensorRow, topic: Topic, rover: RoverSpec, lidar: LidarSpec, draw: Draw | None = None
+) -> Fill:
+    """Returns what makes messages of a sensor's samples: of FILLERS, of OF_OPTIONS, or `by_names`.
 
     Args:
         row: The sensor.
         topic: One of its topics.
         rover: Gives the frames.
         lidar: Gives the geometry of scans.
+        draw: Gives the images of cameras; without it there are none.
     """
+    if isinstance(row.given, HeightScanOptions):
+        return grid_map_fill(row.given)
     message = resolve_name(topic.message_type.replace("/msg/", ".msg:"))()
     if hasattr(message, "header"):
         message.header.frame_id = row.frame_on(rover)
+    if isinstance(message, Image) and isinstance(row.given, CameraOptions):
+        return image_fill(message, row.given, draw)
+    of_options = OF_OPTIONS.get((type(row.given), type(message)))
+    if of_options is not None:
+        return of_options(message, row.given)
     special = FILLERS.get((row.sample, type(message)))
     return by_names(message, row.sample) if special is None else special(message, rover, lidar)
+
+
+def person(index: int) -> Fill:
+    """Returns a filler of the pose of one of the people; as RoboTerrain's, it has no stamp."""
+    sources = {"position": attrgetter("position"), "orientation": attrgetter("orientation")}
+    fields_of = {path: partial(_of_one, value_of, index) for path, value_of in sources.items()}
+    return _refilled(Pose(), fields_of)
+
+
+def _of_one(values: Callable[[Any], Any], index: int, sample: samples.Sample) -> object:
+    return values(sample)[index]
 
 
 def by_names(message: Message, sample_type: type) -> Fill:
@@ -165,11 +203,21 @@ def _contact(message: Bool, _: RoverSpec, __: LidarSpec) -> Fill:
     return _refilled(message, {"data": attrgetter("hazard_contact")})
 
 
-def _traversal(message: Float64MultiArray, _: RoverSpec, __: LidarSpec) -> Fill:
+def _traversal(message: Float64MultiArray, rover: RoverSpec, _: LidarSpec) -> Fill:
     """The values of the truth; the label of the one dimension names them."""
-    size = len(TRAVERSAL)
-    message.layout.dim = [MultiArrayDimension(label=",".join(TRAVERSAL), size=size, stride=size)]
+    names = traversal_names(rover.wheel_names)
+    size = len(names)
+    message.layout.dim = [MultiArrayDimension(label=",".join(names), size=size, stride=size)]
     return _refilled(message, {"data": attrgetter("traversal")})
+
+
+def _nav_sat_fix(message: NavSatFix, _: SensorOptions) -> Fill:
+    """Fixes of a receiver for GPS, GLONASS, BeiDou and Galileo."""
+    used = NavSatStatus.SERVICE_GPS | NavSatStatus.SERVICE_GLONASS
+    message.status.service = used | NavSatStatus.SERVICE_COMPASS | NavSatStatus.SERVICE_GALILEO
+    names = [item.name for item in fields(GnssFix) if hasattr(message, item.name)]
+    sources = {name: attrgetter(name) for name in names}
+    return _refilled(message, {**sources, "status.status": attrgetter("fix")})
 
 
 FILLERS: dict[tuple[type, type], Callable[[Message, RoverSpec, LidarSpec], Fill]] = {
@@ -180,4 +228,14 @@ FILLERS: dict[tuple[type, type], Callable[[Message, RoverSpec, LidarSpec], Fill]
     (samples.JointStates, JointState): _joint_states,
     (samples.TruthState, Bool): _contact,
     (samples.TruthState, Float64MultiArray): _traversal,
+}
+# Of optional sensors, by the class of their options.
+OF_OPTIONS: dict[tuple[type, type], Callable[[Message, Any], Fill]] = {
+    (PlanarLidarOptions, LaserScan): ranging.laser_scan,
+    (CloudLidarOptions, PointCloud2): ranging.lidar_cloud,
+    (DepthOptions, PointCloud2): ranging.depth_cloud,
+    (DepthOptions, Image): ranging.depth_image,
+    (DepthOptions, CameraInfo): ranging.depth_camera_info,
+    (CameraOptions, CameraInfo): camera_info_fill,
+    (GnssOptions, NavSatFix): _nav_sat_fix,
 }

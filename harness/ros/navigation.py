@@ -69,7 +69,9 @@ class Navigation:
         message.info.resolution = float(grid.resolution)
         message.info.height, message.info.width = grid.cells.shape
         corner = message.info.origin.position
-        corner.x, corner.y = (-float(half) for half in grid.half_size)
+        corner.x, corner.y = (
+            float(at - half) for at, half in zip(grid.middle, grid.half_size, strict=True)
+        )
         message.data = array("b", grid.cells.tobytes())
         return message
 
@@ -102,11 +104,16 @@ class Navigation:
 
     def _objection(self, frame: str, place: Place) -> str | None:
         where = f"({place.x:.2f}, {place.y:.2f}) m"
-        most_x, most_y = (half - EDGE_MARGIN for half in self.occupancy.half_size)
+        (at_x, at_y), half = self.occupancy.middle, self.occupancy.half_size
+        most_x, most_y = (length - EDGE_MARGIN for length in half)
         if frame and frame.rpartition("/")[2] not in FRAMES:
             return f"it is in the frame '{frame}'; give one of {', '.join(FRAMES)}, or none"
-        if not (abs(place.x) < most_x and abs(place.y) < most_y and math.isfinite(place.yaw)):  # no NaN
-            return f"{where} is off the map; give |x| below {most_x:g} m and |y| below {most_y:g} m"
+        is_on_map = abs(place.x - at_x) < most_x and abs(place.y - at_y) < most_y  # NaN is not
+        if not (is_on_map and math.isfinite(place.yaw)):
+            about = "" if (at_x, at_y) == (0.0, 0.0) else f" of the middle, {at_x:g},{at_y:g}"
+            return (
+                f"{where} is off the map; give |x| below {most_x:g} m and |y| below {most_y:g} m{about}"
+            )
         if not self.occupancy.is_free(place.x, place.y, find_rover(self._config.robot).width / 2):
             return f"{where} is occupied on /map: the rover cannot stand there"
         return None

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import NamedTuple, Self
 from uuid import uuid4
 
+import numpy as np
 from mcap.writer import CompressionType, Writer
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -260,7 +261,8 @@ def padding_of(data: bytes, type_name: str) -> list[int]:
     buffers = bytearray(body), bytearray(b"\xff" * body)
     for buffer in buffers:
         serialize(memoryview(buffer), 0, message, typestore())
-    return [4 + i for i, (zero, one) in enumerate(zip(*buffers, strict=True)) if zero != one]
+    zeros, ones = (np.frombuffer(buffer, np.uint8) for buffer in buffers)
+    return [4 + i for i in np.flatnonzero(zeros != ones).tolist()]
 
 
 def full_definition(type_name: str) -> str:

@@ -18,6 +18,7 @@ from harness.faults.spec import parse_faults
 from harness.interrupt import GRACE, Overdue, StopRequest
 from harness.robots import find_rover
 from harness.ros.bridge import SECOND_PUBLISHER, Bridge
+from harness.ros.camera import painter
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.controls import Controls
 from harness.ros.hosted import HostedMetrics, metrics_node
@@ -27,6 +28,7 @@ from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, counted_by
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
+from harness.world.actors.spec import actor_names
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
 LOOK_PERIOD_NS = NANOSECONDS // 10  # of simulation time, for publishers that have turned up
@@ -71,10 +73,19 @@ class _Run:
         self._config, self._options, self._source = config, options, source
         self._context = context = at_end.enter_context(ros_context(options.ros_args))
         rover, lidar = find_rover(config.robot), LidarSpec(beams=config.lidar_beams)
-        obey, kind = source.command, options.cmd_vel
-        self.bridge = Bridge(rover, lidar, context=context, on_command=obey, cmd_vel=kind)
+        rows, draw = config.sensor_rows(), at_end.enter_context(painter(config)).image
+        self.bridge = Bridge(
+            rover,
+            lidar,
+            context=context,
+            on_command=source.command,
+            cmd_vel=options.cmd_vel,
+            rows=rows,
+            draw=draw,
+            actors=actor_names(config.people),
+        )
         at_end.callback(self.bridge.destroy_node)
-        self._faults = FaultInjector(parse_faults(config.faults), config.seed)
+        self._faults = FaultInjector(parse_faults(config.faults, rows), config.seed, rows)
         executor = make_executor(context, time_jumps=self._faults.disturbs_time)
         self._executor = at_end.enter_context(executor)
         self._executor.add_node(self.bridge)

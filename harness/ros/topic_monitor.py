@@ -20,6 +20,7 @@ from rich.table import Table
 from harness.ros.context import make_executor, ros_context
 from harness.ros.foreign_type import forget_missing_definition, message_type
 from harness.ros.frames import TF_MESSAGE
+from harness.sensors.message_types import GRID_MAP
 
 WINDOW = 5.0  # [s] of the past that a rate is taken over
 SHORTEST = 3.0  # [s] that make a rate right to 2 %: messages are handled up to 30 ms late at either end
@@ -169,10 +170,10 @@ def topic_monitor(namespace: str) -> Iterator[tuple[TopicMonitor, Executor]]:
 def message_class(type_name: str) -> type | None:
     """Returns the class of a type such as sensor_msgs/msg/Imu; None if it is not installed here.
 
-    The name comes from the network: nothing is imported unless it is a package of ROS messages. That of
-    /tf serves raw subscriptions only where it is not installed.
+    The name comes from the network: nothing is imported unless it is a package of ROS messages. Those of
+    /tf and of grid maps serve raw subscriptions only where they are not installed.
     """
-    if type_name == TF_MESSAGE:
+    if type_name in (TF_MESSAGE, GRID_MAP):
         return message_type(type_name)  # one that is made where it is not installed
     match = TYPE.fullmatch(type_name)
     spec = find_spec(match[1]) if match else None

@@ -3,6 +3,7 @@
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -10,15 +11,17 @@ from typing import Any
 from harness.config import EpisodeConfig
 from harness.drivers import takes_goals
 from harness.errors import UsageError
+from harness.robots import ROVERS
 from harness.scenario.events import CommandEvent, FaultEvent, ResetEvent
 from harness.scenario.spec import ExpectedFailure, Scenario
+from harness.world.actors.spec import beside
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.parameter_file import read_values
 
 # Left to EpisodeConfig where they are left out.
 _PASSED_ON = (
-    *("terrain_size", "terrain_height", "difficulty", "start"),
-    *("noise", "lidar_beams", "imu_rate"),
+    *("terrain_size", "terrain_height", "difficulty", "datum", "start"),
+    *("noise", "lidar_beams", "imu_rate", "sensors", "goal_area"),
 )
 
 Cell = tuple[tuple[str, Any], ...]  # values of a matrix by name
@@ -114,6 +117,12 @@ def _beside(path: Path, name: str) -> Path:
     return there if there.is_file() else Path(name)
 
 
+def _robot_beside(path: Path, robot: str) -> str:
+    """A rover's folder beside the scenario, if there is such a one, or what is called so otherwise."""
+    there = path.parent / robot
+    return str(there) if robot not in ROVERS and (there / "rover.yaml").is_file() else robot
+
+
 def _params(path: Path, name: str | None) -> dict[str, Any]:
     try:
         return {} if name is None else read_values(_beside(path, name))
@@ -126,6 +135,7 @@ def _config(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> 
     given = {name: getattr(scenario, name) for name in _PASSED_ON}
     values |= {name: value for name, value in given.items() if value is not None} | cell
     values["terrain"] = str(_beside(path, values["terrain"]))
+    values["robot"] = _robot_beside(path, values["robot"])
     values.pop("params", None)
     events, goal = scenario.events, scenario.goal
     return EpisodeConfig(
@@ -133,6 +143,7 @@ def _config(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> 
         seed=seed,
         faults=tuple(event.spec for event in events if isinstance(event, FaultEvent)),
         commands=tuple((e.at, *e.command) for e in events if isinstance(e, CommandEvent)),
+        actors=tuple(beside(actor, partial(_beside, path)) for actor in scenario.actors),
         goals=((0.0, *goal.at, goal.yaw),) if goal and takes_goals(values["driver"]) else (),
         resets=tuple(event.at for event in events if isinstance(event, ResetEvent)),
     )

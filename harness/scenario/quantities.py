@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from operator import attrgetter
 from typing import NamedTuple
 
@@ -54,7 +55,8 @@ class Quantity:
     nothing: str = NO_VALUE
 
 
-_WHEELS = ("front_left", "rear_left", "front_right", "rear_right")
+# Of the slips of both sides, each front to rear: the first and the last of each.
+_CORNERS = {"front_left": (0, 0), "rear_left": (0, -1), "front_right": (1, 0), "rear_right": (1, -1)}
 
 
 def _contacts(field: str, kind: ContactKind, count: str, time: str) -> dict[str, Quantity]:
@@ -64,6 +66,13 @@ def _contacts(field: str, kind: ContactKind, count: str, time: str) -> dict[str,
         f"truth.{field}s": Quantity("", f"{count} so far.", number, kind),
         f"truth.{field}_s": Quantity("s", f"{time} so far.", seconds, kind),
     }
+
+
+def _slip_of(place: tuple[int, int], moment: Moment) -> float:
+    """The slip of the wheel at a place of a side."""
+    (side, index), slip = place, moment.state.slip
+    half = len(slip) // 2
+    return slip[side * half :][:half][index]
 
 
 QUANTITIES: dict[str, Quantity] = {
@@ -89,11 +98,13 @@ QUANTITIES: dict[str, Quantity] = {
     "truth.z": Quantity("m", "Position in the world.", lambda m: m.truth.position[2]),
     "truth.resets": Quantity("", "Times that it was put back so far.", lambda m: m.truth.resets),
     "truth.slip": Quantity(
-        "", "Mean magnitude of the wheels' slip ratios.", lambda m: sum(map(abs, m.state.slip)) / 4
+        "",
+        "Mean magnitude of the wheels' slip ratios.",
+        lambda m: sum(map(abs, m.state.slip)) / len(m.state.slip),
     ),
     **{
-        f"truth.slip.{wheel}": Quantity("", "Slip ratio, -1 to 1.", lambda m, i=i: m.state.slip[i])  # type: ignore[misc]
-        for i, wheel in enumerate(_WHEELS)
+        f"truth.slip.{wheel}": Quantity("", "Slip ratio, -1 to 1.", partial(_slip_of, place))
+        for wheel, place in _CORNERS.items()
     },
     "truth.goal_distance": Quantity("m", "To the goal, in the plane.", lambda m: m.goal_distance),
     "truth.goal_s": Quantity(

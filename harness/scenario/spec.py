@@ -94,11 +94,15 @@ class Scenario(Part):
         robot: See `python -m harness.run --list`; likewise `terrain` (or a file) and `driver`.
         terrain_size: Along x and y [m], of a terrain from a file that does not say it.
         terrain_height: Of the relief [m], likewise.
+        datum: Latitude, longitude [deg] and altitude [m] of the world's origin.
         start: x and y in the world [m], and the heading [rad]; where the terrain has it if left out.
         matrix: Instead of single values of those, lists.
         seed: Of the run; `seeds` is a number of seeds from 0 on, or a list.
         noise: Errors of the sensors; none if left out.
+        sensors: Optional ones, as --sensors has them; those of rover.yaml if left out.
         params: Parameter file of the metrics that judge the log; the defaults if left out.
+        goal_area: Instead of one goal, random ones in x from, to, y from, to [m], as `--goal-area`.
+        actors: People who walk, each as `--actor` reads it; files stand relative to this one's folder.
         goal: Where the rover is to arrive; the driver `goal` is told. See the quantity truth.goal_s.
         launch: Commands whose nodes hear the rover over ROS and are waited for.
         events: What happens on the way.
@@ -114,6 +118,7 @@ class Scenario(Part):
     terrain_size: tuple[Length, Length] | None = None
     terrain_height: Length | None = None
     difficulty: float | None = None
+    datum: tuple[float, float, float] | None = None
     start: tuple[float, float, float] | None = None
     driver: str = "wander"
     duration: float = 30.0
@@ -124,6 +129,9 @@ class Scenario(Part):
     params: Text | None = None
     lidar_beams: int | None = None
     imu_rate: int | None = None
+    sensors: tuple[Text, ...] | None = None
+    goal_area: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] | None = None
+    actors: tuple[Text, ...] = ()
     goal: Goal | None = None
     launch: tuple[Launched, ...] = ()
     events: tuple[Event, ...] = ()

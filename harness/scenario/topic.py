@@ -3,8 +3,8 @@
 import re
 from typing import NamedTuple
 
+from harness.sensors.choice import by_default
 from harness.sensors.message_types import check_path
-from harness.sensors.table import SENSORS
 
 TOPIC = "topic."
 COUNT, RATE, AGE, LATENCY = "count", "rate", "age", "latency"
@@ -18,7 +18,7 @@ FULL_NAME = r"(?:/[A-Za-z_]\w*)+"
 PATTERN = rf"topic\.{FULL_NAME}\.[A-Za-z][\w.\[\]]*"
 FORM = re.compile(rf"topic\.(?P<topic>{FULL_NAME})\.(?P<what>.+)")
 HINT = f"give topic./NAME. and one of {', '.join(MEASURES)}, or a field, e.g. topic./scan.rate"
-OWN = {f"/{topic.name}": topic.message_type for row in SENSORS for topic in row.topics}
+OWN = {f"/{topic.name}": topic.message_type for row in by_default() for topic in row.topics}
 
 
 class TopicQuantity(NamedTuple):

@@ -22,6 +22,8 @@ class AxisErrors:
         white: Standard deviation of a reading.
         bias: Standard deviation of the bias at switch-on.
         walk: Standard deviation that the bias gains in the first second [unit/sqrt(s)].
+        correlation_time: After which 1/e of the bias is left and the rest drawn anew [s], so that its
+            deviation stays (a Gauss-Markov process of first order); infinite for a bias that stays.
         step: Quantisation; 0 for none.
         limit: Largest magnitude that can be read.
     """
@@ -29,8 +31,14 @@ class AxisErrors:
     white: float = 0.0
     bias: float = 0.0
     walk: float = 0.0
+    correlation_time: float = math.inf
     step: float = 0.0
     limit: float = math.inf
+
+    @property
+    def variance(self) -> float:
+        """Returns that of a reading, over all sensors of this kind, at switch-on."""
+        return self.white**2 + self.bias**2
 
 
 class AxisTriad:
@@ -54,7 +62,11 @@ class AxisTriad:
     def _wander(self, stamp_ns: int) -> None:
         elapsed = 0.0 if self._stamp_ns is None else (stamp_ns - self._stamp_ns) / NANOSECONDS
         self._stamp_ns = stamp_ns
-        self._bias = self._bias + _gaussian(self._rng, self._errors.walk * math.sqrt(elapsed), (3,))
+        errors = self._errors
+        kept = math.exp(-elapsed / errors.correlation_time)
+        renewed = errors.bias * math.sqrt(1.0 - kept**2)
+        gained = math.hypot(errors.walk * math.sqrt(elapsed), renewed)
+        self._bias = kept * self._bias + _gaussian(self._rng, gained, (3,))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.robots import RoverSpec
-from harness.samples import PlacedScan
+from harness.samples import LIDAR_RANGE_MAX, PlacedScan
 from harness.world.obstacles import Points, rotation_matrix
 
 
@@ -21,7 +21,7 @@ class LidarSpec:
 
     beams: int = 640
     range_min: float = 0.15
-    range_max: float = 10.0
+    range_max: float = LIDAR_RANGE_MAX
     angle_max: float = 3.14159
 
     @property
@@ -31,8 +31,12 @@ class LidarSpec:
 
     @property
     def bearings(self) -> NDArray[np.float64]:
-        """Returns the azimuths in the rover's frame [rad], whose lidar looks backwards (yaw pi)."""
-        return np.remainder(self.angles + 2 * math.pi, math.tau) - math.pi
+        """Returns the azimuths in the frame of a rover whose lidar looks backwards (yaw pi) [rad]."""
+        return self.bearings_at(math.pi)
+
+    def bearings_at(self, yaw: float) -> NDArray[np.float64]:
+        """Returns the azimuths in the frame of a rover whose lidar has that yaw [rad]."""
+        return np.remainder(self.angles + (yaw + math.pi), math.tau) - math.pi
 
 
 def scan_points(placed: PlacedScan, rover: RoverSpec) -> Points:
@@ -53,9 +57,11 @@ def _lidar_mount(rover: RoverSpec) -> tuple[Points, Points]:
     """Returns position [m] and rotation of the lidar in the model frame, from the rover's model file."""
     import mujoco  # noqa: PLC0415 - whoever only publishes does without
 
-    model = mujoco.MjModel.from_xml_path(str(rover.model_path))
+    from harness.robots.model import read_model  # noqa: PLC0415
+
+    model = read_model(rover).compile()
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    body, site = data.body("rover"), data.site("lidar")
+    body, site = data.body(1), data.site("lidar")
     to_rover = body.xmat.reshape(3, 3).T
     return to_rover @ (site.xpos - body.xpos), to_rover @ site.xmat.reshape(3, 3)

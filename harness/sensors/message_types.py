@@ -9,20 +9,42 @@ from functools import cache
 from typing import Any
 
 from rosbags.interfaces import Nodetype
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from harness.errors import unknown
 
 STEP = re.compile(r"(?P<name>[A-Za-z]\w*)(?:\[(?P<index>\d+)\])?")
 TEXT = ("string", "wstring")
+GRID_MAP = "grid_map_msgs/msg/GridMap"
+# What rosbags does not know: grid_map_msgs of ROS 2, without its comments.
+DEFINITIONS = {
+    "grid_map_msgs/msg/GridMapInfo": """
+float64 resolution
+float64 length_x
+float64 length_y
+geometry_msgs/Pose pose
+""",
+    GRID_MAP: """
+std_msgs/Header header
+grid_map_msgs/GridMapInfo info
+string[] layers
+string[] basic_layers
+std_msgs/Float32MultiArray[] data
+uint16 outer_start_index
+uint16 inner_start_index
+""",
+}
 MOST = 12  # fields that are listed to whoever named one that does not exist
 
 
 @cache  # it takes a while to build
 def typestore() -> Typestore:
-    """Returns all message types that rosbags knows."""
-    return get_typestore(Stores.LATEST)
+    """Returns all message types that rosbags knows, and DEFINITIONS."""
+    store = get_typestore(Stores.LATEST)
+    for name, definition in DEFINITIONS.items():
+        store.register(get_types_from_msg(definition, name))
+    return store
 
 
 def check_path(type_name: str, path: str) -> str | None:

@@ -1,14 +1,16 @@
 """Wheel odometry: what a rover's controller integrates from its quantised encoders.
 
 It uses the controller's radius and separation, so it inherits their errors and the skid's, as
-RoboTerrain's DiffDrive odometry does. Planar, in the odom frame, zero at the start; it knows nothing of
-a rover that is carried to another place.
+RoboTerrain's DiffDrive odometry does. A rover with steered wheels integrates the way of the others
+along the curve that its steering's angles mean. Planar, in the odom frame, zero at the start; it knows
+nothing of a rover that is carried to another place.
 """
 
 import math
 
 import numpy as np
 
+from harness.physics.ackermann import curvature_of
 from harness.physics.simulation import Simulation
 from harness.samples import Odometry, Twist
 from harness.sensors.base import Sensor
@@ -22,7 +24,13 @@ class WheelOdometry(Sensor):
         super().__init__(simulation, period_ticks)
         self._rover = simulation.scene.rover
         model = simulation.model
-        self._angles = np.array([int(model.joint(n).qposadr[0]) for n in self._rover.wheel_joints])
+        drive, steered = self._rover.drive, self._rover.steered_wheels
+        read = self._rover.wheel_joints if self._rover.steers else drive.driven
+        self._read = [name for name in read if name not in steered]
+        self._left = [place for place, name in enumerate(self._read) if name in drive.left]
+        self._right = [place for place, name in enumerate(self._read) if name in drive.right]
+        self._angles = np.array([int(model.joint(n).qposadr[0]) for n in self._read])
+        self._steering = np.array([int(model.joint(n).qposadr[0]) for n in drive.steering], int)
         self._metres_per_count = math.tau * self._rover.controller_radius / self._rover.encoder_ticks
         self._period = period_ticks * TICK_NS / NANOSECONDS
         self._counts = self._kept = self._encoders()
@@ -57,12 +65,17 @@ class WheelOdometry(Sensor):
 
     def _rolled(self, counts: list[int]) -> tuple[float, float]:
         """The way [m] and the turn [rad] since the last reading."""
-        front_left, rear_left, front_right, rear_right = (
+        rolled = [
             (now - before) * self._metres_per_count
             for now, before in zip(counts, self._counts, strict=True)
-        )
-        left, right = (front_left + rear_left) / 2, (front_right + rear_right) / 2
-        return (left + right) / 2, (right - left) / self._rover.controller_separation
+        ]
+        left = sum(rolled[place] for place in self._left) / len(self._left)
+        right = sum(rolled[place] for place in self._right) / len(self._right)
+        distance, separation = (left + right) / 2, self._rover.controller_separation
+        if not self._rover.steers:
+            return distance, (right - left) / separation
+        angles = self._simulation.data.qpos[self._steering].tolist()
+        return distance, distance * curvature_of(angles, self._rover.wheelbase, separation)
 
     def _moved(self, distance: float, turn: float) -> tuple[float, float, float]:
         """The pose after a way [m] and a turn [rad] since the last reading."""

@@ -1,12 +1,13 @@
 """The sensors that a rover carries: which are due at a tick, what they read, what noise makes of it."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 from harness.robots import RoverSpec
-from harness.samples import Sample
-from harness.sensors import table
+from harness.samples import Sample, Source
 from harness.sensors.base import HIGHEST_RATE, Sensor
+from harness.sensors.choice import chosen
 from harness.sensors.noise import SensorNoise
+from harness.sensors.table import SensorRow
 
 
 class SensorSuite:
@@ -18,6 +19,7 @@ class SensorSuite:
         rates: Other rates, by sample [Hz].
         wanted: Which samples; None for all that the parts suffice for.
         noise: What corrupts their readings; None for nothing.
+        rows: The sensors; None for those of every rover.
 
     Attributes:
         latest: The last sample of each kind.
@@ -31,12 +33,13 @@ class SensorSuite:
         *,
         wanted: Collection[type[Sample]] | None = None,
         noise: SensorNoise | None = None,
+        rows: Iterable[SensorRow] | None = None,
     ) -> None:
-        made: dict[type[Sample], Sensor] = {}
+        made: dict[Source, Sensor] = {}
         parts = {**parts, "sensors": made}
-        for row in table.SENSORS:
-            if parts.keys() >= set(row.parts) and (wanted is None or row.sample in wanted):
-                made[row.sample] = row.make(parts, rates.get(row.sample, row.rate_on(rover)))
+        for row in chosen(rover, ()) if rows is None else rows:
+            if parts.keys() >= set(row.parts) and (wanted is None or row.source in wanted):
+                made[row.source] = row.make(parts, rates.get(row.sample, row.rate_on(rover)))
         self._sensors = tuple(made.values())
         # Periods divide a second: what is due in one is due in each.
         self._due = [[s for s in self._sensors if s.due(n or HIGHEST_RATE)] for n in range(HIGHEST_RATE)]

@@ -1,10 +1,12 @@
 """The sensors: one row each. Episode, bridge, metrics, faults and recorder read this table.
 
 A new sensor is a sample and a Sensor that reads it (one file), its row here, and a test. Importing the
-table loads neither MuJoCo nor compiled kernels, so that processes which only publish start fast.
+table loads neither MuJoCo nor compiled kernels, so that processes which only publish start fast. A row
+with `options` is of a kind of sensor that is only made when asked for; harness.sensors.choice makes of
+it a row for each that a rover carries.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from operator import attrgetter
 from pkgutil import resolve_name
@@ -19,11 +21,22 @@ from harness.samples import (
     Odometry,
     Pose,
     Sample,
+    Source,
     Transforms,
     TruthState,
 )
+from harness.sensors.barometer import BarometerOptions, Pressure
 from harness.sensors.base import HIGHEST_RATE, Sensor, period_ticks
+from harness.sensors.camera.sensor import CameraOptions, CameraState
+from harness.sensors.depth import DepthOptions
+from harness.sensors.gnss import GnssFix, GnssOptions
+from harness.sensors.height_scan import HeightScan, HeightScanOptions
+from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
+from harness.sensors.magnetometer import MagneticField, MagnetometerOptions
+from harness.sensors.optional import LIDAR_FRAME, Installation, SensorOptions
+from harness.sensors.ranging import RangeReading
 
+RANGE_SENSOR, POINT_CLOUD = "harness.sensors.range_sensor:RangeSensor", "sensor_msgs/msg/PointCloud2"
 ATTITUDE = ".attitude"  # behind a sensor's name in --fault: its attitude, not what it measures
 
 
@@ -38,6 +51,8 @@ class Topic:
         best_effort: Whether it is offered best effort instead of reliable.
         depth: How many messages may wait.
         latched: Whether who comes later gets the last ones too (transient local); else volatile.
+        option: The field of the sensor's options that must be true for the topic to be there, if any.
+        on_demand: Whether messages are made only while somebody listens or records.
     """
 
     name: str
@@ -45,6 +60,8 @@ class Topic:
     best_effort: bool = False
     depth: int = 10
     latched: bool = False
+    option: str = ""
+    on_demand: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,27 +69,41 @@ class SensorRow:
     """One sensor.
 
     Attributes:
-        sample: What it reads: a frozen dataclass with a stamp_ns.
+        sample: What it reads: a frozen dataclass with a stamp_ns; of an optional one, with its name in
+            `sensor` too.
         reader: The Sensor class, as "module:Class"; it is loaded by whoever makes one.
         parts: What of an episode it is made from; its period follows as the last argument. An episode
-            that lacks one does without the sensor.
-        topics: Where the sample is published, in this order.
-        rate: Samples a second of simulation time, of every rover or by rover [Hz].
+            that lacks one does without the sensor. An optional one gets its Installation after them.
+        topics: Where the sample is published, in this order; of an optional one, as its options complete
+            the names.
+        rate: Samples a second of simulation time, of every rover or by rover [Hz]; an optional one has
+            those of its options, and likewise their frame.
         frame: Of the messages' headers, of every rover or by rover.
-        fault: Its name in --fault; None if no fault touches it.
+        fault: Its name in --fault, and in --sensors; None if no fault touches it.
         measured: The fields of the sample that faults of values change.
         attitude: Those that they change if they are told to, with ATTITUDE behind the fault's name.
+        options: What an optional one can be told; None if every rover has it.
+        given: What one that is carried has been told.
+        summary: Of an optional one, a line for lists and the docs.
     """
 
     sample: type[Sample]
     reader: str
     parts: tuple[str, ...] = ("simulation",)
     topics: tuple[Topic, ...]
-    rate: int | Callable[[RoverSpec], int]
+    rate: int | Callable[[RoverSpec], int] = 0
     frame: str | Callable[[RoverSpec], str] = ""
     fault: str | None = None
     measured: tuple[str, ...] = ()
     attitude: tuple[str, ...] = ()
+    options: type[SensorOptions] | None = None
+    given: SensorOptions | None = None
+    summary: str = ""
+
+    @property
+    def source(self) -> Source:
+        """What its samples are known by."""
+        return self.sample if self.given is None else self.given.name
 
     def rate_on(self, rover: RoverSpec) -> int:
         """Returns the default rate on that rover [Hz]."""
@@ -92,7 +123,10 @@ class SensorRow:
         Raises:
             UsageError: The period is no whole number of clock ticks.
         """
-        made_from = (parts[name] for name in self.parts)
+        made_from = [parts[name] for name in self.parts]
+        if self.given is not None:
+            install = cast("Callable[[SensorOptions], Installation]", parts["install"])
+            made_from.append(install(self.given))
         return cast("Sensor", resolve_name(self.reader)(*made_from, period_ticks(rate)))
 
 
@@ -113,7 +147,7 @@ SENSORS: tuple[SensorRow, ...] = (
         parts=("simulation", "lidar"),
         topics=(Topic("scan", "sensor_msgs/msg/LaserScan"),),
         rate=20,
-        frame="lidar_link",
+        frame=LIDAR_FRAME,
         fault="scan",
         measured=("ranges",),
     ),
@@ -175,9 +209,93 @@ SENSORS: tuple[SensorRow, ...] = (
         ),
         rate=20,
     ),
+    SensorRow(
+        sample=RangeReading,
+        reader=RANGE_SENSOR,
+        parts=("simulation", "surroundings"),
+        topics=(Topic("scan", "sensor_msgs/msg/LaserScan"),),
+        fault="lidar2d",
+        measured=("ranges",),
+        options=PlanarLidarOptions,
+        summary="a planar lidar beside the usual one",
+    ),
+    SensorRow(
+        sample=RangeReading,
+        reader=RANGE_SENSOR,
+        parts=("simulation", "surroundings"),
+        topics=(Topic("points", POINT_CLOUD),),
+        fault="lidar3d",
+        measured=("ranges",),
+        options=CloudLidarOptions,
+        summary="a lidar with beams at several elevations",
+    ),
+    SensorRow(
+        sample=RangeReading,
+        reader=RANGE_SENSOR,
+        parts=("simulation", "surroundings"),
+        topics=(
+            Topic("image", "sensor_msgs/msg/Image"),
+            Topic("camera_info", "sensor_msgs/msg/CameraInfo"),
+            Topic("points", POINT_CLOUD, option="cloud"),
+        ),
+        fault="depth",
+        measured=("ranges",),
+        options=DepthOptions,
+        summary="a depth camera",
+    ),
+    SensorRow(
+        sample=CameraState,
+        reader="harness.sensors.camera.sensor:CameraSensor",
+        topics=(
+            Topic("image_raw", "sensor_msgs/msg/Image", on_demand=True),
+            Topic("camera_info", "sensor_msgs/msg/CameraInfo"),
+        ),
+        fault="camera",
+        options=CameraOptions,
+        summary="colour camera, pinhole or fisheye, drawn by OpenGL while somebody listens or records",
+    ),
+    SensorRow(
+        sample=GnssFix,
+        reader="harness.sensors.gnss:GnssSensor",
+        parts=("simulation", "datum"),
+        topics=(Topic("fix", "sensor_msgs/msg/NavSatFix"),),
+        fault="gnss",
+        measured=("latitude", "longitude", "altitude"),
+        options=GnssOptions,
+        summary="GNSS receiver on WGS-84",
+    ),
+    SensorRow(
+        sample=MagneticField,
+        reader="harness.sensors.magnetometer:MagnetometerSensor",
+        parts=("simulation", "datum"),
+        topics=(Topic("mag", "sensor_msgs/msg/MagneticField"),),
+        fault="magnetometer",
+        measured=("magnetic_field",),
+        options=MagnetometerOptions,
+        summary="the Earth's magnetic field in the rover's axes",
+    ),
+    SensorRow(
+        sample=Pressure,
+        reader="harness.sensors.barometer:BarometerSensor",
+        parts=("simulation", "datum"),
+        topics=(Topic("pressure", "sensor_msgs/msg/FluidPressure"),),
+        fault="barometer",
+        measured=("fluid_pressure",),
+        options=BarometerOptions,
+        summary="pressure of the standard atmosphere",
+    ),
+    SensorRow(
+        sample=HeightScan,
+        reader="harness.sensors.height_scan:HeightScanSensor",
+        topics=(Topic("grid_map", "grid_map_msgs/msg/GridMap", option="grid_map"),),
+        fault="height_scan",
+        measured=("heights",),
+        options=HeightScanOptions,
+        summary="true heights of ground and obstacles around the rover, on a grid",
+    ),
 )
 
 
-def by_fault_name() -> dict[str, SensorRow]:
-    """Returns the rows of the sensors that can have faults, by their names in --fault."""
-    return {row.fault: row for row in SENSORS if row.fault is not None}
+def by_fault_name(rows: Iterable[SensorRow] | None = None) -> dict[str, SensorRow]:
+    """Returns the rows that can have faults, of some or of all, by their names in --fault."""
+    return {row.fault: row for row in (SENSORS if rows is None else rows) if row.fault is not None}

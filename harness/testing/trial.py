@@ -23,6 +23,7 @@ from harness.faults.spec import parse_faults
 from harness.frames.options import FrameOptions
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
+from harness.ros.camera import painter
 from harness.ros.context import make_executor, spin_until
 from harness.ros.network import reserved_domain, stay_local
 from harness.ros.remote import DISCOVERY_PATIENCE
@@ -33,6 +34,7 @@ from harness.testing.evidence import Evidence
 from harness.testing.process import Process
 from harness.testing.subject import Heard, Message, Subject
 from harness.truth.traversal import Truth
+from harness.world.actors.spec import actor_names
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 
@@ -120,14 +122,20 @@ class Trial:
         self.domain = at_end.enter_context(reserved_domain())
         self._begin_processes()
         self._episode = Episode(self.config, self._frames)
-        self._injector = injector = FaultInjector(parse_faults(self.config.faults), self.config.seed)
+        rows, seed = self.config.sensor_rows(), self.config.seed
+        injector = FaultInjector(parse_faults(self.config.faults, rows), seed, rows)
+        self._injector = injector
         self._ticks = drive_loop(self._batches(), injector, self._take, (self,))
         no_handlers, args = SignalHandlerOptions.NO, list(ON_SIMULATED_TIME)
         rclpy.init(args=args, domain_id=self.domain, signal_handler_options=no_handlers)
         at_end.callback(rclpy.try_shutdown)
         lidar = LidarSpec(beams=self.config.lidar_beams)
         rover, obey = find_rover(self.config.robot), self._command
-        self._bridge = Bridge(rover, lidar, on_command=obey, cmd_vel=self.CMD_VEL)
+        draw = at_end.enter_context(painter(self.config)).image
+        names = actor_names(self.config.people)
+        self._bridge = Bridge(
+            rover, lidar, on_command=obey, cmd_vel=self.CMD_VEL, rows=rows, draw=draw, actors=names
+        )
         at_end.callback(self._bridge.destroy_node)
         self._record(at_end)
         if self._episode.description is not None:

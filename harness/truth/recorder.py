@@ -35,7 +35,8 @@ class TruthRecorder:
         self._contact_ticks: dict[ContactKind, int] = {"hazard": 0, "rock": 0, "scrape": 0}
         self._touched: set[ContactKind] = set()  # since the last state
         self._force = 0.0
-        self._slip_sums, self._slip_counts = [0.0] * 4, [0] * 4
+        wheels = len(simulation.scene.rover.wheel_joints)
+        self._slip_sums, self._slip_counts = [0.0] * wheels, [0] * wheels
         self._resets = 0
 
     @cached_property
@@ -70,7 +71,6 @@ class TruthRecorder:
             if wheel.moves:
                 self._slip_sums[index] += abs(wheel.slip)
                 self._slip_counts[index] += 1
-        front_left, rear_left, front_right, rear_right = wheels
         squares = [self._roughness.mean_square(wheel.x, wheel.y) for wheel in wheels]
         touched = self._touched
         state = TruthState(
@@ -81,7 +81,7 @@ class TruthRecorder:
             contact_force=self._force,
             speed=self._simulation.velocity[0],
             path_length=self._path,
-            slip=(front_left.slip, rear_left.slip, front_right.slip, rear_right.slip),
+            slip=tuple(wheel.slip for wheel in wheels),
             roughness=math.sqrt(sum(squares) / len(squares)),
         )
         self._touched.clear()
@@ -94,7 +94,6 @@ class TruthRecorder:
         begun = self.events.begun
         seconds = {kind: ticks * (TICK_NS / NANOSECONDS) for kind, ticks in self._contact_ticks.items()}
         slips = zip(self._slip_sums, self._slip_counts, strict=True)
-        front_left, rear_left, front_right, rear_right = [total / (n or 1) for total, n in slips]
         return Truth(
             time_ns=self._simulation.time_ns,
             path_length=self._path,
@@ -106,7 +105,7 @@ class TruthRecorder:
             rock_contact_s=seconds["rock"],
             scrape_s=seconds["scrape"],
             mean_slip=sum(self._slip_sums) / (sum(self._slip_counts) or 1),
-            wheel_slip=(front_left, rear_left, front_right, rear_right),
+            wheel_slip=tuple(total / (n or 1) for total, n in slips),
             largest_tilt=tilt,
             tipped_over=tilt > TIPPED_OVER,
             resets=self._resets,

@@ -56,7 +56,7 @@ class Truth:
     rock_contact_s: float = 0.0
     scrape_s: float = 0.0
     mean_slip: float = 0.0
-    wheel_slip: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    wheel_slip: tuple[float, ...] = ()
     largest_tilt: float = 0.0
     tipped_over: bool = False
     resets: int = 0

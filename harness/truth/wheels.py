@@ -7,6 +7,7 @@ import mujoco
 
 from harness.physics.simulation import Simulation
 
+ROOT = 1  # the id of the rover's root body
 SLIP_SPEED = 0.05  # [m/s]: a wheel whose rim and centre are both slower does not slip, it stands
 
 
@@ -26,14 +27,20 @@ class WheelMotion(NamedTuple):
 
 
 class Wheels:
-    """The wheels of a simulation's rover, in the order of its wheel joints; axles lie along its y."""
+    """The wheels of a simulation's rover, in the order of its wheel joints.
+
+    Axles lie along the rover's y; those of steered wheels along that of the body that turns them.
+    """
 
     def __init__(self, simulation: Simulation) -> None:
         self._model, self._data = simulation.model, simulation.data
         rover = simulation.scene.rover
         self._radius = rover.wheel_radius
-        self._rover = int(self._model.body("rover").id)
-        self._bodies = [int(self._model.joint(name).bodyid[0]) for name in rover.wheel_joints]
+        self._bodies: list[tuple[int, int]] = []  # of each wheel, and along whose y its axle lies
+        for name in rover.wheel_joints:
+            body = int(self._model.joint(name).bodyid[0])
+            steered = name in rover.steered_wheels
+            self._bodies.append((body, int(self._model.body_parentid[body]) if steered else ROOT))
 
     def motion(self) -> list[WheelMotion]:
         """Returns what each wheel does now.
@@ -46,12 +53,12 @@ class Wheels:
         mujoco.mj_kinematics(model, data)  # after a step, poses and velocities are those before it
         mujoco.mj_comPos(model, data)
         mujoco.mj_comVel(model, data)
-        axes = data.xmat[self._rover].tolist()
-        ahead_x, axle_x, up_x, ahead_y, axle_y, up_y, ahead_z, axle_z, up_z = axes
-        com_x, com_y, com_z = data.subtree_com[self._rover].tolist()
+        axes = data.xmat.tolist()
+        com_x, com_y, com_z = data.subtree_com[ROOT].tolist()
         positions, velocities = data.xpos.tolist(), data.cvel.tolist()
         wheels = []
-        for body in self._bodies:
+        for body, carrier in self._bodies:
+            ahead_x, axle_x, up_x, ahead_y, axle_y, up_y, ahead_z, axle_z, up_z = axes[carrier]
             x, y, z = positions[body]
             wx, wy, wz, vx, vy, vz = velocities[body]  # of the point that is at the centre of mass
             dx, dy, dz = x - com_x, y - com_y, z - com_z

@@ -34,7 +34,7 @@ def print_studies(console: Console, studies: Sequence[RobotStudy]) -> None:
 
 
 def _table(study: RobotStudy) -> Table:
-    title = f"{study.robot}: value and score, on seeds that no value was chosen on"
+    title = f"{study.name}: value and score, on seeds that no value was chosen on"
     table = Table(
         Column("threshold", no_wrap=True),
         "measure",
@@ -74,7 +74,7 @@ def write_results(
     Raises:
         HarnessError: One cannot be written.
     """
-    texts = {f"{study.robot}.yaml": parameter_file(study, command) for study in studies}
+    texts = {f"{study.name}.yaml": parameter_file(study, command) for study in studies}
     texts |= {SCORES: _scores(studies, command), REPORT: render(studies, records, command)}
     for name, text in texts.items():
         write_whole(folder / name, text)
@@ -84,7 +84,7 @@ def write_results(
 def _scores(studies: Sequence[RobotStudy], command: str) -> str:
     """The text of scores.json; what is undefined is null."""
     robots = {
-        study.robot: json_safe(asdict(study), DIGITS) | {"conclusions": list(conclusions(study))}
+        study.name: json_safe(asdict(study), DIGITS) | {"conclusions": list(conclusions(study))}
         for study in studies
     }
     content = {"command": command, "version": __version__, "robots": robots}

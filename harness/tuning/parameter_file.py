@@ -35,7 +35,7 @@ def parameter_file(study: RobotStudy, command: str) -> str:
             _comment(parameters, verdict, verdict.tuned)
     _add_footprint(parameters, study)
     header = [
-        f"{study.robot}: {find_rover(study.robot).summary}",
+        f"{study.name}: {find_rover(study.robot).summary}",
         f"Made by: {command} (rover-harness {__version__})",
         "Use: metrics_node --ros-args --params-file THIS_FILE",
         *left_out,

@@ -19,9 +19,16 @@ class Span:
     high: float
     source: str
 
+    @property
+    def tells(self) -> bool:
+        """Whether anything is expected."""
+        return not (math.isinf(self.low) and math.isinf(self.high))
+
     def describe(self, digits: int) -> str:
         """Returns the span as text, rounded to so many decimals."""
         low, high = f"{self.low:.{digits}f}", f"{self.high:.{digits}f}"
+        if not self.tells:
+            return "-"
         if math.isinf(self.low):
             return f"at most {high}"
         if math.isinf(self.high):
@@ -46,8 +53,8 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """Whether the measured value lies in the span; NaN never does."""
-        return self.expected.low <= self.measured <= self.expected.high
+        """Whether the measured value lies in the span, if anything is expected; NaN never does."""
+        return not self.expected.tells or self.expected.low <= self.measured <= self.expected.high
 
 
 def around(value: float, tolerance: float, source: str) -> Span:
@@ -101,20 +108,20 @@ class Expected:
         ramp_source: What states the slope climbed, before what it is derived from.
     """
 
-    speed_ratio: Span
-    at_half: Span
-    at_top: Span
-    yaw_ratio: Span
-    kerb_one_side: Span
+    speed_ratio: Span = NOTHING_TOLD
+    at_half: Span = NOTHING_TOLD
+    at_top: Span = NOTHING_TOLD
+    yaw_ratio: Span = NOTHING_TOLD
+    kerb_one_side: Span = NOTHING_TOLD
     rocker_stop: Span = NOTHING_TOLD
     ramp_source: str = ""
     passages: tuple[Passage, ...] = ()
 
 
 def expected_of(rover: RoverSpec) -> Expected:
-    """Returns the spans of a rover.
+    """Returns the spans of a rover; open ones of what its rover.yaml does not tell.
 
     Raises:
-        UsageError: Its rover.yaml tells none, or not what is needed.
+        UsageError: What it tells is not valid.
     """
     return fill(Expected, rover.expected, f"{rover.folder / 'rover.yaml'}: expected")

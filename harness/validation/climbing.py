@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
+import mujoco
 import numpy as np
 
 from harness.robots import RoverSpec
@@ -17,7 +18,8 @@ ROCKING = 1.5  # [s]
 ROLLING = 1e-6  # [m/s]: wheels that are parked would keep the rockers from following
 POST_AT, POST_SPEED, POST_LIMIT = 0.6, 0.3, 4.5  # [m], [m/s], [s]
 SCATTER = 0.015  # [m] around the stated clearance that is searched
-KERB_AT, KERB_HALF = 0.5, 1.0  # [m] ahead of the origin; half its length and width
+KERB_AT, KERB_HALF = 0.5, 1.0  # [m] ahead of the origin, at least; half its length and width
+CLOSE = 0.1  # [m] between the foremost part of the rover and the kerb, at least
 KERB_SPEED, KERB_LIMIT = 0.3, 7.0  # [m/s], [s]
 KERBS, KERB_STEP = (0.03, 0.14), 0.005  # [m]
 FINE_STEP = 1e-3  # [m] of the limit by statics
@@ -45,29 +47,38 @@ def _passes(rover: RoverSpec, seed: int, passage: Passage, height: float) -> boo
 
 def rocker_checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
     """The rockers' travel, of a rover that has some."""
-    if not rover.passive_joints:
+    rockers = _rockers(Rig(rover, floor(seed)).simulation.model)
+    if not rockers:
         return
-    turned = _twisted(rover, seed, TWIST)
+    turned = _twisted(rover, seed, TWIST, rockers)
     follows = around(TWIST, 0.012, "D: the saddle's twist, all wheels on the ground")
     yield Check(f"rocker angle on a saddle of {TWIST:g} rad", "rad", follows, turned)
-    limited = _twisted(rover, seed, OVERTWIST)
+    limited = _twisted(rover, seed, OVERTWIST, rockers)
     stop = expected_of(rover).rocker_stop
     yield Check("rocker angle at its stops", "rad", stop, limited)
     rig = Rig(rover, floor(seed, block("box", (0.05, 0.5, 0.025), x=0.5, y=0.52)))
     uneven: list[float] = []
-    rig.observers.append(lambda: uneven.append(abs(rig.joint_angles(rover.passive_joints).sum())))
+    rig.observers.append(lambda: uneven.append(abs(rig.joint_angles(rockers).sum())))
     rig.command(0.4)
     rig.run(3.0)
     mirrored = at_most(5e-4, "facts: a stiff differential")
     yield Check("largest |q_L + q_R| over a 5 cm bar", "rad", mirrored, max(uneven), digits=5)
 
 
-def _twisted(rover: RoverSpec, seed: int, angle: float) -> float:
+def _rockers(model: mujoco.MjModel) -> tuple[str, ...]:
+    """The two joints of which one turns as far as the other turns back, if there are such."""
+    for tie in range(model.neq):
+        if model.eq_type[tie] == mujoco.mjtEq.mjEQ_JOINT and model.eq_data[tie, 1] == -1.0:
+            return model.joint(model.eq_obj1id[tie]).name, model.joint(model.eq_obj2id[tie]).name
+    return ()
+
+
+def _twisted(rover: RoverSpec, seed: int, angle: float, rockers: tuple[str, ...]) -> float:
     """The largest angle of a rocker on a saddle that asks for that [rad]."""
     rig = Rig(rover, saddle(seed, 2 * math.tan(angle) / rover.track))
     rig.command(ROLLING)
     rig.run(ROCKING)
-    return float(np.abs(rig.joint_angles(rover.passive_joints)).max())
+    return float(np.abs(rig.joint_angles(rockers)).max())
 
 
 def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
@@ -87,11 +98,12 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
 
 def _kerb(rover: RoverSpec, seed: int, *, one_side: bool) -> float:
     aside = KERB_HALF + 0.05 if one_side else 0.0
-    passed = KERB_AT + rover.wheelbase / 2 + rover.wheel_radius + 0.05
+    ahead = max(KERB_AT, rover.footprint[1] + CLOSE)
+    passed = ahead + rover.wheelbase / 2 + rover.wheel_radius + 0.05
 
     def climbs(height: float) -> bool:
         half = (KERB_HALF, KERB_HALF, height / 2)
-        kerb = block("box", half, x=KERB_AT + KERB_HALF, y=aside)
+        kerb = block("box", half, x=ahead + KERB_HALF, y=aside)
         rig = Rig(rover, floor(seed, kerb))
         rig.command(KERB_SPEED)
         return rig.run_until(lambda: rig.stance.ahead > passed, KERB_LIMIT)

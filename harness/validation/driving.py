@@ -80,6 +80,12 @@ def _stopping(rover: RoverSpec, seed: int) -> Check:
 
 def _turning(rover: RoverSpec, seed: int) -> Iterator[Check]:
     rig = Rig(rover, floor(seed))
+    if rover.steers:
+        follows = around(1.0, 0.1, "D: steered wheels roll about one centre; E: slip to 10 %")
+        yield Check(
+            "yaw ratio in a curve, 0.3 m/s", "", follows, _yaw_ratio(rig, ARC_SPEED, _curve(rover))
+        )
+        return
     in_place = _yaw_ratio(rig, 0.0)
     yield Check("yaw ratio in place, 1 rad/s commanded", "", expected_of(rover).yaw_ratio, in_place)
     vertical = [imu.linear_acceleration[2] for imu in rig.imu_readings(HIGHEST_RATE, TURNING)]
@@ -93,9 +99,14 @@ def _turning(rover: RoverSpec, seed: int) -> Iterator[Check]:
     yield Check("yaw ratio in an arc, 0.3 m/s", "", constant, _yaw_ratio(rig, ARC_SPEED))
 
 
-def _yaw_ratio(rig: Rig, speed: float) -> float:
-    rig.command(speed, YAW_RATE)
+def _curve(rover: RoverSpec) -> float:
+    """The yaw rate of half the tightest curve, at the speed of arcs [rad/s]."""
+    return 0.5 * ARC_SPEED / rover.tightest_turn
+
+
+def _yaw_ratio(rig: Rig, speed: float, yaw_rate: float = YAW_RATE) -> float:
+    rig.command(speed, yaw_rate)
     rig.run(MEASURING)
     start = rig.stance.yaw
     rig.run(TURNING)
-    return (rig.stance.yaw - start) / (YAW_RATE * TURNING)
+    return (rig.stance.yaw - start) / (yaw_rate * TURNING)

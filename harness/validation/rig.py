@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.physics.diff_drive import DiffDrive
+from harness.physics.base_controller import base_controller
 from harness.physics.scene import ROCK_CONTACT, build_scene
 from harness.physics.simulation import Simulation
 from harness.robots import RoverSpec
@@ -48,7 +48,7 @@ class Rig:
         scene = build_scene(course.world, rover, DEFAULT_TIMESTEP_NS / NANOSECONDS)
         self.simulation = Simulation(scene, DEFAULT_TIMESTEP_NS)
         self.heading = course.heading
-        self._drive = DiffDrive(rover, TICK)
+        self._drive = base_controller(rover, TICK)
         self._rocks = self.simulation.summed(ROCK_CONTACT)
         self.wheel_geoms = [self._wheel_geom(joint) for joint in rover.wheel_joints]
         self._yaw = self._face(course.heading)

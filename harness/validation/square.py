@@ -55,11 +55,16 @@ class Journey:
 
 
 def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
-    """Yaw, path and place told, against the truth."""
+    """Yaw, path and place told, against the truth; of a rover that steers, in a circle."""
+    if rover.steers:
+        yield from _circle(rover, seed)
+        return
     journey = _drive_square(Rig(rover, floor(seed)))
     ratio = expected_of(rover).yaw_ratio
-    wide = Span(1 / ratio.high, 1 / ratio.low, f"D: 1 / yaw ratio; {ratio.source}")
-    widening = journey.told_yaw / journey.true_yaw
+    wide = Span(
+        1 / ratio.high, 1 / ratio.low if ratio.tells else math.inf, f"D: 1 / yaw ratio; {ratio.source}"
+    )
+    widening = journey.told_yaw / (journey.true_yaw or math.nan)
     yield Check("odometry over a square, yaw told / true", "", wide, widening, digits=2)
     believed = rover.controller_radius / rover.wheel_radius
     rolling = Span(believed, 1.03 * believed, "S: believed / true wheel radius; D: sink, slip to 3 %")
@@ -70,6 +75,19 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
     span = around(abs(told - true), 0.3, "D: ends of the polygons with the told and the true corners")
     off = abs(journey.told_place - journey.true_place)
     yield Check("odometry over a square, error of place", "m", span, off, digits=2)
+
+
+def _circle(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    rig = Rig(rover, floor(seed))
+    journey = Journey(rig)
+    rig.observers.append(journey.observe)
+    rate = 0.5 * SPEED / rover.tightest_turn
+    _drive(rig, SPEED, rate, lambda: journey.true_yaw, math.tau)
+    span = around(1.0, 0.1, "D: steered wheels roll about one centre; E: slip to 10 %")
+    turned = journey.told_yaw / journey.true_yaw if journey.true_yaw else math.nan
+    yield Check("odometry in a circle, yaw told / true", "", span, turned, digits=2)
+    rolled = journey.told_path / journey.true_path if journey.true_path else math.nan
+    yield Check("odometry in a circle, path told / true", "", span, rolled)
 
 
 def _drive_square(rig: Rig) -> Journey:

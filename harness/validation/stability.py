@@ -6,7 +6,7 @@ ISO 16333.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import mujoco
@@ -26,8 +26,6 @@ SLIDING = 0.1  # [m/s]
 STANDING = math.radians(20.0)
 STANDING_TIME = 2.0  # [s]
 STILL = at_most(1.0, "real: 0; E: what MuJoCo's regularised friction may leave")  # [mm/s]
-
-FRONT, REAR, LEFT, RIGHT = (0, 2), (1, 3), (0, 1), (2, 3)  # wheels in the spec's order
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,16 +52,16 @@ def balance(rig: Rig) -> Balance:
     model, data = rig.simulation.model, rig.simulation.data
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
-    x, y, z = rig.in_model_frame(data.subtree_com[model.body("rover").id]).tolist()
+    x, y, z = rig.in_model_frame(data.subtree_com[1]).tolist()
     wheels = rig.in_model_frame(data.geom_xpos[rig.wheel_geoms])
-    front_left, rear_left, front_right, rear_right = wheels
+    left, right = np.split(wheels, 2)
     return Balance(
         weight=float(model.body_mass.sum()) * rig.rover.gravity,
         height=z - float(wheels[:, 2].mean()) + rig.rover.wheel_radius,
-        front=float(front_left[0] + front_right[0]) / 2 - x,
-        rear=x - float(rear_left[0] + rear_right[0]) / 2,
-        left=float(front_left[1] + rear_left[1]) / 2 - y,
-        right=y - float(front_right[1] + rear_right[1]) / 2,
+        front=float(left[0, 0] + right[0, 0]) / 2 - x,
+        rear=x - float(left[-1, 0] + right[-1, 0]) / 2,
+        left=float(left[:, 1].mean()) - y,
+        right=y - float(right[:, 1].mean()),
     )
 
 
@@ -104,11 +102,14 @@ class TiltTable:
 def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
     """Tip angles to four sides, the incline that is held nose up, the creep on a moderate one."""
     stand = balance(Rig(rover, floor(seed)))
+    half = len(rover.drive.left)
+    left, right = range(half), range(half, 2 * half)
+    front, rear = (0, half), (half - 1, 2 * half - 1)
     for name, uphill, wheels, arm in (
-        ("forward", math.pi, REAR, stand.front),
-        ("backward", 0.0, FRONT, stand.rear),
-        ("to the left", -math.pi / 2, RIGHT, stand.left),
-        ("to the right", math.pi / 2, LEFT, stand.right),
+        ("forward", math.pi, rear, stand.front),
+        ("backward", 0.0, front, stand.rear),
+        ("to the left", -math.pi / 2, right, stand.left),
+        ("to the right", math.pi / 2, left, stand.right),
     ):
         limit = tip_angle(arm, stand.height)
         span = around(
@@ -121,7 +122,7 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
     yield from _held(rover, seed, stand)
 
 
-def _tips(rover: RoverSpec, seed: int, uphill: float, wheels: tuple[int, int], limit: float) -> float:
+def _tips(rover: RoverSpec, seed: int, uphill: float, wheels: Iterable[int], limit: float) -> float:
     rig = Rig(rover, floor(seed))
     geoms = rig.wheel_geoms
     rig.simulation.model.geom_friction[geoms, 0] = RAIL_FRICTION

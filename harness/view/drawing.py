@@ -9,33 +9,18 @@ import sys
 import tempfile
 from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack, closing
-from functools import cache
 from pathlib import Path
 
 from harness.config import EpisodeConfig
 from harness.episode.batch import Batch
-from harness.errors import HarnessError, UsageError
+from harness.errors import INSTALL_OPENGL, HarnessError, UsageError
 from harness.files import check_target
+from harness.sensors.camera.backend import backends
 from harness.view.states import StateWriter
 
-# Of MuJoCo, by system, in the order in which they are tried.
-BACKENDS = {"Linux": ("egl", "osmesa"), "Darwin": ("cgl", "glfw"), "Windows": ("glfw",)}
 SUFFIXES = {"--picture": ".png", "--video": ".mp4"}
 FRAMES = re.compile(r"(\d+)/(\d+)\n")  # how many are drawn of how many, as harness.view.picture says it
 PROGRAM = (sys.executable, "-m", "harness.view.picture")
-MENDS = {"Linux": "install libegl1 libgl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"}
-
-
-@cache
-def keep_opengl_out() -> str:
-    """Returns the OpenGL that MUJOCO_GL asked for at first, and switches it off in this process.
-
-    MuJoCo loads what MUJOCO_GL names when it is imported, and fails where that is missing. A run draws
-    nothing itself: it must start there too. What draws has a process of its own.
-    """
-    requested = os.environ.get("MUJOCO_GL", "").strip().lower()
-    os.environ["MUJOCO_GL"] = "off"
-    return requested
 
 
 class DrawingFailed(HarnessError):
@@ -147,14 +132,14 @@ def _working_environment(chosen: str) -> dict[str, str]:
         UsageError: There is none; the message names the system's packages.
     """
     system = platform.system()
-    known = BACKENDS.get(system, BACKENDS["Linux"])
-    for backend in (chosen,) if chosen else known:
+    known = backends(chosen)
+    for backend in known:
         environment = os.environ | {"MUJOCO_GL": backend}
         try:
             _call([], environment)
         except DrawingFailed:
             continue
         return environment
-    tried = chosen or " or ".join(known)
-    mend = MENDS.get(system, "start it where a window could be opened")
+    tried = " or ".join(known)
+    mend = INSTALL_OPENGL.get(system, "start it where a window could be opened")
     raise UsageError(f"pictures need OpenGL, but MUJOCO_GL={tried} does not work here; {mend}")

@@ -32,6 +32,7 @@ def drawn(ground: Heightfield) -> Heightfield:
     weight = smoothstep(maximum_filter(bend, NEIGHBOURHOOD), GENTLE, SHARP)
     heights = ground.heights + weight * (soft - ground.heights)
     if heights.size > MOST_HALVED:
-        return Heightfield(heights, ground.cell)
+        return Heightfield(heights, ground.cell, ground.middle)
     finer = [(2 * count - 1) / count for count in heights.shape]
-    return Heightfield(zoom(heights, finer, order=3, mode="nearest"), ground.cell / 2)
+    halved = zoom(heights, finer, order=3, mode="nearest")
+    return Heightfield(halved, ground.cell / 2, ground.middle)

@@ -24,6 +24,7 @@ from PIL import Image
 from harness.errors import HarnessError
 from harness.files import whole_file
 from harness.physics.scene import build_scene
+from harness.physics.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
 from harness.robots import find_rover
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
@@ -31,7 +32,6 @@ from harness.view.camera import View, best_view, chase_view
 from harness.view.caption import captioned
 from harness.view.ground import drawn
 from harness.view.marks import Mark, add_marks, beam_marks, path_marks, track_marks
-from harness.view.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
 from harness.view.states import States, read_states
 from rover_metrics.errors import OneLineParser
 
@@ -80,6 +80,10 @@ class Studio(AbstractContextManager["Studio"]):
         states = self.recording
         self.data.qpos[:7] = (*states.path[index], *states.orientations[index])
         self.data.qpos[self._joints] = states.joints[index]
+        if states.people.size:  # the only mocap bodies, in their order
+            self.data.mocap_pos[:] = states.people[index, :, :3]
+            half = states.people[index, :, 3] / 2
+            self.data.mocap_quat[:, 0], self.data.mocap_quat[:, 3] = np.cos(half), np.sin(half)
         mujoco.mj_forward(self.model, self.data)
 
     def image(self, index: int, view: View) -> NDArray[np.uint8]:

@@ -1,30 +1,33 @@
 """The states of an episode on disk: all that it takes to draw the run afterwards, in another process.
 
 One line of JSON (what the scene is made from), then rows of float64: time [s], pose of the model frame
-(position, w, x, y, z), joint positions in the order of the rover's `joints`. They come from the samples
+(position, w, x, y, z), joint positions in the order of the rover's `joints`, of each person the middle
+and the heading. They come from the samples
 that are published, so that nothing in the episode knows of it.
 """
 
 import json
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.config import EpisodeConfig
+from harness.config import FILE_OPTIONS, EpisodeConfig
 from harness.episode.batch import Batch
 from harness.errors import UsageError
 from harness.robots import find_rover
-from harness.samples import JointStates, Pose
+from harness.samples import ActorPoses, JointStates, Pose
 from harness.sim_time import NANOSECONDS
+from harness.world.actors.spec import actor_names
 
 PERIOD_NS = 40_000_000  # 25 states a second, as a video shows them
-POSE_SIZE = 7
+POSE_SIZE, PERSON_SIZE = 7, 4
 HALF_WINDOW = 0.25  # [s] of a speed that can be read
 SCENE = (  # of the configuration
-    *("terrain", "terrain_size", "terrain_height", "start", "difficulty", "seed"),
-    *("robot", "timestep", "lidar_beams"),
+    *("terrain", *FILE_OPTIONS, "start", "difficulty", "seed"),
+    *("robot", "timestep", "lidar_beams", "actors"),
 )
 
 
@@ -38,6 +41,7 @@ class StateWriter:
     def __init__(self, path: Path, config: EpisodeConfig) -> None:
         self.path = path
         self._file = path.open("wb")
+        self._people: tuple[float, ...] = (0.0,) * PERSON_SIZE * len(actor_names(config.people))
         self._file.write(json.dumps({name: getattr(config, name) for name in SCENE}).encode() + b"\n")
 
     def close(self) -> None:
@@ -46,13 +50,25 @@ class StateWriter:
 
     def take(self, batch: Batch) -> None:
         """Writes the states of a batch; a fault may have taken one."""
-        for tick in (tick for tick in batch.ticks if tick.stamp_ns % PERIOD_NS == 0):
+        for tick in batch.ticks:
+            if people := next((s for s in tick.samples if isinstance(s, ActorPoses)), None):
+                self._people = _row_of(people)  # not on every tick of a state: the latest
+            if tick.stamp_ns % PERIOD_NS:
+                continue
             pose = next((s for s in tick.samples if isinstance(s, Pose)), None)
             joints = next((s for s in tick.samples if isinstance(s, JointStates)), None)
             if pose is not None and joints is not None:
                 x, y, z, w = pose.orientation
                 row = (tick.stamp_ns / NANOSECONDS, *pose.position, w, x, y, z, *joints.position)
+                row += self._people
                 self._file.write(np.array(row).tobytes())
+
+
+def _row_of(people: ActorPoses) -> tuple[float, ...]:
+    places = zip(people.position, people.orientation, strict=True)
+    return tuple(
+        n for (x, y, z), (_, _, sin, cos) in places for n in (x, y, z, 2 * math.atan2(sin, cos))
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +81,7 @@ class States:
         path: Position of the rover's model frame at those times [m], shape (n, 3).
         orientations: Its attitude as (w, x, y, z), shape (n, 4).
         joints: Positions of the rover's joints, shape (n, number of joints).
+        people: x, y, z [m] and heading [rad] of each person, shape (n, people, 4).
     """
 
     config: EpisodeConfig
@@ -72,6 +89,7 @@ class States:
     path: NDArray[np.float64]
     orientations: NDArray[np.float64]
     joints: NDArray[np.float64]
+    people: NDArray[np.float64]
 
     @property
     def yaw(self) -> NDArray[np.float64]:
@@ -101,9 +119,13 @@ def read_states(path: Path) -> States:
         config = EpisodeConfig(**json.loads(header))
     except (OSError, ValueError, TypeError) as error:
         raise UsageError(f"{path} is no recording of an episode: {error}") from error
-    width = 1 + POSE_SIZE + len(find_rover(config.robot).joints)
+    joints, people = len(find_rover(config.robot).joints), len(actor_names(config.people))
+    end_of_joints = 1 + POSE_SIZE + joints
+    width = end_of_joints + PERSON_SIZE * people
     rows = np.frombuffer(body[: len(body) // (8 * width) * 8 * width], np.float64).reshape(-1, width)
     rows = rows[np.isfinite(rows).all(axis=1)]
     if not len(rows):
         raise UsageError("nothing to be drawn: the run ended before its first state")
-    return States(config, rows[:, 0], rows[:, 1:4], rows[:, 4:8], rows[:, 8:])
+    persons = rows[:, end_of_joints:].reshape(len(rows), people, PERSON_SIZE)
+    parts = (rows[:, 0], rows[:, 1:4], rows[:, 4:8], rows[:, 8:end_of_joints])
+    return States(config, *parts, persons)

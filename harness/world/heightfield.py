@@ -1,8 +1,8 @@
 """Heights in metres over a rectangular grid: the surface of a terrain, and what terrains are built from.
 
-The grid is centred on the world's origin. Row index runs with +y and column index with +x, the vertices
-stand at the ends, and each square cell is two triangles split along (row, col)-(row+1, col+1): exactly
-MuJoCo's heightfield.
+The grid is centred on the world's origin, or on a point that it tells. Row index runs with +y and column
+index with +x, the vertices stand at the ends, and each square cell is two triangles split along
+(row, col)-(row+1, col+1): exactly MuJoCo's heightfield.
 """
 
 import math
@@ -19,10 +19,15 @@ FFT_MULTIPLE = 48  # transforms of multiples of 2^4 * 3 are fast
 
 @dataclass(frozen=True, eq=False)
 class Heightfield:
-    """Heights in metres, shape (rows, columns), `cell` metres apart."""
+    """Heights in metres, shape (rows, columns), `cell` metres apart.
+
+    Attributes:
+        middle: Of the map, in the world: x, y [m].
+    """
 
     heights: Field
     cell: float
+    middle: tuple[float, float] = (0.0, 0.0)
 
     @property
     def half_size(self) -> tuple[float, float]:
@@ -32,16 +37,32 @@ class Heightfield:
 
     def height_at(self, x: float, y: float) -> float:
         """Returns the height of the surface [m] at a point, which is clamped to the map."""
+        return float(self.heights_at(x, y))
+
+    def heights_at(self, x: Field | float, y: Field | float) -> Field:
+        """Returns the heights of the surface [m] at points, which are clamped to the map."""
         rows, columns = self.heights.shape
-        half_x, half_y = self.half_size
-        u = min(max((x + half_x) / self.cell, 0.0), columns - 1.0)
-        v = min(max((y + half_y) / self.cell, 0.0), rows - 1.0)
-        col, row = min(int(u), columns - 2), min(int(v), rows - 2)
+        (half_x, half_y), (middle_x, middle_y) = self.half_size, self.middle
+        u = np.clip((x - middle_x + half_x) / self.cell, 0.0, columns - 1.0)
+        v = np.clip((y - middle_y + half_y) / self.cell, 0.0, rows - 1.0)
+        col = np.minimum(u.astype(np.int64), columns - 2)
+        row = np.minimum(v.astype(np.int64), rows - 2)
         du, dv = u - col, v - row
+        right = du >= dv  # of the two triangles of the cell
         near, far = self.heights[row, col], self.heights[row + 1, col + 1]
-        corner = self.heights[row, col + 1] if du >= dv else self.heights[row + 1, col]
-        low, high = min(du, dv), max(du, dv)
-        return float(near + (corner - near) * (high - low) + (far - near) * low)
+        corner = self.heights[np.where(right, row, row + 1), np.where(right, col + 1, col)]
+        low, high = np.minimum(du, dv), np.maximum(du, dv)
+        return np.asarray(near + (corner - near) * (high - low) + (far - near) * low)
+
+    def contains(self, x: float, y: float, margin: float = 0.0) -> bool:
+        """Returns whether a point [m] is on the map, further than `margin` from its edge."""
+        (half_x, half_y), (middle_x, middle_y) = self.half_size, self.middle
+        return abs(x - middle_x) < half_x - margin and abs(y - middle_y) < half_y - margin
+
+    def bounds(self, margin: float = 0.0) -> tuple[float, float, float, float]:
+        """Returns x from, x to, y from, y to [m] of the map without a margin along its edge."""
+        (half_x, half_y), (x, y) = self.half_size, self.middle
+        return x - half_x + margin, x + half_x - margin, y - half_y + margin, y + half_y - margin
 
 
 def fractal(

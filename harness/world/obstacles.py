@@ -1,10 +1,11 @@
 """Obstacles: solid things that stand on a terrain, as MuJoCo geoms describe them, and where to put them.
 
-A rock is small enough to be driven over; a hazard (post, boulder, wall) is not to be touched at all.
+A rock is small enough to be driven over; a hazard (post, boulder, wall) is not to be touched at all; a
+deck is ground that no heightfield can show, as that of a bridge.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 from typing import Literal
 
@@ -17,7 +18,8 @@ OUTLINE_POINTS = 24
 TRIES_PER_POINT = 50
 Points = NDArray[np.float64]  # shape (k, 2): x, y in the world [m]
 
-Shape = Literal["ellipsoid", "box", "cylinder"]
+Color = tuple[float, float, float, float]  # RGBA, 0..1
+Shape = Literal["ellipsoid", "box", "cylinder", "convex", "surface"]
 
 
 class ObstacleKind(Enum):
@@ -25,6 +27,7 @@ class ObstacleKind(Enum):
 
     ROCK = auto()
     HAZARD = auto()
+    DECK = auto()
 
 
 @dataclass(frozen=True)
@@ -32,9 +35,14 @@ class Obstacle:
     """One geom in the world frame.
 
     Attributes:
-        half_size: Box: half lengths [m]; ellipsoid: semi-axes [m]; cylinder: radius, half height [m].
-        position: Centre x, y, z [m].
+        half_size: Box: half lengths [m]; ellipsoid: semi-axes [m]; cylinder: radius, half height [m];
+            convex, surface: half lengths of the box around it.
+        position: Centre x, y, z [m]; of the box around it likewise.
         quaternion: Orientation w, x, y, z.
+        corners: Of a convex one, from its centre, x, y, z [m]: it is their hull; likewise of a
+            surface, which is only seen.
+        faces: The triangles of a surface, by the numbers of its corners.
+        color: How a file says that it looks.
     """
 
     kind: ObstacleKind
@@ -42,6 +50,29 @@ class Obstacle:
     half_size: tuple[float, ...]
     position: tuple[float, float, float]
     quaternion: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    corners: tuple[tuple[float, float, float], ...] = ()
+    faces: tuple[tuple[int, ...], ...] = ()
+    color: Color | None = None
+
+
+def surface(kind: ObstacleKind, points: NDArray[np.float64], faces: NDArray[np.int64]) -> Obstacle:
+    """Returns triangles that are seen and not touched.
+
+    Args:
+        kind: What it is.
+        points: Corners in the world [m], shape (n, 3).
+        faces: Their numbers, shape (f, 3).
+    """
+    return replace(convex(kind, points), shape="surface", faces=tuple(map(tuple, faces.tolist())))
+
+
+def convex(kind: ObstacleKind, points: NDArray[np.float64]) -> Obstacle:
+    """Returns the convex hull of points in the world [m], shape (n, 3)."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle = 0.5 * (low + high)
+    corners = tuple((x, y, z) for x, y, z in (points - middle).tolist())
+    x, y, z = middle.tolist()
+    return Obstacle(kind, "convex", tuple((high - middle).tolist()), (x, y, z), corners=corners)
 
 
 @dataclass(frozen=True)
@@ -121,9 +152,18 @@ def outline(obstacle: Obstacle) -> Points:
 
 def top(obstacle: Obstacle) -> float:
     """Returns the height of an obstacle's highest point in the world [m]."""
+    return _level(obstacle, 1.0)
+
+
+def bottom(obstacle: Obstacle) -> float:
+    """Returns the height of an obstacle's lowest point in the world [m]."""
+    return _level(obstacle, -1.0)
+
+
+def _level(obstacle: Obstacle, upward: float) -> float:
     rotation = rotation_matrix(obstacle.quaternion)
-    upward = np.array([[0.0, 0.0, 1.0]])
-    return float((_furthest(obstacle, upward @ rotation) @ rotation.T)[0, 2] + obstacle.position[2])
+    direction = np.array([[0.0, 0.0, upward]])
+    return float((_furthest(obstacle, direction @ rotation) @ rotation.T)[0, 2] + obstacle.position[2])
 
 
 def half_extent(obstacle: Obstacle, direction: float) -> float:
@@ -152,6 +192,9 @@ def _furthest(obstacle: Obstacle, directions: Points) -> Points:
             radial = np.linalg.norm(directions[:, :2], axis=1, keepdims=True)
             disc = half[0] * directions[:, :2] / np.maximum(radial, 1e-12)
             return np.column_stack([disc, np.sign(directions[:, 2]) * half[1]])
+        case "convex" | "surface":
+            corners = np.array(obstacle.corners)
+            return np.asarray(corners[np.argmax(directions @ corners.T, axis=1)])
 
 
 def rotation_matrix(quaternion: tuple[float, float, float, float]) -> Points:

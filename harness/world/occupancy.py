@@ -1,7 +1,8 @@
 """The world as navigation sees it: which cells a rover can stand on and which it cannot.
 
 Occupied is what a hazard covers, what a rock covers that is higher than the rover climbs, what is
-steeper or steps higher than that, and the edge of the map, where a run ends. All other cells are free:
+steeper or steps higher than that, and the edge of the map, where a run ends. What is higher above the
+ground than HEADROOM is not in the way. All other cells are free:
 nothing is unknown to the simulator.
 """
 
@@ -12,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.world.heightfield import Heightfield
-from harness.world.obstacles import Obstacle, ObstacleKind, outline, top
+from harness.world.obstacles import Obstacle, ObstacleKind, bottom, outline, top
 from harness.world.statistics import WINDOW, box_means, reach
 from harness.world.world import EDGE_MARGIN, World
 
+HEADROOM = 1.0  # [m] between ground and what a rover with its lidar passes under
 RESOLUTION = 0.05  # [m], Nav2's default of its costmaps
 FREE, OCCUPIED = 0, 100
 
@@ -30,12 +32,14 @@ class OccupancyMap:
     Attributes:
         cells: FREE or OCCUPIED, int8, shape (rows, columns).
         resolution: Side length of a cell [m].
-        half_size: Half the lengths of the map along x and y; its middle is the world's origin [m].
+        half_size: Half the lengths of the map along x and y [m].
+        middle: Of the map, in the world [m].
     """
 
     cells: NDArray[np.int8]
     resolution: float
     half_size: tuple[float, float]
+    middle: tuple[float, float] = (0.0, 0.0)
 
     def is_free(self, x: float, y: float, radius: float = 0.0) -> bool:
         """Returns whether no cell is occupied whose middle lies in a disc, nor the one at its middle.
@@ -46,6 +50,7 @@ class OccupancyMap:
             radius: Of the disc [m].
         """
         half_x, half_y = self.half_size
+        x, y = x - self.middle[0], y - self.middle[1]
         if not (abs(x) < half_x and abs(y) < half_y):  # so that NaN is not
             return False
         row, column = int((y + half_y) / self.resolution), int((x + half_x) / self.resolution)
@@ -67,20 +72,23 @@ def occupancy(
         resolution: Side length of a cell [m].
     """
     ground = world.ground
-    middles = _middles(ground.half_size[0], resolution), _middles(ground.half_size[1], resolution)
-    blocked = _on_cells(_impassable(ground, slope_limit, step_limit), ground, middles, resolution)
+    centred = _middles(ground.half_size[0], resolution), _middles(ground.half_size[1], resolution)
+    blocked = _on_cells(_impassable(ground, slope_limit, step_limit), ground, centred, resolution)
+    middles = centred[0] + ground.middle[0], centred[1] + ground.middle[1]
     for obstacle in world.obstacles:
         x, y, _ = obstacle.position
-        height = top(obstacle) - ground.height_at(x, y)
-        if obstacle.kind is ObstacleKind.HAZARD or height > step_limit:
+        level = ground.height_at(x, y)
+        if obstacle.kind is ObstacleKind.DECK or bottom(obstacle) - level > HEADROOM:
+            continue
+        if obstacle.kind is ObstacleKind.HAZARD or top(obstacle) - level > step_limit:
             _cover(blocked, obstacle, middles, resolution)
     at_edge_x, at_edge_y = (
         np.abs(places) > half - EDGE_MARGIN
-        for places, half in zip(middles, ground.half_size, strict=True)
+        for places, half in zip(centred, ground.half_size, strict=True)
     )
     blocked |= at_edge_x | at_edge_y[:, None]
     cells = np.where(blocked, OCCUPIED, FREE).astype(np.int8)
-    return OccupancyMap(cells, resolution, ground.half_size)
+    return OccupancyMap(cells, resolution, ground.half_size, ground.middle)
 
 
 def _middles(half_size: float, resolution: float) -> Places:

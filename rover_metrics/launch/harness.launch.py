@@ -14,7 +14,7 @@ from launch.substitutions import LaunchConfiguration
 NOT_GIVEN = ""  # leaves it to the default of harness.run
 OPTIONS = {
     "terrain": "name, or heightmap file; python -m harness.run --list",
-    "robot": "leo or rover_zero4wd",
+    "robot": "leo or rover_zero4wd, or the folder of a rover",
     "driver": "who steers: a script's name, or cmd_vel for your own node",
     "seed": "of terrain, obstacles, driver and noise",
     "duration": "simulated seconds",

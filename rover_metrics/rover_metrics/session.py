@@ -15,10 +15,9 @@ from rover_metrics.core.metrics import TraversalMetrics, Vector3
 from rover_metrics.core.row import COLUMNS, Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 from rover_metrics.extended.imu_columns import Quaternion
-from rover_metrics.extended.metrics import EXTENDED_HEADER, ExtendedMetrics
+from rover_metrics.extended.metrics import ExtendedMetrics
 from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.extended.traffic_columns import Topic
-from rover_metrics.extended.truth_columns import TRAVERSAL
 from rover_metrics.health import rejections
 from rover_metrics.timing.clocks import NANOSECONDS
 
@@ -58,7 +57,7 @@ class MetricsSession:
     @property
     def columns(self) -> tuple[str, ...]:
         """Returns the header of the rows."""
-        return COLUMNS if self.extended is None else EXTENDED_HEADER
+        return COLUMNS if self.extended is None else self.extended.header
 
     def take_scan(
         self,
@@ -135,8 +134,10 @@ class MetricsSession:
             self.extended.truth.add_contact(touches=touches)
         return None
 
-    def take_traversal(self, values: Sequence[float], names: Sequence[str] = TRAVERSAL) -> Remark | None:
-        """Takes the other values of the truth, with the names of these (TRAVERSAL, or more)."""
+    def take_traversal(
+        self, values: Sequence[float], names: Sequence[str] | None = None
+    ) -> Remark | None:
+        """Takes the other values of the truth, with the names of these if they are told."""
         return self._judged(self.extended is None or self.extended.truth.add_traversal(values, names))
 
     def row(self, now_ns: int, reported_lost: Mapping[Topic, int] = MappingProxyType({})) -> Row:

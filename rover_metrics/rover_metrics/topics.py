@@ -10,7 +10,6 @@ from typing import Any
 
 from rover_metrics.core.metrics import Vector3
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic
-from rover_metrics.extended.truth_columns import TRAVERSAL
 from rover_metrics.health.rejections import NO_TIME
 from rover_metrics.session import MetricsSession, Remark
 from rover_metrics.timing.clocks import NANOSECONDS
@@ -82,7 +81,7 @@ def _pose(session: MetricsSession, poses: Message, stamp_ns: int) -> Remark | No
 
 def _traversal(session: MetricsSession, values: Message, _: int) -> Remark | None:
     label = values.layout.dim[0].label if values.layout.dim else ""
-    return session.take_traversal(list(values.data), label.split(",") if label else TRAVERSAL)
+    return session.take_traversal(list(values.data), label.split(",") if label else None)
 
 
 def _velocity(odometry: Message) -> Vector3:

@@ -26,6 +26,7 @@ from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
 from std_srvs.srv import SetBool, Trigger
 
+from harness import robots
 from harness.config import RosOptions
 from harness.episode.batch import Batch
 from harness.episode.loop import Pacer
@@ -41,7 +42,8 @@ from harness.ros.session import run_through_ros
 from harness.ros.topic_monitor import message_class
 from harness.samples import Twist
 from harness.sensors.message_types import typestore
-from tests.e2e.topic_oracle.expected import BEAMS, Expected, Topic, differences, topics
+from tests.e2e.topic_oracle.expected import BEAMS, Topic, differences, topics
+from tests.e2e.topic_oracle.form import Expected
 from tests.e2e.topic_oracle.stage import (
     BATCHES,
     RESET,
@@ -178,6 +180,7 @@ def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     paced: list[float] = []
     with pytest.MonkeyPatch.context() as patch, reserved_domain() as domain:
         patch.setenv("ROS_DOMAIN_ID", str(domain))
+        patch.setattr(robots, "ROVERS", {**ROVERS, spec.name: staged_rover(config)})
         patch.setattr(Bridge, "refuse_other_publishers", join)
         patch.setattr(EpisodeProcess, "command", note)
         patch.setattr(Pacer, "postpone", lambda _, seconds: paced.append(seconds))
@@ -227,7 +230,7 @@ def test_every_message_arrives_once_and_in_order_samples_before_their_clock(driv
 
 
 def read(name: str, data: bytes) -> Any:  # noqa: ANN401 - of rclpy, or of rosbags what it cannot read
-    if name in ("/tf", "/tf_static"):
+    if name in ("/tf", "/tf_static", "/height_scan/grid_map"):
         return typestore().deserialize_cdr(data, TABLE[name].kind)
     return deserialize_message(data, KINDS[name])
 

@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,10 +14,14 @@ from numpy.typing import NDArray
 from harness.physics.scene import Scene, build_scene
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS, RoverSpec
+from harness.robots.urdf.folder import write_folder
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS
+from harness.world.actors.actor import with_actors
+from harness.world.actors.spec import parse_actors
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle
 from harness.world.world import World
+from tests.support.foreign_rovers import FOREIGN
 
 VERTICES, CELL = 41, 0.1  # the map is 4 m wide
 TIMESTEP_NS = 2_500_000
@@ -33,10 +38,12 @@ def make_simulation() -> MakeSimulation:
         *,
         heights: NDArray[np.float64] | None = None,
         obstacles: tuple[Obstacle, ...] = (),
+        actors: tuple[str, ...] = (),
         timestep_ns: int = TIMESTEP_NS,
     ) -> Simulation:
         ground = Heightfield(np.zeros((VERTICES, VERTICES)) if heights is None else heights, CELL)
         world = World("bench", ground, obstacles, seed=0, difficulty=0.0)
+        world = with_actors(world, parse_actors(actors)) if actors else world
         return Simulation(build_scene(world, ROVERS[robot], timestep_ns / 1e9), timestep_ns)
 
     return make
@@ -62,5 +69,19 @@ def simulate() -> MakeSimulation:
     ) -> Simulation:
         scene = _scene(rover, slope, timestep_ns)
         return Simulation(replace(scene, model=copy.copy(scene.model)), timestep_ns)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def foreign(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], RoverSpec]:
+    """Makes the rover of that name that is not ours; the same folder for all who ask."""
+    root = tmp_path_factory.mktemp("foreign")
+
+    @cache
+    def make(name: str) -> RoverSpec:
+        urdf = Path(root / f"{name}.urdf")
+        urdf.write_text(FOREIGN[name].urdf)
+        return write_folder(name, urdf, root / name).rover
 
     return make

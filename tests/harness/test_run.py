@@ -26,6 +26,25 @@ def test_direct_run_writes_csv_and_manifest(tmp_path: Path) -> None:
     assert manifest["last_row"]["Timestamp"] == 2
 
 
+def test_a_run_with_people_has_a_social_log_and_drives_as_without(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["--terrain", "flat", "--direct", "--duration", "2", "--driver", "straight"]
+    people = ["--actor", "g=3,0/3,4", "--actor", "far=-15,0"]  # beyond the lidar's 10 m, or behind
+    assert main([*words, "--log-dir", str(tmp_path / "a"), *people]) == 0
+    (social,) = (tmp_path / "a" / "social").iterdir()
+    assert f"people: {social}" in capsys.readouterr().out
+    assert len(social.read_bytes().split(b"\r\n")) == 4
+    (manifest,) = (tmp_path / "a").glob("*.json")
+    assert json.loads(manifest.read_text())["social_log"] == str(social)
+    assert main([*words, "--log-dir", str(tmp_path / "b")]) == 0
+    rows = [next((tmp_path / name).glob("*.csv")).read_text().splitlines() for name in "ab"]
+    clearance = rows[0][0].split(",").index("Obstacle Clearance")
+    for with_people, without in zip(*rows, strict=True):
+        cells = zip(with_people.split(","), without.split(","), strict=True)
+        assert {n for n, (one, other) in enumerate(cells) if one != other} <= {clearance}
+
+
 def test_two_runs_in_the_same_second_keep_both_logs(tmp_path: Path) -> None:
     for _ in range(2):
         assert main([*QUICK, "--log-dir", str(tmp_path)]) == 0
@@ -52,7 +71,7 @@ def test_list_names_terrains_with_their_promises_robots_drivers_and_noise(
     assert main(["--list"]) == 0
     listed = capsys.readouterr().out
     terrains = ("flat", "slope", "rolling", "gravel", "rocky", "washboard", "dunes", "posts", "maze")
-    drivers = ("wander", "straight", "spin", "figure8", "cmd_vel")
+    drivers = ("wander", "straight", "spin", "figure8", "cmd_vel", "policy:FILE.npz")
     for name in (*terrains, *drivers, "leo", "rover_zero4wd"):
         assert f"{name} " in listed
     assert {f" {name} " in listed for name in ("white", "hardware", "gazebo")} == {True}
@@ -82,6 +101,17 @@ def test_list_names_terrains_with_their_promises_robots_drivers_and_noise(
         (["--extended", "--no-metrics"], "start yours with -p extended_columns:=true"),
         (["--direct", "--driver", "cmd_vel"], "--driver cmd_vel needs ROS; leave out --direct"),
         (["--direct", "--ros-args", "-r", "a:=b", "--"], "--ros-args needs ROS; leave out --direct"),
+        (["--direct", "--actor", "g=0,0/30,0"], "actor 'g' walks off the map at 19.60,0.00"),
+        (["--direct", "--actor", "none.sdf"], "cannot read the trajectory none.sdf"),
+        (["--direct", "--actor", "g=random:speed=0"], "speed '0' is not valid; give 0.05 to 10"),
+        (
+            ["--direct", "--driver", "goal", "--goal-area", "90,91,0,1"],
+            "no free place in the goal area",
+        ),
+        (
+            ["--direct", "--actor", "g=random", "--social-log", "/nowhere/s.csv"],
+            "there is no folder /nowhere",
+        ),
         (["--summary", "/nowhere/x.json"], "there is no folder /nowhere; create it first"),
     ],
 )

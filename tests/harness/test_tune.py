@@ -58,6 +58,8 @@ def test_a_second_run_elsewhere_gives_the_same_bytes(
         (["--robot", "mars"], "robot 'mars' does not exist; available: leo, rover_zero4wd"),
         (["--episodes", "1"], "1 episodes are not enough"),
         (["--duration", "0"], "duration 0 s is not valid"),
+        (["--driver", "fly"], "driver 'fly' does not exist; available: wander"),
+        (["--driver", "policy:none.npz"], "policy none.npz cannot be read"),
         (["--seed", "-1"], "seed -1 is not valid"),
         (["--jobs", "0"], "0 jobs are not valid"),
         (["--backend", "slurm"], "local, ray, dask"),

@@ -658,3 +658,19 @@ def test_another_truth_is_refused(values: list[float]) -> None:
     feed = Feed()
     assert not feed.traversal(values)
     assert feed.row()["True Roughness [m]"] == ""
+
+
+def test_a_rover_of_other_wheels_has_other_columns_of_slip() -> None:
+    session = MetricsSession(settings=ExtendedSettings(wheels="front_left,front_right,1_left"))
+    assert session.take_traversal([9.0, 9.0, 9.0, 9.0, 9.0, 0.1, 0.2, 0.3, 5.0]) is None
+    assert session.take_traversal([0.0] * 10) is not None  # of four wheels
+    row = session.row(ns(1.0))
+    told = dict(zip(row.columns, row.as_fields(), strict=True))
+    slips = {name: told[name] for name in told if name.startswith("True Slip")}
+    assert slips == {"True Slip Front Left": 0.1, "True Slip Front Right": 0.2, "True Slip 1 Left": 0.3}
+
+
+@pytest.mark.parametrize("wheels", ["", "left,left", "Left,right", "left, right", "left,,right"])
+def test_names_of_wheels_that_are_not_valid_are_refused(wheels: str) -> None:
+    with pytest.raises(ParameterError, match="parameter wheels must be names of lower-case letters"):
+        ExtendedSettings(wheels=wheels)

@@ -17,7 +17,7 @@ from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
-from rover_metrics.extended.truth_columns import TRAVERSAL
+from rover_metrics.extended.truth_columns import WHEELS, traversal_names
 from rover_metrics.topics import SENSORS, TRUTH
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def row(node: "MetricsNode") -> dict[str, Any]:
 def test_messages_of_every_topic_reach_their_columns(rig: "Rig") -> None:
     node = start(rig, footprint=SQUARE)
     truth = Float64MultiArray(data=[0.0, 0.0, 0.0, 0.5, 9.0, 0.1, 0.2, 0.3, 0.4, 0.02])
-    truth.layout.dim = [MultiArrayDimension(label=",".join(TRAVERSAL), size=10, stride=10)]
+    truth.layout.dim = [MultiArrayDimension(label=",".join(traversal_names(WHEELS)), size=10, stride=10)]
     tilted = rig.imu((1.0, 0.0, 9.8), stamp=1.0)
     tilted.orientation.x, tilted.orientation.w = 0.6, 0.8
     tilted.orientation_covariance[0] = -1.0  # which says that there is none

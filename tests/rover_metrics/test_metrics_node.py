@@ -33,7 +33,7 @@ from rover_metrics.core.row import Row
 from rover_metrics.core.thresholds import THRESHOLD_INFO, Thresholds
 from rover_metrics.errors import LogError, ParameterError
 from rover_metrics.extended.settings import DEFAULT_EXTENDED
-from rover_metrics.extended.truth_columns import TRAVERSAL
+from rover_metrics.extended.truth_columns import WHEELS, traversal_names
 from rover_metrics.health import rejections
 from rover_metrics.health.reception import Reception
 from rover_metrics.health.watches import STANDS_STILL
@@ -501,7 +501,11 @@ def test_each_message_is_counted_once_and_named_if_something_is_odd(
     [
         (GROUND_TRUTH, of_odometry(0.5), of_odometry(math.nan)),
         (CONTACT, Bool(data=True), None),
-        (TRUTH_VALUES, Float64MultiArray(data=[0.0] * len(TRAVERSAL)), Float64MultiArray(data=[0.0])),
+        (
+            TRUTH_VALUES,
+            Float64MultiArray(data=[0.0] * len(traversal_names(WHEELS))),
+            Float64MultiArray(data=[0.0]),
+        ),
     ],
 )
 def test_truth_is_counted_and_left_out_if_it_is_no_truth(

@@ -9,7 +9,6 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 
 from rover_metrics.extended.traffic_columns import TOPICS
-from rover_metrics.extended.truth_columns import TRAVERSAL
 from rover_metrics.session import MetricsSession, Remark
 from rover_metrics.topics import SENSORS, TRUTH, Message, Source, stamp_ns
 
@@ -77,8 +76,8 @@ ACCELERATION, RATE = (1.0, 2.0, 3.0), (4.0, 5.0, 6.0)
         (GROUND_TRUTH, odometry(), call.take_true_velocity((1.0, 2.0, 3.0))),
         (CONTACT, SimpleNamespace(data=True), call.take_contact(touches=True)),
         (CONTACT, SimpleNamespace(data=False), call.take_contact(touches=False)),
-        (TRUTH_VALUES, values(), call.take_traversal([0.5, 1.5], TRAVERSAL)),
-        (TRUTH_VALUES, values(""), call.take_traversal([0.5, 1.5], TRAVERSAL)),
+        (TRUTH_VALUES, values(), call.take_traversal([0.5, 1.5], None)),
+        (TRUTH_VALUES, values(""), call.take_traversal([0.5, 1.5], None)),
         (TRUTH_VALUES, values("speed,slip", "x"), call.take_traversal([0.5, 1.5], ["speed", "slip"])),
     ],
 )

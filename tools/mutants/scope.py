@@ -36,7 +36,12 @@ PACKAGES = (
     Package("log", _modules(_METRICS, "log/*")),
     Package("timing and health", _modules(_METRICS, "timing/* health/* ros/row_timer")),
     Package("extended columns", _modules(_METRICS, "extended/*")),
-    Package("statistics", _modules(f"{_METRICS}/analysis", "* logs/* statistics/*")),
+    Package(
+        "statistics",
+        _modules(
+            f"{_METRICS}/analysis", "* logs/* statistics/* social/log social/metrics social/comparison"
+        ),
+    ),
     Package("sensors", _modules(f"{_HARNESS}/sensors", "* rays/arrays")),
     Package("faults", _modules(_HARNESS, "faults/*")),
     Package(
@@ -68,6 +73,7 @@ PACKAGES = (
         tests=("tests/harness/gym",),
     ),
     Package("world", _modules(f"{_HARNESS}/world", "* terrains/* heightmap/*")),
+    Package("people", _modules(_HARNESS, "world/actors/* physics/crowd episode/social_recorder")),
     Package("tuning scores", _modules(f"{_HARNESS}/tuning", "scoring/* episodes/contacts")),
 )
 

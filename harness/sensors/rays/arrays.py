@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.physics.scene import TERRAIN
-from harness.sensors.rays.obstacle_kernel import BOX, CYLINDER, ELLIPSOID
+from harness.sensors.rays.obstacle_kernel import BOX, CAPSULE, CYLINDER, ELLIPSOID
+from harness.sensors.rays.triangle_kernel import build_tree
 
+MESH = int(mujoco.mjtGeom.mjGEOM_MESH)
 COARSEST_LEVEL = 6  # blocks of 64 cells; coarser ones are hardly ever skipped whole
 
 Floats = NDArray[np.float32]
@@ -41,21 +43,41 @@ def heightfield_arrays(model: mujoco.MjModel) -> tuple[Floats, Floats, Integers,
 
 
 def obstacle_arrays(model: mujoco.MjModel, group: int) -> tuple[Integers, Doubles]:
-    """Returns the geoms of a group, with kinds, and their sizes as cast_fan takes them.
+    """Returns the geoms of a group but for meshes, with kinds, and their sizes as cast_fan takes them.
 
     Raises:
-        ValueError: One of them is neither box, cylinder nor ellipsoid.
+        ValueError: One of them is neither mesh, box, cylinder, capsule nor ellipsoid.
     """
-    geoms = np.flatnonzero(model.geom_group == group)
+    geoms = np.flatnonzero((model.geom_group == group) & (model.geom_type != MESH))
     kinds = model.geom_type[geoms]
-    unseen = geoms[~np.isin(kinds, (BOX, CYLINDER, ELLIPSOID))]
+    unseen = geoms[~np.isin(kinds, (BOX, CYLINDER, CAPSULE, ELLIPSOID))]
     if unseen.size:
         raise ValueError(
             f"obstacle '{model.geom(unseen[0]).name}' has a shape that the lidar cannot see; "
-            "available: box, cylinder, ellipsoid"
+            "available: box, cylinder, capsule, ellipsoid, mesh"
         )
     sizes = np.column_stack([model.geom_size[geoms], model.geom_rbound[geoms]])
     return np.column_stack([geoms, kinds]).astype(np.int64), sizes
+
+
+def triangle_arrays(model: mujoco.MjModel, group: int) -> tuple[Doubles, Doubles] | None:
+    """Returns the meshes of a group as cast_triangles takes them; None without any.
+
+    They must stand still: they are where they are when nothing has moved yet.
+    """
+    geoms = np.flatnonzero((model.geom_group == group) & (model.geom_type == MESH))
+    if not geoms.size:
+        return None
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    corners = []
+    for geom in geoms:
+        mesh = model.geom_dataid[geom]
+        vertex, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
+        vertices = model.mesh_vert[vertex : vertex + model.mesh_vertnum[mesh]].astype(np.float64)
+        placed = vertices @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
+        corners.append(placed[model.mesh_face[face : face + model.mesh_facenum[mesh]]])
+    return build_tree(np.concatenate(corners))
 
 
 def _max_pyramid(heights: Floats) -> tuple[Floats, Integers]:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from harness.sensors.rays.compiled import inlined, kernel
 
 MISS = math.inf
+NEAR_LEVEL = 3  # where a walk begins that is not far from its end
 
 Ray = tuple[float, float, float, float, float, float]  # u, v, w and their change per metre
 Interval = tuple[float, float]  # of t; empty if its begin lies behind its end
@@ -133,8 +134,9 @@ def _hit_surface(
     ray: Ray,
     stay: Interval,
     side: float,
+    level: int,
 ) -> float:
-    """Amanatides-Woo over blocks of 2**level cells.
+    """Amanatides-Woo over blocks of 2**level cells, first of those of a level.
 
     A block whose maximum the ray stays above is skipped whole, another is entered one level finer;
     a ray that steps into another parent block climbs one level. From below every cell is visited.
@@ -146,7 +148,6 @@ def _hit_surface(
     t, t_end = stay
     row, col = _cell_at(v + t * dv, rows), _cell_at(u + t * du, cols)
     top = levels.shape[0] - 1 if side > 0.0 else 0
-    level = top
     while 0 <= row < rows - 1 and 0 <= col < cols - 1:
         block_row, block_col = row >> level, col >> level
         t_u = _edge_time(u, pace_u, block_col, level)
@@ -201,7 +202,8 @@ def _hit_field(
     if clearance < 0.0 and over_map[0] > 0.0 and w_begin >= 0.0:
         return begin  # a side wall, from outside
     side = 1.0 if clearance > 0.0 else -1.0
-    surface = _hit_surface(heights, pyramid, levels, ray, (begin, end), side)
+    top = levels.shape[0] - 1 if side > 0.0 else 0
+    surface = _hit_surface(heights, pyramid, levels, ray, (begin, end), side, top)
     if surface == MISS and side < 0.0 and end == over_map[1] and ray[2] + end * ray[5] >= 0.0:
         return end  # a side wall, from within
     return min(surface, base)
@@ -243,5 +245,52 @@ def cast_rays(
         ray = (u, v, w, directions[i, 0] * su, directions[i, 1] * sv, directions[i, 2] * sw)
         limit = min(ranges[i], range_max)
         hit = _hit_field(heights, pyramid, levels, extent, ray, limit)
+        if hit <= limit:
+            ranges[i] = hit
+
+
+@kernel(
+    "void(float32[:,::1], float32[::1], int64[:,::1], float64[:,::1], float64[::1],"
+    " float64[:,::1], float64[::1], float64, float64[::1])"
+)
+def cast_clear_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of them
+    heights: NDArray[np.float32],
+    pyramid: NDArray[np.float32],
+    levels: NDArray[np.int64],
+    frame: NDArray[np.float64],
+    origin: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    clear: NDArray[np.float64],
+    range_max: float,
+    ranges: NDArray[np.float64],
+) -> None:
+    """As cast_rays, with walks that begin where it is not known any more that there is nothing.
+
+    Args:
+        heights: As cast_rays has it; likewise all that is not named here.
+        pyramid: See `heights`.
+        levels: See `heights`.
+        frame: See `heights`.
+        origin: See `heights`.
+        directions: See `heights`.
+        clear: Distances [m] before which rays do not meet the surface, as clear_ways gives them; (n,).
+        range_max: See `heights`.
+        ranges: See `heights`.
+    """
+    su, sv, sw = frame[1, 0], frame[1, 1], frame[1, 2]
+    u = (origin[0] - frame[0, 0]) * su
+    v = (origin[1] - frame[0, 1]) * sv
+    w = (origin[2] - frame[0, 2]) * sw
+    extent, first_level = (frame[2, 0], frame[2, 1]), min(NEAR_LEVEL, levels.shape[0] - 1)
+    for i in range(ranges.shape[0]):
+        limit = min(ranges[i], range_max)
+        if clear[i] > limit:
+            continue
+        ray = (u, v, w, directions[i, 0] * su, directions[i, 1] * sv, directions[i, 2] * sw)
+        if clear[i] > 0.0:  # it begins over the map and above the surface: no base, no walls
+            stay = clear[i], min(_over_map(heights, ray)[1], limit)
+            hit = _hit_surface(heights, pyramid, levels, ray, stay, 1.0, first_level)
+        else:
+            hit = _hit_field(heights, pyramid, levels, extent, ray, limit)
         if hit <= limit:
             ranges[i] = hit

@@ -11,7 +11,9 @@ from enum import StrEnum
 import numpy as np
 
 from harness.config import EpisodeConfig
+from harness.drivers import find_driver, takes_goals
 from harness.errors import UsageError
+from harness.robots import robot_name
 
 FEWEST_EPISODES = 2  # one world to choose on, one to check on
 DIFFICULTIES = (0.5, 0.2, 0.8)
@@ -29,6 +31,11 @@ GROUNDS = (
     ("dunes", "roam"),
     ("gravel", "wander"),
 )
+ROAMING = ("roam", "wander")  # who drives there; another driver can take their place
+GOAL_PERIOD, FARTHEST_GOAL = (
+    15.0,
+    12.0,
+)  # [s], [m] along x and y: where one that needs goals is sent
 STRATA = tuple(
     stratum
     for number, hazard in enumerate(HAZARDS)
@@ -55,32 +62,38 @@ class Planned:
     def name(self) -> str:
         """Its name, which is that of its file too."""
         config = self.config
-        return f"{self.index:04d}-{config.robot}-{config.terrain}-{config.driver}"
+        driver = config.driver.partition(":")[0]
+        return f"{self.index:04d}-{robot_name(config.robot)}-{config.terrain}-{driver}"
 
 
-def plan(robots: Sequence[str], episodes: int, seed: int, duration: float) -> tuple[Planned, ...]:
+def plan(
+    robots: Sequence[str], episodes: int, seed: int, duration: float, driver: str = ""
+) -> tuple[Planned, ...]:
     """Returns the episodes of a sweep.
 
     Args:
-        robots: Names of rovers; every one drives in all worlds.
+        robots: Names or folders of rovers; every one drives in all worlds.
         episodes: Number of worlds.
         seed: Of the whole sweep.
         duration: Of each episode [s].
+        driver: In place of those of ROAMING; "" for these.
 
     Raises:
         UsageError: A value is not valid; the message names those that are.
     """
     if episodes < FEWEST_EPISODES:
         raise UsageError(f"{episodes} episodes are not enough: half of them only check; give 2 or more")
-    if len(set(robots)) < len(robots):
+    if len(set(map(robot_name, robots))) < len(robots):
         raise UsageError("a robot is named twice; name each once")
     if seed < 0:
         raise UsageError(f"seed {seed} is not valid; give a whole number from 0 up")
+    if driver:
+        find_driver(driver)
     planned = [
         Planned(
             world * len(robots) + place,
             (Part.TRAIN, Part.TEST)[world % 2],
-            _config(robot, world, seed, duration),
+            _config(robot, world, seed, duration, driver),
         )
         for world in range(episodes)
         for place, robot in enumerate(robots)
@@ -90,9 +103,11 @@ def plan(robots: Sequence[str], episodes: int, seed: int, duration: float) -> tu
     return tuple(planned)
 
 
-def _config(robot: str, world: int, seed: int, duration: float) -> EpisodeConfig:
+def _config(robot: str, world: int, seed: int, duration: float, roaming: str) -> EpisodeConfig:
     round_, stratum = divmod(world // 2, len(STRATA))
     terrain, driver = STRATA[stratum]
+    if roaming and driver in ROAMING:
+        driver = roaming
     return EpisodeConfig(
         terrain=terrain,
         robot=robot,
@@ -100,4 +115,12 @@ def _config(robot: str, world: int, seed: int, duration: float) -> EpisodeConfig
         seed=int(np.random.SeedSequence([seed, world]).generate_state(1)[0]),
         difficulty=DIFFICULTIES[(round_ + stratum) % len(DIFFICULTIES)],
         duration=duration,
+        goals=_goals(world, seed, duration) if takes_goals(driver) else (),
     )
+
+
+def _goals(world: int, seed: int, duration: float) -> tuple[tuple[float, float, float, float], ...]:
+    times = np.arange(0.0, duration, GOAL_PERIOD)
+    rng = np.random.default_rng([seed, world])
+    places = rng.uniform(-FARTHEST_GOAL, FARTHEST_GOAL, (len(times), 2))
+    return tuple((time, x, y, 0.0) for time, (x, y) in zip(times.tolist(), places.tolist(), strict=True))

@@ -4,6 +4,7 @@ import io
 import json
 from collections.abc import Mapping
 from dataclasses import asdict
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import __version__
+from harness.drivers.policy import PREFIX
 from harness.errors import UsageError
 from harness.files import whole_file
+from harness.robots import ROVERS, find_rover
+from harness.robots.reading import model_hash
 from harness.tuning.episodes.plan import Planned
 from harness.tuning.episodes.record import EVENT, SCAN, SCHEMA, WINDOW, Ending, EpisodeRecord, Table
 from rover_metrics.log.files import json_safe
@@ -111,6 +115,13 @@ def _identity(planned: tuple[Planned, ...]) -> dict[str, Any]:
     """What determines a sweep; exact sensors are false, as in the sweeps that users keep."""
     configs = {one.name: asdict(one.config) | {"noise": one.config.noise or False} for one in planned}
     identity = {"version": __version__, "schema": SCHEMA, "episodes": _used(configs)}
+    folders = {one.config.robot for one in planned} - set(ROVERS)
+    if folders:  # those that ship change with the version
+        identity["folders"] = {robot: model_hash(find_rover(robot)) for robot in sorted(folders)}
+    drivers = sorted({one.config.driver for one in planned})
+    files = [Path(name.removeprefix(PREFIX)) for name in drivers if name.startswith(PREFIX)]
+    if files:
+        identity["policies"] = [sha256(file.read_bytes()).hexdigest() for file in files]
     return dict(json_safe(identity))  # as it will be read: lists for tuples
 
 
@@ -136,4 +147,4 @@ def _difference(path: Path, ours: dict[str, Any]) -> str:
         return f"{SWEEP} is not readable"
     if episodes != len(ours["episodes"]):
         return f"{episodes} episodes instead of {len(ours['episodes'])}"
-    return "other robots, seed or duration"
+    return "other robots, driver, seed or duration"

@@ -9,8 +9,10 @@ from scipy.spatial import ConvexHull
 
 from harness.physics.scene import VISUAL_GROUP
 from harness.robots import RoverSpec
+from harness.robots.model import read_model
 
 ABOVE, SIDE = (0, 1), (0, 2)  # axes of the model frame that are seen
+BOX, MESH = int(mujoco.mjtGeom.mjGEOM_BOX), int(mujoco.mjtGeom.mjGEOM_MESH)
 STEP = 1e-3  # [m] along the outline, about
 # Directions of a ball, on which the corners of boxes and the ends of cylinders are found too.
 TURN, TILT = np.meshgrid(np.linspace(0.0, 2 * np.pi, 24, endpoint=False), np.linspace(0.0, np.pi, 13))
@@ -23,7 +25,7 @@ Told = tuple[float, float]  # range_min and a collision threshold [m]: touches b
 
 def silhouette(rover: RoverSpec, axes: tuple[int, int]) -> list[Points]:
     """Returns convex outlines of a rover on flat ground in its frame [m]; `axes` are ABOVE or SIDE."""
-    model = mujoco.MjModel.from_xml_path(str(rover.model_path))
+    model = read_model(rover).compile()
     data = mujoco.MjData(model)
     data.qpos[:3] = 0.0, 0.0, rover.rest_height
     mujoco.mj_kinematics(model, data)
@@ -37,8 +39,10 @@ def silhouette(rover: RoverSpec, axes: tuple[int, int]) -> list[Points]:
 
 def _surface(kind: int, size: NDArray[np.float64]) -> NDArray[np.float64]:
     """Points whose hull is a geom, shape (..., 3) [m]."""
-    if kind == mujoco.mjtGeom.mjGEOM_BOX:
+    if int(kind) in (BOX, MESH):  # the size of a mesh is its box's
         return np.asarray(np.sign(BALL) * size)
+    if kind == mujoco.mjtGeom.mjGEOM_SPHERE:
+        return np.asarray(BALL * size[0])
     if kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
         return np.asarray(BALL * size)
     if kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
@@ -80,4 +84,4 @@ def _sides(rover: RoverSpec) -> Iterator[tuple[Points, NDArray[np.float64], Poin
         length = float(np.hypot(*along))
         points = np.linspace(start, end, round(length / STEP))
         outward = np.array([along[1], -along[0]]) / length
-        yield points, np.hypot(points[:, 0] - rover.lidar_x, points[:, 1]), outward
+        yield points, np.hypot(points[:, 0] - rover.lidar_x, points[:, 1] - rover.lidar_y), outward

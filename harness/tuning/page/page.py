@@ -45,7 +45,7 @@ def render(studies: Sequence[RobotStudy], records: Mapping[Planned, EpisodeRecor
     around = [(find_rover(study.robot), _distances(study.collision)) for study in studies]
     robots: list[dict[str, Any]] = [
         {
-            "name": study.robot,
+            "name": study.name,
             "conclusions": [*conclusions(study)],
             "unreachable": unreachable(study.collision),
             "file": parameter_file(study, command),

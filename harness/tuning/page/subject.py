@@ -46,7 +46,7 @@ class Subject:
         """
         layout = fig.common_layout(xaxis=x, yaxis=y, shapes=list(shapes), hovermode="closest")
         figure = {"data": list(data), "layout": layout}
-        return fig.Plot(f"{self.study.robot}-{name}", f"{self.study.robot}: {what}", figure)
+        return fig.Plot(f"{self.study.name}-{name}", f"{self.study.name}: {what}", figure)
 
 
 def curve(

@@ -23,6 +23,7 @@ from harness.validation.rig import Rig
 PARAMETER, MEASURE = "min_safe_clearance", "F1"
 SCAN_PERIOD = 0.05  # [s]
 LATENCY = SCAN_PERIOD + CONTROL_PERIOD  # [s] from what is there to a command that answers it, at worst
+FLOOR_SPEED = 2.0  # [m/s]: faster, a rover leaves the floor of 12 m before it has stopped
 STANDSTILL, LONGEST_STOP = 0.01, 5.0  # [m/s], [s]
 MARGIN = 0.1  # [m] of room that is left when the rover stands
 STEP = 0.01  # [m]
@@ -99,10 +100,11 @@ def study_clearance(records: Records, rover: RoverSpec, seed: int) -> ClearanceS
 
 
 def measure_braking(rover: RoverSpec, seed: int) -> Braking:
-    """Drives up to top speed on a level floor and stops."""
+    """Drives up to top speed on a level floor, as far as that is large enough, and stops."""
     rig = Rig(rover, floor(seed))
     # More than the wheels can do would have to be unwound first.
-    speed = straight_speed(rig, rover.wheel_speed_limit * rover.controller_radius)
+    fastest = min(rover.wheel_speed_limit * rover.controller_radius, FLOOR_SPEED)
+    speed = straight_speed(rig, fastest)
     start, began = rig.stance.ahead, rig.simulation.time_ns
     rig.command(0.0)
     rig.run_until(lambda: rig.speed < STANDSTILL, LONGEST_STOP)

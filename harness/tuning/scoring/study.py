@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from harness.robots import find_rover
+from harness.robots import find_rover, robot_name
 from harness.tuning.episodes.plan import Part, Planned
 from harness.tuning.episodes.record import Ending, EpisodeRecord
 from harness.tuning.scoring.choose import Records
@@ -40,7 +40,7 @@ class Driven:
 
 @dataclass(frozen=True, kw_only=True)
 class RobotStudy:
-    """One robot's thresholds."""
+    """One robot's thresholds; `robot` is its name, or its folder."""
 
     robot: str
     driven: Driven
@@ -48,6 +48,11 @@ class RobotStudy:
     clearance: ClearanceStudy
     grounds: tuple[GroundStudy, ...]
     distance: DistanceStudy
+
+    @property
+    def name(self) -> str:
+        """What the robot is called."""
+        return robot_name(self.robot)
 
     @property
     def verdicts(self) -> Iterator[Verdict]:
@@ -63,7 +68,7 @@ def study(robot: str, records: Mapping[Planned, EpisodeRecord], seed: int) -> Ro
     """Returns the scores of one robot's thresholds on its episodes of a sweep.
 
     Args:
-        robot: Its name.
+        robot: Its name, or its folder.
         records: All episodes of the sweep.
         seed: Of the sweep, for the measured stop.
     """
@@ -101,7 +106,7 @@ def _driven(robot: str, records: Mapping[Planned, EpisodeRecord]) -> Driven:
 def conclusions(study: RobotStudy) -> Iterator[str]:
     """Yields what a user must know of a robot, a sentence or two for each matter."""
     for verdict in study.verdicts:
-        yield judgement(study.robot, verdict)
+        yield judgement(study.name, verdict)
     yield unreachable(study.collision)
     yield from alternatives(study.collision)
 

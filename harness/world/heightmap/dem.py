@@ -5,9 +5,6 @@ vertices as they are. Whatever is done (filled, resampled, scaled) and what came
 """
 
 import math
-import os
-from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -16,63 +13,25 @@ from harness.world.heightfield import Field, Heightfield, filled, resampled
 from harness.world.heightmap.raster import Raster, read_raster
 from harness.world.statistics import slopes
 from harness.world.terrain import HEIGHT_DECIMALS
-from harness.world.terrains import TERRAINS
+from harness.world.terrain_file import (
+    LARGEST_MAP,
+    LARGEST_RELIEF,
+    MIDDLE,
+    SMALLEST_MAP,
+    STEEPEST_START,
+    TerrainFile,
+)
 from harness.world.world import Start, World
 
-SUFFIXES = (".tif", ".tiff", ".png", ".npy")
-MIDDLE: Start = (0.0, 0.0, 0.0)
 FINEST_CELL = 0.05  # [m]: a step costs more the smaller the cells under a wheel are
 MOST_VERTICES = 1500 * 1500
-SMALLEST_MAP, LARGEST_MAP = 10.0, 50_000.0  # [m] along a side
-LARGEST_RELIEF = 10_000.0  # [m]
 MOST_MISSING = 0.5  # share of heights that may be filled in
-STEEPEST_START = 15.0  # [deg]
 SMALLEST_LOSS = 0.01  # of a cell, at the edges, that is told
 START_REACH = 0.4  # [m] around the start that must not be steeper
 START_SEARCH = 0.25  # of the map's shorter side, from its middle
 
 
-@dataclass(frozen=True, kw_only=True)
-class TerrainFile:
-    """A heightmap and what its file may leave open.
-
-    Attributes:
-        path: The file.
-        size: Length of the map along x and y [m]; None as the file says.
-        relief: From the lowest to the highest point [m]; None as the file says.
-        needs_start: Whether a place to start from is to be looked for.
-    """
-
-    path: Path
-    size: tuple[float, float] | None = None
-    relief: float | None = None
-    needs_start: bool = True
-
-    def check(self) -> None:
-        """Checks the two numbers.
-
-        Raises:
-            UsageError: One is not valid.
-        """
-        for length in self.size or ():
-            if not SMALLEST_MAP <= length <= LARGEST_MAP:
-                raise UsageError(
-                    f"terrain size {length:g} m is not valid; give {SMALLEST_MAP:g} to {LARGEST_MAP:g}"
-                )
-        if self.relief is not None and not 0.0 <= self.relief <= LARGEST_RELIEF:
-            raise UsageError(
-                f"terrain height {self.relief:g} m is not valid; give 0 to {LARGEST_RELIEF:g}"
-            )
-
-
-def is_terrain_file(name: str) -> bool:
-    """Returns whether the name of a terrain means a file rather than one of the named terrains."""
-    if name in TERRAINS:
-        return False
-    return os.sep in name or name.lower().endswith(SUFFIXES) or Path(name).exists()
-
-
-def file_world(file: TerrainFile, seed: int) -> World:
+def heightmap_world(file: TerrainFile, seed: int) -> World:
     """Makes a world without obstacles from a heightmap.
 
     Raises:

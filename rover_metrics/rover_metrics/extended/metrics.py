@@ -1,7 +1,7 @@
 """Extended metrics: the samples that TraversalMetrics has judged in, the cells after the twelve out."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from numpy.typing import ArrayLike
@@ -14,18 +14,23 @@ from rover_metrics.extended.scan_columns import ScanColumns
 from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic, TrafficColumns
 from rover_metrics.extended.travel_columns import TravelColumns
-from rover_metrics.extended.truth_columns import TruthColumns
+from rover_metrics.extended.truth_columns import WHEELS, TruthColumns, truth_columns
 from rover_metrics.timing.clocks import NANOSECONDS
 
-EXTENDED_COLUMNS: tuple[Column, ...] = (
-    *TravelColumns.COLUMNS,
-    *ScanColumns.COLUMNS,
-    *ImuColumns.COLUMNS,
-    *TrafficColumns.COLUMNS,
-    *TruthColumns.COLUMNS,
-)
-_HEADERS = tuple(column.header for column in EXTENDED_COLUMNS)
-EXTENDED_HEADER: tuple[str, ...] = (*COLUMNS, *_HEADERS)
+
+def extended_columns(wheels: Sequence[str]) -> tuple[Column, ...]:
+    """Returns the columns after the twelve of a rover with these wheels."""
+    return (
+        *TravelColumns.COLUMNS,
+        *ScanColumns.COLUMNS,
+        *ImuColumns.COLUMNS,
+        *TrafficColumns.COLUMNS,
+        *truth_columns(wheels),
+    )
+
+
+EXTENDED_COLUMNS = extended_columns(WHEELS)
+EXTENDED_HEADER: tuple[str, ...] = (*COLUMNS, *(column.header for column in EXTENDED_COLUMNS))
 
 
 class ExtendedMetrics:
@@ -36,10 +41,13 @@ class ExtendedMetrics:
 
     Attributes:
         truth: Takes what only a simulator knows.
+        header: Of the rows, the twelve included.
     """
 
     def __init__(self, metrics: TraversalMetrics, settings: ExtendedSettings) -> None:
-        self.truth = TruthColumns()
+        self.truth = TruthColumns(settings.wheel_names)
+        self._headers = tuple(column.header for column in extended_columns(settings.wheel_names))
+        self.header = (*COLUMNS, *self._headers)
         self._metrics = metrics
         self._travel = TravelColumns()
         self._scans = ScanColumns(settings)
@@ -120,4 +128,4 @@ class ExtendedMetrics:
             *self.truth.cells(),
         )
         twelve = self._metrics.row(now_ns // NANOSECONDS)
-        return replace(twelve, extended=dict(zip(_HEADERS, cells, strict=True)))
+        return replace(twelve, extended=dict(zip(self._headers, cells, strict=True)))

@@ -1,6 +1,7 @@
 """All parameters of metrics_node as values: its own, the thresholds, those of the extended columns."""
 
 import difflib
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -10,8 +11,10 @@ from rover_metrics.core.parameter import ParameterInfo, parameter, parameters_of
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, THRESHOLD_INFO, Thresholds
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose
+from rover_metrics.extended.truth_columns import WHEELS
 
 NEARLY = 0.75  # of 1: so alike, one name is taken for a slip of the other
+_WHEEL = re.compile(r"[a-z][a-z0-9_]*|[0-9]+_[a-z]+")
 STANDARD_GRAVITY = 9.80665  # m/s^2, ISO 80000-3
 
 
@@ -59,8 +62,26 @@ class ExtendedSettings:
         example="9.8, not 9",
     )
 
+    wheels: str = parameter(
+        ",".join(WHEELS),
+        "names of the wheels whose slip /rover/truth/traversal tells; fixed once the node runs, for the "
+        "header of a log cannot change",
+        valid="names of lower-case letters, digits and _, each once, with commas between them, "
+        "e.g. 'left,right'",
+        read_only=True,
+    )
+
     def __post_init__(self) -> None:
         require_ranges(self)
+        names = self.wheel_names
+        if not all(map(_WHEEL.fullmatch, names)) or len(set(names)) < len(names):
+            valid = parameters_of(ExtendedSettings)["wheels"].constraint
+            raise ParameterError(f"parameter wheels must be {valid}; '{self.wheels}' is not")
+
+    @property
+    def wheel_names(self) -> tuple[str, ...]:
+        """The wheels, in the order of their columns."""
+        return tuple(self.wheels.split(","))
 
 
 EXTENDED_INFO = parameters_of(ExtendedSettings)

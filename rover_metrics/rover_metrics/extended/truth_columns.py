@@ -9,20 +9,25 @@ from rover_metrics.core.metrics import Vector3
 CONTACT_PAUSE = 10  # messages without contact before a new event: 0.5 s at the harness's 20 Hz
 STANDING = 0.05  # [m/s]: of the harness's wheels, which say 0 below it
 
-WHEELS = ("Front Left", "Rear Left", "Front Right", "Rear Right")
-SLIPS = ("slip_front_left", "slip_rear_left", "slip_front_right", "slip_rear_right")
+WHEELS = ("front_left", "rear_left", "front_right", "rear_right")  # if nobody says others
 ROUGHNESS = "roughness"
-# The values of /rover/truth/traversal, if the label of its dimension does not name them.
-TRAVERSAL = ("contact_force", "rock_contact", "scrape", "speed", "path_length", *SLIPS, ROUGHNESS)
+SLIP = "True Slip "  # and the wheel: names of columns
+FIRST_SLIP = 5  # place among the values
+
+
+def traversal_names(wheels: Sequence[str]) -> tuple[str, ...]:
+    """Returns the names of the values of /rover/truth/traversal of a rover with these wheels."""
+    totals = ("contact_force", "rock_contact", "scrape", "speed", "path_length")
+    return (*totals, *(f"slip_{wheel}" for wheel in wheels), ROUGHNESS)
+
 
 _CONTACT = "/rover/truth/contact"
 _TRAVERSAL = "/rover/truth/traversal"
 
 
-class TruthColumns:
-    """The account of the truth topics."""
-
-    COLUMNS = (
+def truth_columns(wheels: Sequence[str]) -> tuple[Column, ...]:
+    """Returns the columns of a rover with these wheels, e.g. front_left."""
+    return (
         Column(
             name="True Contact Events",
             meaning="Contacts with hazards so far, a lasting one counted once.",
@@ -45,17 +50,7 @@ class TruthColumns:
             "as RoboTerrain's pose converter does not.",
             source="/odom_ground_truth twist.twist.linear",
         ),
-        *(
-            Column(
-                name=f"True Slip {wheel}",
-                meaning=f"Slip ratio of the {wheel.lower()} wheel, -1 to 1.",
-                formula="Mean since the row before of (w r - v) / max(|w r|, |v|), w r the speed of its "
-                f"rim and v that of its centre; 0 while both are below {STANDING:g} m/s. A skid-steer's "
-                "wheels slip in every turn, though the rover does not.",
-                source=f"{_TRAVERSAL} {slip}",
-            )
-            for wheel, slip in zip(WHEELS, SLIPS, strict=True)
-        ),
+        *map(slip_column, wheels),
         Column(
             name="True Roughness",
             unit="m",
@@ -65,13 +60,35 @@ class TruthColumns:
         ),
     )
 
-    def __init__(self) -> None:
+
+def slip_column(wheel: str) -> Column:
+    """Returns the column of one wheel, e.g. front_left."""
+    words = wheel.replace("_", " ")
+    return Column(
+        name=f"{SLIP}{words.title()}",
+        meaning=f"Slip ratio of the {words} wheel, -1 to 1.",
+        formula="Mean since the row before of (w r - v) / max(|w r|, |v|), w r the speed of its "
+        f"rim and v that of its centre; 0 while both are below {STANDING:g} m/s. A skid-steer's "
+        "wheels slip in every turn, though the rover does not.",
+        source=f"{_TRAVERSAL} slip_{wheel}",
+    )
+
+
+class TruthColumns:
+    """The account of the truth topics.
+
+    Args:
+        wheels: Of the rover, in the order of the columns.
+    """
+
+    def __init__(self, wheels: Sequence[str] = WHEELS) -> None:
+        self._names = traversal_names(wheels)
         self._events: int | None = None  # nothing heard yet
         self._pause = CONTACT_PAUSE
         self._contact = _Mean()
         self._speed = _Mean()
         self._moved = False
-        self._traversal = {name: _Mean() for name in (*SLIPS, ROUGHNESS)}
+        self._traversal = {name: _Mean() for name in self._names[FIRST_SLIP:]}
 
     def add_contact(self, *, touches: bool) -> None:
         """Take whether the rover has touched a hazard since the last message."""
@@ -93,8 +110,9 @@ class TruthColumns:
             self._speed.add(speed)
         return True
 
-    def add_traversal(self, values: Sequence[float], names: Sequence[str] = TRAVERSAL) -> bool:
-        """Takes the values of a message and their names; tells whether they were usable."""
+    def add_traversal(self, values: Sequence[float], names: Sequence[str] | None = None) -> bool:
+        """Takes the values of a message and their names, if told; tells whether they were usable."""
+        names = self._names if names is None else names
         if len(values) != len(names) or not all(map(math.isfinite, values)):
             return False
         told = dict(zip(names, values, strict=True))

@@ -8,6 +8,7 @@ from pathlib import Path
 from rover_metrics.core.row import COLUMNS, Row
 from rover_metrics.errors import LogError, is_worth_a_line
 from rover_metrics.log.csv_log import CsvLog
+from rover_metrics.log.social_log import SocialRow
 
 CAPACITY = 3600  # rows: an hour, about 2 MB
 
@@ -38,7 +39,7 @@ class BufferedLog(CsvLog):
         columns: Sequence[str] = COLUMNS,
     ) -> None:
         self._tell, self._capacity = tell, capacity
-        self._waiting: deque[Row] = deque()
+        self._waiting: deque[Row | SocialRow] = deque()
         self._refusal: str | None = None
         self.dropped = 0
         super().__init__(directory, started, fsync=fsync, columns=columns)
@@ -48,7 +49,7 @@ class BufferedLog(CsvLog):
         """Rows that are not in the file yet."""
         return len(self._waiting)
 
-    def write(self, row: Row) -> None:
+    def write(self, row: Row | SocialRow) -> None:
         """Appends a row, after those that wait; raises a LogError only if the log is closed."""
         if self._file.closed:
             raise LogError(f"cannot write a row to {self.path}: the log is closed")

@@ -4,6 +4,7 @@ import csv
 import errno
 import io
 import os
+import re
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager, suppress
 from datetime import datetime
@@ -13,8 +14,11 @@ from typing import BinaryIO
 
 from rover_metrics.core.row import COLUMNS, Field, Row
 from rover_metrics.errors import LogError
+from rover_metrics.log.social_log import SocialRow
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")  # what spreadsheets take for the beginning of one
+NUMBER = re.compile(r"-\d+\.\d+")  # with a fixed number of decimals, which makes it a text
+STEM = "metrics_log"
 _MENDS = {
     errno.EEXIST: "a file stands where a folder should be; remove it or choose another folder",
     errno.ENOTDIR: "a file stands where a folder should be; remove it or choose another folder",
@@ -36,9 +40,10 @@ class CsvLog(AbstractContextManager["CsvLog"]):
 
     Args:
         directory: Folder for the file; created if it does not exist.
-        started: When the session started, for the name.
+        started: When the session started, for the name; None for a name without it.
         fsync: Whether a row is on the disk itself before `write` returns; may be changed at any time.
         columns: The header.
+        stem: Begin of the name.
 
     Attributes:
         path: The file, absolute.
@@ -51,14 +56,16 @@ class CsvLog(AbstractContextManager["CsvLog"]):
     def __init__(
         self,
         directory: str | Path,
-        started: datetime,
+        started: datetime | None,
         *,
         fsync: bool = False,
         columns: Sequence[str] = COLUMNS,
+        stem: str = STEM,
     ) -> None:
         directory = Path(directory).absolute()
         try:
-            self.path, self._file = _create(directory, f"metrics_log_{started:%Y%m%d_%H%M%S}")
+            name = stem if started is None else f"{stem}_{started:%Y%m%d_%H%M%S}"
+            self.path, self._file = _create(directory, name)
         except OSError as error:
             raise _log_error("cannot create a log", directory, error) from error
         self.fsync = fsync
@@ -75,7 +82,7 @@ class CsvLog(AbstractContextManager["CsvLog"]):
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def write(self, row: Row) -> None:
+    def write(self, row: Row | SocialRow) -> None:
         """Appends a row.
 
         Raises:
@@ -169,4 +176,6 @@ def harmless(cell: Field) -> Field:
     What is in a note, or in the name of a log, may come from strangers, and a spreadsheet that opens the
     file would run it (OWASP, CSV injection).
     """
-    return f"'{cell}" if isinstance(cell, str) and cell.startswith(FORMULA) else cell
+    if not isinstance(cell, str) or not cell.startswith(FORMULA) or NUMBER.fullmatch(cell):
+        return cell
+    return f"'{cell}"

@@ -14,14 +14,14 @@ import numpy as np
 from scipy.ndimage import uniform_filter
 from scipy.spatial.transform import Rotation
 
+from tests.e2e.topic_oracle import surroundings
+from tests.e2e.topic_oracle.form import Expected, header, stamp, vector
 from tests.e2e.topic_oracle.twin import STEPS_PER_TICK, Twin, Values, attitude
 
 BEAMS = 24
 ANGLE_MAX, RANGE_MIN, RANGE_MAX = 3.14159, 0.15, 10.0  # of RoboTerrain's gpu_lidar
 EXACT = 1e-9  # absolute and relative
 STANDING = 0.05  # [m/s]: a wheel slower than this neither rolls nor slips
-
-Expected = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -48,22 +48,9 @@ class Topic:
     def due(self, tick: int, rover: int) -> bool:
         """Whether it is at a tick, counted from 1, of a rover."""
         rates = self.rates[rover]
-        return any(tick % (100 // rate) == 0 for rate in ((rates,) if isinstance(rates, int) else rates))
-
-
-def stamp(time_ns: int) -> Expected:
-    """builtin_interfaces/Time."""
-    return {"sec": time_ns // 10**9, "nanosec": time_ns % 10**9}
-
-
-def header(twin: Twin, frame: str) -> Expected:
-    """std_msgs/Header."""
-    return {"stamp": stamp(twin.time_ns), "frame_id": frame}
-
-
-def vector(values: Any) -> Expected:  # noqa: ANN401 - three numbers
-    """geometry_msgs/Vector3 or Point."""
-    return dict(zip("xyz", values, strict=True))
+        # At the first tick by which another period is full: each nth where the rate divides 100.
+        every = (rates,) if isinstance(rates, int) else rates
+        return any(tick * rate // 100 > (tick - 1) * rate // 100 for rate in every)
 
 
 def quaternion(rotation: Rotation) -> Expected:
@@ -274,7 +261,7 @@ def tf_static(twin: Twin) -> Expected:
     """All that does not move; the IMU of the stage is mounted obliquely."""
     site = Rotation.from_quat(twin.model.site("imu").quat[[1, 2, 3, 0]])
     told = []
-    for parent, child, at, rpy in FIXED[twin.rover.name]:
+    for parent, child, at, rpy in (*FIXED[twin.rover.name], *surroundings.frames(twin.rover.name)):
         rotation = site if rpy is None else Rotation.from_euler("xyz", rpy)
         told.append(transform({"stamp": stamp(0), "frame_id": parent}, child, at, rotation))
     return {"transforms": told}
@@ -361,6 +348,12 @@ def traversal(twin: Twin) -> Expected:
     return {"layout": {"dim": [dimension], "data_offset": 0}, "data": list(values.values())}
 
 
+def person(twin: Twin) -> Expected:
+    """geometry_msgs/Pose of somebody who looks where they go."""
+    looks = Rotation.from_euler("z", -90, degrees=True)
+    return {"position": vector(twin.person), "orientation": quaternion(looks)}
+
+
 def topics() -> tuple[Topic, ...]:
     """Every topic, in the order in which those of one tick go out."""
     truth = "/rover/truth"
@@ -385,6 +378,17 @@ def topics() -> tuple[Topic, ...]:
         Topic("/joint_states", "sensor_msgs/msg/JointState", (50, 50), joint_states),
         Topic(f"{truth}/contact", "std_msgs/msg/Bool", (20, 20), contact),
         Topic(f"{truth}/traversal", "std_msgs/msg/Float64MultiArray", (20, 20), traversal),
+        Topic("/guide_actor/pose", "geometry_msgs/msg/Pose", (30, 30), person),
+        Topic("/gnss/fix", "sensor_msgs/msg/NavSatFix", (5, 5), surroundings.fix),
+        Topic("/imu/mag", "sensor_msgs/msg/MagneticField", (20, 20), surroundings.magnetic_field),
+        Topic("/barometer/pressure", "sensor_msgs/msg/FluidPressure", (10, 10), surroundings.pressure),
+        Topic(
+            "/height_scan/grid_map",
+            "grid_map_msgs/msg/GridMap",
+            (20, 20),
+            surroundings.grid_map,
+            tolerance=2e-6,
+        ),
         Topic(
             "/clock", "rosgraph_msgs/msg/Clock", (100, 100), lambda twin: {"clock": stamp(twin.time_ns)}
         ),

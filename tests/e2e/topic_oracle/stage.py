@@ -14,15 +14,19 @@ from harness import robots
 from harness.config import EpisodeConfig
 from harness.robots import RoverSpec, find_rover
 from harness.samples import Twist
+from harness.world.actors.actor import with_actors
+from harness.world.actors.spec import parse_actors
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
+from tests.e2e.topic_oracle.surroundings import carried
 
 Grid = NDArray[np.float64]
 
 CELL, VERTICES = 0.06, 101  # [m] and along each side
 IMU_MOUNTING = "0.8 0.3 -0.4 0.33"  # w x y z: about an axis that is none of the rover's
 BATCHES = 88  # of 50 ms
+PERSON = "guide=-2,1.5/-2,-1.5"  # walks 3 m beside the rover, and back no sooner than the drive ends
 
 # From which batch on a command holds, and where the rover is put back. Nothing is commanded at first
 # and after the reset: the rover stands, its previous command forgotten.
@@ -40,6 +44,7 @@ class StagedConfig(EpisodeConfig):
     """An episode on the stage; `model` is the file of its rover's model."""
 
     model: Path
+    actors: tuple[str, ...] = (PERSON,)
 
     def validate(self) -> None:
         """Has the process that simulates find the staged rover."""
@@ -64,9 +69,8 @@ class StagedRover(RoverSpec):
 
 def staged_rover(config: StagedConfig) -> StagedRover:
     """The rover of that name, with the staged model."""
-    return StagedRover(
-        **vars(robots.read_rover(robots.MODELS_DIR / config.robot)) | {"file": config.model}
-    )
+    told = vars(robots.read_rover(robots.MODELS_DIR / config.robot))
+    return StagedRover(**told | {"file": config.model, "sensors": carried(config.robot)})
 
 
 def write_model(rover: RoverSpec, folder: Path) -> Path:
@@ -105,4 +109,5 @@ def stage(rover: RoverSpec) -> World:
         position=(0.95, -0.1, 0.3),
         quaternion=(math.cos(0.05), 0.0, 0.0, math.sin(0.05)),
     )
-    return World("stage", ground, (rock, wall), seed=0, difficulty=0.0)
+    world = World("stage", ground, (rock, wall), seed=0, difficulty=0.0)
+    return with_actors(world, parse_actors([PERSON]))

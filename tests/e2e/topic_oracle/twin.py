@@ -45,6 +45,7 @@ class Twin:
     Attributes:
         steps: All steps since the start.
         path_length: Of the rover's origin, from tick to tick, without the way back [m].
+        began_ns: When the drive began, or the rover was put back.
         carried: Angles by which the wheels were turned when the rover was put back [encoder counts].
     """
 
@@ -52,7 +53,7 @@ class Twin:
         self.rover, self.world = rover, world
         self.model = build_scene(world, rover, TIMESTEP).model
         self.data, self._present = mujoco.MjData(self.model), mujoco.MjData(self.model)
-        self.time_ns = 0
+        self.time_ns = self.began_ns = 0
         self.steps: list[Step] = []
         self.path_length = 0.0
         self._twist = np.zeros(2)  # ramped, as the controller has it
@@ -96,6 +97,7 @@ class Twin:
         before = self.encoder_counts()
         self.data = copy.copy(self._start)
         self._twist = np.zeros(2)
+        self.began_ns = self.time_ns
         self.carried += before - self.encoder_counts()
 
     def tick(self, command: Twist) -> None:
@@ -146,8 +148,15 @@ class Twin:
     def at_present(self) -> mujoco.MjData:
         """The present state with what follows from it: poses and Jacobians; a step leaves older ones."""
         self._present.qpos[:], self._present.qvel[:] = self.data.qpos, self.data.qvel
+        self._present.mocap_pos[0] = self.person
         mujoco.mj_fwdPosition(self.model, self._present)
         return self._present
+
+    @property
+    def person(self) -> Values:
+        """Middle of the one who walks 1 m/s along -y from (-2, 1.5), anew when the rover is put back."""
+        x, y = -2.0, 1.5 - (self.time_ns - self.began_ns) / 1e9
+        return np.array([x, y, self.world.ground.height_at(x, y) + 1.75 / 2])
 
 
 def attitude(qpos: Values) -> Rotation:

@@ -44,6 +44,7 @@ def test_without_words_all_options_are_the_default_ones() -> None:
         picture=None,
         video=None,
         picture_lidar=False,
+        social_log=None,
     )
     assert Path("metrics_analyzer/data/metric_logs") == DEFAULT_LOG_DIR
 
@@ -78,6 +79,8 @@ def test_every_word_about_the_episode_reaches_it() -> None:
         ("--terrain-size 3", "config.terrain_size", (3.0, 3.0)),
         ("--start -3,4", "config.start", (-3.0, 4.0, 0.0)),
         ("--start=-3,-4,-1", "config.start", (-3.0, -4.0, -1.0)),
+        ("--datum -33.9,151.2", "config.datum", (-33.9, 151.2, 0.0)),
+        ("--datum=-33.9,-70.6,520", "config.datum", (-33.9, -70.6, 520.0)),
         ("--noise", "config.noise", "white"),
         ("--rate max", "ros.rate", None),
         ("--rate 0.01", "ros.rate", 0.01),
@@ -94,6 +97,9 @@ def test_every_word_about_the_episode_reaches_it() -> None:
         ("--picture a.png", "picture", Path("a.png")),
         ("--picture-lidar", "picture_lidar", True),
         ("--video a.mp4", "video", Path("a.mp4")),
+        ("--actor a=random --actor b=1,2", "config.actors", ("a=random", "b=1,2")),
+        ("--goal-area -1,2,-3,4", "config.goal_area", (-1.0, 2.0, -3.0, 4.0)),
+        ("--actor a=random --social-log s.csv", "social_log", Path("s.csv")),
     ],
 )
 def test_an_option_means(words: str, name: str, value: object) -> None:
@@ -113,7 +119,9 @@ def test_the_list_of_choices_is_no_run_whatever_else_is_asked_for() -> None:
         ("--start 1", "'1' is not valid; give X,Y or X,Y,YAW in metres and radians"),
         ("--start 1,2,3,4", "'1,2,3,4' is not valid"),
         ("--start 1,north", "'1,north' is not valid"),
+        ("--datum 51", "'51' is not valid; give LAT,LON or LAT,LON,ALT in degrees and metres"),
         ("--start --seed 1", "'--seed' is not valid"),
+        ("--goal-area 1,2,3", "'1,2,3' is not valid; give XMIN,XMAX,YMIN,YMAX in metres"),
         ("--seed 1 --start", "expected one argument"),
     ],
 )
@@ -152,12 +160,22 @@ def test_what_the_user_tells_ros_comes_last_and_so_holds() -> None:
         ("--namespace x", "--namespace"),
         ("--record x.mcap", "--record"),
         ("--driver cmd_vel", "--driver cmd_vel"),
+        ("--driver goal", "--driver goal without --goal-area"),
     ],
 )
 def test_what_needs_ros_is_refused_without_it_alone(words: str, flag: str) -> None:
     parsed(f"{words} --ros-args --")
     with pytest.raises(UsageError, match=rf"^{flag} needs ROS; leave out --direct"):
         parse_run(["--direct", *words.split()])
+
+
+def test_a_goal_area_lets_a_driver_to_goals_do_without_ros() -> None:
+    assert parsed("--direct --driver goal --goal-area 0,1,0,1").direct
+
+
+def test_a_social_log_is_of_a_run_with_people() -> None:
+    with pytest.raises(UsageError, match="--social-log is of a run with people; add --actor SPEC"):
+        parse_run(["--social-log", "s.csv"])
 
 
 def test_overwrite_is_for_the_recording_alone() -> None:

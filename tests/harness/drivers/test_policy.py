@@ -11,7 +11,7 @@ from harness.drivers.point_nav import SENSED, commanded
 from harness.drivers.policy import BESIDE_LIDAR, Policy, read_policy, write_policy
 from harness.errors import UsageError
 from harness.robots import find_rover
-from harness.samples import LaserScan, Twist
+from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
 
 BEAMS = 16
 GENERATOR = np.random.default_rng(0)
@@ -49,7 +49,7 @@ def test_a_policy_is_the_network_that_was_written(tmp_path: Path, activation: st
     assert set(np.abs(loud.act(seen)).tolist()) == {1.0}
 
 
-def test_it_stands_until_it_has_a_goal_and_has_read_everything(policy: Path) -> None:
+def test_it_stands_until_it_has_a_goal_and_has_read_everything_and_at_the_goal(policy: Path) -> None:
     made = find_driver(f"policy:{policy}")
     context = DriverContext(find_rover("leo"), (20.0, 20.0), np.zeros(BEAMS), np.random.default_rng(0))
     driver = made(context)
@@ -59,6 +59,18 @@ def test_it_stands_until_it_has_a_goal_and_has_read_everything(policy: Path) -> 
     assert driver.command(seen) == Twist()
     driver.head_for(1.0, 2.0, 0.0)  # type: ignore[attr-defined]
     assert driver.command(seen) == Twist()
+    unturned = (0.0, 0.0, 0.0, 1.0)
+    readings = {
+        **seen.readings,
+        Imu: Imu(0, unturned, (0.0, 0.0, 0.0), (0.0, 0.0, 9.81)),
+        Pose: Pose(0, (0.0, 0.0, 0.0), unturned),
+        Odometry: Odometry(0, 0.0, 0.0, 0.0, Twist()),
+    }
+    stands = []
+    for x in (0.51, -0.49, 0.51):  # goals count as reached within 0.5 m
+        driver.head_for(x, 0.0, 0.0)  # type: ignore[attr-defined]
+        stands.append(driver.command(replace(seen, readings=readings)) == Twist())
+    assert stands == [False, True, False]
     with pytest.raises(UsageError, match=r"for 16 beams, the lidar has 640; give --lidar-beams 16"):
         made(replace(context, bearings=np.zeros(640)))
 

@@ -213,3 +213,17 @@ def test_roam_takes_wanders_way_at_a_new_speed_every_eight_seconds(
         twist = roam.command(Observation(round(second * 1e9), min(here, 9.0), 0.0, 0.3, free))
         assert twist.linear == pytest.approx(share * top * math.cos(math.radians(15.0)))
         assert twist.angular == pytest.approx(-1.5 * math.radians(15.0) * rover.cruise_yaw_rate)
+
+
+@pytest.mark.parametrize("driver", [Wander, Roam])
+def test_where_the_map_lies_in_the_world_changes_nothing(driver: type[Wander]) -> None:
+    """Two maps, one moved by 256 m and -512 m, so that no bit is lost: equal commands, at edges too."""
+    at_origin, moved = (
+        driver(DriverContext(LEO, (20.0, 15.0), BEARINGS, np.random.default_rng(5), middle=middle))
+        for middle in ((0.0, 0.0), (256.0, -512.0))
+    )
+    for index in range(400):
+        x, y = 19.0 * math.sin(0.05 * index), 14.0 * math.sin(0.031 * index)
+        here, there = seen(0.5 * index, x, y), seen(0.5 * index, x + 256.0, y - 512.0)
+        one, other = at_origin.command(here), moved.command(there)
+        assert (one.linear, one.angular) == pytest.approx((other.linear, other.angular), abs=1e-6)

@@ -15,6 +15,7 @@ from harness.episode.episode import Episode
 from harness.errors import RunFailed, UsageError
 from harness.robots import ROVERS
 from harness.samples import (
+    ActorPoses,
     GroundTruth,
     Imu,
     JointStates,
@@ -187,6 +188,43 @@ def test_what_is_planned_happens_at_the_next_control_period() -> None:
         assert repr(batch.ticks) == repr(expected.ticks)
         assert batch.truth == expected.truth
     assert batch.truth.resets == 2
+
+
+def test_people_begin_anew_with_a_reset_and_walk_on_when_the_rover_is_put_elsewhere() -> None:
+    def told(*places: Place | None) -> list[tuple[int, float]]:
+        episode = Episode(config(duration=1.0, actors=("g=3,0/3,4",)))
+        found = []
+        for index, batch in enumerate(episode.batches(), 1):
+            people = [s for t in batch.ticks for s in t.samples if isinstance(s, ActorPoses)]
+            found += [(s.stamp_ns // 10**7, round(s.position[0][1], 9)) for s in people]
+            if index == 10:
+                for place in places:
+                    episode.reset(place)
+        return found
+
+    walked = told()
+    assert len(walked) == 30
+    assert walked == [(tick, tick / 100) for tick, _ in walked]
+    assert told(Place(1.0, 1.0, 0.0)) == walked
+    assert told(None) == [(tick, (tick - 50 if tick > 50 else tick) / 100) for tick, _ in walked]
+
+
+def test_goals_in_an_area_follow_each_other_and_are_told_with_their_batch() -> None:
+    area = (0.6, 1.4, -0.4, 0.4)
+    episode = Episode(config(driver="goal", duration=9.0, goal_area=area))
+    goals: list[tuple[Place, tuple[float, float]]] = []
+    before = (0.0, 0.0)
+    for batch in episode.batches():
+        goals += [(goal, before) for goal in batch.goals]
+        before = batch.truth.position[:2]
+    assert len(goals) > 1
+    for (goal, _), (_, place) in pairwise(goals):
+        assert math.dist((goal.x, goal.y), place) < 0.3
+    assert goals == [
+        (goal, place)
+        for goal, place in goals
+        if area[0] < goal.x < area[1] and area[2] < goal.y < area[3]
+    ]
 
 
 def test_a_planned_goal_is_what_the_driver_heads_for() -> None:

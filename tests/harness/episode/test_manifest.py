@@ -108,7 +108,9 @@ def test_every_figure_of_a_run_stands_in_its_manifest() -> None:
     told = manifest(
         result(
             truth=replace(truth, largest_tilt=1.5, tipped_over=True, resets=8),
-            info=EpisodeInfo("model", "terrain", 3, (40.0, 30.0), (1.0, 2.0, 0.5), ("cut",)),
+            info=EpisodeInfo(
+                "model", "terrain", 3, (40.0, 30.0), (1.0, 2.0, 0.5), ("cut",), (("a.sdf", "hash"),)
+            ),
             paused_s=9.0,
             waited_s={"/nav": 0.125},
             first_row_s=0.25,
@@ -131,6 +133,7 @@ def test_every_figure_of_a_run_stands_in_its_manifest() -> None:
         "map_size": [40.0, 30.0],
         "start": [1.0, 2.0, 0.5],
         "notes": ["cut"],
+        "files": [["a.sdf", "hash"]],
     }
     expected = {
         "time_s": 2.0,

@@ -129,7 +129,7 @@ def test_stamps_shift_but_never_below_zero_or_stand_still() -> None:
 
 def test_empty_messages_hold_no_readings() -> None:
     one = sent("scan:empty", "pose:empty", "joint_states:empty")[0]
-    _, scan, _, pose, _, _, joints = one.samples
+    _, scan, _, pose, _, _, joints, *_ = one.samples
     assert isinstance(scan, LaserScan)
     assert scan.ranges.size == 0
     assert isinstance(pose, Pose)

@@ -1,25 +1,13 @@
 """A rover of a test's own model: its spec is Leo's, but for the frames and the file."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from harness.robots import RoverSpec
 from tests.support.rovers import LEO
 
 
-@dataclass(frozen=True, kw_only=True)
-class MadeRover(RoverSpec):
-    """A rover whose model is in `file`."""
-
-    file: Path
-
-    @property
-    def model_path(self) -> Path:
-        """Instead of the one that is named as the rover."""
-        return self.file
-
-
-def made_rover(folder: Path, body: str, assets: str = "") -> MadeRover:
+def made_rover(folder: Path, body: str, assets: str = "") -> RoverSpec:
     """Returns a rover of that MJCF.
 
     Args:
@@ -33,4 +21,4 @@ def made_rover(folder: Path, body: str, assets: str = "") -> MadeRover:
         f'<freejoint name="root"/><inertial pos="0 0 0.1" mass="1" diaginertia="1 1 1"/>'
         f'<site name="imu"/><site name="lidar"/>{body}</body></worldbody></mujoco>'
     )
-    return MadeRover(**vars(replace(LEO, frames=(), name="made")) | {"file": file})
+    return replace(LEO, frames=(), name="made", folder=folder)

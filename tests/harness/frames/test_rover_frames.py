@@ -138,4 +138,4 @@ def test_a_mesh_that_is_not_there_is_told_in_one_line(tmp_path: Path) -> None:
         rover_frames(rover)
     file = tmp_path / "meshes" / "shell.stl"
     message = f"mesh 'shell' is to be in {file}, which does not exist; put it there, or mend its name"
-    assert str(told.value) == f"{rover.file}: {message}"
+    assert str(told.value) == f"{rover.model_path}: {message}"

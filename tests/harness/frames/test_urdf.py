@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from harness.frames.rover_frames import rover_frames
 from harness.frames.urdf import write_urdf
-from harness.physics.scene import read_model
 from harness.robots import RoverSpec
+from harness.robots.model import read_model
 from tests.harness.frames.made_rover import made_rover
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
@@ -32,7 +32,7 @@ def read_back(urdf: str) -> tuple[mujoco.MjModel, mujoco.MjData]:
 
 def posed(rover: RoverSpec, seed: int) -> tuple[mujoco.MjModel, mujoco.MjData, dict[str, float]]:
     """The rover's model at the origin, its joints at random."""
-    model = read_model(rover.model_path).compile()
+    model = read_model(rover).compile()
     data = mujoco.MjData(model)
     rng = np.random.default_rng(seed)
     angles = {name: float(rng.uniform(-0.2, 0.2)) for name in rover.joints}
@@ -168,7 +168,7 @@ def test_shapes_colours_and_meshes(tmp_path: Path) -> None:
     (tmp_path / "meshes").mkdir()
     block = trimesh.creation.box((0.1, 0.2, 0.3)).apply_translation((1.0, 2.0, 3.0))
     block.export(tmp_path / "meshes" / "block.stl")
-    seen = 'group="2" mass="0"'
+    seen = 'contype="0" conaffinity="0" mass="0"'
     body = (
         f'<geom type="mesh" mesh="block" pos="0.5 0 0" {seen} material="red"/>'
         f'<geom type="ellipsoid" size="0.1 0.2 0.3" pos="0 0 9" {seen}/>'

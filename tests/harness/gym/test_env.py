@@ -34,6 +34,19 @@ def test_gymnasiums_checker_has_nothing_to_say(make: Make, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
+def test_stable_baselines3s_checker_has_nothing_to_say_either(make: Make, name: str) -> None:
+    reason = "stable-baselines3 is not installed (examples/requirements-train.txt)"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what its own imports say
+        checker = pytest.importorskip("stable_baselines3.common.env_checker", reason=reason)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        if name == "RoboTerrain":  # as above
+            warnings.filterwarnings("ignore", ".*We recommend you to use a symmetric and normalized")
+        checker.check_env(make(name), skip_render_check=True)
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_an_environment_survives_pickling_and_its_spec_a_file(small: dict[str, Any], name: str) -> None:
     env = gymnasium.make(f"RoverHarness/{name}-v0", **{**small, "randomisation": {"mass": [0.9, 1.1]}})
     assert env.spec is not None

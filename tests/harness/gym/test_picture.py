@@ -8,6 +8,8 @@ from gymnasium.error import ResetNeeded
 
 from harness.errors import UsageError
 from harness.gym import picture
+from harness.physics import opengl
+from harness.physics.opengl import gl_context
 from tests.harness.gym.conftest import Make
 
 GOAL = np.array([13, 199, 219])  # of GOAL_COLOR, 0..255
@@ -15,9 +17,9 @@ GOAL = np.array([13, 199, 219])  # of GOAL_COLOR, 0..255
 
 @pytest.fixture
 def drawing(make: Make, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
-    monkeypatch.setattr("harness.view.stage.SOIL_PIXELS", 64)  # the soil's grain takes a second
+    monkeypatch.setattr("harness.physics.stage.SOIL_PIXELS", 64)  # the soil's grain takes a second
     try:
-        picture._context().free()
+        gl_context("a picture", 16, 16).free()
     except UsageError as error:
         pytest.skip(str(error))
     return make
@@ -50,14 +52,14 @@ def test_who_does_not_draw_needs_no_opengl_and_is_told(make: Make) -> None:
 def test_without_opengl_or_display_the_mend_is_told(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     env = make(render_mode="rgb_array")
     env.reset(seed=0)
-    monkeypatch.setattr(picture, "CONTEXTS", ("mujoco.nothing",))
-    with pytest.raises(UsageError, match="'rgb_array' needs OpenGL; install"):
+    monkeypatch.setattr(opengl, "CONTEXTS", ("mujoco.nothing",))
+    with pytest.raises(UsageError, match="'rgb_array' needs OpenGL, and none works here; install"):
         env.render()
-    monkeypatch.setattr("sys.platform", "linux")
-    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
-        monkeypatch.delenv(name, raising=False)
-    with pytest.raises(UsageError, match="'human' needs a display; use render_mode 'rgb_array'"):
-        make(render_mode="human").reset(seed=0)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    for display in ("", ":none"):  # the second is there, but nobody answers
+        monkeypatch.setenv("DISPLAY", display)
+        with pytest.raises(UsageError, match="'human' needs a display; use render_mode 'rgb_array'"):
+            make(render_mode="human").reset(seed=0)
 
 
 def test_a_window_is_shown_each_step_and_opened_anew_in_a_new_world(

@@ -9,6 +9,7 @@ from harness.config import EpisodeConfig
 from harness.drivers import sensed_by
 from harness.drivers.policy import BESIDE_LIDAR, Policy, write_policy
 from harness.episode.episode import Episode
+from harness.errors import UsageError
 from tests.harness.gym.conftest import Make
 
 ACTIONS = np.random.default_rng(3).uniform(-1.0, 1.0, (25, 2)).astype(np.float32)
@@ -24,6 +25,7 @@ def test_each_term_is_its_weight_times_what_the_simulator_knows(make: Make) -> N
         _, reward, *_, info = env.step(action)
         now = math.dist(simulation.data.qpos[:2], env.goal)
         assert info["distance"] == pytest.approx(now)
+        assert (info["x_position"], info["y_position"]) == tuple(simulation.data.qpos[:2])
         terms = info["reward_terms"]
         assert terms == pytest.approx(
             {
@@ -110,6 +112,8 @@ def test_a_policy_drives_the_same_path_in_the_environment_and_as_driver(
     )
     path, policy, goal, seed = tmp_path / "small.npz", Policy(layers), (2.0, 1.0), 4
     write_policy(path, policy)
+    with pytest.raises(UsageError, match="made for other spaces: it takes 45 numbers, not 44"):
+        policy.act({"lidar": np.zeros(44, np.float32)})
     env = make(robot=robot, noise="hardware", random_start=False)
     seen, _ = env.reset(seed=seed, options={"goal": goal})
     driven = [env._ride.simulation.data.qpos.tolist()]

@@ -86,6 +86,8 @@ def test_mistakes_with_many_episodes_are_told_in_a_line(small: dict[str, Any]) -
             envs.reset(options={"reset_mask": wrong})
     with pytest.raises(UsageError, match="1 actions are not valid; give 2, one for each"):
         envs.step(actions[:1])
+    with pytest.raises(UsageError, match="no actions are not valid"):
+        envs.step(np.float32(0.5))
     with pytest.raises(InvalidAction, match="finite numbers"):  # of a thread's environment, too
         envs.step(np.array([[0.0, 0.0], [0.0, np.nan]], np.float32))
     envs.close()

@@ -8,7 +8,7 @@ import pytest
 
 from harness.physics.contacts import ContactWatch
 from harness.physics.simulation import Simulation
-from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.obstacles import Obstacle, ObstacleKind, convex
 
 WALL = Obstacle(
     kind=ObstacleKind.HAZARD, shape="box", half_size=(0.05, 0.6, 0.3), position=(0.75, 0.1, 0.3)
@@ -70,7 +70,7 @@ def test_the_strongest_contact_of_each_kind_is_told(
     pose: tuple[float, ...], kinds: set[str], simulation: Simulation
 ) -> None:
     put(simulation, pose)
-    watch = ContactWatch(simulation.model, simulation.data)
+    watch = ContactWatch(simulation.model, simulation.data, simulation.scene.rover)
     watch.look()
     expected = {kind: max(touches) for kind, touches in touches_by_hand(simulation).items()}
     assert set(expected) == kinds
@@ -86,7 +86,7 @@ def test_the_strongest_contact_of_each_kind_is_told(
 
 
 def test_of_several_steps_the_strongest_is_kept_until_a_tick_begins(simulation: Simulation) -> None:
-    watch = ContactWatch(simulation.model, simulation.data)
+    watch = ContactWatch(simulation.model, simulation.data, simulation.scene.rover)
     x, *rest = AGAINST_THE_WALL
     forces = []
     for deeper in (0.0, 0.01, 0.005):
@@ -99,3 +99,20 @@ def test_of_several_steps_the_strongest_is_kept_until_a_tick_begins(simulation: 
     assert touch.pose == [x + 0.01, *rest]
     watch.begin()
     assert watch.strongest == {}
+
+
+def test_a_deck_is_ground_for_wheels_and_for_the_body(
+    make_simulation: Callable[..., Simulation],
+) -> None:
+    corners = np.array([(x, y, z) for x in (-1.5, 1.5) for y in (-1.0, 1.0) for z in (1.0, 1.1)])
+    simulation = make_simulation(obstacles=(convex(ObstacleKind.DECK, corners),))
+    watch = simulation.contacts
+    put(simulation, (0.0, 0.0, 1.099, *LEVEL))
+    assert simulation.data.ncon > 0
+    assert not any(watch.counts.tolist())
+    watch.look()
+    assert not watch.strongest
+    put(simulation, (*ON_ITS_ROOF[:2], ON_ITS_ROOF[2] + 1.1, *ON_ITS_ROOF[3:]))
+    assert any(watch.counts.tolist())
+    watch.look()
+    assert {kind: name for kind, (_, _, name) in told(watch).items()} == {"scrape": "ground"}

@@ -3,6 +3,7 @@
 import hashlib
 import math
 import shutil
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -10,12 +11,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from harness.physics.scene import Dress, Scene, build_scene, model_hash
+from harness.physics import stage
+from harness.physics.scene import Dress, Scene, build_scene
 from harness.robots import ROVERS, RoverSpec
-from harness.view import stage
+from harness.robots.reading import model_hash
 from harness.view.picture import QUALITY
 from harness.world.heightfield import Heightfield
-from harness.world.obstacles import Obstacle, ObstacleKind, orientation
+from harness.world.obstacles import Obstacle, ObstacleKind, convex, orientation, surface
 from harness.world.world import World
 from tests.support.rovers import LEO
 
@@ -187,12 +189,50 @@ def test_the_hash_of_a_model_is_that_of_its_file() -> None:
     assert model_hash(LEO) == hashlib.sha256(LEO.model_path.read_bytes()).hexdigest()
 
 
-def test_a_model_file_that_has_changed_is_read_anew(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_model_file_that_has_changed_is_read_anew(tmp_path: Path) -> None:
     shutil.copytree(LEO.folder, tmp_path / LEO.name)
-    monkeypatch.setattr("harness.robots.MODELS_DIR", tmp_path)
-    before = scene_of().model.opt.gravity[2]
-    text = LEO.model_path.read_text()
-    LEO.model_path.write_text(text.replace(f"0 0 {before:g}", "0 0 -1.5"))
-    assert [before, scene_of().model.opt.gravity[2]] == [-LEO.gravity, -1.5]
+    copied = replace(LEO, folder=tmp_path / LEO.name)
+    before = scene_of(copied).model.opt.gravity[2]
+    text = copied.model_path.read_text()
+    copied.model_path.write_text(text.replace(f"0 0 {before:g}", "0 0 -1.5"))
+    assert [before, scene_of(copied).model.opt.gravity[2]] == [-LEO.gravity, -1.5]
+
+
+def test_a_world_from_a_file_brings_its_place_gravity_friction_and_meshes() -> None:
+    corners = np.array([(x, y, z) for x in (9.0, 10.0) for y in (0.0, 1.0) for z in (0.0, 0.5)])
+    roof = np.array([(9.0, 2.0, 3.0), (11.0, 2.0, 3.0), (9.0, 4.0, 3.0), (11.0, 4.0, 4.0)])
+    red = (1.0, 0.0, 0.0, 1.0)
+    obstacles = (
+        replace(convex(ObstacleKind.HAZARD, corners), color=red),
+        surface(ObstacleKind.DECK, roof, np.array([[0, 1, 2], [1, 3, 2]])),
+    )
+    ground = Heightfield(np.full((5, 5), -1.0), 2.0, (10.0, 2.0))
+    world = World("w", ground, obstacles, 0, None, gravity=1.62, friction=0.25)
+    model = build_scene(world, LEO, 0.002).model
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    groups, hit = np.array([1, 1, 0, 0, 0, 0], np.uint8), np.zeros(1, np.int32)
+    for x, y, z in ((9.5, 0.5, 0.5), (9.5, 2.5, 3.0), (13.5, 5.5, -1.0), (6.5, -1.5, -1.0)):
+        fallen = mujoco.mj_ray(
+            model, data, np.array([x, y, 9.0]), np.array([0.0, 0, -1]), groups, 1, -1, hit
+        )
+        assert 9.0 - fallen == pytest.approx(z, abs=1e-5), (x, y)
+    assert model.opt.gravity.tolist() == [0.0, 0.0, -1.62]
+    hazard, deck = model.geom("hazard_0"), model.geom("deck_1")
+    assert (hazard.contype[0], deck.contype[0], deck.conaffinity[0]) == (2, 0, 0)
+    assert model.body(int(hazard.bodyid[0])).name == "hazards"
+    assert hazard.rgba.tolist() == list(red)
+    rover = model.geom_contype == 1
+    assert rover.any()
+    assert model.geom_friction[rover, 0].max() == 0.25
+    assert model.geom_friction[~rover, 0].max() == 1.0
+
+
+def test_the_page_of_colours_keeps_those_that_a_file_tells(dressed: mujoco.MjModel) -> None:
+    assert dressed.geom("hazard_0").rgba.tolist() == pytest.approx(
+        stage.OBSTACLE_COLORS[ObstacleKind.HAZARD]
+    )
+    painted = replace(OBSTACLES[0], color=(0.0, 1.0, 0.0, 1.0))
+    world = World("w", Heightfield(HEIGHTS, cell=2.0), (painted,), 0, 0.5)
+    model = build_scene(world, LEO, 0.002, DRESS).model
+    assert model.geom("hazard_0").rgba.tolist() == [0.0, 1.0, 0.0, 1.0]

@@ -88,8 +88,8 @@ def test_the_map_shows_a_square_around_the_path(
     places: list[tuple[float, float]], x: list[float], y: list[float]
 ) -> None:
     track = [Stretch(1.0, (*place, 0.0), 0.0) for place in places]
-    hillshade = shade(Heightfield(np.zeros((5, 5)), cell=10.0))
-    layout = map_layout((20.0, 20.0), hillshade, track)
+    ground = Heightfield(np.zeros((5, 5)), cell=10.0)
+    layout = map_layout(ground, shade(ground), track)
     assert (layout["xaxis"]["range"], layout["yaxis"]["range"]) == (x, y)
     (picture,) = layout["images"]
     assert [picture[name] for name in ("x", "y", "sizex", "sizey")] == [-25.0, 25.0, 50.0, 50.0]
@@ -106,6 +106,11 @@ def test_the_map_shows_a_square_around_the_path(
 def test_of_an_oblong_map_no_more_is_shown_than_there_is(
     places: list[tuple[float, float]], x: list[float], y: list[float]
 ) -> None:
-    track = [Stretch(1.0, (*place, 0.0), 0.0) for place in places]
-    layout = map_layout((30.0, 5.0), shade(Heightfield(np.zeros((11, 61)), cell=1.0)), track)
-    assert (layout["xaxis"]["range"], layout["yaxis"]["range"]) == (x, y)
+    for middle in ((0.0, 0.0), (7.0, -3.0)):
+        ground = Heightfield(np.zeros((11, 61)), 1.0, middle)
+        moved = [Stretch(1.0, (p[0] + middle[0], p[1] + middle[1], 0.0), 0.0) for p in places]
+        layout = map_layout(ground, shade(ground), moved)
+        assert layout["xaxis"]["range"] == [end + middle[0] for end in x]
+        assert layout["yaxis"]["range"] == [end + middle[1] for end in y]
+        assert layout["images"][0]["x"] == middle[0] - 30.5
+        assert layout["images"][0]["y"] == middle[1] + 5.5

@@ -26,6 +26,7 @@ def test_a_log_is_read_back_as_numbers_and_counted_notes(tmp_path: Path) -> None
 
 def test_a_column_that_nobody_knows_has_the_unit_in_its_name() -> None:
     assert (describe("Heat [K]").unit, describe("Heat").unit) == ("K", "")
+    assert describe("True Slip Middle Left").meaning == "Slip ratio of the middle left wheel, -1 to 1."
     assert caption("Heat [K]") == "The data dictionary does not know this column."
 
 

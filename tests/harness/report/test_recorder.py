@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 from harness.episode.batch import Batch
 from harness.report.recorder import RunRecorder
 from harness.run import main
-from harness.samples import Imu, LaserScan, Pose, Sample, Tick
+from harness.samples import ActorPoses, Imu, LaserScan, Pose, Sample, Tick
 from harness.truth.traversal import Truth
 
 BATCH_NS = 50_000_000
@@ -54,6 +55,19 @@ def test_the_extremes_of_a_batch_are_over_all_its_samples() -> None:
     (stretch,) = recorder.track
     assert (stretch.lowest_acceleration, stretch.highest_acceleration) == (8.0, 12.0)
     assert stretch.nearest_range == 0.5
+
+
+def test_a_stretch_has_people_at_its_end_and_the_nearest_of_all() -> None:
+    recorder = RunRecorder()
+    for index, far in enumerate((4.0, 3.0, 5.0, 6.0)):
+        one, stamp = batch(index), (index + 1) * BATCH_NS
+        places = ((9.0, 9.0, 1.0), (recorder.track[-1].position[0] if index else 0.0, far, 0.9))
+        people = ActorPoses(stamp, places, ((0.0, 0.0, 0.0, 1.0),) * 2)
+        later = replace(people, position=(places[0], places[0]))
+        samples = (*one.ticks[0].samples, people, later)
+        recorder.take(Batch((Tick(stamp, samples),), one.truth))
+    assert [stretch.people[1][1] for stretch in recorder.track] == [9.0, 9.0]
+    assert [stretch.nearest_person for stretch in recorder.track] == pytest.approx([3.0, 5.0], abs=1e-3)
 
 
 def test_the_end_of_a_run_is_recorded_even_if_a_stretch_is_not_full() -> None:

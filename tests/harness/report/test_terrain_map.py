@@ -6,9 +6,12 @@ import pytest
 
 from harness.page.figure import keys
 from harness.report.hillshade import shade
-from harness.report.log import Event, Log, collisions, contacts
+from harness.report.log import Event, Log, collisions, contacts, meetings
 from harness.report.recorder import Stretch
+from harness.report.tables import people
 from harness.report.terrain_map import map_figure, roughness
+from harness.world.actors.actor import with_actors
+from harness.world.actors.spec import parse_actors
 from harness.world.world import build_world
 from tests.harness.report.stretches import stretches
 
@@ -45,6 +48,35 @@ def test_map_shows_the_path_and_everything_that_happened_on_it() -> None:
     }
     (path,) = (trace for trace in figure["data"] if "customdata" in trace)
     assert sorted(path["x"]) == [1.0, 2.0, 3.0]
+
+
+def test_map_shows_where_people_walked_and_where_they_were_near() -> None:
+    world = with_actors(build_world("flat", seed=0), parse_actors(["a=1,1", "b=2,2/2,3"]))
+    near = [
+        {"people": ((1.0, 1.0, 0.9), (2.0, y, 0.9)), "nearest_person": far}
+        for y, far in ((2.0, 1.2), (2.5, 1.1), (3.0, 0.2))
+    ]
+    track = stretches({}, *near)
+    met = meetings(track)
+    assert met == [Event(2.0, 4.0, (3.0, 0.0, 0.0))]
+    figure = map_figure(
+        world,
+        shade(world.ground),
+        track,
+        collisions=[],
+        contacts=[],
+        meetings=met,
+        scan=NO_POINTS,
+        gravity=9.81,
+    )
+    by_name = {trace["name"]: trace for trace in reversed(figure["data"])}
+    assert by_name["b_actor"]["y"] == [2.0, 2.5, 3.0]
+    assert by_name["person within 1.2 m"]["x"] == [3.0]
+    told = {key.name: key.swatch for key in keys(figure)}
+    assert (told["a_actor"], told["person within 1.2 m"]) == ("line", "circle-open")
+    rows = [(row.quantity, row.truth) for row in people(track)]
+    assert rows == [("People within 1.2 m", "1 times"), ("Nearest person", "0.20 m")]
+    assert people(stretches({})) == []
 
 
 def test_map_of_a_run_that_never_moved_or_diverged_shows_the_terrain() -> None:

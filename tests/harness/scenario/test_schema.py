@@ -7,8 +7,8 @@ import jsonschema
 import pytest
 from ruamel.yaml import YAML
 
-from harness.physics.scene import model_hash
 from harness.robots import find_rover
+from harness.robots.reading import model_hash
 from harness.scenario.case import cases_of
 from harness.scenario.quantities import QUANTITIES, RUN
 from harness.scenario.reading import read_scenario

@@ -92,6 +92,7 @@ def test_a_file_becomes_the_configuration_that_it_describes(make_cases: MakeCase
         '[{at: 0.5, command: [0.3, 0]}, {at: 1, reset: true}, {at: 1.5, fault: "scan:nan", for: 0.2}]'
     )
     more = f"driver: cmd_vel\nevents: {events}\nstart: [1, 2, 0.5]\nnoise: white\nlidar_beams: 8"
+    more += "\ndatum: [1, 2, 3]"
     (case,) = make_cases(SPEED, more)
     assert case.config == EpisodeConfig(
         terrain="flat",
@@ -100,6 +101,7 @@ def test_a_file_becomes_the_configuration_that_it_describes(make_cases: MakeCase
         start=(1.0, 2.0, 0.5),
         noise="white",
         lidar_beams=8,
+        datum=(1.0, 2.0, 3.0),
         faults=("scan:nan@1.5+0.2",),
         commands=((0.5, 0.3, 0.0),),
         resets=(1.0,),

@@ -15,10 +15,11 @@ Array = NDArray[np.float64]
 Scene = tuple[mujoco.MjModel, mujoco.MjData]
 
 TOLERANCE = 1e-5  # [m]
-BOX, CYLINDER, ELLIPSOID = (
+BOX, CYLINDER, ELLIPSOID, MESH = (
     mujoco.mjtGeom.mjGEOM_BOX,
     mujoco.mjtGeom.mjGEOM_CYLINDER,
     mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+    mujoco.mjtGeom.mjGEOM_MESH,
 )
 YAWED_BY_PI = (0.0, 0.0, 0.0, 1.0)  # as both rovers carry it
 
@@ -64,6 +65,10 @@ def add_random_obstacles(spec: mujoco.MjSpec, rng: np.random.Generator, half: fl
             quat=rng.normal(size=4),
             group=1,
         )
+    for name in ("a", "b", "c"):
+        spec.add_mesh(name=name, uservert=rng.uniform(-0.5, 0.5, 18).tolist())
+        place = [*rng.uniform(-half, half, 2), rng.uniform(-0.2, 0.6)]
+        obstacles.add_geom(type=MESH, meshname=name, pos=place, quat=rng.normal(size=4), group=1)
 
 
 def compiled(spec: mujoco.MjSpec) -> Scene:
@@ -237,7 +242,7 @@ def test_obstacle_of_unknown_shape_is_named() -> None:
     world = terrain_spec(np.zeros((3, 3)), 1.0)
     add_rover(world, 0.5)
     world.worldbody.add_geom(
-        name="pillar", type=mujoco.mjtGeom.mjGEOM_CAPSULE, size=[0.1, 0.5, 0.0], group=1
+        name="ball", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.1, 0.0, 0.0], group=1
     )
-    with pytest.raises(ValueError, match=r"'pillar'.*available: box, cylinder, ellipsoid"):
+    with pytest.raises(ValueError, match=r"'ball'.*available: box, cylinder, capsule, ellipsoid"):
         Lidar(world.compile(), LidarSpec())

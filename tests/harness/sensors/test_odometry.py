@@ -157,3 +157,42 @@ def test_a_reading_carries_the_time_of_the_simulation(bench: MakeBench) -> None:
     rig._simulation.tick()
     rig._simulation.tick()
     assert rig.odometry.read().stamp_ns == 20_000_000
+
+
+def test_six_wheels_count_as_the_means_of_their_sides(
+    foreign: "Callable[[str], RoverSpec]", simulate: "Callable[[RoverSpec], Simulation]"
+) -> None:
+    rover = foreign("sojourner")
+    simulation = simulate(rover)
+    count = math.tau / 4096
+    wheels = rover.wheel_joints
+    for name in wheels:
+        simulation.data.joint(name).qpos[0] = count / 2
+    odometry = WheelOdometry(simulation, 5)
+    for name, counts in zip(wheels, (100, 200, 300, 500, 600, 700), strict=True):
+        simulation.data.joint(name).qpos[0] += counts * count
+    reading = odometry.read()
+    left, right = 200 * count * 0.065, 600 * count * 0.065
+    turn = (right - left) / 0.4
+    assert reading.yaw == pytest.approx(turn)
+    way = (left + right) / 2
+    assert (reading.x, reading.y) == pytest.approx((way * math.cos(turn / 2), way * math.sin(turn / 2)))
+
+
+def test_steered_wheels_tell_the_curve_and_the_others_the_way(
+    foreign: "Callable[[str], RoverSpec]", simulate: "Callable[[RoverSpec], Simulation]"
+) -> None:
+    """Along a circle of 2 m about a centre on the rear axle's line, each wheel as the circle says."""
+    rover = foreign("buggy")
+    simulation, radius, arc = simulate(rover), 2.0, 0.3
+    half, length = 0.2413 / 2, 0.3302
+    for name, aside in (("left_steering", half), ("right_steering", -half)):
+        simulation.data.joint(name).qpos[0] = math.atan2(length, radius - aside)
+    odometry = WheelOdometry(simulation, 5)
+    for name, aside in (("rear_left_joint", half), ("rear_right_joint", -half)):
+        simulation.data.joint(name).qpos[0] += arc * (radius - aside) / 0.0508
+    reading = odometry.read()
+    assert reading.yaw == pytest.approx(arc, abs=2e-3)  # counts of 0.08 mm
+    way = arc * radius  # along the mean heading, as all wheel odometry of the house
+    told = (reading.x, reading.y)
+    assert told == pytest.approx((way * math.cos(arc / 2), way * math.sin(arc / 2)), abs=5e-4)

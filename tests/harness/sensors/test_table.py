@@ -1,65 +1,43 @@
-"""A sensor that is not there yet: one class, one row, and it is in every part of a run."""
+"""A sensor is one file and one row: the barometer is in every part of a run by that alone."""
 
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from unittest.mock import Mock
 
 import pytest
 
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
+from harness.errors import UsageError
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import describe_faults, parse_faults
+from harness.frames.options import FrameOptions
 from harness.robots import ROVERS, find_rover
 from harness.samples import Tick
-from harness.sensors import table
-from harness.sensors.base import Sensor, period_ticks
+from harness.sensors.barometer import Pressure
+from harness.sensors.base import period_ticks
+from harness.sensors.choice import by_default
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.table import SensorRow, Topic
+from harness.sensors.table import SensorRow
 
-SEA_LEVEL, GRADIENT = 101_325.0, -12.0  # [Pa], [Pa/m]
 BEAMS = 8
-
-
-@dataclass(frozen=True)
-class Pressure:
-    """Air pressure and its variance."""
-
-    stamp_ns: int
-    fluid_pressure: float
-    variance: float
-
-
-class Barometer(Sensor):
-    """Pressure that falls with height."""
-
-    def read(self) -> Pressure:
-        """Returns the pressure [Pa] where the rover is."""
-        height = self._simulation.position[2]
-        return Pressure(self._simulation.time_ns, SEA_LEVEL + GRADIENT * height, 2.5)
-
-
-BAROMETER = SensorRow(
-    sample=Pressure,
-    reader=f"{__name__}:Barometer",
-    topics=(Topic("pressure", "sensor_msgs/msg/FluidPressure"),),
-    rate=10,
-    frame="barometer_link",
-    fault="barometer",
-    measured=("fluid_pressure",),
-)
+RUN: Any = {
+    "terrain": "flat",
+    "driver": "spin",
+    "lidar_beams": BEAMS,
+    "duration": 1.0,
+    "sensors": ("barometer",),
+}
 
 
 @pytest.fixture
-def _barometer(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(table, "SENSORS", (*table.SENSORS, BAROMETER))
-
-
-@pytest.fixture
-def ticks(_barometer: None) -> tuple[Tick, ...]:
+def ticks() -> tuple[Tick, ...]:
     """Of one second with a barometer that says 7 from 0.5 s on, and never anything in between."""
-    config = EpisodeConfig(terrain="flat", driver="spin", lidar_beams=BEAMS, duration=1.0)
-    faults = FaultInjector(parse_faults(["barometer:stuck=7@0.5", "imu:dropout"]), seed=0)
+    config = EpisodeConfig(**RUN)
+    faults = FaultInjector(
+        parse_faults(["barometer:stuck=7@0.5", "imu:dropout"]), seed=0, rows=config.sensor_rows()
+    )
     batches = Episode(config).batches()
     return tuple(faults.corrupt(tick) for batch in batches for tick in batch.ticks)
 
@@ -71,14 +49,12 @@ def pressures(ticks: tuple[Tick, ...]) -> list[Pressure]:
 def test_a_new_row_is_read_at_its_rate_and_has_faults_of_its_own(ticks: tuple[Tick, ...]) -> None:
     told = pressures(ticks)
     assert [p.stamp_ns / 1e9 for p in told] == [n / 10 for n in range(1, 11)]
-    assert all(101_000.0 < p.fluid_pressure < SEA_LEVEL + 1.0 for p in told[:4])
+    assert all(85_000.0 < p.fluid_pressure < 87_000.0 for p in told[:4])  # of the datum's altitude
     assert {p.fluid_pressure for p in told[4:]} == {7.0}
-    assert {p.variance for p in told} == {2.5}
 
 
-@pytest.mark.usefixtures("_barometer")
 def test_a_new_row_is_in_the_help() -> None:
-    assert "joint_states, barometer, imu.attitude" in describe_faults().splitlines()[0]
+    assert "barometer, height_scan, imu.attitude" in describe_faults().splitlines()[0]
 
 
 @pytest.fixture
@@ -90,15 +66,36 @@ def recording(ticks: tuple[Tick, ...], ros_domain: int, tmp_path: Path) -> Path:
 
     context = rclpy.Context()
     rclpy.init(context=context, domain_id=ros_domain)
-    bridge = Bridge(find_rover("leo"), LidarSpec(beams=BEAMS), context=context)
+    bridge = Bridge(
+        find_rover("leo"),
+        LidarSpec(beams=BEAMS),
+        context=context,
+        rows=EpisodeConfig(**RUN).sensor_rows(),
+    )
     with Recorder(tmp_path / "bag.mcap") as recorder:
         recorder.tap(bridge)
         for tick in ticks:
             bridge.advance(tick, tick, listeners=(Mock(),))
-    assert bridge.published()["/pressure"] == 10
+    assert bridge.published()["/barometer/pressure"] == 10
     bridge.destroy_node()
     context.shutdown()
     return tmp_path / "bag.mcap"
+
+
+def test_a_mount_is_a_frame_of_the_urdf_and_of_tf_static() -> None:
+    description = Episode(EpisodeConfig(**RUN), FrameOptions()).description
+    assert description is not None
+    (edge,) = (edge for edge in description.fixed if edge.child == "barometer_link")
+    assert edge.parent == "base_footprint"
+    assert edge.translation == pytest.approx((0.174, 0.0, 0.798))
+    assert '<link name="barometer_link"' in description.urdf
+
+
+def test_without_being_asked_for_there_is_none() -> None:
+    config = EpisodeConfig(**RUN | {"sensors": None})
+    assert "barometer" not in {row.source for row in config.sensor_rows()}
+    with pytest.raises(UsageError, match=r"no sensor 'barometer', but --sensors barometer adds it"):
+        replace(config, faults=("barometer:nan",)).validate()
 
 
 def test_a_new_row_is_published_and_recorded_without_a_line_for_its_message(
@@ -107,7 +104,7 @@ def test_a_new_row_is_published_and_recorded_without_a_line_for_its_message(
     from rosbags.highlevel import AnyReader  # noqa: PLC0415 - the other tests need no recording
 
     with AnyReader([recording]) as bag:
-        (connection,) = (c for c in bag.connections if c.topic == "/pressure")
+        (connection,) = (c for c in bag.connections if c.topic == "/barometer/pressure")
         assert connection.msgtype == "sensor_msgs/msg/FluidPressure"
         told = [bag.deserialize(data, c.msgtype) for c, _, data in bag.messages([connection])]
     stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in told]  # type: ignore[attr-defined]
@@ -117,7 +114,7 @@ def test_a_new_row_is_published_and_recorded_without_a_line_for_its_message(
     assert {m.header.frame_id for m in told} == {"barometer_link"}  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize("row", table.SENSORS, ids=lambda row: row.sample.__name__)
+@pytest.mark.parametrize("row", by_default(), ids=lambda row: row.sample.__name__)
 def test_every_row_has_a_valid_rate_on_every_rover_and_fields_that_its_sample_has(
     row: SensorRow,
 ) -> None:

@@ -134,6 +134,7 @@ class StandIn(SimpleNamespace):
             velocity=(0.0, 0.0, 0.0),
             data=SimpleNamespace(qpos=np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])),
             contacts=SimpleNamespace(strongest={}, name_of=str),
+            scene=SimpleNamespace(rover=ROVERS["leo"]),
         )
 
     def tip(self, degrees: float) -> None:

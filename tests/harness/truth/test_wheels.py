@@ -153,3 +153,33 @@ def test_slip_ratio_is_positive_when_driving_and_negative_when_braking(
     wheel: float, ground: float, slip: float
 ) -> None:
     assert slip_ratio(wheel, ground) == pytest.approx(slip)
+
+
+def test_steered_wheels_that_roll_about_one_centre_do_not_slip(
+    foreign: Callable[[str], RoverSpec], simulate: MakeSimulation
+) -> None:
+    """Put by hand onto a circle of 2 m: each wheel's speed is the yaw rate times its distance."""
+    rover = foreign("buggy")
+    simulation, radius, rate = simulate(rover), 2.0, 0.5
+    data, (half, length, behind) = simulation.data, (0.2413 / 2, 0.3302, 0.17145)
+    data.qpos[3:7] = 1.0, 0.0, 0.0, 0.0
+    data.qvel[:] = 0.0
+    data.qvel[:6] = (
+        rate * radius,
+        rate * behind,
+        0.0,
+        0.0,
+        0.0,
+        rate,
+    )  # of the chassis, ahead of the axle
+    for side, aside in (("left", half), ("right", -half)):
+        data.joint(f"{side}_steering").qpos[0] = math.atan2(length, radius - aside)
+        data.joint(f"rear_{side}_joint").qvel[0] = rate * (radius - aside) / 0.0508
+        data.joint(f"front_{side}_joint").qvel[0] = rate * math.hypot(radius - aside, length) / 0.0508
+    assert slips(Wheels(simulation).motion()) == pytest.approx([0.0] * 4, abs=1e-6)
+    data.qvel[:6] = 0.5, 0.0, 0.0, 0.0, 0.0, 0.0  # straight ahead, across the steered wheels' planes
+    for side in ("left", "right"):
+        angle = data.joint(f"{side}_steering").qpos[0] = 0.4
+        data.joint(f"rear_{side}_joint").qvel[0] = 0.5 / 0.0508
+        data.joint(f"front_{side}_joint").qvel[0] = 0.5 * math.cos(angle) / 0.0508
+    assert slips(Wheels(simulation).motion()) == pytest.approx([0.0] * 4, abs=1e-6)

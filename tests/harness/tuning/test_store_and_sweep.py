@@ -133,7 +133,7 @@ def test_a_torn_file_is_driven_again(tmp_path: Path, content: bytes) -> None:
     ("other", "difference"),
     [
         (plan(("leo", "rover_zero4wd"), 6, 0, 5.0), "8 episodes instead of 12"),
-        (plan(("leo", "rover_zero4wd"), 4, 1, 5.0), "other robots, seed or duration"),
+        (plan(("leo", "rover_zero4wd"), 4, 1, 5.0), "other robots, driver, seed or duration"),
     ],
 )
 def test_another_sweeps_folder_is_refused(
@@ -155,7 +155,7 @@ def test_a_sweep_outlives_an_option_that_it_does_not_use(tmp_path: Path) -> None
 
     config["some_of_another_day"] = [1.0]
     (tmp_path / "sweep.json").write_text(json.dumps(sweep))
-    with pytest.raises(UsageError, match="other robots, seed or duration"):
+    with pytest.raises(UsageError, match="other robots, driver, seed or duration"):
         Store(tmp_path, PLANNED)
 
 

@@ -18,8 +18,10 @@ def test_a_value_passes_on_the_ends_of_its_span_and_between() -> None:
     ]
 
 
-def test_nan_never_passes() -> None:
-    assert not check(math.nan, Span(-math.inf, math.inf, "")).passed
+def test_nan_never_passes_but_where_nothing_is_expected() -> None:
+    assert not check(math.nan, Span(-math.inf, 1e9, "")).passed
+    assert check(math.nan, Span(-math.inf, math.inf, "")).passed
+    assert Span(-math.inf, math.inf, "").describe(2) == "-"
 
 
 def test_open_spans_bound_one_side_only() -> None:

@@ -26,19 +26,34 @@ def test_states_are_those_of_the_episode(tmp_path: Path) -> None:
     assert states.joints.shape == (50, len(LEO.joints))
 
 
+def test_people_are_where_they_were_last_told_to_be(tmp_path: Path) -> None:
+    config = replace(CONFIG, terrain="flat", actors=("a=1,1", "g=3,0/3,4"))
+    states = recorded(tmp_path / "states", config)
+    assert states.people.shape == (50, 2, 4)
+    np.testing.assert_allclose(states.people[:, 0], np.tile([1.0, 1.0, 0.875, 0.0], (50, 1)))
+    np.testing.assert_allclose(states.people[:, 1, 1], states.times, atol=0.031)  # 1 m/s along y
+    np.testing.assert_allclose(states.people[:, 1, 3], np.pi / 2)
+    assert states.people[0, 1, 1] == pytest.approx(0.04)
+    assert states.joints.shape == (50, len(LEO.joints))
+
+
 def test_speed_is_the_path_over_half_a_second_around_a_state() -> None:
     kept = np.delete(np.arange(1, 101), slice(40, 43))  # a fault took three states
     times = np.asarray(kept * 0.04, dtype=np.float64)
     angle, climb = 0.5 * times, 0.3 * times  # a helix of radius 2 m: sqrt(1 + 0.09) m/s
     path = np.column_stack([2.0 * np.cos(angle), 2.0 * np.sin(angle), climb])
-    states = States(CONFIG, times, path, np.tile([1.0, 0, 0, 0], (97, 1)), np.zeros((97, 4)))
+    states = States(
+        CONFIG, times, path, np.tile([1.0, 0, 0, 0], (97, 1)), np.zeros((97, 4)), np.zeros((97, 0, 4))
+    )
     np.testing.assert_allclose(states.speed, np.sqrt(1.09), rtol=1e-3)
     stands = np.where(times[:, None] < 2.0, path, path[times >= 2.0][0])
     speed = replace(states, path=stands).speed  # it stops at 2 s
     assert (speed[times > 2.3] == 0.0).all()
     np.testing.assert_allclose(speed[times < 1.7], np.sqrt(1.09), rtol=1e-3)
     assert 0.3 < speed[np.argmin(abs(times - 2.0))] < 0.7
-    first = States(CONFIG, times[:1], path[:1], states.orientations[:1], states.joints[:1])
+    first = States(
+        CONFIG, times[:1], path[:1], states.orientations[:1], states.joints[:1], states.people[:1]
+    )
     assert first.speed.tolist() == [0.0]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.world.heightfield import Heightfield
-from harness.world.obstacles import Obstacle, ObstacleKind, Shape, rotation_matrix, top
+from harness.world.obstacles import Obstacle, ObstacleKind, Shape, convex, rotation_matrix, top
 from harness.world.occupancy import FREE, OCCUPIED, OccupancyMap, occupancy
 from harness.world.world import World
 
@@ -157,3 +157,18 @@ def test_an_oblong_map_has_more_columns_than_rows_and_its_own_edges() -> None:
         for place in ((3.0, 0.0), (0.0, 1.4), (3.4, 1.0), (0.0, 1.6), (3.6, 0.9))
     }
     assert list(free.values()) == [False, True, True, False, False], free
+
+
+def test_decks_and_what_is_high_above_the_ground_are_not_in_the_way_wherever_the_map_lies() -> None:
+    ground = Heightfield(np.zeros((41, 41)), 0.25, (100.0, -50.0))
+    corners = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-0.5, 0.5) for z in (0.0, 0.3)])
+
+    def map_with(kind: ObstacleKind, height: float) -> OccupancyMap:
+        thing = convex(kind, corners + np.array([100.0, -50.0, height]))
+        return occupancy(World("w", ground, (thing,), 0, None), 0.5, 0.1)
+
+    assert not map_with(ObstacleKind.HAZARD, 0.9).is_free(100.0, -50.0)
+    assert map_with(ObstacleKind.HAZARD, 0.9).is_free(101.5, -50.0)
+    assert map_with(ObstacleKind.HAZARD, 1.1).is_free(100.0, -50.0)
+    assert map_with(ObstacleKind.DECK, 0.0).is_free(100.0, -50.0)
+    assert not map_with(ObstacleKind.DECK, 0.0).is_free(0.0, 0.0)

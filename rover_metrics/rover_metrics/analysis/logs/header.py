@@ -23,7 +23,7 @@ def read_header(path: Path) -> list[str]:
     Raises:
         UnreadableLog: There is no such file, or it does not begin like a metrics log.
     """
-    _check_is_file(path)
+    check_is_file(path)
     try:
         with path.open("rb") as file:
             first = file.readline(_LONGEST_HEADER)
@@ -41,7 +41,12 @@ def read_header(path: Path) -> list[str]:
     return names
 
 
-def _check_is_file(path: Path) -> None:
+def check_is_file(path: Path) -> None:
+    """Checks that there is a file to read.
+
+    Raises:
+        UnreadableLog: There is none, or it may not be read.
+    """
     try:
         if path.is_dir():
             raise UnreadableLog("this is a folder; name the CSV files in it")

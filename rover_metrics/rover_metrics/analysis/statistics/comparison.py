@@ -156,14 +156,19 @@ def _welch_interval(first: Floats, second: Floats, confidence: float) -> Interva
     return difference - half, difference + half
 
 
-def _hedges_g(first: Floats, second: Floats) -> float | None:
-    """Returns the difference in pooled standard deviations, corrected for small samples."""
+def cohens_d(first: Floats, second: Floats) -> float | None:
+    """Returns second mean minus first in pooled standard deviations; None where neither group varies."""
     freedom = first.size + second.size - 2
     squares = (first.size - 1) * first.var(ddof=1) + (second.size - 1) * second.var(ddof=1)
     if squares == 0:
         return None
-    correction = 1 - 3 / (4 * freedom - 1)
-    return correction * float(second.mean() - first.mean()) / sqrt(float(squares) / freedom)
+    return float(second.mean() - first.mean()) / sqrt(float(squares) / freedom)
+
+
+def _hedges_g(first: Floats, second: Floats) -> float | None:
+    """Returns Cohen's d, corrected for small samples."""
+    d = cohens_d(first, second)
+    return None if d is None else (1 - 3 / (4 * (first.size + second.size - 2) - 1)) * d
 
 
 def holm(probabilities: Sequence[float | None]) -> list[float | None]:

@@ -1,6 +1,6 @@
 """Tables on a terminal."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from rich import box
 from rich.console import RenderableType
@@ -15,7 +15,12 @@ _WIDE = 120  # columns of a terminal; a narrower one shows less, JSON everything
 
 def report(result: Result, width: int) -> Iterator[RenderableType]:
     """Yields everything there is to read of a result, on a terminal of so many columns."""
-    for sheet in sheets(result):
+    return show(sheets(result), width)
+
+
+def show(tables: Iterable[Sheet], width: int) -> Iterator[RenderableType]:
+    """Yields tables with their headings, on a terminal of so many columns."""
+    for sheet in tables:
         yield Text(f"\n{sheet.title}", style="bold")
         for finding in sheet.odd:
             yield Text(f"  odd: {finding}", style="yellow")

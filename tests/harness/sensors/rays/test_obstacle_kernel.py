@@ -17,7 +17,12 @@ Array = NDArray[np.float64]
 
 BEAMS, RANGE_MAX = 61, 4.0
 FIRST, STEP = -math.pi, 2 * math.pi / (BEAMS - 1)
-SHAPES = (mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_CYLINDER, mujoco.mjtGeom.mjGEOM_ELLIPSOID)
+SHAPES = (
+    mujoco.mjtGeom.mjGEOM_BOX,
+    mujoco.mjtGeom.mjGEOM_CYLINDER,
+    mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+    mujoco.mjtGeom.mjGEOM_CAPSULE,
+)
 
 
 def scene(*geoms: dict[str, object]) -> tuple[mujoco.MjModel, mujoco.MjData]:
@@ -100,6 +105,7 @@ def test_beams_along_the_axes_of_shapes_meet_mujoco(way: str, monkeypatch: pytes
     groups, hit = np.array([0, 1, 0, 0, 0, 0], np.uint8), np.zeros(1, np.int32)
     for shape in SHAPES:
         model, data = scene({"type": shape, "size": [0.5, 0.4, 0.3], "pos": [0.0, 0.0, 0.0]})
+        arrays = obstacle_arrays(model, 1)
         for axes in itertools.permutations(np.eye(3)):
             turn = np.column_stack(axes)
             turn[:, 2] *= np.linalg.det(turn)
@@ -107,9 +113,7 @@ def test_beams_along_the_axes_of_shapes_meet_mujoco(way: str, monkeypatch: pytes
             for place in itertools.product((-0.62, -0.13, 0.0, 0.27, 0.55, 2.0), repeat=3):
                 origin, ours = np.array(place), np.full(4, np.inf)
                 pose = np.ascontiguousarray(np.vstack([origin, turn]))
-                kernel(
-                    *obstacle_arrays(model, 1), data.geom_xpos, data.geom_xmat, pose, beams, fan, ours
-                )
+                kernel(*arrays, data.geom_xpos, data.geom_xmat, pose, beams, fan, ours)
                 theirs = [mujoco.mj_ray(model, data, origin, b, groups, 1, -1, hit) for b in beams]
                 expected = np.where(np.array(theirs) < 0.0, np.inf, theirs)
                 np.testing.assert_allclose(ours, expected, rtol=0.0, atol=1e-9)

@@ -1,12 +1,15 @@
 """Which episodes a sweep drives."""
 
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from harness.drivers.policy import BESIDE_LIDAR, Policy, write_policy
 from harness.errors import UsageError
 from harness.tuning.episodes.plan import STRATA, Part, plan
+from harness.tuning.episodes.store import Store
 
 ROBOTS = ("leo", "rover_zero4wd")
 
@@ -123,3 +126,29 @@ def test_bad_values_are_refused(
 ) -> None:
     with pytest.raises(UsageError, match=message):
         plan(robots, episodes, seed, duration)
+
+
+def test_another_driver_takes_the_open_ground_and_is_told_goals_if_it_needs_them(tmp_path: Path) -> None:
+    path = tmp_path / "still.npz"
+    layer = np.zeros((BESIDE_LIDAR + 640, 2), np.float32), np.zeros(2, np.float32)
+    write_policy(path, Policy((layer,)))
+    usual = plan(ROBOTS, 2 * len(STRATA), 3, 40.0)
+    for driver in ("straight", f"policy:{path}"):
+        planned = plan(ROBOTS, 2 * len(STRATA), 3, 40.0, driver)
+        for ours, theirs in zip(planned, usual, strict=True):
+            other = theirs.config.driver in ("roam", "wander")
+            assert ours.config.driver == (driver if other else theirs.config.driver)
+            times = [time for time, *_ in ours.config.goals]
+            assert times == ([0.0, 15.0, 30.0] if other and driver != "straight" else [])
+            assert "/" not in ours.name
+        goals = {one.config.goals for one in planned if one.config.robot == "leo"}
+        assert len(goals) == (
+            1 if driver == "straight" else 1 + 2 * sum(d in ("roam", "wander") for _, d in STRATA)
+        )
+    assert all(max(map(abs, goal[1:3])) <= 12.0 for one in planned for goal in one.config.goals)
+
+    folder = tmp_path / "sweep"
+    Store(folder, planned)
+    write_policy(path, Policy((layer,), "relu"))
+    with pytest.raises(UsageError, match="holds another sweep's files"):
+        Store(folder, planned)

@@ -3,15 +3,18 @@
 import math
 import re
 from dataclasses import replace
+from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+import trimesh
 
 from harness.robots import ROVERS, RoverSpec
 from harness.tuning.page.drawing import HAZARDS, Distances, drawings
 from harness.tuning.page.outline import ABOVE, SIDE, shares, silhouette, untold_strips
 from harness.tuning.page.scan_figures import MOST_POINTS, has_both_classes, precision_recall, roc
+from tests.harness.frames.made_rover import made_rover
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 SQUARE = replace(LEO, footprint=(-1.0, 1.0, -1.0, 1.0), lidar_x=0.0)
@@ -65,6 +68,17 @@ def test_a_silhouette_fills_the_footprint_and_reaches_up_to_the_lidar(rover: Rov
     assert above.max(axis=0) == pytest.approx([x_max, y_max], abs=0.01)
     assert side[:, 1].min() == pytest.approx(0.0, abs=0.01)
     assert rover.lidar_height < side[:, 1].max() < rover.lidar_height + 0.03
+
+
+def test_a_silhouette_has_meshes_as_their_boxes_and_balls_as_balls(tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    trimesh.creation.box((0.2, 0.4, 0.6)).export(tmp_path / "meshes" / "block.stl")
+    seen = 'contype="0" conaffinity="0" mass="0"'
+    body = f'<geom type="mesh" mesh="b" {seen}/><geom type="sphere" size="0.5" pos="5 0 0" {seen}/>'
+    rover = made_rover(tmp_path, body, '<mesh name="b" file="block.stl"/>')
+    block, ball = silhouette(rover, SIDE)
+    assert np.ptp(block, axis=0) == pytest.approx([0.2, 0.6])
+    assert np.ptp(ball, axis=0) == pytest.approx([1.0, 1.0])
 
 
 def test_what_a_lidar_sees_of_a_hazard_depends_on_its_height() -> None:

@@ -16,11 +16,12 @@ from PIL import Image
 from scipy.ndimage import map_coordinates, uniform_filter1d
 
 from harness.errors import UsageError
+from harness.world.files import file_world
 from harness.world.heightfield import filled, resampled
 from harness.world.heightmap import raster as raster_module
-from harness.world.heightmap.dem import TerrainFile, file_world, is_terrain_file
 from harness.world.heightmap.raster import read_raster
 from harness.world.statistics import slopes
+from harness.world.terrain_file import TerrainFile, is_terrain_file
 from harness.world.world import World, terrain_hash
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.physics.scene import OBSTACLE_BODIES, TERRAIN, TERRAIN_GROUP
+from harness.physics.scene import OBSTACLE_BODIES, TERRAIN, TERRAIN_GROUP, UNPAINTED
 from harness.world.heightfield import fractal
 from harness.world.obstacles import ObstacleKind
 
@@ -19,7 +19,9 @@ SUN_BEARING = math.radians(145.0)  # off the camera's view: over the left should
 OBSTACLE_COLORS = {  # RGBA, darker than the ground
     ObstacleKind.ROCK: [0.3128, 0.272, 0.238, 1.0],
     ObstacleKind.HAZARD: [0.4216, 0.204, 0.136, 1.0],
+    ObstacleKind.DECK: [0.51, 0.40, 0.31, 1.0],
 }
+PERSON_COLOR = [0.13, 0.28, 0.46, 1.0]
 FIELD_OF_VIEW = 38.0  # [deg], vertical
 SOIL_PIXELS, SOIL_TILE = 1024, 2.0  # [pixels], [m] along a side of what repeats
 DARK_SOIL, LIGHT_SOIL = (128.0, 82.0, 54.0), (226.0, 168.0, 122.0)  # RGB, 0..255
@@ -59,9 +61,13 @@ def dress(spec: mujoco.MjSpec, quality: Quality) -> None:
     spec.worldbody.add_light(
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, diffuse=[0.98, 0.92, 0.82], castshadow=True
     )
-    for kind, body in OBSTACLE_BODIES.items():
+    for kind, body in (*OBSTACLE_BODIES.items(), (ObstacleKind.DECK, "world")):
         for geom in spec.body(body).geoms:
-            geom.rgba = OBSTACLE_COLORS[kind]
+            if geom.name != TERRAIN and np.allclose(geom.rgba, UNPAINTED):
+                geom.rgba = OBSTACLE_COLORS[kind]
+    for body in spec.bodies:
+        for geom in body.geoms if body.mocap else ():
+            geom.rgba = PERSON_COLOR
     _add_soil(spec)
     # One colour: of a gradient, a picture near the horizon shows nothing but bands.
     spec.add_texture(

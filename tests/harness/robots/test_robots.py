@@ -58,7 +58,8 @@ def test_a_rover_is_found_by_its_name() -> None:
 
 def test_an_unknown_name_is_refused_with_the_names_that_exist() -> None:
     with pytest.raises(
-        UsageError, match=r"^robot 'spot' does not exist; available: leo, rover_zero4wd$"
+        UsageError,
+        match=r"^robot 'spot' does not exist; available: leo, rover_zero4wd, or the path",
     ):
         find_rover("spot")
 

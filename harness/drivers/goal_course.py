@@ -1,0 +1,81 @@
+"""One seeded goal after another in a rectangle, as RoboTerrain's collector gives them."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.errors import UsageError
+from harness.samples import Place, Quaternion
+from harness.world.actors.room import Room
+from rover_metrics.core.goals import GoalAccount
+
+TRIES = 1000
+
+Area = tuple[float, float, float, float]  # x from, to, y from, to [m]
+
+
+def check_area(area: Area) -> None:
+    """Checks the numbers of an area by themselves.
+
+    Raises:
+        UsageError: They are none, or an end is not beyond its begin.
+    """
+    finite = len(area) == 4 and all(map(math.isfinite, area))
+    if not (finite and area[0] < area[1] and area[2] < area[3]):
+        text = ",".join(f"{value:g}" for value in area)
+        raise UsageError(f"goal area {text} is not valid; give XMIN,XMAX,YMIN,YMAX in metres")
+
+
+@dataclass
+class GoalCourse:
+    """Gives the next goal once the last one is reached or given up.
+
+    Attributes:
+        area: Where goals lie.
+        room: Keeps them off hazards.
+        clearance: To hazards and the map's edge [m].
+        rng: Source of randomness.
+    """
+
+    area: Area
+    room: Room
+    clearance: float
+    rng: np.random.Generator
+
+    def __post_init__(self) -> None:
+        self._account = GoalAccount()
+
+    def next(self, time_s: float, place: tuple[float, float], orientation: Quaternion) -> Place | None:
+        """Returns the goal that is due at a pose; None while there is one.
+
+        Args:
+            time_s: Of the pose [s].
+            place: x and y in the world [m].
+            orientation: x, y, z, w.
+
+        Raises:
+            UsageError: There is no free place in the area.
+        """
+        self._account.observe(time_s, place, orientation)
+        if self._account.goal is not None:
+            return None
+        goal = self.draw()
+        self._account.begin((goal.x, goal.y), time_s)
+        return goal
+
+    def draw(self) -> Place:
+        """Returns a free place, heading anywhere.
+
+        Raises:
+            UsageError: There is none.
+        """
+        x_min, x_max, y_min, y_max = self.area
+        low, high = (x_min, y_min, -math.pi), (x_max, y_max, math.pi)
+        for x, y, yaw in self.rng.uniform(low, high, size=(TRIES, 3)).tolist():
+            if self.room.trouble(np.array([[x, y]]), self.clearance) is None:
+                return Place(x, y, yaw)
+        raise UsageError(
+            f"there is no free place in the goal area x {x_min:g} to {x_max:g}, y {y_min:g} to "
+            f"{y_max:g} m; give another --goal-area"
+        )

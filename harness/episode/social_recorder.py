@@ -1,0 +1,87 @@
+"""The social log of a run with people: every row is in the file before the next second."""
+
+from datetime import datetime
+from pathlib import Path
+
+from harness.episode.batch import Batch
+from harness.errors import RunFailed, UsageError
+from harness.samples import ActorPoses, Pose, Quaternion
+from harness.sim_time import NANOSECONDS
+from rover_metrics.core.goals import GoalAccount
+from rover_metrics.errors import LogError
+from rover_metrics.log.csv_log import CsvLog
+from rover_metrics.log.social_log import SocialRows, social_columns
+
+STEM, FOLDER = "social_log", "social"
+
+
+class SocialRecorder:
+    """Watches the batches of one run.
+
+    Args:
+        actors: Names of the people, in the order of their poses.
+        file: The log, which must not exist; None for a new one in `log_dir`/social.
+        log_dir: Folder of the metrics log.
+
+    Attributes:
+        path: The log; None before the first row's second has begun.
+        goals: Those reached and failed.
+
+    Raises:
+        UsageError: The file exists, or its name does not end in .csv.
+    """
+
+    def __init__(self, actors: tuple[str, ...], file: Path | None, log_dir: Path) -> None:
+        if file is not None and (file.suffix != ".csv" or file.exists()):
+            wrong = "exists already" if file.exists() else "does not end in .csv"
+            raise UsageError(f"--social-log {file} {wrong}; name a new file that ends in .csv")
+        self._actors, self._file, self._log_dir = actors, file, log_dir
+        self._rows, self.goals = SocialRows(), GoalAccount()
+        self._log: CsvLog | None = None
+        self._orientation: Quaternion = (0.0, 0.0, 0.0, 1.0)
+        self._began_s = 0.0
+
+    @property
+    def path(self) -> Path | None:
+        """Where the rows are."""
+        return None if self._log is None else self._log.path
+
+    def take(self, batch: Batch) -> None:
+        """Takes the next batch.
+
+        Raises:
+            RunFailed: A row cannot be written.
+        """
+        for goal in batch.goals:
+            self.goals.begin((goal.x, goal.y), self._began_s)
+        self._began_s = batch.truth.time_ns / NANOSECONDS
+        for tick in batch.ticks:
+            poses = [sample for sample in tick.samples if isinstance(sample, Pose)]
+            people = [sample for sample in tick.samples if isinstance(sample, ActorPoses)]
+            if poses:
+                self._orientation = poses[0].orientation
+            if tick.stamp_ns % NANOSECONDS == 0 and poses and people:
+                self._write(tick.stamp_ns / NANOSECONDS, poses[0], people[0])
+        x, y, _ = batch.truth.position
+        self.goals.observe(self._began_s, (x, y), self._orientation)
+
+    def close(self) -> None:
+        """Closes the log."""
+        if self._log is not None:
+            self._log.close()
+
+    def _write(self, time_s: float, rover: Pose, people: ActorPoses) -> None:
+        places = {name: (x, y) for name, (x, y, _) in zip(self._actors, people.position, strict=True)}
+        row = self._rows.next(time_s, rover.position[:2], places, self.goals.reached)
+        try:
+            if self._log is None:
+                self._log = self._opened()
+            self._log.write(row)
+        except LogError as error:
+            raise RunFailed(f"the social log: {error}") from error
+
+    def _opened(self) -> CsvLog:
+        folder = self._log_dir / FOLDER if self._file is None else self._file.parent
+        stem = STEM if self._file is None else self._file.stem
+        started = datetime.now() if self._file is None else None
+        return CsvLog(folder, started, stem=stem, columns=social_columns(self._actors))

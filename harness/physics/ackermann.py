@@ -1,0 +1,82 @@
+"""cmd_vel -> speeds of driven wheels and angles of steered ones, of a rover that steers like a car.
+
+The middle of the unsteered axles follows the commanded curvature, angular over linear, as far as the
+steering turns; each wheel rolls about the same centre, so that none skids:
+
+    angle of a steered wheel beside the middle by y:  atan(L k / (1 - k y))
+    speed of a wheel:                                 v sqrt((1 - k y)^2 + (k x)^2)
+
+with x = L, the wheelbase, of the steered wheels and 0 of the others, and y = +- half the separation that
+the controller believes. A twist without linear speed steers and does not move. Curvature changes as fast
+as the steering turns; while nothing is commanded the wheels stay as they are.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.physics.diff_drive import approach
+from harness.robots import RoverSpec
+from harness.samples import Twist
+
+CREEPING = 1e-6  # [m/s]: slower is no speed, and has no curvature
+
+
+class Ackermann:
+    """Controller of a rover with steered front wheels; call `wheel_speeds` once per period."""
+
+    def __init__(self, rover: RoverSpec, period: float) -> None:
+        drive, half = rover.drive, rover.controller_separation / 2
+        self._radius, self._wheelbase = rover.controller_radius, rover.wheelbase
+        self._limit = 1.0 / rover.tightest_turn  # of the curvature [1/m]
+        self._linear_step = rover.linear_acceleration * period
+        self._turn_step = drive.steering_rate * period
+        self._aside = np.array([half if name in drive.left else -half for name in drive.driven])
+        steered = [name in rover.steered_wheels for name in drive.driven]
+        self._ahead = np.where(steered, rover.wheelbase, 0.0)
+        self._steered_aside = np.array([half, -half])
+        self._target = Twist()
+        self._linear = 0.0
+        self._steering = 0.0  # of a wheel in the middle [rad]
+
+    def command(self, twist: Twist) -> bool:
+        """Latches a command; a non-finite one is refused and the previous one stays."""
+        if not (math.isfinite(twist.linear) and math.isfinite(twist.angular)):
+            return False
+        self._target = twist
+        return True
+
+    def wheel_speeds(self) -> NDArray[np.float64]:
+        """Returns the speeds of the driven wheels [rad/s], then left and right steering angle [rad]."""
+        self._linear = approach(self._linear, self._target.linear, self._linear_step)
+        self._steering = approach(self._steering, self._wanted(), self._turn_step)
+        curvature = math.tan(self._steering) / self._wheelbase
+        rolling = np.hypot(1.0 - curvature * self._aside, curvature * self._ahead)
+        speeds = self._linear * rolling / self._radius
+        angles = np.arctan2(self._wheelbase * curvature, 1.0 - curvature * self._steered_aside)
+        return np.concatenate([speeds, angles])
+
+    def _wanted(self) -> float:
+        """The angle of a wheel in the middle that the command asks for [rad]."""
+        linear, angular = self._target.linear, self._target.angular
+        if angular == 0.0:
+            return self._steering if linear == 0.0 else 0.0
+        if abs(linear) < CREEPING:
+            curvature = math.copysign(self._limit, angular)
+        else:
+            curvature = max(-self._limit, min(self._limit, angular / linear))
+        return math.atan(self._wheelbase * curvature)
+
+
+def curvature_of(angles: list[float], wheelbase: float, separation: float) -> float:
+    """Returns the mean curvature that the left and the right steering angle mean [1/m].
+
+    Args:
+        angles: Of the left and the right steered wheel [rad].
+        wheelbase: From the unsteered axle to the steered one [m].
+        separation: Of the steered wheels [m].
+    """
+    left, right = (math.tan(angle) for angle in angles)
+    half = separation / 2
+    return (left / (wheelbase + half * left) + right / (wheelbase - half * right)) / 2

@@ -1,0 +1,140 @@
+"""Command: make a rover of a URDF, and tell what is odd about a rover.
+
+    python -m harness.robot new my_rover --from robot.urdf
+    python -m harness.robot check my_rover --picture my_rover.png
+    python -m harness.robot schema > rover.schema.json
+
+Parses, calls, prints; the work is in harness.robots.urdf and harness.validation.checkup.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from harness.cli.edge import begin_program, run_program
+
+if __name__ == "__main__":
+    begin_program("harness.robot")
+
+from harness.sensors.camera.backend import keep_opengl_out
+from harness.view.drawing import Drawing
+
+if __name__ == "__main__":
+    keep_opengl_out()  # before MuJoCo is loaded
+
+from rich.console import Console
+from rich.table import Column, Table
+
+from harness.cli.console import counted
+from harness.config import EpisodeConfig
+from harness.episode.episode import Episode
+from harness.robots import find_rover
+from harness.robots.schema import schema
+from harness.robots.urdf.folder import Written, write_folder
+from harness.validation.check import Check
+from harness.validation.checkup import check_up
+from harness.validation.suite import cells_of
+from rover_metrics.errors import OneLineParser
+
+SHOWN = 3.0  # [s] of driving in a picture
+NEXT = "next: python -m harness.robot check {0}; then python -m harness.run --robot {0}"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command; returns its exit code: 0, 1 if something is odd, 2 for bad arguments."""
+    options = _parser().parse_args(arguments)
+    return run_program("harness.robot", lambda: int(options.act(options, Console())))
+
+
+def _new(options: argparse.Namespace, console: Console) -> int:
+    folder = options.out or Path(options.name)
+    sides = {side: tuple(filter(None, getattr(options, side).split(","))) for side in ("left", "right")}
+    written = write_folder(
+        options.name, options.source, folder, trust_xacro=options.trust_xacro, **sides
+    )
+    _print(written, console)
+    return 0
+
+
+def _print(written: Written, console: Console) -> None:
+    rover = written.rover
+    size = f"track {rover.track:.3g} m, wheelbase {rover.wheelbase:.3g} m"
+    lines = [
+        *(f"note: {note}" for note in written.notes),
+        *(f"guess: {guess}" for guess in written.guesses),
+        f"{rover.name}: {rover.summary}; {size}, {rover.top_speed:.3g} m/s",
+        f"written: {written.folder} (rover.yaml, {rover.model})",
+        NEXT.format(written.folder),
+    ]
+    for line in lines:
+        console.print(line, soft_wrap=True, highlight=False, markup=False)
+
+
+def _check(options: argparse.Namespace, console: Console) -> int:
+    rover = find_rover(options.rover)
+    config = EpisodeConfig(robot=options.rover, terrain="flat", driver="figure8", duration=SHOWN)
+    with Drawing(options.picture, None, lidar=False, backend=keep_opengl_out()) as drawing:
+        if drawing.wanted:
+            drawing.prepare(config)
+        with console.status(f"driving {rover.name}"):
+            checks = check_up(rover)
+        _print_findings(console, f"{rover.name}: {rover.summary}", checks)
+        if drawing.wanted:
+            for batch in Episode(config).batches():
+                drawing.take(batch)
+            with counted(console, "drawing") as show:
+                for path in drawing.finish(show):
+                    console.print(f"drawn: {path}", soft_wrap=True, highlight=False)
+    odd = [check for check in checks if not check.passed]
+    for check in odd:
+        print(f"harness.robot: odd: {check.quantity}: {check.expected.source}", file=sys.stderr)
+    return 1 if odd else 0
+
+
+def _print_findings(console: Console, title: str, checks: Sequence[Check]) -> None:
+    columns = (Column(name, overflow="fold") for name in ("quantity", "measured", "plausible", ""))
+    table = Table(*columns, title=title, title_justify="left")
+    for check in checks:
+        quantity, plausible, measured, verdict, _ = cells_of(check)
+        word = "odd" if verdict == "MISS" else verdict
+        table.add_row(quantity, measured, plausible, word, style=None if check.passed else "bold red")
+    console.print(table)
+
+
+def _schema(_: argparse.Namespace, __: Console) -> int:
+    sys.stdout.write(schema())
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = OneLineParser(
+        prog="python -m harness.robot", description="Rovers of your own: docs/robots.md."
+    )
+    commands = parser.add_subparsers(
+        required=True, metavar="COMMAND", parser_class=OneLineParser, help="COMMAND --help tells more"
+    )
+    new = commands.add_parser("new", help="make a folder for --robot of a URDF")
+    new.set_defaults(act=_new)
+    new.add_argument("name", metavar="NAME", help="of the rover")
+    about = "the URDF; its meshes beside it or in folders above"
+    new.add_argument("--from", dest="source", type=Path, required=True, metavar="FILE.urdf", help=about)
+    new.add_argument("--out", type=Path, metavar="FOLDER", help="to be made; default: NAME")
+    for side in ("left", "right"):
+        about = f"joints of the wheels on the {side}, front to rear; found by their places if left out"
+        new.add_argument(f"--{side}", default="", metavar="J1,J2,...", help=about)
+    about = "take xacro too, which runs Python of whoever wrote it and what it includes (extra [xacro])"
+    new.add_argument("--trust-xacro", action="store_true", help=about)
+    check = commands.add_parser(
+        "check", help="compile a rover, drive it on flat ground, tell what is odd"
+    )
+    check.set_defaults(act=_check)
+    check.add_argument("rover", metavar="FOLDER", help="or the name of a rover that ships")
+    check.add_argument("--picture", type=Path, metavar="FILE.png", help="draw it")
+    printed = commands.add_parser("schema", help="print the JSON schema of rover.yaml, for editors")
+    printed.set_defaults(act=_schema)
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,64 @@
+"""The rovers: a folder each, with a model and what the model cannot say in rover.yaml.
+
+Those of models/ are known by their names; any other is known by the path of its folder. A model has
+geometry and masses, joints, wheels, limits of the drive and gravity; models/README.md gives the
+conventions of those that ship and the source of every number, docs/robots.md what others need.
+"""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from harness.errors import UsageError
+from harness.robots.reading import MODELS_DIR, read_rover
+from harness.robots.spec import Drive, FrameRow, Mount, RoverSpec
+
+__all__ = [
+    "MODELS_DIR",
+    "ROVERS",
+    "Drive",
+    "FrameRow",
+    "Mount",
+    "RoverSpec",
+    "find_rover",
+    "read_rover",
+    "robot_name",
+]
+
+
+class _Rovers(Mapping[str, RoverSpec]):
+    """The folders of models/ by name; each is read when it is first asked for."""
+
+    def __getitem__(self, name: str) -> RoverSpec:
+        if name not in iter(self):
+            raise KeyError(name)
+        return read_rover(MODELS_DIR / name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(sorted(path.parent.name for path in MODELS_DIR.glob("*/rover.yaml")))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+
+ROVERS: Mapping[str, RoverSpec] = _Rovers()
+
+
+def find_rover(robot: str) -> RoverSpec:
+    """Returns the rover of that name, or of the folder at that path.
+
+    Raises:
+        UsageError: There is no such rover, and the message names those there are; or it is not valid.
+    """
+    if robot in ROVERS:
+        return ROVERS[robot]
+    if not robot or not Path(robot).is_dir():
+        raise UsageError(
+            f"robot '{robot}' does not exist; available: {', '.join(ROVERS)}, "
+            "or the path of a folder with a rover.yaml (docs/robots.md)"
+        )
+    return read_rover(Path(robot).resolve())
+
+
+def robot_name(robot: str) -> str:
+    """Returns what a robot is called, whether it was given by its name or by the path of its folder."""
+    return robot if robot in ROVERS else Path(robot).resolve().name

@@ -1,0 +1,56 @@
+"""A rover's model as text: what the models that ship say of themselves, read without MuJoCo.
+
+The process that only publishes does without MuJoCo, so that its first row comes sooner.
+"""
+
+import math
+from xml.etree import ElementTree as ET
+
+from harness.robots.spec import Drive
+
+
+def told_by_mjcf(root: ET.Element) -> dict[str, object]:
+    """Returns what a model's file says of a rover, by the field's name.
+
+    Raises:
+        AttributeError, KeyError, ValueError, IndexError: It is not as models/README.md says.
+    """
+    defaults: dict[str, dict[str, dict[str, str]]] = {}
+    for top in root.findall("default"):
+        _gather(top, {}, defaults)
+
+    def numbers(found: ET.Element | None, attribute: str) -> list[float]:
+        """An attribute of the element, or else of its class."""
+        element: ET.Element = found  # type: ignore[assignment]  # None fails, and is told of, as it should
+        of_class = defaults.get(element.get("class", "main"), {}).get(element.tag, {})
+        return [float(word) for word in (of_class | element.attrib)[attribute].split()]
+
+    drives = root.findall("actuator/*")
+    wheel = root.find(".//geom[@name='wheel_FL']")
+    driven = tuple(drive.attrib["joint"] for drive in drives)
+    lidar = numbers(root.find(".//site[@name='lidar']"), "pos")
+    joints = (joint.attrib["name"] for joint in root.findall("worldbody//joint"))
+    return {
+        "drive": Drive(left=driven[: len(driven) // 2], right=driven[len(driven) // 2 :], driven=driven),
+        "passive_joints": tuple(name for name in joints if name not in driven),
+        "wheel_radius": numbers(wheel, "size")[0],
+        "wheel_width": 2 * numbers(wheel, "size")[1],
+        "wheel_speed_limit": numbers(drives[0], "ctrlrange")[1],
+        "lidar_x": lidar[0],
+        "lidar_y": lidar[1],
+        "lidar_yaw": math.pi,  # models/README.md: exactly backward
+        "steered_wheels": (),
+        "gravity": -numbers(root.find("option"), "gravity")[2],
+    }
+
+
+def _gather(
+    node: ET.Element,
+    inherited: dict[str, dict[str, str]],
+    defaults: dict[str, dict[str, dict[str, str]]],
+) -> None:
+    """Takes down the attributes of a default class and of those in it, by element."""
+    own = {item.tag: inherited.get(item.tag, {}) | item.attrib for item in node}
+    defaults[node.get("class", "main")] = of_class = inherited | own
+    for nested in node.findall("default"):
+        _gather(nested, of_class, defaults)

@@ -1,0 +1,188 @@
+"""A rover's model as MuJoCo reads it, made to fit the scenes that it is put into.
+
+Models that people bring along need not know the house's rules. What can be told from the model is set
+here: a free joint, the groups and the contact bits of geoms, sites and sensors of lidar and IMU, shapes
+to be seen where there are none. To the models that ship it changes nothing.
+"""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from harness.errors import UsageError
+from harness.robots.spec import Mount, RoverSpec
+
+SEEN_GROUP, COLLIDING_GROUP, UNSEEN_GROUP = 2, 3, 4
+COLLIDING = (1, 2)  # contype, conaffinity; the world has 2 and 1, so that no part touches another
+ROOT, ROOT_JOINT = "rover", "root"  # where a model has no names for them
+SENSORS = {
+    "imu_accelerometer": mujoco.mjtSensor.mjSENS_ACCELEROMETER,
+    "imu_gyro": mujoco.mjtSensor.mjSENS_GYRO,
+}
+# Of what harness.physics.scene adds.
+TAKEN = frozenset(("terrain", "rocks", "hazards", "rock_contact", "hazard_contact"))
+ABOVE = 0.05  # [m] over the highest point: a lidar that nobody has placed
+
+
+def read_model(rover: RoverSpec) -> mujoco.MjSpec:
+    """Returns a rover's model, not compiled.
+
+    Raises:
+        UsageError: It cannot be read, the file of one of its meshes is not there, or it is no rover's.
+    """
+    path = rover.model_path
+    if not path.is_file():
+        raise UsageError(f"{path}, the rover's model, does not exist; put it there, or mend key 'model'")
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+    except (OSError, ValueError, mujoco.FatalError) as error:
+        raise UsageError(
+            f"{path} is no model that MuJoCo reads: {' '.join(str(error).split())}"
+        ) from error
+    for mesh in spec.meshes:
+        file = path.parent / spec.meshdir / mesh.file
+        if mesh.file and not file.is_file():
+            message = f"mesh '{mesh.name}' is to be in {file}, which does not exist"
+            raise UsageError(f"{path}: {message}; put it there, or mend its name")
+    _check_names(spec, path)
+    free_root(spec, path)
+    sort_geoms(spec)
+    show_what_collides(spec)
+    _add_site(spec, "imu", rover.imu or Mount(), path)
+    _add_site(spec, "lidar", rover.lidar, path)
+    for name, kind in SENSORS.items():
+        if all(sensor.name != name for sensor in spec.sensors):
+            spec.add_sensor(name=name, type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="imu")
+    return spec
+
+
+def compiled(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
+    """Returns a model that somebody brought along, compiled alone.
+
+    Raises:
+        UsageError: MuJoCo does not take it; the message says why.
+    """
+    try:
+        return spec.compile()
+    except (ValueError, mujoco.FatalError) as error:
+        told = " ".join(str(error).removeprefix("Error: ").split())
+        mend = "; give its body an <inertial> with a mass above 0" if "mjMINVAL" in told else ""
+        raise UsageError(f"{path} is no valid model: {told}{mend}") from error
+
+
+def root_of(spec: mujoco.MjSpec) -> str:
+    """Returns the name of the rover's root body."""
+    return str(spec.worldbody.first_body().name)
+
+
+def free_root(spec: mujoco.MjSpec, path: Path) -> None:
+    """Leaves one body in the world, which moves freely.
+
+    Raises:
+        UsageError: There is not just one, or it moves otherwise.
+    """
+    world = spec.worldbody
+    for thing in [*world.geoms, *world.sites, *world.lights, *world.cameras]:  # a floor, a lamp
+        spec.delete(thing)
+    bodies = list(_children(world))
+    if len(bodies) != 1:
+        names = ", ".join(body.name or "one without a name" for body in bodies) or "none"
+        raise UsageError(f"{path}: the world must hold the rover's root body alone; it holds {names}")
+    (root,) = bodies
+    root.name = root.name or ROOT
+    if not root.joints:
+        root.add_freejoint(name=ROOT_JOINT)
+    elif [joint.type for joint in root.joints] != [mujoco.mjtJoint.mjJNT_FREE]:
+        told = ", ".join(f"'{joint.name}'" for joint in root.joints)
+        raise UsageError(f"{path}: root body '{root.name}' must move freely; take joint {told} away")
+
+
+def sort_geoms(spec: mujoco.MjSpec) -> None:
+    """Tells what is only to be seen from what collides with the world."""
+    for geom in spec.geoms:
+        seen = geom.contype == geom.conaffinity == 0
+        geom.group = SEEN_GROUP if seen else COLLIDING_GROUP
+        if not seen:
+            geom.contype, geom.conaffinity = COLLIDING
+
+
+def show_what_collides(spec: mujoco.MjSpec) -> None:
+    """Gives a body of which nothing is to be seen the shapes by which it collides."""
+    for body in _descendants(spec.worldbody):
+        if any(geom.group == SEEN_GROUP for geom in body.geoms):
+            continue
+        for geom in list(body.geoms):
+            frame = {"pos": geom.pos, "quat": geom.quat, "size": geom.size, "fromto": geom.fromto}
+            look = {"rgba": geom.rgba, "material": geom.material, "meshname": geom.meshname}
+            body.add_geom(
+                type=geom.type, group=SEEN_GROUP, contype=0, conaffinity=0, mass=0.0, **frame, **look
+            )
+
+
+def _add_site(spec: mujoco.MjSpec, name: str, mount: Mount | None, path: Path) -> None:
+    if any(site.name == name for site in spec.sites):
+        return
+    mount = mount or Mount(xyz=(0.0, 0.0, _top(spec, path) + ABOVE))
+    bodies = {body.name: body for body in _descendants(spec.worldbody)}
+    if mount.body and mount.body not in bodies:
+        raise UsageError(
+            f"{path.parent / 'rover.yaml'}: {name}: body '{mount.body}' does not exist in {path.name}; "
+            f"available: {', '.join(filter(None, bodies))}"
+        )
+    quaternion = np.empty(4)
+    mujoco.mju_euler2Quat(quaternion, np.array(mount.rpy), "XYZ")
+    bodies[mount.body or root_of(spec)].add_site(
+        name=name, pos=mount.xyz, quat=quaternion, group=UNSEEN_GROUP
+    )
+
+
+def _top(spec: mujoco.MjSpec, path: Path) -> float:
+    """The highest point of what collides, in the root body's frame, while all joints are at 0 [m]."""
+    model = compiled(spec.copy(), path)
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    _, high = extent(model, data, np.flatnonzero(model.geom_group == COLLIDING_GROUP).tolist())
+    return float(high[2] - data.xpos[1, 2]) if np.isfinite(high).all() else 0.0
+
+
+def extent(
+    model: mujoco.MjModel, data: mujoco.MjData, geoms: list[int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Returns the lowest and the highest x, y, z of the boxes around some geoms [m]; infinite for none.
+
+    Args:
+        model: The rover's.
+        data: Where its bodies are.
+        geoms: Their ids.
+    """
+    low, high = np.full(3, math.inf), np.full(3, -math.inf)
+    for geom in geoms:
+        axes = data.geom_xmat[geom].reshape(3, 3)
+        centre = data.geom_xpos[geom] + axes @ model.geom_aabb[geom, :3]
+        half = np.abs(axes) @ model.geom_aabb[geom, 3:]
+        low, high = np.minimum(low, centre - half), np.maximum(high, centre + half)
+    return low, high
+
+
+def _children(body: mujoco.MjsBody) -> Iterator[mujoco.MjsBody]:
+    child = body.first_body()
+    while child is not None:
+        yield child
+        child = body.next_body(child)
+
+
+def _check_names(spec: mujoco.MjSpec, path: Path) -> None:
+    """Checks that worlds can use the names that they use."""
+    named = [*spec.bodies, *spec.geoms, *spec.hfields, *spec.sensors]
+    for name in (thing.name for thing in named):
+        if name in TAKEN:
+            raise UsageError(f"{path}: the name '{name}' is the world's; give another")
+
+
+def _descendants(body: mujoco.MjsBody) -> Iterator[mujoco.MjsBody]:
+    for child in _children(body):
+        yield child
+        yield from _descendants(child)

@@ -1,0 +1,188 @@
+"""Writes the folder of a rover: model, meshes, and a rover.yaml that says what was guessed."""
+
+import re
+import shutil
+import tempfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import mujoco
+
+from harness.errors import UsageError
+from harness.robots.model import compiled, free_root, show_what_collides, sort_geoms
+from harness.robots.reading import read_rover
+from harness.robots.schema import schema
+from harness.robots.spec import ACKERMANN, SKID, RoverSpec
+from harness.robots.urdf.joints import Joints, find_joints
+from harness.robots.urdf.outfit import Outfit, fit_out
+from harness.robots.urdf.source import read_urdf
+
+SCHEMA = "rover.schema.json"  # for editors
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
+# Keys of which the file tells the derived value, so that they can be set by who knows better.
+SHOWN = (
+    "odometry_child_frame", "linear_acceleration", "angular_acceleration", "cruise_speed",
+    "cruise_yaw_rate", "encoder_ticks", "odometry_rate", "rest_height", "track", "wheelbase",
+    "footprint", "clearance", "lidar_height", "step_limit", "slope_limit",
+)  # fmt: skip
+GUESSED = {"linear_acceleration", "angular_acceleration", "encoder_ticks", "step_limit", "slope_limit"}
+
+
+@dataclass(frozen=True)
+class Written:
+    """What came of a URDF.
+
+    Attributes:
+        folder: Where the rover is.
+        notes: What was dropped or mended, and what hangs loose.
+        guesses: What nobody told.
+    """
+
+    folder: Path
+    rover: RoverSpec
+    notes: tuple[str, ...]
+    guesses: tuple[str, ...]
+
+
+def write_folder(
+    name: str,
+    urdf: Path,
+    folder: Path,
+    *,
+    left: tuple[str, ...] = (),
+    right: tuple[str, ...] = (),
+    trust_xacro: bool = False,
+) -> Written:
+    """Makes a rover of a URDF.
+
+    Args:
+        name: Of the rover.
+        urdf: Its file.
+        folder: To be made; must not exist.
+        left: Joints of the wheels on the left, front to rear; found if left out. Likewise `right`.
+        right: See `left`.
+        trust_xacro: Whether the file may be xacro.
+
+    Raises:
+        UsageError: An argument or the URDF is not valid, or the folder exists.
+    """
+    if not NAME.fullmatch(name):
+        raise UsageError(f"name '{name}' is not valid; give letters, digits, '_', '-' or '.'")
+    if folder.exists():
+        raise UsageError(f"{folder} exists already, not overwriting; choose another NAME or --out")
+    source = read_urdf(urdf, trust_xacro=trust_xacro)
+    spec, notes = source.spec, list(source.notes)
+    free_root(spec, urdf)
+    sort_geoms(spec)
+    model = compiled(spec.copy(), urdf)
+    joints = find_joints(model, left, right, str(urdf))
+    notes += [f"joint '{joint}': its axis pointed backwards; turned" for joint in joints.backwards]
+    notes += [f"joint '{joint}' steers; held straight" for joint in joints.held]
+    show_what_collides(spec)
+    outfit = fit_out(spec, source.robot, joints, float(model.body_mass.sum()))
+    notes += _loose(spec, joints)
+    spec.modelname = name
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{name}-") as made:
+            half_made = Path(made) / folder.name
+            half_made.mkdir()
+            rover = _write(half_made, name, spec, joints, outfit, urdf)
+            half_made.rename(folder)
+            rover = replace(rover, folder=folder.resolve())
+    except OSError as error:
+        raise UsageError(f"cannot write {folder}: {error.strerror}") from error
+    guesses = tuple(f"{key}: {told}" for key, told in outfit.guesses.items())
+    return Written(folder, rover, tuple(notes), guesses)
+
+
+def _write(
+    folder: Path, name: str, spec: mujoco.MjSpec, joints: Joints, outfit: Outfit, urdf: Path
+) -> RoverSpec:
+    model = _with_meshes_beside(spec.to_xml(), spec, folder)
+    (folder / f"{name}.xml").write_text(model, encoding="utf-8")
+    said = _said(name, joints, outfit, urdf)
+    path = folder / "rover.yaml"
+    path.write_text(said, encoding="utf-8")
+    rover = read_rover(folder.resolve())
+    path.write_text(said + _derived(rover, outfit), encoding="utf-8")
+    (folder / SCHEMA).write_text(schema(), encoding="utf-8")
+    return rover
+
+
+def _with_meshes_beside(text: str, spec: mujoco.MjSpec, folder: Path) -> str:
+    """The model's text with its meshes in the folder, which can be moved then."""
+    for number, file in enumerate(sorted({mesh.file for mesh in spec.meshes if mesh.file})):
+        beside = f"meshes/{number}_{Path(file).name}"
+        (folder / "meshes").mkdir(exist_ok=True)
+        shutil.copyfile(file, folder / beside)
+        text = text.replace(f"file={quoteattr(file)}", f"file={quoteattr(beside)}")
+    return text
+
+
+def _loose(spec: mujoco.MjSpec, joints: Joints) -> list[str]:
+    """Joints that nothing drives, holds or ties to another."""
+    tied = {equality.name1 for equality in spec.equalities} | {
+        equality.name2 for equality in spec.equalities
+    }
+    moved = {motor.target for motor in spec.actuators} | tied | set(joints.wheels)
+    hinges = [joint for joint in spec.joints if joint.type != mujoco.mjtJoint.mjJNT_FREE]
+    return [
+        f"joint '{joint.name}' has no motor and moves freely"
+        for joint in hinges
+        if joint.name not in moved
+    ]
+
+
+def _said(name: str, joints: Joints, outfit: Outfit, urdf: Path) -> str:
+    """The keys that the URDF tells."""
+
+    def names(of: tuple[str, ...]) -> str:
+        return "[" + ", ".join(f'"{joint}"' for joint in of) + "]"
+
+    lines = [
+        f"# yaml-language-server: $schema={SCHEMA}",
+        f"# {name}: what {name}.xml cannot say; made of {urdf.name}. Metres, radians, seconds.",
+        "# docs/robots.md tells the keys. Guesses are marked as guesses.",
+        "",
+        f"model: {name}.xml",
+    ]
+    if "model: tyres" in outfit.guesses:
+        lines += [
+            f"# guess in the model, {key[7:]}: {told}"
+            for key, told in outfit.guesses.items()
+            if ": " in key
+        ]
+    lines += [
+        "drive:",
+        f"  kind: {ACKERMANN if joints.steering else SKID}",
+        f"  left: {names(joints.left)}  # front to rear, by their places",
+        f"  right: {names(joints.right)}",
+        f"  driven: {names(outfit.driven)}",
+    ]
+    if joints.steering:
+        guess = "  # guess" if "drive" in outfit.guesses else ""
+        lines += [
+            f"  steering: {names(joints.steering)}",
+            f"  steering_rate: {outfit.steering_rate:g}{guess}",
+        ]
+    lines += [f"{key}: {value:g}  # a plugin of the URDF" for key, value in outfit.beliefs.items()]
+    if outfit.imu:
+        lines += [f'imu_frame: "{outfit.imu}"']
+    for sensor in ("lidar", "imu"):
+        if sensor in outfit.guesses:
+            lines += [f"# guess, {sensor}: {outfit.guesses[sensor]}"]
+            lines += [f"# {sensor}: {{body: , xyz: [0, 0, 0], rpy: [0, 0, 0]}}"]
+    return "\n".join([*lines, ""])
+
+
+def _derived(rover: RoverSpec, outfit: Outfit) -> str:
+    lines = ["", "# Derived from the model, or guessed; take the # away to set another value."]
+    for key in SHOWN:
+        value = getattr(rover, key)
+        rounded = [round(v, 4) for v in value] if isinstance(value, tuple) else value
+        text = f"{rounded:.4g}" if isinstance(rounded, float) else f"{rounded}"
+        if key not in outfit.beliefs:
+            lines.append(f"# {key}: {text}{'  # guess' if key in GUESSED else ''}")
+    return "\n".join([*lines, ""])

@@ -1,0 +1,129 @@
+"""Which joints of a URDF are wheels, and which steer them: by their axes and places, no names needed."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError, unknown
+from harness.robots.model import extent
+
+ALONG = 0.9  # cosine of the angle to y of an axle, to z of a steering axis
+NEAR_GROUND = 0.3  # of the lowest wheel's radius: wheels reach as low as it
+
+
+@dataclass(frozen=True)
+class Joints:
+    """The joints that matter; left ones front to rear, then right ones.
+
+    Attributes:
+        left: Of wheels; likewise `right`.
+        steering: Of the left and the right front wheel, if those two are steered and no other.
+        held: Steering joints that are held straight, since the house cannot steer so many.
+        radius: Of each wheel [m].
+        backwards: Wheels and steering whose axes point the other way.
+    """
+
+    left: tuple[str, ...]
+    right: tuple[str, ...]
+    steering: tuple[str, ...]
+    held: tuple[str, ...]
+    radius: dict[str, float]
+    backwards: tuple[str, ...]
+
+    @property
+    def wheels(self) -> tuple[str, ...]:
+        """All of them."""
+        return self.left + self.right
+
+
+def find_joints(
+    model: mujoco.MjModel, left: tuple[str, ...], right: tuple[str, ...], where: str
+) -> Joints:
+    """Returns the joints of a rover.
+
+    Args:
+        model: Compiled, with a free joint first.
+        left: Wheels on the left, front to rear, as the user names them; found if empty.
+        right: Likewise.
+        where: The file, for messages.
+
+    Raises:
+        UsageError: There are no wheels on one of the sides, or a named one is no hinge.
+    """
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qpos[3] = 0.0, 1.0
+    mujoco.mj_kinematics(model, data)
+    hinges = [j for j in range(1, model.njnt) if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_HINGE]
+    names = {model.joint(j).name: j for j in hinges}
+    for name in (*left, *right):
+        if name not in names:
+            raise UsageError(f"{where}: {unknown('hinge', name, names)}")
+    boxes = {name: _box(model, data, j) for name, j in names.items()}
+    wheels = [*left, *right] or _rolling(model, data, names, boxes)
+    centre = {name: boxes[name].mean(axis=0) for name in wheels}
+    order = sorted(wheels, key=lambda name: -centre[name][0])
+    left = left or tuple(name for name in order if centre[name][1] > 0)
+    right = right or tuple(name for name in order if centre[name][1] <= 0)
+    if not (left and right):
+        raise UsageError(
+            f"{where}: no wheels were found on both sides; name their joints by --left and --right, "
+            f"front to rear; hinges: {', '.join(names) or 'none'}"
+        )
+    steers = {name: _steering_above(model, data, names[name]) for name in (*left, *right)}
+    steering = (steers[left[0]], steers[right[0]])
+    others = {
+        joint for name, joint in steers.items() if joint is not None and name not in (left[0], right[0])
+    }
+    pair = steering if None not in steering and not others else ()
+    held = {joint for joint in steers.values() if joint is not None and joint not in pair}
+    turned = [n for n in (*left, *right) if data.xaxis[names[n]][1] < 0]
+    turned += [model.joint(j).name for j in {*pair, *held} if data.xaxis[j][2] < 0]
+    return Joints(
+        left=left,
+        right=right,
+        steering=tuple(model.joint(joint).name for joint in pair),
+        held=tuple(sorted(model.joint(joint).name for joint in held)),
+        radius={name: float(np.ptp(boxes[name], axis=0)[[0, 2]].max() / 2) for name in (*left, *right)},
+        backwards=tuple(turned),
+    )
+
+
+def _rolling(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    names: dict[str, int],
+    boxes: dict[str, NDArray[np.float64]],
+) -> list[str]:
+    """Hinges about y without limits whose shapes reach the ground."""
+    found = [
+        name
+        for name, joint in names.items()
+        if abs(data.xaxis[joint][1]) > ALONG
+        and not model.jnt_limited[joint]
+        and np.isfinite(boxes[name]).all()
+    ]
+    if not found:
+        return []
+    lowest = min((boxes[name] for name in found), key=lambda box: box[0][2])
+    reach = lowest[0][2] + NEAR_GROUND * np.ptp(lowest[:, 2]) / 2
+    return [name for name in found if boxes[name][0][2] <= reach]
+
+
+def _box(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> NDArray[np.float64]:
+    """Lowest and highest x, y, z of what collides and is fixed to a joint's body, shape (2, 3) [m]."""
+    body = model.jnt_bodyid[joint]
+    fixed = (model.body_weldid[model.geom_bodyid] == body) & (model.geom_contype > 0)
+    return np.array(extent(model, data, np.flatnonzero(fixed).tolist()))
+
+
+def _steering_above(model: mujoco.MjModel, data: mujoco.MjData, wheel: int) -> int | None:
+    """The joint about z that carries a wheel."""
+    body = int(model.body_parentid[model.jnt_bodyid[wheel]])
+    while body > 1:
+        for joint in range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body]):
+            if abs(data.xaxis[joint][2]) > ALONG:
+                return joint
+        body = int(model.body_parentid[body])
+    return None

@@ -1,0 +1,206 @@
+"""What a URDF lacks of a simulated rover: motors, tyres, sites, solver; each guess is told.
+
+Contact settings are those that were measured for rovers of 5 to 15 kg (models/README.md): wheels as
+ellipsoids climb kerbs that cylinders do not, and yielding contacts keep a skid-steer's turns calm.
+"""
+
+import re
+from dataclasses import dataclass, field
+from xml.etree import ElementTree as ET
+
+import mujoco
+import numpy as np
+
+from harness.robots.model import UNSEEN_GROUP
+from harness.robots.urdf.joints import Joints
+
+GRAVITY = 9.81
+TOP_SPEED = 1.0  # [m/s], of wheels whose joints tell no limit
+GRIP = 1.0  # friction of wheels; 1 is what RoboTerrain's rovers have
+SCRAPING = 0.3  # friction of all else
+TYRE = {"priority": 1, "condim": 3, "solref": [0.02, 1.0], "solimp": [0.15, 0.95, 0.002, 0.5, 2.0]}
+UNTOLD_COLOR, RUBBER = (0.5, 0.5, 0.5, 1.0), (0.07, 0.07, 0.075, 1.0)
+STIFFNESS = 0.05  # of the top speed: so far behind it, a motor gives all its torque
+ROTOR = 0.2  # of a wheel's share of the mass, as a point at its rim: rotor and gear
+STEERING_SPEED = 2.0  # [rad/s]
+STEERING_LIMIT = 0.5  # [rad]
+LIDAR = re.compile(r"lidar|laser|scan|velodyne|ouster|hokuyo|sick|livox", re.IGNORECASE)
+IMU = re.compile(r"(^|_)imu(_|$)", re.IGNORECASE)
+
+
+@dataclass
+class Outfit:
+    """What was added to a model.
+
+    Attributes:
+        guesses: What nobody told, by the key of rover.yaml that says it or the part of the model.
+        lidar: The link that carries the lidar; empty if none was found. Likewise `imu`.
+        driven: The wheels with motors.
+        steering_rate: [rad/s].
+        beliefs: What the URDF says of its controller, by the keys of rover.yaml.
+    """
+
+    guesses: dict[str, str] = field(default_factory=dict)
+    lidar: str = ""
+    imu: str = ""
+    driven: tuple[str, ...] = ()
+    steering_rate: float = STEERING_SPEED
+    beliefs: dict[str, float] = field(default_factory=dict)
+
+
+def fit_out(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -> Outfit:
+    """Adds to a model what its URDF does not say.
+
+    Args:
+        spec: With a free root; is changed.
+        robot: The URDF.
+        joints: Its wheels and steering.
+        mass: Of the whole rover [kg].
+    """
+    outfit = Outfit(beliefs=_beliefs(robot))
+    option = spec.option
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    option.cone, option.timestep = mujoco.mjtCone.mjCONE_ELLIPTIC, 0.0025
+    option.gravity = [0.0, 0.0, -GRAVITY]
+    limits = {joint.get("name", ""): joint.find("limit") for joint in robot.findall("joint")}
+    for name in joints.backwards:
+        _turn_around(spec.joint(name))
+    outfit.driven = _driven(robot, joints)
+    _fit_tyres(spec, joints, outfit)
+    _fit_wheel_motors(spec, joints, limits, mass, outfit)
+    _fit_steering(spec, joints, limits, mass, outfit)
+    for name, pattern in (("lidar", LIDAR), ("imu", IMU)):
+        if link := _link(spec, pattern):
+            setattr(outfit, name, link)
+            spec.body(link).add_site(name=name, group=UNSEEN_GROUP)
+        else:
+            place = "5 cm over the highest point" if name == "lidar" else "in the root link's origin"
+            outfit.guesses[name] = f"no link is called so; {place}"
+    return outfit
+
+
+def _turn_around(joint: mujoco.MjsJoint) -> None:
+    joint.axis = -np.array(joint.axis)
+    joint.range = -np.array(joint.range)[::-1]
+
+
+def _fit_tyres(spec: mujoco.MjSpec, joints: Joints, outfit: Outfit) -> None:
+    wheels = {spec.joint(name).parent.name for name in joints.wheels}
+    shapes = mujoco.mjtGeom
+    for geom in spec.geoms:
+        if geom.contype == 0:
+            if geom.parent.name in wheels and np.allclose(geom.rgba, UNTOLD_COLOR):
+                geom.rgba = RUBBER
+            continue
+        if geom.parent.name not in wheels:
+            geom.priority, geom.friction = 1, [SCRAPING, 0.005, 0.0001]
+            continue
+        for key, value in TYRE.items():
+            setattr(geom, key, value)
+        geom.friction = [GRIP, 0.005, 0.0001]
+        if geom.type == shapes.mjGEOM_CYLINDER:
+            geom.type, geom.size = shapes.mjGEOM_ELLIPSOID, [geom.size[0], geom.size[0], geom.size[1]]
+    outfit.guesses["model: tyres"] = (
+        f"friction {GRIP:g} of wheels, {SCRAPING:g} of all else; cylinders as ellipsoids"
+    )
+
+
+def _fit_wheel_motors(
+    spec: mujoco.MjSpec,
+    joints: Joints,
+    limits: dict[str, ET.Element | None],
+    mass: float,
+    outfit: Outfit,
+) -> None:
+    share = mass / len(joints.wheels)
+    for name in joints.wheels:
+        radius, joint = joints.radius[name], spec.joint(name)
+        joint.armature = ROTOR * share * radius**2
+        joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE  # its motor has that limit
+        if name not in outfit.driven:
+            continue
+        effort, speed = _limit(limits.get(name), "effort"), _limit(limits.get(name), "velocity")
+        if not effort:
+            effort = round(GRIP * mass * GRAVITY * radius / len(outfit.driven), 3)
+            outfit.guesses["model: wheel torque"] = f"{effort:g} N m each, which spins the wheels"
+        if not speed:
+            speed = round(TOP_SPEED / radius, 2)
+            outfit.guesses["model: wheel speed"] = f"{speed:g} rad/s, {TOP_SPEED:g} m/s"
+        motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        motor.set_to_velocity(kv=effort / (STIFFNESS * speed))
+        motor.ctrllimited = motor.forcelimited = True
+        motor.ctrlrange, motor.forcerange = [-speed, speed], [-effort, effort]
+
+
+def _fit_steering(
+    spec: mujoco.MjSpec,
+    joints: Joints,
+    limits: dict[str, ET.Element | None],
+    mass: float,
+    outfit: Outfit,
+) -> None:
+    """Position servos that turn the wheels of a car that stands, or hold them straight."""
+    for name in joints.steering + joints.held:
+        radius = max(joints.radius.values())
+        effort = GRIP * mass * GRAVITY * radius
+        joint = spec.joint(name)
+        joint.armature = ROTOR * mass / len(joints.wheels) * radius**2
+        joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
+        motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        stiffness = effort / 0.1  # all of it 0.1 rad off
+        motor.set_to_position(kp=stiffness, kv=0.1 * stiffness)
+        motor.forcelimited, motor.forcerange = True, [-effort, effort]
+        low, high = np.array(joint.range).tolist()
+        if not low < 0 < high:
+            low, high = -STEERING_LIMIT, STEERING_LIMIT
+            outfit.guesses["model: steering limit"] = f"{STEERING_LIMIT:g} rad"
+        motor.ctrllimited, motor.ctrlrange = True, [low, high]
+    rates = [_limit(limits.get(name), "velocity") for name in joints.steering]
+    if rates and all(rates):
+        outfit.steering_rate = min(rates)
+    elif joints.steering:
+        outfit.guesses["drive"] = f"steering_rate {STEERING_SPEED:g} rad/s"
+
+
+def _driven(robot: ET.Element, joints: Joints) -> tuple[str, ...]:
+    """The wheels that the URDF gives motors, by transmissions or ros2_control; all if it gives none."""
+    told = {
+        joint.get("name")
+        for holder in (*robot.iter("transmission"), *robot.iter("ros2_control"))
+        for joint in holder.iter("joint")
+        if holder.tag == "transmission" or joint.find("command_interface") is not None
+    }
+    return tuple(name for name in joints.wheels if name in told) or joints.wheels
+
+
+def _beliefs(robot: ET.Element) -> dict[str, float]:
+    """Radius and separation of the wheels that a controller's plugin in the URDF believes."""
+    found: dict[str, float] = {}
+    for key, tags in (
+        ("controller_separation", ("wheel_separation", "wheelSeparation")),
+        ("controller_radius", ("wheel_radius", "wheelRadius")),
+        ("controller_radius", ("wheel_diameter", "wheelDiameter")),
+    ):
+        for element in (item for tag in tags for item in robot.iter(tag)):
+            try:
+                value = float(element.text or "")
+            except ValueError:
+                continue
+            if value > 0:
+                found.setdefault(key, value / 2 if "iameter" in element.tag else value)
+    return found
+
+
+def _limit(limit: ET.Element | None, key: str) -> float:
+    """A limit of a joint; 0 if none is told, or one that means none."""
+    try:
+        value = float(limit.get(key, "0")) if limit is not None else 0.0
+    except ValueError:
+        return 0.0
+    return value if 0 < value < 1e4 else 0.0
+
+
+def _link(spec: mujoco.MjSpec, pattern: re.Pattern[str]) -> str:
+    """The link whose name says what it carries; of several the last, which others carry."""
+    found = [body.name for body in spec.bodies if pattern.search(body.name)]
+    return found[-1] if found else ""

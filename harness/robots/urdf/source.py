@@ -1,0 +1,181 @@
+"""A URDF file as MuJoCo's own reader takes it: meshes found, what cannot be had dropped and told.
+
+A URDF is data. xacro is a program: it evaluates Python expressions of whoever wrote it, so a xacro file
+is only expanded where the user says that it is trusted.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from urllib.parse import unquote, urlparse
+from xml.etree import ElementTree as ET
+
+import mujoco
+import numpy as np
+
+from harness.errors import UsageError
+
+READABLE = (".stl", ".obj", ".msh")
+MOST_BYTES = 20_000_000
+XACRO = "xmlns:xacro"
+
+
+@dataclass
+class Source:
+    """What a URDF says, beside what MuJoCo reads of it.
+
+    Attributes:
+        spec: Its links as bodies, none fused; the root link is free.
+        robot: The element of the file.
+        notes: What was dropped or mended, a line each.
+    """
+
+    spec: mujoco.MjSpec
+    robot: ET.Element
+    notes: list[str] = field(default_factory=list)
+
+
+def read_urdf(path: Path, *, trust_xacro: bool = False) -> Source:
+    """Returns a URDF as a model.
+
+    Args:
+        path: Of the file.
+        trust_xacro: Whether it may be xacro, which runs what its author wrote.
+
+    Raises:
+        UsageError: It cannot be read, is not URDF, or a mesh that collides is missing.
+    """
+    robot = _parsed(_text(path, trust_xacro=trust_xacro), path)
+    notes: list[str] = []
+    for link in robot.iter("link"):
+        notes += _without_missing_visuals(link, path)
+        _find_collision_meshes(link, path)
+        notes += _implausible_inertia(link, path)
+    for extension in robot.findall("mujoco"):
+        robot.remove(extension)
+    compiler = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
+    ET.SubElement(ET.SubElement(robot, "mujoco"), "compiler", compiler | {"balanceinertia": "true"})
+    try:
+        spec = mujoco.MjSpec.from_string(ET.tostring(robot, encoding="unicode"))
+    except ValueError as error:
+        raise UsageError(
+            f"{path} is no URDF that MuJoCo reads: {' '.join(str(error).split())}"
+        ) from error
+    without = {link.get("name") for link in robot.iter("link") if link.find("inertial") is None}
+    for body in spec.bodies:
+        if body.name in without:  # MuJoCo would give its shapes the density of water
+            for geom in body.geoms:
+                geom.mass = 0.0
+    return Source(spec, robot, notes)
+
+
+def _text(path: Path, *, trust_xacro: bool) -> str:
+    try:
+        if path.stat().st_size > MOST_BYTES:
+            raise UsageError(f"{path} has more than {MOST_BYTES // 1_000_000} MB; give a robot's URDF")
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
+    if XACRO not in text and path.suffix != ".xacro":
+        return text
+    if not trust_xacro:
+        raise UsageError(
+            f"{path} is xacro, which runs its author's Python; give the URDF that it makes "
+            f"(xacro {path.name} > robot.urdf), or add --trust-xacro if you trust all that it includes"
+        )
+    return _expanded(path)
+
+
+def _expanded(path: Path) -> str:
+    try:
+        from xacrodoc import XacroDoc  # noqa: PLC0415 - an optional extra
+    except ImportError as error:
+        raise UsageError("--trust-xacro needs xacrodoc: pip install 'rover-harness[xacro]'") from error
+    try:
+        document = XacroDoc.from_file(str(path), resolve_packages=False)
+        return str(document.to_urdf_string())
+    except Exception as error:  # whatever the xacro file does
+        raise UsageError(f"xacro refuses {path}: {' '.join(str(error).split())}") from error
+
+
+def _parsed(text: str, path: Path) -> ET.Element:
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise UsageError(f"{path} declares entities, which no URDF needs; take <!DOCTYPE ...> out")
+    try:
+        robot = ET.fromstring(text)  # noqa: S314 - without entities
+    except ET.ParseError as error:
+        raise UsageError(f"{path} is not valid XML: {error}") from error
+    if robot.tag != "robot":
+        raise UsageError(f"{path} is not URDF: it holds <{robot.tag}>; give a file that holds <robot>")
+    if robot.find("link") is None:
+        raise UsageError(f"{path} holds no <link>; give the URDF of a robot")
+    return robot
+
+
+def _without_missing_visuals(link: ET.Element, path: Path) -> Iterator[str]:
+    """Drops what is only to be seen and cannot be; finds the other meshes."""
+    for visual in link.findall("visual"):
+        mesh = visual.find("geometry/mesh")
+        if mesh is None:
+            continue
+        file, told = _file(mesh, path)
+        if file is None or file.suffix.lower() not in READABLE:
+            link.remove(visual)
+            why = "is not there" if file is None else f"is no {' or '.join(READABLE)}"
+            yield f"link '{link.get('name')}': visual mesh {told} {why}; dropped"
+        else:
+            mesh.set("filename", str(file))
+
+
+def _find_collision_meshes(link: ET.Element, path: Path) -> None:
+    for mesh in link.findall("collision/geometry/mesh"):
+        file, told = _file(mesh, path)
+        where = f"{path}: link '{link.get('name')}': collision mesh {told}"
+        if file is None:
+            raise UsageError(
+                f"{where} is not there; put its package beside the file or above it, or give a shape"
+            )
+        if file.suffix.lower() not in READABLE:
+            raise UsageError(f"{where} is no {' or '.join(READABLE)}; convert it, or give a shape")
+        mesh.set("filename", str(file))
+
+
+def _file(mesh: ET.Element, path: Path) -> tuple[Path | None, str]:
+    """Where a mesh is, and what the file calls it; packages are looked for beside and above it."""
+    told = mesh.get("filename", "")
+    url = urlparse(told)
+    name = unquote(url.path)
+    if url.scheme == "package":
+        inside = name.lstrip("/")
+        above = path.resolve().parents
+        places = [folder / url.netloc / inside for folder in above]
+        places += [folder / inside for folder in above if folder.name == url.netloc] + [
+            above[0] / inside
+        ]
+    else:
+        places = [path.resolve().parent / name]
+    return next((place for place in places if place.is_file()), None), told
+
+
+def _implausible_inertia(link: ET.Element, path: Path) -> Iterator[str]:
+    """Tells of an inertia that no body can have, which MuJoCo is told to mend."""
+    inertia = link.find("inertial/inertia")
+    if inertia is None:
+        return
+    name = link.get("name")
+    try:
+        xx, yy, zz, xy, xz, yz = (float(inertia.get(f"i{axes}", "0")) for axes in _AXES)
+        mass = float(link.find("inertial/mass").get("value", "0"))  # type: ignore[union-attr]  # None fails
+    except (ValueError, AttributeError) as error:
+        raise UsageError(
+            f"{path}: link '{name}': <inertial> needs a mass and an inertia in numbers"
+        ) from error
+    moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    if not (mass > 0 and moments[0] > 0):
+        told = f"mass {mass:g} and moments of inertia {moments.round(9).tolist()}"
+        raise UsageError(f"{path}: link '{name}' has {told}; give numbers above 0")
+    if moments[0] + moments[1] < moments[2]:
+        yield f"link '{name}': no body has the inertia {moments.round(6).tolist()}; balanced"
+
+
+_AXES = ("xx", "yy", "zz", "xy", "xz", "yz")

@@ -1,0 +1,84 @@
+"""A barometer: the pressure of the standard atmosphere at the rover's altitude."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from harness.samples import plain_value
+from harness.sensors.corruption import AxisErrors, AxisTriad
+from harness.sensors.geodesy import Datum
+from harness.sensors.optional import NO_ERRORS, Installation, OptionalSensor, SensorOptions
+
+if TYPE_CHECKING:  # the table of sensors does without MuJoCo
+    from harness.physics.simulation import Simulation
+
+# ISO 2533, lowest layer: pressure [Pa] and temperature [K] at sea level, lapse rate [K/m], standard
+# gravity [m/s^2], specific gas constant of dry air [J/(kg K)].
+SEA_LEVEL, TEMPERATURE, LAPSE, GRAVITY, GAS = 101_325.0, 288.15, 0.0065, 9.80665, 287.05287
+CHIPS = {
+    NO_ERRORS: AxisErrors(),
+    # Bosch BST-BMP280-DS001: absolute accuracy +-1 hPa taken as three deviations, 1.3 Pa RMS at full
+    # bandwidth, 0.16 Pa resolution. The walk, which is the weather's, is an estimate: 1 hPa in 3 h.
+    "bmp280": AxisErrors(white=1.3, bias=100.0 / 3.0, walk=1.0, step=0.16),
+}
+
+
+@plain_value
+class Pressure:
+    """Static pressure; names are those of sensor_msgs/FluidPressure.
+
+    Attributes:
+        fluid_pressure: [Pa].
+        variance: [Pa^2]; 0 if there is no noise.
+    """
+
+    stamp_ns: int
+    sensor: str
+    fluid_pressure: float
+    variance: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class BarometerOptions(SensorOptions):
+    """Of a barometer.
+
+    Attributes:
+        preset: Its errors: `none`, `bmp280`. If left out, `--noise hardware` means that chip's, and all
+            else none.
+    """
+
+    presets: ClassVar[Mapping[str, Mapping[str, object]]] = {name: {} for name in CHIPS}
+
+    preset: str = ""
+
+
+def standard_pressure(altitude: float) -> float:
+    """Returns the pressure of the standard atmosphere at an altitude up to 11 km [m], in Pa."""
+    warmth = 1.0 - LAPSE * altitude / TEMPERATURE
+    return float(SEA_LEVEL * warmth ** (GRAVITY / (GAS * LAPSE)))
+
+
+class BarometerSensor(OptionalSensor):
+    """The barometer; height over the ellipsoid is taken for that over the sea."""
+
+    def __init__(
+        self,
+        simulation: "Simulation",
+        datum: Datum,
+        installation: Installation,
+        period_ticks: int,
+    ) -> None:
+        super().__init__(simulation, installation, period_ticks)
+        options = installation.options
+        assert isinstance(options, BarometerOptions)  # noqa: S101 - of this row
+        errors = CHIPS[installation.errors_of(options.preset, "bmp280")]
+        self._altitude, self._variance = datum.altitude, errors.variance
+        self._errors = AxisTriad(errors, installation.rng)
+
+    def read(self) -> Pressure:
+        """Returns the pressure where the sensor is."""
+        stamp_ns = self._simulation.time_ns
+        (_, _, z), _ = self.pose()
+        pressure = standard_pressure(self._altitude + z)
+        read, _, _ = self._errors.corrupt((pressure, 0.0, 0.0), stamp_ns)
+        return Pressure(stamp_ns, self.name, read, self._variance)

@@ -1,0 +1,109 @@
+"""Draws what the rover's cameras see of a state of the simulation, by OpenGL.
+
+The scene is compiled a second time, with what only is to be seen. Same state, same machine and same
+OpenGL: the same image.
+"""
+
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
+from functools import partial
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.physics.opengl import Canvas
+from harness.physics.scene import build_scene
+from harness.physics.stage import FARTHEST, NEAREST, Quality, aim_sun, visible_groups
+from harness.robots import RoverSpec
+from harness.sensors.camera.look import SUN_AZIMUTH, dress_for_cameras
+from harness.sensors.camera.sensor import VISIBLE_STATE, CameraOptions, CameraState
+from harness.sensors.camera.views import Assembly, View
+from harness.world.obstacles import rotation_matrix
+from harness.world.world import World
+
+SAMPLES, SHADOW_MAP, SLICES = 4, 16, 16  # nothing casts shadows
+MOST_GEOMS = 20_000
+
+
+class CameraRenderer(AbstractContextManager["CameraRenderer"]):
+    """Draws for the cameras of one rover in one world; a context manager that gives OpenGL back.
+
+    Args:
+        world: What they see.
+        rover: Which they are on, and which they see too.
+        cameras: By name.
+        context: Of OpenGL, which it takes over.
+        seed: Of the noise.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        rover: RoverSpec,
+        cameras: Mapping[str, CameraOptions],
+        context: Any,  # noqa: ANN401 - of MuJoCo's, by system
+        seed: int = 0,
+    ) -> None:
+        self._cameras, self._context, self._seed = cameras, context, seed
+        self._assemblies = {name: Assembly(camera.lens_of()) for name, camera in cameras.items()}
+        views = [view for assembly in self._assemblies.values() for view in assembly.views]
+        quality = Quality(
+            width=max(view.width for view in views),
+            height=max(view.height for view in views),
+            samples=SAMPLES,
+            shadow_map=SHADOW_MAP,
+            slices=SLICES,
+        )
+        dressed = partial(dress_for_cameras, quality=quality)
+        self._model = build_scene(world, rover, 0.002, dressed).model
+        self._data = mujoco.MjData(self._model)
+        self._canvas = Canvas(self._model, context, MOST_GEOMS)
+
+    def __exit__(self, *_: object) -> None:
+        self._canvas.close()
+        self._context.free()
+
+    def image(self, name: str, state: CameraState) -> NDArray[np.uint8]:
+        """Returns what a camera sees, shape (height, width, 3), RGB.
+
+        Args:
+            name: Of the camera.
+            state: Of the simulation.
+        """
+        model, data = self._model, self._data
+        mujoco.mj_setState(model, data, state.state, VISIBLE_STATE)
+        mujoco.mj_kinematics(model, data)
+        aim_sun(model, data.body("rover").xpos, SUN_AZIMUTH)
+        mujoco.mj_camlight(model, data)
+        every, scene = mujoco.mjtCatBit.mjCAT_ALL, self._canvas.scene
+        mujoco.mjv_updateScene(model, data, visible_groups(), None, mujoco.MjvCamera(), every, scene)
+        assembly = self._assemblies[name]
+        x, y, z, w = state.orientation
+        rotation = rotation_matrix((w, x, y, z))
+        seen = []
+        for view in assembly.views:
+            self._aim(view, np.array(state.position), view.axes @ rotation.T)
+            seen.append(self._canvas.drawn(view.width, view.height))
+        return self._noisy(assembly.image(seen), self._cameras[name].noise, name, state.stamp_ns)
+
+    def _aim(self, view: View, position: NDArray[np.float64], axes: NDArray[np.float64]) -> None:
+        """Puts both eyes of the scene there; `axes` are right, down and ahead in the world, by rows."""
+        for eye in self._canvas.scene.camera:
+            eye.pos, eye.up, eye.forward = position, -axes[1], axes[2]
+            eye.frustum_near, eye.frustum_far = NEAREST, FARTHEST
+            eye.frustum_center = NEAREST * 0.5 * (view.left + view.right)
+            eye.frustum_width = NEAREST * 0.5 * (view.right - view.left)
+            eye.frustum_top, eye.frustum_bottom = -NEAREST * view.top, -NEAREST * view.bottom
+
+    def _noisy(
+        self, image: NDArray[np.uint8], deviation: float, name: str, stamp_ns: int
+    ) -> NDArray[np.uint8]:
+        """The image with noise of its own, whichever other images are drawn."""
+        if not deviation:
+            return image
+        place = list(self._cameras).index(name)
+        rng = np.random.default_rng((self._seed, place, stamp_ns))
+        noise = rng.normal(0.5, 255.0 * deviation, image.shape)  # a half: rounds
+        return np.clip(image + noise, 0.0, 255.0).astype(np.uint8)

@@ -1,0 +1,136 @@
+"""A colour camera: the state that its image is drawn from, which is drawn only where somebody looks."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError, find_named
+from harness.robots import FrameRow, RoverSpec
+from harness.samples import Quaternion, Vector3, plain_value
+from harness.sensors.camera.lens import LENSES, Lens
+from harness.sensors.depth import OPTICAL_RPY
+from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
+
+if TYPE_CHECKING:  # the table of sensors does without MuJoCo
+    from harness.physics.simulation import Simulation
+
+FEWEST_PIXELS, MOST_PIXELS = 8, 4096  # along a side
+VISIBLE_STATE = 1 << 1 | 1 << 10 | 1 << 11  # of mjtState: QPOS, MOCAP_POS, MOCAP_QUAT
+MOST_NOISE = 0.5
+MOUNTS = ("camera_link", "camera_frame")  # of rovers that have a place for a camera, x ahead
+
+
+@plain_value
+class CameraState:
+    """What an image is drawn from.
+
+    Attributes:
+        position: Of the optical frame in the world [m].
+        orientation: Of the optical frame in the world, (x, y, z, w): x right, y down, z ahead.
+        state: Of the whole scene, as MuJoCo has it.
+    """
+
+    stamp_ns: int
+    sensor: str
+    position: Vector3
+    orientation: Quaternion
+    state: NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CameraOptions(SensorOptions):
+    """Of a camera.
+
+    Without a parent it is the rover's own camera if that has this optical frame, or hangs on one of
+    MOUNTS, or is where the lidar is.
+
+    Attributes:
+        frame: Its optical frame (x right, y down, z ahead); NAME_optical_frame if left out.
+        preset: `roboterrain` and `fisheye` are RoboTerrain's.
+        lens: `pinhole`, or `fisheye`, which is equidistant: its angles are evenly spaced.
+        width: Pixels in a row, 8 to 4096.
+        height: Rows, 8 to 4096.
+        fov: Horizontal field of view [rad].
+        noise: Standard deviation of a pixel over the full scale; RoboTerrain's cameras have 0.007.
+    """
+
+    presets: ClassVar[Mapping[str, Mapping[str, object]]] = {
+        "roboterrain": {"width": 640, "height": 480, "fov": 1.1},
+        "fisheye": {"lens": "fisheye", "width": 1600, "height": 600, "fov": 2.8},
+        "small": {"width": 160, "height": 120, "fov": 1.1},
+        "small_fisheye": {"lens": "fisheye", "width": 320, "height": 120, "fov": 2.8},
+    }
+
+    preset: str = ""
+    lens: str = "pinhole"
+    width: int = 640
+    height: int = 480
+    fov: float = 1.1
+    noise: float = 0.0
+
+    @property
+    def frame_id(self) -> str:
+        """The frame of its messages."""
+        return self.frame or f"{self.name}_optical_frame"
+
+    def frames(self, rover: RoverSpec) -> tuple[FrameRow, ...]:
+        """Returns the frames that it adds to those of a rover: mount and optical frame."""
+        known = [row.child for row in rover.frames]
+        if not self.parent and self.frame_id in known:
+            return ()
+        link = f"{self.name}_link"
+        above = (name for name in MOUNTS if name in known and name != link)
+        mounted = replace(self, parent=self.parent or next(above, ""))
+        optical = FrameRow(parent=link, child=self.frame_id, rpy=OPTICAL_RPY)
+        return (*mounted.mount(rover, link), optical)
+
+    def lens_of(self) -> Lens:
+        """Returns its lens."""
+        return LENSES[self.lens](self.width, self.height, self.fov)
+
+    def check(self) -> None:
+        """Checks the values.
+
+        Raises:
+            UsageError: One is not valid; the message names those that are.
+        """
+        super().check()
+        widest = find_named("lens", self.lens, LENSES).widest
+        for name, pixels in (("width", self.width), ("height", self.height)):
+            if not FEWEST_PIXELS <= pixels <= MOST_PIXELS:
+                raise UsageError(
+                    f"{name} {pixels} of a camera is not valid; "
+                    f"give {FEWEST_PIXELS} to {MOST_PIXELS} pixels"
+                )
+        if not 0.0 < self.fov <= widest:
+            raise UsageError(
+                f"fov {self.fov:g} rad of a {self.lens} camera is not valid; "
+                f"give more than 0 and at most {math.floor(100 * widest) / 100:g}"
+            )
+        if not 0.0 <= self.noise <= MOST_NOISE:
+            raise UsageError(f"noise {self.noise:g} of a camera is not valid; give 0 to {MOST_NOISE:g}")
+
+
+class CameraSensor(OptionalSensor):
+    """The camera; it draws nothing itself."""
+
+    def __init__(self, simulation: "Simulation", installation: Installation, period_ticks: int) -> None:
+        super().__init__(simulation, installation, period_ticks)
+        from mujoco import mj_stateSize  # noqa: PLC0415 - whoever only publishes does without
+
+        self._size = mj_stateSize(simulation.model, VISIBLE_STATE)
+
+    def read(self) -> CameraState:
+        """Returns what an image of now is drawn from."""
+        from mujoco import mj_getState, mju_mat2Quat  # noqa: PLC0415 - likewise
+
+        simulation, (position, axes) = self._simulation, self.pose()
+        state, turned = np.empty(self._size), np.empty(4)
+        mj_getState(simulation.model, simulation.data, state, VISIBLE_STATE)
+        mju_mat2Quat(turned, axes.ravel())
+        w, x, y, z = turned.tolist()
+        return CameraState(simulation.time_ns, self.name, position, (x, y, z, w), state)

@@ -1,0 +1,132 @@
+"""Which sensors a run has: those of every rover, and the optional ones that are asked for."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from harness.errors import UsageError, find_named
+from harness.robots import RoverSpec
+from harness.sensors import table
+from harness.sensors.table import SensorRow
+from harness.yaml_file import fill
+
+NO_SENSORS = ("none",)  # --sensors none: without those of rover.yaml
+RESERVED = ("clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_static", "rover/metrics")
+
+
+def kinds() -> dict[str, SensorRow]:
+    """Returns the rows of the optional sensors, by their names in --sensors."""
+    return {str(row.fault): row for row in table.SENSORS if row.options is not None}
+
+
+def by_default() -> tuple[SensorRow, ...]:
+    """Returns all rows, the optional ones as they are without anything that rover.yaml tells them."""
+    optional = (_carried(name, {"kind": name}, "by default") for name in kinds())
+    return (*(row for row in table.SENSORS if row.options is None), *optional)
+
+
+def chosen(rover: RoverSpec, asked: Sequence[str] | None) -> tuple[SensorRow, ...]:
+    """Returns the rows of a run, in publishing order.
+
+    Args:
+        rover: Whose `sensors:` are carried unless others are asked for.
+        asked: NAME or NAME=PRESET each: names of that list, or kinds of optional sensors; NO_SENSORS for
+            none; None for all of the list.
+
+    Raises:
+        UsageError: One of them does not exist or is not valid, or two have the same name or topic.
+    """
+    where = f"{rover.folder / 'rover.yaml'}: sensors"
+    listed = _listed(rover.sensors, where)
+    if asked is None:
+        wanted = [(name, entry, f"{where}, '{name}'") for name, entry in listed]
+    elif tuple(asked) == NO_SENSORS:
+        wanted = []
+    else:
+        wanted = [_asked(word, dict(listed), where) for word in asked]
+        names = [name for name, _, _ in wanted]
+        for name in names:
+            if names.count(name) > 1:
+                raise UsageError(f"--sensors has '{name}' twice; leave one out")
+    always = tuple(row for row in table.SENSORS if row.options is None)
+    carried = tuple(_carried(name, entry, told) for name, entry, told in wanted)
+    _check_apart((*always, *carried))
+    return (*always, *carried)
+
+
+def _listed(entries: Iterable[Mapping[str, Any]], where: str) -> list[tuple[str, dict[str, Any]]]:
+    """The entries of rover.yaml with their names."""
+    found = []
+    for number, entry in enumerate(entries, 1):
+        kind = entry.get("kind")
+        if kind is None:
+            raise UsageError(
+                f"{where} [{number}]: key 'kind' is missing; give one of {', '.join(kinds())}"
+            )
+        found.append((str(entry.get("name", kind)), dict(entry)))
+    names = [name for name, _ in found]
+    for name in names:
+        if names.count(name) > 1:
+            raise UsageError(f"{where}: two are named '{name}'; give each a name of its own")
+    return found
+
+
+def _asked(
+    word: str, listed: Mapping[str, dict[str, Any]], where: str
+) -> tuple[str, dict[str, Any], str]:
+    """A sensor of --sensors: its name, what it is told, and where that stands."""
+    name, _, preset = word.partition("=")
+    told, there = f"--sensors {word}", listed.get(name)
+    if there is not None:
+        told = f"{where}, '{name}'"
+    elif name not in kinds():
+        find_named("sensor", name, dict.fromkeys((*listed, *kinds(), *NO_SENSORS)))
+        raise UsageError("--sensors none stands alone; leave out the others, or none")
+    entry = (there or {"kind": name}) | ({"preset": preset} if preset else {})
+    return name, entry, told
+
+
+def _carried(name: str, entry: Mapping[str, Any], where: str) -> SensorRow:
+    """The row of a sensor as it is mounted on this rover."""
+    values = {"name": name, **entry}
+    try:
+        row = find_named("sensor", str(values.pop("kind")), kinds())
+        assert row.options is not None  # noqa: S101 - `kinds` has no others
+        preset = values.get("preset", getattr(row.options, "preset", ""))
+        if preset and row.options.presets:
+            values = dict(find_named("preset", str(preset), row.options.presets)) | values
+    except UsageError as error:
+        raise UsageError(f"{where}: {error}") from error
+    options = fill(row.options, values, where)
+    try:
+        options.check()
+    except UsageError as error:
+        raise UsageError(f"{where}: {error}") from error
+    alone = len(row.topics) == 1
+    told = (topic for topic in row.topics if not topic.option or getattr(options, topic.option))
+    return replace(
+        row,
+        given=options,
+        topics=tuple(replace(t, name=options.topic_name(t.name, alone=alone)) for t in told),
+        rate=options.rate,
+        frame=options.frame_id,
+        fault=options.name,
+    )
+
+
+def _check_apart(rows: Iterable[SensorRow]) -> None:
+    """Checks that no two sensors have the same name, or the same topic."""
+    names: set[str] = {"clock"}
+    owner = dict.fromkeys(RESERVED, "the run itself")
+    for row in rows:
+        name = row.fault or row.sample.__name__
+        if name in names:
+            raise UsageError(f"two sensors are named '{name}'; give one another name in rover.yaml")
+        names.add(name)
+        for topic in row.topics:
+            other = owner.setdefault(topic.name, name)
+            if other != name:
+                raise UsageError(
+                    f"/{topic.name} is the topic of {other} and of {name}; give '{name}' another topic: "
+                    "in rover.yaml"
+                )

@@ -1,0 +1,91 @@
+"""A depth camera: an image of depths along its optical axis, exact, without a renderer."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError
+from harness.robots import FrameRow, RoverSpec
+from harness.samples import Vector3
+from harness.sensors.ranging import RangeOptions
+
+OPTICAL_RPY = (-math.pi / 2, 0.0, -math.pi / 2)  # REP-103: z ahead, x right, y down
+
+
+@dataclass(frozen=True, kw_only=True)
+class DepthOptions(RangeOptions):
+    """A pinhole camera with square pixels and its optical axis in the middle of the image.
+
+    Its messages are in the frame FRAME_optical (z ahead, x right, y down), below its mount FRAME.
+
+    Attributes:
+        preset: Name of values of the others.
+        width: Pixels in a row.
+        height: Rows.
+        fov: Horizontal field of view, from edge to edge of the image [rad].
+        cloud: Whether a PointCloud2 of the image is published too.
+    """
+
+    # RoboTerrain's leo_depth: 640 x 480, 1.047 rad, 0.05-10 m, 30 Hz, which are no whole number of the
+    # clock's ticks of 10 ms.
+    presets: ClassVar[Mapping[str, Mapping[str, object]]] = {
+        "small": {"width": 160, "height": 120, "rate": 10},
+        "roboterrain": {"width": 640, "height": 480, "rate": 25},
+    }
+
+    preset: str = "small"
+    rpy: Vector3 = (0.0, 0.35, 0.0)  # a little down; RoboTerrain's depth camera is tilted as much
+    width: int = 160
+    height: int = 120
+    fov: float = 1.047
+    range_min: float = 0.05
+    range_max: float = 10.0
+    cloud: bool = False
+
+    @property
+    def frame_id(self) -> str:
+        """The optical frame."""
+        return f"{super().frame_id}_optical"
+
+    @property
+    def rays(self) -> int:
+        """Its pixels."""
+        return self.width * self.height
+
+    @property
+    def focal_length(self) -> float:
+        """In pixels, along both axes."""
+        return self.width / (2.0 * math.tan(self.fov / 2.0))
+
+    @property
+    def centre(self) -> tuple[float, float]:
+        """Where the optical axis meets the image [pixels]; whole numbers are the middles of pixels."""
+        return (self.width - 1) / 2.0, (self.height - 1) / 2.0
+
+    def frames(self, rover: RoverSpec) -> tuple[FrameRow, ...]:
+        """Returns its mount and its optical frame."""
+        frame = super().frame_id
+        mount = self.mount(rover, frame)
+        return (*mount, FrameRow(parent=frame, child=self.frame_id, rpy=OPTICAL_RPY))
+
+    def directions(self) -> NDArray[np.float64]:
+        """Returns vectors of depth 1 in the optical frame, row by row from the top, shape (rays, 3)."""
+        (x, y), focal = self.centre, self.focal_length
+        right, down = np.meshgrid(
+            (np.arange(self.width) - x) / focal, (np.arange(self.height) - y) / focal
+        )
+        return np.column_stack([right.ravel(), down.ravel(), np.ones(self.rays)])
+
+    def check(self) -> None:
+        """Checks image and field of view too."""
+        if min(self.width, self.height) < 1:
+            raise UsageError(
+                f"an image of {self.width} x {self.height} pixels is not valid; give 1 or more"
+            )
+        super().check()
+        if not 0.0 < self.fov < math.pi:
+            raise UsageError(f"fov {self.fov:g} rad is not valid; give more than 0 and less than pi")

@@ -1,0 +1,137 @@
+"""A GNSS receiver: the rover's position on the Earth, with the errors of a named class of receivers."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from harness.samples import Vector3, plain_value
+from harness.sensors.corruption import AxisErrors, AxisTriad
+from harness.sensors.geodesy import Datum
+from harness.sensors.optional import NO_ERRORS, Installation, OptionalSensor, SensorOptions
+
+if TYPE_CHECKING:  # the table of sensors does without MuJoCo
+    from harness.physics.simulation import Simulation
+
+# Standard deviation along one axis over the radius in which half of the fixes lie: of a circle (CEP), of
+# a line (R50).
+PER_CEP = 1.0 / math.sqrt(2.0 * math.log(2.0))
+PER_R50 = 1.0 / 0.674490
+UNKNOWN, DIAGONAL_KNOWN = 0, 2  # sensor_msgs/NavSatFix: COVARIANCE_TYPE_...
+FIX, GROUND_BASED = 0, 2  # sensor_msgs/NavSatStatus: STATUS_FIX, STATUS_GBAS_FIX
+ORIGIN: Vector3 = (0.0, 0.0, 0.0)
+
+
+@plain_value
+class GnssFix:
+    """Position of the antenna on WGS-84; names and codes are those of sensor_msgs/NavSatFix.
+
+    Attributes:
+        latitude: [deg]; likewise `longitude`.
+        altitude: Above the ellipsoid [m].
+        position_covariance: East, north, up by rows [m^2]; zeros if the type says unknown.
+        fix: The status of NavSatStatus.
+    """
+
+    stamp_ns: int
+    sensor: str
+    latitude: float
+    longitude: float
+    altitude: float
+    position_covariance: tuple[float, ...]
+    position_covariance_type: int
+    fix: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class GnssClass:
+    """A class of receivers.
+
+    Attributes:
+        horizontal: Errors to the east and to the north [m].
+        vertical: How many times larger they are upwards.
+        fix: What it says of its fixes.
+    """
+
+    horizontal: AxisErrors
+    vertical: float
+    fix: int
+
+    @property
+    def covariance(self) -> tuple[float, ...]:
+        """East, north, up by rows [m^2]."""
+        level = self.horizontal.variance
+        return (level, 0.0, 0.0, 0.0, level, 0.0, 0.0, 0.0, level * self.vertical**2)
+
+
+EXACT = GnssClass(horizontal=AxisErrors(), vertical=1.0, fix=FIX)
+# u-blox ZED-F9P data sheet UBX-17051259: RTK 0.01 m CEP, vertical 0.01 m R50 (near the base). How
+# much of it wanders, and how slowly, are estimates: half of the variance, in 10 s.
+RTK = GnssClass(
+    horizontal=AxisErrors(
+        white=0.01 * PER_CEP * math.sqrt(0.5),
+        bias=0.01 * PER_CEP * math.sqrt(0.5),
+        correlation_time=10.0,
+    ),
+    vertical=PER_R50 / PER_CEP,
+    fix=GROUND_BASED,
+)
+# u-blox NEO-M8 data sheet UBX-15031086: 2.5 m CEP. Twice that upwards, 0.2 m of white noise and 100 s
+# are estimates: the errors of orbits, ionosphere and paths wander together.
+CONSUMER = GnssClass(
+    horizontal=AxisErrors(
+        white=0.2, bias=math.sqrt((2.5 * PER_CEP) ** 2 - 0.2**2), correlation_time=100.0
+    ),
+    vertical=2.0,
+    fix=FIX,
+)
+CLASSES = {NO_ERRORS: EXACT, "rtk": RTK, "consumer": CONSUMER}
+
+
+@dataclass(frozen=True, kw_only=True)
+class GnssOptions(SensorOptions):
+    """Of a receiver.
+
+    Attributes:
+        preset: Its errors: `none`, `rtk` (u-blox ZED-F9P: 1 cm), `consumer` (NEO-M8: 2.5 m). If left
+            out, `--noise hardware` means a consumer's, and all else none.
+    """
+
+    presets: ClassVar[Mapping[str, Mapping[str, object]]] = {name: {} for name in CLASSES}
+
+    preset: str = ""
+    rate: int = 5
+
+
+class GnssSensor(OptionalSensor):
+    """The receiver; its frame is that of its antenna."""
+
+    def __init__(
+        self,
+        simulation: "Simulation",
+        datum: Datum,
+        installation: Installation,
+        period_ticks: int,
+    ) -> None:
+        super().__init__(simulation, installation, period_ticks)
+        options = installation.options
+        assert isinstance(options, GnssOptions)  # noqa: S101 - of this row
+        self._datum = datum
+        self._class = CLASSES[installation.errors_of(options.preset, "consumer")]
+        self._errors = AxisTriad(self._class.horizontal, installation.rng)
+
+    def read(self) -> GnssFix:
+        """Returns a fix of where the antenna is now."""
+        stamp_ns, kind = self._simulation.time_ns, self._class
+        (x, y, z), _ = self.pose()
+        east, north, up = self._errors.corrupt(ORIGIN, stamp_ns)
+        place = (x + east, y + north, z + kind.vertical * up)
+        covariance = kind.covariance
+        return GnssFix(
+            stamp_ns,
+            self.name,
+            *self._datum.geodetic(place),
+            covariance,
+            DIAGONAL_KNOWN if any(covariance) else UNKNOWN,
+            kind.fix,
+        )

@@ -1,0 +1,97 @@
+"""A magnetometer: the Earth's field at the datum in the rover's axes, with the errors of its chip."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from harness.errors import UsageError
+from harness.samples import Vector3, plain_value
+from harness.sensors.corruption import AxisErrors, AxisTriad
+from harness.sensors.geodesy import Datum
+from harness.sensors.optional import NO_ERRORS, Installation, OptionalSensor, SensorOptions
+
+if TYPE_CHECKING:  # the table of sensors does without MuJoCo
+    from harness.physics.simulation import Simulation
+
+MICRO = 1e-6
+STRONGEST = 1e-3  # [T]: ten times what the Earth has anywhere
+CHIPS = {
+    NO_ERRORS: AxisErrors(),
+    # Bosch BST-BMM150-DS001: 0.3 uT RMS in its high-accuracy preset, 0.3 uT resolution, +-1300 uT. What
+    # is left of the offset when its hard iron is calibrated, 2 uT, is taken as a standard deviation.
+    "bmm150": AxisErrors(white=0.3 * MICRO, bias=2.0 * MICRO, step=0.3 * MICRO, limit=1300 * MICRO),
+}
+
+
+@plain_value
+class MagneticField:
+    """Flux density in the sensor's axes; names are those of sensor_msgs/MagneticField.
+
+    Attributes:
+        magnetic_field: x, y, z [T].
+        magnetic_field_covariance: By rows [T^2]; zeros if there is no noise.
+    """
+
+    stamp_ns: int
+    sensor: str
+    magnetic_field: Vector3
+    magnetic_field_covariance: tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MagnetometerOptions(SensorOptions):
+    """Of a magnetometer.
+
+    Attributes:
+        preset: Its errors: `none`, `bmm150`. If left out, `--noise hardware` means that chip's, and all
+            else none.
+        field: East, north, up at the datum [T]; empty for the Earth's dipole there.
+    """
+
+    presets: ClassVar[Mapping[str, Mapping[str, object]]] = {name: {} for name in CHIPS}
+
+    preset: str = ""
+    field: tuple[float, ...] = ()
+    rate: int = 20
+
+    def check(self) -> None:
+        """Checks the values.
+
+        Raises:
+            UsageError: One is not valid; the message names those that are.
+        """
+        super().check()
+        if len(self.field) not in (0, 3) or not all(abs(value) <= STRONGEST for value in self.field):
+            raise UsageError(
+                f"field {list(self.field)} is not valid; give east, north and up in tesla, "
+                f"each within {STRONGEST:g}, e.g. [2.9e-6, 20.9e-6, -42.1e-6]"
+            )
+
+
+class MagnetometerSensor(OptionalSensor):
+    """The magnetometer; nothing of the rover is magnetic."""
+
+    def __init__(
+        self,
+        simulation: "Simulation",
+        datum: Datum,
+        installation: Installation,
+        period_ticks: int,
+    ) -> None:
+        super().__init__(simulation, installation, period_ticks)
+        options = installation.options
+        assert isinstance(options, MagnetometerOptions)  # noqa: S101 - of this row
+        self._field = np.array(options.field or datum.magnetic_field())
+        errors = CHIPS[installation.errors_of(options.preset, "bmm150")]
+        self._errors = AxisTriad(errors, installation.rng)
+        self._covariance = tuple((errors.variance * np.eye(3)).ravel().tolist())
+
+    def read(self) -> MagneticField:
+        """Returns the field in the sensor's axes."""
+        _, axes = self.pose()
+        x, y, z = (self._field @ axes).tolist()
+        stamp_ns = self._simulation.time_ns
+        read = self._errors.corrupt((x, y, z), stamp_ns)
+        return MagneticField(stamp_ns, self.name, read, self._covariance)

@@ -1,0 +1,42 @@
+"""Where people are, as RoboTerrain's plugin tells it: 30 times a second of simulation time.
+
+30 Hz do not divide the clock's 100: of each 10 ticks the 4th, the 7th and the 10th have a sample,
+that is each tick by which another thirtieth of a second is full: 40, 30 and 30 ms apart.
+"""
+
+import math
+
+from harness.physics.crowd import Crowd
+from harness.physics.simulation import Simulation
+from harness.samples import ActorPoses
+from harness.sensors.base import HIGHEST_RATE, Sensor
+
+RATE = 30  # [Hz]
+
+
+class PeopleSensor(Sensor):
+    """Positions and headings of everybody.
+
+    Args:
+        simulation: Whose time it is.
+        crowd: Its people.
+    """
+
+    def __init__(self, simulation: Simulation, crowd: Crowd) -> None:
+        super().__init__(simulation, HIGHEST_RATE // RATE)
+        self._crowd = crowd
+
+    def due(self, tick: int) -> bool:
+        """Returns whether a sample falls on a tick, counted from 1."""
+        return tick * RATE // HIGHEST_RATE > (tick - 1) * RATE // HIGHEST_RATE
+
+    def read(self) -> ActorPoses:
+        """Returns where everybody is."""
+        crowd = self._crowd
+        return ActorPoses(
+            stamp_ns=self._simulation.time_ns,
+            position=tuple(crowd.positions()),
+            orientation=tuple(
+                (0.0, 0.0, math.sin(place.yaw / 2), math.cos(place.yaw / 2)) for place in crowd.places
+            ),
+        )

@@ -1,0 +1,43 @@
+"""The sensor behind optional lidars and depth cameras: exact rays from its mount, then its errors."""
+
+from typing import cast
+
+import mujoco
+import numpy as np
+
+from harness.physics.simulation import Simulation
+from harness.sensors.corruption import RangeErrors
+from harness.sensors.optional import Installation, OptionalSensor
+from harness.sensors.ranging import RangeOptions, RangeReading
+from harness.sensors.rays.bundle import RayBundle, Surroundings
+
+
+class RangeSensor(OptionalSensor):
+    """Casts the rays of its options; the rover does not see itself."""
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        surroundings: Surroundings,
+        installation: Installation,
+        period_ticks: int,
+    ) -> None:
+        super().__init__(simulation, installation, period_ticks)
+        options = cast("RangeOptions", installation.options)
+        directions = options.directions()
+        self._lengths = np.linalg.norm(directions, axis=1)
+        unit = directions / self._lengths[:, None]
+        farthest = options.range_max * float(self._lengths.max())
+        self._bundle = RayBundle(surroundings, unit, farthest)
+        self._limits, self._rng = (options.range_min, options.range_max), installation.rng
+        preset = RangeErrors() if installation.noise is None else installation.noise.ranges
+        self._errors = preset if options.noise == RangeErrors() else options.noise
+
+    def read(self) -> RangeReading:
+        """Returns what it sees from where the rover is now."""
+        simulation = self._simulation
+        mujoco.mj_kinematics(simulation.model, simulation.data)  # poses are one step old
+        distances = self._bundle.cast(simulation.data, self._mount.pose(simulation.data))
+        exact = (distances / self._lengths).astype(np.float32)
+        ranges = self._errors.corrupt(exact, self._limits, self._rng)
+        return RangeReading(simulation.time_ns, self.name, ranges, self._bundle.on_obstacle.copy())

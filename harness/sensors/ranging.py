@@ -1,0 +1,93 @@
+"""What lidars and depth cameras have in common: directions, limits of range, and readings along them.
+
+Importing this loads neither MuJoCo nor compiled kernels: who publishes needs the directions too.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError
+from harness.samples import plain_value
+from harness.sensors.corruption import RangeErrors
+from harness.sensors.optional import SensorOptions
+
+MOST_RAYS = 500_000  # in a reading
+
+
+@plain_value
+class RangeReading:
+    """What an optional lidar or depth camera has read at once, in its frame.
+
+    Attributes:
+        sensor: Its name.
+        ranges: Float32, shape (n,): how often each of the directions fits between sensor and surface; of
+            a lidar the distance, of a camera the depth [m]. REP-117 coded.
+        on_obstacle: Whether it was an obstacle that a ray met and not the ground, shape (n,).
+    """
+
+    stamp_ns: int
+    sensor: str
+    ranges: NDArray[np.float32]
+    on_obstacle: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RangeOptions(SensorOptions):
+    """What can be told to all that measure along rays.
+
+    Attributes:
+        range_min: Nearest reading [m].
+        range_max: Farthest reading [m].
+        noise: Its errors: white and step [m], dropout [share]; if left out those of --noise, else none.
+    """
+
+    range_min: float = 0.1
+    range_max: float = 100.0
+    noise: RangeErrors = field(default_factory=RangeErrors)
+
+    @property
+    def rays(self) -> int:
+        """How many there are in a reading."""
+        raise NotImplementedError
+
+    def directions(self) -> NDArray[np.float64]:
+        """Returns where rays go in the sensor's frame, each as long as a range of 1, shape (rays, 3)."""
+        raise NotImplementedError
+
+    def check(self) -> None:
+        """Checks limits, noise and the number of rays."""
+        super().check()
+        if not 0.0 <= self.range_min < self.range_max < math.inf:
+            raise UsageError(
+                f"range_min {self.range_min:g} m and range_max {self.range_max:g} m are not valid; give "
+                "0 or more, and more than that"
+            )
+        errors = self.noise
+        if min(errors.white, errors.step) < 0.0 or not 0.0 <= errors.dropout <= 1.0:
+            raise UsageError(
+                "noise is not valid; give white and step of 0 m or more, dropout from 0 to 1"
+            )
+        if not 1 <= self.rays <= MOST_RAYS:
+            raise UsageError(f"{self.rays:,} rays a reading are not valid; give 1 to {MOST_RAYS:,}")
+
+
+def check_span(what: str, low: float, high: float, widest: float) -> None:
+    """Checks that an angle lies between two others that are not too far apart.
+
+    Args:
+        what: Is told in the message.
+        low: Where it begins [rad].
+        high: Where it ends [rad].
+        widest: How far both may be from 0 [rad].
+
+    Raises:
+        UsageError: They are not.
+    """
+    if not -widest - 1e-4 <= low < high <= widest + 1e-4:
+        raise UsageError(
+            f"{what} from {low:g} to {high:g} rad is not valid; give a lower angle and a higher one, "
+            f"from {-widest:.6g} to {widest:.6g}"
+        )

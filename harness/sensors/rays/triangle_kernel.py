@@ -1,0 +1,150 @@
+"""Rays against triangles that stand still, compiled by numba: a tree of boxes around them.
+
+The tree is binary and complete: node n has the children 2 n + 1 and 2 n + 2, its leaves hold at most
+LEAF triangles each. A ray walks it front to back with a stack of its own, past boxes that it does not
+meet before the nearest hit so far. Triangles are hit from both sides, as MuJoCo's meshes are.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.sensors.rays.compiled import inlined, kernel
+
+MISS = math.inf
+LEAF = 4  # triangles
+DEEPEST = 64  # entries of the stack
+ON_EDGE = 1e-12  # of a barycentric coordinate: no ray slips through between two triangles
+
+Vector = tuple[float, float, float]
+
+
+def build_tree(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Returns (boxes, triangles) of triangles, shape (f, 3, 3), as cast_triangles takes them.
+
+    At each node they are halved at the median of their middles, along the longest axis.
+    """
+    count = len(corners)
+    depth = max(0, math.ceil(math.log2(max(1, count) / LEAF)))
+    leaves = 1 << depth
+    parts, middles = [np.arange(count)], corners.mean(axis=1)
+    for _ in range(depth):
+        parts = [half for part in parts for half in _halves(part, middles)]
+    boxes = np.empty((2 * leaves - 1, 6))
+    boxes[:, :3], boxes[:, 3:] = np.inf, -np.inf
+    triangles = np.full((leaves * LEAF, 9), np.nan)
+    for leaf, part in enumerate(parts):
+        held = corners[part]
+        node = leaves - 1 + leaf
+        if len(part):
+            boxes[node, :3], boxes[node, 3:] = held.min(axis=(0, 1)), held.max(axis=(0, 1))
+        edges = [held[:, 0], held[:, 1] - held[:, 0], held[:, 2] - held[:, 0]]
+        triangles[leaf * LEAF : leaf * LEAF + len(part)] = np.concatenate(edges, axis=1)
+    for node in range(leaves - 2, -1, -1):
+        one, other = boxes[2 * node + 1], boxes[2 * node + 2]
+        boxes[node, :3] = np.minimum(one[:3], other[:3])
+        boxes[node, 3:] = np.maximum(one[3:], other[3:])
+    return boxes, triangles
+
+
+def _halves(part: NDArray[np.int64], middles: NDArray[np.float64]) -> list[NDArray[np.int64]]:
+    spread = np.ptp(middles[part], axis=0) if len(part) else np.zeros(3)
+    ordered = part[np.argsort(middles[part, int(spread.argmax())], kind="stable")]
+    half = (len(part) + 1) // 2
+    return [ordered[:half], ordered[half:]]
+
+
+@inlined
+def _enters(box: NDArray[np.float64], origin: Vector, pace: Vector, limit: float) -> float:
+    """First t in 0..limit within a box, or MISS; `pace` is 1 / direction."""
+    begin, end = 0.0, limit
+    for axis in range(3):
+        if math.isinf(pace[axis]):
+            if origin[axis] < box[axis] or origin[axis] > box[axis + 3]:
+                return MISS
+            continue
+        one = (box[axis] - origin[axis]) * pace[axis]
+        other = (box[axis + 3] - origin[axis]) * pace[axis]
+        begin, end = max(begin, min(one, other)), min(end, max(one, other))
+    return begin if begin <= end else MISS
+
+
+@inlined
+def _hit(triangle: NDArray[np.float64], origin: Vector, ray: Vector) -> float:
+    """Where a ray meets a triangle (Moeller and Trumbore 1997), or MISS."""
+    ax, ay, az = triangle[3], triangle[4], triangle[5]
+    bx, by, bz = triangle[6], triangle[7], triangle[8]
+    px, py, pz = ray[1] * bz - ray[2] * by, ray[2] * bx - ray[0] * bz, ray[0] * by - ray[1] * bx
+    determinant = ax * px + ay * py + az * pz
+    if not abs(determinant) > 1e-300:  # along it, or no triangle at all (NaN)
+        return MISS
+    x, y, z = origin[0] - triangle[0], origin[1] - triangle[1], origin[2] - triangle[2]
+    u = (x * px + y * py + z * pz) / determinant
+    if not -ON_EDGE <= u <= 1.0 + ON_EDGE:
+        return MISS
+    qx, qy, qz = y * az - z * ay, z * ax - x * az, x * ay - y * ax
+    v = (ray[0] * qx + ray[1] * qy + ray[2] * qz) / determinant
+    if v < -ON_EDGE or u + v > 1.0 + ON_EDGE:
+        return MISS
+    distance: float = (bx * qx + by * qy + bz * qz) / determinant
+    return distance if distance >= 0.0 else MISS
+
+
+@kernel("void(float64[:,::1], float64[:,::1], float64[::1], float64[:,::1], float64, float64[::1])")
+def cast_triangles(
+    boxes: NDArray[np.float64],
+    triangles: NDArray[np.float64],
+    origin: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    range_max: float,
+    ranges: NDArray[np.float64],
+) -> None:
+    """Lowers `ranges` to the distance of the triangles where that is nearer.
+
+    Args:
+        boxes: Of the tree's nodes: lowest x, y, z, then highest [m], shape (nodes, 6).
+        triangles: First corner and the edges from it [m], by leaves, shape (leaves * LEAF, 9).
+        origin: Where the rays start in the world [m], shape (3,).
+        directions: Unit vectors in the world, shape (n, 3).
+        range_max: Where rays end [m].
+        ranges: Distances [m] to what else was hit, or inf; shape (n,).
+    """
+    start = (origin[0], origin[1], origin[2])
+    first_leaf = boxes.shape[0] // 2
+    nodes = np.empty(DEEPEST, np.int64)
+    entries = np.empty(DEEPEST, np.float64)
+    for i in range(ranges.shape[0]):
+        ray = (directions[i, 0], directions[i, 1], directions[i, 2])
+        pace = (
+            1.0 / ray[0] if ray[0] != 0.0 else math.inf,
+            1.0 / ray[1] if ray[1] != 0.0 else math.inf,
+            1.0 / ray[2] if ray[2] != 0.0 else math.inf,
+        )
+        limit = min(ranges[i], range_max)
+        nodes[0], entries[0] = 0, _enters(boxes[0], start, pace, limit)
+        waiting = 1
+        while waiting > 0:
+            waiting -= 1
+            node = nodes[waiting]
+            if entries[waiting] > limit or entries[waiting] == MISS:
+                continue
+            if node >= first_leaf:
+                leaf = node - first_leaf
+                for k in range(leaf * LEAF, (leaf + 1) * LEAF):
+                    hit = _hit(triangles[k], start, ray)
+                    if hit <= limit:
+                        limit = hit
+                        ranges[i] = hit
+                continue
+            near, far = 2 * node + 1, 2 * node + 2
+            t_near = _enters(boxes[near], start, pace, limit)
+            t_far = _enters(boxes[far], start, pace, limit)
+            if t_far < t_near:
+                near, far, t_near, t_far = far, near, t_far, t_near
+            if t_far < MISS:
+                nodes[waiting], entries[waiting] = far, t_far
+                waiting += 1
+            if t_near < MISS:
+                nodes[waiting], entries[waiting] = near, t_near
+                waiting += 1

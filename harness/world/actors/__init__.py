@@ -1,0 +1,1 @@
+"""People who walk about: who they are, the ways they go, where there is room for them. No physics."""

@@ -1,0 +1,1 @@
+"""Worlds that Gazebo's SDF files describe: reading them, down to solids in one frame."""

@@ -1,0 +1,98 @@
+"""XML of strangers: opened without entities, of bounded size and depth; numbers and flags out of it."""
+
+import math
+from pathlib import Path
+from xml.etree.ElementTree import Element, TreeBuilder
+from xml.parsers import expat
+
+from harness.errors import UsageError
+
+MOST_BYTES = 64 * 2**20
+DEEPEST = 100  # elements within elements
+
+
+def read_xml(path: Path, most_bytes: int = MOST_BYTES) -> Element:
+    """Returns the root of an XML file; no entity is expanded and no other file is looked at.
+
+    Raises:
+        UsageError: It cannot be read, is too large or too deep, declares a document type, or is no XML.
+    """
+    try:
+        with path.open("rb") as file:
+            data = file.read(most_bytes + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise UsageError(f"{path} cannot be read: {reason}") from error
+    if len(data) > most_bytes:
+        raise UsageError(f"{path} is too large; at most {most_bytes / 2**20:g} MiB are read")
+    try:
+        return parse_xml(data)
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from error
+
+
+def parse_xml(data: bytes) -> Element:
+    """Returns the root of a document.
+
+    Raises:
+        UsageError: It is too deep, declares a document type, or is no XML.
+    """
+    parser, builder, depth = expat.ParserCreate(), TreeBuilder(), 0
+    parser.buffer_text = True
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > DEEPEST:
+            raise UsageError(f"its elements are nested more than {DEEPEST} deep; that is no world")
+        builder.start(tag, attributes)
+
+    def end(tag: str) -> None:
+        nonlocal depth
+        depth -= 1
+        builder.end(tag)
+
+    def refuse(*_: object) -> None:
+        raise UsageError("it declares a document type or entities (<!DOCTYPE ...>); take that out")
+
+    parser.StartElementHandler, parser.EndElementHandler = start, end
+    parser.CharacterDataHandler = builder.data
+    parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = refuse
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError as error:
+        raise UsageError(f"it is not XML: {error}") from error
+    return builder.close()
+
+
+def text_of(element: Element | None, tag: str, default: str = "") -> str:
+    """Returns the text of a child, stripped; the default without such a child or without text."""
+    found = None if element is None else element.find(tag)
+    return (found.text or "").strip() or default if found is not None else default
+
+
+def is_true(text: str) -> bool:
+    """Returns what a flag says: SDF's are 1, true, 0, false."""
+    return text.strip().lower() in ("1", "true")
+
+
+def numbers(text: str, count: int, what: str) -> tuple[float, ...]:
+    """Returns the finite numbers of a text.
+
+    Args:
+        text: Separated by white space.
+        count: How many there must be.
+        what: What they are, for the message.
+
+    Raises:
+        UsageError: There are more or fewer, or one is none or not finite.
+    """
+    words = text.split()
+    try:
+        values = tuple(map(float, words))
+    except ValueError:
+        values = ()
+    if len(values) != count or not all(map(math.isfinite, values)):
+        shown = " ".join(words)[:60]
+        raise UsageError(f"{what} '{shown}' is not valid; give {count} finite numbers")
+    return values

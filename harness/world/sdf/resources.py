@@ -1,0 +1,113 @@
+"""Where files are that a world names: model://PACKAGE/path, file://, and plain paths.
+
+Relative names are looked for in the folders of `--resource-path`, those of Gazebo's variables of the
+environment, the folder of the file that names them and the two above it, in this order; a name that
+leads out of all of these is refused. Nothing is fetched.
+"""
+
+import os
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path, PurePosixPath
+from urllib.parse import unquote
+
+from harness.errors import UsageError
+from harness.world.sdf.reader import read_xml
+
+VARIABLES = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH")
+SCHEME = re.compile(r"^([a-z][a-z0-9+.-]*):(?://)?(.*)$", re.IGNORECASE | re.DOTALL)
+LOCAL_SCHEMES = ("model", "package", "file")
+
+
+class Missing(Exception):
+    """What a world names cannot be had; its text says why."""
+
+
+class Resources:
+    """The folders in which names are looked for.
+
+    Args:
+        folders: Of `--resource-path`, first of all.
+
+    Raises:
+        UsageError: One of them is no folder.
+    """
+
+    def __init__(self, folders: Sequence[Path] = ()) -> None:
+        for folder in folders:
+            if not folder.is_dir():
+                raise UsageError(f"--resource-path {folder} is not a folder; name one that has models")
+        words = (os.environ.get(name, "").split(os.pathsep) for name in VARIABLES)
+        self._folders = [*folders, *(Path(word) for folder in words for word in folder if word)]
+
+    def find(self, uri: str, named_in: Path) -> Path:
+        """Returns the file or folder that a URI means.
+
+        Args:
+            uri: As a world has it.
+            named_in: The file that names it.
+
+        Raises:
+            Missing: It is elsewhere, nowhere, or outside of the folders.
+        """
+        scheme, name = _split(uri)
+        if scheme not in ("", *LOCAL_SCHEMES):
+            raise Missing(
+                f"{uri}: nothing is fetched; download it, and name its folder by --resource-path"
+            )
+        if name.startswith("/") and scheme not in ("model", "package"):
+            if Path(name).exists():
+                return Path(name)
+            raise Missing(f"{uri}: there is no such file on this machine")
+        name = name.lstrip("/")
+        if not name:
+            raise Missing(f"'{uri}': names nothing")
+        leads_out = False
+        for root in self._roots(named_in):
+            found = Path(os.path.normpath(root / name))
+            if not any(found.is_relative_to(top) for top in self._roots(named_in)):
+                leads_out = True
+            elif found.exists():
+                return found
+        if leads_out:
+            raise Missing(f"{uri}: it leads out of the folders that are looked in")
+        package = PurePosixPath(name).parts[0]
+        raise Missing(f"{uri}: not found; name the folder that has {package}/ by --resource-path")
+
+    def _roots(self, named_in: Path) -> Iterator[Path]:
+        home = Path(os.path.abspath(named_in)).parent  # noqa: PTH100 - links are not followed: names count
+        yield from (Path(os.path.abspath(folder)) for folder in self._folders)  # noqa: PTH100 - likewise
+        yield home
+        yield from (folder for folder in [*home.parents][:2] if folder != folder.parent)  # not /
+
+
+def _split(uri: str) -> tuple[str, str]:
+    found = SCHEME.match(uri.strip())
+    if found is None:
+        return "", uri.strip()
+    return found[1].lower(), unquote(found[2])
+
+
+def model_file(found: Path) -> Path:
+    """Returns the SDF file of a model: itself, or what the model.config of its folder names.
+
+    Raises:
+        Missing: The folder has none.
+        UsageError: Its model.config is not valid.
+    """
+    if not found.is_dir():
+        return found
+    config = found / "model.config"
+    if not config.is_file():
+        plain = found / "model.sdf"
+        if plain.is_file():
+            return plain
+        raise Missing(f"{found}: neither model.config nor model.sdf is in it")
+    named = [item for item in read_xml(config).findall("sdf") if (item.text or "").strip()]
+    if not named:
+        raise Missing(f"{config}: it names no <sdf>")
+    newest = max(named, key=lambda item: [int(n) for n in re.findall(r"\d+", item.get("version", "0"))])
+    file = Path(os.path.normpath(found / (newest.text or "").strip()))
+    if not file.is_relative_to(found) or not file.is_file():
+        raise Missing(f"{config}: there is no {(newest.text or '').strip()} beside it")
+    return file

@@ -1,0 +1,1 @@
+"""Solids, meshes among them, as a ground to drive on and obstacles that stand on it."""

@@ -1,0 +1,158 @@
+"""Solids -> a world: its ground, its obstacles as rocks and hazards, a place where a rover can stand."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError
+from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.occupancy import FREE, occupancy
+from harness.world.solids.ground import Sorted, map_bounds, sorted_solids
+from harness.world.solids.kinds import Kinds
+from harness.world.solids.mesh_file import Mesh, joined
+from harness.world.solids.pieces import obstacles_of
+from harness.world.solids.primitives import obstacle_of
+from harness.world.solids.solid import Solid
+from harness.world.solids.surface import Bounds, Surface, chosen_grid, surface_of
+from harness.world.terrain_file import MIDDLE, STEEPEST_START, TerrainFile
+from harness.world.world import EDGE_MARGIN, Start, World
+
+START_ROOM = 0.7  # [m] around the start that is free
+START_RESOLUTION = 0.1  # [m]
+BLOCK = 1.0  # [m]: how finely the room is measured in which drivers wander
+
+
+def assembled(
+    name: str, solids: Sequence[Solid], file: TerrainFile, seed: int, notes: list[str]
+) -> World:
+    """Returns the world of some solids.
+
+    Args:
+        name: Of the world.
+        solids: What can be collided with.
+        file: Where they come from, and how they are to be taken.
+        seed: Of the world, which has no chance in it.
+        notes: What is known of it so far.
+
+    Raises:
+        UsageError: Nothing of it can be driven.
+    """
+    notes = [*notes]
+    kinds = Kinds(file, [solid.name for solid in solids])
+    found = sorted_solids(solids, notes, file.mesh_unit, file.mesh_up)
+    grid = chosen_grid(map_bounds(found), file.cell)
+    whole = joined(found.ground)
+    surface = surface_of(whole, grid, found.plane, notes)
+    ground = surface.ground
+    width, depth = (2 * half for half in ground.half_size)
+    notes.append(
+        f"{width:.4g} m along x, {depth:.4g} m along y, {grid.columns} x {grid.rows} heights "
+        f"{grid.cell:.4g} m apart, relief {np.ptp(ground.heights[surface.has_floor]):.4g} m, "
+        f"middle at {grid.middle[0]:.4g},{grid.middle[1]:.4g}"
+    )
+    obstacles = _obstacles(found, whole, surface, kinds, notes)
+    world = World(
+        name,
+        ground,
+        tuple(obstacles),
+        seed,
+        None,
+        room=_room(surface),
+        friction=min((s.friction for s in solids if s.friction is not None), default=None),
+        files=tuple((str(path), digest) for path, digest in sorted(found.hashes.items())),
+    )
+    start = _start(world, surface, file, notes) if file.needs_start else MIDDLE
+    return replace(world, start=start, notes=tuple(notes))
+
+
+def _obstacles(
+    found: Sorted, whole: Mesh, surface: Surface, kinds: Kinds, notes: list[str]
+) -> list[Obstacle]:
+    ground = surface.ground
+    placed = [obstacle_of(solid, ground, kinds.of(solid.name)) for solid in found.primitives]
+    obstacles = [obstacle for obstacle in placed if obstacle is not None]
+    over = joined([whole.part(surface.left_over)])
+    obstacles += obstacles_of(over, ground, kinds.by_height, kinds.clearance)
+    for solid, mesh in found.standing:
+        obstacles += obstacles_of(joined([mesh]), ground, kinds.of(solid.name), kinds.clearance)
+    if buried := len(placed) - sum(obstacle is not None for obstacle in placed):
+        notes.append(f"{buried} solids lie in the ground or off the map: left out")
+    rocks, hazards, decks = (sum(o.kind is kind for o in obstacles) for kind in ObstacleKind)
+    if obstacles:
+        notes.append(
+            f"{rocks} rocks (no higher than {kinds.limit:g} m above the ground), {hazards} hazards, "
+            f"{decks} facets of decks"
+        )
+    return obstacles
+
+
+def _start(world: World, surface: Surface, file: TerrainFile, notes: list[str]) -> Start:
+    """The free place on gentle ground that is nearest to the origin, or to the middle of the map.
+
+    Raises:
+        UsageError: There is none.
+    """
+    from scipy.ndimage import distance_transform_edt  # noqa: PLC0415 - 0.1 s that named terrains save
+
+    ground = world.ground
+    cells = occupancy(world, math.radians(STEEPEST_START), file.step_limit, START_RESOLUTION)
+    rows, columns = cells.cells.shape
+    x_from, _, y_from, _ = ground.bounds()
+    x, y = (
+        (np.arange(count) + 0.5) * START_RESOLUTION + start
+        for count, start in ((columns, x_from), (rows, y_from))
+    )
+    nearest = [
+        np.rint((places - start) / ground.cell).astype(int).clip(0, count - 1)
+        for places, start, count in zip((y, x), (y_from, x_from), ground.heights.shape, strict=True)
+    ]
+    free = (cells.cells == FREE) & surface.has_floor[np.ix_(*nearest)]
+    room = distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1] * START_RESOLUTION
+    wanted = (0.0, 0.0) if ground.contains(0.0, 0.0, EDGE_MARGIN) else ground.middle
+    distance = np.hypot(y[:, None] - wanted[1], x[None, :] - wanted[0])
+    fit = room >= START_ROOM
+    if not fit.any():
+        raise UsageError(
+            f"there is no place of {START_ROOM:g} m around that is free and no steeper than "
+            f"{STEEPEST_START:g} deg; choose a --start"
+        )
+    row, column = np.unravel_index(np.argmin(np.where(fit, distance, np.inf)), fit.shape)
+    if distance[row, column] < START_RESOLUTION:
+        return *wanted, 0.0
+    start = round(float(x[column]), 3), round(float(y[row]), 3), 0.0
+    notes.append(f"starts at {start[0]:g},{start[1]:g}, the free and gentle place next to its middle")
+    return start
+
+
+def _room(surface: Surface) -> Bounds | None:
+    """The largest rectangle without pits; None if there are none at all."""
+    if surface.has_floor.all():
+        return None
+    ground = surface.ground
+    step = max(1, round(BLOCK / ground.cell))
+    rows, columns = (count // step for count in surface.has_floor.shape)
+    blocks = surface.has_floor[: rows * step, : columns * step].reshape(rows, step, columns, step)
+    top, bottom, left, right = _largest_rectangle(np.asarray(blocks.all(axis=(1, 3))))
+    x, _, y, _ = ground.bounds()
+    width = step * ground.cell
+    return x + left * width, x + right * width, y + top * width, y + bottom * width
+
+
+def _largest_rectangle(free: NDArray[np.bool_]) -> tuple[int, int, int, int]:
+    """First and last row, first and last column (ends beyond) of the largest all-true rectangle."""
+    best, area = (0, 1, 0, 1), 0
+    heights = np.zeros(free.shape[1] + 1, int)
+    for row, line in enumerate(free):
+        heights[:-1] = np.where(line, heights[:-1] + 1, 0)
+        open_from: list[tuple[int, int]] = []  # column from which on it is at least that high
+        for column, height in enumerate(heights.tolist()):
+            begin = column
+            while open_from and open_from[-1][1] >= height:
+                begin, tall = open_from.pop()
+                if tall * (column - begin) > area:
+                    best, area = (row + 1 - tall, row + 1, begin, column), tall * (column - begin)
+            open_from.append((begin, height))
+    return best

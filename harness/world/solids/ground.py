@@ -1,0 +1,208 @@
+"""What of a world's solids is its ground, and how far its map reaches.
+
+Ground are level planes, heightmaps, and of meshes and boxes what is at least as wide and as deep as
+the smallest map and has a twentieth of the largest such area or more. The rest stands on it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError
+from harness.world.heightfield import resampled
+from harness.world.heightmap.raster import read_raster
+from harness.world.solids.mesh_file import Mesh, read_mesh
+from harness.world.solids.pieces import bodies
+from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief, Solid
+from harness.world.solids.surface import SMALLEST_SIDE, Bounds, slopes_up
+
+SMALLEST_SHARE = 0.05  # of the largest ground's area
+LEVEL = 0.9999  # upward part of the normal of a plane without end
+LARGEST_PLANE = 150.0  # [m] of a plane without end that is mapped
+MARGIN = 5.0  # [m] of it around what stands on it
+MOST_SAMPLES = 513  # of a heightmap, along a side
+BOX = np.array([[i & 1, i >> 1 & 1, i >> 2 & 1] for i in range(8)]) * 2.0 - 1.0
+BOX_FACES = np.array(
+    [
+        [0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
+        [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
+    ]
+)  # fmt: skip
+
+
+@dataclass
+class Sorted:
+    """A world's solids, told apart.
+
+    Attributes:
+        ground: Meshes, in the world.
+        plane: Height of the highest level plane [m], if there is one; `mapped` are their bounds.
+        standing: What stands on it, as a mesh in the world, with the solid that it comes from.
+        primitives: Solids that are one shape each, of which none is ground.
+        hashes: SHA-256 of the files that were read.
+    """
+
+    ground: list[Mesh] = field(default_factory=list)
+    plane: float | None = None
+    mapped: list[Bounds] = field(default_factory=list)
+    standing: list[tuple[Solid, Mesh]] = field(default_factory=list)
+    primitives: list[Solid] = field(default_factory=list)
+    hashes: dict[Path, str] = field(default_factory=dict)
+
+
+def sorted_solids(solids: Sequence[Solid], notes: list[str], unit: str = "", up: str = "") -> Sorted:
+    """Returns what is ground and what stands on it.
+
+    Args:
+        solids: Of a world.
+        notes: Takes what was done.
+        unit: Of meshes that do not tell one; likewise `up`, their axis.
+        up: See `unit`.
+
+    Raises:
+        UsageError: A file is not usable, or nothing is ground.
+    """
+    found, candidates = Sorted(), list[tuple[Solid, Mesh]]()
+    for solid in solids:
+        match solid.shape:
+            case Plane():
+                _add_plane(found, solid, solid.shape)
+            case Relief():
+                found.ground.append(_of_relief(found, solid, solid.shape))
+            case MeshFile():
+                whole = _of_file(found, solid, solid.shape, unit, up)
+                candidates += ((solid, body) for body in bodies(whole))
+            case Primitive(shape="box") if _is_wide(box_mesh(solid)):
+                candidates.append((solid, box_mesh(solid)))
+            case _:
+                found.primitives.append(solid)
+    areas = [_area(mesh) if _is_wide(mesh) else 0.0 for _, mesh in candidates]
+    least = SMALLEST_SHARE * max(areas, default=0.0)
+    for (solid, mesh), area in zip(candidates, areas, strict=True):
+        if area > 0.0 and area >= least:
+            found.ground.append(_upright(mesh, solid, notes))
+        elif isinstance(solid.shape, Primitive):
+            found.primitives.append(solid)
+        else:
+            found.standing.append((solid, mesh))
+    if not found.ground and found.plane is None:
+        raise UsageError(_groundless(solids, candidates))
+    return found
+
+
+def _groundless(solids: Sequence[Solid], candidates: list[tuple[Solid, Mesh]]) -> str:
+    if not solids:
+        return "nothing in it can be collided with; give its models a <collision>"
+    widest = max(
+        (tuple(np.ptp(m.vertices[:, :2], axis=0)) for _, m in candidates), default=None, key=min
+    )
+    told = "" if widest is None else f" (the widest is {widest[0]:.3g} x {widest[1]:.3g} m)"
+    return (
+        f"it has no ground: neither a plane nor a heightmap, nor a mesh or box of {SMALLEST_SIDE:g} x "
+        f"{SMALLEST_SIDE:g} m or more{told}; add a ground plane, or tell the unit by --mesh-unit"
+    )
+
+
+def map_bounds(found: Sorted) -> Bounds:
+    """Returns how far the map reaches: the ground's meshes and, of a plane, what stands on it too."""
+    points = [mesh.vertices[:, :2] for mesh in found.ground]
+    if found.plane is not None:
+        standing = [mesh.vertices[:, :2] for _, mesh in found.standing]
+        standing += [_corners(solid)[:, :2] for solid in found.primitives]
+        points += [p + side for p in standing for side in (-MARGIN, MARGIN)]
+        points += [np.array([[x, y], [x_to, y_to]]) for x, x_to, y, y_to in found.mapped]
+    every = np.concatenate(points)
+    (x, y), (x_to, y_to) = every.min(axis=0), every.max(axis=0)
+    return float(x), float(x_to), float(y), float(y_to)
+
+
+def box_mesh(solid: Solid) -> Mesh:
+    """Returns a box's twelve triangles in the world."""
+    assert isinstance(solid.shape, Primitive)  # noqa: S101 - the caller has looked
+    return Mesh(BOX * solid.shape.half_size, BOX_FACES).moved(solid.pose)
+
+
+def _corners(solid: Solid) -> NDArray[np.float64]:
+    """Corners of a box around a primitive, in the world."""
+    assert isinstance(solid.shape, Primitive)  # noqa: S101 - likewise
+    half = solid.shape.half_size
+    half = (half[0], half[0], half[1]) if solid.shape.shape == "cylinder" else half
+    return (BOX * half) @ solid.pose[:3, :3].T + solid.pose[:3, 3]
+
+
+def _area(mesh: Mesh) -> float:
+    """Seen from above or below, whichever is more [m2]."""
+    one, other = (mesh.corners[:, corner] - mesh.corners[:, 0] for corner in (1, 2))
+    areas = 0.5 * (one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
+    return max(float(areas[areas > 0.0].sum()), float(-areas[areas < 0.0].sum()))
+
+
+def _is_wide(mesh: Mesh) -> bool:
+    return bool((np.ptp(mesh.vertices[:, :2], axis=0) >= SMALLEST_SIDE).all())
+
+
+def _upright(mesh: Mesh, solid: Solid, notes: list[str]) -> Mesh:
+    """A sheet whose normals point down is turned over."""
+    upward = slopes_up(mesh.corners)
+    one, other = (mesh.corners[:, corner] - mesh.corners[:, 0] for corner in (1, 2))
+    areas = 0.5 * np.linalg.norm(np.cross(one, other), axis=1)
+    if -(areas * upward)[upward < 0.0].sum() <= 2.0 * (areas * upward)[upward > 0.0].sum():
+        return mesh
+    notes.append(f"{solid.name}: its triangles face down; turned over")
+    return Mesh(mesh.vertices, mesh.faces[:, ::-1])
+
+
+def _add_plane(found: Sorted, solid: Solid, plane: Plane) -> None:
+    normal = np.array(plane.normal) / np.linalg.norm(plane.normal)
+    height = float(solid.pose[2, 3])
+    across = np.linalg.svd(normal[None])[2][1:]
+    if np.linalg.det(np.vstack([across, normal])) < 0.0:
+        across = across[::-1]
+    if (solid.pose[:3, :3] @ normal)[2] >= LEVEL:
+        found.plane = height if found.plane is None else max(height, found.plane)
+        half = [0.5 * min(length, LARGEST_PLANE) for length in plane.size]
+        x, y = solid.pose[:2, 3].tolist()
+        found.mapped.append((x - half[0], x + half[0], y - half[1], y + half[1]))
+        return
+    signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * 0.5 * np.array(plane.size)
+    found.ground.append(Mesh(signs @ across, np.array([[0, 1, 2], [0, 2, 3]])).moved(solid.pose))
+
+
+def _of_file(found: Sorted, solid: Solid, file: MeshFile, unit: str, up: str) -> Mesh:
+    mesh, found.hashes[file.path] = read_mesh(file.path, file.submesh, unit, up)
+    if file.centred:
+        low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+        mesh = Mesh(mesh.vertices - 0.5 * (low + high), mesh.faces)
+    return mesh.moved(solid.pose, file.scale)
+
+
+def _of_relief(found: Sorted, solid: Solid, relief: Relief) -> Mesh:
+    """A heightmap as triangles, its first row in the north."""
+    import hashlib  # noqa: PLC0415
+
+    raster = read_raster(relief.path)
+    found.hashes[relief.path] = hashlib.sha256(relief.path.read_bytes()).hexdigest()
+    values = raster.values
+    if np.isnan(values).any():
+        raise UsageError(f"heightmap {relief.path}: values are missing; fill them")
+    largest = 1.0 if raster.in_metres else 2.0 ** (16 if values.max() > 255 else 8) - 1.0
+    shape = tuple(min(count, MOST_SAMPLES) for count in values.shape)
+    step = tuple((n - 1) / (m - 1) for n, m in zip(values.shape, shape, strict=True))
+    values = resampled(values, step, shape) if shape != values.shape else values
+    rows, columns = values.shape
+    half_x, half_y = 0.5 * relief.size[0], 0.5 * relief.size[1]
+    x, y = np.meshgrid(np.linspace(-half_x, half_x, columns), np.linspace(half_y, -half_y, rows))
+    z = values * (1.0 if raster.in_metres else relief.size[2] / largest)
+    vertices = np.column_stack([x.ravel(), y.ravel(), z.ravel()]) + relief.position
+    corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
+    below = corner + columns
+    faces = np.concatenate(
+        [
+            np.column_stack([corner, below, below + 1]),
+            np.column_stack([corner, below + 1, corner + 1]),
+        ]
+    )
+    return Mesh(vertices, faces).moved(solid.pose)

@@ -1,0 +1,52 @@
+"""Which obstacles are rocks and which hazards: by their height above the ground, or by their name."""
+
+from collections.abc import Callable, Sequence
+from fnmatch import fnmatchcase
+
+from harness.errors import UsageError, unknown
+from harness.world.obstacles import ObstacleKind
+from harness.world.terrain_file import TerrainFile
+
+Kind = Callable[[float], ObstacleKind]  # of what is that high above the ground [m]
+
+
+class Kinds:
+    """The rule of one world.
+
+    Args:
+        file: With the rover's clearance and what overrides it.
+        names: Of all solids: model::link::collision.
+
+    Attributes:
+        limit: Height above the ground up to which an obstacle is a rock [m].
+        clearance: What the rover clears [m].
+
+    Raises:
+        UsageError: A pattern fits no solid.
+    """
+
+    def __init__(self, file: TerrainFile, names: Sequence[str]) -> None:
+        self.clearance = file.clearance
+        self.limit = file.clearance if file.rock_height is None else file.rock_height
+        self._named = {ObstacleKind.HAZARD: file.hazards, ObstacleKind.ROCK: file.rocks}
+        models = dict.fromkeys(name.split("::")[0] for name in names)
+        for flag, patterns in (("--hazard", file.hazards), ("--rock", file.rocks)):
+            for pattern in patterns:
+                if not any(_fits(name, pattern) for name in names):
+                    raise UsageError(f"{flag}: {unknown('solid', pattern, [*models][:12])}")
+
+    def by_height(self, height: float) -> ObstacleKind:
+        """Returns what an obstacle is that reaches so high above the ground [m]."""
+        return ObstacleKind.ROCK if height <= self.limit else ObstacleKind.HAZARD
+
+    def of(self, name: str) -> Kind:
+        """Returns the rule for a solid of that name."""
+        for kind, patterns in self._named.items():
+            if any(_fits(name, pattern) for pattern in patterns):
+                return lambda _, kind=kind: kind  # type: ignore[misc]  # bound now
+        return self.by_height
+
+
+def _fits(name: str, pattern: str) -> bool:
+    """Whether a pattern fits the whole name, or that of the model."""
+    return fnmatchcase(name, pattern) or fnmatchcase(name.split("::", maxsplit=1)[0], pattern)

@@ -1,0 +1,174 @@
+"""Triangles from DAE, OBJ and STL files, by trimesh: in metres, z up.
+
+Nothing in a file is trusted: its size is checked before it is decoded, XML with entities is refused, and
+no other file that it names (materials, pictures) is looked at.
+"""
+
+import hashlib
+import io
+import warnings
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError, find_named
+from harness.world.sdf.reader import parse_xml
+
+SUFFIXES = (".dae", ".obj", ".stl")
+MOST_BYTES = 128 * 2**20
+MOST_TRIANGLES = 500_000
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}  # length [m]
+# What axis is up in a file -> R_world_file, as COLLADA defines its three.
+UP = {
+    "z": np.eye(3),
+    "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+    "x": np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]),
+}
+SIMPLER = "simplify it first (Blender: Decimate; MeshLab: Quadric Edge Collapse)"
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles that share vertices; seen from outside, their corners go round counter-clockwise.
+
+    Attributes:
+        vertices: Shape (v, 3) [m].
+        faces: Indices of vertices, shape (f, 3).
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Shape (f, 3, 3): triangle, corner, coordinate."""
+        return self.vertices[self.faces]
+
+    def moved(self, pose: NDArray[np.float64], scale: tuple[float, ...] = (1.0,) * 3) -> "Mesh":
+        """Returns it scaled, then moved by a T_world_mesh; mirrored ones are turned inside out."""
+        vertices = (self.vertices * scale) @ pose[:3, :3].T + pose[:3, 3]
+        is_mirrored = np.linalg.det(pose[:3, :3]) * np.prod(scale) < 0.0
+        return Mesh(vertices, self.faces[:, ::-1] if is_mirrored else self.faces)
+
+    def part(self, chosen: NDArray[np.int64] | NDArray[np.bool_]) -> "Mesh":
+        """Returns some of its triangles with the vertices of these alone."""
+        used, faces = np.unique(self.faces[chosen], return_inverse=True)
+        return Mesh(self.vertices[used], faces.reshape(-1, 3))
+
+
+def joined(meshes: "list[Mesh]") -> Mesh:
+    """Returns all triangles as one mesh; corners at the same place, to 10 um, become one vertex."""
+    if not meshes:
+        return Mesh(np.empty((0, 3)), np.empty((0, 3), np.int64))
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    vertices = np.concatenate([mesh.vertices for mesh in meshes])
+    faces = np.concatenate([m.faces + start for m, start in zip(meshes, starts, strict=True)])
+    _, first, same = np.unique(np.round(vertices, 5), axis=0, return_index=True, return_inverse=True)
+    faces = same.reshape(-1)[faces]
+    edges = np.sort(faces, axis=1)
+    has_area = (edges[:, 0] != edges[:, 1]) & (edges[:, 1] != edges[:, 2])
+    return Mesh(vertices[first], faces[has_area])
+
+
+@lru_cache(maxsize=8)
+def read_mesh(path: Path, submesh: str = "", unit: str = "", up: str = "") -> tuple[Mesh, str]:
+    """Returns the triangles of a file, and the SHA-256 of what was read.
+
+    Args:
+        path: The file, whose name tells what it is.
+        submesh: The name of the only part that is meant; "" for all.
+        unit: One of UNITS; "" is as the file says, else metres.
+        up: One of UP; "" is as the file says, else z.
+
+    Raises:
+        UsageError: It is missing, too large, damaged or holds no triangles.
+    """
+    try:
+        data = _bytes(path)
+        scale, axis = _told(data) if path.suffix.lower() == ".dae" else (1.0, "z")
+        parts = _loaded(data, path.suffix.lower().lstrip("."))
+        mesh = joined([find_named("its part", submesh, parts)] if submesh else [*parts.values()])
+        _check(mesh)
+    except UsageError as error:
+        raise UsageError(f"mesh {path}: {error}") from error
+    turned = np.eye(4)
+    turned[:3, :3] = UP[up or axis]
+    return mesh.moved(turned, (UNITS[unit] if unit else scale,) * 3), hashlib.sha256(data).hexdigest()
+
+
+def _bytes(path: Path) -> bytes:
+    if path.suffix.lower() not in SUFFIXES:
+        raise UsageError(f"meshes of that kind are not read; readable are {', '.join(SUFFIXES)}")
+    try:
+        with path.open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise UsageError(f"it cannot be read: {error.strerror}") from error
+    if len(data) > MOST_BYTES:
+        raise UsageError(f"it is larger than {MOST_BYTES >> 20} MiB; {SIMPLER}")
+    binary_stl = len(data) >= 84 and len(data) == 84 + 50 * int.from_bytes(data[80:84], "little")
+    counts = {".obj": data.count(b"\nf "), ".stl": (len(data) - 84) // 50 if binary_stl else 0}
+    _check_count(counts.get(path.suffix.lower(), 0))  # before anything is decoded
+    return data
+
+
+def _check_count(triangles: int) -> None:
+    if triangles > MOST_TRIANGLES:
+        raise UsageError(
+            f"it has {triangles:,} triangles; at most {MOST_TRIANGLES:,} are read: {SIMPLER}"
+        )
+
+
+def _told(data: bytes) -> tuple[float, str]:
+    """What the asset of a COLLADA file says: length of its unit [m], axis that is up."""
+    asset = {
+        element.tag.rpartition("}")[2]: element
+        for element in next((e for e in parse_xml(data) if e.tag.rpartition("}")[2] == "asset"), ())
+    }
+    up = (asset["up_axis"].text or "") if "up_axis" in asset else "Y_UP"  # COLLADA's default
+    text = asset["unit"].get("meter", "1") if "unit" in asset else "1"
+    try:
+        unit = float(text)
+    except ValueError:
+        unit = 0.0
+    if not 0.0 < unit < 1e6:
+        raise UsageError(f"its unit of {text} m is not valid; give a length in metres")
+    axis = up.strip().lower().removesuffix("_up")
+    if axis not in UP:
+        raise UsageError(f"its up_axis '{up.strip()}' is not valid; COLLADA has X_UP, Y_UP and Z_UP")
+    return unit, axis
+
+
+def _loaded(data: bytes, kind: str) -> dict[str, Mesh]:
+    """Its parts by name, each where the file's own scene has it."""
+    import trimesh  # noqa: PLC0415 - 0.2 s that other terrains save
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            scene = trimesh.load_scene(
+                io.BytesIO(data), file_type=kind, process=False, skip_materials=True
+            )
+        parts = {}
+        for node in scene.graph.nodes_geometry:
+            pose, name = scene.graph[node]
+            geometry = scene.geometry[name]
+            if isinstance(geometry, trimesh.Trimesh):
+                mesh = Mesh(np.asarray(geometry.vertices), np.asarray(geometry.faces))
+                parts[str(node)] = mesh.moved(np.asarray(pose))
+    except Exception as error:  # decoders raise anything at all over a damaged file
+        reason = " ".join(str(error).split())[:120] or type(error).__name__
+        raise UsageError(f"it is damaged or cut short: {reason}") from error
+    return parts
+
+
+def _check(mesh: Mesh) -> None:
+    _check_count(len(mesh.faces))
+    finite = np.isfinite(mesh.vertices).all(axis=1)
+    if not finite.all():
+        raise UsageError(f"{int((~finite).sum())} of its vertices are NaN or infinite; mend the file")
+    if not len(mesh.faces):
+        raise UsageError("it holds no triangles")

@@ -1,0 +1,218 @@
+"""Triangles that no heightfield shows -> convex obstacles: MuJoCo collides a mesh as its convex hull.
+
+What hangs together is one body. A body is halved, and its halves again, until each part is as its convex
+hull, to within FIT: either nearly all of the hull's surface is its own (a box, a piece of a pipe), or it
+is nearly flat, and becomes a slab THICKNESS deep on its inner side. It is halved across, or by the
+directions that its triangles face, whichever gives fewer parts. A vaulted ceiling of a structure (what
+faces down, HEADROOM above the ground) is touched by nobody: it stays as it is, to be seen.
+
+A body on which a rover can stand (STANDING_AREA no steeper than STEEPEST) is a structure, as a bridge:
+its gentle triangles are deck, which is ground; others are rocks where they are no higher than the rover
+clears, else hazards. Of other bodies the height of their top above the ground decides.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError
+from harness.world.heightfield import Field, Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind, convex, surface
+from harness.world.occupancy import HEADROOM
+from harness.world.solids.kinds import Kind
+from harness.world.solids.mesh_file import SIMPLER, Mesh
+from harness.world.solids.surface import SAMPLES, on_map
+
+THICKNESS = 0.02  # [m]
+STANDING_AREA = 1.0  # [m2]
+STEEPEST = math.radians(35.0)
+SMALLEST_AREA = 1e-6  # [m2] of a triangle
+FIT = 0.03  # [m] by which a piece may differ from its triangles
+OWN_SHARE = 0.8  # of the surface of a hull
+FILLED_SHARE = 0.9  # of the area of an outline
+CUTS = 65  # places where a body may be halved
+FLAT_SHARE = 0.95  # of the area of triangles that is left when they are seen along their mean normal
+FEWEST = 6  # triangles that can have a hull of their own
+FLUSH = 0.005  # [m] above the ground up to which a body counts as buried
+MOST_PIECES = 6000
+
+ALIKE = 0.02  # difference of unit normals
+DOWNWARD = 0.1  # downward part of the normal of a ceiling
+
+Points = NDArray[np.float64]  # shape (n, 3) [m]
+Halves = Callable[[Mesh, Points], NDArray[np.bool_]]  # a part and its normals -> which are one half
+
+
+def bodies(mesh: Mesh) -> Iterator[Mesh]:
+    """Yields the parts of a mesh that hang together."""
+    from scipy.sparse import coo_matrix  # noqa: PLC0415 - 0.1 s that named terrains save
+    from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
+
+    if not len(mesh.faces):
+        return
+    starts, ends = mesh.faces[:, :2].ravel(), mesh.faces[:, 1:].ravel()
+    count = len(mesh.vertices)
+    links = coo_matrix((np.ones(starts.size), (starts, ends)), (count, count))
+    body = connected_components(links, directed=False)[1][mesh.faces[:, 0]]
+    order = np.argsort(body, kind="stable")
+    for chosen in np.split(order, np.flatnonzero(np.diff(body[order])) + 1):
+        yield mesh.part(chosen)
+
+
+def obstacles_of(mesh: Mesh, ground: Heightfield, kind: Kind, clearance: float) -> list[Obstacle]:
+    """Returns a mesh as convex obstacles; nothing of bodies that lie in the ground or off the map.
+
+    Args:
+        mesh: What the ground does not show, in the world.
+        ground: On which it stands.
+        kind: What an obstacle is, by the height of its top above the ground.
+        clearance: What the rover clears [m].
+
+    Raises:
+        UsageError: They are too many.
+    """
+    found: list[Obstacle] = []
+    for body in bodies(mesh):
+        rises = _rise(body.vertices, ground)
+        if rises > FLUSH:
+            found += _pieces(body, kind(rises), clearance, ground)
+        if len(found) > MOST_PIECES:
+            raise UsageError(
+                f"what stands on its ground has more than {MOST_PIECES} facets; {SIMPLER}, or give "
+                "boxes for collisions"
+            )
+    return found
+
+
+def _rise(points: NDArray[np.float64], ground: Heightfield) -> float:
+    """How far points reach above the ground [m]; -inf if all are off the map."""
+    x, y, z = points[on_map(points, ground)].T
+    return float((z - ground.heights_at(x, y)).max(initial=-math.inf))
+
+
+def _pieces(body: Mesh, kind: ObstacleKind, clearance: float, ground: Heightfield) -> Iterator[Obstacle]:
+    areas, normals = _areas(body)
+    is_gentle = normals[:, 2] >= math.cos(STEEPEST)
+    is_structure = areas[is_gentle].sum() >= STANDING_AREA
+    whole = _own_hull(body, areas)
+    if whole is not None:  # a structure only if it is a slab: nobody gets onto a block
+        is_slab = is_structure and np.ptp(body.vertices[:, 2]) <= clearance
+        yield convex(ObstacleKind.DECK if is_slab else kind, whole)
+        return
+    kinds = np.full(len(areas), kind.value)
+    if is_structure:
+        is_low = np.ptp(body.corners[:, :, 2], axis=1) <= clearance
+        kinds = np.where(is_low, ObstacleKind.ROCK.value, ObstacleKind.HAZARD.value)
+        kinds[is_gentle] = ObstacleKind.DECK.value
+    chosen = areas > SMALLEST_AREA
+    is_ceiling = chosen & _is_ceiling(body, normals, ground)
+    ceiling = body.part(is_ceiling)
+    if is_structure and len(ceiling.faces) >= FEWEST and _slab(ceiling, *_areas(ceiling)) is None:
+        yield surface(ObstacleKind.DECK, ceiling.vertices, ceiling.faces)
+        chosen &= ~is_ceiling
+    for value in np.unique(kinds[chosen]).tolist():
+        alike = np.flatnonzero(chosen & (kinds == value))
+        ways = ([*_split(body, alike, halves)] for halves in (_across, _by_facing))
+        yield from (convex(ObstacleKind(value), corners) for corners in min(ways, key=len))
+
+
+def _is_ceiling(body: Mesh, normals: Points, ground: Heightfield) -> NDArray[np.bool_]:
+    x, y, z = np.moveaxis(SAMPLES @ body.corners, -1, 0)
+    is_high = (z > ground.heights_at(x, y) + HEADROOM).all(axis=1)
+    return np.asarray(is_high & (normals[:, 2] < -DOWNWARD))
+
+
+def _split(body: Mesh, chosen: NDArray[np.int64], halves: Halves) -> Iterator[Points]:
+    """Corners of convex pieces that together are some triangles of a body."""
+    part = body.part(chosen)
+    areas, normals = _areas(part)
+    corners = _own_hull(part, areas)
+    if corners is None:
+        corners = _slab(part, areas, normals)
+    if corners is not None:
+        yield corners
+        return
+    is_first = halves(part, normals)
+    if is_first.all() or not is_first.any():
+        is_first = np.arange(len(chosen)) < len(chosen) // 2
+    yield from _split(body, chosen[is_first], halves)
+    yield from _split(body, chosen[~is_first], halves)
+
+
+def _across(part: Mesh, _: Points) -> NDArray[np.bool_]:
+    """Which triangles lie on one side of the plane across, near the middle, that cuts them least."""
+    middles = part.corners.mean(axis=1)
+    along = _longest(middles)
+    ends, places = part.corners @ along, middles @ along
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    inner = np.unique(np.quantile(ends, np.linspace(0.25, 0.75, CUTS), method="nearest"))
+    cut_into = np.minimum(inner[:, None] - low, high - inner[:, None]).clip(0.0).sum(axis=1)
+    return np.asarray(places < inner[np.argmin(cut_into)])
+
+
+def _by_facing(part: Mesh, normals: Points) -> NDArray[np.bool_]:
+    """Which triangles face one way, of those that differ most; across where all face alike."""
+    places = normals @ _longest(normals)
+    order = np.sort(places)
+    gaps = np.diff(order) * np.sqrt(
+        np.minimum(np.arange(1, len(order)), np.arange(len(order) - 1, 0, -1))
+    )
+    widest = int(np.argmax(gaps))
+    if order[widest + 1] - order[widest] < ALIKE:
+        return _across(part, normals)
+    return np.asarray(places <= order[widest])
+
+
+def _longest(points: Points) -> Points:
+    """The direction in which points are spread most, shape (3,)."""
+    return np.asarray(np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][0])
+
+
+def _own_hull(part: Mesh, areas: Field) -> Points | None:
+    """Corners of its hull, if nearly all of the hull's surface is its own and it has no hollow."""
+    from scipy.spatial import ConvexHull, QhullError  # noqa: PLC0415 - 0.1 s that named terrains save
+
+    if len(part.faces) < FEWEST:
+        return None
+    try:
+        hull = ConvexHull(part.vertices)
+    except QhullError:  # flat
+        return None
+    depths = -(part.vertices @ hull.equations[:, :3].T + hull.equations[:, 3]).max(axis=1)
+    if areas.sum() < OWN_SHARE * hull.area or depths.max() > FIT:
+        return None
+    return np.asarray(part.vertices[hull.vertices])
+
+
+def _slab(part: Mesh, areas: Field, normals: Points) -> Points | None:
+    """Corners of a slab, if it is nearly flat and fills its outline; a triangle always is and does."""
+    from scipy.spatial import ConvexHull, QhullError  # noqa: PLC0415 - as above
+
+    mean = (areas[:, None] * normals).sum(axis=0)
+    length = float(np.linalg.norm(mean))
+    if length < FLAT_SHARE * areas.sum():
+        return None
+    normal = mean / length
+    if np.ptp(part.vertices @ normal) > FIT:
+        return None
+    corners = part.vertices
+    if len(part.faces) > 1:
+        across = np.linalg.svd(normal[None])[2][1:]  # two axes at right angles to it
+        try:
+            outline = ConvexHull(corners @ across.T)
+        except QhullError:
+            return None
+        if length < FILLED_SHARE * outline.volume:  # of two dimensions: its area
+            return None
+        corners = corners[outline.vertices]
+    return np.concatenate([corners, corners - THICKNESS * normal])
+
+
+def _areas(mesh: Mesh) -> tuple[Field, Points]:
+    """Areas [m2] and unit normals of the triangles."""
+    one, other = (mesh.corners[:, corner] - mesh.corners[:, 0] for corner in (1, 2))
+    doubled = np.cross(one, other)
+    lengths = np.linalg.norm(doubled, axis=1)
+    return 0.5 * lengths, doubled / np.maximum(lengths, 1e-300)[:, None]

@@ -1,0 +1,125 @@
+"""A log of RoboTerrain's social collector: where the rover was each second, and how far each person.
+
+Two forms of header occur in its data; both are read by the names of their columns:
+
+    step,time_s,robot_x,robot_y,speed_mps,NAME_actor_dist...,dmin,goals_count
+    step,time_s,rx,ry,speed_mps,d1_NAME...,dmin,goals
+"""
+
+import csv
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from rover_metrics.analysis.logs.header import UnreadableLog, check_is_file, shown
+from rover_metrics.analysis.logs.log import Floats, Integers
+
+TIME, NEAREST = "time_s", "dmin"
+GOALS = ("goals_count", "goals")
+PLACES = (("robot_x", "robot_y"), ("rx", "ry"))
+DISTANCE = re.compile(r"(?:d\d+_(?P<old>.+)|(?P<new>.+?)(?:_actor)?_dist)")
+MOST_TOLD = 3  # lines left out that are told one by one
+
+
+@dataclass(frozen=True, eq=False)
+class SocialLog:
+    """One run, a row a second.
+
+    Attributes:
+        path: Where it was read from.
+        actors: The people's names, in the order of the columns.
+        time_s: Of each row; simulation or Unix time [s].
+        position: Of the rover, x and y in the world [m], shape (rows, 2); NaN where it is not known.
+        distance: From the rover to each person [m], shape (rows, people); NaN where it is not known.
+        nearest: To the nearest person [m]; NaN where none is known.
+        goals: Goals reached so far.
+        findings: What was odd about the file, one line each.
+    """
+
+    path: Path
+    actors: tuple[str, ...]
+    time_s: Floats
+    position: Floats
+    distance: Floats
+    nearest: Floats
+    goals: Integers
+    findings: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+
+def read_social_log(path: Path) -> SocialLog:
+    """Returns a log of either form.
+
+    Raises:
+        UnreadableLog: It is none; the message says why, without the path.
+    """
+    check_is_file(path)
+    with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
+        lines = csv.reader(file, strict=False)
+        names = [name.strip() for name in next(lines, [])]
+        _check_header(names)
+        findings: list[str] = []
+        rows = list(_rows(lines, len(names), findings))
+    if not rows:
+        raise UnreadableLog("there is a header but no whole row")
+    table = np.array(rows)
+    column = {name: table[:, index] for index, name in enumerate(names)}
+    people = {name: match for name in names if (match := DISTANCE.fullmatch(name))}
+    distance = np.column_stack([column[name] for name in people])
+    nearest = column.get(NEAREST)
+    goals = np.nan_to_num(next(column[name] for name in GOALS if name in column))
+    return SocialLog(
+        path=path,
+        actors=tuple(match["old"] or match["new"] for match in people.values()),
+        time_s=column[TIME],
+        position=_position(column, len(rows)),
+        distance=distance,
+        nearest=np.fmin.reduce(distance, axis=1) if nearest is None else nearest,
+        goals=goals.astype(np.int64),
+        findings=tuple(findings),
+    )
+
+
+def _check_header(names: Sequence[str]) -> None:
+    missing = [name for name in (TIME,) if name not in names]
+    missing += [] if set(GOALS) & set(names) else [" or ".join(GOALS)]
+    missing += [] if any(map(DISTANCE.fullmatch, names)) else ["the distances (NAME_dist or d1_NAME)"]
+    if missing:
+        raise UnreadableLog(
+            f"the first line is not the header of a social log but {shown(','.join(names))}; "
+            f"it lacks {', '.join(missing)}"
+        )
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise UnreadableLog(f"the header names {', '.join(twice)} more than once")
+
+
+def _rows(lines: Iterator[list[str]], width: int, findings: list[str]) -> Iterator[list[float]]:
+    """The rows that are whole; of the others the findings tell."""
+    left_out = 0
+    for number, cells in enumerate(lines, 2):
+        if not cells:
+            continue
+        try:
+            values = [float(cell or "nan") for cell in cells]
+        except ValueError:
+            values = []
+        if len(values) == width:
+            yield values
+            continue
+        left_out += 1
+        if left_out <= MOST_TOLD:
+            findings.append(f"line {number} is not {width} numbers and is left out")
+    if left_out > MOST_TOLD:
+        findings.append(f"{left_out - MOST_TOLD} more lines are left out")
+
+
+def _position(column: dict[str, Floats], rows: int) -> Floats:
+    for x, y in PLACES:
+        if x in column and y in column:
+            return np.column_stack([column[x], column[y]])
+    return np.full((rows, 2), np.nan)

@@ -1,0 +1,93 @@
+"""A page about runs among people: one HTML file with tables and pictures, nothing from the network."""
+
+import io
+import re
+from collections.abc import Iterable, Mapping
+from html import escape
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from rover_metrics.analysis.plots.style import DPI, STYLE
+from rover_metrics.analysis.social.comparison import Group
+from rover_metrics.analysis.social.figures import draw_distances, draw_meetings, draw_windows
+from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
+from rover_metrics.analysis.tables.sheets import Sheet
+
+CSS = """
+:root { color-scheme: light; }
+body { margin: 0 auto; padding: 1rem; max-width: 84rem; font: 1rem/1.45 system-ui, sans-serif;
+  background: #f4f5f6; color: #1b1f24; }
+section { margin-top: 1rem; padding: 0.75rem; overflow-x: auto; background: #fff;
+  border: 1px solid #e3e7eb; border-radius: 0.5rem; }
+h1 { margin: 0; font-size: 1.6rem; } h2 { margin: 0 0 0.5rem; font-size: 1.1rem; }
+table { border-collapse: collapse; font-size: 0.875rem; font-variant-numeric: tabular-nums; }
+th, td { padding: 0.15rem 0.6rem; border-bottom: 1px solid #e3e7eb; text-align: right; }
+td { white-space: nowrap; } th { vertical-align: bottom; }
+th:first-child, td:first-child { text-align: left; }
+.hint { margin: 0.5rem 0 0; color: #57606a; font-size: 0.875rem; }
+svg { width: 100%; height: auto; }
+"""
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+
+
+def render(groups: Mapping[str, Group], sheets: Iterable[Sheet]) -> str:
+    """Returns the HTML of a page.
+
+    Args:
+        groups: By name, in their order.
+        sheets: Its tables.
+    """
+    pictures = (
+        ("Windows", draw_windows, "Each point one window, in the order of time; line: mean."),
+        ("Distances", draw_distances, "Dotted: the outer limits of Hall's zones."),
+        (
+            "Where they met",
+            draw_meetings,
+            f"Grey: the rover, each second; coloured: with somebody nearer than {PERSONAL_SPACE:g} m.",
+        ),
+    )
+    with mpl.rc_context({**STYLE, "svg.hashsalt": "social"}):  # same logs, same bytes
+        drawn = [
+            f"<section><h2>{title}</h2>{_svg(draw(groups), title)}<p class=hint>{hint}</p></section>"
+            for title, draw, hint in pictures
+        ]
+    return "\n".join(
+        [
+            "<!doctype html>",
+            '<html lang="en"><head><meta charset="utf-8">',
+            f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">',
+            '<meta name="viewport" content="width=device-width, initial-scale=1">',
+            f"<title>Rover and people</title><style>{CSS}</style></head><body>",
+            f"<h1>Rover and people: {escape(', '.join(groups))}</h1><main>",
+            *drawn,
+            *map(_table, sheets),
+            "</main></body></html>\n",
+        ]
+    )
+
+
+def _svg(figure: Figure, title: str) -> str:
+    for text in figure.findobj(Text):
+        text.set_parse_math(False)  # a $ in the name of a group is a $
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", dpi=DPI, metadata={"Date": None})
+    drawn = buffer.getvalue()
+    body = drawn[drawn.index("<svg") :]
+    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
+    return body.replace("<svg", f'<svg role="img" aria-label="{escape(title)}"', 1)
+
+
+def _table(sheet: Sheet) -> str:
+    titles = [sheet.head, *sheet.titles(narrow=False)]
+    head = "".join(f"<th>{escape(title)}</th>" for title in titles)
+    rows = "".join(
+        f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in (row.name, *row.cells.values()))}</tr>"
+        for row in sheet.rows
+    )
+    odd = "".join(f"<p class=hint>odd: {escape(finding)}</p>" for finding in sheet.odd)
+    return (
+        f"<section><h2>{escape(sheet.title)}</h2>{odd}<table><thead><tr>{head}</tr></thead>"
+        f"<tbody>{rows}</tbody></table><p class=hint>{escape(sheet.caption)}</p></section>"
+    )

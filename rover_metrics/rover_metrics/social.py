@@ -1,0 +1,210 @@
+"""Command: how a rover did among people, from logs of RoboTerrain's collector or of harness.run.
+
+    python -m rover_metrics.social LOG... [--groups NAME...] [--page FILE.html]
+
+Parses, calls, prints; the work is in rover_metrics.analysis.social. Needs no ROS.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+from rover_metrics.errors import (
+    OneLineParser,
+    RoverMetricsError,
+    begin_program,
+    printable,
+    run_program,
+)
+
+if __name__ == "__main__":
+    begin_program("social")
+
+from rich.console import Console, Group
+
+from rover_metrics.analysis.logs.header import UnreadableLog
+from rover_metrics.analysis.social.comparison import Group as Runs
+from rover_metrics.analysis.social.comparison import differences, make_group
+from rover_metrics.analysis.social.log import SocialLog, read_social_log
+from rover_metrics.analysis.social.metrics import RISK_DISTANCE, WINDOW_GOALS
+from rover_metrics.analysis.social.sheets import social_sheets
+from rover_metrics.analysis.tables.terminal import show
+from rover_metrics.log.files import json_safe, whole_file
+
+PRINTED_WIDTH = 160  # columns, where the output is not a terminal
+
+
+class GroupError(RoverMetricsError):
+    """A group without logs, a log in two groups, a folder without logs."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command; returns 0 if every log was read, 1 if any was skipped, 2 after a mistake."""
+    return run_program("social", lambda: _run(_parser().parse_args(arguments)))
+
+
+def _run(options: argparse.Namespace) -> int:
+    logs, skipped = _read(_files(options.logs))
+    if not logs:
+        return UnreadableLog.exit_code
+    groups = {
+        name: make_group(name, members, options.window, options.risk_distance)
+        for name, members in _grouped(logs, options.groups).items()
+    }
+    found = differences(groups, options.confidence_level)
+    sheets = list(social_sheets(groups, found, options.window, options.risk_distance))
+    if options.page is not None:
+        from rover_metrics.analysis.social.page import render  # noqa: PLC0415 - matplotlib takes a second
+
+        with whole_file(options.page) as part:
+            part.write_text(render(groups, sheets), encoding="utf-8")
+    if options.json:
+        print(json.dumps(json_safe(_values(groups, found)), indent=2))
+    else:
+        console = Console(highlight=False)
+        if not console.is_terminal:
+            console.width = PRINTED_WIDTH
+        console.print(Group(*show(sheets, console.width)))
+        if options.page is not None:
+            console.print(f"page: {options.page}", soft_wrap=True, markup=False)
+    return UnreadableLog.exit_code if skipped else 0
+
+
+def _values(groups: dict[str, Runs], found: Sequence[Any]) -> dict[str, Any]:
+    """Everything that was found out, as JSON has it."""
+    return {
+        "groups": {
+            name: {
+                "runs": [
+                    {
+                        "log": str(log.path),
+                        "findings": log.findings,
+                        **asdict(figures),
+                        "risk_s_per_goal": figures.risk_s_per_goal,
+                        "s_per_goal": figures.s_per_goal,
+                    }
+                    for log, figures in zip(group.logs, group.figures, strict=True)
+                ],
+                "windows": group.windows.tolist(),
+            }
+            for name, group in groups.items()
+        },
+        "differences": [asdict(each) for each in found],
+    }
+
+
+def _files(named: Sequence[Path]) -> list[Path]:
+    """The logs named, and those in the folders named; each once."""
+    files: dict[Path, Path] = {}
+    for path in named:
+        inside = sorted(path.glob("*.csv")) if path.is_dir() else [path]
+        if not inside:
+            raise GroupError(f"{path}: there is no log (*.csv) in this folder; name another")
+        for file in inside:
+            files.setdefault(file.resolve(), file)
+    return list(files.values())
+
+
+def _read(files: Sequence[Path]) -> tuple[list[SocialLog], bool]:
+    logs: list[SocialLog] = []
+    for path in files:
+        try:
+            logs.append(read_social_log(path))
+        except UnreadableLog as error:  # noqa: PERF203 - a file is read, which takes longer
+            print(f"social: {printable(f'skipped {path}: {error}')}", file=sys.stderr)
+    return logs, len(logs) < len(files)
+
+
+def _grouped(logs: Sequence[SocialLog], wanted: Sequence[str]) -> dict[str, list[SocialLog]]:
+    """Logs by group, in the order of the groups."""
+    folders = list(dict.fromkeys(_folder(log.path) for log in logs))
+    patterns: dict[str, str | None] = {}
+    for text in wanted or folders:
+        name, _, pattern = text.partition("=")
+        if not name or name in patterns:
+            raise GroupError(f"--groups '{text}': give each group a name of its own")
+        patterns[name] = pattern or None
+    groups: dict[str, list[SocialLog]] = {name: [] for name in patterns}
+    lonely: list[SocialLog] = []
+    for log in logs:
+        homes = [name for name, pattern in patterns.items() if _belongs(log.path, name, pattern)]
+        if len(homes) > 1:
+            raise GroupError(f"{log.path} is in groups {' and '.join(homes)}; each log belongs to one")
+        lonely += [] if homes else [log]
+        for name in homes:
+            groups[name].append(log)
+    for name, members in groups.items():
+        if not members:
+            raise GroupError(
+                f"group '{name}' has no log; the folders of the logs are: {', '.join(folders)}; "
+                "or name a group and the logs in it: NAME=PATTERN, as in nav2='*/nav2_*.csv'"
+            )
+    for log in lonely:
+        print(f"social: {printable(str(log.path))} is in no group and left out", file=sys.stderr)
+    return groups
+
+
+def _folder(path: Path) -> str:
+    return path.resolve().parent.name
+
+
+def _belongs(path: Path, name: str, pattern: str | None) -> bool:
+    return _folder(path) == name if pattern is None else fnmatchcase(str(path), pattern)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = OneLineParser(
+        prog="python -m rover_metrics.social",
+        description="Risk, speed and nearness of a rover among people; whether groups of runs differ.",
+        epilog="Exit code: 0 if every log was read, 1 if any was skipped, 2 for wrong arguments.",
+    )
+    add = parser.add_argument
+    about = "log (CSV) of RoboTerrain's collector or of harness.run, or a folder of them"
+    add("logs", nargs="+", type=Path, metavar="LOG", help=about)
+    about = (
+        "the groups to compare, in this order, the first of each pair being the reference; a folder's "
+        "name, or NAME=PATTERN of paths; default: each folder is one"
+    )
+    add("--groups", nargs="+", default=[], metavar="NAME", help=about)
+    about = "goals of a window"
+    add("--window", type=_goals, default=WINDOW_GOALS, metavar="N", help=about)
+    about = "distance below which a second counts as risk"
+    add("--risk-distance", type=_distance, default=RISK_DISTANCE, metavar="M", help=about)
+    about = "of the intervals, between 0 and 1"
+    add("--confidence-level", type=_level, default=0.95, metavar="P", help=about)
+    add("--page", type=Path, metavar="FILE.html", help="write a page with pictures and tables")
+    add("--json", action="store_true", help="print everything as JSON instead of tables")
+    return parser
+
+
+def _goals(text: str) -> int:
+    if text.isdecimal() and int(text) > 0:
+        return int(text)
+    raise argparse.ArgumentTypeError(f"'{text}' is not valid; give a whole number from 1 up")
+
+
+def _distance(text: str) -> float:
+    return _number(text, float("inf"), "a distance above 0 in metres")
+
+
+def _level(text: str) -> float:
+    return _number(text, 1.0, "a number between 0 and 1, such as 0.95")
+
+
+def _number(text: str, below: float, wanted: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if 0.0 < value < below:
+        return value
+    raise argparse.ArgumentTypeError(f"'{text}' is not valid; give {wanted}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

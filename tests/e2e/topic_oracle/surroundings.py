@@ -1,0 +1,155 @@
+"""What optional sensors of position, field, air and terrain must say: rows of the oracle.
+
+Sources: WGS-84 and the ICAO atmosphere by their definitions, the first degree of WMM2025, MuJoCo's rays.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import mujoco
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from tests.e2e.topic_oracle.form import header, vector
+from tests.e2e.topic_oracle.twin import Twin, Values
+
+DATUM = (38.4064, -110.7919, 1382.0)  # of Utah's Mars Desert Research Station
+RESOLUTION, CELLS = 0.2, (6, 4)  # [m], along x and y
+# All sit on the base; the compass is turned.
+MOUNT, RPY = [0.1, -0.05, 0.3], [0.1, 0.2, -0.3]
+BASE = {"leo": "base_footprint", "rover_zero4wd": "base_link"}
+SENSORS: tuple[Mapping[str, Any], ...] = (
+    {"kind": "gnss"},
+    {"kind": "magnetometer", "topic": "imu/mag"},
+    {"kind": "barometer"},
+    {"kind": "height_scan", "grid_map": True, "axes": "world", "resolution": RESOLUTION}
+    | {"size": [n * RESOLUTION for n in CELLS]},
+)
+
+
+def carried(robot: str) -> tuple[Mapping[str, Any], ...]:
+    """`sensors:` of a rover's rover.yaml."""
+    return tuple({**some, "parent": BASE[robot], "xyz": MOUNT, "rpy": RPY} for some in SENSORS)
+
+
+def frames(robot: str) -> list[tuple[Any, ...]]:
+    """Parent, child, x y z and roll pitch yaw of each."""
+    names = (str(some["kind"]) for some in SENSORS)
+    return [(BASE[robot], f"{name}_link", tuple(MOUNT), tuple(RPY)) for name in names]
+
+
+def place(twin: Twin) -> Values:
+    """Where they are in the world [m]."""
+    return np.asarray(twin.data.qpos[:3] + twin.attitude.apply(MOUNT))
+
+
+def local_axes() -> Values:
+    """East, north and up of the datum in ECEF, by rows."""
+    phi, lam = np.radians(DATUM[:2])
+    north = -math.sin(phi) * math.cos(lam), -math.sin(phi) * math.sin(lam), math.cos(phi)
+    up = math.cos(phi) * math.cos(lam), math.cos(phi) * math.sin(lam), math.sin(phi)
+    return np.array([(-math.sin(lam), math.cos(lam), 0.0), north, up])
+
+
+def geodetic(enu: Values) -> tuple[float, float, float]:
+    """Latitude, longitude [deg] and altitude [m] of a point near the datum, by fixed-point iteration."""
+    a, f = 6_378_137.0, 1 / 298.257223563
+    e2 = f * (2 - f)
+
+    def radius(phi: float) -> float:
+        return a / math.sqrt(1 - e2 * math.sin(phi) ** 2)
+
+    phi, lam = np.radians(DATUM[:2])
+    level = (radius(phi) + DATUM[2]) * math.cos(phi)
+    origin = (
+        level * math.cos(lam),
+        level * math.sin(lam),
+        (radius(phi) * (1 - e2) + DATUM[2]) * math.sin(phi),
+    )
+    x, y, z = origin + enu @ local_axes()
+    level = math.hypot(x, y)
+    for _ in range(20):
+        height = level / math.cos(phi) - radius(phi)
+        phi = math.atan2(z, level * (1 - e2 * radius(phi) / (radius(phi) + height)))
+    return math.degrees(phi), math.degrees(math.atan2(y, x)), level / math.cos(phi) - radius(phi)
+
+
+def fix(twin: Twin) -> Mapping[str, Any]:
+    """sensor_msgs/NavSatFix, exact."""
+    latitude, longitude, altitude = geodetic(place(twin))
+    return {
+        "header": header(twin, "gnss_link"),
+        "status": {"status": 0, "service": 15},
+        "latitude": latitude,
+        "longitude": longitude,
+        "altitude": altitude,
+        "position_covariance": np.zeros(9),
+        "position_covariance_type": 0,
+    }
+
+
+def magnetic_field(twin: Twin) -> Mapping[str, Any]:
+    """sensor_msgs/MagneticField: minus the gradient of the dipole's potential, by differences."""
+    g = np.array([-1410.8e-9, 4545.4e-9, -29351.8e-9])
+    phi = math.radians(DATUM[0])
+    a, e2 = 6_378_137.0, (2 - 1 / 298.257223563) / 298.257223563
+    radius = a / math.sqrt(1 - e2 * math.sin(phi) ** 2)
+    lam = math.radians(DATUM[1])
+    level = (radius + DATUM[2]) * math.cos(phi)
+    at = np.array(
+        [level * math.cos(lam), level * math.sin(lam), (radius * (1 - e2) + DATUM[2]) * math.sin(phi)]
+    )
+
+    def potential(where: Values) -> float:
+        return float(6_371_200.0**3 * (g @ where) / np.linalg.norm(where) ** 3)
+
+    step = 1000.0 * np.eye(3)  # [m]
+    gradient = np.array([(potential(at + h) - potential(at - h)) / 2000.0 for h in step])
+    in_sensor = twin.attitude * Rotation.from_euler("xyz", RPY)
+    return {
+        "header": header(twin, "magnetometer_link"),
+        "magnetic_field": vector(in_sensor.inv().apply(local_axes() @ -gradient)),
+        "magnetic_field_covariance": np.zeros(9),
+    }
+
+
+def pressure(twin: Twin) -> Mapping[str, Any]:
+    """sensor_msgs/FluidPressure: the ICAO atmosphere's 101325 Pa (1 - 2.25577e-5 h)^5.25588."""
+    height = DATUM[2] + float(place(twin)[2])
+    exact = 101_325.0 * (1 - 0.0065 * height / 288.15) ** (9.80665 / (287.05287 * 0.0065))
+    return {"header": header(twin, "barometer_link"), "fluid_pressure": exact, "variance": 0.0}
+
+
+def grid_map(twin: Twin) -> Mapping[str, Any]:
+    """grid_map_msgs/GridMap: rows against x, columns against y, column by column; rays from above."""
+    data, (x, y, _), (rows, columns) = twin.at_present(), place(twin), CELLS
+    seen, hit = np.array([1, 1, 0, 0, 0, 0], np.uint8), np.zeros(1, np.int32)
+    half_x, half_y = twin.world.ground.half_size
+    heights = []
+    for column in range(columns):
+        for row in range(rows):
+            east = x + (0.5 * (rows - 1) - row) * RESOLUTION
+            north = y + (0.5 * (columns - 1) - column) * RESOLUTION
+            above, down = np.array([east, north, 9.0]), np.array([0.0, 0.0, -1.0])
+            distance = mujoco.mj_ray(twin.model, data, above, down, seen, 1, -1, hit)
+            on_map = abs(east) <= half_x and abs(north) <= half_y
+            heights.append(9.0 - distance if on_map else math.nan)
+    dimensions = [
+        {"label": "column_index", "size": columns, "stride": rows * columns},
+        {"label": "row_index", "size": rows, "stride": rows},
+    ]
+    pose = {
+        "position": vector((float(x), float(y), 0.0)),
+        "orientation": {**vector((0.0, 0.0, 0.0)), "w": 1.0},
+    }
+    info = {"length_x": rows * RESOLUTION, "length_y": columns * RESOLUTION, "resolution": RESOLUTION}
+    return {
+        "header": header(twin, "odom"),
+        "info": info | {"pose": pose},
+        "layers": ["elevation"],
+        "basic_layers": ["elevation"],
+        "data": [{"layout": {"dim": dimensions, "data_offset": 0}, "data": np.array(heights)}],
+        "outer_start_index": 0,
+        "inner_start_index": 0,
+    }

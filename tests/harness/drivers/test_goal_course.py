@@ -1,0 +1,44 @@
+"""One goal after another."""
+
+import numpy as np
+import pytest
+
+from harness.drivers.goal_course import GoalCourse, check_area
+from harness.errors import UsageError
+from harness.world.actors.room import Room
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.world import World
+
+UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+POST = Obstacle(ObstacleKind.HAZARD, "cylinder", (1.5, 0.5), (1.0, 0.0, 0.5))
+ROOM = Room(World("bare", Heightfield(np.zeros((81, 81)), 0.1), (POST,), seed=0, difficulty=0.0))
+
+
+def course(area: tuple[float, float, float, float]) -> GoalCourse:
+    return GoalCourse(area, ROOM, 0.3, np.random.default_rng(0))
+
+
+def test_the_next_goal_comes_when_one_is_reached_or_given_up() -> None:
+    made = course((-1.0, 2.0, -1.0, 3.0))
+    first = made.next(0.0, (9.0, 9.0), UPRIGHT)
+    assert first is not None
+    assert made.next(0.05, (9.0, 9.0), UPRIGHT) is None
+    second = made.next(10.0, (first.x, first.y + 0.29), UPRIGHT)
+    assert second not in (None, first)
+    assert made.next(217.0, (9.0, 9.0), UPRIGHT) is None
+    assert made.next(217.05, (9.0, 9.0), UPRIGHT) is not None
+    goals = np.array([(goal.x, goal.y) for goal in (made.draw() for _ in range(100))])
+    assert (np.abs(goals - (0.5, 1.0)) <= (1.5, 2.0)).all()
+    assert np.linalg.norm(goals - (1.0, 0.0), axis=1).min() >= 1.8 - 0.02  # the outline is a polygon
+    assert course((-1.0, 2.0, -1.0, 3.0)).next(0.0, (9.0, 9.0), UPRIGHT) == first
+
+
+def test_an_area_is_one_with_a_free_place() -> None:
+    check_area((-1.0, 1.0, -2.0, 2.0))
+    for area in ((1.0, 1.0, 0.0, 1.0), (0.0, 1.0, 2.0, 1.0), (0.0, 1.0, 0.0, float("nan"))):
+        with pytest.raises(UsageError, match="give XMIN,XMAX,YMIN,YMAX"):
+            check_area(area)
+    for area in ((0.5, 1.5, -0.5, 0.5), (10.0, 20.0, 10.0, 20.0)):
+        with pytest.raises(UsageError, match="no free place in the goal area"):
+            course(area).draw()

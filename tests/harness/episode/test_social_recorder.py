@@ -1,0 +1,76 @@
+"""The social log of a run, against where rover and people were by the episode's own truth."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from harness.config import EpisodeConfig
+from harness.episode.batch import Batch
+from harness.episode.episode import Episode
+from harness.episode.social_recorder import SocialRecorder
+from harness.errors import RunFailed, UsageError
+from harness.samples import ActorPoses, Place, Pose, Tick
+from harness.truth.traversal import Truth
+from rover_metrics.analysis.social.log import read_social_log
+
+UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+
+
+def batch(second: int, x: float, *goals: Place) -> Batch:
+    stamp = second * 10**9
+    people = ActorPoses(stamp, ((x, 3.0, 1.0), (x + 1.0, 0.0, 1.0)), (UPRIGHT, UPRIGHT))
+    ticks = (Tick(stamp, (Pose(stamp, (x, 0.0, 0.2), UPRIGHT), people)),)
+    return Batch(ticks, Truth(time_ns=stamp, position=(x, 0.0, 0.2)), goals=goals)
+
+
+def test_each_second_has_a_row_and_goals_count_from_when_they_are_given(tmp_path: Path) -> None:
+    log = SocialRecorder(("b_actor", "a_actor"), None, tmp_path)
+    assert log.path is None
+    goals = [(), (Place(2.1, 0.0, 0.0),), (), (Place(4.2, 0.0, 0.0), Place(9.0, 0.0, 0.0)), ()]
+    for second, given in enumerate(goals, 1):
+        log.take(batch(second, float(second), *given))
+    log.close()
+    assert log.path is not None
+    assert (log.path.parent, log.path.name[:11]) == (tmp_path / "social", "social_log_")
+    told = read_social_log(log.path)
+    assert told.actors == ("a", "b")
+    assert told.distance.tolist() == [[1.0, 3.0]] * 5
+    assert told.position.tolist() == [[float(x), 0.0] for x in range(1, 6)]
+    assert told.goals.tolist() == [0, 0, 1, 1, 1]  # of the second in which it was reached: from the next
+    assert (log.goals.reached, log.goals.goal) == (1, (9.0, 0.0))
+
+
+def test_a_goal_has_207_s_from_when_it_is_given(tmp_path: Path) -> None:
+    log = SocialRecorder(("a_actor", "b_actor"), None, tmp_path)
+    for second, given, failed in ((100, (), 0), (150, (Place(9, 9, 0),), 0), (307, (), 0), (308, (), 1)):
+        log.take(batch(second, 0.0, *given))
+        assert log.goals.failed == failed
+    log.close()
+
+
+def test_rows_are_where_rover_and_people_are(tmp_path: Path) -> None:
+    actors = ("guide=3,0/3,4", "x=1,1")
+    config = EpisodeConfig(terrain="flat", duration=3.0, driver="straight", actors=actors)
+    log = SocialRecorder(("guide_actor", "x_actor"), tmp_path / "mine.csv", tmp_path)
+    episode, places = Episode(config), []
+    for number, one in enumerate(episode.batches(), 1):
+        log.take(one)
+        if number % 20 == 0:
+            places.append(episode.simulation.position[:2])
+    log.close()
+    told = read_social_log(tmp_path / "mine.csv")
+    for second, (row, place) in enumerate(zip(told.distance, places, strict=True), 1):
+        expected = [math.dist(place, (3.0, float(second))), math.dist(place, (1.0, 1.0))]
+        assert row.tolist() == pytest.approx(expected, abs=0.005)
+    assert places[-1][0] > 0.3
+
+
+def test_what_cannot_be_written_is_told(tmp_path: Path) -> None:
+    for name, told in (("log.txt", "does not end in .csv"), ("there.csv", "exists already")):
+        (tmp_path / "there.csv").touch()
+        with pytest.raises(UsageError, match=told):
+            SocialRecorder(("a_actor", "b_actor"), tmp_path / name, tmp_path)
+    log = SocialRecorder(("a_actor", "b_actor"), None, tmp_path / "there.csv")
+    with pytest.raises(RunFailed, match="the social log: cannot create a log"):
+        log.take(batch(1, 0.0))

@@ -1,0 +1,118 @@
+"""Models that know nothing of the house's rules are made to fit; those that ship stay as they are."""
+
+import dataclasses
+from pathlib import Path
+
+import mujoco
+import pytest
+
+from harness.errors import UsageError
+from harness.robots import ROVERS, RoverSpec, read_rover
+from harness.robots.model import read_model
+from tests.support.rovers import LEO
+
+WHEEL = (
+    '<body name="{0}" pos="{1} {2} 0.1"><joint name="{0}" axis="0 1 0"/>'
+    '<geom type="cylinder" size="0.1 0.03" zaxis="0 1 0"/></body>'
+)
+MOTOR = '<velocity joint="{0}" kv="5" ctrlrange="-10 10" forcerange="-5 5"/>'
+NAMES = {"a": (0.2, 0.2), "b": (-0.2, 0.2), "c": (0.2, -0.2), "d": (-0.2, -0.2)}
+
+
+def brought_along(folder: Path, body: str = "", **words: str) -> Path:
+    """A folder with a car of four wheels as somebody may have it, with a floor and without sites."""
+    wheels = "".join(WHEEL.format(name, *place) for name, place in NAMES.items())
+    text = (
+        '<mujoco><worldbody><geom type="plane" size="9 9 1"/><light pos="0 0 3"/>'
+        '<body name="car"><geom name="hull" type="box" size="0.25 0.1 0.05" pos="0 0 0.2"/>'
+        f"{wheels}{body}</body></worldbody>"
+        f"<actuator>{''.join(map(MOTOR.format, NAMES))}</actuator></mujoco>"
+    )
+    for old, new in words.items():
+        text = text.replace(old, new)
+    folder.mkdir(exist_ok=True)
+    (folder / "car.xml").write_text(text)
+    (folder / "rover.yaml").write_text("model: car.xml\n")
+    return folder
+
+
+@pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
+def test_the_models_that_ship_are_not_changed(rover: RoverSpec) -> None:
+    plain = mujoco.MjSpec.from_file(str(rover.model_path)).to_xml()
+    assert read_model(rover).to_xml() == plain
+
+
+def test_a_model_gets_what_scenes_need(tmp_path: Path) -> None:
+    rover = read_rover(brought_along(tmp_path / "car"))
+    model = read_model(rover).compile()
+    assert model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
+    assert model.nlight == 0
+    assert mujoco.mjtGeom.mjGEOM_PLANE not in model.geom_type
+    colliding = model.geom_group == 3
+    assert colliding.sum() == 5
+    assert set(zip(model.geom_contype[colliding], model.geom_conaffinity[colliding], strict=True)) == {
+        (1, 2)
+    }
+    assert (model.geom_group == 2).sum() == 5  # something to be seen of each body, without a weight
+    water = 1000 * (0.5 * 0.2 * 0.1 + 4 * 0.06 * 0.031416)  # MuJoCo's density of what tells none
+    assert model.body_mass.sum() == pytest.approx(water, rel=1e-3)
+    assert [model.sensor(name).dim[0] for name in ("imu_accelerometer", "imu_gyro")] == [3, 3]
+    assert model.site("lidar").pos[2] == pytest.approx(0.25 + 0.05)
+    assert rover.drive.left == ("a", "b")
+    assert rover.drive.right == ("c", "d")
+
+
+def test_mounts_of_rover_yaml_place_sensors_that_the_model_lacks(tmp_path: Path) -> None:
+    folder = brought_along(tmp_path / "car")
+    (folder / "rover.yaml").write_text(
+        "model: car.xml\nlidar: {xyz: [0.1, 0.2, 0.4], rpy: [0, 0, 1.5]}\n"
+        "imu: {body: car, xyz: [0, 0, 0.1]}\n"
+    )
+    rover = read_rover(folder)
+    assert (rover.lidar_x, rover.lidar_y, rover.lidar_yaw) == pytest.approx((0.1, 0.2, 1.5))
+    assert rover.lidar_height == pytest.approx(0.4)
+    assert read_model(rover).compile().site("imu").pos.tolist() == [0, 0, 0.1]
+
+
+MISTAKES = {
+    "two bodies": ({"</worldbody>": '<body name="x"/></worldbody>'}, "it holds car, x"),
+    "a rail": (
+        {'<body name="car">': '<body name="car"><joint name="s" type="slide"/>'},
+        "take joint 's' away",
+    ),
+    "no wheels": ({"<velocity": "<motor", ' kv="5"': ""}, "need <velocity> actuators; it has 0"),
+    "an axis": ({'name="d" axis="0 1 0"': 'name="d" axis="0 -1 0"'}, "joint 'd' must turn about +y"),
+    "no limit": ({'ctrlrange="-10 10"': ""}, "'a' has no limit; give it a ctrlrange"),
+    "no mass": (
+        {'size="0.1 0.03"': 'size="0.1 0.03" mass="0"'},
+        "give its body an <inertial> with a mass",
+    ),
+    "no name": (
+        {'joint name="d" axis': "joint axis", '<velocity joint="d"': '<velocity joint="c"'},
+        "no name",
+    ),
+    "the world's name": ({'name="hull"': 'name="terrain"'}, "the name 'terrain' is the world's"),
+    "no XML": ({"<mujoco>": "<mujoco"}, "is no model that MuJoCo reads"),
+    "no mesh": (
+        {"<worldbody>": '<asset><mesh file="x.stl"/></asset><worldbody>'},
+        "x.stl, which does not exist",
+    ),
+}
+
+
+@pytest.mark.parametrize(("words", "told"), MISTAKES.values(), ids=MISTAKES)
+def test_a_model_that_is_no_rover_is_told_of_in_one_line(
+    words: dict[str, str], told: str, tmp_path: Path
+) -> None:
+    with pytest.raises(UsageError) as error:
+        read_rover(brought_along(tmp_path / "car", **words))
+    assert told in str(error.value)
+    assert "car.xml" in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_rover_that_is_moved_is_the_same(tmp_path: Path) -> None:
+    one, other = (read_rover(brought_along(tmp_path / name)) for name in ("car", "lorry"))
+    same = dataclasses.replace(other, name=one.name, folder=one.folder)
+    assert same == one
+    assert one != LEO

@@ -1,0 +1,192 @@
+"""URDFs as they are found in the wild become folders; what cannot be is told in one line."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import mujoco
+import pytest
+import trimesh
+
+from harness import robot as command
+from harness.errors import UsageError
+from harness.frames.rover_frames import rover_frames
+from harness.robots import RoverSpec
+from harness.robots.model import read_model
+from harness.robots.urdf.folder import Written, write_folder
+from tests.support.complaint import complaint
+from tests.support.foreign_rovers import BUGGY, HUSKY, LEO_LIKE, ROVER_4WD_LIKE
+
+Foreign = Callable[[str], RoverSpec]
+
+
+def written(folder: Path, urdf: str, **sides: tuple[str, ...]) -> Written:
+    (folder / "robot.urdf").write_text(urdf)
+    return write_folder("made", folder / "robot.urdf", folder / "made", **sides)  # type: ignore[arg-type]  # left, right
+
+
+def test_a_rover_built_as_leo_is(tmp_path: Path) -> None:
+    """Rockers with a mimic, frames turned by pi, meshes of a package of which some are missing."""
+    meshes = tmp_path / "leo_description" / "models"
+    meshes.mkdir(parents=True)
+    trimesh.creation.box((0.31, 0.28, 0.1)).export(meshes / "Chassis_outline.stl")
+    made = written(tmp_path, LEO_LIKE)
+    assert made.notes == tuple(
+        f"link '{link}': visual mesh package://leo_description/models/{mesh} is not there; dropped"
+        for link, mesh in (("base_link", "Chassis.dae"), ("antenna_link", "Antenna.dae"))
+    )
+    rover, model = made.rover, read_model(made.rover).compile()
+    assert (rover.drive.left, rover.drive.right) == (
+        ("wheel_FL_joint", "wheel_RL_joint"),
+        ("wheel_FR_joint", "wheel_RR_joint"),
+    )
+    assert rover.passive_joints == ("rocker_L_joint", "rocker_R_joint")
+    assert rover.imu_frame == "imu_frame"
+    assert rover.odometry_child_frame == "base_footprint"
+    assert rover.wheelbase == pytest.approx(0.30512)
+    assert model.neq == 1
+    assert (made.folder / "meshes" / "0_Chassis_outline.stl").is_file()
+    assert rover.lidar_x == pytest.approx(0.174)
+    frames = {link.name: link.in_base[:3, 3] for link in rover_frames(rover).links}
+    assert frames["lidar_link"] == pytest.approx((0.174, 0.0, 0.79783))
+    assert {"base_link", "wheel_FL_link", "imu_frame", "antenna_link"} <= frames.keys()
+
+
+def test_a_rover_built_as_rover_4wd_is(tmp_path: Path) -> None:
+    """Wheel joints with axes of z in turned links, limits on effort and speed, no lidar."""
+    made = written(tmp_path, ROVER_4WD_LIKE)
+    assert made.rover.drive.left == ("fl_wheel_to_chassis", "rl_wheel_to_chassis")
+    assert made.rover.wheel_speed_limit == 10.0
+    model = read_model(made.rover).compile()
+    motors = model.actuator_forcerange[:, 1]
+    assert motors.tolist() == [20.0] * 4
+    assert any(guess.startswith("lidar: ") for guess in made.guesses)
+    assert made.notes == (
+        "joint 'fr_wheel_to_chassis': its axis pointed backwards; turned",
+        "joint 'rr_wheel_to_chassis': its axis pointed backwards; turned",
+    )
+
+
+def test_what_the_urdf_says_is_kept_and_what_it_does_not_is_marked_as_a_guess(foreign: Foreign) -> None:
+    model = read_model(foreign("husky")).compile()
+    assert model.body_mass.sum() == pytest.approx(HUSKY.mass)
+    assert model.body("front_left_wheel").inertia.tolist() == pytest.approx(
+        sorted((2.637 / 12 * s for s in (0.0918, 0.1576, 0.0918)), reverse=True), rel=2e-2
+    )
+    assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    wheels = [g for g in range(model.ngeom) if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_ELLIPSOID]
+    assert len(wheels) == 4
+    assert set(model.geom_priority[wheels].tolist()) == {1}
+    said = (foreign("buggy").folder / "rover.yaml").read_text()
+    assert "# guess, lidar: no link is called so; 5 cm over the highest point" in said
+    assert "# guess in the model, tyres" in said
+    assert "# encoder_ticks: 4096  # guess" in said
+
+
+def test_a_controllers_plugin_tells_what_it_believes(tmp_path: Path) -> None:
+    plugin = (
+        "<gazebo><plugin><wheel_separation>1.1</wheel_separation><wheel_diameter>0.3</wheel_diameter>"
+    )
+    rover = written(
+        tmp_path, HUSKY.urdf.replace("</robot>", plugin + "</plugin></gazebo></robot>")
+    ).rover
+    assert (rover.controller_separation, rover.controller_radius) == (1.1, 0.15)
+
+
+def test_a_link_without_an_inertia_weighs_nothing(tmp_path: Path) -> None:
+    ball = "<collision><geometry><sphere radius='0.1'/></geometry></collision>"
+    made = written(tmp_path, HUSKY.urdf.replace('<link name="laser">', f'<link name="laser">{ball}'))
+    assert f"{HUSKY.mass:.1f} kg" in made.rover.summary
+
+
+def test_wheels_may_be_named(tmp_path: Path) -> None:
+    sides = {"left": ("rear_left_wheel_joint",), "right": ("rear_right_wheel_joint",)}
+    assert written(tmp_path, HUSKY.urdf, **sides).rover.wheel_joints == (*sides["left"], *sides["right"])
+
+
+MESH = '<geometry><mesh filename="package://p/{}"/></geometry>'
+MISTAKES = {
+    "not XML": ("<robot", "is not valid XML"),
+    "not URDF": ("<sdf/>", "is not URDF: it holds <sdf>"),
+    "empty": ("<robot/>", "holds no <link>"),
+    "entities": ('<!DOCTYPE r [<!ENTITY a "b">]><robot/>', "declares entities"),
+    "no wheels": (HUSKY.urdf.replace("continuous", "fixed"), "no wheels were found on both sides"),
+    "zero mass": (
+        HUSKY.urdf.replace('mass value="2.637"', 'mass value="0"'),
+        "link 'front_left_wheel' has mass 0",
+    ),
+    "no inertia": (HUSKY.urdf.replace('ixx="', 'ixx="-', 1), "give numbers above 0"),
+    "no number": (
+        HUSKY.urdf.replace('mass value="2.637"', 'mass value="x"'),
+        "a mass and an inertia in numbers",
+    ),
+    "no mesh": (
+        HUSKY.urdf.replace(
+            "<collision>", f"<collision>{MESH.format('a.stl')}</collision><collision>", 1
+        ),
+        "collision mesh package://p/a.stl is not there",
+    ),
+    "DAE": (
+        HUSKY.urdf.replace(
+            "<collision>", f"<collision>{MESH.format('a.dae')}</collision><collision>", 1
+        ),
+        "is no .stl or .obj or .msh; convert it",
+    ),
+}
+
+
+@pytest.mark.parametrize(("urdf", "told"), MISTAKES.values(), ids=MISTAKES)
+def test_a_urdf_that_is_no_rover_is_told_of_in_one_line(urdf: str, told: str, tmp_path: Path) -> None:
+    (tmp_path / "a.dae").touch()
+    with pytest.raises(UsageError) as error:
+        written(tmp_path, urdf)
+    assert told in str(error.value)
+    assert "\n" not in str(error.value)
+    assert not list(tmp_path.glob("*made*"))  # no half a folder stays
+
+
+def test_xacro_is_not_evaluated_unless_it_is_trusted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    evil = '<robot xmlns:xacro="x"><xacro:property name="a" value="${open(\'owned\', \'w\')}"/></robot>'
+    file = tmp_path / "robot.urdf"
+    file.write_text(evil)
+    out = str(tmp_path / "made")
+    told = complaint(command.main, ["new", "made", "--from", str(file), "--out", out], capsys)
+    assert "which runs its author's Python" in told
+    assert "--trust-xacro" in told
+    assert list(tmp_path.iterdir()) == [file]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["../x", "--from", "robot.urdf"], "name '../x' is not valid"),
+        (["made", "--from", "none.urdf"], "cannot read none.urdf: No such file"),
+        (["made", "--from", "robot.urdf", "--left", "a", "--right", "b"], "hinge 'a' does not exist"),
+        (["made", "--from", "robot.urdf", "--out", "."], "exists already, not overwriting"),
+    ],
+)
+def test_wrong_arguments_are_one_line(
+    words: list[str],
+    told: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("robot.urdf").write_text(BUGGY.urdf)
+    assert told in complaint(command.main, ["new", *words], capsys)
+
+
+def test_the_command_says_what_it_did_and_what_comes_next(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("robot.urdf").write_text(BUGGY.urdf)
+    assert command.main(["new", "mine", "--from", "robot.urdf"]) == 0
+    told = capsys.readouterr().out
+    assert "guess: lidar: no link is called so" in told
+    assert (
+        "mine: 3.7 kg, 4 wheels, Ackermann steering; track 0.241 m, wheelbase 0.33 m, 5.08 m/s" in told
+    )
+    assert told.endswith("python -m harness.robot check mine; then python -m harness.run --robot mine\n")

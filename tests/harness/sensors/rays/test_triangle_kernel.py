@@ -1,0 +1,109 @@
+"""Rays against triangles: mj_ray on the same mesh, and rays whose hits are known."""
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from harness.sensors.rays.arrays import triangle_arrays
+from harness.sensors.rays.triangle_kernel import build_tree, cast_triangles
+
+Array = NDArray[np.float64]
+GROUP = 1
+UNIT = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
+
+
+def scene(rng: np.random.Generator, meshes: int) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """Hulls and open surfaces at random places; a sphere among them is none of the kernel's."""
+    spec = mujoco.MjSpec()
+    body = spec.worldbody.add_body(name="obstacles", pos=[0.3, -0.2, 0.1], quat=[0.9, 0.1, 0.2, 0.3])
+    for index in range(meshes):
+        points = rng.normal(size=(8, 3)) * rng.uniform(0.1, 1.5)
+        faces = rng.permuted(np.tile(np.arange(8), (12, 1)), axis=1)[:, :3] if index % 2 else np.empty(0)
+        spec.add_mesh(
+            name=f"m{index}",
+            uservert=points.ravel().tolist(),
+            userface=faces.ravel().astype(int).tolist(),
+            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+        )
+        body.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_MESH,
+            meshname=f"m{index}",
+            pos=rng.uniform(-4, 4, 3),
+            quat=rng.normal(size=4),
+            group=GROUP,
+        )
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.1, 0, 0], group=GROUP)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    model.geom_group[-1 if model.geom_type[-1] == mujoco.mjtGeom.mjGEOM_SPHERE else 0] = 3
+    return model, data
+
+
+def cast(tree: tuple[Array, Array], origin: Array, directions: Array, limit: float = 50.0) -> Array:
+    ranges = np.full(len(directions), np.inf)
+    cast_triangles(*tree, origin, np.ascontiguousarray(directions), limit, ranges)
+    return ranges
+
+
+@pytest.mark.parametrize("meshes", [1, 3, 30])
+def test_random_rays_meet_mujoco(meshes: int) -> None:
+    rng = np.random.default_rng(meshes)
+    model, data = scene(rng, meshes)
+    tree = triangle_arrays(model, GROUP)
+    assert tree is not None
+    groups, hit, met = np.array([0, 1, 0, 0, 0, 0], np.uint8), np.zeros(1, np.int32), 0
+    for _ in range(40):
+        origin, rays = rng.uniform(-5, 5, 3), rng.normal(size=(12, 3))
+        rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+        theirs = np.array(
+            [mujoco.mj_ray(model, data, origin, r, groups, 1, -1, hit, None) for r in rays]
+        )
+        ours = cast(tree, origin, rays)
+        np.testing.assert_array_equal(np.isfinite(ours), theirs >= 0.0)
+        np.testing.assert_allclose(ours[theirs >= 0.0], theirs[theirs >= 0.0], atol=1e-5, rtol=0)
+        met += int((theirs >= 0.0).sum())
+    assert met > 15
+
+
+def test_a_triangle_is_met_from_both_sides_on_its_edges_and_within_the_range() -> None:
+    tree = build_tree(UNIT)
+    down, up = np.array([[0.0, 0, -1]]), np.array([[0.0, 0, 1]])
+    for x, y, met in (
+        (0.2, 0.3, 1),
+        (0.0, 0.0, 1),
+        (0.5, 0.5, 1),
+        (0.6, 0.5, 0),
+        (-1e-6, 0.5, 0),
+        (1.0, 0.0, 1),
+    ):
+        for height, ray in ((2.0, down), (-2.0, up)):
+            (distance,) = cast(tree, np.array([x, y, height]), ray)
+            assert distance == (2.0 if met else math.inf), (x, y)
+    assert cast(tree, np.array([0.2, 0.2, 2.0]), down, 1.99)[0] == math.inf
+    assert cast(tree, np.array([0.2, 0.2, 2.0]), down, 2.0)[0] == 2.0
+    assert cast(tree, np.array([0.2, 0.2, 2.0]), up)[0] == math.inf
+    along = np.array([[1.0, 0, 0]])
+    assert cast(tree, np.array([-1.0, 0.2, 0.0]), along)[0] == math.inf  # in its plane: no hit
+
+
+def test_nearer_hits_stand_and_farther_ones_are_lowered() -> None:
+    ranges, ray = np.array([1.0, 9.0]), np.array([[0.0, 0, -1]] * 2)
+    cast_triangles(*build_tree(UNIT), np.array([0.2, 0.2, 2.0]), ray, 50.0, ranges)
+    assert ranges.tolist() == [1.0, 2.0]
+
+
+@pytest.mark.parametrize("count", [1, 4, 5, 33])
+def test_every_triangle_is_in_one_leaf_and_its_box_in_all_above(count: int) -> None:
+    corners = np.random.default_rng(count).normal(size=(count, 3, 3))
+    boxes, triangles = build_tree(corners)
+    held = triangles[~np.isnan(triangles[:, 0]), :3]
+    np.testing.assert_array_equal(np.sort(held, axis=0), np.sort(corners[:, 0], axis=0))
+    np.testing.assert_array_equal(boxes[0], [*corners.min(axis=(0, 1)), *corners.max(axis=(0, 1))])
+
+
+def test_without_meshes_there_is_nothing_to_ask() -> None:
+    assert triangle_arrays(mujoco.MjSpec().compile(), GROUP) is None

@@ -1,0 +1,90 @@
+"""The height scan against MuJoCo's own rays from above, and where its cells are."""
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+
+from harness.config import EpisodeConfig
+from harness.episode.episode import Episode
+from harness.errors import UsageError
+from harness.physics.simulation import Simulation
+from harness.sensors.height_scan import HeightScan, HeightScanOptions, HeightScanSensor
+from harness.world.obstacles import ObstacleKind
+from tests.harness.sensors.installed import installation
+
+SIZE = (1.6, 0.9)
+
+
+@pytest.fixture(scope="module")
+def simulation() -> Simulation:
+    """A rover among rocks, put beside one."""
+    episode = Episode(EpisodeConfig(terrain="rocky", duration=0.05, seed=2))
+    simulation = episode.simulation
+    rock = next(o for o in simulation.scene.world.obstacles if o.kind is ObstacleKind.ROCK)
+    simulation.put(rock.position[0] - 0.7, rock.position[1] + 0.2, 0.1)
+    return simulation
+
+
+def scan(
+    simulation: Simulation, xyz: tuple[float, float, float] = (0, 0, 0), **told: object
+) -> HeightScan:
+    options = HeightScanOptions(name="scan", size=SIZE, **told)  # type: ignore[arg-type]  # of several types
+    options.check()
+    installed = installation(options, xyz=xyz)
+    body = simulation.model.body("rover").id
+    object.__setattr__(installed.mount, "body", body)
+    return HeightScanSensor(simulation, installed, 5).read()
+
+
+@pytest.mark.parametrize("axes", ["rover", "world"])
+def test_every_cell_has_the_height_of_what_is_met_first_from_above(
+    simulation: Simulation, axes: str
+) -> None:
+    read = scan(simulation, (0.3, 0.1, 0.2), axes=axes)
+    assert read.heights.shape == (16, 9)
+    assert read.heights.dtype == np.float32
+    yaw = simulation.yaw if axes == "rover" else 0.0
+    mount = np.array(simulation.position) + simulation.rotation() @ (0.3, 0.1, 0.2)
+    assert (read.x, read.y, read.z) == pytest.approx(mount.tolist())
+    assert read.yaw == pytest.approx(yaw, abs=2e-2)  # that of a frame that leans is another's
+    seen, hit = np.array([1, 1, 0, 0, 0, 0], np.uint8), np.zeros(1, np.int32)
+    rocks = 0
+    for (i, j), height in np.ndenumerate(read.heights):
+        along, across = -0.75 + 0.1 * i, -0.4 + 0.1 * j
+        x = mount[0] + math.cos(read.yaw) * along - math.sin(read.yaw) * across
+        y = mount[1] + math.sin(read.yaw) * along + math.cos(read.yaw) * across
+        above, down = np.array([x, y, 10.0]), np.array([0.0, 0.0, -1.0])
+        distance = mujoco.mj_ray(simulation.model, simulation.data, above, down, seen, 1, -1, hit)
+        rocks += simulation.model.geom(hit[0]).name.startswith("rock")
+        assert height == pytest.approx(10.0 - distance - mount[2], abs=2e-6)
+    assert 0 < rocks < read.heights.size / 2
+
+
+def test_what_is_off_the_map_is_not_known(simulation: Simulation) -> None:
+    half_x, _ = simulation.scene.world.ground.half_size
+    aside = half_x - simulation.position[0], 0.0, 0.0
+    x, y, z = (aside @ simulation.rotation()).tolist()
+    heights = scan(simulation, (x, y, z), axes="world").heights
+    assert np.isnan(heights[8:]).all()
+    assert np.isfinite(heights[:8]).all()
+
+
+@pytest.mark.parametrize(
+    ("told", "message"),
+    [
+        ({"axes": "moon"}, r"axes 'moon' does not exist; available: rover, world"),
+        ({"resolution": 0.0}, r"resolution 0 m is not valid; give a number above 0"),
+        ({"resolution": math.nan}, r"resolution nan m is not valid"),
+        ({"size": (2.0, -1.0)}, r"size -1 m is not valid"),
+        (
+            {"resolution": 1e-3, "size": (50.0, 50.0)},
+            r"50 x 50 m at 0\.001 m has more than 250000 cells",
+        ),
+        ({"rate": 7}, r"rate 7 Hz does not divide"),
+    ],
+)
+def test_a_grid_that_makes_no_sense_is_refused(told: dict[str, object], message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        HeightScanOptions(name="scan", **told).check()  # type: ignore[arg-type]  # of several types

@@ -1,0 +1,127 @@
+"""Directions of optional lidars against their data sheets, and what cannot be a lidar."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from harness.errors import UsageError
+from harness.robots import find_rover
+from harness.sensors.choice import chosen
+from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
+from harness.sensors.ranging import RangeOptions
+
+Array = NDArray[np.float64]
+
+
+def options(word: str) -> RangeOptions:
+    """Of a preset."""
+    given = chosen(find_rover("leo"), (word,))[-1].given
+    assert isinstance(given, RangeOptions)
+    return given
+
+
+def angles(directions: Array) -> tuple[Array, Array]:
+    """Azimuths and elevations in degrees, to a billionth."""
+    assert np.linalg.norm(directions, axis=1) == pytest.approx(1.0)
+    x, y, z = directions.T
+    return np.degrees(np.arctan2(y, x)).round(9), np.degrees(np.arcsin(z)).round(9)
+
+
+@pytest.mark.parametrize(
+    ("preset", "elevations", "step", "rate", "limits"),
+    [
+        ("vlp16", np.arange(-15.0, 16.0, 2.0), 0.2, 10, (0.5, 100.0)),
+        ("os1_64", np.linspace(-16.6, 16.6, 64), 360 / 1024, 10, (0.8, 120.0)),
+    ],
+)
+def test_rings_are_those_of_the_data_sheet(
+    preset: str, elevations: Array, step: float, rate: int, limits: tuple[float, float]
+) -> None:
+    given = options(f"lidar3d={preset}")
+    assert isinstance(given, CloudLidarOptions)
+    azimuth, elevation = angles(given.directions())
+    assert np.unique(elevation) == pytest.approx(elevations)
+    assert np.diff(np.unique(azimuth)) == pytest.approx(step)
+    assert len(np.unique(azimuth)) == round(360 / step)
+    assert (given.rate, given.range_min, given.range_max) == (rate, *limits)
+    assert elevation[0] == pytest.approx(elevations[-1])  # an image's first row is its highest
+    ring_of = {ring: np.unique(elevation[given.ring == ring]) for ring in range(len(elevations))}
+    assert all(ring_of[ring] == pytest.approx(elevations[ring]) for ring in ring_of)
+
+
+def test_a_spiral_covers_its_field_of_view_evenly() -> None:
+    azimuth, elevation = angles(options("lidar3d=livox").directions())
+    assert len(azimuth) * 10 == 200_000  # a second
+    assert (elevation.min(), elevation.max()) == pytest.approx((-7.0, 52.0))
+    edges = np.degrees(np.arcsin(np.linspace(math.sin(math.radians(-7)), math.sin(math.radians(52)), 6)))
+    counts, *_ = np.histogram2d(azimuth, elevation, (np.linspace(-180, 180, 9), edges))
+    assert counts == pytest.approx(500, rel=0.02)  # parts of the same solid angle
+
+
+@pytest.mark.parametrize(
+    ("preset", "first", "last", "step"),
+    [("rplidar_s2", -180.0, 179.8875, 0.1125), ("planar_270", -135.0, 135.0, 0.25)],
+)
+def test_planar_beams_are_those_of_the_data_sheet(
+    preset: str, first: float, last: float, step: float
+) -> None:
+    azimuth, elevation = angles(options(f"lidar2d={preset}").directions())
+    assert (azimuth[0] % 360 - 360, azimuth[-1]) == pytest.approx((first % 360 - 360, last))
+    assert np.diff(azimuth[1:]) == pytest.approx(step)
+    assert (elevation == 0.0).all()
+
+
+def test_elevations_of_ones_own_and_part_of_a_circle() -> None:
+    given = CloudLidarOptions(name="x", elevations=(-0.2, 0.1), columns=3, angle_min=-0.5, angle_max=0.5)
+    azimuth, elevation = angles(given.directions())
+    assert np.radians(azimuth) == pytest.approx([-0.5, 0.0, 0.5] * 2)
+    assert np.radians(elevation) == pytest.approx([0.1] * 3 + [-0.2] * 3)
+    assert given.ring.tolist() == [1, 1, 1, 0, 0, 0]
+
+
+@pytest.mark.parametrize(
+    ("kind", "values", "message"),
+    [
+        (
+            CloudLidarOptions,
+            {"rings": 1000, "columns": 10_000},
+            r"10,000,000 rays a reading .* 1 to 500,000",
+        ),
+        (CloudLidarOptions, {"rings": 0}, r"0 rays a reading are not valid"),
+        (CloudLidarOptions, {"columns": -3}, r"rays a reading are not valid"),
+        (
+            CloudLidarOptions,
+            {"angle_min": 1.0, "angle_max": 1.0},
+            r"field of view from 1 to 1 rad is not",
+        ),
+        (CloudLidarOptions, {"angle_max": 4.0}, r"from -3\.14159 to 3\.14159"),
+        (
+            CloudLidarOptions,
+            {"lowest": 0.3, "highest": 0.1},
+            r"elevations from 0\.3 to 0\.1 rad is not valid",
+        ),
+        (CloudLidarOptions, {"elevations": (0.1, 0.3, 0.2)}, r"from the lowest to the highest"),
+        (
+            CloudLidarOptions,
+            {"pattern": "zigzag"},
+            r"pattern 'zigzag' is not valid; give rings or spiral",
+        ),
+        (CloudLidarOptions, {"misses": "zero"}, r"misses 'zero' is not valid; give left_out or nan"),
+        (CloudLidarOptions, {"pattern": "spiral", "organised": True}, r"a spiral has no rings"),
+        (
+            CloudLidarOptions,
+            {"range_min": 5.0, "range_max": 5.0},
+            r"range_min 5 m and range_max 5 m are not",
+        ),
+        (CloudLidarOptions, {"range_max": math.inf}, r"range_max inf m are not valid"),
+        (PlanarLidarOptions, {"beams": 1}, r"1 beams are not valid; give 2 or more"),
+        (PlanarLidarOptions, {"beams": 10_000_000}, r"10,000,000 rays"),
+        (PlanarLidarOptions, {"angle_min": 0.0, "angle_max": 0.0}, r"field of view from 0 to 0 rad"),
+    ],
+)
+def test_what_cannot_be_is_told(kind: Any, values: dict[str, Any], message: str) -> None:  # noqa: ANN401
+    with pytest.raises(UsageError, match=message):
+        kind(name="x", **values).check()

@@ -1,0 +1,46 @@
+"""The sensors' page says what the table and the options say."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from ruamel.yaml import YAML
+
+from harness.errors import UsageError
+from harness.frames.rover_frames import rover_frames
+from harness.robots import find_rover
+from harness.sensors.choice import chosen, kinds
+from harness.sensors.page import described, written
+
+PAGE = (Path(__file__).parents[3] / "docs" / "sensors.md").read_text()
+
+
+def test_the_page_is_up_to_date() -> None:
+    assert written(PAGE) == PAGE, "run: python -m harness.sensors.page docs/sensors.md"
+
+
+def test_every_option_of_every_kind_is_described() -> None:
+    for kind, row in kinds().items():
+        assert row.options is not None
+        missing = set(row.options.__dataclass_fields__) - set(described(row.options))
+        assert not missing, f"{kind}: {missing}"
+        assert row.summary
+
+
+def test_a_page_without_a_place_for_the_tables_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"has no place for the tables"):
+        written("nothing")
+
+
+def test_the_rover_yaml_of_the_page_is_valid_and_its_frames_hang_together() -> None:
+    (example,) = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
+    rover = replace(find_rover("leo"), sensors=tuple(YAML(typ="safe").load(example)["sensors"]))
+    given = [row.given for row in chosen(rover, None) if row.given is not None]
+    assert [(some.name, some.frame_id) for some in given] == [
+        ("top", "top_link"),
+        ("front", "front_link"),
+        ("depth", "camera_frame_optical"),
+    ]
+    frames = rover_frames(rover, (frame for some in given for frame in some.frames(rover)))
+    assert {some.frame_id for some in given} <= {link.name for link in frames.links}

@@ -1,0 +1,111 @@
+"""People in a world: ways that are refused, and walkers that keep their promises."""
+
+import math
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.world.actors.actor import with_actors
+from harness.world.actors.room import Room
+from harness.world.actors.spec import parse_actors
+from harness.world.actors.stroll import StrollRoute
+from harness.world.actors.walker import SocialWalker
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.world import World, terrain_hash
+
+WALL = Obstacle(ObstacleKind.HAZARD, "box", (0.2, 1.0, 0.5), (3.0, 0.0, 0.5))
+BARE = World("bare", Heightfield(np.zeros((201, 201)), 0.1), (WALL,), seed=3, difficulty=0.0)
+TICK_S = 0.01
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("g=0,0/6,0", r"actor 'g' walks through hazard_0 at 2\.60,0\.00; lead it around"),
+        ("g=0,0/0,9.6", r"actor 'g' walks off the map at 0\.00,9\.60; .* y from -9\.5 to 9\.5 m"),
+        ("g=0,2/6,2/6,-2:route=closed", "walks through hazard_0"),
+        ("g=random:within=2", "actor 'g': no free place within 2 m of the rover's start at 0,0"),
+    ],
+)
+def test_ways_without_room_are_refused_with_the_place(text: str, told: str) -> None:
+    with pytest.raises(UsageError, match=told):
+        with_actors(BARE, parse_actors([text]))
+
+
+def test_a_random_walk_is_straight_free_steady_and_the_names_own() -> None:
+    both = with_actors(BARE, parse_actors(["a=random:speed=2,within=7", "b=random:within=7"])).people
+    alone = with_actors(BARE, parse_actors(["b=random:within=7"])).people
+    ways = [actor.way() for actor in (*both, *alone)]
+    times = np.arange(0.0, 300.0, 0.5)
+    places = np.array(
+        [
+            [(p.x, p.y) for t in times for p in [way.place(t)]]
+            for way in ways
+            if isinstance(way, StrollRoute)
+        ]
+    )
+    np.testing.assert_array_equal(places[1], places[2])
+    late = both[0].way()
+    assert isinstance(late, StrollRoute)
+    assert late.place(299.5).x == places[0, -1, 0]  # whatever was asked before
+    steps = np.linalg.norm(np.diff(places, axis=1), axis=2)
+    assert (steps <= [[1.0 + 1e-9], [0.5 + 1e-9], [0.5 + 1e-9]]).all()
+    assert np.median(steps, axis=1) == pytest.approx([1.0, 0.5, 0.5])
+    assert np.linalg.norm(places, axis=2).max() <= 7.0
+    assert Room(BARE).trouble(places.reshape(-1, 2), 0.25 - 1e-6) is None
+    assert math.hypot(*both[0].begin) > 2.0
+
+
+def social(text: str = "s=social:within=6") -> SocialWalker:
+    way = with_actors(BARE, parse_actors([text])).people[0].way()
+    assert isinstance(way, SocialWalker)
+    return way
+
+
+def walked(walker: SocialWalker, seconds: float, bodies: list[tuple[float, float, float]]) -> np.ndarray:
+    ticks = range(1, round(seconds / TICK_S) + 1)
+    return np.array([(p.x, p.y) for n in ticks for p in [walker.walk(n * TICK_S, TICK_S, bodies)]])
+
+
+def test_a_social_walker_alone_walks_at_its_speed_and_again_after_a_restart() -> None:
+    walker = social()
+    first = walked(walker, 12.0, [])
+    walker.restart()
+    np.testing.assert_array_equal(walked(walker, 12.0, []), first)
+    steps = np.linalg.norm(np.diff(first, axis=0), axis=1) / TICK_S
+    assert steps.max() <= 1.3 + 1e-9
+    assert np.median(steps) == pytest.approx(1.0, abs=0.02)
+    assert Room(BARE).trouble(first, 0.25 - 1e-6) is None
+
+
+def test_a_social_walker_goes_around_a_rover_that_stands_in_its_way() -> None:
+    walker = social()
+    free = walked(walker, 4.0, [])
+    rover = (*free[200].tolist(), 0.3)  # where it would be after 2 s
+    walker.restart()
+    gaps = np.linalg.norm(walked(walker, 4.0, [rover]) - rover[:2], axis=1) - 0.3 - 0.25
+    assert gaps.min() > 0.0
+    assert (np.linalg.norm(free - rover[:2], axis=1) - 0.55).min() < -0.5
+
+
+def test_a_social_walker_waits_for_its_delay() -> None:
+    walker = social("s=social:delay=1")
+    places = walked(walker, 1.5, [])
+    assert (places[:100] == places[0]).all()
+    assert not (places[100:] == places[0]).all()
+
+
+def test_the_worlds_hash_tells_who_walks_and_where() -> None:
+    words: tuple[list[str], ...] = (
+        [],
+        ["g=0,2/0,3"],
+        ["g=0,2/0,4"],
+        ["h=0,2/0,3"],
+        ["g=0,2/0,3:speed=2"],
+        ["g=random"],
+    )
+    hashes = {terrain_hash(with_actors(BARE, parse_actors(some))) for some in words}
+    assert len(hashes) == len(words)
+    assert terrain_hash(BARE) in hashes

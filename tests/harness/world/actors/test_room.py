@@ -1,0 +1,62 @@
+"""Where there is room for a body, against distances to boxes that numpy works out."""
+
+import math
+
+import numpy as np
+import pytest
+
+from harness.world.actors.room import Room, along, from_wall
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind, orientation, outline
+from harness.world.world import World
+
+WALL = Obstacle(ObstacleKind.HAZARD, "box", (1.0, 0.2, 0.5), (2.0, 1.0, 0.5), orientation(0.5))
+STONE = Obstacle(ObstacleKind.ROCK, "ellipsoid", (0.3, 0.3, 0.1), (-2.0, 0.0, 0.0))
+
+
+def world(*obstacles: Obstacle) -> World:
+    return World("bare", Heightfield(np.zeros((81, 61)), 0.1), obstacles, seed=0, difficulty=0.0)
+
+
+def test_the_distance_from_a_wall_is_that_of_a_turned_box() -> None:
+    points = np.random.default_rng(0).uniform(-2, 5, (200, 2))
+    distances, feet = from_wall(points, outline(WALL))
+    cos, sin = math.cos(0.5), math.sin(0.5)
+    local = (points - (2.0, 1.0)) @ np.array([[cos, -sin], [sin, cos]])
+    beyond = np.abs(local) - (1.0, 0.2)
+    expected = np.linalg.norm(np.maximum(beyond, 0.0), axis=1) + np.minimum(beyond.max(axis=1), 0.0)
+    np.testing.assert_allclose(distances, expected, atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(points - feet, axis=1), np.abs(expected), atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("point", "radius", "trouble"),
+    [
+        ((2.0, 1.0), 0.1, "through hazard_1"),
+        ((2.0, 1.4), 0.25, "through hazard_1"),
+        ((2.0, 1.6), 0.25, None),
+        ((-2.0, 0.0), 0.25, None),  # over the rock
+        ((2.6, 0.0), 0.25, "off the map"),  # 3 m x 4 m, half a metre of it its edge
+        ((0.0, -3.6), 0.25, "off the map"),
+        ((math.nan, 0.0), 0.25, "off the map"),
+    ],
+)
+def test_hazards_and_the_edge_are_in_the_way(
+    point: tuple[float, float], radius: float, trouble: str | None
+) -> None:
+    room = Room(world(STONE, WALL))
+    found = room.trouble(np.array([(0.0, -1.0), point]), radius)
+    assert (found and found[0]) == trouble
+    if found:
+        np.testing.assert_array_equal(found[1], point)
+
+
+def test_a_leg_is_looked_at_all_along_and_walls_are_found_from_near() -> None:
+    room = Room(world(WALL))
+    assert not room.is_clear((1.2, 1.6), (2.4, 0.4), 0.25)
+    assert room.is_clear((1.2, 1.6), (1.3, 2.4), 0.25)
+    points = along(((0.0, 0.0), (1.0, 0.0), (1.0, 0.25)))
+    assert np.linalg.norm(np.diff(points, axis=0), axis=1).max() <= 0.1 + 1e-12
+    assert [(1.0, 0.0) in map(tuple, points.tolist()), points[-1].tolist()] == [True, [1.0, 0.25]]
+    assert len(room.walls_near(np.array([2.0, 2.5]), 1.0)) == 1
+    assert room.walls_near(np.array([0.0, -2.0]), 1.0) == []

@@ -1,0 +1,90 @@
+"""Where somebody on a route is: the closed form of the arc length along a polyline."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from harness.errors import UsageError
+from harness.world.actors.route import Route, timed
+
+CORNER = [(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)]
+
+
+@pytest.mark.parametrize(
+    ("time_s", "place", "heading"),
+    [
+        (0.0, (0.0, 0.0), 0.0),
+        (1.0, (2.0, 0.0), 0.0),
+        (2.5, (3.0, 2.0), math.pi / 2),
+        (3.5, (3.0, 4.0), math.pi / 2),
+        (4.5, (3.0, 2.0), -math.pi / 2),
+        (6.0, (2.0, 0.0), math.pi),
+        (7.0, (0.0, 0.0), math.pi),
+        (7.5, (1.0, 0.0), 0.0),
+        (700.5, (1.0, 0.0), 0.0),
+    ],
+)
+def test_there_and_back_at_two_metres_a_second(
+    time_s: float, place: tuple[float, float], heading: float
+) -> None:
+    found = Route.at_speed(CORNER, 2.0).place(time_s)
+    assert (found.x, found.y) == pytest.approx(place)
+    assert math.remainder(found.yaw - heading, math.tau) == pytest.approx(0.0, abs=1e-9)
+
+
+@settings(max_examples=40)
+@given(
+    st.lists(st.tuples(st.floats(-9, 9), st.floats(-9, 9), st.floats(-2, 2)), min_size=2, max_size=6),
+    st.floats(0.1, 3.0),
+    st.floats(0.0, 60.0),
+    st.booleans(),
+)
+def test_the_way_walked_is_the_arc_length(
+    points: list[tuple[float, float, float]], speed: float, time_s: float, closed: bool
+) -> None:
+    """Against numpy's interpolation over the cumulative length, in three dimensions."""
+    way = np.array([*points, points[0]] if closed else [*points, *points[-2::-1]])
+    station = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
+    found = Route.at_speed(points, speed, closed=closed, delay=2.0).place(time_s)
+    if station[-1] < 1e-6:
+        return
+    along = (max(0.0, time_s - 2.0) * speed) % station[-1]
+    if min(along, station[-1] - along) < 1e-6:
+        return  # at the seam of two rounds
+    expected = [np.interp(along, station, way[:, axis]) for axis in (0, 1)]
+    assert (found.x, found.y) == pytest.approx(expected, abs=1e-6)
+
+
+def test_one_turns_into_the_next_leg_within_a_tenth_of_a_second() -> None:
+    route = Route.at_speed(CORNER, 1.0)
+    yaws = [route.place(3.0 + part).yaw for part in (0.0, 0.05, 0.1, 0.5)]
+    assert yaws == pytest.approx([0.0, math.pi / 4, math.pi / 2, math.pi / 2])
+
+
+def test_who_has_one_point_stands_and_points_that_are_one_cost_no_time() -> None:
+    stands = Route.at_speed([(1.0, 2.0), (1.0, 2.0)], 1.0).place(5.0)
+    assert (stands.x, stands.y, stands.yaw) == (1.0, 2.0, 0.0)
+    twice = [(0.0, 0.0), (0.0, 0.0), (3.0, 0.0), (3.0, 0.0), (3.0, 4.0)]
+    assert Route.at_speed(twice, 1.0).times == Route.at_speed(CORNER, 1.0).times
+
+
+@pytest.mark.parametrize(
+    ("loops", "time_s", "x"),
+    [(True, 3.0, 0.5), (True, 9.0, 2.0), (True, 13.0, 0.5), (False, 13.0, 3.0), (False, 1.0, 0.0)],
+)
+def test_a_script_is_walked_at_its_own_times(loops: bool, time_s: float, x: float) -> None:
+    """It begins after the delay and its first time, waits from 4 s to 7 s of itself, ends at 10 s."""
+    times = (1.0, 3.0, 5.0, 8.0, 11.0)
+    points = [(at, 0.0) for at in (0.0, 1.0, 2.0, 2.0, 3.0)]
+    route = timed(times, points, loops=loops, delay=1.0, who="x")
+    assert route.place(time_s).x == pytest.approx(x)
+    waits = route.place(7.5)
+    assert (waits.x, waits.yaw) == (2.0, 0.0)
+
+
+def test_times_that_do_not_ascend_are_refused() -> None:
+    with pytest.raises(UsageError, match="x: the times of its way points do not ascend"):
+        timed((0.0, 2.0, 1.0), CORNER, loops=True, delay=0.0, who="x")

@@ -1,0 +1,97 @@
+"""`--actor` as text."""
+
+from pathlib import Path
+
+import pytest
+
+from harness.config import EpisodeConfig
+from harness.errors import UsageError
+from harness.world.actors.spec import Options, actor_names, beside, of_terrain, parse_actors
+
+LINE = "<waypoint><time>0</time><pose>1 2 3 0 0 0</pose></waypoint>"
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "walker", "points", "options"),
+    [
+        ("g=1,-2/.5,3e0", "g", "", ((1.0, -2.0), (0.5, 3.0)), Options()),
+        ("g_actor=1,2:route=closed,push=1", "g", "", ((1.0, 2.0),), Options(route="closed", push=1)),
+        ("random", "random", "random", None, Options()),
+        ("me=social:speed=1.5,delay=2", "me", "social", None, Options(speed=1.5, delay=2.0)),
+        (
+            "b=random:within=4,radius=.2,height=1",
+            "b",
+            "random",
+            None,
+            Options(1, "mirror", 0, 0.2, 1, 4),
+        ),
+    ],
+)
+def test_a_word_says_who_walks_and_how(
+    text: str, name: str, walker: str, points: object, options: Options
+) -> None:
+    (spec,) = parse_actors([text])
+    assert (spec.name, spec.full_name, spec.walker) == (name, f"{name}_actor", walker)
+    assert (spec.told.points if spec.told else None) == points
+    assert spec.options == options
+
+
+def test_a_file_names_its_people_unless_the_word_does(tmp_path: Path) -> None:
+    one, two = tmp_path / "inspect_diag.sdf", tmp_path / "two.world"
+    one.write_text(f"<trajectory>{LINE}</trajectory>")
+    two.write_text("<sdf><actor name='a_actor'/><actor name='b'/></sdf>")
+    assert actor_names([str(one), f"g={one}:speed=2", str(two)]) == tuple(
+        f"{name}_actor" for name in ("diag", "g", "a", "b")
+    )
+    with pytest.raises(UsageError, match="has 2 actors with names; leave out 'g='"):
+        parse_actors([f"g={two}"])
+    one.write_text("<actor name='c d'/>")  # read anew, as it has changed
+    assert actor_names([str(one)]) == ("c_d_actor",)
+    one.write_text("<actor name='9'/>")
+    with pytest.raises(UsageError, match="'9' cannot be part of a topic's name"):
+        parse_actors([str(one)])
+
+
+def test_the_people_of_a_terrain_are_the_actors_of_its_world(tmp_path: Path) -> None:
+    world, empty = tmp_path / "a.world", tmp_path / "b.sdf"
+    world.write_text("<sdf><world><actor name='a'/></world></sdf>")
+    empty.write_text("<sdf><world/></sdf>")
+    assert of_terrain(str(world)) == (str(world),)
+    assert [of_terrain(name) for name in ("rocky", str(empty), str(tmp_path / "c.sdf"))] == [()] * 3
+    assert EpisodeConfig(terrain=str(world), actors=("b=1,2",)).people == (str(world), "b=1,2")
+
+
+def test_a_file_is_found_beside_the_scenario_that_names_it() -> None:
+    assert beside("g=way.sdf:speed=2", lambda name: Path("there", name)) == "g=there/way.sdf:speed=2"
+    assert beside("way.world", lambda name: Path("there", name)) == "there/way.world"
+    assert beside("g=1,2/3,4:speed=2", lambda name: Path("there", name)) == "g=1,2/3,4:speed=2"
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("walker", r"'walker' is not valid; give \[NAME=\]FILE"),
+        ("g=1,2/x", "is not valid; give"),
+        ("1,2/3,4", "has no name; give"),
+        ("9=random", "is not valid; give"),
+        ("g=none.sdf", "none.sdf cannot be read"),
+        ("g=random:speed=0", r"speed '0' is not valid; give 0\.05 to 10"),
+        ("g=random:speed=-1", "speed '-1' is not valid"),
+        ("g=random:speed=nan", "speed 'nan' is not valid"),
+        ("g=random:spead=1", "key 'spead' does not exist; did you mean 'speed'"),
+        ("g=1,2:route=round", "route 'round' does not exist; available: mirror, closed"),
+        ("g=random:push=0.5", "push '0.5' is not valid"),
+        ("g=random:radius=0.5,height=0.8", "at least as high as wide"),
+        ("g=random,g=social", "is not valid"),
+    ],
+)
+def test_mistakes_are_told_with_what_is_valid(text: str, told: str) -> None:
+    with pytest.raises(UsageError, match=told):
+        parse_actors([text])
+
+
+def test_names_are_different_and_people_not_too_many() -> None:
+    with pytest.raises(UsageError, match="two actors are called 'g'; give one another name"):
+        parse_actors(["g=1,2", "g_actor=random"])
+    with pytest.raises(UsageError, match="101 actors are too many; give at most 100"):
+        parse_actors([f"p{n}=random" for n in range(101)])

@@ -1,0 +1,206 @@
+"""SDF documents: models, links, frames and includes of every version; what is left out is named once."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.world.sdf import document as module
+from harness.world.sdf.document import Document, read_document
+from harness.world.sdf.resources import Resources
+from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief
+
+BOX = "<geometry><box><size>2 4 6</size></box></geometry>"
+SUBMESH = "<submesh><name>s</name><center>1</center></submesh>"
+MESH = f"<mesh><uri>m.obj</uri><scale>1 1 2</scale>{SUBMESH}</mesh>"
+QUARTER = 0.5 * math.pi
+
+
+def written(folder: Path, body: str, name: str = "a.world", version: str = "1.9") -> Path:
+    path = folder / name
+    path.write_text(f"<sdf version='{version}'>{body}</sdf>")
+    return path
+
+
+def read(folder: Path, body: str, version: str = "1.9") -> Document:
+    path = written(folder, f"<world name='w'>{body}</world>", version=version)
+    return read_document(path, Resources())
+
+
+def model(body: str, name: str = "m", *, static: bool = True) -> str:
+    return f"<model name='{name}'><static>{static}</static>{body}</model>"
+
+
+def link(inner: str = "", collision: str = BOX, name: str = "l") -> str:
+    return f"<link name='{name}'>{inner}<collision name='c'>{collision}</collision></link>"
+
+
+@pytest.mark.parametrize("version", ["1.4", "1.6", "1.9"])
+def test_poses_of_model_link_and_collision_nest(tmp_path: Path, version: str) -> None:
+    turned = f"<pose frame=''>1 0 0 0 0 {QUARTER}</pose>"
+    collision = (
+        f"<pose>0 0 3 0 0 0</pose>{BOX}<surface><friction><ode><mu>0.4</mu></ode></friction></surface>"
+    )
+    document = read(tmp_path, model(turned + link("<pose>2 0 0 0 0 0</pose>", collision)), version)
+    (solid,) = document.solids
+    np.testing.assert_allclose(solid.pose[:3, 3], [1.0, 2.0, 3.0], atol=1e-12)
+    np.testing.assert_allclose(solid.pose[:3, 0], [0.0, 1.0, 0.0], atol=1e-12)
+    assert (solid.name, solid.shape) == ("m::l::c", Primitive("box", (1.0, 2.0, 3.0)))
+    assert (solid.friction, document.name, document.gravity, document.notes) == (0.4, "w", 9.8, ())
+
+
+@pytest.mark.parametrize(
+    ("geometry", "shape"),
+    [
+        ("<sphere><radius>2</radius></sphere>", Primitive("ellipsoid", (2.0, 2.0, 2.0))),
+        ("<ellipsoid><radii>1 2 3</radii></ellipsoid>", Primitive("ellipsoid", (1.0, 2.0, 3.0))),
+        (
+            "<cylinder><radius>2</radius><length>3</length></cylinder>",
+            Primitive("cylinder", (2.0, 1.5)),
+        ),
+        ("<plane><size>7 8</size></plane>", Plane((0.0, 0.0, 1.0), (7.0, 8.0))),
+        (
+            MESH,
+            MeshFile(Path("m.obj"), (1.0, 1.0, 2.0), "s", True),
+        ),
+        (
+            "<heightmap><uri>file://m.obj</uri><size>9 8 7</size><pos>1 2 3</pos></heightmap>",
+            Relief(Path("m.obj"), (9.0, 8.0, 7.0), (1.0, 2.0, 3.0)),
+        ),
+    ],
+)
+def test_every_shape_is_read(tmp_path: Path, geometry: str, shape: object) -> None:
+    (tmp_path / "m.obj").touch()
+    (solid,) = read(tmp_path, model(link(collision=f"<geometry>{geometry}</geometry>"))).solids
+    told = repr(solid.shape).replace(f"{tmp_path}/", "")
+    assert told == repr(shape)
+
+
+def test_a_capsule_is_a_cylinder_between_two_balls(tmp_path: Path) -> None:
+    capsule = "<geometry><capsule><radius>1</radius><length>4</length></capsule></geometry>"
+    solids = read(tmp_path, model(link(collision=capsule))).solids
+    kinds = [getattr(solid.shape, "shape", "") for solid in solids]
+    assert kinds == ["cylinder", "ellipsoid", "ellipsoid"]
+    assert [solid.pose[2, 3] for solid in solids] == [0.0, 2.0, -2.0]
+
+
+def test_frames_place_links_models_and_collisions(tmp_path: Path) -> None:
+    body = (
+        "<frame name='f'><pose>10 0 0 0 0 0</pose></frame>"
+        + model("<pose relative_to='f'>0 1 0 0 0 0</pose>" + link(), "one")
+        + model(
+            "<pose>0 5 0 0 0 0</pose><frame name='g' attached_to='k'><pose>0 0 1 0 0 0</pose></frame>"
+            + link("<pose degrees='true'>1 0 0 0 0 180</pose>", name="k")
+            + link("<pose relative_to='g'>0 0 1 0 0 0</pose>", name="l")
+            + link("", f"<pose relative_to='k'>1 0 0 0 0 0</pose>{BOX}", "n"),
+            "two",
+        )
+        + "<model name='three' placement_frame='p'><static>1</static><pose relative_to='two::k'/>"
+        + "<frame name='p'><pose>0 0 4 0 0 0</pose></frame>"
+        + link()
+        + "</model>"
+    )
+    places = [solid.pose[:3, 3].round(9).tolist() for solid in read(tmp_path, body).solids]
+    assert places == [[10, 1, 0], [1, 5, 0], [1, 5, 2], [0, 5, 0], [1, 5, -4]]
+
+
+def test_includes_take_another_name_and_pose_and_find_their_own_files(tmp_path: Path) -> None:
+    folder = tmp_path / "thing"
+    folder.mkdir()
+    (folder / "m.obj").touch()
+    mesh = "<geometry><mesh><uri>m.obj</uri></mesh></geometry>"
+    inner = "<pose>9 9 9 0 0 0</pose>" + link(collision=mesh)
+    written(folder, f"<model name='own'>{inner}</model>", "model.sdf")
+    include = "<include><uri>model://thing</uri><static>1</static>{}</include>"
+    body = include.format("") + include.format("<name>other</name><pose>1 2 3 0 0 0</pose>")
+    document = read(tmp_path, body + model(include.format("<pose>1 0 0 0 0 0</pose>"), "outer"))
+    assert [solid.name for solid in document.solids] == ["outer::own::l::c", "own::l::c", "other::l::c"]
+    assert [solid.pose[0, 3] for solid in document.solids] == [1.0, 9.0, 1.0]
+    assert all(s.shape == MeshFile(folder / "m.obj") for s in document.solids)
+    assert len(document.files) == 4
+    assert document.notes == ()
+
+
+def test_what_cannot_be_had_is_named_once_and_the_rest_is_read(tmp_path: Path) -> None:
+    fuel = "<include><uri>https://fuel.gazebosim.org/1.0/rock</uri></include>"
+    gone = link(collision="<geometry><mesh><uri>file:///home/x/m.dae</uri></mesh></geometry>")
+    odd = link(collision="<geometry><polyline/></geometry>")
+    arm = model("<joint name='j' type='revolute'/>" + link(), "arm", static=False)
+    door = model("<joint name='j' type='revolute'/>" + link(), "door")
+    ball = model(link(), "ball", static=False)
+    plugin = "<plugin name='wind' filename='x'/>"
+    bare = model("<link name='l'><collision name='c'/></link>", "bare")
+    body = fuel * 2 + model(gone + odd) * 2 + arm + door + ball + plugin * 2 + bare + "<road/>"
+    document = read(tmp_path, body)
+    assert [solid.name for solid in document.solids] == ["door::l::c", "ball::l::c"]
+    text = "\n".join(document.notes)
+    for told in (
+        "https://fuel.gazebosim.org/1.0/rock: nothing is fetched",
+        "file:///home/x/m.dae: there is no such file",
+        "shapes of the kind <polyline>",
+        "model 'arm': it has joints that move",
+        "bare::l::c: it has no <geometry>",
+        "<road>",
+        "plugins are not run: wind",
+        "not static, but nothing moves here: ball",
+    ):
+        assert text.count(told) == 1, told
+    assert len(document.notes) == 8
+
+
+def test_visuals_give_colours_and_nothing_to_collide_with(tmp_path: Path) -> None:
+    visual = f"<visual name='v'>{BOX}<material><diffuse>1 0 0 1</diffuse></material></visual>"
+    document = read(tmp_path, model(link(visual) + f"<link name='k'>{visual}</link>"))
+    assert [(s.name, s.color) for s in document.solids] == [("m::l::c", (1.0, 0.0, 0.0, 1.0))]
+
+
+def test_people_of_the_file_are_named_and_those_of_included_files_can_be_had(tmp_path: Path) -> None:
+    written(tmp_path, "<actor name='v'/>", "walker.sdf")
+    document = read(tmp_path, "<actor name='w'/><include><uri>walker.sdf</uri></include>")
+    assert document.actors == ["w"]
+    walker = tmp_path / "walker.sdf"
+    assert f"left out: actor 'v' of {walker}; let it walk with --actor {walker}" in document.notes
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        ("<urdf/>", "neither <world> nor <model>"),
+        ("<world><gravity>0 1 -9</gravity></world>", "not straight down"),
+        ("<world><gravity>0 0 nan</gravity></world>", "gravity '0 0 nan' is not valid"),
+        (f"<world>{model('<pose>1 2 3</pose>' + link())}</world>", "pose of m '1 2 3' is not valid"),
+        (f"<world>{model('<pose relative_to=@x@/>')}</world>", "frame 'x' does not exist"),
+        (
+            f"<world>{model(link(collision=BOX.replace('2 4 6', '2 0 6')))}</world>",
+            "give metres above 0",
+        ),
+        ("<world><include><uri>a.world</uri></include></world>", "includes itself: a.world -> a.world"),
+    ],
+)
+def test_what_is_wrong_is_told_in_one_line(tmp_path: Path, body: str, told: str) -> None:
+    path = written(tmp_path, body.replace("@", "'"))
+    with pytest.raises(UsageError, match=told) as raised:
+        read_document(path, Resources())
+    assert "\n" not in str(raised.value)
+
+
+def test_a_model_alone_is_a_world_and_of_several_worlds_the_first_counts(tmp_path: Path) -> None:
+    alone = read_document(written(tmp_path, f"<model name='m'>{link()}</model>"), Resources())
+    assert [solid.name for solid in alone.solids] == ["m::l::c"]
+    two = f"<world name='a'>{model(link())}</world><world name='b'>{model(link())}</world>"
+    document = read_document(written(tmp_path, two), Resources())
+    assert (document.name, len(document.solids)) == ("a", 1)
+    assert "all worlds of the file but the first" in document.notes[0]
+
+
+def test_includes_that_double_themselves_are_bounded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "MOST_INCLUDES", 60)
+    for depth in range(6):
+        twice = f"<include><uri>{depth + 1}.sdf</uri></include>" * 2
+        written(tmp_path, f"<model name='m'>{twice if depth < 5 else link()}</model>", f"{depth}.sdf")
+    with pytest.raises(UsageError, match="more than 60 includes"):
+        read_document(tmp_path / "0.sdf", Resources())

@@ -1,0 +1,53 @@
+"""XML of strangers: what is refused, and that nothing of it is expanded."""
+
+from pathlib import Path
+
+import pytest
+
+from harness.errors import UsageError
+from harness.world.sdf.reader import is_true, numbers, read_xml, text_of
+
+LAUGHS = '<!DOCTYPE l [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;">]><sdf>&b;</sdf>'
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (LAUGHS, "declares a document type or entities"),
+        ('<!DOCTYPE s SYSTEM "file:///etc/passwd"><sdf/>', "declares a document type"),
+        ("<sdf>&later;</sdf>", "not XML: undefined entity"),
+        ("<sdf><world></sdf>", "not XML: mismatched tag: line 1"),
+        ("", "not XML: no element found"),
+        ("<a>" * 101 + "</a>" * 101, "nested more than 100 deep"),
+    ],
+)
+def test_what_is_no_plain_xml_is_refused_in_one_line(tmp_path: Path, text: str, told: str) -> None:
+    path = tmp_path / "a.world"
+    path.write_text(text)
+    with pytest.raises(UsageError, match=told) as raised:
+        read_xml(path)
+    assert str(path) in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_large_or_missing_file_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.world"
+    path.write_text("<sdf>" + " " * 100 + "</sdf>")
+    with pytest.raises(UsageError, match="too large"):
+        read_xml(path, most_bytes=110)
+    assert read_xml(path, most_bytes=111).tag == "sdf"
+    with pytest.raises(UsageError, match=r"cannot be read: No such file"):
+        read_xml(tmp_path / "b.world")
+
+
+def test_children_have_texts_flags_and_numbers(tmp_path: Path) -> None:
+    path = tmp_path / "a.world"
+    path.write_text("<a><b> 1 2.5\n-3 </b><c>TRUE</c><d/></a>")
+    root = read_xml(path)
+    assert numbers(text_of(root, "b"), 3, "b") == (1.0, 2.5, -3.0)
+    assert is_true(text_of(root, "c"))
+    assert not is_true(text_of(root, "d", "0"))
+    assert text_of(None, "x", "none") == text_of(root, "d", "none") == "none"
+    for text in ("1 2", "1 2 3 4", "1 2 x", "1 2 nan", "1 2 inf", ""):
+        with pytest.raises(UsageError, match=r"size '.*' is not valid; give 3 finite numbers"):
+            numbers(text, 3, "size")

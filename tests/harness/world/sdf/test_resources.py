@@ -1,0 +1,86 @@
+"""Where the files are that a world names, and what is not looked at."""
+
+from pathlib import Path
+
+import pytest
+
+from harness.errors import UsageError
+from harness.world.sdf.resources import VARIABLES, Missing, Resources, model_file
+
+
+@pytest.fixture(autouse=True)
+def no_variables(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in VARIABLES:
+        monkeypatch.delenv(name, raising=False)
+
+
+@pytest.fixture
+def tree(tmp_path: Path) -> Path:
+    for name in ("pkg/worlds/a.world", "pkg/meshes/m.dae", "else/other/b.obj", "secret.obj"):
+        path = tmp_path / "top" / name if name != "secret.obj" else tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    return tmp_path / "top"
+
+
+@pytest.mark.parametrize(
+    ("uri", "found"),
+    [
+        ("model://pkg/meshes/m.dae", "pkg/meshes/m.dae"),
+        ("package://pkg/meshes/m.dae", "pkg/meshes/m.dae"),
+        ("file://../meshes/m.dae", "pkg/meshes/m.dae"),
+        ("meshes/m.dae", "pkg/meshes/m.dae"),
+        ("model://pkg/meshes/m%2Edae", "pkg/meshes/m.dae"),
+    ],
+)
+def test_files_are_found_beside_a_world_and_two_folders_up(tree: Path, uri: str, found: str) -> None:
+    assert Resources().find(uri, tree / "pkg/worlds/a.world") == tree / found
+
+
+@pytest.mark.parametrize(
+    ("uri", "told"),
+    [
+        ("https://fuel.gazebosim.org/1.0/x", "nothing is fetched; download it"),
+        ("fuel://x", "nothing is fetched"),
+        ("file:///home/somebody/m.dae", "no such file on this machine"),
+        ("model://other/b.obj", "not found; name the folder that has other/ by --resource-path"),
+        ("model://pkg/../../secret.obj", "leads out of the folders"),
+        ("../../../secret.obj", "leads out of the folders"),
+        ("", "names nothing"),
+    ],
+)
+def test_what_cannot_be_had_is_named_with_the_reason(tree: Path, uri: str, told: str) -> None:
+    with pytest.raises(Missing, match=told):
+        Resources().find(uri, tree / "pkg/worlds/a.world")
+
+
+def test_folders_are_named_by_the_option_then_by_the_environment(
+    tree: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    world = tree / "pkg/worlds/a.world"
+    assert Resources((tree / "else",)).find("model://other/b.obj", world) == tree / "else/other/b.obj"
+    for name in VARIABLES:
+        monkeypatch.setenv(name, f"/nowhere:{tree / 'else'}")
+        assert Resources().find("model://other/b.obj", world).is_file()
+        monkeypatch.delenv(name)
+    with pytest.raises(UsageError, match=r"--resource-path .*nowhere is not a folder"):
+        Resources((tree / "nowhere",))
+
+
+def test_a_folder_means_the_newest_file_that_its_config_names(tmp_path: Path) -> None:
+    with pytest.raises(Missing, match=r"neither model\.config nor model\.sdf"):
+        model_file(tmp_path)
+    (tmp_path / "model.sdf").touch()
+    assert model_file(tmp_path) == tmp_path / "model.sdf"
+    for version in ("4", "6"):
+        (tmp_path / f"m{version}.sdf").touch()
+    lines = "".join(f"<sdf version='1.{v}'>m{v}.sdf</sdf>" for v in ("4", "6"))
+    config = tmp_path / "model.config"
+    config.write_text(f"<model>{lines}</model>")
+    assert model_file(tmp_path) == tmp_path / "m6.sdf"
+    config.write_text("<model><sdf>../secret.sdf</sdf></model>")
+    with pytest.raises(Missing, match=r"there is no \.\./secret\.sdf beside it"):
+        model_file(tmp_path)
+    config.write_text("<model/>")
+    with pytest.raises(Missing, match="names no <sdf>"):
+        model_file(tmp_path)

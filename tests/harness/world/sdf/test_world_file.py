@@ -1,0 +1,180 @@
+"""Worlds from SDF files and meshes, whole: ground, obstacles, start, what is told and what refused."""
+
+import hashlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from harness.errors import UsageError
+from harness.world.files import file_world
+from harness.world.obstacles import ObstacleKind, top
+from harness.world.terrain_file import TerrainFile
+from harness.world.world import World, terrain_hash
+from tests.harness.world.solids.shapes import both, box, flat, sheet, write_dae, write_obj
+
+WORLDS = Path(__file__).parents[5] / "shared/data/roboterrain/worlds"
+needs_worlds = pytest.mark.skipif(not WORLDS.is_dir(), reason=f"there is no {WORLDS}")
+
+PLANE = "<plane><normal>0 0 1</normal><size>40 30</size></plane>"
+
+
+def solid(name: str, geometry: str, pose: str = "0 0 0 0 0 0", more: str = "") -> str:
+    return (
+        f"<model name='{name}'><static>1</static><pose>{pose}</pose><link name='l'><collision name='c'>"
+        f"<geometry>{geometry}</geometry>{more}</collision></link></model>"
+    )
+
+
+def cube(name: str, pose: str, size: str = "1 1 1") -> str:
+    return solid(name, f"<box><size>{size}</size></box>", pose)
+
+
+def world_of(folder: Path, body: str, **options: object) -> World:
+    path = folder / "a.world"
+    path.write_text(f"<sdf version='1.9'><world name='w'>{body}</world></sdf>")
+    return file_world(TerrainFile(path=path, **options), 7)  # type: ignore[arg-type]  # its own
+
+
+def kinds(world: World) -> list[str]:
+    return [obstacle.kind.name for obstacle in world.obstacles]
+
+
+def test_boxes_on_a_plane_are_rocks_and_hazards_by_their_height(tmp_path: Path) -> None:
+    body = (
+        "<gravity>0 0 -1.62</gravity>"
+        + solid(
+            "ground",
+            PLANE,
+            "1 2 0.5 0 0 0",
+            "<surface><friction><ode><mu>0.3</mu></ode></friction></surface>",
+        )
+        + cube("low", "5 0 0.1 0 0 0")
+        + cube("high", "0 0 0.2 0 0 0")
+        + cube("gone", "3 3 -0.1 0 0 0")
+        + cube("far", "0 90 1 0 0 0").replace("0 90 1", "5 0 1.5")
+    )
+    world = world_of(tmp_path, body)
+    assert kinds(world) == ["ROCK", "HAZARD", "HAZARD"]
+    assert (world.gravity, world.friction, world.seed, world.difficulty) == (1.62, 0.3, 7, None)
+    assert world.ground.bounds() == (-19.0, 21.0, -13.0, 17.0)
+    assert np.unique(world.ground.heights).tolist() == [0.5]
+    assert "1 solids lie in the ground" in "\n".join(world.notes)
+    x, y, _ = world.start
+    assert 1.0 < np.hypot(x, y) < 2.5  # beside the box on 0,0
+    path = tmp_path / "a.world"
+    assert world.files == ((str(path), hashlib.sha256(path.read_bytes()).hexdigest()),)
+
+
+def test_options_override_what_is_a_rock_and_what_a_hazard(tmp_path: Path) -> None:
+    body = (
+        solid("ground", PLANE)
+        + cube("a1", "5 0 0 0 0 0")
+        + cube("a2", "8 0 0 0 0 0")
+        + cube("b", "5 5 0 0 0 0")
+    )
+    assert kinds(world_of(tmp_path, body, rock_height=0.5)) == ["ROCK"] * 3
+    named = world_of(tmp_path, body, rocks=("a?",), hazards=("a2::l::c",))
+    assert kinds(named) == ["ROCK", "HAZARD", "HAZARD"]
+    with pytest.raises(UsageError, match=r"--rock: solid 'a11' does not exist; did you mean 'a1'\?"):
+        world_of(tmp_path, body, rocks=("a11",))
+    assert terrain_hash(named) != terrain_hash(world_of(tmp_path, body))
+
+
+def test_a_bridge_in_a_mesh_is_driven_on_and_under(tmp_path: Path) -> None:
+    hills = sheet(lambda x, y: 0.02 * x * y, 15.0, 12.0)
+    write_dae(tmp_path / "m.dae", both(hills, box((0, 0, 2.0), (6, 2, 0.08))))
+    mesh = "<mesh><uri>m.dae</uri><scale>1 1 1</scale></mesh>"
+    world = world_of(tmp_path, solid("t", mesh, "100 50 0 0 0 0"))
+    (deck,) = world.obstacles
+    assert deck.kind is ObstacleKind.DECK
+    assert top(deck) == pytest.approx(2.54)
+    assert world.ground.middle == pytest.approx((100.0, 50.0))
+    assert world.ground.height_at(105.0, 55.0) == pytest.approx(1.0, abs=0.01)
+    assert world.start == (100.0, 50.0, 0.0)
+    assert [Path(name).name for name, _ in world.files] == ["a.world", "m.dae"]
+
+
+def test_a_mesh_alone_is_a_terrain_and_takes_unit_and_axis(tmp_path: Path) -> None:
+    ground = sheet(lambda x, _: 0.1 * x, 8.0, 6.0)
+    path = write_obj(tmp_path / "t.obj", ground)
+    world = file_world(TerrainFile(path=path, cell=0.5), 0)
+    assert (world.ground.cell, world.ground.half_size, world.obstacles) == (0.5, (8.0, 6.0), ())
+    turned = ground.moved(
+        np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]]), (1000.0,) * 3
+    )
+    path = write_obj(tmp_path / "u.obj", turned)
+    again = file_world(TerrainFile(path=path, cell=0.5, mesh_unit="mm", mesh_up="y"), 0)
+    np.testing.assert_allclose(again.ground.heights, world.ground.heights, atol=1e-6)
+
+
+def test_a_heightmap_of_a_world_keeps_its_north_and_its_heights(tmp_path: Path) -> None:
+    """Row 0 of the picture is the north edge; 255 is the height that <size> tells."""
+    values = np.zeros((17, 17), np.uint8)
+    values[0, :], values[:, 0] = 255, 51
+    Image.fromarray(values).save(tmp_path / "h.png")
+    height = "<heightmap><uri>h.png</uri><size>32 32 2</size><pos>4 0 1</pos></heightmap>"
+    ground = world_of(tmp_path, solid("h", height), cell=0.5).ground
+    assert ground.middle == (4.0, 0.0)
+    for x, y, z in ((10.0, 16.0, 3.0), (-12.0, 0.0, 1.4), (10.0, 0.0, 1.0), (10.0, 15.0, 2.0)):
+        assert ground.height_at(x, y) == pytest.approx(z, abs=1e-6), (x, y)
+
+
+def test_a_floor_may_be_a_wide_box_or_a_plane_that_leans(tmp_path: Path) -> None:
+    slab = world_of(tmp_path, cube("floor", "0 0 -1 0 0 0", "30 20 0.5") + cube("b", "5 5 0 0 0 0"))
+    assert slab.ground.height_at(0.0, 0.0) == pytest.approx(-0.75)
+    assert kinds(slab) == ["HAZARD"]
+    leaning = world_of(tmp_path, solid("p", PLANE, "0 0 0 0 -0.1 0"))
+    assert leaning.ground.height_at(5.0, 0.0) == pytest.approx(5.0 * np.tan(0.1), abs=1e-5)
+
+
+def test_visits_keep_to_the_largest_room_without_pits(tmp_path: Path) -> None:
+    path = write_obj(tmp_path / "t.obj", both(flat(0.0, 15.0, 10.0), flat(0.0, 6.0, 15.0)))
+    world = file_world(TerrainFile(path=path), 0)
+    assert world.ground.half_size == pytest.approx((15.0, 15.0), abs=0.1)
+    middle, half = world.roaming
+    assert middle == pytest.approx((0.0, 0.0), abs=1.0)
+    assert half[0] * half[1] == pytest.approx(15.0 * 10.0, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        ("", "nothing in it can be collided with; give its models a <collision>"),
+        (cube("b", "0 0 0 0 0 0", "3 4 5"), "it has no ground: neither a plane nor a heightmap"),
+        (solid("m", "<mesh><uri>m.obj</uri></mesh>"), r"\(the widest is 2 x 3 m\); add a ground plane"),
+        (solid("m", "<mesh><uri>n.obj</uri></mesh>"), "1 of its vertices are NaN or infinite"),
+    ],
+)
+def test_worlds_that_cannot_be_driven_are_refused(tmp_path: Path, body: str, told: str) -> None:
+    write_obj(tmp_path / "m.obj", box((0, 0, 0), (2, 3, 4)))
+    (tmp_path / "n.obj").write_text("v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n")
+    with pytest.raises(UsageError, match=told) as raised:
+        world_of(tmp_path, body)
+    assert str(raised.value).count("a.world") == 1
+    assert "\n" not in str(raised.value)
+
+
+@needs_worlds
+def test_the_inspection_world_is_met_to_a_decimetre() -> None:
+    world = file_world(TerrainFile(path=WORLDS / "inspection_boxes_x10_v2.world", cell=0.4), 0)
+    assert world.gravity == 9.8
+    assert world.ground.bounds() == pytest.approx((-31.15, 33.28, -31.65, 67.98), abs=0.4)
+    assert sum(obstacle.shape == "box" for obstacle in world.obstacles) == 17
+    assert 300 < len(world.obstacles) < 700
+    text = "\n".join(world.notes)
+    assert "2 holes without any surface" in text
+    assert float(text.split("differ from the mesh by ")[1].split()[0]) < 0.5
+    (middle_x, middle_y), (half_x, half_y) = world.roaming
+    assert middle_x + half_x < 31.0
+    assert middle_y + half_y < 31.0
+    assert min(half_x, half_y) > 28.0
+
+
+@needs_worlds
+def test_the_maze_is_forty_walls_on_a_plane() -> None:
+    world = file_world(TerrainFile(path=WORLDS / "maze.sdf", cell=0.5), 0)
+    assert kinds(world) == ["HAZARD"] * 40
+    assert np.ptp(world.ground.heights) == 0.0
+    assert any("plugins are not run" in note for note in world.notes)

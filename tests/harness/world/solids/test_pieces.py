@@ -1,0 +1,120 @@
+"""Convex pieces of meshes: their count, what they are, and that they are where the triangles were."""
+
+import math
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind, bottom, top
+from harness.world.solids import pieces
+from harness.world.solids.mesh_file import Mesh
+from harness.world.solids.pieces import bodies, obstacles_of
+from tests.harness.world.solids.shapes import both, box
+
+GROUND = Heightfield(np.zeros((41, 41)), 0.5)
+CLEARANCE = 0.1
+
+
+def kind_of(height: float) -> ObstacleKind:
+    return ObstacleKind.ROCK if height <= CLEARANCE else ObstacleKind.HAZARD
+
+
+def made(*meshes: Mesh) -> list[Obstacle]:
+    return obstacles_of(both(*meshes), GROUND, kind_of, CLEARANCE)
+
+
+def names(obstacles: list[Obstacle]) -> Counter[str]:
+    return Counter(f"{o.kind.name} {o.shape}" for o in obstacles)
+
+
+def tube(length: float, bend: float, sides: int = 12, spans: int = 4) -> Mesh:
+    """An open pipe of 0.1 m along x that bends upwards."""
+    angle = np.arange(sides) * math.tau / sides
+    x = np.linspace(0, length, spans + 1)
+    rings = [
+        np.column_stack(
+            [np.full(sides, at), 0.1 * np.cos(angle), 0.5 + bend * at**2 + 0.1 * np.sin(angle)]
+        )
+        for at in x
+    ]
+    faces = []
+    for span in range(spans):
+        for side in range(sides):
+            a, b = span * sides + side, span * sides + (side + 1) % sides
+            faces += [(a, a + sides, b), (b, a + sides, b + sides)]
+    return Mesh(np.concatenate(rings), np.array(faces))
+
+
+@pytest.mark.parametrize(
+    ("mesh", "found"),
+    [
+        (box((0, 0, 0.03), (0.5, 0.5, 0.1)), {"ROCK convex": 1}),  # 8 cm above the ground
+        (box((0, 0, 0.5), (0.5, 0.5, 1)), {"HAZARD convex": 1}),
+        (box((0, 0, 0.5), (3, 3, 1)), {"HAZARD convex": 1}),  # nobody gets onto it
+        (box((0, 0, 0.5), (3, 3, 0.05)), {"DECK convex": 1}),  # a plank to drive on
+        (box((0, 0, -0.5), (3, 3, 0.9)), {}),  # buried
+        (box((50, 0, 0.5), (1, 1, 1)), {}),  # off the map
+        (tube(2.0, 0.0), {"HAZARD convex": 1}),
+    ],
+)
+def test_a_convex_body_is_one_obstacle(mesh: Mesh, found: dict[str, int]) -> None:
+    assert names(made(mesh)) == found
+
+
+def test_an_obstacle_is_where_its_triangles_are() -> None:
+    mesh = box((1.0, 2.0, 0.7), (0.6, 0.8, 1.0))
+    (obstacle,) = made(mesh)
+    assert (bottom(obstacle), top(obstacle)) == pytest.approx((0.2, 1.2))
+    corners = np.array(obstacle.corners) + obstacle.position
+    np.testing.assert_allclose(np.sort(corners, axis=0), np.sort(mesh.vertices, axis=0))
+
+
+def test_a_bent_pipe_becomes_few_pieces_that_stay_near_it() -> None:
+    """Every corner of a piece is one of the pipe, and pieces bulge by no more than they may."""
+    mesh = tube(6.0, 0.03)
+    found = made(mesh)
+    assert 2 <= len(found) <= 6
+    for obstacle in found:
+        corners = np.array(obstacle.corners) + obstacle.position
+        apart = np.linalg.norm(corners[:, None] - mesh.vertices, axis=2).min(axis=1)
+        assert apart.max() < 1e-9
+        middle = 0.5 * (corners[:, 0].min() + corners[:, 0].max())
+        level = 0.5 + 0.03 * middle**2
+        assert abs(obstacle.position[2] - level) < 0.06
+
+
+def bridge() -> Mesh:
+    """A body of one piece: two decks at different heights, joined by a wall, and a vault over one."""
+    profile = [(-4.0, 0.5), (0.0, 0.5), (0.0, 0.9), (4.0, 0.9)]
+    vertices = np.array([(x, y, z) for x, z in profile for y in (-1.0, 1.0)])
+    quads = [(0, 2, 3, 1), (4, 2, 3, 5)[::-1], (4, 6, 7, 5)]
+    faces = [f for a, b, c, d in quads for f in ((a, b, c), (a, c, d))]
+    vault = [(-1.0, 2.5), (-0.5, 2.8), (0.0, 2.9), (0.5, 2.8), (1.0, 2.5)]
+    roof = np.array([(x, y, z) for y, z in vault for x in (0.0, 4.0)])
+    quads = [(8 + k, 10 + k, 11 + k, 9 + k) for k in (0, 2, 4, 6)]
+    faces += [f for a, b, c, d in quads for f in ((a, b, c), (a, c, d))]
+    return Mesh(np.concatenate([vertices, roof]), np.array([*faces, (4, 8, 6), (6, 8, 9)]))
+
+
+def test_a_structure_has_decks_hazards_and_a_ceiling_that_is_only_seen() -> None:
+    found = made(bridge())
+    assert names(found) == {"DECK convex": 2, "HAZARD convex": 2, "DECK surface": 1}
+    decks = sorted(top(o) for o in found if o.kind is ObstacleKind.DECK and o.shape == "convex")
+    assert decks == pytest.approx([0.5, 0.9])
+    (ceiling,) = (o for o in found if o.shape == "surface")
+    assert (len(ceiling.faces), bottom(ceiling)) == (8, 2.5)
+
+
+def test_bodies_hang_together_by_their_vertices() -> None:
+    apart = both(box((0, 0, 0), (1, 1, 1)), box((3, 0, 0), (1, 1, 1)), box((1, 1, 1), (1, 1, 1)))
+    assert sorted(len(body.faces) for body in bodies(apart)) == [12, 24]
+    assert not [*bodies(Mesh(np.empty((0, 3)), np.empty((0, 3), np.int64)))]
+
+
+def test_too_many_pieces_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pieces, "MOST_PIECES", 1)
+    with pytest.raises(UsageError, match="more than 1 facets; simplify it first"):
+        made(box((0, 0, 0.5), (1, 1, 1)), box((3, 0, 0.5), (1, 1, 1)))

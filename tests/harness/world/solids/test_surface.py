@@ -1,0 +1,106 @@
+"""Heightfields of meshes: cells, pits, small gaps, what is left over, and the error that is told."""
+
+import re
+
+import numpy as np
+import pytest
+
+from harness.errors import UsageError
+from harness.world.solids.mesh_file import Mesh
+from harness.world.solids.surface import chosen_grid, surface_of
+from tests.harness.world.solids.shapes import both, box, flat, sheet
+
+
+def test_a_plane_is_met_exactly_and_the_error_of_a_bend_is_that_of_its_cells() -> None:
+    grid = chosen_grid((-10.0, 10.0, -5.0, 5.0), None)
+    assert (grid.columns, grid.rows, grid.cell, grid.middle) == (201, 101, 0.1, (0.0, 0.0))
+    notes: list[str] = []
+    surface = surface_of(sheet(lambda x, y: 0.2 * x + 0.1 * y, 10.0, 5.0), grid, None, notes)
+    assert surface.has_floor.all()
+    assert not surface.left_over.any()
+    assert surface.ground.height_at(3.33, -2.5) == pytest.approx(0.416, abs=2e-6)
+    (told,) = notes
+    assert float(re.findall(r"by ([\d.e-]+) m at most", told)[0]) < 2e-6
+    # A ridge between two vertices 0.1 m apart is cut off by half a cell times its slope.
+    bent = sheet(lambda x, _: 0.4 * np.abs(x), 10.05, 10.05, 10.05)
+    surface_of(bent, chosen_grid((-10.05, 10.05, -5.0, 5.0), 0.1), None, notes)
+    assert "differ from the mesh by 0.02 m at most" in notes[-1]
+
+
+@pytest.mark.parametrize(
+    ("bounds", "cell", "told"),
+    [
+        (
+            (0.0, 9.0, 0.0, 20.0),
+            None,
+            "it is 9 x 20 m; between 10 and 50000 m can be driven; --mesh-unit",
+        ),
+        ((0.0, 6e4, 0.0, 20.0), None, r"it is 6e\+04 x 20 m"),
+        (
+            (0.0, 1500.0, 0.0, 1500.0),
+            0.5,
+            "cells of 0.5 m are too many .* give --terrain-cell 1.001 or more",
+        ),
+    ],
+)
+def test_maps_that_cannot_be_driven_are_refused(
+    bounds: tuple[float, float, float, float], cell: float | None, told: str
+) -> None:
+    with pytest.raises(UsageError, match=told):
+        chosen_grid(bounds, cell)
+
+
+def test_a_large_map_has_larger_cells_and_lies_where_the_mesh_is() -> None:
+    grid = chosen_grid((100.0, 3100.0, -50.0, 1450.0), None)
+    assert grid.cell == pytest.approx(np.sqrt(3000 * 1500) / 1499)
+    assert grid.middle == pytest.approx((1600.0, 700.0))
+    assert grid.rows * grid.columns <= 1500 * 1500 + 3000
+
+
+def test_beyond_the_outline_and_in_holes_there_are_pits_and_small_gaps_are_filled() -> None:
+    mesh = sheet(lambda x, _: 0.1 * x, 10.0, 10.0, 0.25)
+    x, y = mesh.corners[:, :, 0].mean(axis=1), mesh.corners[:, :, 1].mean(axis=1)
+    small, hole, outside = (
+        (np.hypot(x, y) < 0.2) & (x > 0) & (y > 0),
+        np.hypot(x - 4, y) < 2.0,
+        (x < -5) & (y > 5),
+    )
+    notes: list[str] = []
+    grid = chosen_grid((-10.0, 10.0, -10.0, 10.0), 0.2)
+    surface = surface_of(mesh.part(~(small | hole | outside)), grid, None, notes)
+    ground = surface.ground
+    assert ground.height_at(0.1, 0.1) == pytest.approx(0.01, abs=0.02)
+    assert ground.height_at(4.0, 0.0) == ground.height_at(-8.0, 8.0) == pytest.approx(-3.0)
+    assert ground.height_at(8.0, 8.0) == pytest.approx(0.8)
+    text = "\n".join(notes)
+    assert "1 holes without any surface, the largest of 1" in text
+    assert "filled from its surroundings: small gaps" in text
+    assert "of the map has no surface: a pit there, 2 m below the lowest point" in text
+
+
+def test_what_reaches_above_the_floor_is_left_over_and_what_is_buried_is_not() -> None:
+    bridge, block, buried = (
+        box((0, 0, 2.0), (4, 4, 0.5)),
+        box((6, 6, 0.2), (2, 2, 1)),
+        box((-6, -6, -1), (1, 1, 1)),
+    )
+    mesh = both(flat(0.0), bridge, block, buried)
+    surface = surface_of(mesh, chosen_grid((-10.0, 10.0, -10.0, 10.0), 0.1), None, [])
+    assert surface.ground.height_at(0.0, 0.0) == 0.0
+    assert surface.ground.height_at(6.0, 6.0) == pytest.approx(0.7)  # too low to pass under: solid
+    left = mesh.corners[surface.left_over]
+    np.testing.assert_allclose(
+        [left.min(axis=(0, 1)), left.max(axis=(0, 1))], [[-2, -2, 1.75], [2, 2, 2.25]]
+    )
+    assert len(left) == 12
+
+
+def test_a_mesh_that_faces_down_alone_is_refused() -> None:
+    under = flat(0.0)
+    with pytest.raises(UsageError, match="nothing of it faces up"):
+        surface_of(
+            Mesh(under.vertices, under.faces[:, ::-1]),
+            chosen_grid((-9.0, 9.0, -9.0, 9.0), 0.5),
+            None,
+            [],
+        )
