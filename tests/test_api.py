@@ -110,4 +110,4 @@ def test_the_commands_of_the_first_plot_are_understood(
     assert len(options) == 5 == len([program for program, *_ in given])
     brought = set(re.findall(r"^\| (`.*?`) \|", text.partition("## Extras")[2], re.MULTILINE))
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
-    assert {word for cell in brought for word in re.findall(r"`(\w+)`", cell)} <= set(extras)
+    assert {word for cell in brought for word in re.findall(r"`(\w+)`", cell)} == set(extras)

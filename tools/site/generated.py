@@ -57,7 +57,7 @@ def topics() -> str:
     """Returns the page of the topics that sensors publish, and of those that the metrics hear."""
     lines = [
         "# Topics of the sensors\n",
-        "In publishing order; rates in simulation time. Beside them: `/clock`, `/cmd_vel`.\n",
+        "In publishing order; rates in simulation time. Others can be [asked for](../sensors.md).\n",
         "| topic | type | QoS | rate [Hz] | frame | `--fault` | heard by `metrics_node` |",
         "|---|---|---|---|---|---|---|",
     ]

@@ -20,6 +20,7 @@ OURS = {name: place for name, place in SCRIPTS.items() if name.startswith("rover
 WITHOUT = {
     "harness.gym.tables",
     "harness.scenario.schema",
+    "harness.sensors.page",
     "harness.view.picture",
     "rover_metrics.__main__",
     "rover_metrics.dictionary",
