@@ -53,7 +53,7 @@ def observed(
     distance, bearing = way_to(goal, latest(readings, Pose))
     roll, pitch, _ = attitude(imu.orientation)
     return {
-        "lidar": visible(latest(readings, LaserScan), range_max),
+        "lidar": visible(latest(readings, LaserScan).ranges, range_max),
         "goal": (distance, math.sin(bearing), math.cos(bearing)),
         "imu": (*imu.linear_acceleration, *imu.angular_velocity, roll, pitch),
         "velocities": (twist.linear, twist.angular),
@@ -104,11 +104,11 @@ def way_to(goal: Point, pose: Pose) -> tuple[float, float]:
     return math.hypot(east, north), math.remainder(bearing, math.tau)
 
 
-def visible(scan: LaserScan, farthest: float) -> NDArray[np.float32]:
+def visible(ranges: NDArray[np.float32], farthest: float) -> NDArray[np.float32]:
     """Returns ranges as numbers [m]: a miss and a fault are the largest, what is too near is 0.
 
     Args:
-        scan: REP-117 coded.
+        ranges: REP-117 coded.
         farthest: What a miss becomes [m].
     """
-    return np.fmax(np.fmin(scan.ranges, np.float32(farthest)), np.float32(0.0))  # fmin drops NaN
+    return np.fmax(np.fmin(ranges, np.float32(farthest)), np.float32(0.0))  # fmin drops NaN

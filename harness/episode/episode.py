@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Iterator
 from functools import partial
 from operator import itemgetter
 
+import mujoco
 import numpy as np
 
 from harness.config import TICKS_PER_CONTROL, EpisodeConfig
@@ -101,7 +102,7 @@ class Episode:
         optional = [row.given for row in rows if row.given is not None]
         if frame_options is not None or optional:
             frames = rover_frames(rover, (frame for some in optional for frame in some.frames(rover)))
-            parts["install"] = partial(self._installed, frames)
+            parts["install"] = partial(installed, config, frames, scene.model)
         if frame_options is not None:
             self.description = describe(frames, frame_options)
             parts |= {"frames": frames, "frame_options": frame_options}
@@ -118,15 +119,6 @@ class Episode:
         planned += [(t, partial(self.head_for, Place(*place))) for t, *place in config.goals]
         self._planned = deque(sorted(planned, key=itemgetter(0)))  # at the same time in this order
         self._begin()
-
-    def _installed(self, frames: RoverFrames, options: SensorOptions) -> Installation:
-        """What an optional sensor is made with; its randomness depends on its name alone."""
-        source = np.random.SeedSequence(
-            self.config.seed, spawn_key=(OPTIONAL_STREAM, *options.name.encode())
-        )
-        mount = frames.mount(options.frame_id, self.simulation.model)
-        noise = None if self.config.noise is None else PRESETS[self.config.noise]
-        return Installation(options, mount, np.random.default_rng(source), noise)
 
     def _begin(self) -> None:
         """A driver that has done nothing yet, at a rover that stands."""
@@ -253,6 +245,23 @@ def goal_course(config: EpisodeConfig, world: World) -> GoalCourse | None:
     course = GoalCourse(config.goal_area, Room(world), reach, rng)
     course.draw()
     return course
+
+
+def installed(
+    config: EpisodeConfig, frames: RoverFrames, model: mujoco.MjModel, options: SensorOptions
+) -> Installation:
+    """Returns what an optional sensor is made with; its randomness depends on seed and name alone.
+
+    Args:
+        config: Whose seed and noise it has.
+        frames: Of the rover, the sensor's own among them.
+        model: Of the scene that the rover is in.
+        options: Of the sensor.
+    """
+    source = np.random.SeedSequence(config.seed, spawn_key=(OPTIONAL_STREAM, *options.name.encode()))
+    noise = None if config.noise is None else PRESETS[config.noise]
+    mount = frames.mount(options.frame_id, model)
+    return Installation(options, mount, np.random.default_rng(source), noise)
 
 
 def sensor_noise(config: EpisodeConfig, lidar: LidarSpec) -> SensorNoise | None:

@@ -6,14 +6,19 @@ from dataclasses import asdict, dataclass, replace
 import mujoco
 import numpy as np
 
-from harness.config import EpisodeConfig
+from harness.config import TICKS_PER_CONTROL, EpisodeConfig
 from harness.drivers.base import CONTROL_PERIOD
+from harness.episode.episode import installed
+from harness.frames.rover_frames import rover_frames
 from harness.gym.options import Randomisation
 from harness.gym.places import Places
 from harness.physics.scene import Scene, build_scene
+from harness.physics.simulation import Simulation
 from harness.robots import find_rover
+from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.range_sensor import RangeSensor
 from harness.world.world import Start, starting_at
 
 
@@ -43,20 +48,35 @@ class Course:
 
     Args:
         config: Which world, rover and lidar.
+        camera: The depth camera that the rover carries too; None for none.
 
     Attributes:
-        config: Likewise.
+        config: Likewise; and `camera`.
         scene: The rover where `harness.run` starts.
         lidar: Of that rover in that world.
         places: Where episodes may start and end.
     """
 
-    def __init__(self, config: EpisodeConfig) -> None:
+    def __init__(self, config: EpisodeConfig, camera: DepthOptions | None = None) -> None:
         world, rover = config.world(), find_rover(config.robot)
-        self.config = config
+        self.config, self.camera = config, camera
+        self._frames = None if camera is None else rover_frames(rover, camera.frames(rover))
         self.scene = build_scene(world, rover, config.timestep)
         self.lidar = Lidar(self.scene.model, LidarSpec(beams=config.lidar_beams))
         self.places = Places(world, rover)
+
+    def camera_of(self, simulation: Simulation, seed: int) -> RangeSensor | None:
+        """Returns the rover's depth camera, if it has one.
+
+        Args:
+            simulation: Of an episode here.
+            seed: Of its noise.
+        """
+        if self.camera is None or self._frames is None:
+            return None
+        config = replace(self.config, seed=seed)
+        made = installed(config, self._frames, simulation.model, self.camera)
+        return RangeSensor(simulation, self.lidar.surroundings, made, TICKS_PER_CONTROL)
 
     def varied(self, start: Start, variation: Variation) -> Scene:
         """Returns the scene of an episode, which may change its model as it likes.

@@ -24,6 +24,7 @@ from harness.gym.options import Options, parse_options
 from harness.gym.picture import Painter
 from harness.gym.ride import Ride
 from harness.samples import Twist
+from harness.sensors.depth import DepthOptions
 from harness.truth.recorder import TIPPED_OVER
 from harness.world.world import Start
 
@@ -205,6 +206,11 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         """
 
     @property
+    def _camera(self) -> DepthOptions | None:
+        """The depth camera that the rover carries; None for none."""
+        return None
+
+    @property
     def _box(self) -> float:
         """Half the side of the square in which starts and goals are [m]."""
         return math.inf
@@ -247,7 +253,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         )
         config.validate()
         with _building:
-            return Course(config)
+            return Course(config, self._camera)
 
     def _checked_action(self, action: Action) -> NDArray[np.float64]:
         space = self.action_space

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from harness.drivers.point_nav import attitude, clipped, limits
 from harness.samples import Pose
+from harness.sensors.depth import DepthOptions
 from harness.world.heightfield import Heightfield
 
 Observation = dict[str, NDArray[np.float32]]
@@ -71,6 +72,16 @@ def height_part() -> Part:
     where = f"{AHEAD[0]:g} to {AHEAD[-1]:g} m ahead, {LEFT[0]:g} m left to right, every 0.2 m"
     about = f"heights of the ground without obstacles over the rover [m], {where}"
     return Part((-LARGEST_HEIGHT,), (LARGEST_HEIGHT,), about, len(AHEAD) * len(LEFT))
+
+
+def depth_part(camera: DepthOptions) -> Part:
+    """Returns what a depth camera tells, as a part of an observation."""
+    about = (
+        f"depth image [m] of {camera.width} x {camera.height} pixels, row by row from the top left, "
+        f"{math.degrees(camera.fov):.0f} deg wide, from the lidar's place ahead and "
+        f"{math.degrees(camera.rpy[1]):.0f} deg down; a miss is the largest"
+    )
+    return Part((0.0,), (camera.range_max,), about, camera.rays)
 
 
 def point_nav_parts(beams: int, range_max: float) -> dict[str, Part]:

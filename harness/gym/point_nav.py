@@ -9,11 +9,13 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from harness.drivers.point_nav import GOAL_RADIUS, commanded, latest, observed
+from harness.drivers.base import CONTROL_PERIOD
+from harness.drivers.point_nav import GOAL_RADIUS, commanded, latest, observed, visible
 from harness.errors import UsageError
 from harness.gym.env import FLIPPED, Info, RoverEnv
 from harness.gym.observation import (
     Part,
+    depth_part,
     height_part,
     heights_around,
     point_nav_parts,
@@ -23,7 +25,9 @@ from harness.gym.options import Options
 from harness.gym.ride import Ride
 from harness.robots import find_rover
 from harness.samples import Pose, Twist
+from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.ranging import RangeReading
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,17 +61,31 @@ class PointNavOptions(Options):
         goal_radius: Distance at which the goal counts as reached [m].
         hazard_budget: Contact with hazards that ends an episode [s].
         height_scan: Whether the ground around the rover is observed too, as `heights`.
+        depth: Width and height of a depth camera's image [pixels], which is observed too, as `depth`.
         reward: Weights of the reward's terms.
     """
 
     goal_radius: float = GOAL_RADIUS
     hazard_budget: float = 1.0
     height_scan: bool = False
+    depth: tuple[int, ...] = ()
     reward: PointNavWeights = field(default_factory=PointNavWeights)
+
+    @property
+    def camera(self) -> DepthOptions | None:
+        """The depth camera that is observed; None for none."""
+        if not self.depth:
+            return None
+        (width, height), rate = self.depth, round(1.0 / CONTROL_PERIOD)
+        return DepthOptions(name="depth", width=width, height=height, rate=rate)
 
     def check(self) -> None:
         """Checks what is PointNav's, too."""
         super().check()
+        if len(self.depth) not in (0, 2):
+            raise UsageError(f"depth {list(self.depth)} is not valid; give width and height in pixels")
+        if self.camera is not None:
+            self.camera.check()
         for name in ("goal_radius", "hazard_budget"):
             value = getattr(self, name)
             if not 0.0 < value < math.inf:
@@ -94,6 +112,8 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
         self.parts: Mapping[str, Part] = point_nav_parts(lidar.beams, lidar.range_max)
         if self.options.height_scan:
             self.parts = {**self.parts, "heights": height_part()}
+        if (camera := self._camera) is not None:
+            self.parts = {**self.parts, "depth": depth_part(camera)}
         self.observation_space = space_of(self.parts)
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         rover = self._rover = find_rover(self.options.robot)
@@ -102,6 +122,10 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
             f"yaw rate; 1 is {rover.cruise_yaw_rate:.3g} rad/s to the left for {rover.name}",
         )
         self._weights = asdict(self.options.reward)
+
+    @property
+    def _camera(self) -> DepthOptions | None:
+        return self.options.camera
 
     def _begin(self, ride: Ride) -> None:
         self._distance = self._to_goal(ride)
@@ -118,6 +142,9 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
         if self.options.height_scan:
             ground, pose = ride.simulation.scene.world.ground, latest(ride.readings, Pose)
             values["heights"] = heights_around(ground, pose)
+        if (camera := self._camera) is not None:
+            ranges = latest(ride.readings, RangeReading).ranges
+            values["depth"] = visible(ranges, camera.range_max)
         return values
 
     def _judge(self, ride: Ride, failure: str) -> tuple[float, str, Info]:

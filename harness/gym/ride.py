@@ -18,6 +18,7 @@ from harness.physics.scene import HAZARD_CONTACT, SCRAPE_CONTACT
 from harness.physics.simulation import Simulation
 from harness.physics.start import check_room, check_start
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
+from harness.sensors.ranging import RangeReading
 from harness.sensors.suite import SensorSuite
 from harness.sim_time import NANOSECONDS, TICK_NS, parse_timestep
 from harness.world.world import Start
@@ -39,7 +40,8 @@ class Ride:
 
     Attributes:
         simulation: The physics.
-        readings: The last samples, of each kind in SENSED; late ones if the variation says so.
+        readings: The last samples, of each kind in SENSED and of the depth camera if there is one; late
+            ones if the variation says so.
         hazard_s: Contact with hazards in the last control period [s]; likewise `scrape_s`, of the body
             with the ground.
 
@@ -61,6 +63,7 @@ class Ride:
         parts = {"simulation": self.simulation, "lidar": course.lidar}
         noise = sensor_noise(replace(config, seed=noise_seed), course.lidar.spec)
         self._suite = SensorSuite(parts, scene.rover, {Imu: IMU_RATE}, wanted=SENSED, noise=noise)
+        self._camera = course.camera_of(self.simulation, noise_seed)
         self._late: deque[Readings] = deque(maxlen=1 + variation.late_periods)
         sensors = [scene.model.sensor(index) for index in range(scene.model.nsensor)]
         self._hazard = int(scene.model.sensor(HAZARD_CONTACT).adr[0])
@@ -86,7 +89,10 @@ class Ride:
             scrapes += any(counts[scrape] for scrape in self._scrapes)
             self._suite.tick(self._ticks)
         self.hazard_s, self.scrape_s = TICK * hazards, TICK * scrapes
-        self._late.append(self._suite.latest.copy())
+        readings = self._suite.latest.copy()
+        if self._camera is not None:
+            readings[RangeReading] = self._camera.read()
+        self._late.append(readings)
         self.readings = self._late[0]
 
     @property

@@ -161,7 +161,7 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
         pose, twist = latest(readings, Pose), latest(readings, Odometry).twist
         roll, pitch, yaw = attitude(latest(readings, Imu).orientation)
         scan = latest(readings, LaserScan)
-        ranges = visible(scan, FARTHEST)
+        ranges = visible(scan.ranges, FARTHEST)
         if self._defects.nearest_is_farthest:
             ranges[np.isneginf(scan.ranges)] = FARTHEST
         self._pose, self._roll, self._pitch, self._twist_now = pose, roll, pitch, twist

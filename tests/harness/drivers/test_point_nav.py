@@ -39,7 +39,7 @@ def test_the_way_to_a_goal_is_seen_from_the_rover(
 
 def test_ranges_become_numbers_and_nothing_is_nearer_than_what_is_too_near() -> None:
     ranges = np.array([np.inf, -np.inf, np.nan, 3.5], np.float32)
-    assert visible(LaserScan(0, ranges), 10.0).tolist() == [10.0, 0.0, 10.0, 3.5]
+    assert visible(ranges, 10.0).tolist() == [10.0, 0.0, 10.0, 3.5]
     assert np.isnan(ranges[2])  # the scan itself is left alone
 
 

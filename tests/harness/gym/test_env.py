@@ -139,6 +139,8 @@ WRONG_OPTIONS = [
     ({"episodes_per_world": 0}, "episodes_per_world 0 is not valid; give 1 or more"),
     ({"goal_distance": 0}, "goal_distance 0 to 0 is not valid; give two numbers above 0"),
     ({"time_limit": 0.003}, "duration 0.003 s is not valid"),
+    ({"depth": (4,)}, "depth [4] is not valid; give width and height in pixels"),
+    ({"depth": (0, 4)}, "an image of 0 x 4 pixels is not valid; give 1 or more"),
     ({"goal_radius": -1.0}, "goal_radius -1 is not valid; give a number above 0"),
     ({"terrain_size": [1.0, 2.0, 3.0]}, "terrain_size [1.0, 2.0, 3.0] is not valid; give 2 at most"),
     ({"render_mode": "ascii"}, "render_mode 'ascii' does not exist; available: rgb_array, human"),

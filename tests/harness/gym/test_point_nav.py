@@ -2,6 +2,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -96,6 +97,34 @@ def test_episodes_end_as_the_table_says(make: Make, monkeypatch: pytest.MonkeyPa
     _, _, terminated, truncated, info = env.step(still)
     assert (terminated, truncated, info["ending"], info["hazard_s"]) == (True, False, "hazard", 0.1)
     assert info["reward_terms"]["hazard"] == pytest.approx(-0.5)
+
+
+def test_depth_is_what_mujocos_rays_meet_along_the_axis_of_a_camera_above_the_lidar(make: Make) -> None:
+    width, height = 8, 6
+    env = make(depth=(width, height))
+    assert make().observation_space.spaces.keys() == env.observation_space.spaces.keys() - {"depth"}
+    seen, _ = env.reset(seed=3)
+    seen, *_ = env.step(np.array([0.5, 0.5], np.float32))
+    simulation = env._ride.simulation
+    model, data = simulation.model, simulation.data
+    mujoco.mj_kinematics(model, data)
+    turn, origin = data.body("rover").xmat.reshape(3, 3), data.site("lidar").xpos
+    down, focal = 0.35, width / 2 / math.tan(1.047 / 2)
+    axis = np.array([math.cos(down), 0.0, -math.sin(down)])  # x ahead, y left, z up
+    up = np.array([math.sin(down), 0.0, math.cos(down)])
+    groups, geom, expected = np.array([1, 0, 0, 0, 0, 1], np.uint8), np.zeros(1, np.int32), []
+    for row in range(height):
+        for column in range(width):
+            left, above = ((width - 1) / 2 - column) / focal, ((height - 1) / 2 - row) / focal
+            ray = axis + left * np.array([0.0, 1.0, 0.0]) + above * up
+            length = np.linalg.norm(ray)
+            ray = turn @ (ray / length)
+            met = mujoco.mj_ray(model, data, origin, ray, groups, 1, -1, geom, None)
+            expected.append(min(met / length, 10.0) if met >= 0.0 else 10.0)
+    np.testing.assert_allclose(seen["depth"], expected, atol=1e-4)
+    image = seen["depth"].reshape(height, width)
+    assert (image[0] > image[-1]).all()  # the top row sees farther
+    assert len({*np.round(seen["depth"], 3)}) > 2 * width
 
 
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
