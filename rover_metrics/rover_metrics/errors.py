@@ -160,7 +160,7 @@ class OneLineParser(argparse.ArgumentParser):
         super().__init__(**{"formatter_class": HelpWithDefaults} | options)
         self._command = self.prog.removeprefix("python -m ").removeprefix("rover_metrics.")
         typed = Path(sys.argv[0]).stem
-        if typed.startswith(SCRIPTS):
+        if typed.startswith(SCRIPTS) and self.prog.startswith("python -m "):  # no parser of a verb
             self.prog = typed
 
     def error(self, message: str) -> NoReturn:

@@ -57,12 +57,14 @@ def topics() -> str:
     """Returns the page of the topics that sensors publish, and of those that the metrics hear."""
     lines = [
         "# Topics of the sensors\n",
-        "In publishing order; rates in simulation time. Beside them: `/clock`, `/cmd_vel`.\n",
+        "In publishing order; rates in simulation time. Others can be [asked for](../sensors.md).\n",
         "| topic | type | QoS | rate [Hz] | frame | `--fault` | heard by `metrics_node` |",
         "|---|---|---|---|---|---|---|",
     ]
     heard = {source.name.lstrip("/") for source in (*HEARD, *TRUTH)}
     for row in SENSORS:
+        if row.rate == 0:  # only where it is asked for
+            continue
         rates = _by_robot({name: str(row.rate_on(rover)) for name, rover in ROVERS.items()})
         frames = _by_robot({name: row.frame_on(rover) for name, rover in ROVERS.items()})
         for topic in row.topics:

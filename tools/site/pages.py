@@ -18,7 +18,10 @@ ELSEWHERE = {  # beside docs/*.md
 GUIDES = "Guides"
 SECTIONS: dict[str, tuple[str, ...]] = {
     "Start": ("index.md", "first_plot.md", "comparison.md"),
-    GUIDES: ("testing.md", "scenarios.md", "worlds.md", "gym.md", "tuning.md", "nav2.md"),
+    GUIDES: (
+        *("testing.md", "scenarios.md", "robots.md", "sensors.md", "worlds.md", "social.md"),
+        *("gym.md", "tuning.md", "nav2.md"),
+    ),
     "Reference": (
         *("reference/commands.md", "reference/topics.md", "metrics.md", "frames.md"),
         *("models.md", "api.md", "reference/python.md"),

@@ -11,6 +11,7 @@ import pytest
 import tomllib
 
 from harness.cli import programs
+from rover_metrics.errors import OneLineParser
 
 ROOT = Path(__file__).parents[3]
 SCRIPTS: dict[str, str] = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]
@@ -19,6 +20,7 @@ OURS = {name: place for name, place in SCRIPTS.items() if name.startswith("rover
 WITHOUT = {
     "harness.gym.tables",
     "harness.scenario.schema",
+    "harness.sensors.page",
     "harness.view.picture",
     "rover_metrics.__main__",
     "rover_metrics.dictionary",
@@ -75,6 +77,17 @@ def test_a_mistake_is_told_under_the_modules_name(
         programs.call()
     assert left.value.code == 2
     assert capsys.readouterr().err.startswith("harness.call: unrecognized arguments: --no-such-option;")
+
+
+def test_a_verb_of_a_script_keeps_its_name(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["/bin/rover-robot", "new", "--help"])
+    parser = OneLineParser(prog="python -m harness.robot")
+    parser.add_subparsers().add_parser("new")
+    with pytest.raises(SystemExit):
+        parser.parse_args()
+    assert capsys.readouterr().out.startswith("usage: rover-robot new ")
 
 
 def test_nothing_is_loaded_before_a_program_is_ready() -> None:
