@@ -70,9 +70,9 @@ class Fault(Generic[A]):
 
     kind: Kind[A]
     sensor: str
-    value: float = 0.0
-    start_ns: int = 0
-    end_ns: int | None = None
+    value: float
+    start_ns: int
+    end_ns: int | None
 
     def active(self, time_ns: int) -> bool:
         """Returns whether it touches a tick of that simulation time."""

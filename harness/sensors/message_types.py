@@ -15,7 +15,6 @@ from rosbags.typesys.store import Typestore
 from harness.errors import unknown
 
 STEP = re.compile(r"(?P<name>[A-Za-z]\w*)(?:\[(?P<index>\d+)\])?")
-TEXT = ("string", "wstring")
 GRID_MAP = "grid_map_msgs/msg/GridMap"
 # What rosbags does not know: grid_map_msgs of ROS 2, without its comments.
 DEFINITIONS = {
@@ -76,7 +75,7 @@ def check_path(type_name: str, path: str) -> str | None:
 
 def _no_number(node: Any) -> str | None:  # noqa: ANN401 - of rosbags
     if node[0] == Nodetype.BASE:
-        return "it leads to text; give a field with numbers" if node[1][0] in TEXT else None
+        return "it leads to text; give a field with numbers" if node[1][0] == "string" else None
     if node[1] not in typestore().fielddefs:
         return None
     return f"it leads to a {node[1]}; go on with one of: {', '.join(_names(node[1]))}"

@@ -1,7 +1,7 @@
 """What samples are: values that cannot be changed and that arrive in another process as they were."""
 
 import pickle
-from dataclasses import FrozenInstanceError, fields, is_dataclass
+from dataclasses import FrozenInstanceError, astuple, fields, is_dataclass
 
 import pytest
 
@@ -30,6 +30,7 @@ def test_what_is_left_out_is_nothing_out_of_the_ordinary() -> None:
     assert Twist() == Twist(linear=0.0, angular=0.0)
     assert not Pose(0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)).empty
     assert Tick(0, ()).tells_time
+    assert set(astuple(Truth())) == {0, (0.0, 0.0, 0.0), ()}
     assert Odometry(1, 2.0, 3.0, 4.0, Twist(5.0, 6.0)) == Odometry(
         stamp_ns=1, x=2.0, y=3.0, yaw=4.0, twist=Twist(linear=5.0, angular=6.0)
     )

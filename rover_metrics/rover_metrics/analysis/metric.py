@@ -123,7 +123,7 @@ _CUMULATIVE = {column.header for column in _EXTENDED if column.cumulative}
 
 def is_other(column: str) -> bool:
     """Returns whether a column of a log is neither time, nor text, nor read for one of the codes."""
-    return column not in {"", STAMP, NOTES, *METRIC_COLUMNS, *(m.extended_column for m in _ALL)}
+    return column not in {STAMP, NOTES, *METRIC_COLUMNS, *(m.extended_column for m in _ALL)}
 
 
 def other_metric(column: str) -> Metric:

@@ -82,6 +82,8 @@ def test_every_word_about_the_episode_reaches_it() -> None:
         ("--datum -33.9,151.2", "config.datum", (-33.9, 151.2, 0.0)),
         ("--datum=-33.9,-70.6,520", "config.datum", (-33.9, -70.6, 520.0)),
         ("--noise", "config.noise", "white"),
+        ("--cmd-vel twist", "ros.cmd_vel", "twist"),
+        ("--cmd-vel stamped", "ros.cmd_vel", "stamped"),
         ("--rate max", "ros.rate", None),
         ("--rate 0.01", "ros.rate", 0.01),
         ("--rate 2.5", "ros.rate", 2.5),

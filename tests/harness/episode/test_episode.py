@@ -29,6 +29,7 @@ from harness.samples import (
     Twist,
 )
 from harness.sensors.lidar import LidarSensor
+from harness.world.obstacles import ObstacleKind
 from harness.world.world import terrain_hash
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
@@ -453,6 +454,13 @@ def test_an_episode_begins_where_it_is_told_and_comes_back_there() -> None:
     assert math.atan2(way[1], way[0]) == pytest.approx(2.0, abs=0.05)
     episode.reset()
     assert (episode.simulation.position, episode.simulation.yaw) == begun
+
+
+def test_an_episode_that_begins_inside_an_obstacle_is_refused_by_its_name() -> None:
+    rocks = config(terrain="rocky", lidar_beams=8)
+    x, y, _ = next(o for o in rocks.world().obstacles if o.kind is ObstacleKind.HAZARD).position
+    with pytest.raises(UsageError, match=r"is inside hazard_0; choose another --start"):
+        Episode(replace(rocks, start=(x, y, 0.0)))
 
 
 def test_divergence_is_reported_with_time_and_state(

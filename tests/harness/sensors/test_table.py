@@ -1,5 +1,6 @@
 """A sensor is one file and one row: the barometer is in every part of a run by that alone."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from harness.sensors.barometer import Pressure
 from harness.sensors.base import period_ticks
 from harness.sensors.choice import by_default
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.table import SensorRow
+from harness.sensors.table import SENSORS, SensorRow
 
 BEAMS = 8
 RUN: Any = {
@@ -120,3 +121,12 @@ def test_every_row_has_a_valid_rate_on_every_rover_and_fields_that_its_sample_ha
 ) -> None:
     assert all(period_ticks(row.rate_on(rover)) for rover in ROVERS.values())
     assert set(row.measured) <= set(row.sample.__dataclass_fields__)
+
+
+def test_topics_have_the_type_and_the_qos_that_the_readme_promises() -> None:
+    table = (Path(__file__).parents[3] / "README.md").read_text()
+    promised = re.findall(r"^\| `/(\S+)` \| (\w+)/(\w+)[^|]*\| ([^|]+), (\d+) \|", table, re.MULTILINE)
+    told = {name: (f"{package}/msg/{kind}", qos, int(n)) for name, package, kind, qos, n in promised}
+    for topic in (topic for row in SENSORS if row.options is None for topic in row.topics):
+        qos = "best effort" if topic.best_effort else "reliable"
+        assert told[topic.name] == (topic.message_type, qos, topic.depth)

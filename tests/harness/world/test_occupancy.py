@@ -7,7 +7,7 @@ import pytest
 
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, Shape, convex, rotation_matrix, top
-from harness.world.occupancy import FREE, OCCUPIED, OccupancyMap, occupancy
+from harness.world.occupancy import OCCUPIED, OccupancyMap, occupancy
 from harness.world.world import World
 
 SLOPE, STEP = math.radians(40.0), 0.07
@@ -36,7 +36,7 @@ def test_flat_ground_is_free_but_for_the_edge_where_a_run_ends() -> None:
     assert (grid.cells.shape, grid.resolution) == ((160, 160), 0.05)
     assert grid.cells.dtype == np.int8
     inner = np.abs(middles(grid)) < HALF - 0.5
-    expected = np.where(inner & inner[:, None], FREE, OCCUPIED)
+    expected = np.where(inner & inner[:, None], 0, 100)  # of nav_msgs/OccupancyGrid, where -1 is unknown
     assert (grid.cells == expected).all()
 
 

@@ -10,8 +10,8 @@ from rover_metrics.analysis.pairing import PairingError, pair
 
 
 def logs(*runs: str) -> list[Log]:
-    """Logs of runs such as "leo rocky 3"; "" has no record."""
-    keys = ("robot", "terrain", "seed")
+    """Logs of runs such as "leo rocky 3 0.5"; "" has no record."""
+    keys = ("robot", "terrain", "seed", "difficulty")
     return [
         Log(
             Path("x.csv"),
@@ -29,6 +29,7 @@ def logs(*runs: str) -> list[Log]:
     [
         (("leo rocky 1", "leo rocky 2"), ("zero rocky 2", "zero rocky 1"), ((0, 1), (1, 0))),
         (("leo rocky 1",), ("leo sand 1",), ((0, 0),)),
+        (("leo rocky 1 0.2", "leo rocky 1 0.8"), ("leo sand 1 0.8", "leo sand 1 0.2"), ((0, 1), (1, 0))),
         (("leo rocky 1", "leo sand 1"), ("zero sand 1", "zero rocky 1"), ((0, 1), (1, 0))),
         (("leo rocky 1", "leo sand 2"), ("zero sand 1", "zero rocky 2"), ()),
         (("leo rocky 1", "leo sand 2"), ("zero rocky 1", "zero rocky 2"), ()),

@@ -1,7 +1,7 @@
 """What every named terrain owes."""
 
 from collections.abc import Callable
-from dataclasses import asdict, astuple
+from dataclasses import asdict, astuple, fields
 from functools import cache
 from itertools import pairwise
 
@@ -118,36 +118,38 @@ def test_it_is_listed_with_a_summary_and_units(name: str) -> None:
     assert 10 < len(terrain.summary) < 80
     assert terrain.describe().startswith("size ")
     assert "deg" in terrain.promise.describe()
+    assert {item.metadata["unit"] for item in fields(terrain)} <= {"m", "deg", ""}
 
 
-# Heights [m] at three places, number of obstacles, and a sum over all their numbers.
+# Heights [m] at three places and their RMS about their mean, number of obstacles, and a sum over all
+# their numbers.
 FIRST_RELEASE = {
-    ("slope", 0.0): ((0.256627, -0.327518, 0.102073), 0, 0.0),
-    ("slope", 1.0): ((2.951097, -3.797109, 1.209389), 0, 0.0),
-    ("rolling", 0.0): ((-0.057749, -0.0159, 0.175381), 0, 0.0),
-    ("rolling", 0.5): ((-0.144373, -0.039751, 0.438451), 0, 0.0),
-    ("rolling", 1.0): ((-0.288747, -0.079502, 0.876903), 0, 0.0),
-    ("gravel", 0.0): ((-0.00306, 0.102181, -0.085448), 0, 0.0),
-    ("gravel", 0.5): ((0.002418, 0.109632, -0.100984), 0, 0.0),
-    ("gravel", 1.0): ((0.010243, 0.120276, -0.123179), 0, 0.0),
-    ("rocky", 0.0): ((-0.121931, 0.143736, 0.062156), 83, 780.886),
-    ("rocky", 0.5): ((-0.243863, 0.287473, 0.124311), 155, 2186.698),
-    ("rocky", 1.0): ((-0.51012, 0.601147, 0.256295), 303, 1429.072),
-    ("washboard", 0.0): ((0.007735, -0.004306, 0.004183), 0, 0.0),
-    ("washboard", 0.5): ((0.019336, -0.010764, 0.010459), 0, 0.0),
-    ("washboard", 1.0): ((0.030938, -0.017223, 0.016734), 0, 0.0),
-    ("dunes", 0.0): ((0.035495, 0.177362, 0.196723), 0, 0.0),
-    ("dunes", 0.5): ((0.079864, 0.399064, 0.442626), 0, 0.0),
-    ("dunes", 1.0): ((0.099386, 0.496613, 0.550823), 0, 0.0),
-    ("posts", 0.0): ((-0.069413, 0.004453, -0.035748), 16, 503.849),
-    ("posts", 0.5): ((-0.069413, 0.004453, -0.035748), 44, 1242.481),
-    ("posts", 1.0): ((-0.069413, 0.004453, -0.035748), 110, 2436.913),
-    ("maze", 0.0): ((0.0, 0.0, 0.0), 16, -14.822),
-    ("maze", 0.5): ((0.0, 0.0, 0.0), 32, 496.2),
-    ("maze", 1.0): ((0.0, 0.0, 0.0), 41, 791.289),
-    ("marsyard", 0.0): ((-0.449376, 0.192651, 0.058005), 0, 0.0),
-    ("marsyard", 0.5): ((-1.059638, 0.4072, 0.120853), 0, 0.0),
-    ("marsyard", 1.0): ((-1.429543, 0.568209, 0.175279), 0, 0.0),
+    ("slope", 0.0): ((0.256627, -0.327518, 0.102073), 0.404282, 0, 0.0),
+    ("slope", 1.0): ((2.951097, -3.797109, 1.209389), 4.676982, 0, 0.0),
+    ("rolling", 0.0): ((-0.057749, -0.0159, 0.175381), 0.079472, 0, 0.0),
+    ("rolling", 0.5): ((-0.144373, -0.039751, 0.438451), 0.19868, 0, 0.0),
+    ("rolling", 1.0): ((-0.288747, -0.079502, 0.876903), 0.397361, 0, 0.0),
+    ("gravel", 0.0): ((-0.00306, 0.102181, -0.085448), 0.049868, 0, 0.0),
+    ("gravel", 0.5): ((0.002418, 0.109632, -0.100984), 0.050769, 0, 0.0),
+    ("gravel", 1.0): ((0.010243, 0.120276, -0.123179), 0.053609, 0, 0.0),
+    ("rocky", 0.0): ((-0.121931, 0.143736, 0.062156), 0.05991, 83, 780.886),
+    ("rocky", 0.5): ((-0.243863, 0.287473, 0.124311), 0.11982, 155, 2186.698),
+    ("rocky", 1.0): ((-0.51012, 0.601147, 0.256295), 0.249484, 303, 1429.072),
+    ("washboard", 0.0): ((0.007735, -0.004306, 0.004183), 0.007074, 0, 0.0),
+    ("washboard", 0.5): ((0.019336, -0.010764, 0.010459), 0.017684, 0, 0.0),
+    ("washboard", 1.0): ((0.030938, -0.017223, 0.016734), 0.028295, 0, 0.0),
+    ("dunes", 0.0): ((0.035495, 0.177362, 0.196723), 0.073795, 0, 0.0),
+    ("dunes", 0.5): ((0.079864, 0.399064, 0.442626), 0.166038, 0, 0.0),
+    ("dunes", 1.0): ((0.099386, 0.496613, 0.550823), 0.206625, 0, 0.0),
+    ("posts", 0.0): ((-0.069413, 0.004453, -0.035748), 0.049897, 16, 503.849),
+    ("posts", 0.5): ((-0.069413, 0.004453, -0.035748), 0.049897, 44, 1242.481),
+    ("posts", 1.0): ((-0.069413, 0.004453, -0.035748), 0.049897, 110, 2436.913),
+    ("maze", 0.0): ((0.0, 0.0, 0.0), 0.0, 16, -14.822),
+    ("maze", 0.5): ((0.0, 0.0, 0.0), 0.0, 32, 496.2),
+    ("maze", 1.0): ((0.0, 0.0, 0.0), 0.0, 41, 791.289),
+    ("marsyard", 0.0): ((-0.449376, 0.192651, 0.058005), 0.220496, 0, 0.0),
+    ("marsyard", 0.5): ((-1.059638, 0.4072, 0.120853), 0.521665, 0, 0.0),
+    ("marsyard", 1.0): ((-1.429543, 0.568209, 0.175279), 0.667449, 0, 0.0),
 }
 PLACES = ((7.3, -5.1), (-9.4, 8.2), (3.0, 2.5))
 
@@ -157,10 +159,11 @@ def test_a_seed_makes_the_world_that_it_has_made_since_the_first_release(
     name: str, difficulty: float
 ) -> None:
     """Recorded runs name their world by terrain, seed and difficulty: it must not move under them."""
-    heights, obstacles, total = FIRST_RELEASE[name, difficulty]
+    heights, rms, obstacles, total = FIRST_RELEASE[name, difficulty]
     world = world_of(name, 1, difficulty)
     numbers = [(*o.half_size, *o.position, *o.quaternion) for o in world.obstacles]
     assert [world.ground.height_at(x, y) for x, y in PLACES] == pytest.approx(heights, abs=2e-6)
+    assert world.ground.heights.std() == pytest.approx(rms, abs=2e-6)
     assert len(numbers) == obstacles
     weighted = sum(n * value for row in numbers for n, value in enumerate(row, start=1))
     assert weighted == pytest.approx(total, abs=0.01)
