@@ -102,7 +102,7 @@ def test_list_names_terrains_with_their_promises_robots_drivers_and_noise(
         (["--direct", "--driver", "cmd_vel"], "--driver cmd_vel needs ROS; leave out --direct"),
         (["--direct", "--ros-args", "-r", "a:=b", "--"], "--ros-args needs ROS; leave out --direct"),
         (["--direct", "--actor", "g=0,0/30,0"], "actor 'g' walks off the map at 19.60,0.00"),
-        (["--direct", "--actor", "none.sdf"], "cannot read the trajectory none.sdf"),
+        (["--direct", "--actor", "none.sdf"], "none.sdf cannot be read: No such file"),
         (["--direct", "--actor", "g=random:speed=0"], "speed '0' is not valid; give 0.05 to 10"),
         (
             ["--direct", "--driver", "goal", "--goal-area", "90,91,0,1"],

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import __version__
+from harness.config import EpisodeConfig
 from harness.drivers.policy import PREFIX
 from harness.errors import UsageError
 from harness.files import whole_file
@@ -23,6 +24,7 @@ from rover_metrics.log.files import json_safe
 
 EPISODES, SWEEP = "episodes", "sweep.json"
 UNSET: tuple[Any, ...] = (None, (), [])  # options that an episode does not use; JSON has lists
+DEFAULTS = json_safe(asdict(EpisodeConfig()))  # as they are read
 TABLES = {"scans": SCAN, "windows": WINDOW, "events": EVENT}
 LABELS = ("ending", "driver", "terrain")
 
@@ -126,9 +128,13 @@ def _identity(planned: tuple[Planned, ...]) -> dict[str, Any]:
 
 
 def _used(configs: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
-    """Configurations without what is unset, so that a sweep outlives an option that comes later."""
+    """Configurations without what is unset or left to its default: a sweep outlives options to come."""
     return {
-        name: {field: value for field, value in config.items() if value not in UNSET}
+        name: {
+            field: value
+            for field, value in config.items()
+            if value not in UNSET and json_safe(value) != DEFAULTS.get(field)
+        }
         for name, config in configs.items()
     }
 

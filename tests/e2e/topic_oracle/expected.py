@@ -378,7 +378,6 @@ def topics() -> tuple[Topic, ...]:
         Topic("/joint_states", "sensor_msgs/msg/JointState", (50, 50), joint_states),
         Topic(f"{truth}/contact", "std_msgs/msg/Bool", (20, 20), contact),
         Topic(f"{truth}/traversal", "std_msgs/msg/Float64MultiArray", (20, 20), traversal),
-        Topic("/guide_actor/pose", "geometry_msgs/msg/Pose", (30, 30), person),
         Topic("/gnss/fix", "sensor_msgs/msg/NavSatFix", (5, 5), surroundings.fix),
         Topic("/imu/mag", "sensor_msgs/msg/MagneticField", (20, 20), surroundings.magnetic_field),
         Topic("/barometer/pressure", "sensor_msgs/msg/FluidPressure", (10, 10), surroundings.pressure),
@@ -389,6 +388,7 @@ def topics() -> tuple[Topic, ...]:
             surroundings.grid_map,
             tolerance=2e-6,
         ),
+        Topic("/guide_actor/pose", "geometry_msgs/msg/Pose", (30, 30), person),
         Topic(
             "/clock", "rosgraph_msgs/msg/Clock", (100, 100), lambda twin: {"clock": stamp(twin.time_ns)}
         ),

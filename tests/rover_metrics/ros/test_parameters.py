@@ -41,8 +41,9 @@ DECLARED: dict[str, tuple[object, tuple[float, float] | None]] = {  # default an
     "near_returns_as_contact": (False, None),
     "footprint_threshold": (0.05, (0.0, 100.0)),
     "gravity": (9.80665, (0.0, 100.0)),
+    "wheels": ("front_left,rear_left,front_right,rear_right", None),
 }
-FIXED = {"log_dir"}
+FIXED = {"log_dir", "wheels"}
 TRIANGLE = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0]
 CHANGES: list[tuple[str, Any, Any, Any]] = [  # value, what the settings then have, another value
     ("debug_mode", True, True, False),
@@ -58,6 +59,7 @@ CHANGES: list[tuple[str, Any, Any, Any]] = [  # value, what the settings then ha
     ("near_returns_as_contact", True, True, False),
     ("footprint_threshold", 0.25, 0.25, 0.5),
     ("gravity", 9.8, 9.8, 3.7),
+    ("wheels", "left,right", "left,right", "front"),
 ]
 
 
