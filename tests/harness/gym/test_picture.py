@@ -28,7 +28,7 @@ def drawing(make: Make, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
 
 def test_an_image_shows_the_rover_in_the_middle_and_the_goal(drawing: Callable[..., Any]) -> None:
     env = drawing(render_mode="rgb_array", random_start=False)
-    turned = {"start": (0.0, 0.0, np.pi / 2), "goal": (0.5, 2.0)}  # seen as (2, -0.5) of the rover
+    turned = {"start": (0.0, 0.0, np.pi / 2), "goal": (0.5, 4.0)}  # ahead, a little to the right
     with pytest.raises(ResetNeeded, match="nothing to draw yet"):
         env.render()
     env.reset(seed=0, options=turned)

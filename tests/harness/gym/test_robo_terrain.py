@@ -34,7 +34,7 @@ def test_the_reward_is_robo_terrains_of_what_is_observed(make: Make, stale: bool
     env = make("RoboTerrain", defects={"stale_reward": stale})
     first, _ = env.reset(seed=3, options={**MIDDLE, "start": (0.0, 0.0, 2.5)})  # it looks away
     seen, rewards, expected = [first, first], [], []
-    for action in [(0.7, 0.0)] * 8 + [(0.7, -2.5)] * 20 + [(0.7, 0.4)] * 8 + [(0.0, 0.0)] * 6:
+    for action in [(0.7, 0.0)] * 8 + [(0.7, -2.5)] * 20 + [(0.7, 0.4)] * 8 + [(0.0, 0.0)] * 14:
         observation, reward, *_ = env.step(np.array(action, np.float32))
         seen.append(observation)
         rewards.append(reward)
