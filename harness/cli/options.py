@@ -131,8 +131,6 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         UsageError: Two options exclude each other; the message names the mend.
     """
     words, ros_args = split_ros_args(arguments)
-    for flag in ("--start", "--datum", "--goal-area"):  # argparse takes -3,4 for an option
-        words = _joined(flag, words)
     parser = run_parser()
     wrong = complaint(ros_args, parser._option_string_actions)  # noqa: SLF001 - all of its options
     if wrong is not None:
@@ -175,15 +173,6 @@ def read_parameters(path: Path) -> dict[str, Any]:
         return read_values(path)
     except ParameterError as error:
         raise UsageError(f"--params: {error}") from error
-
-
-def _joined(flag: str, words: Sequence[str]) -> list[str]:
-    """The same words, with `flag value` as `flag=value`."""
-    words = list(words)
-    while flag in words[:-1]:
-        place = words.index(flag)
-        words[place : place + 2] = [f"{flag}={words[place + 1]}"]
-    return words
 
 
 def _filled(cls: type[T], given: argparse.Namespace, **others: object) -> T:

@@ -186,7 +186,7 @@ def _plain(value: object) -> object:
         value = asdict(value)
     if isinstance(value, Mapping):
         return {key: _plain(item) for key, item in value.items()}
-    return [_plain(item) for item in value] if isinstance(value, tuple | list) else value
+    return list(value) if isinstance(value, tuple) else value
 
 
 def _check_range(name: str, values: Range, above: float | None = None) -> None:

@@ -73,11 +73,10 @@ class Painter:
         return image
 
     def close(self) -> None:
-        """Closes the window and gives OpenGL back."""
+        """Closes the window and gives OpenGL back; it cannot draw any more."""
         self._leave()
         if self._context is not None:
             self._context.free()
-            self._context = None
 
     def _stage(self, course: Course) -> None:
         scene = course.scene

@@ -69,7 +69,6 @@ class Ride:
         self._hazard = int(scene.model.sensor(HAZARD_CONTACT).adr[0])
         self._scrapes = [int(s.adr[0]) for s in sensors if s.name.startswith(SCRAPE_CONTACT)]
         self._ticks = 0
-        self.hazard_s = self.scrape_s = 0.0
         self.readings: Readings = {}
         self.advance(Twist())
 

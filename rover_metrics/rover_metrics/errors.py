@@ -5,6 +5,7 @@ its work. Needs Python alone, since what is missing is told from here.
 """
 
 import argparse
+import re
 import signal
 import sys
 from collections.abc import Callable, Iterable
@@ -158,6 +159,7 @@ class OneLineParser(argparse.ArgumentParser):
 
     def __init__(self, **options: Any) -> None:  # noqa: ANN401 - argparse's
         super().__init__(**{"formatter_class": HelpWithDefaults} | options)
+        self._negative_number_matcher = re.compile(r"-\.?\d")  # or argparse takes -3,4 for an option
         self._command = self.prog.removeprefix("python -m ").removeprefix("rover_metrics.")
         typed = Path(sys.argv[0]).stem
         if typed.startswith(SCRIPTS) and self.prog.startswith("python -m "):  # no parser of a verb

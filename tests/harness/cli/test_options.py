@@ -100,7 +100,7 @@ def test_every_word_about_the_episode_reaches_it() -> None:
         ("--picture-lidar", "picture_lidar", True),
         ("--video a.mp4", "video", Path("a.mp4")),
         ("--actor a=random --actor b=1,2", "config.actors", ("a=random", "b=1,2")),
-        ("--goal-area -1,2,-3,4", "config.goal_area", (-1.0, 2.0, -3.0, 4.0)),
+        ("--goal-area -.5,2,-3,4", "config.goal_area", (-0.5, 2.0, -3.0, 4.0)),
         ("--actor a=random --social-log s.csv", "social_log", Path("s.csv")),
     ],
 )
@@ -122,7 +122,7 @@ def test_the_list_of_choices_is_no_run_whatever_else_is_asked_for() -> None:
         ("--start 1,2,3,4", "'1,2,3,4' is not valid"),
         ("--start 1,north", "'1,north' is not valid"),
         ("--datum 51", "'51' is not valid; give LAT,LON or LAT,LON,ALT in degrees and metres"),
-        ("--start --seed 1", "'--seed' is not valid"),
+        ("--start --seed 1", "argument --start: expected one argument"),
         ("--goal-area 1,2,3", "'1,2,3' is not valid; give XMIN,XMAX,YMIN,YMAX in metres"),
         ("--seed 1 --start", "expected one argument"),
     ],

@@ -17,6 +17,7 @@ import harness.gym
 from harness.config import EpisodeConfig
 from harness.errors import UsageError
 from harness.gym import ENVIRONMENTS
+from harness.sim_time import NANOSECONDS
 from harness.world.world import terrain_hash
 from tests.harness.gym.conftest import SIDE, Make
 
@@ -62,6 +63,14 @@ def test_an_environment_survives_pickling_and_its_spec_a_file(small: dict[str, A
     env.close()
 
 
+def test_one_number_is_the_size_or_height_of_a_map_or_a_range(make: Make) -> None:
+    options = make(terrain_size=12, terrain_height=2, goal_distance=3).options
+    assert options.goal_distance == (3.0, 3.0)
+    for terrain, size, height in ((options.terrain[0], (12.0, 12.0), 2.0), ("flat", None, None)):
+        config = options.episode(terrain, 0, 0.5)
+        assert (config.terrain_size, config.terrain_height) == (size, height)
+
+
 def test_the_world_of_a_seed_is_that_of_the_command_line() -> None:
     env: Any = gymnasium.make("RoverHarness/PointNav-v0", terrain="flat", random_start=False).unwrapped
     _, info = env.reset(seed=11)
@@ -79,6 +88,7 @@ def test_worlds_are_kept_for_some_episodes_and_starts_and_goals_vary(make: Make)
     infos = [env.reset(seed=seed)[1] for seed in (1, None, None)]
     worlds = [(info["terrain"], info["world_seed"], info["difficulty"]) for info in infos]
     assert worlds[0] == worlds[1] != worlds[2]
+    assert infos[2]["world_seed"] > 2**20  # one of 2^31, not of a few
     assert all(0.2 <= difficulty <= 0.9 for _, _, difficulty in worlds)
     assert len({tuple(info["start"]) for info in infos}) == 3
     for info in infos:
@@ -114,6 +124,11 @@ def test_start_and_goal_can_be_given(make: Make) -> None:
     assert (info["start"].tolist(), info["goal"].tolist()) == ([1.0, -2.0, 0.5], [2.0, 2.0])
     assert np.hypot(*(env._ride.simulation.position[:2] - np.array([1.0, -2.0]))) < 0.05
     assert env._ride.simulation.yaw == pytest.approx(0.5, abs=0.05)
+    before_ns = env._ride.simulation.time_ns
+    env.step(AHEAD)
+    assert (env._ride.simulation.time_ns - before_ns) * env.metadata["render_fps"] == NANOSECONDS
+    _, info = env.reset(options={"goal": (1.0, 1.0)})
+    assert info["world_seed"] == 0  # no other world for another goal
 
 
 WRONG_OPTIONS = [
@@ -160,6 +175,7 @@ WRONG_RESETS = [
     ({"start": (1.0, 2.0)}, "reset: start (1.0, 2.0) is not valid; give 3 finite numbers"),
     ({"goal": ("a", "b")}, "reset: goal ('a', 'b') is not valid; give 2 finite numbers"),
     ({"goal": (math.nan, 0.0)}, "give 2 finite numbers"),
+    ({"start": (5.0, 5.0, 0.0)}, "no rover can stand at start 5,5,0: it slid"),
     ({"start": (0.0, SIDE, 0.0)}, "is off the map or at its edge"),
     ({"terrain": "mars"}, "terrain 'mars' does not exist"),
 ]

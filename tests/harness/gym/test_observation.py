@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.gym.observation import AHEAD, LEFT, heights_around, point_nav_parts, space_of, within
+from harness.gym.observation import (
+    AHEAD,
+    LEFT,
+    height_part,
+    heights_around,
+    point_nav_parts,
+    space_of,
+    within,
+)
 from harness.samples import Pose
 from harness.world.heightfield import Heightfield
 
@@ -20,6 +28,7 @@ def test_heights_are_those_of_a_plane_around_the_rover(yaw: float) -> None:
     aside -= 0.1 * math.cos(yaw)
     assert seen == pytest.approx(here + along * np.array(AHEAD)[:, None] + aside * np.array(LEFT))
     assert (AHEAD[0], AHEAD[-1], LEFT[0], LEFT[-1]) == (-0.5, 1.5, 0.6, -0.6)
+    assert "-0.5 to 1.5 m ahead, 0.6 m left to right" in height_part().about
 
 
 def test_an_observation_is_kept_within_its_space() -> None:

@@ -10,6 +10,7 @@ from harness.errors import UsageError
 from harness.gym import picture
 from harness.physics import opengl
 from harness.physics.opengl import gl_context
+from harness.world.heightfield import Heightfield
 from tests.harness.gym.conftest import Make
 
 GOAL = np.array([13, 199, 219])  # of GOAL_COLOR, 0..255
@@ -27,13 +28,17 @@ def drawing(make: Make, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
 
 def test_an_image_shows_the_rover_in_the_middle_and_the_goal(drawing: Callable[..., Any]) -> None:
     env = drawing(render_mode="rgb_array", random_start=False)
+    turned = {"start": (0.0, 0.0, np.pi / 2), "goal": (0.5, 4.0)}  # ahead, a little to the right
     with pytest.raises(ResetNeeded, match="nothing to draw yet"):
         env.render()
-    env.reset(seed=0, options={"goal": (2.0, -0.5)})
+    env.reset(seed=0, options=turned)
     image = env.render()
+    assert np.array_equal(env.render(), image)  # the first has the same light
     assert (image.shape, image.dtype) == ((400, 640, 3), np.uint8)
     blueish = (image[..., 2].astype(int) - image[..., 0]) > 40  # nothing else on Mars is
     assert blueish.sum() > 200, blueish.sum()
+    height, width = np.ptp(np.nonzero(blueish)[0]), blueish.sum(axis=1).max()
+    assert height > 8 * width, (height, width)  # 1.2 m of it above the ground, 0.1 m thick, from above
     env.reset(options={"goal": (-6.0, 0.0)})  # behind the camera
     other = env.render()
     assert ((other[..., 2].astype(int) - other[..., 0]) > 40).sum() == 0
@@ -68,6 +73,7 @@ def test_a_window_is_shown_each_step_and_opened_anew_in_a_new_world(
     monkeypatch.setenv("DISPLAY", ":0")
     viewer = Mock()
     monkeypatch.setattr(picture, "dress", lambda *_, **__: None)  # slow, and nobody looks
+    monkeypatch.setattr(picture, "drawn", lambda _: Heightfield(np.zeros((9, 9)), 1.75))
     monkeypatch.setattr(picture, "import_module", lambda _: viewer)
     env = make(render_mode="human")
     env.reset(seed=0)
@@ -75,6 +81,7 @@ def test_a_window_is_shown_each_step_and_opened_anew_in_a_new_world(
     env.reset()
     window = viewer.launch_passive.return_value
     assert (viewer.launch_passive.call_count, window.sync.call_count) == (1, 3)
+    assert viewer.launch_passive.call_args.args[0].hfield_nrow.tolist() == [9]
     env.reset(seed=1)
     assert (viewer.launch_passive.call_count, window.close.call_count) == (2, 1)
     env.close()

@@ -62,7 +62,7 @@ def test_through_dds_the_node_drives_the_path_of_the_environment(
     ("words", "told"),
     [
         (["nowhere.npz"], "policy nowhere.npz cannot be read: No such file or directory"),
-        (["small.npz", "--robot", "spirit"], "robot 'spirit' does not exist"),
+        (["small.npz", "--goal", "-3,1", "--robot", "spirit"], "robot 'spirit' does not exist"),
         (["small.npz", "--goal", "3"], "'3' is not valid; give X,Y in metres"),
         (["small.npz", "--goal", "3,nan"], "'3,nan' is not valid; give X,Y in metres"),
     ],

@@ -32,10 +32,10 @@ def expected_reward(before: dict[str, Any], now: dict[str, Any]) -> float:
 @pytest.mark.parametrize("stale", [False, True])
 def test_the_reward_is_robo_terrains_of_what_is_observed(make: Make, stale: bool) -> None:
     env = make("RoboTerrain", defects={"stale_reward": stale})
-    first, _ = env.reset(seed=3, options=MIDDLE)
+    first, _ = env.reset(seed=3, options={**MIDDLE, "start": (0.0, 0.0, 2.5)})  # it looks away
     seen, rewards, expected = [first, first], [], []
-    for turn in [0.0] * 8 + [2.5] * 20 + [-0.4] * 12:
-        observation, reward, *_ = env.step(np.array([0.7, turn], np.float32))
+    for action in [(0.7, 0.0)] * 8 + [(0.7, -2.5)] * 20 + [(0.7, 0.4)] * 8 + [(0.0, 0.0)] * 14:
+        observation, reward, *_ = env.step(np.array(action, np.float32))
         seen.append(observation)
         rewards.append(reward)
         expected.append(expected_reward(*(seen[-3:-1] if stale else seen[-2:])))
@@ -101,6 +101,7 @@ def test_scans_nearer_than_thirty_centimetres_are_collisions(
         env._ride.advance = advance
         rewards.append(reward)
     assert [reward == -0.5 for reward in rewards] == [False, True, False, True]
+    assert info["reward_terms"] == {"collision": -0.5}
     assert info["collisions"] == counted
 
 
@@ -122,12 +123,24 @@ def test_the_heading_controller_is_pd_in_simulation_time(
     assert defective._twist(np.array([0.4, 0.5])).angular == pytest.approx(2.0 * 0.5 + 0.1 * 0.5 / 0.5)
 
 
-@pytest.mark.parametrize(("steps", "reward"), [(1, 0.0), (500, 0.0), (501, -20.0)])
-def test_who_flips_ends_and_pays_unless_it_was_early(make: Make, steps: int, reward: float) -> None:
+@pytest.mark.parametrize(
+    ("steps", "reward", "tilt"),
+    [
+        (1, 0.0, (0.78, 0.0)),
+        (500, 0.0, (-0.75, 0.0)),
+        (501, -20.0, (0.0, 0.75)),
+        (502, -20.0, (0.0, -0.75)),
+    ],
+)
+def test_who_flips_ends_and_pays_unless_it_was_early(
+    make: Make, steps: int, reward: float, tilt: tuple[float, float]
+) -> None:
     env = make("RoboTerrain")
     env.reset(seed=0, options=MIDDLE)
     env.steps = steps - 1
-    env._ride.simulation.data.qpos[2:7] = 0.4, math.cos(0.78), math.sin(0.78), 0.0, 0.0  # 1.56 rad
+    half_roll, half_pitch = tilt  # beyond 0.74 rad; in the air
+    cos, roll, pitch = math.cos(sum(tilt)), math.sin(half_roll), math.sin(half_pitch)
+    env._ride.simulation.data.qpos[2:7] = 1.0, cos, roll, pitch, 0.0
     assert env.step(STILL)[1:3] == (reward, True)
 
 
@@ -142,6 +155,10 @@ def test_who_is_stuck_or_outside_ends_and_pays(make: Make) -> None:
     env._ride.simulation.data.qpos[0] = 6.6
     _, reward, terminated, _, info = env.step(STILL)
     assert (reward, terminated, info["ending"]) == (-10.0, True, "edge")
+    env.reset(options=MIDDLE)
+    env._ride.simulation.data.qvel[0] = np.nan
+    _, reward, terminated, _, info = env.step(STILL)
+    assert (reward, terminated, info["ending"]) == (0.0, False, "diverged")
 
 
 @pytest.mark.parametrize("defect", [False, True])

@@ -1,5 +1,6 @@
 import re
 from typing import Any
+from unittest.mock import Mock
 
 import gymnasium
 import numpy as np
@@ -16,16 +17,17 @@ def vector(small: dict[str, Any], count: int = 2, **options: object) -> Any:  # 
     return gymnasium.make_vec(ID, num_envs=count, **{**small, **options})
 
 
-@pytest.mark.parametrize("mode", list(AutoresetMode))
+@pytest.mark.parametrize(("mode", "threads"), list(zip(AutoresetMode, (1, 2, 2), strict=True)))
 def test_it_does_what_gymnasiums_own_does_with_single_environments(
-    small: dict[str, Any], mode: AutoresetMode
+    small: dict[str, Any], mode: AutoresetMode, threads: int
 ) -> None:
     options = {**small, "time_limit": 0.15, "noise": "hardware"}
-    ours = vector(options, autoreset_mode=mode.value, threads=2)
+    ours = vector(options, autoreset_mode=mode.value, threads=threads)
+    assert (ours._pool is None) == (threads == 1)  # this one suffices
     plain = SyncVectorEnv([lambda: gymnasium.make(ID, **options)] * 2, autoreset_mode=mode)
     assert ours.observation_space == plain.observation_space
     assert ours.metadata["autoreset_mode"] is mode
-    assert_alike(ours.reset(seed=5), plain.reset(seed=5))
+    assert_alike(ours.reset(seed=np.int64(5)), plain.reset(seed=5))
     for actions in np.random.default_rng(0).uniform(-1.0, 1.0, (4, 2, 2)).astype(np.float32):
         stepped = ours.step(actions)
         assert_alike(stepped, plain.step(actions))
@@ -43,6 +45,8 @@ def assert_alike(one: Any, other: Any) -> None:  # noqa: ANN401 - what steps and
         assert one.keys() == other.keys()
         keys = list(one)
         one, other = ([told[key] for key in keys] for told in (one, other))
+    if isinstance(one, np.ndarray):
+        assert one.dtype == other.dtype
     if isinstance(one, list | tuple) or one.dtype == object:
         for mine, its in zip(one, other, strict=True):
             if isinstance(mine, dict | list | tuple | np.ndarray):
@@ -50,7 +54,6 @@ def assert_alike(one: Any, other: Any) -> None:  # noqa: ANN401 - what steps and
             else:
                 assert mine == its
     else:
-        assert one.dtype == other.dtype
         np.testing.assert_array_equal(one, other)
 
 
@@ -90,5 +93,10 @@ def test_mistakes_with_many_episodes_are_told_in_a_line(small: dict[str, Any]) -
         envs.step(np.float32(0.5))
     with pytest.raises(InvalidAction, match="finite numbers"):  # of a thread's environment, too
         envs.step(np.array([[0.0, 0.0], [0.0, np.nan]], np.float32))
+    single = Mock(wraps=envs.envs[1])
+    envs.envs[1] = single
     envs.close()
     envs.close()
+    single.close.assert_called_once()
+    with pytest.raises(RuntimeError, match="after shutdown"):  # there are no threads any more
+        envs.step(actions)
