@@ -1,8 +1,8 @@
 # The verbs of this project. `make run` and `make test` set everything up by themselves.
 BIN := .venv/bin
 READY := .venv/.ready
-# Processes of `make test`; 0: its own only.
-JOBS ?= 2
+# Processes of `make test`, on two cores: its tests wait, too; 0: its own only.
+JOBS ?= 3
 
 .PHONY: run test test-jazzy test-cluster mutants lint format bench soak docs dist lock audit clean setup
 
