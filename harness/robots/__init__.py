@@ -51,6 +51,11 @@ def find_rover(robot: str) -> RoverSpec:
     """
     if robot in ROVERS:
         return ROVERS[robot]
+    if Path(robot).is_file():
+        raise UsageError(
+            f"robot '{robot}' is a file; a rover is a folder, which `python -m harness.robot new NAME "
+            f"--from {robot}` makes of a URDF (docs/robots.md)"
+        )
     if not robot or not Path(robot).is_dir():
         raise UsageError(
             f"robot '{robot}' does not exist; available: {', '.join(ROVERS)}, "
