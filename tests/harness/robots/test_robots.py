@@ -62,7 +62,9 @@ def test_an_unknown_name_is_refused_with_the_names_that_exist() -> None:
         match=r"^robot 'spot' does not exist; available: leo, rover_zero4wd, or the path",
     ):
         find_rover("spot")
-    with pytest.raises(UsageError, match=r"test_robots\.py' is a file; .* harness.robot new NAME --from "):
+    with pytest.raises(
+        UsageError, match=r"test_robots\.py' is a file; .* harness.robot new NAME --from "
+    ):
         find_rover(__file__)
 
 
