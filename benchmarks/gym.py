@@ -93,7 +93,7 @@ def _memory(robot: str, env: Any, effort: Effort) -> tuple[str, ...]:  # noqa: A
                 env.step(np.array([0.5, 0.2], np.float32))
         return resident(os.getpid())
 
-    begun = drive(20)
+    begun = drive(4 * effort.rounds)
     grown = (drive(count) - begun) / MEGABYTE
     what = f"memory after {count} worlds, {count * STEPS_A_WORLD:,} steps"
     return robot, what, "-", f"{grown:+.1f} MB", "< 5 MB"
