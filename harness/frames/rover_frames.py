@@ -15,14 +15,13 @@ from harness.errors import UsageError
 from harness.frames.tree import Edge, check_tree
 from harness.robots import FrameRow, RoverSpec
 from harness.robots.measures import frame_name
-from harness.robots.model import read_model
+from harness.robots.model import ROOT_ID, read_model
 from harness.samples import Quaternion, Vector3
 from harness.sensors.mount import Mount
 from harness.sensors.optional import LIDAR_FRAME
 
 Matrix = NDArray[np.float64]
 
-ROOT = 1  # the root body's id
 ON_AXIS = 1e-9  # [m]: a link's origin lies on its joint's axis
 HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 
@@ -115,7 +114,7 @@ def rover_frames(rover: RoverSpec, mounts: Iterable[FrameRow] = ()) -> RoverFram
     base = rover.odometry_child_frame
     check_tree(base, [(row.parent, row.child) for row in rows], where)
     carried = {row.body for row in rows if row.body}
-    links = {base: Link(base, "", ROOT, model.body(ROOT).name not in carried, np.eye(4), -1)}
+    links = {base: Link(base, "", ROOT_ID, model.body(ROOT_ID).name not in carried, np.eye(4), -1)}
     waiting = list(rows)
     while waiting:  # a parent may stand below its child in the file
         row = next(row for row in waiting if row.parent in links)
@@ -128,7 +127,7 @@ def _of_the_model(rover: RoverSpec, model: mujoco.MjModel) -> Iterator[FrameRow]
     """A frame for each body, the lidar and the IMU, where rover.yaml has none."""
     named = {row.child for row in rover.frames}
     frame_of = {row.body: row.child for row in rover.frames if row.body}
-    frame_of.setdefault(model.body(ROOT).name, rover.odometry_child_frame)
+    frame_of.setdefault(model.body(ROOT_ID).name, rover.odometry_child_frame)
     for body in range(1, model.nbody):  # a parent stands before its children
         name = model.body(body).name
         if name not in frame_of:

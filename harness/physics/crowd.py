@@ -11,6 +11,7 @@ import numpy as np
 
 from harness.physics.contacts import ContactWatch, Touch
 from harness.physics.scene import Scene
+from harness.robots.model import ROOT_ID
 from harness.samples import Place, Vector3
 from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.world.actors.walker import SocialWalker
@@ -35,9 +36,8 @@ class Crowd:
         self._rover_radius = max(math.hypot(x, y) for x in (x_min, x_max) for y in (y_min, y_max))
         self._mocap = [int(model.body(actor.name).mocapid[0]) for actor in self.actors]
         self._geoms = [int(model.geom(actor.name).id) for actor in self.actors]
-        rover = model.body("rover").rootid
         solid = (model.geom_contype | model.geom_conaffinity) != 0
-        self._parts = np.flatnonzero(solid & (model.body_rootid[model.geom_bodyid] == rover)).tolist()
+        self._parts = np.flatnonzero(solid & (model.body_rootid[model.geom_bodyid] == ROOT_ID)).tolist()
         self._began_ns = 0
         self.places = [Place(*actor.begin, 0.0) for actor in self.actors]
         self.move(0)

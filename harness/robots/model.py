@@ -18,6 +18,7 @@ from harness.robots.spec import Mount, RoverSpec
 SEEN_GROUP, COLLIDING_GROUP, UNSEEN_GROUP = 2, 3, 4
 COLLIDING = (1, 2)  # contype, conaffinity; the world has 2 and 1, so that no part touches another
 ROOT, ROOT_JOINT = "rover", "root"  # where a model has no names for them
+ROOT_ID = 1  # the root body's in every scene: what else there is comes after the rover
 SENSORS = {
     "imu_accelerometer": mujoco.mjtSensor.mjSENS_ACCELEROMETER,
     "imu_gyro": mujoco.mjtSensor.mjSENS_GYRO,

@@ -125,8 +125,8 @@ class HeightScanSensor(OptionalSensor):
         north = y + sin * self._along + cos * self._across
         ground = simulation.scene.world.ground
         heights = np.maximum(ground.heights_at(east, north), self._obstacles_at(east, north, (x, y)))
-        half_x, half_y = ground.half_size
-        heights[(np.abs(east) > half_x) | (np.abs(north) > half_y)] = np.nan
+        x_min, x_max, y_min, y_max = ground.bounds()
+        heights[(east < x_min) | (east > x_max) | (north < y_min) | (north > y_max)] = np.nan
         return HeightScan(simulation.time_ns, self.name, (heights - z).astype(np.float32), x, y, z, yaw)
 
     def _obstacles_at(

@@ -17,6 +17,7 @@ from harness.physics.opengl import Canvas
 from harness.physics.scene import build_scene
 from harness.physics.stage import FARTHEST, NEAREST, Quality, aim_sun, visible_groups
 from harness.robots import RoverSpec
+from harness.robots.model import ROOT_ID
 from harness.sensors.camera.look import SUN_AZIMUTH, dress_for_cameras
 from harness.sensors.camera.sensor import VISIBLE_STATE, CameraOptions, CameraState
 from harness.sensors.camera.views import Assembly, View
@@ -75,7 +76,7 @@ class CameraRenderer(AbstractContextManager["CameraRenderer"]):
         model, data = self._model, self._data
         mujoco.mj_setState(model, data, state.state, VISIBLE_STATE)
         mujoco.mj_kinematics(model, data)
-        aim_sun(model, data.body("rover").xpos, SUN_AZIMUTH)
+        aim_sun(model, data.xpos[ROOT_ID], SUN_AZIMUTH)
         mujoco.mj_camlight(model, data)
         every, scene = mujoco.mjtCatBit.mjCAT_ALL, self._canvas.scene
         mujoco.mjv_updateScene(model, data, visible_groups(), None, mujoco.MjvCamera(), every, scene)

@@ -36,6 +36,15 @@ def test_each_of_six_wheels_has_its_column(foreign: Callable[[str], RoverSpec]) 
     assert abs(states[-1].slip[0]) > 0.05  # it turns in place: wheels slip
 
 
+def test_people_touch_a_rover_whatever_its_bodies_are_called(
+    foreign: Callable[[str], RoverSpec],
+) -> None:
+    robot = str(foreign("husky").folder)
+    config = EpisodeConfig(robot=robot, terrain="flat", driver="spin", duration=0.1, actors=("a=0.3,0",))
+    (*_, last) = Episode(config, samples=set()).batches()
+    assert [(event.kind, event.other) for event in last.events] == [("hazard", "a_actor")]
+
+
 def test_a_node_is_told_of_other_wheels_than_the_usual_four(foreign: Callable[[str], RoverSpec]) -> None:
     told = 'wheels:="front_left,middle_left,rear_left,front_right,middle_right,rear_right"'
     assert told in extended_ros_args(foreign("sojourner"))

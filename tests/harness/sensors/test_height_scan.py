@@ -9,10 +9,14 @@ import pytest
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.errors import UsageError
+from harness.physics.scene import build_scene
 from harness.physics.simulation import Simulation
 from harness.sensors.height_scan import HeightScan, HeightScanOptions, HeightScanSensor
+from harness.world.heightfield import Heightfield
 from harness.world.obstacles import ObstacleKind
+from harness.world.world import World
 from tests.harness.sensors.installed import installation
+from tests.support.rovers import LEO
 
 SIZE = (1.6, 0.9)
 
@@ -69,6 +73,16 @@ def test_what_is_off_the_map_is_not_known(simulation: Simulation) -> None:
     heights = scan(simulation, (x, y, z), axes="world").heights
     assert np.isnan(heights[8:]).all()
     assert np.isfinite(heights[:8]).all()
+
+
+def test_a_map_need_not_lie_around_the_origin() -> None:
+    ground = Heightfield(np.full((21, 21), 0.5), 0.5, (30.0, -7.0))
+    world = World("aside", ground, (), seed=0, difficulty=None, start=(33.0, -7.0, 0.0))
+    aside = Simulation(build_scene(world, LEO, 0.002), 2_000_000)
+    assert np.isfinite(scan(aside, axes="world").heights).all()
+    half = scan(aside, (2.0, 0.0, 0.0), axes="world").heights  # half of it lies beyond x = 35
+    assert np.isnan(half[9:]).all()
+    assert np.isfinite(half[:7]).all()
 
 
 @pytest.mark.parametrize(
