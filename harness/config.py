@@ -71,9 +71,7 @@ class EpisodeConfig:
     difficulty: float = DEFAULT_DIFFICULTY
     terrain_size: tuple[float, float] | None = None  # [m] along x and y, of a terrain from a file
     terrain_height: float | None = None  # [m] of relief, likewise
-    datum: tuple[float, float, float] = (
-        DEFAULT_DATUM  # of the world's origin: latitude, longitude, altitude
-    )
+    datum: tuple[float, float, float] = DEFAULT_DATUM  # of the origin: lat., lon. [deg], altitude [m]
     terrain_cell: float | None = None  # [m] between the vertices that a mesh becomes
     resource_path: tuple[str, ...] = ()  # folders in which an SDF world's models and meshes are
     mesh_unit: str = ""  # of meshes: m, cm, mm...; as their files say
@@ -136,6 +134,15 @@ class EpisodeConfig:
         world = world if self.start is None else starting_at(world, self.start)
         people = parse_actors(self.people)
         return with_actors(world, people) if people else world
+
+    def gravity(self) -> float:
+        """Returns what the IMU reads at rest [m/s^2]: of a world that says so, else of the model.
+
+        Raises:
+            UsageError: The terrain's file is not usable.
+        """
+        told = self._terrain_world().gravity if is_terrain_file(self.terrain) else None
+        return find_rover(self.robot).gravity if told is None else told
 
     def scenery(self) -> tuple[World, RoverSpec]:
         """Returns what there is to be seen, of a configuration that comes from another process.
@@ -245,7 +252,6 @@ class EpisodeConfig:
         """
         self._validate_terrain()
         Datum(*self.datum).check()
-        find_rover(self.robot)
         find_driver(self.driver)
         parse_timestep(self.timestep)
         period_ticks(self.imu_rate)

@@ -147,11 +147,11 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
     namespace = given.namespace.strip("/")
     namespace_args = ("--ros-args", "-r", f"__ns:=/{namespace}", "--") if namespace else ()
     values = read_parameters(given.params) if given.params else {}
-    settings = Settings()
+    settings, extended_args = Settings(), list[str]()
     if given.extended:
-        rover = extended_settings(find_rover(config.robot))
-        settings = replace(settings, extended_columns=True, extended=rover)
-    extended_args = extended_ros_args(find_rover(config.robot)) if given.extended else ()
+        of_run = find_rover(config.robot), config.gravity()
+        settings = replace(settings, extended_columns=True, extended=extended_settings(*of_run))
+        extended_args = extended_ros_args(*of_run)
     ros = _filled(
         RosOptions,
         given,

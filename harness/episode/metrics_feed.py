@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from rover_metrics.core.row import Row
 
 
-def extended_settings(rover: RoverSpec) -> ExtendedSettings:
-    """Returns the rover's footprint and gravity, and where its lidar is."""
+def extended_settings(rover: RoverSpec, gravity: float | None = None) -> ExtendedSettings:
+    """Returns the rover's footprint and where its lidar is, and gravity [m/s^2]: its model's if None."""
     return ExtendedSettings(
         footprint=Footprint.rectangle(rover.footprint),
         lidar_pose=LidarPose(rover.lidar_x, rover.lidar_y, rover.lidar_yaw),
-        gravity=rover.gravity,
+        gravity=rover.gravity if gravity is None else gravity,
         wheels=",".join(rover.wheel_names),
     )
 
@@ -41,10 +41,15 @@ def outline_parameters(rover: RoverSpec) -> dict[str, list[float]]:
     return {"footprint": footprint, "lidar_pose": [pose.x, pose.y, pose.yaw]}
 
 
-def extended_ros_args(rover: RoverSpec) -> list[str]:
-    """Returns arguments for a metrics_node with extended columns; what follows them wins."""
+def extended_ros_args(rover: RoverSpec, gravity: float | None = None) -> list[str]:
+    """Returns arguments for a metrics_node with extended columns; what follows them wins.
+
+    Args:
+        rover: Whose footprint, lidar and wheels they tell.
+        gravity: [m/s^2]; its model's if None.
+    """
     outline = outline_parameters(rover)
-    others: dict[str, object] = {"gravity": rover.gravity}
+    others: dict[str, object] = {"gravity": rover.gravity if gravity is None else gravity}
     if rover.wheel_names != WHEELS:
         others["wheels"] = ",".join(rover.wheel_names)
     return parameter_words({"extended_columns": True} | outline | others)

@@ -69,7 +69,7 @@ def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
         contacts=touched,
         meetings=met,
         scan=np.empty((0, 2)) if placed is None else scan_points(placed, rover),
-        gravity=rover.gravity,
+        gravity=config.gravity(),
     )
     summary = (
         f"Path of {result.truth.path_length:.1f} m with {len(collided)} places where the metrics "
@@ -100,7 +100,7 @@ def _signed(value: float) -> str:
 
 def _series(result: RunResult, recorder: RunRecorder, log: Log) -> list[Plot]:
     track = recorder.track
-    touched, gravity = contacts(track), find_rover(result.config.robot).gravity
+    touched, gravity = contacts(track), result.config.gravity()
     return [
         Plot(
             name=f"series-{number}",

@@ -86,8 +86,9 @@ class Watch:
         columns = [name.removeprefix(LOG) for name in self._case.scenario.expect if name.startswith(LOG)]
         settings = Settings()
         if not set(columns) <= set(COLUMNS):
-            rover = find_rover(self._case.config.robot)
-            settings = Settings(extended_columns=True, extended=extended_settings(rover))
+            config = self._case.config
+            of_run = extended_settings(find_rover(config.robot), config.gravity())
+            settings = Settings(extended_columns=True, extended=of_run)
         return settings.updated(self._case.params)
 
     def take(self, batch: Batch) -> None:

@@ -193,6 +193,21 @@ def test_extended_columns_need_the_hosted_node() -> None:
         parse_run(["--direct", "--ros-args", "--"])
 
 
+def test_extended_columns_know_the_gravity_of_the_world(tmp_path: Path) -> None:
+    box = "<geometry><box><size>20 20 1</size></box></geometry>"
+    link = f"<link name='l'><collision name='c'>{box}</collision></link>"
+    model = f"<model name='ground'><static>true</static>{link}</model>"
+    world = f"<world name='moon'><gravity>0 0 -1.62</gravity>{model}</world>"
+    file = tmp_path / "moon.sdf"
+    file.write_text(f"<sdf version='1.9'>{world}</sdf>")
+    told = parsed(f"--extended --terrain {file}")
+    assert told.settings.extended == extended_settings(LEO, 1.62)
+    assert told.settings.extended.gravity == told.config.gravity() == 1.62
+    assert told.ros.ros_args == tuple(extended_ros_args(LEO, 1.62))
+    assert "gravity:=1.62" in told.ros.ros_args
+    assert parsed("--extended").settings.extended.gravity == LEO.gravity
+
+
 def test_a_parameter_file_says_what_the_metrics_are_made_with_after_the_rover_and_before_the_user(
     tmp_path: Path,
 ) -> None:
