@@ -378,13 +378,11 @@ def topics() -> tuple[Topic, ...]:
         Topic("/joint_states", "sensor_msgs/msg/JointState", (50, 50), joint_states),
         Topic(f"{truth}/contact", "std_msgs/msg/Bool", (20, 20), contact),
         Topic(f"{truth}/traversal", "std_msgs/msg/Float64MultiArray", (20, 20), traversal),
-        Topic(
-            "/lidar2d/scan", "sensor_msgs/msg/LaserScan", (10, 10), ranging.planar_scan, tolerance=1e-5
-        ),
-        Topic("/lidar3d/points", "sensor_msgs/msg/PointCloud2", (10, 10), ranging.lidar_points),
-        Topic("/depth/image", "sensor_msgs/msg/Image", (10, 10), ranging.depth_image),
-        Topic("/depth/camera_info", "sensor_msgs/msg/CameraInfo", (10, 10), ranging.depth_info),
-        Topic("/depth/points", "sensor_msgs/msg/PointCloud2", (10, 10), ranging.depth_points),
+        Topic("/lidar2d/scan", "sensor_msgs/msg/LaserScan", (5, 5), ranging.planar_scan, tolerance=1e-5),
+        Topic("/lidar3d/points", "sensor_msgs/msg/PointCloud2", (5, 5), ranging.lidar_points),
+        Topic("/depth/image", "sensor_msgs/msg/Image", (5, 5), ranging.depth_image),
+        Topic("/depth/camera_info", "sensor_msgs/msg/CameraInfo", (5, 5), ranging.depth_info),
+        Topic("/depth/points", "sensor_msgs/msg/PointCloud2", (5, 5), ranging.depth_points),
         Topic("/gnss/fix", "sensor_msgs/msg/NavSatFix", (5, 5), surroundings.fix),
         Topic("/imu/mag", "sensor_msgs/msg/MagneticField", (20, 20), surroundings.magnetic_field),
         Topic("/barometer/pressure", "sensor_msgs/msg/FluidPressure", (10, 10), surroundings.pressure),

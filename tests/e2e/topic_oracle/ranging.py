@@ -23,10 +23,10 @@ RINGS, COLUMNS, LOWEST, HIGHEST = 3, 6, -0.6, 0.4
 WIDTH, HEIGHT, FOV = 5, 4, 1.3
 LIMITS = {"range_min": NEAR, "range_max": FAR}
 SENSORS: tuple[Mapping[str, Any], ...] = (
-    {"kind": "lidar2d", "rate": 10, **PLANAR, **LIMITS},
-    {"kind": "lidar3d", "rate": 10, "rings": RINGS, "columns": COLUMNS, "lowest": LOWEST}
+    {"kind": "lidar2d", "rate": 5, **PLANAR, **LIMITS},
+    {"kind": "lidar3d", "rate": 5, "rings": RINGS, "columns": COLUMNS, "lowest": LOWEST}
     | {"highest": HIGHEST, **LIMITS},
-    {"kind": "depth", "rate": 10, "width": WIDTH, "height": HEIGHT, "fov": FOV, "cloud": True, **LIMITS},
+    {"kind": "depth", "rate": 5, "width": WIDTH, "height": HEIGHT, "fov": FOV, "cloud": True, **LIMITS},
 )
 OPTICAL = Rotation.from_matrix([[0, 0, 1], [-1, 0, 0], [0, -1, 0]])  # z ahead, x right, y down
 FLOAT32, UINT16 = 7, 4  # of sensor_msgs/PointField
