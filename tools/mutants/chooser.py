@@ -58,6 +58,8 @@ class Chooser:
                     said = source.splitlines()[node.lineno - 1 : node.end_lineno]
                     self._said[f"{file}::{node.name}"] = _names("\n".join(said))
 
+        self._said_by = Counter(word for test in trace.costs for word in self._speech(test))
+
     def runs_at_import(self, mutant: Mutant) -> bool:
         """Whether a mutant's statement is executed before any test."""
         lines, _ = self._statement(mutant)
@@ -83,17 +85,20 @@ class Chooser:
                 costs[test],
             )
 
-        about = _names(mutant.line, mutant.function, Path(mutant.file).stem).union(names)
+        about = _names(mutant.line, mutant.function, Path(mutant.file).stem, *names)
 
         def unrelated(test: str) -> tuple[float, float]:
-            name, _, parameters = test.partition("[")
-            shared = about & (self._said.get(name, set()) | _names(parameters))
-            return -sum(1 / (1 + len(self._words[word])) for word in shared), costs[test]
+            return -sum(1 / self._said_by[word] for word in about & self._speech(test)), costs[test]
 
         chosen = self._within(self._budget, sorted(quick, key=rank))
         others = sorted(tests - set(chosen) - self.trace.slow, key=unrelated)
         chosen += self._within(self._last_budget, others)
         return self.limits(chosen or sorted(tests, key=costs.__getitem__)[:3])
+
+    def _speech(self, test: str) -> set[str]:
+        """Names that a test says, in its parameters too."""
+        name, _, parameters = test.partition("[")
+        return self._said.get(name, set()) | _names(parameters)
 
     def _within(self, budget: float, tests: list[str]) -> list[str]:
         """The first test and those after it that fit in as well."""
@@ -125,8 +130,8 @@ class Chooser:
 
 
 def _names(*texts: str) -> set[str]:
-    """Names in texts: what a number or a short word is shared with tells nothing."""
-    return {word for text in texts for word in re.findall(r"[^\W\d]\w{2,}", text)}
+    """Names in texts, in small letters: what a number or a short word is shared with tells nothing."""
+    return {word.lower() for text in texts for word in re.findall(r"[^\W\d]\w{2,}", text)}
 
 
 def _statements(source: str) -> dict[int, tuple[range, set[str]]]:

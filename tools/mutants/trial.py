@@ -179,8 +179,9 @@ class Trial:
 
     def _digest(self, file: str = "", common: str = "", *, every: bool = False) -> str:
         """A hash of one test file; if none is named, of all code but test files, or of these too."""
-        folders = [self.root / folder for folder in (*self.sources, *self.tests)]
-        paths = [self.root / file] if file else sorted(p for f in folders for p in f.rglob("*.py"))
+        parts = [self.root / part for part in (*self.sources, *self.tests)]
+        some = {p for part in parts for p in ([part] if part.is_file() else part.rglob("*.py"))}
+        paths = [self.root / file] if file else sorted(some)
         used = [path for path in paths if file or every or not path.name.startswith("test_")]
         texts = (path.read_bytes() for path in used)
         return hashlib.sha256(f"{common}{file}{self.plain}".encode() + b"".join(texts)).hexdigest()[:24]
