@@ -374,12 +374,13 @@ def test_scores_are_kept_by_file_and_their_table_tells_packages(tmp_path: Path) 
     assert "old" not in text
 
 
-def test_every_package_has_modules_and_no_module_has_two_packages() -> None:
+def test_every_package_has_modules_and_tests_and_no_module_has_two_packages() -> None:
     modules = [file for package in PACKAGES for file in modules_of(package)]
     assert all(
         modules_of(Package("", (pattern,))) for package in PACKAGES for pattern in package.modules
     )
     assert len(set(modules)) == len(modules)
+    assert all((ROOT / tests).exists() for package in PACKAGES for tests in package.tests)
 
 
 def test_listed_survivors_are_true_to_the_code() -> None:
