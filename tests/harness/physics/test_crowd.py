@@ -9,8 +9,10 @@ import pytest
 from harness.physics.contacts import Touch
 from harness.physics.crowd import Crowd
 from harness.physics.simulation import Simulation
+from harness.samples import Place
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
+from harness.world.actors.walker import SocialWalker
 
 MakeSimulation = Callable[..., Simulation]
 PASSES = "g=1,1/1,-1"
@@ -42,6 +44,28 @@ def test_after_a_tick_people_are_where_their_time_has_them(make_simulation: Make
         again.append(tuple(simulation.data.body("s_actor").xpos))
     np.testing.assert_allclose(again, social, atol=1e-3)  # the rover has crept a little
     assert simulation.data.body("g_actor").xpos[1] == pytest.approx(0.5)
+
+
+def test_a_social_walker_is_told_of_the_rover_and_of_all_others(
+    make_simulation: MakeSimulation, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = []
+
+    def walk(_walker: object, _time_s: float, _seconds: float, bodies: object) -> Place:
+        told.append(bodies)
+        return Place(0.5, -1.5, 0.0)
+
+    monkeypatch.setattr(SocialWalker, "walk", walk)
+    simulation = make_simulation("leo", actors=("s=social:within=2.5", "x=1.5,-0.7:radius=0.3"))
+    simulation.tick()
+    x, y = simulation.data.qpos[:2].tolist()
+    rover, other = told[-1]  # type: ignore[misc]
+    assert rover == (
+        pytest.approx(x, abs=1e-3),
+        pytest.approx(y, abs=1e-3),
+        pytest.approx(0.31, abs=0.01),
+    )
+    assert other == (1.5, -0.7, 0.3)
 
 
 def test_the_lidar_sees_them_as_mujoco_does(make_simulation: MakeSimulation) -> None:

@@ -1,6 +1,8 @@
 """People in a world: ways that are refused, and walkers that keep their promises."""
 
 import math
+from itertools import pairwise
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from harness.errors import UsageError
 from harness.world.actors.actor import with_actors
 from harness.world.actors.room import Room
 from harness.world.actors.spec import parse_actors
-from harness.world.actors.stroll import StrollRoute
+from harness.world.actors.stroll import Stroll, StrollRoute
 from harness.world.actors.walker import SocialWalker
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
@@ -88,6 +90,35 @@ def test_a_social_walker_goes_around_a_rover_that_stands_in_its_way() -> None:
     gaps = np.linalg.norm(walked(walker, 4.0, [rover]) - rover[:2], axis=1) - 0.3 - 0.25
     assert gaps.min() > 0.0
     assert (np.linalg.norm(free - rover[:2], axis=1) - 0.55).min() < -0.5
+
+
+def test_a_social_walker_looks_where_it_walks() -> None:
+    walker = social()
+    places = [walker.walk(n * TICK_S, TICK_S, []) for n in range(1, 1200)]
+    for before, after in pairwise(places[100:]):
+        x, y = after.x - before.x, after.y - before.y
+        if math.hypot(x, y) > 0.06 * TICK_S:
+            assert math.remainder(after.yaw - math.atan2(y, x), math.tau) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_who_does_not_get_on_heads_for_the_next_point_after_twenty_seconds_more() -> None:
+    stroll = Mock()
+    stroll.spot = lambda index: spots[asked.append(index) or index]  # type: ignore[func-returns-value]
+    asked: list[int] = []
+    spots = [(0.0, 0.0), (5.0, 0.0), (0.0, 5.0)]
+    walker = SocialWalker(stroll, Room(BARE), speed=0.5, delay=0.0, radius=0.25)
+    for time_s, heads_for in ((0.01, 1), (30.0, 1), (30.02, 2)):  # the leg takes 10 s
+        walker.walk(time_s, 0.0, [])
+        assert asked[-1] == heads_for
+
+
+def test_a_stroll_stays_within_its_circle_wherever_that_is() -> None:
+    stroll = Stroll("a", Room(BARE), (4.0, -3.0), within=3.0, radius=0.25, rng=np.random.default_rng(0))
+    spots = np.array([stroll.spot(n) for n in range(100)])
+    away = np.hypot(*(spots - (4.0, -3.0)).T)
+    assert away.max() <= 3.0 + 1e-3
+    assert np.mean(away < 1.5) == pytest.approx(0.25, abs=0.12)  # as many a square metre everywhere
+    assert away[0] > 2.0
 
 
 def test_a_social_walker_waits_for_its_delay() -> None:

@@ -51,6 +51,14 @@ def test_hazards_and_the_edge_are_in_the_way(
         np.testing.assert_array_equal(found[1], point)
 
 
+def test_a_body_is_in_trouble_where_it_is_nearer_to_a_wall_than_its_radius() -> None:
+    room, cos, sin = Room(world(WALL)), math.cos(0.5), math.sin(0.5)
+    for x, y in np.random.default_rng(1).uniform((0.0, -0.5), (2.5, 2.5), (300, 2)).tolist():
+        beyond = np.abs([cos * (x - 2) + sin * (y - 1), cos * (y - 1) - sin * (x - 2)]) - (1.0, 0.2)
+        distance = np.linalg.norm(np.maximum(beyond, 0.0)) + min(beyond.max(), 0.0)
+        assert (room.trouble(np.array([[x, y]]), 0.25) is not None) == (distance < 0.25), (x, y)
+
+
 def test_a_leg_is_looked_at_all_along_and_walls_are_found_from_near() -> None:
     room = Room(world(WALL))
     assert not room.is_clear((1.2, 1.6), (2.4, 0.4), 0.25)

@@ -85,6 +85,10 @@ def test_a_script_is_walked_at_its_own_times(loops: bool, time_s: float, x: floa
     assert (waits.x, waits.yaw) == (2.0, 0.0)
 
 
+def test_a_route_begins_anew_unless_it_is_told_otherwise() -> None:
+    assert Route((0.0, 1.0), ((0.0, 0.0), (1.0, 0.0))).place(1.5).x == pytest.approx(0.5)
+
+
 def test_times_that_do_not_ascend_are_refused() -> None:
     with pytest.raises(UsageError, match="x: the times of its way points do not ascend"):
         timed((0.0, 2.0, 1.0), CORNER, loops=True, delay=0.0, who="x")

@@ -63,7 +63,8 @@ def test_the_people_of_a_terrain_are_the_actors_of_its_world(tmp_path: Path) -> 
 
 def test_a_file_is_found_beside_the_scenario_that_names_it() -> None:
     assert beside("g=way.sdf:speed=2", lambda name: Path("there", name)) == "g=there/way.sdf:speed=2"
-    assert beside("way.world", lambda name: Path("there", name)) == "there/way.world"
+    for name in ("way.world", "way.XML"):
+        assert beside(name, lambda name: Path("there", name)) == f"there/{name}"
     assert beside("g=1,2/3,4:speed=2", lambda name: Path("there", name)) == "g=1,2/3,4:speed=2"
 
 
