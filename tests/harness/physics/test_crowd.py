@@ -49,9 +49,11 @@ def test_after_a_tick_people_are_where_their_time_has_them(make_simulation: Make
 def test_a_social_walker_is_told_of_the_rover_and_of_all_others(
     make_simulation: MakeSimulation, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told = []
+    told: list[list[tuple[float, float, float]]] = []
 
-    def walk(_walker: object, _time_s: float, _seconds: float, bodies: object) -> Place:
+    def walk(
+        _walker: object, _time_s: float, _seconds: float, bodies: list[tuple[float, float, float]]
+    ) -> Place:
         told.append(bodies)
         return Place(0.5, -1.5, 0.0)
 
@@ -59,7 +61,7 @@ def test_a_social_walker_is_told_of_the_rover_and_of_all_others(
     simulation = make_simulation("leo", actors=("s=social:within=2.5", "x=1.5,-0.7:radius=0.3"))
     simulation.tick()
     x, y = simulation.data.qpos[:2].tolist()
-    rover, other = told[-1]  # type: ignore[misc]
+    rover, other = told[-1]
     assert rover == (
         pytest.approx(x, abs=1e-3),
         pytest.approx(y, abs=1e-3),

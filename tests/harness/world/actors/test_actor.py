@@ -103,13 +103,11 @@ def test_a_social_walker_looks_where_it_walks() -> None:
 
 def test_who_does_not_get_on_heads_for_the_next_point_after_twenty_seconds_more() -> None:
     stroll = Mock()
-    stroll.spot = lambda index: spots[asked.append(index) or index]  # type: ignore[func-returns-value]
-    asked: list[int] = []
-    spots = [(0.0, 0.0), (5.0, 0.0), (0.0, 5.0)]
+    stroll.spot.side_effect = [(0.0, 0.0), (5.0, 0.0), (0.0, 5.0)].__getitem__
     walker = SocialWalker(stroll, Room(BARE), speed=0.5, delay=0.0, radius=0.25)
     for time_s, heads_for in ((0.01, 1), (30.0, 1), (30.02, 2)):  # the leg takes 10 s
         walker.walk(time_s, 0.0, [])
-        assert asked[-1] == heads_for
+        stroll.spot.assert_called_with(heads_for)
 
 
 def test_a_stroll_stays_within_its_circle_wherever_that_is() -> None:
