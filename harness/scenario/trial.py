@@ -31,8 +31,8 @@ from harness.scenario.case import Case
 from harness.scenario.events import PauseEvent
 from harness.scenario.evidence import keep_evidence
 from harness.scenario.hearing import Hearing
+from harness.scenario.selection import plan
 from harness.scenario.series import Series
-from harness.scenario.suite import plan
 from harness.scenario.topic import TopicQuantity, topic_quantity
 from harness.scenario.watch import Findings, Watch
 from harness.sim_time import NANOSECONDS
