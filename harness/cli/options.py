@@ -182,7 +182,9 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         )
     if options.overwrite and options.record is None:
         raise UsageError("--overwrite is for the file of --record; name one, or leave it out")
-    if options.social_log is not None and not (options.actor or of_terrain(options.terrain)):
+    if options.social_log is not None and not (
+        options.actor or of_terrain(options.terrain, options.resource_path)
+    ):
         raise UsageError("--social-log is of a run with people; add --actor SPEC, or leave it out")
     if not options.direct:
         return

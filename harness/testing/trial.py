@@ -33,7 +33,6 @@ from harness.testing.nodes import Nodes
 from harness.testing.process import Programs
 from harness.testing.subject import Heard, Message
 from harness.truth.traversal import Truth
-from harness.world.actors.spec import actor_names
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 
@@ -128,7 +127,7 @@ class Trial:
         lidar = LidarSpec(beams=self.config.lidar_beams)
         rover, obey = find_rover(self.config.robot), self._command
         draw = at_end.enter_context(painter(self.config)).image
-        names = actor_names(self.config.people)
+        names = self.config.actor_names()
         self._bridge = Bridge(
             rover, lidar, on_command=obey, cmd_vel=self.CMD_VEL, rows=rows, draw=draw, actors=names
         )

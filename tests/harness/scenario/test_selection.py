@@ -1,12 +1,13 @@
 """Files and folders of scenarios to runs."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from harness.config import EpisodeConfig
+from harness.config import FILE_OPTIONS, EpisodeConfig
 from harness.errors import UsageError
 from harness.scenario.selection import find_files, plan
 from tests.harness.scenario.conftest import MakeCases, cases_with
@@ -66,6 +67,19 @@ def test_a_file_becomes_the_configuration_that_it_describes(make_cases: MakeCase
     case.path.write_text(f"{text}terrain_size: [40, 40]\n")
     (case,) = plan([case.path])
     assert case.config.terrain == str(hill)
+    (case.path.parent / "models").mkdir()
+    values = {"terrain_cell": 0.2, "mesh_unit": "cm", "mesh_up": "y", "rock_height": 0.0}
+    values |= {"resource_path": ["models", "elsewhere"], "rock": ["r*"], "hazard": ["h", "i"]}
+    lines = [f"{name}: {json.dumps(value)}\n" for name, value in values.items()]
+    case.path.write_text(text.replace("hill.npy", "a.world") + "".join(lines))
+    assert set(FILE_OPTIONS) == {*values, "terrain_size", "terrain_height"}
+    (case,) = plan([case.path])
+    values["resource_path"] = [str(case.path.parent / "models"), "elsewhere"]
+    for name, value in values.items():
+        assert getattr(case.config, name) == (tuple(value) if isinstance(value, list) else value)
+    case.path.write_text(f"{text}mesh_up: down\n".replace("hill.npy", "a.world"))
+    with pytest.raises(UsageError, match="mesh axis 'down' does not exist; available: z, y, x"):
+        plan([case.path])
     params = cases_with(
         make_cases, hill.parent, "metrics_node: {ros__parameters: {collision_threshold: 5.0}}"
     )
