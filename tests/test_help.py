@@ -8,7 +8,7 @@ import pytest
 from benchmarks import __main__ as benchmarks
 from benchmarks.soak import __main__ as soak
 from harness import call, check, robot, topics, tune, validate
-from harness.cli.options import run_parser
+from harness.cli.run_parser import run_parser
 from rover_metrics import dictionary, social
 from rover_metrics.analysis import options as analyze
 from rover_metrics.bag import options as replay
