@@ -52,7 +52,7 @@ class Drivetrain:
 
     @property
     def wheel_speed_limit(self) -> float:
-        """Of the slowest motor [rad/s]."""
+        """Largest speed of the slowest motor [rad/s]."""
         limits = []
         for joint in self.drive.driven:
             _, motor = self._servos()[joint]
@@ -64,12 +64,12 @@ class Drivetrain:
         return min(limits)
 
     def _place(self, joint: str) -> NDArray[np.float64]:
-        """The centre of a wheel: that of what collides of it [m]."""
+        """The centre of the box around the geoms of a wheel that collide [m], shape (3,)."""
         low, high = extent(self._model, self._data, self._geoms(joint))
         return np.asarray((low + high) / 2)
 
     def _geoms(self, joint: str) -> list[int]:
-        """What collides of a wheel."""
+        """The geoms of a wheel that collide."""
         model = self._model
         body = int(model.joint(joint).bodyid[0])
         of_wheel = (model.body_weldid[model.geom_bodyid] == body) & (model.geom_group == COLLIDING_GROUP)

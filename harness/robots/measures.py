@@ -24,32 +24,32 @@ class Measures(Drivetrain):
 
     @property
     def wheel_radius(self) -> float:
-        """Of the largest wheel [m]."""
+        """Radius of the largest wheel [m]."""
         return max(float(self._wheel_size(name)[[0, 2]].max()) / 2 for name in self._wheels)
 
     @property
     def wheel_width(self) -> float:
-        """Of the widest wheel [m]."""
+        """Width of the widest wheel [m]."""
         return float(max(self._wheel_size(name)[1] for name in self._wheels))
 
     @property
     def gravity(self) -> float:
-        """Downwards [m/s^2]."""
+        """Gravity of the model, downwards [m/s^2]."""
         return -float(self._model.opt.gravity[2])
 
     @property
     def lidar_x(self) -> float:
-        """Where the lidar is [m]."""
+        """Position of the lidar ahead of the root body's origin [m]."""
         return float(self._lidar[0][0])
 
     @property
     def lidar_y(self) -> float:
-        """Where the lidar is [m]."""
+        """Position of the lidar to the left of the root body's origin [m]."""
         return float(self._lidar[0][1])
 
     @property
     def lidar_yaw(self) -> float:
-        """Where it looks [rad]."""
+        """Yaw of the lidar in the root body's frame [rad]."""
         axes = self._lidar[1]
         yaw = math.atan2(axes[1, 0], axes[0, 0])
         return math.pi if math.pi - abs(yaw) < EXACTLY_BACKWARD else yaw
@@ -118,7 +118,7 @@ class Measures(Drivetrain):
 
     @cached_property
     def _lidar(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Position and axes."""
+        """Position [m] and axes of the lidar in the root body's frame, shapes (3,) and (3, 3)."""
         site = self._data.site("lidar")
         return np.array(site.xpos), np.array(site.xmat).reshape(3, 3)
 

@@ -55,7 +55,7 @@ class GnssClass:
 
     @property
     def covariance(self) -> tuple[float, ...]:
-        """East, north, up by rows [m^2]."""
+        """Covariance of a fix: east, north, up by rows [m^2]."""
         level = self.horizontal.variance
         return (level, 0.0, 0.0, 0.0, level, 0.0, 0.0, 0.0, level * self.vertical**2)
 

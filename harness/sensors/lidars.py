@@ -57,7 +57,7 @@ class PlanarLidarOptions(RangeOptions):
 
     @property
     def rays(self) -> int:
-        """Its beams."""
+        """Number of beams."""
         return self.beams
 
     def directions(self) -> NDArray[np.float64]:
@@ -139,7 +139,7 @@ class CloudLidarOptions(RangeOptions):
 
     @property
     def rays(self) -> int:
-        """Its points, if none is a miss."""
+        """Number of points of a cloud without misses."""
         return (len(self.elevations) or self.rings) * self.columns
 
     @property
