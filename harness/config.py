@@ -220,7 +220,9 @@ class EpisodeConfig:
         find_named("terrain", self.terrain, TERRAINS)
         for name in FILE_OPTIONS:
             if getattr(self, name) not in (None, (), ""):
-                raise UsageError(f"--{name.replace('_', '-')} applies to terrains from files only")
+                raise UsageError(
+                    f"--{name.replace('_', '-')} applies to terrains from files only; leave it out"
+                )
 
     def _validate_plan(self) -> None:
         told = (*self.commands, *self.goals)

@@ -127,6 +127,10 @@ def is_worth_a_line(before: int, now: int) -> bool:
     return now.bit_length() > before.bit_length()
 
 
+_NUMBERS = {"int": "a whole number", "float": "a number"}
+_MISTYPED = re.compile(r"invalid (int|float) value: (.*)")  # what argparse says
+
+
 class HelpWithDefaults(argparse.HelpFormatter):
     """Help with the default of each option that has one; text of several lines stays as it is."""
 
@@ -167,4 +171,7 @@ class OneLineParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Prints the message and leaves with exit code 2."""
-        self.exit(RoverMetricsError.exit_code, f"{self._command}: {message}; see --help\n")
+        told = _MISTYPED.sub(
+            lambda wrong: f"{wrong[2]} is not valid; give {_NUMBERS[wrong[1]]}", message
+        )
+        self.exit(RoverMetricsError.exit_code, f"{self._command}: {told}; see --help\n")
