@@ -63,7 +63,7 @@ def _draw_groups(axes: Axes, study: Study, metric: Metric, comparison: Compariso
         places = [spread + place for place, spread in enumerate(map(_spread, groups))]
         axes.plot(places, groups, color="#999999", linewidth=0.6, zorder=1.8)
     for place, values in enumerate(groups):
-        if not values.size:  # an empty line that is not clipped would count as one at the figure's corner
+        if not values.size:  # an empty line, not clipped, would reach to the figure's corner
             continue
         colour = look(place)["color"]
         axes.plot(
