@@ -33,10 +33,11 @@ class Links:
         self.pictures: set[str] = set()
         self.broken: list[str] = []
 
-    def rewritten(self, source: Path, page: str) -> str:
+    def rewritten(self, text: str, source: Path, page: str) -> str:
         """Returns a document's text with links that hold on the site.
 
         Args:
+            text: The text.
             source: The document, below the repository's root.
             page: Its place on the site.
         """
@@ -45,7 +46,7 @@ class Links:
             target = match["target"]
             return match[0] if target is None else f"]({self._target(target, source, page)})"
 
-        return LINK.sub(replaced, (ROOT / source).read_text(encoding="utf-8"))
+        return LINK.sub(replaced, text)
 
     def check(self) -> None:
         """Checks that all links led somewhere.
