@@ -10,9 +10,10 @@ import json
 import shutil
 import sys
 from pathlib import Path
+from typing import Any
 
 from tools.site.generated import generated
-from tools.site.links import BrokenLinks, Links
+from tools.site.links import REPOSITORY, BrokenLinks, Links
 from tools.site.pages import ROOT, navigation, sources
 
 ASSETS = Path(__file__).with_name("assets")
@@ -52,7 +53,14 @@ def write(folder: Path) -> None:
         (docs / "files" / picture).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / picture, docs / "files" / picture)
     # JSON is YAML, but for the tags of mkdocs.yml, which stays what it is.
-    told = {"INHERIT": str(CONFIG), "nav": navigation(pages), "docs_dir": "docs", "site_dir": "site"}
+    told: dict[str, Any] = {
+        "INHERIT": str(CONFIG),
+        "nav": navigation(pages),
+        "docs_dir": "docs",
+        "site_dir": "site",
+    }
+    # Not repo_url, which would ask GitHub for stars.
+    told["extra"] = {"social": [{"icon": "fontawesome/brands/github", "link": REPOSITORY}]}
     (folder / "mkdocs.yml").write_text(json.dumps(told, indent=1))
 
 
