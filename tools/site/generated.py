@@ -84,7 +84,10 @@ def _type(rule: dict[str, Any]) -> str:
         return ", ".join(f"`{value}`" for value in rule["enum"])
     if rule["type"] == "array":
         items = rule.get("prefixItems", [rule.get("items", {})])
-        return f"list of {f'{len(items)} ' if 'prefixItems' in rule else ''}{_type(items[0])}"
+        count = f"{len(items)} " if "prefixItems" in rule else ""
+        return f"list of {count}{_type(items[0])}".replace("string", "strings").replace(
+            "number", "numbers"
+        )
     if rule["type"] == "object" and "additionalProperties" in rule:
         return f"quantity: {_type(rule['additionalProperties'])}"
     return str(rule["type"])

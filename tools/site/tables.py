@@ -6,7 +6,7 @@ The documents keep them, so that they are read on GitHub, too; a test holds them
 """
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
@@ -32,24 +32,24 @@ def filled(page: str) -> str:
 
 
 def table(titles: str, rows: Iterable[Sequence[object]]) -> str:
-    """Returns a table; the titles are separated by '|', a ':' ends that of a column of numbers."""
+    """Returns a table; the titles are separated by '|'."""
     names = [title.strip() for title in titles.split("|")]
-    rules = ["---:" if name.endswith(":") else "---" for name in names]
-    lines = [[name.removesuffix(":") for name in names], rules, *rows]
+    lines = [names, ["---"] * len(names), *rows]
     return "".join(f"| {' | '.join(map(str, line))} |\n" for line in lines)
 
 
 def topics() -> str:
     """Returns the topics of the sensors that every rover has, in publishing order."""
-    heard = {source.name.lstrip("/") for source in (*HEARD, *TRUTH)}
+    heard = [f"/{source.name.lstrip('/')}" for source in (*HEARD, *TRUTH)]
     rows = []
     for row in (row for row in SENSORS if row.options is None):
         rates = _by_robot({name: f"{row.rate_on(rover)} Hz" for name, rover in ROVERS.items()})
         frames = _by_robot({name: row.frame_on(rover) for name, rover in ROVERS.items()})
         for topic in row.topics:
             cells = (f"`/{topic.name}`", topic.message_type.replace("/msg/", "/"), _qos(topic), rates)
-            rows.append((*cells, frames, row.fault or "", "yes" if topic.name in heard else ""))
-    return table("topic | type | QoS | rate (sim time) | frame | `--fault` | read by metrics_node", rows)
+            rows.append((*cells, frames, row.fault or ""))
+    told = table("topic | type | QoS | rate | frame | `--fault`", rows)
+    return f"{told}\n`metrics_node` reads {', '.join(f'`{name}`' for name in heard)}.\n"
 
 
 def _by_robot(values: dict[str, str]) -> str:
@@ -67,14 +67,16 @@ def _qos(topic: Topic) -> str:
 def parameters() -> str:
     """Returns all parameters of metrics_node."""
     rows = (
-        (f"`{name}`", _default(p), p.unit, _valid(p), p.description) for name, p in PARAMETERS.items()
+        (f"`{name}`", _default(p), f"{p.description}; valid: {_valid(p)}")
+        for name, p in PARAMETERS.items()
     )
-    return table("parameter | default | unit | valid | meaning", rows)
+    return table("parameter | default | meaning", rows)
 
 
 def _default(parameter: ParameterInfo) -> str:
     value = list(parameter.default) if isinstance(parameter.default, tuple) else parameter.default
-    return f"`{str(value).lower()}`" if isinstance(value, bool) else f"`{value}`"
+    text = str(value).lower() if isinstance(value, bool) else str(value)
+    return f"`{text}` {parameter.unit}".rstrip()
 
 
 def _valid(parameter: ParameterInfo) -> str:
@@ -84,26 +86,28 @@ def _valid(parameter: ParameterInfo) -> str:
 
 
 def terrains() -> str:
-    """Returns what each terrain measures at three difficulties."""
-    titles = "terrain | difficulty: | slope p50 [deg]: | slope p95 [deg]: | roughness over 1 m [mm]: | "
-    return table(f"{titles}over 0.3 m [mm]: | obstacles per 100 m²:", _measured())
+    """Returns what each terrain measures, from the easiest difficulty to the hardest."""
+    titles = "terrain | slope p50 [deg] | slope p95 [deg] | roughness over 1 m [mm] | over 0.3 m [mm]"
+    return table(f"{titles} | obstacles per 100 m²", map(_measured, TERRAINS))
 
 
-def _measured() -> Iterator[tuple[object, ...]]:
-    for name in TERRAINS:
-        for difficulty in DIFFICULTIES:
-            world = build_world(name, SEED, difficulty)
-            p50, p95 = np.percentile(slopes(world.ground), (50, 95))
-            rms = [1e3 * np.sqrt(np.mean(residuals(world.ground, w) ** 2)) for w in (1.0, 0.3)]
-            density = 100 * len(world.obstacles) / (4 * np.prod(world.ground.half_size))
-            figures = (f"{figure:.1f}" for figure in (p50, p95, *rms, density))
-            yield f"[{name}](#{name})", f"{difficulty:g}", *figures
+def _measured(name: str) -> list[str]:
+    figures = []
+    for difficulty in DIFFICULTIES:
+        world = build_world(name, SEED, difficulty)
+        p50, p95 = np.percentile(slopes(world.ground), (50, 95))
+        rms = [1e3 * np.sqrt(np.mean(residuals(world.ground, w) ** 2)) for w in (1.0, 0.3)]
+        density = 100 * len(world.obstacles) / (4 * np.prod(world.ground.half_size))
+        figures.append([f"{figure:.1f}" for figure in (p50, p95, *rms, density)])
+    columns = zip(*figures, strict=True)
+    return [f"[{name}](#{name})", *(", ".join(c if len({*c}) > 1 else c[:1]) for c in columns)]
 
 
 def gallery() -> str:
     """Returns a section for each terrain: what it is, its parameters, its picture."""
     parts = (
-        f"## {name}\n\n{terrain.summary[0].upper()}{terrain.summary[1:]}. {terrain.describe()}\n\n"
+        f"## {name}\n\n{terrain.summary[0].upper()}{terrain.summary[1:]}. Default (easiest..hardest): "
+        f"{terrain.describe()}.\n\n"
         f"![A Leo Rover on {name}, and {name} from above](terrains/{name}.webp)\n"
         for name, terrain in TERRAINS.items()
     )
