@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from harness.robots import ROVERS
-from harness.sensors.table import SENSORS, Topic
+from harness.sensors.table import HIGHEST_RATE, SENSORS, Topic
 from harness.world.statistics import residuals, slopes
 from harness.world.terrain import DIFFICULTIES
 from harness.world.terrains import TERRAINS
@@ -40,16 +40,19 @@ def table(titles: str, rows: Iterable[Sequence[object]]) -> str:
 
 def topics() -> str:
     """Returns the topics of the sensors that every rover has, in publishing order."""
-    heard = [f"/{source.name.lstrip('/')}" for source in (*HEARD, *TRUTH)]
     rows = []
     for row in (row for row in SENSORS if row.options is None):
-        rates = _by_robot({name: f"{row.rate_on(rover)} Hz" for name, rover in ROVERS.items()})
+        most = "at most " if row.rate == HIGHEST_RATE else ""
+        rates = _by_robot({name: f"{most}{row.rate_on(rover)} Hz" for name, rover in ROVERS.items()})
         frames = _by_robot({name: row.frame_on(rover) for name, rover in ROVERS.items()})
         for topic in row.topics:
             cells = (f"`/{topic.name}`", topic.message_type.replace("/msg/", "/"), _qos(topic), rates)
             rows.append((*cells, frames, row.fault or ""))
     told = table("topic | type | QoS | rate | frame | `--fault`", rows)
-    return f"{told}\n`metrics_node` reads {', '.join(f'`{name}`' for name in heard)}.\n"
+    heard, truth = (
+        ", ".join(f"`/{source.name.lstrip('/')}`" for source in kind) for kind in (HEARD, TRUTH)
+    )
+    return f"{told}\n`metrics_node` reads {heard}; with extended columns also {truth}.\n"
 
 
 def _by_robot(values: dict[str, str]) -> str:
