@@ -33,7 +33,6 @@ from harness.report.recorder import RunRecorder
 from harness.robots import robot_name
 from harness.sensors.camera.backend import keep_opengl_out
 from harness.view.drawing import Drawing
-from harness.world.actors.spec import actor_names
 from harness.world.terrain_file import is_terrain_file
 
 
@@ -81,7 +80,7 @@ def _social(options: RunOptions) -> tuple[SocialRecorder, ...]:
     Raises:
         UsageError: It cannot be written there.
     """
-    names = actor_names(options.config.people)
+    names = options.config.actor_names()
     if options.social_log is not None:
         check_target("--social-log", options.social_log, ".csv")
     return (SocialRecorder(names, options.social_log, options.ros.log_dir),) if names else ()

@@ -24,7 +24,7 @@ from harness.world.world import Start
 from rover_metrics.errors import OneLineParser, ParameterError
 from rover_metrics.extended.parameter_file import read_values
 from rover_metrics.extended.settings import Settings
-from rover_metrics.ros.arguments import complaint
+from rover_metrics.ros.arguments import complaint, split_ros_args
 
 DEFAULT_LOG_DIR = Path(Settings().log_dir)
 SLOWEST_RATE = 0.01
@@ -86,16 +86,6 @@ PICTURES: tuple[Option, ...] = (
 Group = argparse._ArgumentGroup  # noqa: SLF001 - what add_argument_group gives has no public name
 
 
-def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Separates `--ros-args ... [--]` from the command's own words, as ROS nodes do."""
-    words = list(words)
-    if "--ros-args" not in words:
-        return words, []
-    start = words.index("--ros-args")
-    end = words.index("--", start) + 1 if "--" in words[start:] else len(words)
-    return words[:start] + words[end:], words[start:end]
-
-
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
     """What the command line of harness.run asks for.
@@ -149,9 +139,9 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
     values = read_parameters(given.params) if given.params else {}
     settings, extended_args = Settings(), list[str]()
     if given.extended:
-        of_run = find_rover(config.robot), config.gravity()
-        settings = replace(settings, extended_columns=True, extended=extended_settings(*of_run))
-        extended_args = extended_ros_args(*of_run)
+        of_run = extended_settings(find_rover(config.robot), config.gravity())
+        settings = replace(settings, extended_columns=True, extended=of_run)
+        extended_args = extended_ros_args(of_run)
     ros = _filled(
         RosOptions,
         given,
@@ -192,7 +182,9 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         )
     if options.overwrite and options.record is None:
         raise UsageError("--overwrite is for the file of --record; name one, or leave it out")
-    if options.social_log is not None and not (options.actor or of_terrain(options.terrain)):
+    if options.social_log is not None and not (
+        options.actor or of_terrain(options.terrain, options.resource_path)
+    ):
         raise UsageError("--social-log is of a run with people; add --actor SPEC, or leave it out")
     if not options.direct:
         return

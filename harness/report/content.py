@@ -1,6 +1,7 @@
 """The page about a run: the names of the template's variables are the keys here."""
 
 import math
+from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -11,11 +12,20 @@ from harness.episode.manifest import manifest
 from harness.episode.result import RunResult
 from harness.page.figure import MINUS, TIMES, Plot, named
 from harness.page.shell import fill
+from harness.report.encounters import NEAR, Encounter, encounters
 from harness.report.hillshade import shade
 from harness.report.log import Log, caption, collisions, contacts, describe, meetings, read_log
 from harness.report.recorder import RunRecorder
 from harness.report.series import MOST_ROWS, series_figure, varies
-from harness.report.tables import comparisons, contact_rows, facts, key_figures, people, steady_text
+from harness.report.tables import (
+    comparisons,
+    contact_rows,
+    encounter_rows,
+    facts,
+    key_figures,
+    people,
+    steady_text,
+)
 from harness.report.terrain_map import map_figure
 from harness.robots import find_rover, robot_name
 from harness.sensors.lidar_spec import scan_points
@@ -27,7 +37,8 @@ LISTED = ("arguments", "versions", "world")  # parts of the manifest that are ta
 def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
     """Returns what the template shows of a run."""
     log, values = read_log(result.log_path), manifest(result)
-    terrain_map, plots = _map(result, recorder, log), _series(result, recorder, log)
+    met, actors = encounters(recorder.track), result.config.world().people
+    terrain_map, plots = _map(result, recorder, log, met), _series(result, recorder, log)
     series = [plot for plot in plots if varies(plot.figure, log.columns[plot.heading])]
     steady = [plot for plot in plots if plot not in series]
     return {
@@ -39,6 +50,8 @@ def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
         "key_figures": key_figures(result),
         "map": terrain_map,
         "comparisons": [*comparisons(result, log), *people(recorder.track)],
+        "encounters": encounter_rows(met, actors),
+        "near": NEAR,
         "contacts": contact_rows(result),
         "series": series,
         "steady": [
@@ -52,13 +65,13 @@ def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
     }
 
 
-def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
+def _map(result: RunResult, recorder: RunRecorder, log: Log, met: Sequence[Encounter]) -> Plot:
     config, track = result.config, recorder.track
     world = config.world()
     hillshade, heights = shade(world.ground), world.ground.heights
     half_x, half_y = world.ground.half_size
     x, y, yaw = (_signed(value) for value in world.start)
-    collided, touched, met = collisions(log, track), contacts(track), meetings(track)
+    collided, touched, near = collisions(log, track), contacts(track), meetings(track)
     placed = recorder.last_scan
     rover = find_rover(config.robot)
     figure = map_figure(
@@ -67,14 +80,15 @@ def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
         track,
         collisions=collided,
         contacts=touched,
-        meetings=met,
+        meetings=near,
+        met=met,
         scan=np.empty((0, 2)) if placed is None else scan_points(placed, rover),
         gravity=config.gravity(),
     )
     summary = (
         f"Path of {result.truth.path_length:.1f} m with {len(collided)} places where the metrics "
         f"counted collisions and {len(touched)} where the rover touched a hazard."
-        + (f" People were near {len(met)} times." if world.people else "")
+        + (f" People were near {len(near)} times." if world.people else "")
     )
     caption = (
         f"{2 * half_x:g} m {TIMES} {2 * half_y:g} m, heights {_signed(heights.min())} to "

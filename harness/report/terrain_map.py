@@ -18,6 +18,7 @@ from harness.page.figure import (
     line,
     numbers,
 )
+from harness.report.encounters import Encounter
 from harness.report.hillshade import Hillshade, map_layout
 from harness.report.log import Event
 from harness.report.recorder import Stretch
@@ -44,6 +45,7 @@ HOVER = (
 )
 PERSON = "--person"
 NEAR = f"person within {PERSONAL_SPACE:g} m"
+CLOSEST = "closest to a person"
 NAMES = {ObstacleKind.ROCK: ("rock", "--rock"), ObstacleKind.HAZARD: ("hazard", "--hazard")}
 
 
@@ -66,6 +68,7 @@ def map_figure(
     collisions: Sequence[Event],
     contacts: Sequence[Event],
     meetings: Sequence[Event] = (),
+    met: Sequence[Encounter] = (),
     scan: Points,
     gravity: float,
 ) -> Figure:
@@ -78,6 +81,7 @@ def map_figure(
         collisions: What the metrics counted.
         contacts: What really happened.
         meetings: When people were near.
+        met: Where they were nearest.
         scan: Where the beams of the last scan ended [m].
         gravity: Of the run [m/s^2].
     """
@@ -88,6 +92,7 @@ def map_figure(
         *_people(world.people, track),
         *_path(track, gravity),
         *_ends(track),
+        *_encounters(met, world.people),
         _events(meetings, NEAR, "circle-open", PERSON),
         _events(collisions, "collision (metric)", "diamond-open", METRIC),
         _events(contacts, "contact with a hazard (truth)", "x-thin-open", TRUTH),
@@ -148,6 +153,34 @@ def _people(actors: Sequence[Actor], track: Sequence[Stretch]) -> list[Trace]:
         end = _points(ways[-1:], actor.name, {"size": 9, "color": PERSON}, hover)
         traces += [way, end | {"showlegend": False}]
     return traces
+
+
+def _encounters(met: Sequence[Encounter], actors: Sequence[Actor]) -> list[Trace]:
+    """A line from the rover to whom it met, with the number that the table has too."""
+    places = [(e.nearest.rover, e.nearest.person) for e in met]
+    gap = (math.nan, math.nan)
+    joined = line(CLOSEST, *_columns([p for pair in places for p in (*pair, gap)]), PERSON, width=2)
+    numbered = _points(
+        [person for _, person in places],
+        CLOSEST,
+        {"symbol": "diamond", "size": 9, "color": PERSON},
+        "%{hovertext}",
+    )
+    return [
+        joined,
+        numbered
+        | {
+            "mode": "markers+text",
+            "text": [f"<b>{number}</b>" for number in range(1, len(met) + 1)],
+            "textposition": "top right",
+            "textfont": {"size": 13, "color": INK},
+            "hovertext": [
+                f"{actors[e.person].name}, {e.nearest.distance:.2f} m, t = {e.nearest.time_s:.1f} s"
+                for e in met
+            ],
+            "showlegend": False,
+        },
+    ]
 
 
 def _scale_top(rough: Sequence[float]) -> float:

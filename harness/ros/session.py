@@ -28,7 +28,6 @@ from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, counted_by
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
-from harness.world.actors.spec import actor_names
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
 LOOK_PERIOD_NS = NANOSECONDS // 10  # of simulation time, for publishers that have turned up
@@ -82,7 +81,7 @@ class _Run:
             cmd_vel=options.cmd_vel,
             rows=rows,
             draw=draw,
-            actors=actor_names(config.people),
+            actors=config.actor_names(),
         )
         at_end.callback(self.bridge.destroy_node)
         self._faults = FaultInjector(parse_faults(config.faults, rows), config.seed, rows)
