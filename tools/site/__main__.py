@@ -10,9 +10,10 @@ import json
 import shutil
 import sys
 from pathlib import Path
+from typing import Any
 
 from tools.site.generated import generated
-from tools.site.links import BrokenLinks, Links
+from tools.site.links import REPOSITORY, BrokenLinks, Links
 from tools.site.notebooks import told
 from tools.site.pages import ROOT, navigation, sources
 
@@ -54,7 +55,14 @@ def write(folder: Path) -> None:
         (docs / "files" / picture).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / picture, docs / "files" / picture)
     # JSON is YAML, but for the tags of mkdocs.yml, which stays what it is.
-    config = {"INHERIT": str(CONFIG), "nav": navigation(pages), "docs_dir": "docs", "site_dir": "site"}
+    config: dict[str, Any] = {
+        "INHERIT": str(CONFIG),
+        "nav": navigation(pages),
+        "docs_dir": "docs",
+        "site_dir": "site",
+    }
+    # Not repo_url, which would ask GitHub for stars.
+    config["extra"] = {"social": [{"icon": "fontawesome/brands/github", "link": REPOSITORY}]}
     (folder / "mkdocs.yml").write_text(json.dumps(config, indent=1))
 
 
