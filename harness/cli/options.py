@@ -7,12 +7,18 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from harness import __version__
-from harness.config import CMD_VEL_TYPES, EpisodeConfig, RosOptions
+from harness.config import CMD_VEL, CMD_VEL_TYPES, EpisodeConfig, RosOptions
 from harness.drivers import DRIVERS, takes_goals
 from harness.drivers.goal_course import Area
-from harness.episode.metrics_feed import extended_ros_args, extended_settings, parameter_words
+from harness.episode.metrics_feed import (
+    extended_parameters,
+    extended_settings,
+    parameter_words,
+)
 from harness.errors import UsageError
 from harness.faults.spec import FORM, describe_faults
+from harness.fleet import FORM as ROVER_FORM
+from harness.fleet import KEYS, fleet_of_words
 from harness.frames.options import ODOM_SOURCES, FrameOptions
 from harness.robots import ROVERS, find_rover
 from harness.sensors.choice import kinds
@@ -101,20 +107,20 @@ class RunOptions:
     """What the command line of harness.run asks for.
 
     Attributes:
-        config: The episode, not checked yet.
+        fleet: The episode of each rover, not checked yet; `config` is the first one's.
         ros: How it goes through ROS; `log_dir` and `rate` hold for a run without it too.
         direct: Whether it does without ROS.
-        settings: Of the metrics; the hosted node gets them as parameters.
+        all_settings: Of each rover's metrics; hosted nodes get them as parameters.
         params: The file that they come from; None without.
         report: Page to write about the run; None for none. Likewise `summary`, `picture`, `video`.
         picture_lidar: Whether pictures show the beams.
         social_log: The log of a run with people; None for one in `log_dir`.
     """
 
-    config: EpisodeConfig
+    fleet: tuple[EpisodeConfig, ...]
     ros: RosOptions
     direct: bool
-    settings: Settings
+    all_settings: tuple[Settings, ...]
     params: Path | None
     report: Path | None
     summary: Path | None
@@ -122,6 +128,26 @@ class RunOptions:
     video: Path | None
     picture_lidar: bool
     social_log: Path | None
+
+    @property
+    def config(self) -> EpisodeConfig:
+        """The first rover's episode."""
+        return self.fleet[0]
+
+    def log_dir(self, config: EpisodeConfig) -> Path:
+        """Returns the folder of a rover's logs: with its name, if there are several."""
+        return self.ros.log_dir / config.name
+
+    def for_rover(self, file: Path | None, config: EpisodeConfig) -> Path | None:
+        """Returns a rover's file: FILE_NAME, if there are several."""
+        if file is None or not config.name:
+            return file
+        return file.with_stem(f"{file.stem}_{config.name}")
+
+    @property
+    def settings(self) -> Settings:
+        """Those of the first rover's metrics."""
+        return self.all_settings[0]
 
 
 def parse_run(arguments: Sequence[str]) -> RunOptions | None:
@@ -144,23 +170,37 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         return None
     _check_combination(given, ros_args)
     config = _filled(EpisodeConfig, given, faults=tuple(given.fault), actors=tuple(given.actor))
+    fleet = fleet_of_words(given.rover, config) if given.rover else (config,)
+    if given.direct:
+        _check_drivers(fleet)
     namespace = given.namespace.strip("/")
     namespace_args = ("--ros-args", "-r", f"__ns:=/{namespace}", "--") if namespace else ()
     values = read_parameters(given.params) if given.params else {}
-    settings, extended_args = Settings(), list[str]()
-    if given.extended:
-        of_run = find_rover(config.robot), config.gravity()
-        settings = replace(settings, extended_columns=True, extended=extended_settings(*of_run))
-        extended_args = extended_ros_args(*of_run)
+    made = [_settings(each, values, extended=given.extended) for each in fleet]
     ros = _filled(
         RosOptions,
         given,
         host_metrics=not given.no_metrics,
         wait_for=tuple(given.wait_for),
-        ros_args=(*namespace_args, *extended_args, *parameter_words(values), *ros_args),
+        ros_args=(*namespace_args, *(word for _, words in made for word in words), *ros_args),
         frames=_filled(FrameOptions, given),
     )
-    return _filled(RunOptions, given, config=config, ros=ros, settings=settings.updated(values))
+    settings = tuple(settings for settings, _ in made)
+    return _filled(RunOptions, given, fleet=fleet, ros=ros, all_settings=settings)
+
+
+def _settings(
+    config: EpisodeConfig, values: dict[str, Any], *, extended: bool
+) -> tuple[Settings, list[str]]:
+    """The settings of a rover's metrics, and the words that give them to its node."""
+    settings, parameters = Settings(), dict[str, Any]()
+    if extended:
+        of_run = find_rover(config.robot), config.gravity()
+        settings = replace(settings, extended_columns=True, extended=extended_settings(*of_run))
+        parameters = extended_parameters(*of_run)
+    node = f"/{config.name}/metrics_node:" if config.name else ""
+    words = [word for each in (parameters, values) for word in parameter_words(each, node)]
+    return settings.updated(values), words
 
 
 def read_parameters(path: Path) -> dict[str, Any]:
@@ -194,6 +234,7 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         raise UsageError("--overwrite is for the file of --record; name one, or leave it out")
     if options.social_log is not None and not (options.actor or of_terrain(options.terrain)):
         raise UsageError("--social-log is of a run with people; add --actor SPEC, or leave it out")
+    _check_fleet(options)
     if not options.direct:
         return
     for given, flag in (
@@ -205,14 +246,34 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         (options.odom_tf != FrameOptions.odom_tf, "--odom-tf"),
         (options.odom_tf_3d, "--odom-tf-3d"),
         (options.map_tf, "--map-tf"),
-        (options.driver == "cmd_vel", "--driver cmd_vel"),
-        (
-            takes_goals(options.driver) and options.goal_area is None,
-            f"--driver {options.driver} without --goal-area",
-        ),
     ):
         if given:
             raise UsageError(f"{flag} needs ROS; leave out --direct")
+
+
+def _check_fleet(options: argparse.Namespace) -> None:
+    """Checks that what is told of a single rover is not told of several."""
+    wrong, flags = (
+        "is for a single rover",
+        {"social_log": None, "namespace": "", "robot": EpisodeConfig.robot},
+    )
+    mends = {
+        "social_log": "each --rover has its own below --log-dir; leave it out",
+        "namespace": "name each as --rover ROBOT:NAME",
+        "robot": f"give --rover {options.robot} beside the others",
+    }
+    for name, default in flags.items():
+        if options.rover and getattr(options, name) != default:
+            raise UsageError(f"--{name.replace('_', '-')} {wrong}: {mends[name]}")
+
+
+def _check_drivers(fleet: Sequence[EpisodeConfig]) -> None:
+    """Checks that no driver waits for what only ROS brings."""
+    for config in fleet:
+        waits = takes_goals(config.driver) and config.goal_area is None
+        if waits or config.driver == CMD_VEL:
+            without = " without --goal-area" if waits else ""
+            raise UsageError(f"--driver {config.driver}{without} needs ROS; leave out --direct")
 
 
 def run_parser() -> argparse.ArgumentParser:
@@ -279,6 +340,11 @@ def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
             action="append" if is_many else "store",
             default=[] if is_many else getattr(defaults, flag[2:].replace("-", "_")),
         )
+    about = (
+        f"several in one world, {ROVER_FORM}, each in its NAME's namespace; KEYs: {', '.join(KEYS)}; "
+        "all other options hold for all of them (docs/fleets.md)"
+    )
+    world.add_argument("--rover", action="append", default=[], metavar="SPEC", help=about)
     about = "start [m] and heading from +x to +y [rad]; default: at or next to 0,0, the middle"
     world.add_argument("--start", type=_start, metavar="X,Y[,YAW]", help=about)
     about = f"where the world's origin is, for GNSS and its like; default: {_told(defaults.datum)}"

@@ -41,23 +41,33 @@ def outline_parameters(rover: RoverSpec) -> dict[str, list[float]]:
     return {"footprint": footprint, "lidar_pose": [pose.x, pose.y, pose.yaw]}
 
 
-def extended_ros_args(rover: RoverSpec, gravity: float | None = None) -> list[str]:
-    """Returns arguments for a metrics_node with extended columns; what follows them wins.
+def extended_parameters(rover: RoverSpec, gravity: float | None = None) -> dict[str, object]:
+    """Returns the parameters of a metrics_node with extended columns.
 
     Args:
         rover: Whose footprint, lidar and wheels they tell.
         gravity: [m/s^2]; its model's if None.
     """
-    outline = outline_parameters(rover)
+    outline: dict[str, object] = dict(outline_parameters(rover))
     others: dict[str, object] = {"gravity": rover.gravity if gravity is None else gravity}
     if rover.wheel_names != WHEELS:
         others["wheels"] = ",".join(rover.wheel_names)
-    return parameter_words({"extended_columns": True} | outline | others)
+    return {"extended_columns": True} | outline | others
 
 
-def parameter_words(values: Mapping[str, object]) -> list[str]:
-    """Returns arguments that set parameters of a metrics_node; what follows them wins."""
-    pairs = [("-p", f"{name}:={json.dumps(value)}") for name, value in values.items()]
+def extended_ros_args(rover: RoverSpec, gravity: float | None = None) -> list[str]:
+    """Returns `extended_parameters` as arguments; what follows them wins."""
+    return parameter_words(extended_parameters(rover, gravity))
+
+
+def parameter_words(values: Mapping[str, object], node: str = "") -> list[str]:
+    """Returns arguments that set parameters of a metrics_node; what follows them wins.
+
+    Args:
+        values: By name.
+        node: Of which node, as /rover1/metrics_node: with the colon; empty for all.
+    """
+    pairs = [("-p", f"{node}{name}:={json.dumps(value)}") for name, value in values.items()]
     return ["--ros-args", *chain.from_iterable(pairs), "--"] if pairs else []
 
 

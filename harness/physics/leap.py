@@ -52,10 +52,11 @@ class Leap:
             end = begin + len(list(alike))
             self._simulate(commands, begin, end)  # parked all the time, or not at all
             begin = end
-        simulation, begun = self._simulation, self._simulation.step_count
-        simulation.step_count += self._ticks * simulation.steps_per_tick
-        simulation.check()
-        simulation.step_count = begun
+        physics = self._simulation.physics
+        begun = physics.step_count
+        physics.step_count += self._ticks * physics.steps_per_tick
+        physics.check()
+        physics.step_count = begun
         yield from self._show()
 
     def _simulate(self, commands: NDArray[np.float64], begin: int, end: int) -> None:
@@ -89,5 +90,5 @@ class Leap:
         for tick in range(self._ticks):
             qpos[:], qvel[:] = ends[tick, : qpos.size], ends[tick, qpos.size :]
             simulation.tick_sum[:] = sums[tick]
-            simulation.step_count += per_tick
+            simulation.physics.step_count += per_tick
             yield tick
