@@ -8,7 +8,7 @@ Parses, calls, prints; the work is in harness.ros.session (through ROS) and harn
 
 import importlib
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from harness.cli.edge import begin_program, run_program
@@ -20,7 +20,6 @@ from rich.console import Console
 
 from harness.cli.console import RunProgress, counted, print_choices, print_summary
 from harness.cli.options import RunOptions, parse_run
-from harness.config import EpisodeConfig
 from harness.episode.loop import Observer
 from harness.episode.manifest import write_manifest
 from harness.episode.result import RoverRun, Run, RunResult
@@ -56,38 +55,34 @@ def _command(options: RunOptions, console: Console) -> int:
     backend = keep_opengl_out()  # before MuJoCo is loaded
     drawing = Drawing(options.picture, options.video, lidar=options.picture_lidar, backend=backend)
     recorders = [RunRecorder() for _ in options.fleet] if options.report is not None else []
-    social = [_social(options, config) for config in options.fleet]
+    logs = _social(options)
     run = _loaded(options)
     with StopRequest() as stop, drawing:
         drawn = _prepared(options, console, drawing)
-        parts = zip(options.fleet, social, _each(recorders, options), _each(drawn, options), strict=True)
         rovers = [
             RoverRun(
-                config=config, log_dir=options.log_dir(config), observers=_all(watching), settings=of
+                config=config,
+                log_dir=options.log_dir(config),
+                observers=tuple(each[number] for each in (logs, drawn, recorders) if each),
+                settings=options.all_settings[number],
+                parameters=options.parameters[number],
             )
-            for (config, *watching), of in zip(parts, options.all_settings, strict=True)
+            for number, config in enumerate(options.fleet)
         ]
-        results = []
-        for result, log in zip(_run(run, options, rovers, stop, console), social, strict=True):
-            if log is not None:
-                log.close()
-            people = None if log is None else log.path
-            page = options.for_rover(options.report, result.config)
-            results.append(replace(result, report=page, params=options.params, social_log=people))
+        results = [
+            replace(
+                result, report=options.for_rover(options.report, result.config), params=options.params
+            )
+            for result in _run(run, options, rovers, stop, console)
+        ]
+        for number, log in enumerate(logs):
+            log.close()
+            results[number] = replace(results[number], social_log=log.path)
         exit_code = _report(results, options, stop, console)
         for result, recorder in zip(results, recorders, strict=False):
             _write_page(result, recorder, dict(_others(results, recorders, result)), console)
         _draw(drawing, stop, console)
     return exit_code
-
-
-def _each(some: Sequence[Observer], options: RunOptions) -> Sequence[Observer | None]:
-    """An observer for each rover, or none for any."""
-    return some or [None] * len(options.fleet)
-
-
-def _all(some: Iterable[Observer | None]) -> tuple[Observer, ...]:
-    return tuple(one for one in some if one is not None)
 
 
 def _others(
@@ -113,16 +108,17 @@ def _write_page(
     console.print(f"report: {result.report}", soft_wrap=True, highlight=False)
 
 
-def _social(options: RunOptions, config: EpisodeConfig) -> SocialRecorder | None:
-    """Returns what keeps the social log of a rover among people; None without any.
+def _social(options: RunOptions) -> list[SocialRecorder]:
+    """Returns what keeps the social log of each rover among people; empty without any.
 
     Raises:
-        UsageError: It cannot be written there.
+        UsageError: One cannot be written there.
     """
-    names = actor_names(config.people)
+    names = actor_names(options.config.people)
     if options.social_log is not None:
         check_target("--social-log", options.social_log, ".csv")
-    return SocialRecorder(names, options.social_log, options.log_dir(config)) if names else None
+    folders = [options.log_dir(config) for config in options.fleet] if names else []
+    return [SocialRecorder(names, options.social_log, folder) for folder in folders]
 
 
 def _loaded(options: RunOptions) -> Run:

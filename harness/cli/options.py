@@ -1,7 +1,7 @@
 """The command line of harness.run: its options, and what they say about the episode."""
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -111,6 +111,7 @@ class RunOptions:
         ros: How it goes through ROS; `log_dir` and `rate` hold for a run without it too.
         direct: Whether it does without ROS.
         all_settings: Of each rover's metrics; hosted nodes get them as parameters.
+        parameters: Of each rover's hosted node, beside those in the arguments of `ros`.
         params: The file that they come from; None without.
         report: Page to write about the run; None for none. Likewise `summary`, `picture`, `video`.
         picture_lidar: Whether pictures show the beams.
@@ -121,6 +122,7 @@ class RunOptions:
     ros: RosOptions
     direct: bool
     all_settings: tuple[Settings, ...]
+    parameters: tuple[Mapping[str, Any], ...]
     params: Path | None
     report: Path | None
     summary: Path | None
@@ -138,16 +140,24 @@ class RunOptions:
         """Returns the folder of a rover's logs: with its name, if there are several."""
         return self.ros.log_dir / config.name
 
-    def for_rover(self, file: Path | None, config: EpisodeConfig) -> Path | None:
-        """Returns a rover's file: FILE_NAME, if there are several."""
-        if file is None or not config.name:
-            return file
-        return file.with_stem(f"{file.stem}_{config.name}")
+    def report_of(self, config: EpisodeConfig) -> Path | None:
+        """Returns a rover's page: FILE_NAME.html, if there are several."""
+        return _with_name(self.report, config)
+
+    def summary_of(self, config: EpisodeConfig) -> Path | None:
+        """Returns a rover's manifest, likewise."""
+        return _with_name(self.summary, config)
 
     @property
     def settings(self) -> Settings:
         """Those of the first rover's metrics."""
         return self.all_settings[0]
+
+
+def _with_name(file: Path | None, config: EpisodeConfig) -> Path | None:
+    if file is None or not config.name:
+        return file
+    return file.with_stem(f"{file.stem}_{config.name}")
 
 
 def parse_run(arguments: Sequence[str]) -> RunOptions | None:
@@ -177,30 +187,31 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
     namespace_args = ("--ros-args", "-r", f"__ns:=/{namespace}", "--") if namespace else ()
     values = read_parameters(given.params) if given.params else {}
     made = [_settings(each, values, extended=given.extended) for each in fleet]
+    settings, parameters = zip(*made, strict=True)
+    # Of several nodes each must have its own; of a single one, what follows in the arguments wins.
+    extended_args = [] if given.rover else parameter_words(parameters[0])
     ros = _filled(
         RosOptions,
         given,
         host_metrics=not given.no_metrics,
         wait_for=tuple(given.wait_for),
-        ros_args=(*namespace_args, *(word for _, words in made for word in words), *ros_args),
+        ros_args=(*namespace_args, *extended_args, *parameter_words(values), *ros_args),
         frames=_filled(FrameOptions, given),
     )
-    settings = tuple(settings for settings, _ in made)
-    return _filled(RunOptions, given, fleet=fleet, ros=ros, all_settings=settings)
+    parameters = parameters if given.rover else ({},)
+    return _filled(RunOptions, given, fleet=fleet, ros=ros, all_settings=settings, parameters=parameters)
 
 
 def _settings(
     config: EpisodeConfig, values: dict[str, Any], *, extended: bool
-) -> tuple[Settings, list[str]]:
-    """The settings of a rover's metrics, and the words that give them to its node."""
+) -> tuple[Settings, dict[str, Any]]:
+    """The settings of a rover's metrics, and the parameters of its node that they come to."""
     settings, parameters = Settings(), dict[str, Any]()
     if extended:
         of_run = find_rover(config.robot), config.gravity()
         settings = replace(settings, extended_columns=True, extended=extended_settings(*of_run))
         parameters = extended_parameters(*of_run)
-    node = f"/{config.name}/metrics_node:" if config.name else ""
-    words = [word for each in (parameters, values) for word in parameter_words(each, node)]
-    return settings.updated(values), words
+    return settings.updated(values), parameters
 
 
 def read_parameters(path: Path) -> dict[str, Any]:

@@ -55,19 +55,9 @@ def extended_parameters(rover: RoverSpec, gravity: float | None = None) -> dict[
     return {"extended_columns": True} | outline | others
 
 
-def extended_ros_args(rover: RoverSpec, gravity: float | None = None) -> list[str]:
-    """Returns `extended_parameters` as arguments; what follows them wins."""
-    return parameter_words(extended_parameters(rover, gravity))
-
-
-def parameter_words(values: Mapping[str, object], node: str = "") -> list[str]:
-    """Returns arguments that set parameters of a metrics_node; what follows them wins.
-
-    Args:
-        values: By name.
-        node: Of which node, as /rover1/metrics_node: with the colon; empty for all.
-    """
-    pairs = [("-p", f"{node}{name}:={json.dumps(value)}") for name, value in values.items()]
+def parameter_words(values: Mapping[str, object]) -> list[str]:
+    """Returns arguments that set parameters of a metrics_node; what follows them wins."""
+    pairs = [("-p", f"{name}:={json.dumps(value)}") for name, value in values.items()]
     return ["--ros-args", *chain.from_iterable(pairs), "--"] if pairs else []
 
 

@@ -1,7 +1,7 @@
 """What a run comes to: counts, rows, truth and outcome, as plain values for table and manifest."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -130,12 +130,14 @@ class RoverRun:
         log_dir: Gets its log.
         observers: See its batches.
         settings: Of its metrics.
+        parameters: Of its hosted metrics_node, beside those in the arguments of the run.
     """
 
     config: EpisodeConfig
     log_dir: Path
     observers: Sequence[Observer] = ()
     settings: Settings = field(default_factory=Settings)
+    parameters: Mapping[str, Any] = field(default_factory=dict)
 
 
 Show = Callable[[RunResult], None]
