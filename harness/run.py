@@ -22,7 +22,7 @@ from harness.cli.console import RunProgress, counted, print_choices, print_summa
 from harness.cli.options import RunOptions, parse_run
 from harness.episode.loop import Observer
 from harness.episode.manifest import write_manifest
-from harness.episode.result import RoverRun, Run, RunResult
+from harness.episode.result import RoverRun, RunAll, RunResult
 from harness.episode.social_recorder import SocialRecorder
 from harness.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.files import check_target, write_whole
@@ -70,9 +70,7 @@ def _command(options: RunOptions, console: Console) -> int:
             for number, config in enumerate(options.fleet)
         ]
         results = [
-            replace(
-                result, report=options.for_rover(options.report, result.config), params=options.params
-            )
+            replace(result, report=options.report_of(result.config), params=options.params)
             for result in _run(run, options, rovers, stop, console)
         ]
         for number, log in enumerate(logs):
@@ -121,7 +119,7 @@ def _social(options: RunOptions) -> list[SocialRecorder]:
     return [SocialRecorder(names, options.social_log, folder) for folder in folders]
 
 
-def _loaded(options: RunOptions) -> Run:
+def _loaded(options: RunOptions) -> RunAll:
     """Returns what runs the episode, with what only these options need: ROS, MuJoCo, compiled kernels.
 
     Not with this module: through ROS, only the process that simulates needs the latter, and --direct
@@ -161,7 +159,7 @@ def _prepared(options: RunOptions, console: Console, drawing: Drawing) -> Sequen
 
 
 def _run(
-    run: Run,
+    run: RunAll,
     options: RunOptions,
     rovers: Sequence[RoverRun],
     stop: StopRequest,
@@ -187,7 +185,7 @@ def _report(
             lost = ", ".join(f"{c.lost} of {t}" for t, c in result.topics.items() if c.lost)
             complaints[f"messages were lost: {lost}"] = None
         log_manifest = None if result.log_path is None else result.log_path.with_suffix(".json")
-        summary = options.for_rover(options.summary, result.config)
+        summary = options.summary_of(result.config)
         for path in filter(None, (log_manifest, summary)):
             try:
                 write_manifest(result, path)

@@ -198,7 +198,7 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         ros_args=(*namespace_args, *extended_args, *parameter_words(values), *ros_args),
         frames=_filled(FrameOptions, given),
     )
-    parameters = parameters if given.rover else ({},)
+    parameters = tuple(each | values for each in parameters) if given.rover else ({},)
     return _filled(RunOptions, given, fleet=fleet, ros=ros, all_settings=settings, parameters=parameters)
 
 

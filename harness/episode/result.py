@@ -141,7 +141,8 @@ class RoverRun:
 
 
 Show = Callable[[RunResult], None]
-Run = Callable[..., tuple[RunResult, ...]]  # run_all_direct, or run_all_through_ros
+Run = Callable[..., RunResult]  # run_direct, or run_through_ros
+RunAll = Callable[..., tuple[RunResult, ...]]  # run_all_direct, or run_all_through_ros
 
 
 def cells_of(row: Row | None) -> dict[str, int | float | str] | None:

@@ -71,7 +71,8 @@ class Rover:
     @property
     def velocities(self) -> NDArray[np.float64]:
         """All its velocities, a view into MuJoCo's."""
-        return self._state[1]
+        velocities: NDArray[np.float64] = self._state[1]
+        return velocities
 
     def rests(self, data: mujoco.MjData) -> bool:
         """Returns whether it stands on something."""

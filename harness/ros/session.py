@@ -84,8 +84,9 @@ def run_all_through_ros(
         configs = [rover.config for rover in rovers]
         source = at_end.enter_context(EpisodeProcess(configs, options.frames))
         run = _Run(rovers, options, source, at_end)
-        for rover in run.rovers if recorder is not None else ():
-            recorder.tap(rover.bridge, rover.metrics, [rover.navigation.map])
+        if recorder is not None:
+            for rover in run.rovers:
+                recorder.tap(rover.bridge, rover.metrics, [rover.navigation.map])
         return run.drive(stop, show, started)
 
 

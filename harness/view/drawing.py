@@ -12,7 +12,7 @@ from contextlib import AbstractContextManager, ExitStack, closing
 from pathlib import Path
 
 from harness.config import EpisodeConfig
-from harness.episode.batch import Batch
+from harness.episode.loop import Observer
 from harness.errors import INSTALL_OPENGL, HarnessError, UsageError
 from harness.files import check_target
 from harness.sensors.camera.backend import backends
@@ -81,14 +81,9 @@ class Drawing(AbstractContextManager["Drawing"]):
             self._writers.append(self._at_end.enter_context(closing(writer)))
 
     @property
-    def observers(self) -> Sequence[StateWriter]:
+    def observers(self) -> Sequence[Observer]:
         """What keeps the states of each rover; empty if nothing is to be drawn."""
         return self._writers
-
-    def take(self, batch: Batch) -> None:
-        """Keeps the states of a batch of the first rover."""
-        for writer in self._writers[:1]:
-            writer.take(batch)
 
     def finish(self, show: Callable[[int, int], None]) -> list[Path]:
         """Draws in a process of its own; returns the files written.

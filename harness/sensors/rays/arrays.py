@@ -6,6 +6,7 @@ about every geom; a planar fan can go from obstacle to beams instead, with the s
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -97,7 +98,7 @@ def moving_meshes(model: mujoco.MjModel, geoms: Sequence[int]) -> list[tuple[int
     return [(geom, *build_tree(_triangles(model, geom))) for geom in meshes]
 
 
-def _triangles(model: mujoco.MjModel, geom: int) -> Doubles:
+def _triangles(model: mujoco.MjModel, geom: int | np.signedinteger[Any]) -> Doubles:
     """The corners of a mesh in the geom's frame, shape (triangles, 3, 3)."""
     mesh = model.geom_dataid[geom]
     vertex, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]

@@ -68,10 +68,10 @@ class Surroundings:
         """
         if self.triangles is not None:
             cast_triangles(*self.triangles, origin, directions, range_max, distances)
-        for geom, *tree in self._moving:
+        for geom, boxes, triangles in self._moving:
             away, axes = origin - data.geom_xpos[geom], data.geom_xmat[geom].reshape(3, 3)
             if math.hypot(*away) <= range_max + self._radii[geom]:
-                cast_triangles(*tree, away @ axes, directions @ axes, range_max, distances)
+                cast_triangles(boxes, triangles, away @ axes, directions @ axes, range_max, distances)
 
 
 class RayBundle:
