@@ -25,7 +25,7 @@ from harness.sensors.noise import PRESETS
 from harness.sensors.table import SensorRow
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
 from harness.world.actors.actor import with_actors
-from harness.world.actors.spec import of_terrain, parse_actors
+from harness.world.actors.spec import ActorSpec, of_terrain, parse_actors
 from harness.world.files import file_world
 from harness.world.terrain_file import TerrainFile, is_terrain_file
 from harness.world.terrains import TERRAINS
@@ -119,7 +119,23 @@ class EpisodeConfig:
     @property
     def people(self) -> tuple[str, ...]:
         """Who walks, in words: the actors of an SDF world, then those asked for."""
-        return (*of_terrain(self.terrain), *self.actors)
+        return (*of_terrain(self.terrain, self.resource_path), *self.actors)
+
+    def actor_specs(self) -> tuple[ActorSpec, ...]:
+        """Returns who walks, before there is a world.
+
+        Raises:
+            UsageError: One of them is not valid.
+        """
+        return parse_actors(self.people, self.resource_path)
+
+    def actor_names(self) -> tuple[str, ...]:
+        """Returns the names of the people as their topics and columns have them: NAME_actor.
+
+        Raises:
+            UsageError: As `actor_specs`.
+        """
+        return tuple(spec.full_name for spec in self.actor_specs())
 
     @property
     def own_seed(self) -> int:
@@ -146,7 +162,7 @@ class EpisodeConfig:
         """
         world = self._terrain_world()
         world = world if self.start is None else starting_at(world, self.start)
-        people = parse_actors(self.people)
+        people = self.actor_specs()
         return with_actors(world, people) if people else world
 
     def gravity(self) -> float:
@@ -265,7 +281,7 @@ class EpisodeConfig:
         check_duration(self.duration)
         self._validate_plan()
         self._validate_faults()
-        parse_actors(self.people)
+        self.actor_specs()
         self._validate_timeout()
         if self.start is not None:
             check_start(self.start)

@@ -31,7 +31,6 @@ from harness.report.recorder import RunRecorder, Stretch
 from harness.robots import robot_name
 from harness.sensors.camera.backend import keep_opengl_out
 from harness.view.drawing import Drawing
-from harness.world.actors.spec import actor_names
 from harness.world.terrain_file import is_terrain_file
 
 
@@ -112,7 +111,7 @@ def _social(options: RunOptions) -> list[SocialRecorder]:
     Raises:
         UsageError: One cannot be written there.
     """
-    names = actor_names(options.config.people)
+    names = options.config.actor_names()
     if options.social_log is not None:
         check_target("--social-log", options.social_log, ".csv")
     folders = [options.log_dir(config) for config in options.fleet] if names else []

@@ -30,7 +30,7 @@ from harness.world.world import Start
 from rover_metrics.errors import OneLineParser, ParameterError
 from rover_metrics.extended.parameter_file import read_values
 from rover_metrics.extended.settings import Settings
-from rover_metrics.ros.arguments import complaint
+from rover_metrics.ros.arguments import complaint, split_ros_args
 
 DEFAULT_LOG_DIR = Path(Settings().log_dir)
 SLOWEST_RATE = 0.01
@@ -90,16 +90,6 @@ PICTURES: tuple[Option, ...] = (
     ("--video", Path, "FILE.mp4", "draw the run in at most 10 s, with time and speed (extra [video])"),
 )
 Group = argparse._ArgumentGroup  # noqa: SLF001 - what add_argument_group gives has no public name
-
-
-def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Separates `--ros-args ... [--]` from the command's own words, as ROS nodes do."""
-    words = list(words)
-    if "--ros-args" not in words:
-        return words, []
-    start = words.index("--ros-args")
-    end = words.index("--", start) + 1 if "--" in words[start:] else len(words)
-    return words[:start] + words[end:], words[start:end]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -186,10 +176,10 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
     namespace = given.namespace.strip("/")
     namespace_args = ("--ros-args", "-r", f"__ns:=/{namespace}", "--") if namespace else ()
     values = read_parameters(given.params) if given.params else {}
-    made = [_settings(each, values, extended=given.extended) for each in fleet]
-    settings, parameters = zip(*made, strict=True)
-    # Of several nodes each must have its own; of a single one, what follows in the arguments wins.
-    extended_args = [] if given.rover else parameter_words(parameters[0])
+    made = [_settings(each, extended=given.extended) for each in fleet]
+    told = [extended_parameters(each.extended) if given.extended else {} for each in made]
+    # Of several nodes each must be told of its own; of a single one, what follows in the arguments wins.
+    extended_args = [] if given.rover else parameter_words(told[0])
     ros = _filled(
         RosOptions,
         given,
@@ -198,20 +188,17 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         ros_args=(*namespace_args, *extended_args, *parameter_words(values), *ros_args),
         frames=_filled(FrameOptions, given),
     )
-    parameters = tuple(each | values for each in parameters) if given.rover else ({},)
+    settings = tuple(each.updated(values) for each in made)
+    parameters = tuple(each | values for each in told) if given.rover else ({},)
     return _filled(RunOptions, given, fleet=fleet, ros=ros, all_settings=settings, parameters=parameters)
 
 
-def _settings(
-    config: EpisodeConfig, values: dict[str, Any], *, extended: bool
-) -> tuple[Settings, dict[str, Any]]:
-    """The settings of a rover's metrics, and the parameters of its node that they come to."""
-    settings, parameters = Settings(), dict[str, Any]()
-    if extended:
-        of_run = find_rover(config.robot), config.gravity()
-        settings = replace(settings, extended_columns=True, extended=extended_settings(*of_run))
-        parameters = extended_parameters(*of_run)
-    return settings.updated(values), parameters
+def _settings(config: EpisodeConfig, *, extended: bool) -> Settings:
+    """The settings of a rover's metrics, but for those of a file."""
+    if not extended:
+        return Settings()
+    of_run = extended_settings(find_rover(config.robot), config.gravity())
+    return replace(Settings(), extended_columns=True, extended=of_run)
 
 
 def read_parameters(path: Path) -> dict[str, Any]:
@@ -243,7 +230,9 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         )
     if options.overwrite and options.record is None:
         raise UsageError("--overwrite is for the file of --record; name one, or leave it out")
-    if options.social_log is not None and not (options.actor or of_terrain(options.terrain)):
+    if options.social_log is not None and not (
+        options.actor or of_terrain(options.terrain, options.resource_path)
+    ):
         raise UsageError("--social-log is of a run with people; add --actor SPEC, or leave it out")
     _check_fleet(options)
     if not options.direct:

@@ -14,11 +14,20 @@ from harness.episode.manifest import manifest
 from harness.episode.result import RunResult
 from harness.page.figure import MINUS, TIMES, Plot, named
 from harness.page.shell import fill
+from harness.report.encounters import NEAR, Encounter, encounters
 from harness.report.hillshade import shade
 from harness.report.log import Log, caption, collisions, contacts, describe, meetings, read_log
 from harness.report.recorder import RunRecorder, Stretch
 from harness.report.series import MOST_ROWS, series_figure, varies
-from harness.report.tables import comparisons, contact_rows, facts, key_figures, people, steady_text
+from harness.report.tables import (
+    comparisons,
+    contact_rows,
+    encounter_rows,
+    facts,
+    key_figures,
+    people,
+    steady_text,
+)
 from harness.report.terrain_map import map_figure
 from harness.robots import find_rover, robot_name
 from harness.sensors.lidar_spec import scan_points
@@ -33,7 +42,8 @@ def content(
 ) -> dict[str, Any]:
     """Returns what the template shows of a run; see `render`."""
     log, values = read_log(result.log_path), manifest(result)
-    terrain_map, plots = _map(result, recorder, log, others), _series(result, recorder, log)
+    met, actors = encounters(recorder.track), result.config.world().people
+    terrain_map, plots = _map(result, recorder, log, met, others), _series(result, recorder, log)
     series = [plot for plot in plots if varies(plot.figure, log.columns[plot.heading])]
     steady = [plot for plot in plots if plot not in series]
     return {
@@ -45,6 +55,8 @@ def content(
         "key_figures": key_figures(result),
         "map": terrain_map,
         "comparisons": [*comparisons(result, log), *people(recorder.track)],
+        "encounters": encounter_rows(met, actors),
+        "near": NEAR,
         "contacts": contact_rows(result),
         "series": series,
         "steady": [
@@ -64,14 +76,18 @@ def _called(config: EpisodeConfig) -> str:
 
 
 def _map(
-    result: RunResult, recorder: RunRecorder, log: Log, others: Mapping[str, Sequence[Stretch]]
+    result: RunResult,
+    recorder: RunRecorder,
+    log: Log,
+    met: Sequence[Encounter],
+    others: Mapping[str, Sequence[Stretch]],
 ) -> Plot:
     config, track = result.config, recorder.track
     world = config.world()
     hillshade, heights = shade(world.ground), world.ground.heights
     half_x, half_y = world.ground.half_size
     x, y, yaw = (_signed(value) for value in world.start)
-    collided, touched, met = collisions(log, track), contacts(track), meetings(track)
+    collided, touched, near = collisions(log, track), contacts(track), meetings(track)
     placed = recorder.last_scan
     rover = find_rover(config.robot)
     figure = map_figure(
@@ -80,7 +96,8 @@ def _map(
         track,
         collisions=collided,
         contacts=touched,
-        meetings=met,
+        meetings=near,
+        met=met,
         others=others,
         scan=np.empty((0, 2)) if placed is None else scan_points(placed, rover),
         gravity=config.gravity(),
@@ -88,7 +105,7 @@ def _map(
     summary = (
         f"Path of {result.truth.path_length:.1f} m with {len(collided)} places where the metrics "
         f"counted collisions and {len(touched)} where the rover touched a hazard."
-        + (f" People were near {len(met)} times." if world.people else "")
+        + (f" People were near {len(near)} times." if world.people else "")
     )
     caption = (
         f"{2 * half_x:g} m {TIMES} {2 * half_y:g} m, heights {_signed(heights.min())} to "

@@ -19,6 +19,7 @@ from harness.page.figure import (
     line,
     numbers,
 )
+from harness.report.encounters import Encounter
 from harness.report.hillshade import Hillshade, map_layout
 from harness.report.log import Event
 from harness.report.recorder import Stretch
@@ -45,6 +46,7 @@ HOVER = (
 )
 PERSON = "--person"
 NEAR = f"person within {PERSONAL_SPACE:g} m"
+CLOSEST = "closest to a person"
 NAMES = {ObstacleKind.ROCK: ("rock", "--rock"), ObstacleKind.HAZARD: ("hazard", "--hazard")}
 
 
@@ -67,6 +69,7 @@ def map_figure(  # noqa: PLR0913 - all that there is to be seen
     collisions: Sequence[Event],
     contacts: Sequence[Event],
     meetings: Sequence[Event] = (),
+    met: Sequence[Encounter] = (),
     others: Mapping[str, Sequence[Stretch]] = MappingProxyType({}),
     scan: Points,
     gravity: float,
@@ -80,6 +83,7 @@ def map_figure(  # noqa: PLR0913 - all that there is to be seen
         collisions: What the metrics counted.
         contacts: What really happened.
         meetings: When people were near.
+        met: Where they were nearest.
         others: What was recorded of other rovers, by name.
         scan: Where the beams of the last scan ended [m].
         gravity: Of the run [m/s^2].
@@ -92,6 +96,7 @@ def map_figure(  # noqa: PLR0913 - all that there is to be seen
         *_others(others),
         *_path(track, gravity),
         *_ends(track),
+        *_encounters(met, world.people),
         _events(meetings, NEAR, "circle-open", PERSON),
         _events(collisions, "collision (metric)", "diamond-open", METRIC),
         _events(contacts, "contact with a hazard (truth)", "x-thin-open", TRUTH),
@@ -152,6 +157,34 @@ def _people(actors: Sequence[Actor], track: Sequence[Stretch]) -> list[Trace]:
         end = _points(ways[-1:], actor.name, {"size": 9, "color": PERSON}, hover)
         traces += [way, end | {"showlegend": False}]
     return traces
+
+
+def _encounters(met: Sequence[Encounter], actors: Sequence[Actor]) -> list[Trace]:
+    """A line from the rover to whom it met, with the number that the table has too."""
+    places = [(e.nearest.rover, e.nearest.person) for e in met]
+    gap = (math.nan, math.nan)
+    joined = line(CLOSEST, *_columns([p for pair in places for p in (*pair, gap)]), PERSON, width=2)
+    numbered = _points(
+        [person for _, person in places],
+        CLOSEST,
+        {"symbol": "diamond", "size": 9, "color": PERSON},
+        "%{hovertext}",
+    )
+    return [
+        joined,
+        numbered
+        | {
+            "mode": "markers+text",
+            "text": [f"<b>{number}</b>" for number in range(1, len(met) + 1)],
+            "textposition": "top right",
+            "textfont": {"size": 13, "color": INK},
+            "hovertext": [
+                f"{actors[e.person].name}, {e.nearest.distance:.2f} m, t = {e.nearest.time_s:.1f} s"
+                for e in met
+            ],
+            "showlegend": False,
+        },
+    ]
 
 
 def _others(tracks: Mapping[str, Sequence[Stretch]]) -> list[Trace]:

@@ -33,7 +33,6 @@ from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, 
 from harness.samples import Tick
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
-from harness.world.actors.spec import actor_names
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
 LOOK_PERIOD_NS = NANOSECONDS // 10  # of simulation time, for publishers that have turned up
@@ -123,7 +122,7 @@ class _Rover:
             cmd_vel=options.cmd_vel,
             rows=config.sensor_rows(),
             draw=draw,
-            actors=actor_names(config.people),
+            actors=config.actor_names(),
             namespace=config.name,
             clock=clock,
         )

@@ -3,15 +3,11 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from harness.samples import Vector3, plain_value
-from harness.sensors.corruption import AxisErrors, AxisTriad
-from harness.sensors.geodesy import Datum
-from harness.sensors.optional import NO_ERRORS, Installation, OptionalSensor, SensorOptions
-
-if TYPE_CHECKING:  # the table of sensors does without MuJoCo
-    from harness.physics.simulation import Simulation
+from harness.sensors.chip import NO_ERRORS, ChipOptions, ChipSensor
+from harness.sensors.corruption import AxisErrors
 
 # Standard deviation along one axis over the radius in which half of the fixes lie: of a circle (CEP), of
 # a line (R50).
@@ -89,7 +85,7 @@ CLASSES = {NO_ERRORS: EXACT, "rtk": RTK, "consumer": CONSUMER}
 
 
 @dataclass(frozen=True, kw_only=True)
-class GnssOptions(SensorOptions):
+class GnssOptions(ChipOptions):
     """Of a receiver.
 
     Attributes:
@@ -97,34 +93,22 @@ class GnssOptions(SensorOptions):
             out, `--noise hardware` means a consumer's, and all else none.
     """
 
-    presets: ClassVar[Mapping[str, Mapping[str, object]]] = {name: {} for name in CLASSES}
+    errors: ClassVar[Mapping[str, AxisErrors]] = {
+        name: receiver.horizontal for name, receiver in CLASSES.items()
+    }
+    hardware = "consumer"
 
-    preset: str = ""
     rate: int = 5
 
 
-class GnssSensor(OptionalSensor):
+class GnssSensor(ChipSensor):
     """The receiver; its frame is that of its antenna."""
-
-    def __init__(
-        self,
-        simulation: "Simulation",
-        datum: Datum,
-        installation: Installation,
-        period_ticks: int,
-    ) -> None:
-        super().__init__(simulation, installation, period_ticks)
-        options = installation.options
-        assert isinstance(options, GnssOptions)  # noqa: S101 - of this row
-        self._datum = datum
-        self._class = CLASSES[installation.errors_of(options.preset, "consumer")]
-        self._errors = AxisTriad(self._class.horizontal, installation.rng)
 
     def read(self) -> GnssFix:
         """Returns a fix of where the antenna is now."""
-        stamp_ns, kind = self._simulation.time_ns, self._class
+        stamp_ns, kind = self._simulation.time_ns, CLASSES[self._preset]
         (x, y, z), _ = self.pose()
-        east, north, up = self._errors.corrupt(ORIGIN, stamp_ns)
+        east, north, up = self._triad.corrupt(ORIGIN, stamp_ns)
         place = (x + east, y + north, z + kind.vertical * up)
         covariance = kind.covariance
         return GnssFix(

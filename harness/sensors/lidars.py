@@ -36,14 +36,7 @@ class PlanarLidarOptions(RangeOptions):
     # Hokuyo, UTM-30LX specification (C-42-03635): 270 deg, 0.25 deg, 0.1-30 m, 25 ms a scan; 40 Hz
     # are no whole number of the clock's ticks of 10 ms.
     presets: ClassVar[Mapping[str, Mapping[str, object]]] = {
-        "rplidar_s2": {
-            "beams": 3200,
-            "angle_min": -math.pi,
-            "angle_max": math.pi - 0.1125 * DEGREE,
-            "range_min": 0.05,
-            "range_max": 30.0,
-            "rate": 10,
-        },
+        "rplidar_s2": {},  # the defaults
         "planar_270": {
             "beams": 1081,
             "angle_min": -135.0 * DEGREE,
@@ -57,7 +50,9 @@ class PlanarLidarOptions(RangeOptions):
     preset: str = "rplidar_s2"
     beams: int = 3200
     angle_min: float = -math.pi
-    angle_max: float = math.pi
+    angle_max: float = math.pi - 0.1125 * DEGREE
+    range_min: float = 0.05
+    range_max: float = 30.0
 
     @property
     def rays(self) -> int:
@@ -105,15 +100,7 @@ class CloudLidarOptions(RangeOptions):
     # Livox, Mid-360 specification: 360 deg by -7..52 deg, 200,000 points a second, 10 Hz, 0.1 m, 70 m at
     # 80 % reflectivity. Its own pattern does not repeat itself; this one does.
     presets: ClassVar[Mapping[str, Mapping[str, object]]] = {
-        "vlp16": {
-            "rings": 16,
-            "lowest": -15.0 * DEGREE,
-            "highest": 15.0 * DEGREE,
-            "columns": 1800,
-            "range_min": 0.5,
-            "range_max": 100.0,
-            "rate": 10,
-        },
+        "vlp16": {},  # the defaults
         "os1_64": {
             "rings": 64,
             "lowest": -16.6 * DEGREE,
@@ -146,6 +133,8 @@ class CloudLidarOptions(RangeOptions):
     pattern: str = RINGS
     organised: bool = False
     misses: str = LEFT_OUT
+    range_min: float = 0.5
+    range_max: float = 100.0
 
     @property
     def rays(self) -> int:

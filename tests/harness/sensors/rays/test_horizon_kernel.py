@@ -25,7 +25,7 @@ def ways(
     kernels.highest_points(heights.shape, *rest, origin, RANGE_MAX, profile)  # type: ignore[attr-defined]
     kernels.clear_ways(profile, terrain[3], origin, directions, RANGE_MAX, clear)  # type: ignore[attr-defined]
     found = np.full(len(directions), np.inf)
-    cast_rays(*terrain, origin, directions, RANGE_MAX, found)
+    cast_rays(*terrain, origin, directions, np.zeros(len(directions)), RANGE_MAX, found)
     return clear, found
 
 
