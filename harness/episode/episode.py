@@ -54,6 +54,7 @@ class Episode:
         frame_options: Which transforms are among its samples; None for none at all.
         samples: Those that anybody wants, whatever drives the rover included; None for all. The drive
             is the same without the others.
+        world: That of the configuration, from a process that has built it; None to build it here.
 
     Attributes:
         description: What the transforms are of; None without them.
@@ -64,12 +65,14 @@ class Episode:
         config: EpisodeConfig,
         frame_options: FrameOptions | None = None,
         samples: Collection[type[Sample]] | None = None,
+        world: World | None = None,
     ) -> None:
         config.validate()
-        config.check_world()
+        if world is None:
+            config.check_world()
+            world = config.world()
         self.config = config
         rover = find_rover(config.robot)
-        world = config.world()
         timestep_ns = parse_timestep(config.timestep)
         scene = build_scene(world, rover, timestep_ns / NANOSECONDS)
         self.info = EpisodeInfo(

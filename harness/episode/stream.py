@@ -24,6 +24,8 @@ from harness.frames.options import FrameOptions
 from harness.frames.tree import Description
 from harness.interrupt import held_back
 from harness.samples import Place, Twist
+from harness.world.terrain_file import is_terrain_file
+from harness.world.world import World
 
 AHEAD = 10  # batches: 0.5 s of simulated time
 EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
@@ -51,10 +53,11 @@ class EpisodeProcess:
         self._config = config
         self._describes = frame_options is not None
         self._obeys = config.driver == "cmd_vel"
+        world = _built_world(config)
         context = multiprocessing.get_context("spawn")
         self._connection, remote = context.Pipe()
         self._process = context.Process(
-            target=_simulate, args=(config, frame_options, remote), daemon=True
+            target=_simulate, args=(config, frame_options, remote, world), daemon=True
         )
         try:
             with held_back():
@@ -153,11 +156,28 @@ class EpisodeProcess:
         return received
 
 
-def _simulate(config: EpisodeConfig, frame_options: FrameOptions | None, connection: Connection) -> None:
+def _built_world(config: EpisodeConfig) -> World | None:
+    """Returns the world of a file, which takes seconds to build and little to hand over; else None.
+
+    Raises:
+        UsageError: There is no such world.
+    """
+    if not is_terrain_file(config.terrain):
+        return None
+    config.check_world()
+    return config.world()
+
+
+def _simulate(
+    config: EpisodeConfig,
+    frame_options: FrameOptions | None,
+    connection: Connection,
+    world: World | None,
+) -> None:
     """The child: builds the episode, then streams it until its end or until nobody listens."""
     with contextlib.suppress(BrokenPipeError, ConnectionResetError, EOFError):
         try:
-            _stream(config, frame_options, connection)
+            _stream(config, frame_options, connection, world)
         except HarnessError as error:
             connection.send(error)
         except Exception:  # noqa: BLE001 - a bug: its trace must reach the parent
@@ -165,11 +185,16 @@ def _simulate(config: EpisodeConfig, frame_options: FrameOptions | None, connect
             connection.send(RuntimeError(f"the simulation process failed:\n{trace}"))
 
 
-def _stream(config: EpisodeConfig, frame_options: FrameOptions | None, connection: Connection) -> None:
+def _stream(
+    config: EpisodeConfig,
+    frame_options: FrameOptions | None,
+    connection: Connection,
+    world: World | None,
+) -> None:
     # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
     from harness.episode.episode import Episode  # noqa: PLC0415
 
-    episode = Episode(config, frame_options)
+    episode = Episode(config, frame_options, world=world)
     connection.send(episode.info)
     if episode.description is not None:
         connection.send(episode.description)

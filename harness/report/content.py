@@ -1,7 +1,6 @@
 """The page about a run: the names of the template's variables are the keys here."""
 
 import math
-from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from harness.episode.manifest import manifest
 from harness.episode.result import RunResult
 from harness.page.figure import MINUS, TIMES, Plot, named
 from harness.page.shell import fill
-from harness.report.encounters import NEAR, Encounter, encounters
+from harness.report.encounters import NEAR, encounters
 from harness.report.hillshade import shade
 from harness.report.log import Log, caption, collisions, contacts, describe, meetings, read_log
 from harness.report.recorder import RunRecorder
@@ -37,8 +36,8 @@ LISTED = ("arguments", "versions", "world")  # parts of the manifest that are ta
 def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
     """Returns what the template shows of a run."""
     log, values = read_log(result.log_path), manifest(result)
-    met, actors = encounters(recorder.track), result.config.world().people
-    terrain_map, plots = _map(result, recorder, log, met), _series(result, recorder, log)
+    terrain_map, plots = _map(result, recorder, log), _series(result, recorder, log)
+    met = encounters(recorder.track)
     series = [plot for plot in plots if varies(plot.figure, log.columns[plot.heading])]
     steady = [plot for plot in plots if plot not in series]
     return {
@@ -50,7 +49,7 @@ def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
         "key_figures": key_figures(result),
         "map": terrain_map,
         "comparisons": [*comparisons(result, log), *people(recorder.track)],
-        "encounters": encounter_rows(met, actors),
+        "encounters": encounter_rows(met, result.config.world().people),
         "near": NEAR,
         "contacts": contact_rows(result),
         "series": series,
@@ -65,7 +64,7 @@ def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
     }
 
 
-def _map(result: RunResult, recorder: RunRecorder, log: Log, met: Sequence[Encounter]) -> Plot:
+def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
     config, track = result.config, recorder.track
     world = config.world()
     hillshade, heights = shade(world.ground), world.ground.heights
@@ -81,7 +80,6 @@ def _map(result: RunResult, recorder: RunRecorder, log: Log, met: Sequence[Encou
         collisions=collided,
         contacts=touched,
         meetings=near,
-        met=met,
         scan=np.empty((0, 2)) if placed is None else scan_points(placed, rover),
         gravity=config.gravity(),
     )

@@ -18,7 +18,7 @@ from harness.page.figure import (
     line,
     numbers,
 )
-from harness.report.encounters import Encounter
+from harness.report.encounters import Encounter, encounters
 from harness.report.hillshade import Hillshade, map_layout
 from harness.report.log import Event
 from harness.report.recorder import Stretch
@@ -68,7 +68,6 @@ def map_figure(
     collisions: Sequence[Event],
     contacts: Sequence[Event],
     meetings: Sequence[Event] = (),
-    met: Sequence[Encounter] = (),
     scan: Points,
     gravity: float,
 ) -> Figure:
@@ -81,7 +80,6 @@ def map_figure(
         collisions: What the metrics counted.
         contacts: What really happened.
         meetings: When people were near.
-        met: Where they were nearest.
         scan: Where the beams of the last scan ended [m].
         gravity: Of the run [m/s^2].
     """
@@ -92,7 +90,7 @@ def map_figure(
         *_people(world.people, track),
         *_path(track, gravity),
         *_ends(track),
-        *_encounters(met, world.people),
+        *_encounters(encounters(track), world.people),
         _events(meetings, NEAR, "circle-open", PERSON),
         _events(collisions, "collision (metric)", "diamond-open", METRIC),
         _events(contacts, "contact with a hazard (truth)", "x-thin-open", TRUTH),

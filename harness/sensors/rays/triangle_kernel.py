@@ -48,9 +48,7 @@ def build_tree(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArr
     return boxes, triangles
 
 
-def _halved(
-    middles: NDArray[np.float64], depth: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _halved(middles: NDArray[np.float64], depth: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Triangles leaf by leaf, and how many are in each of the 2**depth leaves: never none."""
     order, sizes = np.arange(len(middles)), np.array([len(middles)])
     for _ in range(depth):
