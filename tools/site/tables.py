@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from harness.robots import ROVERS
-from harness.sensors.table import HIGHEST_RATE, SENSORS, Topic
+from harness.sensors.base import HIGHEST_RATE
+from harness.sensors.table import SENSORS, Topic
 from harness.world.statistics import residuals, slopes
 from harness.world.terrain import DIFFICULTIES
 from harness.world.terrains import TERRAINS
