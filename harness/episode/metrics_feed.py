@@ -40,12 +40,17 @@ def outline_parameters(settings: ExtendedSettings) -> dict[str, list[float]]:
     return {"footprint": [*chain.from_iterable(corners)], "lidar_pose": [pose.x, pose.y, pose.yaw]}
 
 
-def extended_ros_args(settings: ExtendedSettings) -> list[str]:
-    """Returns arguments that tell a metrics_node of a rover's settings; what follows them wins."""
+def extended_parameters(settings: ExtendedSettings) -> dict[str, object]:
+    """Returns the parameters that give a metrics_node extended columns with a rover's settings."""
     others: dict[str, object] = {"gravity": settings.gravity}
     if settings.wheels != ExtendedSettings().wheels:
         others["wheels"] = settings.wheels
-    return parameter_words({"extended_columns": True} | outline_parameters(settings) | others)
+    return {"extended_columns": True} | outline_parameters(settings) | others
+
+
+def extended_ros_args(settings: ExtendedSettings) -> list[str]:
+    """Returns `extended_parameters` as arguments; what follows them wins."""
+    return parameter_words(extended_parameters(settings))
 
 
 def parameter_words(values: Mapping[str, object]) -> list[str]:

@@ -9,7 +9,7 @@ from benchmarks import __main__ as benchmarks
 from benchmarks.soak import __main__ as soak
 from harness import call, check, robot, topics, tune, validate
 from harness.cli import programs
-from harness.cli.options import run_parser
+from harness.cli.run_parser import run_parser
 from harness.gym import policy_node
 from harness.scenario import __main__ as scenario
 from rover_metrics import dictionary, social

@@ -25,7 +25,9 @@ BLOB = "https://github.com/OWNER/rover-harness/blob/main"
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("site")
-    write(folder)
+    with pytest.MonkeyPatch.context() as patch:  # tests/test_examples.py runs the notebooks
+        patch.setattr("tools.site.__main__.told", lambda notebook, *_: f"# {notebook.stem}\n")
+        write(folder)
     return folder
 
 
@@ -65,37 +67,41 @@ LINKS = {
     "![A](rocky.png)": "![A](files/docs/rocky.png)",
     "](https://mujoco.org)": "](https://mujoco.org)",
     "](#here)": "](#here)",
+    "](../examples/learn.ipynb)": "](notebooks/learn.md)",
+    "![A](data:image/png;base64,a/b=)": "![A](data:image/png;base64,a/b=)",
     "`a[0](b.md)`": "`a[0](b.md)`",
     "```\nx](nowhere.md)\n```": "```\nx](nowhere.md)\n```",
 }
 
 
+DOCUMENT = Path("docs/a.md")
+
+
 @pytest.fixture
-def document(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A document in docs/ of a copy of what links lead to."""
+def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A copy of what links lead to."""
     root = tmp_path / "repository"
     names = ("docs/testing.md", "docs/rocky.png", "CONTRIBUTING.md", "harness/config.py", "scenarios/a")
     for name in (*names, "../elsewhere.md"):
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         (root / name).touch()
     monkeypatch.setattr("tools.site.links.ROOT", root)
-    return root / "docs/a.md"
 
 
+@pytest.mark.usefixtures("repository")
 @pytest.mark.parametrize("link", LINKS)
-def test_a_link_of_a_document_holds_on_the_site(link: str, document: Path) -> None:
-    document.write_text(f"See\n{link}\n")
+def test_a_link_of_a_document_holds_on_the_site(link: str) -> None:
     links = Links(sources())
-    assert links.rewritten(Path("docs/a.md"), "a.md") == f"See\n{LINKS[link]}\n"
+    assert links.rewritten(f"See\n{link}\n", DOCUMENT, "a.md") == f"See\n{LINKS[link]}\n"
     links.check()
-    assert links.pictures == ({"docs/rocky.png"} if "png" in link else set())
+    assert links.pictures == ({"docs/rocky.png"} if "rocky" in link else set())
 
 
+@pytest.mark.usefixtures("repository")
 @pytest.mark.parametrize("target", ["nowhere.md", "../../elsewhere.md"])
-def test_a_link_that_leads_nowhere_is_named(target: str, document: Path) -> None:
-    document.write_text(f"[a]({target})\n")
+def test_a_link_that_leads_nowhere_is_named(target: str) -> None:
     links = Links(sources())
-    links.rewritten(Path("docs/a.md"), "a.md")
+    links.rewritten(f"[a]({target})\n", DOCUMENT, "a.md")
     with pytest.raises(BrokenLinks, match=rf"^links that lead nowhere: {target} in docs/a.md$"):
         links.check()
 

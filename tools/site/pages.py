@@ -16,6 +16,7 @@ ELSEWHERE = {  # beside docs/*.md
 }
 # By section; what docs/ has besides goes into GUIDES, so that a new document needs no line here.
 GUIDES = "Guides"
+NOTEBOOKS = ("first_run", "compare_rovers", "learn")  # of examples/
 SECTIONS: dict[str, tuple[str, ...]] = {
     "Start": ("index.md", "first_plot.md", "comparison.md"),
     "Tutorials": (
@@ -26,6 +27,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
         *("testing.md", "scenarios.md", "sensors.md", "worlds.md", "social.md", "gym.md"),
         *("driving.md", "looking.md", "ros.md"),
     ),
+    "Notebooks": tuple(f"notebooks/{name}.md" for name in NOTEBOOKS),
     "Reference": (
         *("reference/commands.md", "topics.md", "frames.md", "log.md", "metrics.md", "parameters.md"),
         *("terrains.md", "reference/scenario_file.md", "models.md", "api.md", "reference/python.md"),
@@ -38,6 +40,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
 def sources() -> dict[str, Path]:
     """Returns the document of each page that is one, below the repository's root."""
     found = {page: Path(source) for page, source in ELSEWHERE.items()}
+    found |= {f"notebooks/{name}.md": Path(f"examples/{name}.ipynb") for name in NOTEBOOKS}
     return found | {path.name: path.relative_to(ROOT) for path in sorted((ROOT / "docs").glob("*.md"))}
 
 
