@@ -65,6 +65,9 @@ def test_through_dds_the_node_drives_the_path_of_the_environment(
         (["small.npz", "--goal", "-3,1", "--robot", "spirit"], "robot 'spirit' does not exist"),
         (["small.npz", "--goal", "3"], "'3' is not valid; give X,Y in metres"),
         (["small.npz", "--goal", "3,nan"], "'3,nan' is not valid; give X,Y in metres"),
+        (["--ros-args", "-p", "a:=1", "--", "nowhere.npz"], "policy nowhere.npz cannot be read"),
+        (["small.npz", "--ros-args", "--goal", "3,1"], "--goal stands behind --ros-args"),
+        (["small.npz", "--ros-args", "-r", "no rule"], "ROS 2 refuses to start: "),
         (["nowhere.npz", "--ros-args", "-p", "use_sim_time:=true"], "policy nowhere.npz cannot be read"),
     ],
 )

@@ -33,7 +33,7 @@ def ways(
     kernels.highest_points(heights.shape, *rest, origin, range_max, profile)  # type: ignore[attr-defined]
     kernels.clear_ways(profile, terrain[3], origin, directions, range_max, clear)  # type: ignore[attr-defined]
     found = np.full(len(directions), np.inf)
-    cast_rays(*terrain, origin, directions, range_max, found)
+    cast_rays(*terrain, origin, directions, np.zeros(len(directions)), range_max, found)
     return clear, found
 
 
