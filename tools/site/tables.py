@@ -108,10 +108,10 @@ def _measured(name: str) -> list[str]:
 
 
 def gallery() -> str:
-    """Returns a section for each terrain: what it is, its parameters, its picture."""
+    """Returns a section for each terrain: what it is, its parameters, its promise, its picture."""
     parts = (
         f"## {name}\n\n{terrain.summary[0].upper()}{terrain.summary[1:]}. Default (easiest..hardest): "
-        f"{terrain.describe()}.\n\n"
+        f"{terrain.describe()}.\nEvery seed at 0.5: {terrain.promise.describe()}.\n\n"
         f"![A Leo Rover on {name}, and {name} from above](terrains/{name}.webp)\n"
         for name, terrain in TERRAINS.items()
     )

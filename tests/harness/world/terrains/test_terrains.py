@@ -17,7 +17,7 @@ from harness.world.terrains import TERRAINS
 from harness.world.world import World, build_world, terrain_hash
 from tests.support.terrain_statistics import measure
 
-PAGE = Path(__file__).parents[4] / "docs/worlds.md"
+PAGE = Path(__file__).parents[4] / "docs/terrains.md"
 SEEDS = (0, 1, 2, 123)
 GALLERY = (Path(__file__).parents[4] / "docs/terrains.md").read_text()
 ROUNDING = 1e-6  # heights are whole micrometres
@@ -132,8 +132,11 @@ def test_the_page_tells_its_summary_values_and_promise(name: str) -> None:
     assert terrain.name == name
     assert 10 < len(terrain.summary) < 80
     assert terrain.describe().startswith("size ")
-    row = f"| `{name}` | {terrain.summary} | {terrain.describe()} | {terrain.promise.describe()} |"
-    assert row in PAGE.read_text().splitlines()
+    lines = PAGE.read_text().partition(f"\n## {name}\n\n")[2].splitlines()
+    assert lines[0].casefold() == (
+        f"{terrain.summary}. Default (easiest..hardest): {terrain.describe()}.".casefold()
+    )
+    assert lines[1] == f"Every seed at 0.5: {terrain.promise.describe()}."
     assert {item.metadata["unit"] for item in fields(terrain)} <= {"m", "deg", ""}
 
 
