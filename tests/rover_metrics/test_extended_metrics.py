@@ -468,6 +468,12 @@ def test_the_lidars_pose_and_near_returns_are_used_as_they_are_set() -> None:
     assert feed.row()["Footprint Clearance [m]"] >= 0.0
 
 
+def test_gravity_is_up_to_100_metres_per_second_squared() -> None:
+    assert ExtendedSettings(gravity=100.0).gravity == 100.0
+    with pytest.raises(ParameterError, match=r"gravity = 100\.1 .* must be from 0\.0 to 100\.0 m/s\^2"):
+        ExtendedSettings(gravity=100.1)
+
+
 @pytest.mark.parametrize("threshold", [-1e-9, 100.001, math.nan, math.inf])
 def test_a_footprint_threshold_is_from_0_to_100_m(threshold: float) -> None:
     with pytest.raises(ParameterError, match=r"must be from 0\.0 to 100\.0 m"):

@@ -153,12 +153,15 @@ def test_of_many_tests_that_may_use_a_constant_those_about_its_class_come_first(
     (tmp_path / "test_all.py").write_text(tests)
     names = [f"test_all.py::test_promise[{n}-{name}]" for n in range(9) for name in ("water", "acid")]
     slow = "test_all.py::test_promise[huge-acid]"
-    chooser = Chooser(tmp_path, Trace({}, dict.fromkeys(names, 4.0) | {slow: 14.0}), {})
+    (tmp_path / "test_page.py").write_text("def test_page():\n    pass\n")
+    page = "test_page.py::test_page"  # which shows what others have made of it, maybe
+    chooser = Chooser(tmp_path, Trace({}, dict.fromkeys(names, 4.0) | {slow: 14.0, page: 0.1}), {})
     chooser.runs_at_import = lambda mutant: True  # type: ignore[method-assign] # noqa: ARG005
     mutant = mutants_of("fluids.py", (tmp_path / "fluids.py").read_text())[0]
     chosen = [test for test, _ in chooser.tests(mutant)]
-    assert len(chosen) == 3  # a quarter of a minute
-    assert all("-acid]" in test for test in chosen)
+    assert chosen[0] == page  # the only quick one
+    assert len(chosen) == 4  # a quarter of a minute
+    assert all("-acid]" in test for test in chosen[1:])
 
 
 def test_what_does_not_fit_into_the_time_leaves_it_to_quicker_ones(tmp_path: Path) -> None:

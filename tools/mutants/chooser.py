@@ -72,15 +72,18 @@ class Chooser:
         tests = set().union(*(covered.get(line, ()) for line in lines))
         if self.runs_at_import(mutant):
             tests = tests.union(*(self._words.get(name, ()) for name in names))
-            tests = tests or set().union(*covered.values())
-        tests -= self._distrusted
+        related = tests
+        if self.runs_at_import(mutant):  # other modules may have made something of it for anybody
+            tests = set(self.trace.costs)
+        tests = tests - self._distrusted
         costs = self.trace.costs
         quick = {test for test in tests if costs[test] <= self._slow} - self.trace.slow
         mirror = f"test_{Path(mutant.file).stem}.py"
 
-        def rank(test: str) -> tuple[int, bool, float]:
+        def rank(test: str) -> tuple[int, bool, bool, float]:
             return (
                 -self._killers[mutant.file, mutant.function, test],
+                test not in related,
                 f"/{mirror}:" not in test,
                 costs[test],
             )

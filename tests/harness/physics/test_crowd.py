@@ -38,6 +38,9 @@ def test_after_a_tick_people_are_where_their_time_has_them(make_simulation: Make
     assert crowd(simulation).positions()[0] == pytest.approx((1.0, 0.5, 1.175))
     assert len(set(social)) > 45
     crowd(simulation).restart(simulation.time_ns)
+    x, y, _ = crowd(simulation).positions()[0]
+    np.testing.assert_allclose(simulation.data.mocap_pos[:, :2].tolist()[0], [x, y])  # at once
+    assert (x, y) == (1.0, 1.0)
     again = []
     for _ in range(50):
         simulation.tick()

@@ -86,4 +86,5 @@ def test_a_datum_that_is_not_on_the_earth_is_refused(
 ) -> None:
     with pytest.raises(UsageError, match=message):
         Datum(*datum).check()
-    Datum(*DEFAULT_DATUM).check()
+    for valid in (DEFAULT_DATUM, (-89.9, -180.0, -500.0), (89.9, 180.0, 9000.0)):
+        Datum(*valid).check()

@@ -102,3 +102,12 @@ def test_a_map_need_not_lie_around_the_origin() -> None:
 def test_a_grid_that_makes_no_sense_is_refused(told: dict[str, object], message: str) -> None:
     with pytest.raises(UsageError, match=message):
         HeightScanOptions(name="scan", **told).check()  # type: ignore[arg-type]  # of several types
+
+
+def test_its_frame_is_where_it_is_mounted() -> None:
+    (row,) = HeightScanOptions(name="scan", xyz=(1.0, 2.0, 3.0), rpy=(0.1, 0.2, 0.3)).frames(LEO)
+    assert (row.parent, row.xyz, row.rpy) == (
+        LEO.odometry_child_frame,
+        (1.0, 2.0, 3.0),
+        (0.1, 0.2, 0.3),
+    )

@@ -125,3 +125,8 @@ def test_elevations_of_ones_own_and_part_of_a_circle() -> None:
 def test_what_cannot_be_is_told(kind: Any, values: dict[str, Any], message: str) -> None:  # noqa: ANN401
     with pytest.raises(UsageError, match=message):
         kind(name="x", **values).check()
+
+
+def test_a_single_ring_has_no_span_of_elevations() -> None:
+    CloudLidarOptions(name="one", rings=1, lowest=0.1, highest=0.1).check()
+    CloudLidarOptions(name="one", elevations=(0.1,)).check()
