@@ -13,7 +13,7 @@ import pytest
 
 from tests.support.once import made_once
 from tools.mutants import __main__ as command
-from tools.mutants import mutations, survivors
+from tools.mutants import mutations, session, survivors
 from tools.mutants.chooser import Chooser, Timed
 from tools.mutants.journal import Journal, Outcome
 from tools.mutants.mutations import Mutant, mutants_of
@@ -160,7 +160,7 @@ def test_of_many_tests_that_may_use_a_constant_those_about_its_class_come_first(
     mutant = mutants_of("fluids.py", (tmp_path / "fluids.py").read_text())[0]
     chosen = [test for test, _ in chooser.tests(mutant)]
     assert chosen[0] == page  # the only quick one
-    assert len(chosen) == 4  # a quarter of a minute
+    assert len(chosen) == 8  # half a minute
     assert all("-acid]" in test for test in chosen[1:])
 
 
@@ -188,6 +188,14 @@ def test_what_ran_out_of_time_is_tried_again_with_more_and_only_then_dead() -> N
     choices = [(mutant, [("test", 2.0)]) for mutant in needed]
     told = {mutant: killer for (mutant, _), killer in patiently(choices, attempt)}
     assert told == dict(zip(needed, ("test", "", None), strict=True))
+
+
+def test_what_others_did_meanwhile_costs_a_test_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = os.times_result((1.0, 0.5, 0.25, 0.25, 100.0))
+    monkeypatch.setattr(os, "times", lambda: now)
+    for queued, cost in ((0.0, 12.0), (90.0, 3.0)):
+        monkeypatch.setattr(session, "_queued", lambda queued=queued: queued)
+        assert session._seconds() == cost
 
 
 @pytest.fixture(scope="module")

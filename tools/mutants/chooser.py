@@ -93,9 +93,11 @@ class Chooser:
         def unrelated(test: str) -> tuple[float, float]:
             return -sum(1 / self._said_by[word] for word in about & self._speech(test)), costs[test]
 
-        chosen = self._within(self._budget, sorted(quick, key=rank))
+        # Nothing tells which of all tests notices what runs at import: twice as many may try.
+        times = 2 if self.runs_at_import(mutant) else 1
+        chosen = self._within(times * self._budget, sorted(quick, key=rank))
         others = sorted(tests - set(chosen) - self.trace.slow, key=unrelated)
-        chosen += self._within(self._last_budget, others)
+        chosen += self._within(times * self._last_budget, others)
         return self.limits(chosen or sorted(tests, key=costs.__getitem__)[:3])
 
     def _speech(self, test: str) -> set[str]:

@@ -218,6 +218,14 @@ def _fixtures(item: pytest.Item) -> set[str]:
 
 
 def _seconds() -> float:
-    """Processor time so far, of ended children too; waiting, maybe for others, counts for little."""
+    """Processor time so far, of ended children too; waiting counts for little, queueing for nothing."""
     times = os.times()
-    return sum(times[:4]) + times.elapsed / 10
+    return sum(times[:4]) + (times.elapsed - _queued()) / 10
+
+
+def _queued() -> float:
+    """Seconds in which others ran though this process could; 0 where the kernel does not tell."""
+    try:
+        return int(Path("/proc/self/schedstat").read_text().split()[1]) / 1e9
+    except (OSError, IndexError):
+        return 0.0
