@@ -54,7 +54,7 @@ def test_two_runs_in_the_same_second_keep_both_logs(tmp_path: Path) -> None:
 def test_run_that_reaches_the_edge_keeps_its_rows_and_exits_1(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("harness.physics.simulation.EDGE_MARGIN", 19.5)
+    monkeypatch.setattr("harness.physics.physics.EDGE_MARGIN", 19.5)
     words = ["--direct", "--terrain", "flat", "--driver", "straight", "--duration", "120"]
     assert main([*words, "--log-dir", str(tmp_path)]) == 1
     assert "harness.run: the rover reached the edge of the map at t = " in capsys.readouterr().err
