@@ -176,8 +176,12 @@ def test_actors_of_included_files_are_in_the_frame_of_the_include(tmp_path: Path
     places = {person.name: person.pose[:3, 3].round(9).tolist() for person in document.actors}
     # A lone actor's pose and name are the include's, as a model's; of others they are in its frame.
     assert places == {
-        "own": [0, 3, 0], "guide": [10, 0, 1], "lone": [120, 0, 1],
-        "worldly": [27, 0, 1], "nested": [38, 0, 1], "beside": [47, 0, 1],
+        "own": [0, 3, 0],
+        "guide": [10, 0, 1],
+        "lone": [120, 0, 1],
+        "worldly": [27, 0, 1],
+        "nested": [38, 0, 1],
+        "beside": [47, 0, 1],
     }
     np.testing.assert_allclose(document.actors[1].pose[:3, 0], [0.0, 1.0, 0.0], atol=1e-12)
     assert [solid.pose[0, 3] for solid in document.solids] == [41.0, 30.0, 50.0]
