@@ -1,6 +1,7 @@
 """Files to runs, runs to verdicts, verdicts to lines, JUnit and exit codes."""
 
 import math
+import shlex
 import signal
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Generator, Sequence
@@ -60,7 +61,7 @@ def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
     ]
     file = tmp_path / "two.scenario.yaml"
     words = "--seed 7 --only robot=leo --only difficulty=1.0"
-    assert cases[3].command == f"python -m harness.scenario {file} {words}"
+    assert cases[3].command == f"python -m harness.scenario {shlex.quote(str(file))} {words}"
     assert cases[3].folder == Path(*tmp_path.parts[1:], "two[leo-1.0-7]")
     outside = replace(cases[3], path=Path("../two.scenario.yaml"))
     assert outside.folder == Path("two[leo-1.0-7]")
