@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 from tools.site.generated import generated
-from tools.site.links import BrokenLinks, Links
+from tools.site.links import REPOSITORY, BrokenLinks, Links
 from tools.site.notebooks import told
 from tools.site.pages import ROOT, navigation, sources
 
@@ -54,7 +54,14 @@ def write(folder: Path) -> None:
         (docs / "files" / picture).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / picture, docs / "files" / picture)
     # JSON is YAML, but for the tags of mkdocs.yml, which stays what it is.
-    config = {"INHERIT": str(CONFIG), "nav": navigation(pages), "docs_dir": "docs", "site_dir": "site"}
+    config = {
+        "INHERIT": str(CONFIG),
+        "nav": navigation(pages),
+        "docs_dir": "docs",
+        "site_dir": "site",
+        # Not repo_url, which would ask GitHub for stars.
+        "extra": {"social": [{"icon": "fontawesome/brands/github", "link": REPOSITORY}]},
+    }
     (folder / "mkdocs.yml").write_text(json.dumps(config, indent=1))
 
 

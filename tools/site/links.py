@@ -5,10 +5,14 @@ import re
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
+import tomllib
+
 from tools.site.pages import ROOT
 
-REPOSITORY = "https://github.com/OWNER/rover-harness"
+REPOSITORY: str = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["urls"]["Homepage"]
 PICTURES = (".gif", ".jpg", ".png", ".svg", ".webp")
+# GitHub's to show: the site asks for nothing elsewhere.
+BADGE = re.compile(r"^\[!\[[^\n]*\n", re.MULTILINE)
 # Code comes first, so that what it holds is no link.
 LINK = re.compile(r"^```.*?^```|`[^`\n]*`|\]\((?P<target>[^)\s]+)\)", re.DOTALL | re.MULTILINE)
 
@@ -46,7 +50,7 @@ class Links:
             target = match["target"]
             return match[0] if target is None else f"]({self._target(target, source, page)})"
 
-        return LINK.sub(replaced, text)
+        return LINK.sub(replaced, BADGE.sub("", text))
 
     def check(self) -> None:
         """Checks that all links led somewhere.
