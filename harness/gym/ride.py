@@ -73,15 +73,27 @@ class Ride:
         self.advance(Twist())
 
     def advance(self, twist: Twist) -> None:
-        """Drives one control period with a command.
+        """Drives one control period with a command, and reads: `drive`, then `read`.
+
+        Raises:
+            RunFailed: As `read`.
+        """
+        self.drive(twist)
+        self.read()
+
+    def drive(self, twist: Twist) -> None:
+        """Lets the physics go on by one control period with a command."""
+        self._base.command(twist)
+        self._leap.run(np.array([self._base.wheel_speeds() for _ in range(TICKS_PER_CONTROL)]))
+
+    def read(self) -> None:
+        """Reads the sensors of the control period that was just driven.
 
         Raises:
             RunFailed: The rover left the map, or the simulation diverged; the readings are from before.
         """
-        self._base.command(twist)
-        speeds = np.array([self._base.wheel_speeds() for _ in range(TICKS_PER_CONTROL)])
         hazards = scrapes = 0
-        for _ in self._leap.run(speeds):
+        for _ in self._leap.ticks():
             self._ticks += 1
             counts = self.simulation.tick_sum.tolist()
             hazards += counts[self._hazard] > 0
