@@ -36,6 +36,11 @@ HEALTH_WARNINGS = {
 class Simulation:
     """One rover in one world, settled on the ground at time zero.
 
+    Args:
+        scene: The rover in its world.
+        timestep_ns: Of the physics [ns].
+        settled: What another simulation of an equal scene has as `settled`; saves to settle anew.
+
     Attributes:
         model: The compiled scene.
         data: MuJoCo's state.
@@ -46,9 +51,13 @@ class Simulation:
         motors: The actuators that the controller commands, in the order of the rover's `motors`;
             the first `driven` of them drive.
         crowd: The people who walk about; None without any.
+        settled: The state at time zero: all that the next step depends on, warm start included, so that
+            it goes on bit for bit.
     """
 
-    def __init__(self, scene: Scene, timestep_ns: int) -> None:
+    def __init__(
+        self, scene: Scene, timestep_ns: int, settled: NDArray[np.float64] | None = None
+    ) -> None:
         # Its counters are checked on every tick; the texts would go into MUJOCO_LOG.TXT in the cwd.
         mujoco.set_mju_user_warning(lambda _: None)
         self.scene = scene
@@ -66,10 +75,13 @@ class Simulation:
         self.crowd = Crowd(scene, self.data) if scene.world.people else None
         self._parking = ParkingHold(self.model, scene.rover.drive.driven)
         self._ground = scene.world.ground
-        self._settle(scene.world.start)
-        # All that the next step depends on, warm start included: it goes on bit for bit.
-        self._start = np.empty(mujoco.mj_stateSize(self.model, WHOLE_STATE))
-        mujoco.mj_getState(self.model, self.data, self._start, WHOLE_STATE)
+        if settled is not None:
+            self.settled = settled
+            self.return_to_start()
+        else:
+            self._settle(scene.world.start)
+            self.settled = np.empty(mujoco.mj_stateSize(self.model, WHOLE_STATE))
+            mujoco.mj_getState(self.model, self.data, self.settled, WHOLE_STATE)
 
     @property
     def time_ns(self) -> int:
@@ -159,7 +171,7 @@ class Simulation:
 
     def return_to_start(self) -> None:
         """Puts the rover back to where and how it stood at time zero; time goes on."""
-        mujoco.mj_setState(self.model, self.data, self._start, WHOLE_STATE)
+        mujoco.mj_setState(self.model, self.data, self.settled, WHOLE_STATE)
         self.command_wheels(self.data.ctrl[self.motors])
         self.tick_sum.fill(0.0)
         self.contacts.begin()
