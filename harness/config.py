@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
+import numpy as np
+
 from harness.drivers import find_driver, takes_goals
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.drivers.goal_course import Area, check_area
@@ -15,7 +17,7 @@ from harness.drivers.staged import StagedEncounter
 from harness.errors import UsageError, find_named
 from harness.faults.spec import parse_faults
 from harness.frames.options import FrameOptions
-from harness.robots import RoverSpec, find_rover
+from harness.robots import find_rover
 from harness.sensors.base import period_ticks
 from harness.sensors.choice import chosen
 from harness.sensors.geodesy import DEFAULT_DATUM, Datum
@@ -23,7 +25,7 @@ from harness.sensors.noise import PRESETS
 from harness.sensors.table import SensorRow
 from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
 from harness.world.actors.actor import with_actors
-from harness.world.actors.spec import of_terrain, parse_actors
+from harness.world.actors.spec import ActorSpec, of_terrain, parse_actors
 from harness.world.files import file_world
 from harness.world.terrain_file import TerrainFile, is_terrain_file
 from harness.world.terrains import TERRAINS
@@ -42,6 +44,7 @@ LISTS = (  # the fields that are tuples
     *("terrain_size", "datum", "start", "sensors", "faults", "commands", "goals", "resets"),
     *("resource_path", "rock", "hazard", "actors", "goal_area"),
 )
+FLEET_STREAM = 13  # keeps the randomness of several rovers apart
 CMD_VEL = "cmd_vel"  # the driver that obeys commands
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
 FILE_OPTIONS = (  # for terrains from files alone
@@ -57,6 +60,12 @@ _world = lru_cache(maxsize=2)(build_world)  # a run asks for its own up to four 
 @lru_cache(maxsize=2)
 def _file_world(file: TerrainFile, seed: int, _modified_ns: int) -> World:
     return file_world(file, seed)
+
+
+@lru_cache(maxsize=2)  # of a long way, each step is looked at
+def _peopled(world: World, start: Start | None, people: tuple[ActorSpec, ...]) -> World:
+    world = world if start is None else starting_at(world, start)
+    return with_actors(world, people) if people else world
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,6 +101,9 @@ class EpisodeConfig:
     actors: tuple[str, ...] = ()  # people, as harness.world.actors.spec reads them
     goals: tuple[tuple[float, float, float, float], ...] = ()  # to driver goal: when [s], x, y, yaw
     resets: tuple[float, ...] = ()  # when the rover is put back to its start [s]
+    name: str = ""  # of the rover among several (harness.fleet)
+    number: int = 0  # its place among them
+    world_robot: str = ""  # whose clearance sorts the obstacles of a file, if not its own
 
     def __post_init__(self) -> None:
         """Takes lists for tuples, as JSON gives them back."""
@@ -113,7 +125,31 @@ class EpisodeConfig:
     @property
     def people(self) -> tuple[str, ...]:
         """Who walks, in words: the actors of an SDF world, then those asked for."""
-        return (*of_terrain(self.terrain), *self.actors)
+        return (*of_terrain(self.terrain, self.resource_path), *self.actors)
+
+    def actor_specs(self) -> tuple[ActorSpec, ...]:
+        """Returns who walks, before there is a world.
+
+        Raises:
+            UsageError: One of them is not valid.
+        """
+        return parse_actors(self.people, self.resource_path)
+
+    def actor_names(self) -> tuple[str, ...]:
+        """Returns the names of the people as their topics and columns have them: NAME_actor.
+
+        Raises:
+            UsageError: As `actor_specs`.
+        """
+        return tuple(spec.full_name for spec in self.actor_specs())
+
+    @property
+    def own_seed(self) -> int:
+        """The seed of what is random about this rover; of a single one and of the first, `seed`."""
+        if self.number == 0:
+            return self.seed
+        source = np.random.SeedSequence(self.seed, spawn_key=(FLEET_STREAM, self.number))
+        return int.from_bytes(source.generate_state(4).tobytes(), "little")
 
     def sensor_rows(self) -> tuple[SensorRow, ...]:
         """Returns the sensors that the rover carries, in publishing order.
@@ -130,10 +166,7 @@ class EpisodeConfig:
             UsageError: The terrain's file is not usable, the start is off the map, or no person can
                 walk so.
         """
-        world = self._terrain_world()
-        world = world if self.start is None else starting_at(world, self.start)
-        people = parse_actors(self.people)
-        return with_actors(world, people) if people else world
+        return _peopled(self._terrain_world(), self.start, self.actor_specs())
 
     def gravity(self) -> float:
         """Returns what the IMU reads at rest [m/s^2]: of a world that says so, else of the model.
@@ -143,15 +176,6 @@ class EpisodeConfig:
         """
         told = self._terrain_world().gravity if is_terrain_file(self.terrain) else None
         return find_rover(self.robot).gravity if told is None else told
-
-    def scenery(self) -> tuple[World, RoverSpec]:
-        """Returns what there is to be seen, of a configuration that comes from another process.
-
-        Raises:
-            UsageError: A value is not valid.
-        """
-        self.validate()
-        return self.world(), find_rover(self.robot)
 
     def check_world(self) -> None:
         """Checks what depends on the world, which is built only where something does.
@@ -190,7 +214,7 @@ class EpisodeConfig:
             rock_height=self.rock_height,
             rocks=self.rock,
             hazards=self.hazard,
-            clearance=(rover := find_rover(self.robot)).clearance,
+            clearance=(rover := find_rover(self.world_robot or self.robot)).clearance,
             step_limit=rover.step_limit,
         )
 
@@ -204,7 +228,9 @@ class EpisodeConfig:
         find_named("terrain", self.terrain, TERRAINS)
         for name in FILE_OPTIONS:
             if getattr(self, name) not in (None, (), ""):
-                raise UsageError(f"--{name.replace('_', '-')} applies to terrains from files only")
+                raise UsageError(
+                    f"--{name.replace('_', '-')} applies to terrains from files only; leave it out"
+                )
 
     def _validate_plan(self) -> None:
         told = (*self.commands, *self.goals)
@@ -260,7 +286,7 @@ class EpisodeConfig:
         check_duration(self.duration)
         self._validate_plan()
         self._validate_faults()
-        parse_actors(self.people)
+        self.actor_specs()
         self._validate_timeout()
         if self.start is not None:
             check_start(self.start)

@@ -12,6 +12,7 @@ from harness.episode.episode import installed
 from harness.frames.rover_frames import rover_frames
 from harness.gym.options import Randomisation
 from harness.gym.places import Places
+from harness.physics.physics import Physics, State
 from harness.physics.scene import Scene, build_scene
 from harness.physics.simulation import Simulation
 from harness.physics.start import check_room, check_start
@@ -67,7 +68,7 @@ class Course:
         self.lidar = Lidar(self.scene.model, LidarSpec(beams=config.lidar_beams))
         self.places = Places(world, rover)
         self._alike: tuple[Start, Variation] | None = None  # what the last state at time zero is of
-        self._settled = np.empty(0)
+        self._settled: list[State] = []
 
     def camera_of(self, simulation: Simulation, seed: int) -> RangeSensor | None:
         """Returns the rover's depth camera, if it has one.
@@ -79,7 +80,7 @@ class Course:
         if self.camera is None or self._frames is None:
             return None
         config = replace(self.config, seed=seed)
-        made = installed(config, self._frames, simulation.model, self.camera)
+        made = installed(config, self._frames, simulation.scene, self.camera)
         return RangeSensor(simulation, self.lidar.surroundings, made, TICKS_PER_CONTROL)
 
     def varied(self, start: Start, variation: Variation) -> Scene:
@@ -110,14 +111,15 @@ class Course:
         """
         timestep_ns = parse_timestep(self.config.timestep)
         if alike == self._alike:
-            return Simulation(scene, timestep_ns, self._settled)
+            return Simulation(scene, timestep_ns, Physics((scene,), timestep_ns, self._settled))
         chosen = scene.world.start != self.scene.world.start
         if chosen:
             check_room(scene)
         simulation = Simulation(scene, timestep_ns)
         if chosen:
             check_start(scene, simulation.data)
-        self._alike, self._settled = alike, simulation.settled
+        self._alike = alike
+        self._settled = [rover.state() for rover in simulation.physics.rovers]
         return simulation
 
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, is_dataclass
 from typing import TypeVar
 
-from harness.config import LIDAR_BEAMS, EpisodeConfig
+from harness.config import FILE_OPTIONS, LIDAR_BEAMS, EpisodeConfig
 from harness.errors import UsageError
 from harness.sim_time import check_duration
 from harness.world.terrain_file import is_terrain_file
@@ -19,6 +19,7 @@ from harness.yaml_file import fill
 Range = tuple[float, float]
 ONE: Range = (1.0, 1.0)
 NONE: Range = (0.0, 0.0)
+ONE_NUMBER = ("terrain_height", "terrain_cell", "rock_height")  # lists of one, empty if left out
 
 O = TypeVar("O", bound="Options")  # noqa: E741 - options
 
@@ -77,9 +78,16 @@ class Options:
 
     Attributes:
         robot: Which rover.
-        terrain: Names of terrains, or heightmap files; each new world is of one of them.
+        terrain: Names of terrains, or files; each new world is of one of them.
         terrain_size: Of heightmaps that do not say: length along x and y, or of both [m].
         terrain_height: Likewise, from the lowest to the highest point [m].
+        terrain_cell: Distance of the heights that meshes become [m].
+        resource_path: Folders in which models and meshes of SDF worlds are looked for first.
+        mesh_unit: Of meshes that do not say it, e.g. cm.
+        mesh_up: Their axis that is up, likewise.
+        rock_height: Up to which obstacles of files are rocks [m]; empty: the rover's clearance.
+        rock: Patterns of names of models that are rocks whatever their height.
+        hazard: Likewise of hazards.
         difficulty: Of the worlds, 0 to 1; of named terrains.
         noise: A preset of sensor errors; "" for exact sensors.
         lidar_beams: Beams of the lidar, all around.
@@ -96,6 +104,13 @@ class Options:
     terrain: tuple[str, ...] = ("rocky",)
     terrain_size: tuple[float, ...] = ()
     terrain_height: tuple[float, ...] = ()
+    terrain_cell: tuple[float, ...] = ()
+    resource_path: tuple[str, ...] = ()
+    mesh_unit: str = ""
+    mesh_up: str = ""
+    rock_height: tuple[float, ...] = ()
+    rock: tuple[str, ...] = ()
+    hazard: tuple[str, ...] = ()
     difficulty: Range = (DEFAULT_DIFFICULTY, DEFAULT_DIFFICULTY)
     noise: str = ""
     lidar_beams: int = LIDAR_BEAMS
@@ -114,11 +129,13 @@ class Options:
             seed: Of the world and of the noise.
             difficulty: Of the world; a file has none.
         """
-        is_file, size, height = is_terrain_file(terrain), self.terrain_size, self.terrain_height
+        is_file = is_terrain_file(terrain)
+        told = {name: value for name in FILE_OPTIONS if is_file and (value := getattr(self, name))}
+        told |= {name: told[name][0] for name in ONE_NUMBER if name in told}
+        told |= {name: (told[name][0], told[name][-1]) for name in ("terrain_size",) if name in told}
         return EpisodeConfig(
+            **told,
             terrain=terrain,
-            terrain_size=(size[0], size[-1]) if size and is_file else None,
-            terrain_height=height[0] if height and is_file else None,
             robot=self.robot,
             seed=seed,
             difficulty=DEFAULT_DIFFICULTY if is_file else difficulty,
@@ -143,11 +160,11 @@ class Options:
 
     def _check_worlds(self) -> None:
         if not self.terrain:
-            raise UsageError("terrain [] is empty; name at least one terrain or heightmap file")
+            raise UsageError("terrain [] is empty; name at least one terrain or file")
         for terrain in self.terrain:
             for difficulty in self.difficulty:
                 self.episode(terrain, 0, difficulty).validate()
-        for name, most in (("terrain_size", 2), ("terrain_height", 1)):
+        for name, most in (("terrain_size", 2), *((name, 1) for name in ONE_NUMBER)):
             if len(getattr(self, name)) > most:
                 raise UsageError(f"{name} {list(getattr(self, name))} is not valid; give {most} at most")
         _check_range("difficulty", self.difficulty)
@@ -169,7 +186,7 @@ def parse_options(cls: type[O], given: Mapping[str, object], where: str) -> O:
         UsageError: One does not exist or is not valid.
     """
     values = {name: _plain(value) for name, value in given.items()}
-    for name in ("terrain", "terrain_size", "terrain_height"):
+    for name in ("terrain", "terrain_size", *ONE_NUMBER, "resource_path", "rock", "hazard"):
         if isinstance(values.get(name), str | float | int):
             values[name] = [values[name]]
     for name in ("difficulty", "goal_distance"):

@@ -20,6 +20,23 @@ FEWEST_STRETCHES = 1500  # of a long run, and twice as many at most
 
 
 @dataclass(frozen=True, slots=True)
+class Approach:
+    """How near somebody was: from the model frame to the person's axis, from above.
+
+    Attributes:
+        distance: Between the two [m].
+        time_s: When [s].
+        rover: Where the rover was, x and y [m].
+        person: Where the person was, likewise.
+    """
+
+    distance: float
+    time_s: float
+    rover: tuple[float, float]
+    person: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
 class Stretch:
     """A short piece of a run, up to and including its last tick.
 
@@ -30,7 +47,7 @@ class Stretch:
         nearest_range: Nearest finite range of its scans [m], or inf.
         contact_s: Time in contact with a hazard [s].
         people: Where people are at its end [m].
-        nearest_person: From the model frame to the nearest person's axis, from above [m], or inf.
+        approaches: When each of them was nearest.
     """
 
     time_s: float
@@ -41,7 +58,12 @@ class Stretch:
     nearest_range: float = math.inf
     contact_s: float = 0.0
     people: tuple[Vector3, ...] = ()
-    nearest_person: float = math.inf
+    approaches: tuple[Approach, ...] = ()
+
+    @property
+    def nearest_person(self) -> float:
+        """From the model frame to the nearest person's axis, from above [m], or inf."""
+        return min((approach.distance for approach in self.approaches), default=math.inf)
 
     def followed_by(self, later: "Stretch") -> "Stretch":
         """Returns the stretch that both are together."""
@@ -51,7 +73,7 @@ class Stretch:
             highest_acceleration=max(self.highest_acceleration, later.highest_acceleration),
             nearest_range=min(self.nearest_range, later.nearest_range),
             contact_s=self.contact_s + later.contact_s,
-            nearest_person=min(self.nearest_person, later.nearest_person),
+            approaches=_nearest(self.approaches, later.approaches),
         )
 
 
@@ -93,7 +115,8 @@ class RunRecorder:
 
     def _stretch(self, batch: Batch) -> Stretch:
         accelerations: list[float] = []
-        nearest = nearest_person = math.inf
+        nearest = math.inf
+        approaches: tuple[Approach, ...] = ()
         for tick in batch.ticks:
             for sample in tick.samples:
                 match sample:
@@ -101,7 +124,7 @@ class RunRecorder:
                         self._place = sample.position
                     case ActorPoses():
                         self._people = sample.position
-                        nearest_person = min(nearest_person, self._to_nearest())
+                        approaches = _nearest(approaches, self._approaches(sample.stamp_ns))
                     case Imu():
                         accelerations.append(math.hypot(*sample.linear_acceleration))
                     case LaserScan():
@@ -120,11 +143,20 @@ class RunRecorder:
             nearest_range=nearest,
             contact_s=truth.hazard_contact_s - touched_s,
             people=self._people,
-            nearest_person=nearest_person,
+            approaches=approaches,
         )
 
-    def _to_nearest(self) -> float:
-        place = self._place
-        if place is None:
-            return math.inf
-        return min(math.dist(place[:2], person[:2]) for person in self._people)
+    def _approaches(self, stamp_ns: int) -> tuple[Approach, ...]:
+        if self._place is None:
+            return ()
+        rover, time_s = self._place[:2], stamp_ns / NANOSECONDS
+        places = (person[:2] for person in self._people)
+        return tuple(Approach(math.dist(rover, place), time_s, rover, place) for place in places)
+
+
+def _nearest(one: tuple[Approach, ...], other: tuple[Approach, ...]) -> tuple[Approach, ...]:
+    """Of each person the nearer of two moments, the earlier one if they are alike."""
+    if not (one and other):
+        return one or other
+    pairs = zip(one, other, strict=True)
+    return tuple(min(pair, key=lambda approach: approach.distance) for pair in pairs)

@@ -8,9 +8,11 @@ import numpy as np
 
 from harness.episode.result import RunResult
 from harness.page.figure import DASH, MINUS, TIMES, spelled
+from harness.report.encounters import Encounter
 from harness.report.log import Log, describe, meetings
 from harness.report.recorder import Stretch
 from harness.sim_time import NANOSECONDS
+from harness.world.actors.actor import Actor
 from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
 
 MOST_CONTACTS = 50
@@ -63,6 +65,26 @@ def people(track: Sequence[Stretch]) -> list[Comparison]:
         Comparison(near, truth=f"{len(meetings(track))} times"),
         Comparison("Nearest person", truth=f"{nearest:.2f} m"),
     ]
+
+
+def encounter_rows(met: Sequence[Encounter], actors: Sequence[Actor]) -> list[tuple[str, ...]]:
+    """Returns encounters as text: number, who, distance, when, how long near, both places."""
+    return [
+        (
+            str(number),
+            actors[one.person].name,
+            f"{one.nearest.distance:.2f} m",
+            f"{one.nearest.time_s:.1f} s",
+            f"{one.near_s:.1f} s" if one.near_s else DASH,
+            _place(one.nearest.rover),
+            _place(one.nearest.person),
+        )
+        for number, one in enumerate(met, 1)
+    ]
+
+
+def _place(place: tuple[float, float]) -> str:
+    return ", ".join(f"{value:.1f}".replace("-", MINUS) for value in place)
 
 
 def contact_rows(result: RunResult) -> list[tuple[str, str, str, str]]:

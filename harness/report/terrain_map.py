@@ -1,7 +1,8 @@
 """The map: hillshade and obstacles, the path coloured by roughness, collisions, the last scan."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from harness.page.figure import (
     line,
     numbers,
 )
+from harness.report.encounters import Encounter, encounters
 from harness.report.hillshade import Hillshade, map_layout
 from harness.report.log import Event
 from harness.report.recorder import Stretch
@@ -44,6 +46,7 @@ HOVER = (
 )
 PERSON = "--person"
 NEAR = f"person within {PERSONAL_SPACE:g} m"
+CLOSEST = "closest to a person"
 NAMES = {ObstacleKind.ROCK: ("rock", "--rock"), ObstacleKind.HAZARD: ("hazard", "--hazard")}
 
 
@@ -58,7 +61,7 @@ def roughness(track: Sequence[Stretch], gravity: float) -> list[float]:
     return values
 
 
-def map_figure(
+def map_figure(  # noqa: PLR0913 - all that there is to be seen
     world: World,
     hillshade: Hillshade,
     track: Sequence[Stretch],
@@ -66,6 +69,7 @@ def map_figure(
     collisions: Sequence[Event],
     contacts: Sequence[Event],
     meetings: Sequence[Event] = (),
+    others: Mapping[str, Sequence[Stretch]] = MappingProxyType({}),
     scan: Points,
     gravity: float,
 ) -> Figure:
@@ -78,6 +82,7 @@ def map_figure(
         collisions: What the metrics counted.
         contacts: What really happened.
         meetings: When people were near.
+        others: What was recorded of other rovers, by name.
         scan: Where the beams of the last scan ended [m].
         gravity: Of the run [m/s^2].
     """
@@ -86,8 +91,10 @@ def map_figure(
         *(_obstacles(world.obstacles, kind) for kind in NAMES),
         _points(scan, "last scan", {"size": 3, "color": SCAN}),
         *_people(world.people, track),
+        *_others(others),
         *_path(track, gravity),
         *_ends(track),
+        *_encounters(encounters(track), world.people),
         _events(meetings, NEAR, "circle-open", PERSON),
         _events(collisions, "collision (metric)", "diamond-open", METRIC),
         _events(contacts, "contact with a hazard (truth)", "x-thin-open", TRUTH),
@@ -147,6 +154,49 @@ def _people(actors: Sequence[Actor], track: Sequence[Stretch]) -> list[Trace]:
         way = line(actor.name, *_columns(ways), PERSON, hover=hover, dash=dash)
         end = _points(ways[-1:], actor.name, {"size": 9, "color": PERSON}, hover)
         traces += [way, end | {"showlegend": False}]
+    return traces
+
+
+def _encounters(met: Sequence[Encounter], actors: Sequence[Actor]) -> list[Trace]:
+    """A line from the rover to whom it met, with the number that the table has too."""
+    places = [(e.nearest.rover, e.nearest.person) for e in met]
+    gap = (math.nan, math.nan)
+    joined = line(CLOSEST, *_columns([p for pair in places for p in (*pair, gap)]), PERSON, width=2)
+    numbered = _points(
+        [person for _, person in places],
+        CLOSEST,
+        {"symbol": "diamond", "size": 9, "color": PERSON},
+        "%{hovertext}",
+    )
+    return [
+        joined,
+        numbered
+        | {
+            "mode": "markers+text",
+            "text": [f"<b>{number}</b>" for number in range(1, len(met) + 1)],
+            "textposition": "top right",
+            "textfont": {"size": 13, "color": INK},
+            "hovertext": [
+                f"{actors[e.person].name}, {e.nearest.distance:.2f} m, t = {e.nearest.time_s:.1f} s"
+                for e in met
+            ],
+            "showlegend": False,
+        },
+    ]
+
+
+def _others(tracks: Mapping[str, Sequence[Stretch]]) -> list[Trace]:
+    """The way of each other rover, dashed, and a dot where it ends."""
+    traces: list[Trace] = []
+    for number, (name, track) in enumerate(tracks.items()):
+        ways = [stretch.position for stretch in track if all(map(math.isfinite, stretch.position))]
+        if not ways:
+            continue
+        dash = tuple(DASHES)[1 + number % (len(DASHES) - 1)]
+        hover = f"{name}<br>x %{{x:.2f}}, y %{{y:.2f}} m"
+        traces.append(line(name, *_columns(ways), INK, hover=hover, dash=dash))
+        end = _points(ways[-1:], name, {"size": 9, "color": INK}, hover)
+        traces.append(end | {"showlegend": False})
     return traces
 
 

@@ -22,7 +22,8 @@ from harness.errors import UsageError
 from harness.files import check_target
 from harness.interrupt import StopRequest
 from harness.scenario.baseline import write_baselines
-from harness.scenario.suite import Selected, find_files, plan, run_all
+from harness.scenario.selection import Selected, find_files, plan
+from harness.scenario.suite import run_all
 from harness.scenario.told import tell
 from harness.scenario.verdict import Verdict, exit_code, verdicts_of
 from harness.tuning.backend import BACKENDS, backend_of
@@ -114,6 +115,12 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME=VALUE",
         help="only runs with this value of their matrix; repeatable",
     )
+    _add_backend(parser)
+    _add_files(parser)
+    return parser
+
+
+def _add_backend(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: one per CPU)")
     parser.add_argument(
         "--backend",
@@ -122,6 +129,9 @@ def _parser() -> argparse.ArgumentParser:
         help=f"who drives: {', '.join(BACKENDS)} (default: %(default)s)",
     )
     parser.add_argument("--address", metavar="URL", help="of the Ray or Dask cluster")
+
+
+def _add_files(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--junit", type=Path, metavar="FILE", help="write the verdicts as JUnit XML")
     parser.add_argument(
         "--html", type=Path, metavar="FILE", help="write a page: what failed, and cells side by side"
@@ -144,7 +154,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--update-baseline", action="store_true", help="record the runs as what later ones must match"
     )
-    return parser
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from harness.config import EpisodeConfig
+from harness.config import FILE_OPTIONS, EpisodeConfig
 from harness.drivers import takes_goals
 from harness.errors import UsageError
 from harness.robots import ROVERS
@@ -20,8 +20,8 @@ from rover_metrics.extended.parameter_file import read_values
 
 # Left to EpisodeConfig where they are left out.
 _PASSED_ON = (
-    *("terrain_size", "terrain_height", "difficulty", "datum", "start"),
-    *("noise", "lidar_beams", "imu_rate", "sensors", "goal_area"),
+    *FILE_OPTIONS,
+    *("difficulty", "datum", "start", "noise", "lidar_beams", "imu_rate", "sensors", "goal_area"),
 )
 
 Cell = tuple[tuple[str, Any], ...]  # values of a matrix by name
@@ -136,6 +136,8 @@ def _config(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> 
     values |= {name: value for name, value in given.items() if value is not None} | cell
     values["terrain"] = str(_beside(path, values["terrain"]))
     values["robot"] = _robot_beside(path, values["robot"])
+    folders = [(path.parent / name, name) for name in scenario.resource_path]
+    values["resource_path"] = tuple(str(there) if there.is_dir() else name for there, name in folders)
     values.pop("params", None)
     events, goal = scenario.events, scenario.goal
     return EpisodeConfig(

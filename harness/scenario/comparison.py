@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.config import FILE_OPTIONS
 from harness.scenario.attempt import Attempt
 from harness.scenario.bound import Bound
 from harness.scenario.case import Case, cell_name
@@ -22,7 +23,7 @@ from rover_metrics.analysis.metric import Kind
 from rover_metrics.analysis.statistics.comparison import Comparison, compare, holm
 from rover_metrics.analysis.statistics.summary import Interval, Summary, summarise_independent
 
-_SAME_WORLD = ("terrain", "difficulty", "terrain_size", "terrain_height", "start")
+_SAME_WORLD = ("terrain", "difficulty", *FILE_OPTIONS, "start")
 
 
 @dataclass(frozen=True)
@@ -82,7 +83,7 @@ class Compared:
 
     @property
     def heading(self) -> str:
-        """Returns its title, with the unit."""
+        """Returns the title of a quantity's column, with the unit."""
         return f"{self.title} [{self.unit}]" if self.unit else self.title
 
 

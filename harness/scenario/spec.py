@@ -94,6 +94,11 @@ class Scenario(Part):
         robot: See `python -m harness.run --list`; likewise `terrain` (or a file) and `driver`.
         terrain_size: Along x and y [m], of a terrain from a file that does not say it.
         terrain_height: Of the relief [m], likewise.
+        terrain_cell: Distance of the heights that meshes become [m].
+        resource_path: Folders with models and meshes; relative to this file's folder, if they are there.
+        mesh_unit: Of a mesh that does not say it, e.g. cm; likewise `mesh_up`, its axis that is up.
+        rock_height: Up to which obstacles of files are rocks [m]; the rover's clearance if left out.
+        rock: Patterns of names of models that are rocks; likewise `hazard`.
         datum: Latitude, longitude [deg] and altitude [m] of the world's origin.
         start: x and y in the world [m], and the heading [rad]; where the terrain has it if left out.
         matrix: Instead of single values of those, lists.
@@ -117,6 +122,13 @@ class Scenario(Part):
     terrain: str = "rocky"
     terrain_size: tuple[Length, Length] | None = None
     terrain_height: Length | None = None
+    terrain_cell: Length | None = None
+    resource_path: tuple[Text, ...] = ()
+    mesh_unit: str = ""
+    mesh_up: str = ""
+    rock_height: Annotated[FiniteFloat, Field(ge=0)] | None = None
+    rock: tuple[Text, ...] = ()
+    hazard: tuple[Text, ...] = ()
     difficulty: float | None = None
     datum: tuple[float, float, float] | None = None
     start: tuple[float, float, float] | None = None

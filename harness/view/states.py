@@ -20,14 +20,13 @@ from harness.errors import UsageError
 from harness.robots import find_rover
 from harness.samples import ActorPoses, JointStates, Pose
 from harness.sim_time import NANOSECONDS
-from harness.world.actors.spec import actor_names
 
 PERIOD_NS = 40_000_000  # 25 states a second, as a video shows them
 POSE_SIZE, PERSON_SIZE = 7, 4
 HALF_WINDOW = 0.25  # [s] of a speed that can be read
 SCENE = (  # of the configuration
     *("terrain", *FILE_OPTIONS, "start", "difficulty", "seed"),
-    *("robot", "timestep", "lidar_beams", "actors"),
+    *("robot", "timestep", "lidar_beams", "actors", "name", "number", "world_robot"),
 )
 
 
@@ -41,7 +40,7 @@ class StateWriter:
     def __init__(self, path: Path, config: EpisodeConfig) -> None:
         self.path = path
         self._file = path.open("wb")
-        self._people: tuple[float, ...] = (0.0,) * PERSON_SIZE * len(actor_names(config.people))
+        self._people: tuple[float, ...] = (0.0,) * PERSON_SIZE * len(config.actor_names())
         self._file.write(json.dumps({name: getattr(config, name) for name in SCENE}).encode() + b"\n")
 
     def close(self) -> None:
@@ -119,7 +118,7 @@ def read_states(path: Path) -> States:
         config = EpisodeConfig(**json.loads(header))
     except (OSError, ValueError, TypeError) as error:
         raise UsageError(f"{path} is no recording of an episode: {error}") from error
-    joints, people = len(find_rover(config.robot).joints), len(actor_names(config.people))
+    joints, people = len(find_rover(config.robot).joints), len(config.actor_names())
     end_of_joints = 1 + POSE_SIZE + joints
     width = end_of_joints + PERSON_SIZE * people
     rows = np.frombuffer(body[: len(body) // (8 * width) * 8 * width], np.float64).reshape(-1, width)

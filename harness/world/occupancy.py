@@ -137,6 +137,8 @@ def _cover(blocked: Mask, obstacle: Obstacle, middles: tuple[Places, Places], re
     low, high = corners.min(axis=0) - resolution / 2, corners.max(axis=0) + resolution / 2
     columns, rows = (np.nonzero((low[i] <= middles[i]) & (middles[i] <= high[i]))[0] for i in (0, 1))
     edges = np.roll(corners, -1, axis=0) - corners
+    differ = edges.any(axis=1)  # a hull of few corners has many of them several times
+    corners, edges = corners[differ], edges[differ]
     outward_x, outward_y = edges[:, 1:], -edges[:, :1]  # the corners go round counter-clockwise
     reach_of_cell = (np.abs(outward_x) + np.abs(outward_y)) * resolution / 2
     x, y = middles[0][columns] - corners[:, :1], middles[1][rows] - corners[:, 1:]

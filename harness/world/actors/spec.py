@@ -8,13 +8,13 @@ each with :KEY=VALUE,... behind it
 import math
 import re
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from harness.errors import UsageError, unknown
-from harness.world.actors.trajectory import SUFFIXES, Told, read_told
+from harness.world.actors.trajectory import SUFFIXES, Told, actors_of, read_told
 
 FORM = "give [NAME=]FILE.sdf, NAME=X,Y/X,Y/..., NAME=random or NAME=social, and :KEY=VALUE,... behind it"
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -59,7 +59,7 @@ LIMITS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class ActorSpec:
     """One person, before there is a world.
 
@@ -82,36 +82,41 @@ class ActorSpec:
         return f"{self.name}_actor"
 
 
-def parse_actors(texts: Sequence[str]) -> tuple[ActorSpec, ...]:
+def parse_actors(texts: Sequence[str], folders: Sequence[str] = ()) -> tuple[ActorSpec, ...]:
     """Returns the people that the words ask for; files are read.
+
+    Args:
+        texts: One or more people each.
+        folders: In which what files include is looked for first.
 
     Raises:
         UsageError: A word is not valid, or two people have one name.
     """
-    people = [spec for text in texts for spec in _parse(text)]
+    people = [spec for text in texts for spec in _parse(text, tuple(folders))]
     names = [spec.name for spec in people]
     if twice := next((name for name in names if names.count(name) > 1), None):
-        raise UsageError(f"two actors are called '{twice}'; give one another name, as in guide=FILE.sdf")
+        raise UsageError(
+            f"two actors are called '{twice}'; give one another name, as in guide=FILE.sdf, or by a "
+            "<name> in its <include>"
+        )
     if len(people) > MOST_ACTORS:
         raise UsageError(f"{len(people)} actors are too many; give at most {MOST_ACTORS}")
     return tuple(people)
 
 
-def actor_names(texts: Sequence[str]) -> tuple[str, ...]:
-    """Returns the names of the people as their topics and columns have them: NAME_actor.
+def of_terrain(terrain: str, folders: Sequence[str] = ()) -> tuple[str, ...]:
+    """Returns the words that ask for the people of a terrain: of an SDF world with actors, else none.
 
-    Raises:
-        UsageError: As `parse_actors`.
+    Args:
+        terrain: Its name, or its file.
+        folders: In which what it includes is looked for first.
     """
-    return tuple(spec.full_name for spec in parse_actors(texts))
-
-
-def of_terrain(terrain: str) -> tuple[str, ...]:
-    """Returns the words that ask for the people of a terrain: of an SDF world with actors, else none."""
     path = Path(terrain)
     if not terrain.lower().endswith(SUFFIXES) or not path.is_file():
         return ()
-    return (terrain,) if b"<actor" in path.read_bytes() else ()
+    with suppress(UsageError):  # which the world tells, whose mistake it is
+        return (terrain,) if actors_of(path, tuple(folders)) else ()
+    return ()
 
 
 def beside(text: str, place: Callable[[str], Path]) -> str:
@@ -129,7 +134,7 @@ def _split(text: str) -> tuple[str, str, str]:
     return (name, rest, behind) if sign and NAME.fullmatch(name) else ("", what, behind)
 
 
-def _parse(text: str) -> tuple[ActorSpec, ...]:
+def _parse(text: str, folders: tuple[str, ...]) -> tuple[ActorSpec, ...]:
     name, what, behind = _split(text)
     options = _options(text, behind)
     if what in WALKERS:
@@ -142,7 +147,7 @@ def _parse(text: str) -> tuple[ActorSpec, ...]:
     if not what.lower().endswith(SUFFIXES):
         raise UsageError(f"actor '{text}' is not valid; {FORM}")
     path = Path(what)
-    people = _read(path, path.stat().st_mtime_ns if path.exists() else 0)
+    people = read_told(path, folders)
     if name and len(people) > 1:
         raise UsageError(
             f"actor '{text}': {path} has {len(people)} actors with names; leave out '{name}='"
@@ -152,9 +157,6 @@ def _parse(text: str) -> tuple[ActorSpec, ...]:
         ActorSpec(text, _checked(text, one), options, told)
         for one, told in zip(called, people, strict=True)
     )
-
-
-_read = lru_cache(maxsize=32)(lambda path, _modified_ns: read_told(path))  # asked several times a run
 
 
 def _checked(text: str, name: str) -> str:

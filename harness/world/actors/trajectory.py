@@ -1,21 +1,26 @@
 """RoboTerrain's trajectory files, and the <actor>s of SDF files: who walks, through which points."""
 
-import math
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
+import numpy as np
+
 from harness.errors import UsageError
 from harness.world.actors.route import LONGEST_ROUTE, Point
+from harness.world.sdf.document import Person, read_document
+from harness.world.sdf.poses import read_pose
 from harness.world.sdf.reader import is_true, numbers, read_xml, text_of
+from harness.world.sdf.resources import Resources
 
 SUFFIXES = (".sdf", ".world", ".xml")
 # RoboTerrain names its files for the world too: inspect_diag.sdf is of /diag_actor/pose.
 AROUND = re.compile(r"^(?:inspect|construct|island|moon|flat)_|_traject(?:ory)?(?=_|$)")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Told:
     """One person as a file tells.
 
@@ -33,34 +38,66 @@ class Told:
     delay: float = 0.0
 
 
-def read_told(path: Path) -> tuple[Told, ...]:
-    """Returns the people of a file: its actors, or the one whose trajectory it is.
+def read_told(path: Path, folders: tuple[str, ...] = ()) -> tuple[Told, ...]:
+    """Returns the people of a file: the one whose trajectory it is, or its actors.
+
+    Args:
+        path: The file.
+        folders: In which what it includes is looked for first.
 
     Raises:
         UsageError: It cannot be read, or nobody walks in it.
     """
+    return _read(path, folders, _modified_ns(path))
+
+
+def actors_of(path: Path, folders: tuple[str, ...]) -> tuple[Person, ...]:
+    """Returns the actors of an SDF file and of those that it includes; they may be none.
+
+    Args:
+        path: The file.
+        folders: In which what it includes is looked for first.
+
+    Raises:
+        UsageError: It or what it includes is not valid.
+    """
+    return _actors(path, folders, _modified_ns(path))
+
+
+def _modified_ns(path: Path) -> int:
+    return path.stat().st_mtime_ns if path.exists() else 0
+
+
+@lru_cache(maxsize=32)  # asked several times a run, as is the other
+def _read(path: Path, folders: tuple[str, ...], _modified: int) -> tuple[Told, ...]:
     root = read_xml(path)
     if root.tag == "trajectory":
         points, _ = _way_points(root, path)
         return (Told(AROUND.sub("", path.stem), points),)
-    people = tuple(_actor(actor, path) for actor in root.iter("actor"))
+    if root.tag == "actor":
+        pose, _ = read_pose(root, name := root.get("name", "actor"))
+        return (_walk(Person(name, root, pose, path)),)
+    people = tuple(map(_walk, actors_of(path, folders)))
     if not people:
         raise UsageError(f"{path} has neither a <trajectory> nor an <actor>; name a file with one")
     return people
 
 
-def _actor(actor: Element, path: Path) -> Told:
-    name = actor.get("name", "actor")
-    script = actor.find("script")
-    x, y, z, _, _, yaw = numbers(text_of(actor, "pose", "0 0 0 0 0 0"), 6, f"{path}: pose of {name}")
+@lru_cache(maxsize=8)
+def _actors(path: Path, folders: tuple[str, ...], _modified: int) -> tuple[Person, ...]:
+    return tuple(read_document(path, Resources([*map(Path, folders)])).actors)
+
+
+def _walk(person: Person) -> Told:
+    path, script = person.file, person.element.find("script")
     if script is None:
-        return Told(name, ((x, y, z),), (0.0,))
+        return Told(person.name, (tuple(person.pose[:3, 3].tolist()),), (0.0,))
     points, times = _way_points(script, path)
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    placed = tuple((x + cos * a - sin * b, y + sin * a + cos * b, z + c) for a, b, c in points)
+    placed = np.array(points) @ person.pose[:3, :3].T + person.pose[:3, 3]
     loops = is_true(text_of(script, "loop", "true"))
-    (delay,) = numbers(text_of(script, "delay_start", "0"), 1, f"{path}: delay_start of {name}")
-    return Told(name, placed, times, loops, delay)
+    what = f"{path}: delay_start of {person.name}"
+    (delay,) = numbers(text_of(script, "delay_start", "0"), 1, what)
+    return Told(person.name, tuple(map(tuple, placed.tolist())), times, loops, delay)
 
 
 def _way_points(parent: Element, path: Path) -> tuple[tuple[Point, ...], tuple[float, ...]]:

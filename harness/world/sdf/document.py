@@ -21,13 +21,28 @@ MOST_INCLUDES = 2_000
 EARTH = "0 0 -9.8"  # SDF's default
 
 
+@dataclass(frozen=True, eq=False)
+class Person:
+    """An <actor>, whose script harness.world.actors reads.
+
+    Attributes:
+        pose: T_world_actor: in its frame the way points are told.
+        file: That it stands in.
+    """
+
+    name: str
+    element: Element
+    pose: Transform
+    file: Path
+
+
 @dataclass
 class Document:
     """What was read.
 
     Attributes:
         gravity: Downwards [m/s^2].
-        actors: Names of the people of the file itself; harness.world.actors reads more of them.
+        actors: The people of the file and of those that it includes.
         files: Every SDF file that was read.
         plugins: Names of those that were left out; `missing` says what else was, and why.
         movable: Names of the models that Gazebo would let fall.
@@ -37,7 +52,7 @@ class Document:
     name: str = ""
     gravity: float = 9.8
     solids: list[Solid] = field(default_factory=list)
-    actors: list[str] = field(default_factory=list)
+    actors: list[Person] = field(default_factory=list)
     files: list[Path] = field(default_factory=list)
     plugins: dict[str, None] = field(default_factory=dict)
     missing: dict[str, None] = field(default_factory=dict)
@@ -80,7 +95,10 @@ class _Place:
 
 @dataclass(frozen=True)
 class _Call:
-    """A model in a scope: its own element, and that of the include that it comes by."""
+    """A model or an actor in a scope: its own element, and that of the include that it comes by.
+
+    A whole file can be included likewise: its <world>, or all of it where actors stand beside a model.
+    """
 
     model: Element
     include: Element | None
@@ -88,7 +106,7 @@ class _Call:
 
     @property
     def name(self) -> str:
-        return text_of(self.include, "name", self.model.get("name", "model"))
+        return text_of(self.include, "name", self.model.get("name", self.model.tag))
 
     @property
     def is_static(self) -> bool:
@@ -143,10 +161,9 @@ class _Reading:
         for tag in ("population", "road"):
             if scope.find(tag) is not None:
                 self._left_out(f"<{tag}>")
-        self._document.actors += map(_name, scope.findall("actor"))
-        own = (_Call(model, None, place.chain) for model in scope.findall("model"))
+        own = (_Call(item, None, place.chain) for item in scope if item.tag in ("model", "actor"))
         calls = [*own, *self._included(scope, place)]
-        inner = [Frames("__model__") for _ in calls]
+        inner = [Frames("world" if call.model.tag == "world" else "__model__") for call in calls]
         for call, nested in zip(calls, inner, strict=True):
             _add_frames(call.model, nested)
             frames.add(call.name, *call.pose(nested))
@@ -155,18 +172,24 @@ class _Reading:
         for link in scope.findall("link"):
             self._link(link, frames, place)
         for call, nested in zip(calls, inner, strict=True):
-            at = place.within(call.name, frames.find(call.name))
-            self._model(call, nested, replace(at, chain=call.chain))
+            pose, reference = call.pose(nested)  # not by its name, which another may have too
+            at = place.within(call.name, frames.find(reference) @ pose)
+            if call.model.tag == "actor":
+                person = Person(call.name, call.model, at.pose, call.chain[-1])
+                self._document.actors.append(person)
+            else:
+                self._model(call, nested, replace(at, chain=call.chain))
 
     def _model(self, call: "_Call", frames: Frames, place: _Place) -> None:
         is_static = place.is_static or call.is_static
-        if not is_static:
+        if not is_static and call.model.tag == "model":
             joints = {joint.get("type", "") for joint in call.model.findall("joint")}
             if joints - {"fixed"}:
                 self._left_out(f"model '{'::'.join(place.names)}': it has joints that move")
                 return
             self._document.movable.append("::".join(place.names))
-        self._scope(call.model, frames, replace(place, is_static=True))  # told of once, not of its parts
+            is_static = True  # told of once, not of its parts
+        self._scope(call.model, frames, replace(place, is_static=is_static))
 
     def _included(self, scope: Element, place: _Place) -> list["_Call"]:
         found: list[_Call] = []
@@ -184,9 +207,7 @@ class _Reading:
             if self._document.includes > MOST_INCLUDES:
                 raise UsageError(f"more than {MOST_INCLUDES} includes; take some out")
             root = self._root(path)
-            for name in map(_name, root.findall("actor")):
-                self._left_out(f"actor '{name}' of {path}; let it walk with --actor {path}")
-            found += [_Call(model, include, chain) for model in root.findall("model")[:1]]
+            found += [_Call(item, include, chain) for item in _entities(root)]
         return found
 
     def _link(self, link: Element, frames: Frames, place: _Place) -> None:
@@ -233,8 +254,12 @@ def _add_frames(scope: Element, frames: Frames) -> None:
         frames.add(joint.get("name", ""), pose, reference or text_of(joint, "child"))
 
 
-def _name(actor: Element) -> str:
-    return actor.get("name", "actor")
+def _entities(root: Element) -> list[Element]:
+    """What an include of a file brings: a model, an actor or a world; or all, where actors are more."""
+    models, actors, world = root.findall("model")[:1], root.findall("actor"), root.find("world")
+    if world is not None:
+        return [world]
+    return [root] if len(models) + len(actors) > 1 else [*models, *actors]
 
 
 def _color(visual: Element) -> Color | None:

@@ -37,7 +37,7 @@ def solid_world(file: TerrainFile, seed: int) -> World:
 def _of_document(document: Document, file: TerrainFile, seed: int) -> World:
     notes = [*document.notes]
     if document.actors:
-        notes.append(f"actors: {', '.join(document.actors)}")
+        notes.append(f"actors: {', '.join(person.name for person in document.actors)}")
     # The unit and the axis are of a mesh alone: the meshes of a world are as Gazebo takes them.
     world = assembled(file.path.name, document.solids, file, seed, notes)
     files = ((str(path), _hash(path)) for path in dict.fromkeys(document.files))

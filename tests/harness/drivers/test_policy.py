@@ -35,7 +35,7 @@ def policy(tmp_path: Path) -> Path:
 def test_a_policy_is_the_network_that_was_written(tmp_path: Path, activation: str) -> None:
     path = tmp_path / "small.npz"
     write_policy(path, Policy(LAYERS, activation))
-    read = read_policy(path)
+    read = read_policy(str(path))
     assert read.beams == BEAMS
     sizes = {"velocities": 2, "lidar": BEAMS, "imu": 8, "goal": 3}
     seen = {name: np.linspace(-1.0, 1.0, size, dtype=np.float32) for name, size in sizes.items()}

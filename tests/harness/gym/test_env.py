@@ -14,9 +14,10 @@ from gymnasium.error import InvalidAction, ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
 import harness.gym
-from harness.config import EpisodeConfig
+from harness.config import FILE_OPTIONS, EpisodeConfig
 from harness.errors import UsageError
 from harness.gym import ENVIRONMENTS
+from harness.gym.options import Options, parse_options
 from harness.sim_time import NANOSECONDS
 from harness.world.world import terrain_hash
 from tests.harness.gym.conftest import SIDE, Make
@@ -71,6 +72,19 @@ def test_one_number_is_the_size_or_height_of_a_map_or_a_range(make: Make) -> Non
         assert (config.terrain_size, config.terrain_height) == (size, height)
 
 
+def test_what_worlds_from_files_leave_open_is_told_as_on_the_command_line() -> None:
+    given = {"terrain_cell": 0.2, "mesh_unit": "cm", "mesh_up": "y", "rock_height": 0}
+    given |= {"resource_path": "models", "rock": "r*", "hazard": ["h", "i"]}
+    options = parse_options(Options, {"terrain": ["a.sdf", "flat"], **given}, "here")
+    lists = {"resource_path": ("models",), "rock": ("r*",), "hazard": ("h", "i")}
+    config = options.episode("a.sdf", 0, 0.5)
+    assert {name: getattr(config, name) for name in given} == given | lists
+    assert options.episode("flat", 0, 0.5) == EpisodeConfig(terrain="flat")
+    assert set(FILE_OPTIONS) == {*given, "terrain_size", "terrain_height"}
+    with pytest.raises(UsageError, match="mesh unit 'league' does not exist; available: m, "):
+        parse_options(Options, {"terrain": "a.sdf", "mesh_unit": "league"}, "here")
+
+
 def test_the_world_of_a_seed_is_that_of_the_command_line() -> None:
     env: Any = gymnasium.make("RoverHarness/PointNav-v0", terrain="flat", random_start=False).unwrapped
     _, info = env.reset(seed=11)
@@ -93,6 +107,15 @@ def test_worlds_are_kept_for_some_episodes_and_starts_and_goals_vary(make: Make)
     assert len({tuple(info["start"]) for info in infos}) == 3
     for info in infos:
         assert 1.0 - 0.3 <= math.dist(info["start"][:2], info["goal"]) <= 4.0 + 0.3  # it may slide
+
+
+def test_a_world_asked_for_by_any_of_its_properties_is_a_new_one(make: Make) -> None:
+    env = make(episodes_per_world=100, terrain=["flat"])
+    env.reset(seed=1)
+    for key, value in {"terrain": "slope", "difficulty": 0.125, "world_seed": 77}.items():
+        before = env._course
+        assert env.reset(options={key: value})[1][key] == value
+        assert env._course is not before
 
 
 def test_success_makes_the_next_worlds_harder_until_a_seed_begins_anew(make: Make) -> None:

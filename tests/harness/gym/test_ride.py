@@ -12,7 +12,7 @@ from harness.errors import RunFailed, UsageError
 from harness.gym.course import Course, Variation, draw_variation
 from harness.gym.options import Randomisation
 from harness.gym.ride import SENSED, Ride
-from harness.physics.simulation import Simulation
+from harness.physics.physics import Physics
 from harness.samples import Imu, LaserScan, Pose, Twist
 from harness.sim_time import NANOSECONDS
 from harness.world.heightfield import Heightfield
@@ -79,7 +79,7 @@ def test_where_it_stood_last_a_rover_settles_no_second_time_and_drives_as_it_did
     elsewhere = -2.0, 1.0, 2.0
     heavy, late = Variation(payload=3.0), Variation(latency=0.1)
     here = [(FREE, variation) for variation in (PLAIN, late, PLAIN, heavy, PLAIN)]
-    with patch.object(Simulation, "_settle", autospec=True, side_effect=Simulation._settle) as settle:
+    with patch.object(Physics, "settle", autospec=True, side_effect=Physics.settle) as settle:
         counts, ends = [], []
         for start, variation in [(elsewhere, PLAIN), *here]:
             ends.append(driven(start, variation))

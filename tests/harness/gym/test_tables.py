@@ -37,12 +37,12 @@ def test_every_option_and_every_part_is_told_of_with_its_default() -> None:
 
 def test_it_writes_into_the_page_and_knows_its_environments(tmp_path: Path) -> None:
     page = tmp_path / "gym.md"
-    page.write_text("a\n<!-- tables of options -->\nold\n<!-- end of tables -->\nb\n")
+    page.write_text("a\n<!-- tables of options -->\n\nold\n<!-- end of tables -->\nb\n")
     assert tables.main(["--write", str(page)]) == 0
     head, rest = page.read_text().split("<!-- tables of options -->\n")
     assert (head, rest.startswith("| option | default | what |")) == ("a\n", True)
     assert rest.endswith("<!-- end of tables -->\nb\n")
-    assert "old" not in rest
+    assert "\nold\n" not in rest
     with pytest.raises(
         UsageError, match="environment 'Chess-v0' does not exist; available: RoverHarness"
     ):
@@ -53,3 +53,9 @@ def test_it_writes_into_the_page_and_knows_its_environments(tmp_path: Path) -> N
 def test_the_code_of_the_page_runs(code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     exec(code, {})  # noqa: S102 - our own
+
+
+def test_help_tells_how_it_is_run(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        tables.main(["--help"])
+    assert capsys.readouterr().out.startswith("usage: python -m harness.gym.tables ")

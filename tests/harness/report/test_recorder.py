@@ -68,6 +68,8 @@ def test_a_stretch_has_people_at_its_end_and_the_nearest_of_all() -> None:
         recorder.take(Batch((Tick(stamp, samples),), one.truth))
     assert [stretch.people[1][1] for stretch in recorder.track] == [9.0, 9.0]
     assert [stretch.nearest_person for stretch in recorder.track] == pytest.approx([3.0, 5.0], abs=1e-3)
+    nearest = recorder.track[0].approaches[1]
+    assert (nearest.time_s, *nearest.rover, *nearest.person) == pytest.approx((0.1, 0.02, 0.0, 0.0, 3.0))
 
 
 def test_the_end_of_a_run_is_recorded_even_if_a_stretch_is_not_full() -> None:
@@ -124,7 +126,7 @@ def test_report_option_writes_the_page_and_changes_no_byte_of_the_log(tmp_path: 
 def test_a_failed_run_gets_its_report_and_exit_code_1(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("harness.physics.simulation.EDGE_MARGIN", 19.5)
+    monkeypatch.setattr("harness.physics.physics.EDGE_MARGIN", 19.5)
     page = tmp_path / "report.html"
     words = ["--direct", "--terrain", "flat", "--driver", "straight", "--duration", "120"]
     assert main([*words, "--log-dir", str(tmp_path), "--report", str(page)]) == 1

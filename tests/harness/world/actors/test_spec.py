@@ -6,7 +6,12 @@ import pytest
 
 from harness.config import EpisodeConfig
 from harness.errors import UsageError
-from harness.world.actors.spec import Options, actor_names, beside, of_terrain, parse_actors
+from harness.world.actors.spec import Options, beside, of_terrain, parse_actors
+
+
+def actor_names(texts: list[str]) -> tuple[str, ...]:
+    return EpisodeConfig(actors=tuple(texts)).actor_names()
+
 
 LINE = "<waypoint><time>0</time><pose>1 2 3 0 0 0</pose></waypoint>"
 
@@ -59,6 +64,27 @@ def test_the_people_of_a_terrain_are_the_actors_of_its_world(tmp_path: Path) -> 
     assert of_terrain(str(world)) == (str(world),)
     assert [of_terrain(name) for name in ("rocky", str(empty), str(tmp_path / "c.sdf"))] == [()] * 3
     assert EpisodeConfig(terrain=str(world), actors=("b=1,2",)).people == (str(world), "b=1,2")
+
+
+def test_the_people_of_a_terrain_are_those_of_what_it_includes_too(tmp_path: Path) -> None:
+    (tmp_path / "models").mkdir()
+    script = f"<script><trajectory>{LINE}</trajectory></script>"
+    (tmp_path / "models" / "v.sdf").write_text(f"<sdf><actor name='v'>{script}</actor></sdf>")
+    world = tmp_path / "w" / "a.world"
+    world.parent.mkdir()
+    include = "<include><uri>v.sdf</uri><pose>7 0 0 0 0 1.5707963267948966</pose></include>"
+    for encoding in ("utf-8", "utf-16"):
+        text = f"<sdf><world>{include}</world></sdf>".replace(">", ">\r\n")
+        world.write_bytes(text.encode(encoding))
+        config = EpisodeConfig(terrain=str(world), resource_path=(str(tmp_path / "models"),))
+        (spec,) = config.actor_specs()
+        assert spec.name == "v"
+        assert spec.told is not None
+        assert spec.told.points[0] == pytest.approx((5.0, 1.0, 3.0))
+    (tmp_path / "models" / "v.sdf").write_text("<sdf><actor name='v'><script/></actor></sdf>")
+    world.write_text(f"<sdf><world>{include}</world><!-- read anew --></sdf>")
+    with pytest.raises(UsageError, match=r"v\.sdf has 0 way points"):
+        config.actor_specs()
 
 
 def test_a_file_is_found_beside_the_scenario_that_names_it() -> None:

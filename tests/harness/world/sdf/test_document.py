@@ -156,12 +156,43 @@ def test_visuals_give_colours_and_nothing_to_collide_with(tmp_path: Path) -> Non
     assert [(s.name, s.color) for s in document.solids] == [("m::l::c", (1.0, 0.0, 0.0, 1.0))]
 
 
-def test_people_of_the_file_are_named_and_those_of_included_files_can_be_had(tmp_path: Path) -> None:
-    written(tmp_path, "<actor name='v'/>", "walker.sdf")
-    document = read(tmp_path, "<actor name='w'/><include><uri>walker.sdf</uri></include>")
-    assert document.actors == ["w"]
-    walker = tmp_path / "walker.sdf"
-    assert f"left out: actor 'v' of {walker}; let it walk with --actor {walker}" in document.notes
+def test_actors_of_included_files_are_in_the_frame_of_the_include(tmp_path: Path) -> None:
+    actor = "<actor name='{}'><pose>0 3 0 0 0 0</pose></actor>"
+    box = f"<model name='box'>{link()}</model>"
+    written(tmp_path, actor.format("lone"), "lone.sdf")
+    written(tmp_path, f"<world name='w'>{actor.format('worldly')}{box}</world>", "inner.world")
+    written(tmp_path, f"<model name='box'>{link()}{actor.format('nested')}</model>", "model.sdf")
+    written(tmp_path, box + actor.format("beside"), "beside.sdf")
+    include = f"<include><uri>{{}}</uri>{{}}<pose>{{}} 0 1 0 0 {QUARTER}</pose></include>"
+    body = (
+        f"<frame name='f'><pose>100 0 0 0 0 0</pose></frame>{actor.format('own')}"
+        + include.format("lone.sdf", "<name>guide</name>", 10)
+        + include.format("lone.sdf", "", 20).replace("<pose>", "<pose relative_to='f'>")
+        + include.format("inner.world", "", 30)
+        + model(include.format("model.sdf", "", 40) + "<pose>1 0 0 0 0 0</pose>", "outer")
+        + include.format("beside.sdf", "", 50)
+    )
+    document = read(tmp_path, body)
+    places = {person.name: person.pose[:3, 3].round(9).tolist() for person in document.actors}
+    # A lone actor's pose and name are the include's, as a model's; of others they are in its frame.
+    assert places == {
+        "own": [0, 3, 0],
+        "guide": [10, 0, 1],
+        "lone": [120, 0, 1],
+        "worldly": [27, 0, 1],
+        "nested": [38, 0, 1],
+        "beside": [47, 0, 1],
+    }
+    np.testing.assert_allclose(document.actors[1].pose[:3, 0], [0.0, 1.0, 0.0], atol=1e-12)
+    assert [solid.pose[0, 3] for solid in document.solids] == [41.0, 30.0, 50.0]
+    assert document.notes == ("not static, but nothing moves here: w::box, sdf::box",)
+
+
+def test_two_includes_of_one_name_stand_where_each_is_told_to(tmp_path: Path) -> None:
+    written(tmp_path, f"<model name='m'><static>1</static>{link()}</model>", "m.sdf")
+    include = "<include><uri>m.sdf</uri><pose>{} 0 0 0 0 0</pose></include>"
+    solids = read(tmp_path, include.format(1) + include.format(2)).solids
+    assert [solid.pose[0, 3] for solid in solids] == [1.0, 2.0]
 
 
 @pytest.mark.parametrize(
