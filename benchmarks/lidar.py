@@ -83,12 +83,12 @@ def _against_pybullet(scene: Scene, states: list[mujoco.MjData], effort: Effort)
     except ImportError as error:
         return (f"skipped: {error}", *("-",) * 5)
     terrain = heightfield_arrays(scene.model)
-    fans = [_fan(scene, data) for data in states]
+    fans, clear = [_fan(scene, data) for data in states], np.zeros(SPEC.beams)
 
     def ours() -> list[Array]:
         found = [np.full(SPEC.beams, np.inf) for _ in fans]
         for fan, ranges in zip(fans, found, strict=True):
-            cast_rays(*terrain, fan.origin, fan.directions, SPEC.range_max, ranges)
+            cast_rays(*terrain, fan.origin, fan.directions, clear, SPEC.range_max, ranges)
         return found
 
     client = bullet.connect(bullet.DIRECT)

@@ -84,10 +84,10 @@ class Policy:
         arrays = {name: point_nav.clipped(values[name], *ends) for name, ends in LIMITS.items()}
         if arrays["goal"][0] < point_nav.GOAL_RADIUS:
             return Twist()
-        return point_nav.commanded(self.act(arrays).astype(np.float64), rover)
+        return point_nav.commanded(self.act(arrays).tolist(), rover)
 
 
-def write_policy(path: Path, policy: Policy) -> None:
+def write_policy(path: Path | str, policy: Policy) -> None:
     """Writes a policy as the driver reads it."""
     arrays: dict[str, NDArray[np.generic]] = {"activation": np.array(policy.activation)}
     for index, (weights, bias) in enumerate(policy.layers):
@@ -95,12 +95,13 @@ def write_policy(path: Path, policy: Policy) -> None:
     np.savez_compressed(path, **arrays)  # type: ignore[arg-type]  # its own keyword is of another type
 
 
-def read_policy(path: Path) -> Policy:
+def read_policy(file: Path | str) -> Policy:
     """Returns the policy of a file.
 
     Raises:
         UsageError: It cannot be read, or is no policy for point navigation.
     """
+    path = Path(file)
     try:
         return _read(path, path.stat().st_mtime_ns)
     except OSError as error:

@@ -14,7 +14,6 @@ from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
 from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.settings import ExtendedSettings
-from rover_metrics.extended.truth_columns import WHEELS
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.session import MetricsSession
 from rover_metrics.timing.row_times import RowSchedule
@@ -34,25 +33,24 @@ def extended_settings(rover: RoverSpec, gravity: float | None = None) -> Extende
     )
 
 
-def outline_parameters(rover: RoverSpec) -> dict[str, list[float]]:
-    """Returns the extended settings as parameters of a metrics_node."""
-    pose, corners = extended_settings(rover).lidar_pose, Footprint.rectangle(rover.footprint).corners
-    footprint = [value for corner in corners for value in corner]
-    return {"footprint": footprint, "lidar_pose": [pose.x, pose.y, pose.yaw]}
+def outline_parameters(settings: ExtendedSettings) -> dict[str, list[float]]:
+    """Returns footprint and lidar of the settings as parameters of a metrics_node."""
+    pose, outline = settings.lidar_pose, settings.footprint
+    corners = () if outline is None else outline.corners
+    return {"footprint": [*chain.from_iterable(corners)], "lidar_pose": [pose.x, pose.y, pose.yaw]}
 
 
-def extended_ros_args(rover: RoverSpec, gravity: float | None = None) -> list[str]:
-    """Returns arguments for a metrics_node with extended columns; what follows them wins.
+def extended_parameters(settings: ExtendedSettings) -> dict[str, object]:
+    """Returns the parameters that give a metrics_node extended columns with a rover's settings."""
+    others: dict[str, object] = {"gravity": settings.gravity}
+    if settings.wheels != ExtendedSettings().wheels:
+        others["wheels"] = settings.wheels
+    return {"extended_columns": True} | outline_parameters(settings) | others
 
-    Args:
-        rover: Whose footprint, lidar and wheels they tell.
-        gravity: [m/s^2]; its model's if None.
-    """
-    outline = outline_parameters(rover)
-    others: dict[str, object] = {"gravity": rover.gravity if gravity is None else gravity}
-    if rover.wheel_names != WHEELS:
-        others["wheels"] = ",".join(rover.wheel_names)
-    return parameter_words({"extended_columns": True} | outline | others)
+
+def extended_ros_args(settings: ExtendedSettings) -> list[str]:
+    """Returns `extended_parameters` as arguments; what follows them wins."""
+    return parameter_words(extended_parameters(settings))
 
 
 def parameter_words(values: Mapping[str, object]) -> list[str]:

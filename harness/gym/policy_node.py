@@ -39,6 +39,7 @@ from harness import samples
 from harness.drivers import point_nav
 from harness.drivers.policy import Policy, read_policy
 from harness.robots import RoverSpec, find_rover
+from rover_metrics.ros.arguments import complaint, refusal, split_ros_args
 from rover_metrics.ros.guarded_node import GuardedNode
 from rover_metrics.topics import stamp_ns
 
@@ -127,16 +128,23 @@ def _quaternion(orientation: object) -> samples.Quaternion:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the node until it is stopped; returns its exit code."""
-    words = list(sys.argv[1:] if arguments is None else arguments)
-    cut = words.index("--ros-args") if "--ros-args" in words else len(words)
-    options = _parser().parse_args(words[:cut])
-    return run_program("harness.gym.policy_node", lambda: _run(options, words[cut:]))
+    words, ros_args = split_ros_args(sys.argv[1:] if arguments is None else arguments)
+    parser = _parser()
+    options = parser.parse_args(words)
+    wrong = complaint(ros_args, parser._option_string_actions)  # noqa: SLF001 - all of its options
+    if wrong is not None:
+        parser.error(wrong)
+    return run_program("harness.gym.policy_node", lambda: _run(options, ros_args))
 
 
 def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     policy, rover = read_policy(options.file), find_rover(options.robot)
     try:
-        with rclpy.init(args=ros_args):
+        context = rclpy.init(args=ros_args)
+    except RuntimeError as error:
+        raise UsageError(f"ROS 2 refuses to start: {refusal(error)}") from error
+    try:
+        with context:
             rclpy.spin(PolicyNode(policy, rover, options.goal))
     except (KeyboardInterrupt, ExternalShutdownException):
         pass

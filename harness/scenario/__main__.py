@@ -22,7 +22,8 @@ from harness.errors import UsageError
 from harness.files import check_target
 from harness.interrupt import StopRequest
 from harness.scenario.baseline import write_baselines
-from harness.scenario.suite import Selected, find_files, plan, run_all
+from harness.scenario.selection import Selected, find_files, plan
+from harness.scenario.suite import run_all
 from harness.scenario.told import tell
 from harness.scenario.verdict import Verdict, exit_code, verdicts_of
 from harness.tuning.backend import BACKENDS, backend_of

@@ -31,14 +31,15 @@ from harness.scenario.case import Case
 from harness.scenario.events import PauseEvent
 from harness.scenario.evidence import keep_evidence
 from harness.scenario.hearing import Hearing
+from harness.scenario.selection import plan
 from harness.scenario.series import Series
-from harness.scenario.suite import plan
 from harness.scenario.topic import TopicQuantity, topic_quantity
 from harness.scenario.watch import Findings, Watch
 from harness.sim_time import NANOSECONDS
 from harness.testing.evidence import Recording
+from harness.testing.nodes import START_PATIENCE
 from harness.testing.subject import Subject
-from harness.testing.trial import START_PATIENCE, Start, Trial
+from harness.testing.trial import Start, Trial
 from rover_metrics.errors import LogError
 
 KEPT = 10.0  # [s] of the recording
@@ -120,7 +121,7 @@ class ScenarioTrial(Trial):
         """
         while self._advance():
             pass
-        self._findings = self._watch.judged(self._ended(self._subjects), self._heard())
+        self._findings = self._watch.judged(self._ended(self._nodes.subjects), self._heard())
         return self._findings.breaches
 
     def keep(self, folder: Path, reason: str) -> tuple[Path, ...]:
@@ -191,9 +192,9 @@ class ScenarioTrial(Trial):
         hear, wanted = self._recording.hear, self._wanted()
         self._hearing = Hearing(self._bridge, wanted, inputs, now=self._now, record=hear)
         self._await_nodes()
-        if not self._subjects:  # what is published here is heard when somebody has answered after it
+        if not self._nodes.subjects:  # what is published is heard when somebody has answered after it
             self.host(lambda: rclpy.create_node("scenario", enable_rosout=False))
-        mode = f"ROS 2, lock-step with {', '.join(subject.name for subject in self._subjects)}"
+        mode = f"ROS 2, lock-step with {', '.join(subject.name for subject in self._nodes.subjects)}"
         begun = RunResult(config=self.config, mode=mode, info=self._episode.info)
         log = LoggedRun(begun, self._folder, self._watch.settings, started=time.monotonic())
         self._logged, self._is_on = at_end.enter_context(log), True
@@ -205,16 +206,16 @@ class ScenarioTrial(Trial):
         others = launches.count(None)
 
         def unnamed() -> list[str]:
-            found = sorted(self._nodes().difference(named))
+            found = sorted(self._nodes.names().difference(named))
             return [name for name in found if not name.rpartition("/")[2].startswith(TOOLS)]
 
         def missing() -> list[str]:
-            absent = [name for name in named if name not in self._nodes()]
+            absent = [name for name in named if name not in self._nodes.names()]
             return absent + ["a node"] * (others - len(unnamed()))
 
-        self._await(lambda: not missing())
+        self._nodes.wait_until(lambda: not missing())
         if missing():
-            running = ", ".join(sorted(self._nodes())) or "none"
+            running = ", ".join(sorted(self._nodes.names())) or "none"
             patience = f"{missing()[0]} has not turned up within {START_PATIENCE:g} s"
             raise UsageError(f"launch: {patience}; running: {running}")
         for name in (*named, *unnamed()[:others]):
@@ -229,7 +230,7 @@ class ScenarioTrial(Trial):
         before = commands.heard
         spin_until(self._executor, commands.look_around, DISCOVERY_PATIENCE)
         if self._hearing.look_around() or commands.heard != before:
-            self._renew()
+            self._nodes.renew()
 
     def _publishers(self) -> list[tuple[str, int]]:
         """How many publishers each topic is known to have."""
@@ -256,7 +257,7 @@ class ScenarioTrial(Trial):
         if self._now_ns % LOOK_NS == 0:
             self._bridge.commands.look_around()
             if self._hearing.look_around():
-                self._renew()
+                self._nodes.renew()
         return True
 
     def _take(self, tick: Tick, sent: Tick) -> None:
@@ -284,7 +285,7 @@ class ScenarioTrial(Trial):
             result,
             topics=counted_by(nodes, published),
             commands=self._bridge.commands.count,
-            waited_s={subject.name: subject.waited_s for subject in self._subjects},
+            waited_s={subject.name: subject.waited_s for subject in self._nodes.subjects},
         )
 
     def _heard(self) -> dict[str, Series]:

@@ -1,24 +1,19 @@
 """A barometer: the pressure of the standard atmosphere at the rover's altitude."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
 
 from harness.samples import plain_value
-from harness.sensors.corruption import AxisErrors, AxisTriad
-from harness.sensors.geodesy import Datum
-from harness.sensors.optional import NO_ERRORS, Installation, OptionalSensor, SensorOptions
-
-if TYPE_CHECKING:  # the table of sensors does without MuJoCo
-    from harness.physics.simulation import Simulation
+from harness.sensors.chip import NO_ERRORS, ChipOptions, ChipSensor
+from harness.sensors.corruption import AxisErrors
 
 # ISO 2533, lowest layer: pressure [Pa] and temperature [K] at sea level, lapse rate [K/m], standard
 # gravity [m/s^2], specific gas constant of dry air [J/(kg K)].
 SEA_LEVEL, TEMPERATURE, LAPSE, GRAVITY, GAS = 101_325.0, 288.15, 0.0065, 9.80665, 287.05287
 CHIPS = {
     NO_ERRORS: AxisErrors(),
-    # Bosch BST-BMP280-DS001: absolute accuracy +-1 hPa taken as three deviations, 1.3 Pa RMS at full
-    # bandwidth, 0.16 Pa resolution. The walk, which is the weather's, is an estimate: 1 hPa in 3 h.
+    # Bosch BST-BMP280-DS001: absolute accuracy +-1 hPa (typical), taken as three deviations; 0.16 Pa
+    # resolution. 1.3 Pa RMS at full bandwidth is from memory of it, not checked. The walk, which is the
+    # weather's, is an estimate: 1 hPa in 3 h.
     "bmp280": AxisErrors(white=1.3, bias=100.0 / 3.0, walk=1.0, step=0.16),
 }
 
@@ -39,7 +34,7 @@ class Pressure:
 
 
 @dataclass(frozen=True, kw_only=True)
-class BarometerOptions(SensorOptions):
+class BarometerOptions(ChipOptions):
     """Of a barometer.
 
     Attributes:
@@ -47,9 +42,8 @@ class BarometerOptions(SensorOptions):
             else none.
     """
 
-    presets: ClassVar[Mapping[str, Mapping[str, object]]] = {name: {} for name in CHIPS}
-
-    preset: str = ""
+    errors = CHIPS
+    hardware = "bmp280"
 
 
 def standard_pressure(altitude: float) -> float:
@@ -58,27 +52,13 @@ def standard_pressure(altitude: float) -> float:
     return float(SEA_LEVEL * warmth ** (GRAVITY / (GAS * LAPSE)))
 
 
-class BarometerSensor(OptionalSensor):
+class BarometerSensor(ChipSensor):
     """The barometer; height over the ellipsoid is taken for that over the sea."""
-
-    def __init__(
-        self,
-        simulation: "Simulation",
-        datum: Datum,
-        installation: Installation,
-        period_ticks: int,
-    ) -> None:
-        super().__init__(simulation, installation, period_ticks)
-        options = installation.options
-        assert isinstance(options, BarometerOptions)  # noqa: S101 - of this row
-        errors = CHIPS[installation.errors_of(options.preset, "bmp280")]
-        self._altitude, self._variance = datum.altitude, errors.variance
-        self._errors = AxisTriad(errors, installation.rng)
 
     def read(self) -> Pressure:
         """Returns the pressure where the sensor is."""
         stamp_ns = self._simulation.time_ns
         (_, _, z), _ = self.pose()
-        pressure = standard_pressure(self._altitude + z)
-        read, _, _ = self._errors.corrupt((pressure, 0.0, 0.0), stamp_ns)
-        return Pressure(stamp_ns, self.name, read, self._variance)
+        pressure = standard_pressure(self._datum.altitude + z)
+        read, _, _ = self._triad.corrupt((pressure, 0.0, 0.0), stamp_ns)
+        return Pressure(stamp_ns, self.name, read, self._errors.variance)

@@ -33,7 +33,7 @@ class DepthOptions(RangeOptions):
     # RoboTerrain's leo_depth: 640 x 480, 1.047 rad, 0.05-10 m, 30 Hz, which are no whole number of the
     # clock's ticks of 10 ms.
     presets: ClassVar[Mapping[str, Mapping[str, object]]] = {
-        "small": {"width": 160, "height": 120, "rate": 10},
+        "small": {},  # the defaults
         "roboterrain": {"width": 640, "height": 480, "rate": 25},
     }
 
@@ -48,17 +48,17 @@ class DepthOptions(RangeOptions):
 
     @property
     def frame_id(self) -> str:
-        """The optical frame."""
+        """Name of the optical frame."""
         return f"{super().frame_id}_optical"
 
     @property
     def rays(self) -> int:
-        """Its pixels."""
+        """Number of pixels."""
         return self.width * self.height
 
     @property
     def focal_length(self) -> float:
-        """In pixels, along both axes."""
+        """Focal length along both axes [pixels]."""
         return self.width / (2.0 * math.tan(self.fov / 2.0))
 
     @property

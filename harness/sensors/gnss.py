@@ -3,15 +3,11 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from harness.samples import Vector3, plain_value
-from harness.sensors.corruption import AxisErrors, AxisTriad
-from harness.sensors.geodesy import Datum
-from harness.sensors.optional import NO_ERRORS, Installation, OptionalSensor, SensorOptions
-
-if TYPE_CHECKING:  # the table of sensors does without MuJoCo
-    from harness.physics.simulation import Simulation
+from harness.sensors.chip import NO_ERRORS, ChipOptions, ChipSensor
+from harness.sensors.corruption import AxisErrors
 
 # Standard deviation along one axis over the radius in which half of the fixes lie: of a circle (CEP), of
 # a line (R50).
@@ -59,14 +55,15 @@ class GnssClass:
 
     @property
     def covariance(self) -> tuple[float, ...]:
-        """East, north, up by rows [m^2]."""
+        """Covariance of a fix: east, north, up by rows [m^2]."""
         level = self.horizontal.variance
         return (level, 0.0, 0.0, 0.0, level, 0.0, 0.0, 0.0, level * self.vertical**2)
 
 
 EXACT = GnssClass(horizontal=AxisErrors(), vertical=1.0, fix=FIX)
-# u-blox ZED-F9P data sheet UBX-17051259: RTK 0.01 m CEP, vertical 0.01 m R50 (near the base). How
-# much of it wanders, and how slowly, are estimates: half of the variance, in 10 s.
+# u-blox ZED-F9P (integration manual UBX-18010802): RTK 0.01 m + 1 ppm of the way to the base CEP, which
+# is near here; as much R50 upwards is retold (docs/sensors.md). How much of it wanders, and how slowly,
+# are estimates: half of the variance, in 10 s.
 RTK = GnssClass(
     horizontal=AxisErrors(
         white=0.01 * PER_CEP * math.sqrt(0.5),
@@ -76,8 +73,8 @@ RTK = GnssClass(
     vertical=PER_R50 / PER_CEP,
     fix=GROUND_BASED,
 )
-# u-blox NEO-M8 data sheet UBX-15031086: 2.5 m CEP. Twice that upwards, 0.2 m of white noise and 100 s
-# are estimates: the errors of orbits, ionosphere and paths wander together.
+# u-blox NEO-M8N: 2.5 m CEP, retold; its data sheet was not read. Twice that upwards, 0.2 m of white
+# noise and 100 s are estimates: the errors of orbits, ionosphere and paths wander together.
 CONSUMER = GnssClass(
     horizontal=AxisErrors(
         white=0.2, bias=math.sqrt((2.5 * PER_CEP) ** 2 - 0.2**2), correlation_time=100.0
@@ -89,7 +86,7 @@ CLASSES = {NO_ERRORS: EXACT, "rtk": RTK, "consumer": CONSUMER}
 
 
 @dataclass(frozen=True, kw_only=True)
-class GnssOptions(SensorOptions):
+class GnssOptions(ChipOptions):
     """Of a receiver.
 
     Attributes:
@@ -97,34 +94,22 @@ class GnssOptions(SensorOptions):
             out, `--noise hardware` means a consumer's, and all else none.
     """
 
-    presets: ClassVar[Mapping[str, Mapping[str, object]]] = {name: {} for name in CLASSES}
+    errors: ClassVar[Mapping[str, AxisErrors]] = {
+        name: receiver.horizontal for name, receiver in CLASSES.items()
+    }
+    hardware = "consumer"
 
-    preset: str = ""
     rate: int = 5
 
 
-class GnssSensor(OptionalSensor):
+class GnssSensor(ChipSensor):
     """The receiver; its frame is that of its antenna."""
-
-    def __init__(
-        self,
-        simulation: "Simulation",
-        datum: Datum,
-        installation: Installation,
-        period_ticks: int,
-    ) -> None:
-        super().__init__(simulation, installation, period_ticks)
-        options = installation.options
-        assert isinstance(options, GnssOptions)  # noqa: S101 - of this row
-        self._datum = datum
-        self._class = CLASSES[installation.errors_of(options.preset, "consumer")]
-        self._errors = AxisTriad(self._class.horizontal, installation.rng)
 
     def read(self) -> GnssFix:
         """Returns a fix of where the antenna is now."""
-        stamp_ns, kind = self._simulation.time_ns, self._class
+        stamp_ns, kind = self._simulation.time_ns, CLASSES[self._preset]
         (x, y, z), _ = self.pose()
-        east, north, up = self._errors.corrupt(ORIGIN, stamp_ns)
+        east, north, up = self._triad.corrupt(ORIGIN, stamp_ns)
         place = (x + east, y + north, z + kind.vertical * up)
         covariance = kind.covariance
         return GnssFix(

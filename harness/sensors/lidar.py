@@ -31,7 +31,7 @@ class Lidar:
         self._fan = np.array([angles[0], angles[1] - angles[0], self.spec.range_max])
         self._pose = np.empty((4, 3))
         self._directions = np.empty_like(self._beams)
-        self._distances = np.empty_like(angles)
+        self._distances, self._clear = np.empty_like(angles), np.zeros_like(angles)
 
     def scan(self, data: mujoco.MjData) -> NDArray[np.float32]:
         """Returns the ranges [m] of one revolution, shape (beams,), in a new array.
@@ -47,7 +47,7 @@ class Lidar:
         positions, matrices = data.geom_xpos, data.geom_xmat
         cast_fan(*self._obstacles, positions, matrices, pose, directions, self._fan, distances)
         # Obstacles first: the terrain is then walked no further than to them.
-        cast_rays(*self._terrain, pose[0], directions, self.spec.range_max, distances)
+        cast_rays(*self._terrain, pose[0], directions, self._clear, self.spec.range_max, distances)
         if self._triangles is not None:
             cast_triangles(*self._triangles, pose[0], directions, self.spec.range_max, distances)
         distances[distances < self.spec.range_min] = -np.inf

@@ -1,16 +1,16 @@
 """A magnetometer: the Earth's field at the datum in the rover's axes, with the errors of its chip."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from harness.errors import UsageError
 from harness.samples import Vector3, plain_value
-from harness.sensors.corruption import AxisErrors, AxisTriad
+from harness.sensors.chip import NO_ERRORS, ChipOptions, ChipSensor
+from harness.sensors.corruption import AxisErrors
 from harness.sensors.geodesy import Datum
-from harness.sensors.optional import NO_ERRORS, Installation, OptionalSensor, SensorOptions
+from harness.sensors.optional import Installation
 
 if TYPE_CHECKING:  # the table of sensors does without MuJoCo
     from harness.physics.simulation import Simulation
@@ -19,8 +19,9 @@ MICRO = 1e-6
 STRONGEST = 1e-3  # [T]: ten times what the Earth has anywhere
 CHIPS = {
     NO_ERRORS: AxisErrors(),
-    # Bosch BST-BMM150-DS001: 0.3 uT RMS in its high-accuracy preset, 0.3 uT resolution, +-1300 uT. What
-    # is left of the offset when its hard iron is calibrated, 2 uT, is taken as a standard deviation.
+    # Bosch BMM150, retold (docs/sensors.md); its data sheet was not read: 0.3 uT RMS at high accuracy,
+    # 0.3 uT resolution, +-1300 uT along x and y (along z more, which the Earth does not need). What is
+    # left of the offset when its hard iron is calibrated, 2 uT, is taken as a standard deviation.
     "bmm150": AxisErrors(white=0.3 * MICRO, bias=2.0 * MICRO, step=0.3 * MICRO, limit=1300 * MICRO),
 }
 
@@ -41,7 +42,7 @@ class MagneticField:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MagnetometerOptions(SensorOptions):
+class MagnetometerOptions(ChipOptions):
     """Of a magnetometer.
 
     Attributes:
@@ -50,9 +51,9 @@ class MagnetometerOptions(SensorOptions):
         field: East, north, up at the datum [T]; empty for the Earth's dipole there.
     """
 
-    presets: ClassVar[Mapping[str, Mapping[str, object]]] = {name: {} for name in CHIPS}
+    errors = CHIPS
+    hardware = "bmm150"
 
-    preset: str = ""
     field: tuple[float, ...] = ()
     rate: int = 20
 
@@ -70,7 +71,7 @@ class MagnetometerOptions(SensorOptions):
             )
 
 
-class MagnetometerSensor(OptionalSensor):
+class MagnetometerSensor(ChipSensor):
     """The magnetometer; nothing of the rover is magnetic."""
 
     def __init__(
@@ -80,18 +81,15 @@ class MagnetometerSensor(OptionalSensor):
         installation: Installation,
         period_ticks: int,
     ) -> None:
-        super().__init__(simulation, installation, period_ticks)
-        options = installation.options
-        assert isinstance(options, MagnetometerOptions)  # noqa: S101 - of this row
-        self._field = np.array(options.field or datum.magnetic_field())
-        errors = CHIPS[installation.errors_of(options.preset, "bmm150")]
-        self._errors = AxisTriad(errors, installation.rng)
-        self._covariance = tuple((errors.variance * np.eye(3)).ravel().tolist())
+        super().__init__(simulation, datum, installation, period_ticks)
+        told = cast("MagnetometerOptions", installation.options).field
+        self._field = np.array(told or datum.magnetic_field())
+        self._covariance = tuple((self._errors.variance * np.eye(3)).ravel().tolist())
 
     def read(self) -> MagneticField:
         """Returns the field in the sensor's axes."""
         _, axes = self.pose()
         x, y, z = (self._field @ axes).tolist()
         stamp_ns = self._simulation.time_ns
-        read = self._errors.corrupt((x, y, z), stamp_ns)
+        read = self._triad.corrupt((x, y, z), stamp_ns)
         return MagneticField(stamp_ns, self.name, read, self._covariance)

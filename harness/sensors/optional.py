@@ -17,14 +17,13 @@ from harness.robots import FrameRow, RoverSpec
 from harness.samples import Vector3
 from harness.sensors.base import Sensor, period_ticks
 from harness.sensors.mount import Mount
-from harness.sensors.noise import HARDWARE, NoisePreset
+from harness.sensors.noise import NoisePreset
 
 if TYPE_CHECKING:  # whoever only publishes does without MuJoCo
     from harness.physics.simulation import Simulation
 
 WORD = r"[A-Za-z]\w*"
 LIDAR_FRAME = "lidar_link"
-NO_ERRORS = "none"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,16 +112,6 @@ class Installation:
     mount: Mount
     rng: np.random.Generator
     noise: NoisePreset | None = None
-
-    def errors_of(self, preset: str, hardware: str) -> str:
-        """Returns the name of the sensor's errors: its own preset, else what --noise means for it.
-
-        Args:
-            preset: What its options say; empty for nothing.
-            hardware: The preset that --noise hardware stands for; without it there are none.
-        """
-        runs = self.noise is not None and self.noise.name == HARDWARE.name
-        return preset or (hardware if runs else NO_ERRORS)
 
 
 class OptionalSensor(Sensor):

@@ -82,6 +82,7 @@ def _presets(kind: type[SensorOptions]) -> Iterator[str]:
         yield ""
     for name, values in kind.presets.items():
         told = ", ".join(f"{key} {_text(value)}" for key, value in values.items())
+        told = told or ("the defaults" if name == getattr(kind, "preset", "") else "")
         yield f"- preset `{name}`: {told}" if told else f"- preset `{name}`"
 
 

@@ -44,13 +44,13 @@ class RangeOptions(SensorOptions):
         noise: Its errors: white and step [m], dropout [share]; if left out those of --noise, else none.
     """
 
-    range_min: float = 0.1
-    range_max: float = 100.0
+    range_min: float
+    range_max: float
     noise: RangeErrors = field(default_factory=RangeErrors)
 
     @property
     def rays(self) -> int:
-        """How many there are in a reading."""
+        """Number of rays in a reading."""
         raise NotImplementedError
 
     def directions(self) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""A program that a trial starts, in any language; it ends with the trial, and is missed before."""
+"""Programs that a trial starts, in any language; they end with the trial, and are missed before."""
 
 import os
 import shlex
@@ -6,7 +6,7 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
 
@@ -107,6 +107,41 @@ class Process:
         """Signals the whole group, which may outlive the process."""
         with suppress(ProcessLookupError):  # all of it has ended
             os.killpg(self._process.pid, number)
+
+
+class Programs:
+    """The programs that run in a ROS domain.
+
+    Args:
+        domain: Its number.
+        when: Tells what time it is, for the message about one that has ended.
+    """
+
+    def __init__(self, domain: int, when: Callable[[], str]) -> None:
+        self._environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+        self._when, self._running = when, list[Process]()
+
+    def begin(
+        self,
+        command: Sequence[str],
+        folder: Path | None = None,
+        output: Path | None = None,
+        *,
+        may_end: bool = False,
+    ) -> Process:
+        """Starts one; see Process."""
+        process = Process(command, self._environment, folder=folder, output=output, may_end=may_end)
+        self._running.append(process)
+        return process
+
+    def check(self) -> None:
+        """Makes sure that all still run.
+
+        Raises:
+            RunFailed: One has ended and may not.
+        """
+        for process in self._running:
+            process.check(self._when())
 
 
 def _path(environment: Mapping[str, str]) -> str:

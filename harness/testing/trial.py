@@ -1,6 +1,5 @@
 """A trial: one seeded drive whose topics a node under test hears, stepped by the test."""
 
-import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
@@ -17,27 +16,26 @@ from harness.config import EpisodeConfig
 from harness.episode.batch import Batch, later
 from harness.episode.episode import Episode
 from harness.episode.loop import drive as drive_loop
-from harness.errors import HarnessError, UsageError
+from harness.errors import UsageError
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.frames.options import FrameOptions
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.camera import painter
-from harness.ros.context import make_executor, spin_until
+from harness.ros.context import make_executor
 from harness.ros.network import reserved_domain, stay_local
-from harness.ros.remote import DISCOVERY_PATIENCE
 from harness.samples import GroundTruth, Tick, Twist
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.testing.evidence import Evidence
-from harness.testing.process import Process
-from harness.testing.subject import Heard, Message, Subject
+from harness.testing.nodes import Nodes
+from harness.testing.process import Programs
+from harness.testing.subject import Heard, Message
 from harness.truth.traversal import Truth
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 
-START_PATIENCE = 30.0  # [s] for the nodes of a program to turn up
 MOST = 10_000  # messages of a topic that are kept: over three minutes at 50 Hz
 ON_SIMULATED_TIME = ("--ros-args", "-p", "use_sim_time:=true")
 # Hears reliable publishers and best-effort ones; in lock-step nothing is lost.
@@ -82,8 +80,6 @@ class Trial:
         self.truth = Truth()
         self.domain = 0
         self._at_end = ExitStack()
-        self._subjects: list[Subject] = []
-        self._processes: list[Process] = []
         self._pending = Tick(0, ()), Tick(0, ())  # of the episode, and what listeners get of it
         self._now_ns = 0
         self.speed = 0.0
@@ -119,11 +115,11 @@ class Trial:
     def _start(self, at_end: ExitStack) -> None:
         stay_local()
         self.domain = at_end.enter_context(reserved_domain())
+        self._programs = Programs(self.domain, self._when)
         self._begin_processes()
         self._episode = Episode(self.config, self._frames)
         rows, seed = self.config.sensor_rows(), self.config.seed
         injector = FaultInjector(parse_faults(self.config.faults, rows), seed, rows)
-        self._injector = injector
         self._ticks = drive_loop(self._batches(), injector, self._take, (self,))
         no_handlers, args = SignalHandlerOptions.NO, list(ON_SIMULATED_TIME)
         rclpy.init(args=args, domain_id=self.domain, signal_handler_options=no_handlers)
@@ -144,6 +140,8 @@ class Trial:
         executor = make_executor(context, time_jumps=injector.disturbs_time)
         self._executor = at_end.enter_context(executor)
         self._executor.add_node(self._bridge)
+        jumps = injector.disturbs_time
+        self._nodes = Nodes(self._bridge, self._executor, self._programs, time_jumps=jumps)
 
     def _begin_processes(self) -> None:
         """Starts what may start while the world is built; here nothing."""
@@ -182,7 +180,7 @@ class Trial:
             UsageError: There is no such program, the node is not found, or runs on wall time.
         """
         self._begin(command)
-        self._await(lambda: node in self._nodes())
+        self._nodes.wait_until(lambda: node in self._nodes.names())
         self._keep_in_step(node)
 
     def _begin(
@@ -194,29 +192,11 @@ class Trial:
         may_end: bool = False,
     ) -> None:
         """Starts a program in this trial's domain; see Process."""
-        environment = {**os.environ, "ROS_DOMAIN_ID": str(self.domain)}
-        process = Process(command, environment, folder=folder, output=output, may_end=may_end)
+        process = self._programs.begin(command, folder, output, may_end=may_end)
         self._at_end.callback(process.stop)
-        self._processes.append(process)
 
-    def _await(self, is_there: Callable[[], bool]) -> None:
-        """Waits until nodes are there, or for as long as they may take."""
-
-        def are_there() -> bool:
-            self._check_processes()
-            return is_there()
-
-        spin_until(self._executor, are_there, START_PATIENCE)
-
-    def _check_processes(self) -> None:
-        for process in self._processes:
-            process.check(f" at {self.time:g} s" if self._now_ns else " at its start")
-
-    def _nodes(self) -> set[str]:
-        """Returns the full names of the nodes in this trial's domain, but for its own."""
-        found = self._bridge.get_node_names_and_namespaces()
-        names = {f"{space.rstrip('/')}/{name}" for name, space in found}
-        return names - {self._bridge.get_fully_qualified_name()}
+    def _when(self) -> str:
+        return f" at {self.time:g} s" if self._now_ns else " at its start"
 
     def collect(
         self, message_type: type[Message], topic: str, qos: QoSProfile = ANYTHING, most: int = MOST
@@ -235,7 +215,7 @@ class Trial:
             heard.take(message, self.time)
 
         self._bridge.create_subscription(message_type, topic, take, qos)
-        self._renew()
+        self._nodes.renew()
         return heard
 
     def drive(self, linear: float, angular: float = 0.0) -> None:
@@ -290,7 +270,7 @@ class Trial:
         tick, sent = self._pending
         still = replace(tick, samples=()), replace(sent, samples=())
         for _ in range(round(seconds * NANOSECONDS) // TICK_NS):
-            self._bridge.advance(*still, listeners=self._subjects)
+            self._bridge.advance(*still, listeners=self._nodes.subjects)
 
     def until(self, condition: Callable[[], bool], *, within: float) -> float:
         """Steps until a condition holds; gives the simulated seconds that this took.
@@ -313,9 +293,9 @@ class Trial:
         """Publishes the next tick; returns whether there was one."""
         if next(self._ticks, None) is None:
             return False
-        self._check_processes()
+        self._programs.check()
         # Not in the loop, which what a node raises here would end for good.
-        self._bridge.advance(*self._pending, listeners=self._subjects)
+        self._bridge.advance(*self._pending, listeners=self._nodes.subjects)
         return True
 
     def _take(self, tick: Tick, sent: Tick) -> None:
@@ -347,28 +327,4 @@ class Trial:
                     self._evidence.begin(self.config, episode.info)
 
     def _keep_in_step(self, name: str, node: object = None) -> None:
-        self._subjects.append(self._subject(name, node))
-        self._connect()
-
-    def _subject(self, name: str, node: object) -> Subject:
-        check, jumps = self._check_processes, self._injector.disturbs_time
-        try:
-            return Subject(name, self._bridge, node, check=check, time_jumps=jumps)
-        except HarnessError:
-            check()  # why it does not answer
-            raise
-
-    def _renew(self) -> None:
-        """Makes sure that the nodes know of the subscriptions that have been made here."""
-        self._subjects = [self._subject(known.name, known.node) for known in self._subjects]
-        self._connect()
-
-    def _connect(self) -> None:
-        """Waits until the subscriptions here have matched the publishers that the graph shows."""
-        bridge = self._bridge
-
-        def match() -> bool:
-            heard = bridge.subscriptions
-            return all(s.get_publisher_count() >= bridge.count_publishers(s.topic_name) for s in heard)
-
-        spin_until(self._executor, match, DISCOVERY_PATIENCE)
+        self._nodes.add(name, node)

@@ -6,7 +6,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 from harness import __version__
-from harness.episode.metrics_feed import outline_parameters
+from harness.episode.metrics_feed import extended_settings, outline_parameters
 from harness.robots import find_rover
 from harness.tuning.episodes.plan import Part
 from harness.tuning.scoring.result import Candidate, Verdict
@@ -62,7 +62,7 @@ def _comment(parameters: CommentedMap, verdict: Verdict, tuned: Candidate) -> No
 
 def _add_footprint(parameters: CommentedMap, study: RobotStudy) -> None:
     """What the columns of the footprint need: of the model, not tuned."""
-    for name, values in outline_parameters(find_rover(study.robot)).items():
+    for name, values in outline_parameters(extended_settings(find_rover(study.robot))).items():
         parameters[name] = CommentedSeq(round(value, 5) for value in values)
         parameters[name].fa.set_flow_style()
         parameters.yaml_add_eol_comment(FOOTPRINT_UNITS[name], name)

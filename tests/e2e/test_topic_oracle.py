@@ -44,6 +44,7 @@ from harness.samples import Twist
 from harness.sensors.message_types import typestore
 from tests.e2e.topic_oracle.expected import BEAMS, Topic, differences, topics
 from tests.e2e.topic_oracle.form import Expected
+from tests.e2e.topic_oracle.ranging import EARTH, THING
 from tests.e2e.topic_oracle.stage import (
     BATCHES,
     RESET,
@@ -323,8 +324,11 @@ def test_the_run_tells_how_far_it_is_and_what_it_came_to(drive: Drive) -> None:
 
 def test_the_drive_shows_everything_that_a_field_can_say(drive: Drive) -> None:
     """Rest at first, each contact and none, slip of either sign, hits, misses, more than a half turn."""
-    said = [expected for _, topic, expected in drive.due if topic.name.endswith("traversal")]
-    values = np.array([expected["data"] for expected in said])
+
+    def said_by(name: str) -> list[Expected]:
+        return [expected for _, topic, expected in drive.due if topic.name == name]
+
+    values = np.array([expected["data"] for expected in said_by("/rover/truth/traversal")])
     force, rock, scrape, speed, _, *slips, roughness = values.T
     assert drive.twin.restless < 2e-3
     for signal in (force, rock, scrape):
@@ -332,7 +336,14 @@ def test_the_drive_shows_everything_that_a_field_can_say(drive: Drive) -> None:
     for signal in (speed, *slips):
         assert signal.min() < -0.05 < 0.1 < signal.max()
     assert roughness.max() > 2 * roughness.min() > 0.0
-    ranges = np.concatenate([e["ranges"] for _, topic, e in drive.due if topic.name == "/scan"])
+    ranges = np.concatenate([e["ranges"] for e in said_by("/scan")])
     assert {-np.inf, np.inf} < set(ranges)
+    depths = np.concatenate([e["data"].values for e in said_by("/depth/image")])
+    planar = np.concatenate([e["ranges"] for e in said_by("/lidar2d/scan")])
+    points = np.concatenate([e["data"].values for e in said_by("/lidar3d/points")])
+    for ranges in (depths, planar):
+        assert {-np.inf, np.inf} < set(ranges.ravel())
+    assert set(points[:, 3]) == {EARTH, THING}
+    assert set(points[:, 4]) == {0.0, 1.0, 2.0}
     turned = [e["pose"]["pose"]["orientation"]["z"] for _, t, e in drive.due if "wheels" in t.name]
     assert min(turned) < -0.95 < 0.95 < max(turned)  # through the half turn

@@ -1,6 +1,9 @@
 """Mutants of a tiny project, and the list of survivors of this one."""
 
 import json
+import os
+import re
+import signal
 import subprocess
 import sys
 from collections import Counter
@@ -11,12 +14,13 @@ import pytest
 from tests.support.once import made_once
 from tools.mutants import __main__ as command
 from tools.mutants import mutations, survivors
-from tools.mutants.chooser import Chooser
+from tools.mutants.chooser import Chooser, Timed
 from tools.mutants.journal import Journal, Outcome
 from tools.mutants.mutations import Mutant, mutants_of
 from tools.mutants.scope import PACKAGES, ROOT, Package, changed_since, modules_of
 from tools.mutants.session import Trace
 from tools.mutants.survivors import LISTED, SCORES, TABLE, Score, complaints, listed, record, recorded
+from tools.mutants.trial import patiently
 
 CODE = '''"""Tanks."""
 
@@ -117,6 +121,46 @@ def test_slow_tests_that_share_a_mutants_words_come_before_cheaper_ones(tmp_path
     chooser = Chooser(tmp_path, Trace(covered, {other: 4.0, fill: 5.0}), {})
     mutant = mutants_of("a.py", (tmp_path / "a.py").read_text())[0]
     assert [test for test, _ in chooser.tests(mutant)] == [fill, other]
+
+
+def test_of_many_tests_that_may_use_a_constant_those_about_its_class_come_first(tmp_path: Path) -> None:
+    (tmp_path / "fluids.py").write_text("class Acid:\n    promise = 1\n")
+    tests = "def test_promise(name):\n    assert promise(name)\n"
+    (tmp_path / "test_all.py").write_text(tests)
+    names = [f"test_all.py::test_promise[{n}-{name}]" for n in range(9) for name in ("water", "acid")]
+    slow = "test_all.py::test_promise[huge-acid]"
+    chooser = Chooser(tmp_path, Trace({}, dict.fromkeys(names, 4.0) | {slow: 14.0}), {})
+    chooser.runs_at_import = lambda _: True  # type: ignore[method-assign]
+    mutant = mutants_of("fluids.py", (tmp_path / "fluids.py").read_text())[0]
+    chosen = [test for test, _ in chooser.tests(mutant)]
+    assert len(chosen) == 3  # a quarter of a minute
+    assert all("-acid]" in test for test in chosen)
+
+
+def test_what_does_not_fit_into_the_time_leaves_it_to_quicker_ones(tmp_path: Path) -> None:
+    (tmp_path / "a.py").write_text("def fill(tank):\n    tank.level = 1\n")
+    costs = {"test_b.py::test_fill_level": 4.0, "test_b.py::test_fill": 14.0, "test_b.py::test_b": 10.0}
+    said = ("fill(tank).level", "fill(tank)", "fill")
+    tests = [f"def {t[11:]}(tank):\n    {w}\n" for t, w in zip(costs, said, strict=True)]
+    (tmp_path / "test_b.py").write_text("\n".join(tests))
+    chooser = Chooser(tmp_path, Trace({str(tmp_path / "a.py"): {2: set(costs)}}, costs), {})
+    mutant = mutants_of("a.py", (tmp_path / "a.py").read_text())[0]
+    assert [test[11:] for test, _ in chooser.tests(mutant)] == ["test_fill_level", "test_b"]
+
+
+def test_what_ran_out_of_time_is_tried_again_with_more_and_only_then_dead() -> None:
+    mutants = mutants_of("a.py", "a = 1\nb = 2\nc = 3\n")
+    needed = dict(zip(mutants, (1.0, 3.0, 1e9), strict=False))
+
+    def attempt(choice: tuple[Mutant, Timed]) -> str:
+        mutant, [(test, seconds)] = choice
+        if seconds < needed[mutant]:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return test if mutant is mutants[0] else ""
+
+    choices = [(mutant, [("test", 2.0)]) for mutant in needed]
+    told = {mutant: killer for (mutant, _), killer in patiently(choices, attempt)}
+    assert told == dict(zip(needed, ("test", "", None), strict=True))
 
 
 @pytest.fixture(scope="module")
@@ -251,6 +295,19 @@ def test_survivors_fail_the_run_until_they_are_listed(
     assert [one.rpartition(": ")[2] for one in complaints(entries, tree)] == ["no reason is given"] * 2
     assert mutants(monkeypatch, "a.py", "--listed") == 0
     assert "1 modules, 2 mutants to try" in capsys.readouterr().out
+
+
+def test_each_mutant_is_in_one_draw_and_there_are_no_others(
+    tree: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for draw in ("0", "1", "2"):
+        mutants(monkeypatch, "a.py", "--list", "--one-in", "3", "--draw", draw)
+    tried = re.findall(r"modules, (\d) mutants", capsys.readouterr().out)
+    assert sum(map(int, tried)) == len(listed(tree / "list.toml")) == 2
+    for wrong in (["--draw", "1"], ["--one-in", "2", "--draw", "-1"], ["--one-in", "0"]):
+        with pytest.raises(SystemExit, match="2"):
+            mutants(monkeypatch, "a.py", *wrong)
+    assert "--draw 1: the draws of --one-in are 0 to 0" in capsys.readouterr().err
 
 
 def test_an_entry_without_its_mutant_is_refused(

@@ -35,14 +35,28 @@ PACKAGES = (
     Package("metrics", _modules(_METRICS, "core/* session topics")),
     Package("log", _modules(_METRICS, "log/*")),
     Package("timing and health", _modules(_METRICS, "timing/* health/* ros/row_timer")),
-    Package("extended columns", _modules(_METRICS, "extended/*")),
+    Package(
+        "extended columns",
+        _modules(_METRICS, "extended/*"),
+        tests=(
+            *("tests/rover_metrics/core", "tests/rover_metrics/extended"),
+            *_modules(
+                "tests/rover_metrics",
+                "test_dictionary test_extended_metrics test_metrics_properties test_session",
+            ),
+        ),
+    ),
     Package(
         "statistics",
         _modules(
             f"{_METRICS}/analysis", "* logs/* statistics/* social/log social/metrics social/comparison"
         ),
     ),
-    Package("sensors", _modules(f"{_HARNESS}/sensors", "* rays/arrays")),
+    Package(
+        "sensors",
+        _modules(f"{_HARNESS}/sensors", "* rays/arrays"),
+        tests=("tests/harness/sensors",),
+    ),
     Package("faults", _modules(_HARNESS, "faults/*")),
     Package(
         "lidar kernels",
@@ -72,8 +86,21 @@ PACKAGES = (
         _modules(_HARNESS, "gym/*"),
         tests=("tests/harness/gym",),
     ),
-    Package("world", _modules(f"{_HARNESS}/world", "* terrains/* heightmap/*")),
-    Package("people", _modules(_HARNESS, "world/actors/* physics/crowd episode/social_recorder")),
+    Package(
+        "world",
+        _modules(f"{_HARNESS}/world", "* terrains/* heightmap/*"),
+        tests=("tests/harness/world",),
+    ),
+    Package(
+        "people",
+        _modules(_HARNESS, "world/actors/* physics/crowd episode/social_recorder"),
+        tests=(
+            "tests/harness/world/actors",
+            *_modules(
+                "tests/harness", "physics/test_crowd episode/test_social_recorder sensors/test_people"
+            ),
+        ),
+    ),
     Package("tuning scores", _modules(f"{_HARNESS}/tuning", "scoring/* episodes/contacts")),
 )
 

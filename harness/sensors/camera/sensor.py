@@ -59,13 +59,13 @@ class CameraOptions(SensorOptions):
     """
 
     presets: ClassVar[Mapping[str, Mapping[str, object]]] = {
-        "roboterrain": {"width": 640, "height": 480, "fov": 1.1},
+        "roboterrain": {},  # the defaults
         "fisheye": {"lens": "fisheye", "width": 1600, "height": 600, "fov": 2.8},
-        "small": {"width": 160, "height": 120, "fov": 1.1},
+        "small": {"width": 160, "height": 120},
         "small_fisheye": {"lens": "fisheye", "width": 320, "height": 120, "fov": 2.8},
     }
 
-    preset: str = ""
+    preset: str = "roboterrain"
     lens: str = "pinhole"
     width: int = 640
     height: int = 480

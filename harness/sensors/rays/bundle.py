@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from harness.physics.scene import OBSTACLE_GROUP
 from harness.sensors.rays.arrays import heightfield_arrays, obstacle_arrays, triangle_arrays
 from harness.sensors.rays.compiled import kernel
-from harness.sensors.rays.heightfield_kernel import cast_clear_rays
+from harness.sensors.rays.heightfield_kernel import cast_rays
 from harness.sensors.rays.horizon_kernel import RINGS, SECTORS, clear_ways, highest_points
 from harness.sensors.rays.obstacle_kernel import cast_bundle
 from harness.sensors.rays.triangle_kernel import cast_triangles
@@ -75,7 +75,7 @@ class RayBundle:
         heights, pyramid, levels, frame = terrain
         highest_points(heights.shape, pyramid, levels, frame, origin, self._range_max, self._profile)
         clear_ways(self._profile, frame, origin, directions, self._range_max, self._clear)
-        cast_clear_rays(*terrain, origin, directions, self._clear, self._range_max, distances)
+        cast_rays(*terrain, origin, directions, self._clear, self._range_max, distances)
         self.on_obstacle &= distances == nearest
         return distances
 

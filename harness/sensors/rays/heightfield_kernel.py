@@ -211,15 +211,16 @@ def _hit_field(
 
 @kernel(
     "void(float32[:,::1], float32[::1], int64[:,::1], float64[:,::1], float64[::1],"
-    " float64[:,::1], float64, float64[::1])"
+    " float64[:,::1], float64[::1], float64, float64[::1])"
 )
-def cast_rays(
+def cast_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of them
     heights: NDArray[np.float32],
     pyramid: NDArray[np.float32],
     levels: NDArray[np.int64],
     frame: NDArray[np.float64],
     origin: NDArray[np.float64],
     directions: NDArray[np.float64],
+    clear: NDArray[np.float64],
     range_max: float,
     ranges: NDArray[np.float64],
 ) -> None:
@@ -233,49 +234,10 @@ def cast_rays(
             unused), shape (3, 3).
         origin: Where the rays start in the world [m], shape (3,).
         directions: Unit vectors in the world, shape (n, 3).
+        clear: Distances [m] before which rays do not meet the surface, as clear_ways gives them, where
+            walks begin; 0 where nothing is known of them; shape (n,).
         range_max: Where rays end [m].
         ranges: Distances [m] to what else was hit, or inf; shape (n,).
-    """
-    su, sv, sw = frame[1, 0], frame[1, 1], frame[1, 2]
-    u = (origin[0] - frame[0, 0]) * su
-    v = (origin[1] - frame[0, 1]) * sv
-    w = (origin[2] - frame[0, 2]) * sw
-    extent = (frame[2, 0], frame[2, 1])
-    for i in range(ranges.shape[0]):
-        ray = (u, v, w, directions[i, 0] * su, directions[i, 1] * sv, directions[i, 2] * sw)
-        limit = min(ranges[i], range_max)
-        hit = _hit_field(heights, pyramid, levels, extent, ray, limit)
-        if hit <= limit:
-            ranges[i] = hit
-
-
-@kernel(
-    "void(float32[:,::1], float32[::1], int64[:,::1], float64[:,::1], float64[::1],"
-    " float64[:,::1], float64[::1], float64, float64[::1])"
-)
-def cast_clear_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of them
-    heights: NDArray[np.float32],
-    pyramid: NDArray[np.float32],
-    levels: NDArray[np.int64],
-    frame: NDArray[np.float64],
-    origin: NDArray[np.float64],
-    directions: NDArray[np.float64],
-    clear: NDArray[np.float64],
-    range_max: float,
-    ranges: NDArray[np.float64],
-) -> None:
-    """As cast_rays, with walks that begin where it is not known any more that there is nothing.
-
-    Args:
-        heights: As cast_rays has it; likewise all that is not named here.
-        pyramid: See `heights`.
-        levels: See `heights`.
-        frame: See `heights`.
-        origin: See `heights`.
-        directions: See `heights`.
-        clear: Distances [m] before which rays do not meet the surface, as clear_ways gives them; (n,).
-        range_max: See `heights`.
-        ranges: See `heights`.
     """
     su, sv, sw = frame[1, 0], frame[1, 1], frame[1, 2]
     u = (origin[0] - frame[0, 0]) * su

@@ -1,4 +1,4 @@
-"""The options behind `--ros-args` on a command line, judged without rclpy."""
+"""The options behind `--ros-args` on a command line, found and judged without rclpy."""
 
 import difflib
 from collections.abc import Iterable, Sequence
@@ -14,6 +14,16 @@ _SWITCHES = tuple(
     for verb in ("enable", "disable")
 )
 OPTIONS = (*_WITH_VALUE, *_SWITCHES)
+
+
+def split_ros_args(words: Iterable[str]) -> tuple[list[str], list[str]]:
+    """Separates the words of a command line as ROS nodes do: its own, and each `--ros-args ... [--]`."""
+    own, ros, behind = list[str](), list[str](), False
+    for word in words:
+        behind = behind or word == START
+        (ros if behind else own).append(word)
+        behind = behind and word != END
+    return own, ros
 
 
 def complaint(words: Sequence[str], own: Iterable[str] = ()) -> str | None:

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter
 from scipy.spatial.transform import Rotation
 
-from tests.e2e.topic_oracle import surroundings
+from tests.e2e.topic_oracle import ranging, surroundings
 from tests.e2e.topic_oracle.form import Expected, header, stamp, vector
 from tests.e2e.topic_oracle.twin import STEPS_PER_TICK, Twin, Values, attitude
 
@@ -378,6 +378,11 @@ def topics() -> tuple[Topic, ...]:
         Topic("/joint_states", "sensor_msgs/msg/JointState", (50, 50), joint_states),
         Topic(f"{truth}/contact", "std_msgs/msg/Bool", (20, 20), contact),
         Topic(f"{truth}/traversal", "std_msgs/msg/Float64MultiArray", (20, 20), traversal),
+        Topic("/lidar2d/scan", "sensor_msgs/msg/LaserScan", (5, 5), ranging.planar_scan, tolerance=1e-5),
+        Topic("/lidar3d/points", "sensor_msgs/msg/PointCloud2", (5, 5), ranging.lidar_points),
+        Topic("/depth/image", "sensor_msgs/msg/Image", (5, 5), ranging.depth_image),
+        Topic("/depth/camera_info", "sensor_msgs/msg/CameraInfo", (5, 5), ranging.depth_info),
+        Topic("/depth/points", "sensor_msgs/msg/PointCloud2", (5, 5), ranging.depth_points),
         Topic("/gnss/fix", "sensor_msgs/msg/NavSatFix", (5, 5), surroundings.fix),
         Topic("/imu/mag", "sensor_msgs/msg/MagneticField", (20, 20), surroundings.magnetic_field),
         Topic("/barometer/pressure", "sensor_msgs/msg/FluidPressure", (10, 10), surroundings.pressure),
@@ -416,7 +421,7 @@ def fields_of(message: Any) -> list[str]:  # noqa: ANN401 - of rclpy, or of rosb
 
 
 def _different(value: Any, expected: Any, tolerance: float, place: str) -> list[str]:  # noqa: ANN401
-    if isinstance(expected, Same | Description):
+    if isinstance(expected, Same | Description | ranging.Records):
         return [] if expected == value else [f"{place}: {value}, should be {expected}"]
     if isinstance(expected, Mapping):
         return differences(value, expected, tolerance, place)
@@ -426,7 +431,7 @@ def _different(value: Any, expected: Any, tolerance: float, place: str) -> list[
         return found + [d for i, (v, e) in pairs for d in differences(v, e, tolerance, f"{place}[{i}]")]
     if isinstance(expected, float):
         same = value == expected or abs(value - expected) <= EXACT + EXACT * abs(expected)
-    elif isinstance(expected, str | bool | int) or isinstance(expected[0], str):
+    elif isinstance(expected, str | bool | int) or (len(expected) and isinstance(expected[0], str)):
         same = type(value) is type(expected) and value == expected
     else:
         array = np.asarray(value)

@@ -11,15 +11,16 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from tests.e2e.topic_oracle import ranging
 from tests.e2e.topic_oracle.form import header, vector
+from tests.e2e.topic_oracle.ranging import MOUNT, RPY
 from tests.e2e.topic_oracle.twin import Twin, Values
 
 DATUM = (38.4064, -110.7919, 1382.0)  # of Utah's Mars Desert Research Station
 RESOLUTION, CELLS = 0.2, (6, 4)  # [m], along x and y
-# All sit on the base; the compass is turned.
-MOUNT, RPY = [0.1, -0.05, 0.3], [0.1, 0.2, -0.3]
 BASE = {"leo": "base_footprint", "rover_zero4wd": "base_link"}
 SENSORS: tuple[Mapping[str, Any], ...] = (
+    *ranging.SENSORS,
     {"kind": "gnss"},
     {"kind": "magnetometer", "topic": "imu/mag"},
     {"kind": "barometer"},
@@ -34,9 +35,15 @@ def carried(robot: str) -> tuple[Mapping[str, Any], ...]:
 
 
 def frames(robot: str) -> list[tuple[Any, ...]]:
-    """Parent, child, x y z and roll pitch yaw of each."""
-    names = (str(some["kind"]) for some in SENSORS)
-    return [(BASE[robot], f"{name}_link", tuple(MOUNT), tuple(RPY)) for name in names]
+    """Parent, child, x y z and roll pitch yaw of each; the depth camera has an optical frame too."""
+    told: list[tuple[Any, ...]] = []
+    for some in SENSORS:
+        frame = f"{some['kind']}_link"
+        told.append((BASE[robot], frame, tuple(MOUNT), tuple(RPY)))
+        if some["kind"] == "depth":
+            optical = (-math.pi / 2, 0.0, -math.pi / 2)
+            told.append((frame, f"{frame}_optical", (0.0, 0.0, 0.0), optical))
+    return told
 
 
 def place(twin: Twin) -> Values:

@@ -4,10 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli.options import DEFAULT_LOG_DIR, RunOptions, parse_run, split_ros_args
+from harness.cli.options import RunOptions, parse_run
+from harness.cli.run_parser import DEFAULT_LOG_DIR
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.metrics_feed import extended_ros_args, extended_settings
 from harness.errors import UsageError
+from harness.robots import RoverSpec
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.extended.settings import Settings
 from tests.support.rovers import LEO, ROVER_ZERO4WD
@@ -17,19 +19,6 @@ def parsed(words: str) -> RunOptions:
     options = parse_run(words.split())
     assert options is not None
     return options
-
-
-@pytest.mark.parametrize(
-    ("words", "own", "ros"),
-    [
-        ("--seed 1", "--seed 1", ""),
-        ("--seed 1 --ros-args -r a:=b", "--seed 1", "--ros-args -r a:=b"),
-        ("--ros-args -r a:=b -- --seed 1", "--seed 1", "--ros-args -r a:=b --"),
-        ("-- --seed --ros-args -p x:=1 -- 1", "-- --seed 1", "--ros-args -p x:=1 --"),
-    ],
-)
-def test_ros_arguments_end_at_two_dashes_or_with_the_line(words: str, own: str, ros: str) -> None:
-    assert split_ros_args(words.split()) == (own.split(), ros.split())
 
 
 def test_without_words_all_options_are_the_default_ones() -> None:
@@ -146,12 +135,16 @@ def test_a_namespace_becomes_a_remapping(given: str, name: str) -> None:
     assert parsed("--namespace /").ros.ros_args == ()
 
 
+def told_node(rover: RoverSpec, gravity: float | None = None) -> list[str]:
+    return extended_ros_args(extended_settings(rover, gravity))
+
+
 def test_what_the_user_tells_ros_comes_last_and_so_holds() -> None:
     own = ("--ros-args", "-p", "log_dir:=x")
     for rover in (LEO, ROVER_ZERO4WD):
         words = f"--namespace a --extended --robot {rover.name} {' '.join(own)}"
         namespace = ("--ros-args", "-r", "__ns:=/a", "--")
-        assert parsed(words).ros.ros_args == (*namespace, *extended_ros_args(rover), *own)
+        assert parsed(words).ros.ros_args == (*namespace, *told_node(rover), *own)
 
 
 @pytest.mark.parametrize(
@@ -203,7 +196,7 @@ def test_extended_columns_know_the_gravity_of_the_world(tmp_path: Path) -> None:
     told = parsed(f"--extended --terrain {file}")
     assert told.settings.extended == extended_settings(LEO, 1.62)
     assert told.settings.extended.gravity == told.config.gravity() == 1.62
-    assert told.ros.ros_args == tuple(extended_ros_args(LEO, 1.62))
+    assert told.ros.ros_args == tuple(told_node(LEO, 1.62))
     assert "gravity:=1.62" in told.ros.ros_args
     assert parsed("--extended").settings.extended.gravity == LEO.gravity
 
@@ -216,7 +209,7 @@ def test_a_parameter_file_says_what_the_metrics_are_made_with_after_the_rover_an
     own = ("--ros-args", "-p", "gravity:=8.0")
     told = parsed(f"--extended --params {file} {' '.join(own)}")
     words = ("-p", "collision_threshold:=0.75", "-p", "gravity:=9.0", "-p", "fsync:=true")
-    assert told.ros.ros_args == (*extended_ros_args(LEO), "--ros-args", *words, "--", *own)
+    assert told.ros.ros_args == (*told_node(LEO), "--ros-args", *words, "--", *own)
     assert told.settings.thresholds == Thresholds(collision_threshold=0.75)
     assert told.settings.extended == replace(extended_settings(LEO), gravity=9.0)
     assert (told.settings.extended_columns, told.params) == (True, file)

@@ -35,7 +35,7 @@ def policy(tmp_path: Path) -> Path:
 def test_a_policy_is_the_network_that_was_written(tmp_path: Path, activation: str) -> None:
     path = tmp_path / "small.npz"
     write_policy(path, Policy(LAYERS, activation))
-    read = read_policy(path)
+    read = read_policy(str(path))
     assert read.beams == BEAMS
     sizes = {"velocities": 2, "lidar": BEAMS, "imu": 8, "goal": 3}
     seen = {name: np.linspace(-1.0, 1.0, size, dtype=np.float32) for name, size in sizes.items()}
@@ -77,7 +77,7 @@ def test_it_stands_until_it_has_a_goal_and_has_read_everything_and_at_the_goal(p
 
 def test_an_action_is_a_share_of_the_largest_speeds() -> None:
     rover = find_rover("leo")  # 12 rad/s on wheels of 6.25 cm
-    assert commanded(np.array([0.5, -1.0]), rover) == Twist(0.5 * 0.75, -1.0 * rover.cruise_yaw_rate)
+    assert commanded([0.5, -1.0], rover) == Twist(0.5 * 0.75, -1.0 * rover.cruise_yaw_rate)
 
 
 def test_drivers_say_what_they_look_at_and_whether_they_take_goals(policy: Path) -> None:

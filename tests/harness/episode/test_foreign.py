@@ -47,8 +47,8 @@ def test_people_touch_a_rover_whatever_its_bodies_are_called(
 
 def test_a_node_is_told_of_other_wheels_than_the_usual_four(foreign: Callable[[str], RoverSpec]) -> None:
     told = 'wheels:="front_left,middle_left,rear_left,front_right,middle_right,rear_right"'
-    assert told in extended_ros_args(foreign("sojourner"))
-    assert not [word for word in extended_ros_args(LEO) if word.startswith("wheels")]
+    assert told in extended_ros_args(extended_settings(foreign("sojourner")))
+    assert not [word for word in extended_ros_args(extended_settings(LEO)) if word.startswith("wheels")]
 
 
 def test_the_lidar_of_a_rover_tells_where_it_looks(foreign: Callable[[str], RoverSpec]) -> None:

@@ -43,16 +43,16 @@ def test_a_node_is_told_the_footprint_and_the_pose_of_the_lidar(
     rover: RoverSpec, edges: tuple[float, float, float], lidar_x: float
 ) -> None:
     rear, front, side = edges
-    told = outline_parameters(rover)
+    settings = extended_settings(rover)
+    told = outline_parameters(settings)
     corners = np.reshape(told["footprint"], (-1, 2)).tolist()
     expected = [[rear, -side], [rear, side], [front, -side], [front, side]]
     assert sorted(corners) == expected
     assert told["lidar_pose"] == [lidar_x, 0.0, math.pi]
-    settings = extended_settings(rover)
     assert settings.gravity == 9.8
     assert settings.footprint is not None
     assert [list(corner) for corner in settings.footprint.corners] == corners
-    words = extended_ros_args(rover)
+    words = extended_ros_args(settings)
     assert words[:3] == ["--ros-args", "-p", "extended_columns:=true"]
     assert words[-1] == "--"
     assert "gravity:=9.8" in words

@@ -12,7 +12,7 @@ from harness.episode import direct
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState, Twist
 from harness.scenario.case import Case
-from harness.scenario.suite import plan
+from harness.scenario.selection import plan
 from harness.truth.traversal import ContactEvent, Truth
 
 BATCH_NS = 50_000_000
@@ -75,3 +75,9 @@ def make_cases(tmp_path: Path) -> MakeCases:
         return plan([path])
 
     return make
+
+
+def cases_with(make_cases: MakeCases, folder: Path, parameters: str) -> list[Case]:
+    """Runs with a parameter file in the folder of the scenario, and without one."""
+    (folder / "near.yaml").write_text(parameters)
+    return make_cases("{log.Total Collisions: {max: 0}}", "matrix: {params: [near.yaml, null]}")

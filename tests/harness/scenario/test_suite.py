@@ -1,6 +1,5 @@
-"""Files to runs, runs to verdicts, verdicts to lines, JUnit and exit codes."""
+"""Runs to verdicts, verdicts to lines, JUnit and exit codes."""
 
-import json
 import math
 import signal
 import xml.etree.ElementTree as ET
@@ -9,26 +8,24 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from rich.console import Console
 
 from harness import __version__
-from harness.config import FILE_OPTIONS, EpisodeConfig
-from harness.errors import RunFailed, UsageError
+from harness.config import EpisodeConfig
+from harness.errors import RunFailed
 from harness.interrupt import Interrupted
 from harness.scenario.__main__ import main
 from harness.scenario.attempt import Attempt
 from harness.scenario.case import Case
 from harness.scenario.junit import junit_of, properties_of
-from harness.scenario.suite import find_files, plan, run_all
+from harness.scenario.suite import run_all
 from harness.scenario.told import tell
 from harness.scenario.verdict import Outcome, exit_code, verdicts_of
 from harness.tuning.backend import Backend, WorkerLost
-from tests.harness.scenario.conftest import MakeCases
+from tests.harness.scenario.conftest import MakeCases, cases_with
 
 SPEED = "{truth.speed: {min: 0}}"
-MATRIX = "matrix: {robot: [leo, rover_zero4wd], difficulty: [0, 1.0]}\nseeds: [4, 7]"
 
 
 class Backwards(Backend):
@@ -49,110 +46,16 @@ class Ending(Backend):
         raise self.error
 
 
-def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
-    make_cases: MakeCases, tmp_path: Path
-) -> None:
-    cases = make_cases(SPEED, MATRIX)
-    assert [case.name for case in cases] == [
-        f"two[{robot}-{difficulty}-{seed}]"
-        for robot in ("leo", "rover_zero4wd")
-        for difficulty in ("0.0", "1.0")
-        for seed in (4, 7)
-    ]
-    file = tmp_path / "two.scenario.yaml"
-    words = "--seed 7 --only robot=leo --only difficulty=1.0"
-    assert cases[3].command == f"python -m harness.scenario {file} {words}"
-    assert cases[3].folder == Path(*tmp_path.parts[1:], "two[leo-1.0-7]")
-    outside = replace(cases[3], path=Path("../two.scenario.yaml"))
-    assert outside.folder == Path("two[leo-1.0-7]")
-    assert plan([file], [7], (("robot", "leo"), ("difficulty", "1.0"))) == [cases[3]]
-    assert [case.config.seed for case in plan([file], range(3))] == [0, 1, 2] * 4
-    with pytest.raises(UsageError, match="no run has robot=mole"):
-        plan([file], None, (("robot", "mole"),))
-
-
-def cases_with(make_cases: MakeCases, parameters: str) -> list[Case]:
-    """Runs with a parameter file, and without one."""
-    (one,) = make_cases(SPEED)
-    (one.path.parent / "near.yaml").write_text(parameters)
-    return make_cases("{log.Total Collisions: {max: 0}}", "matrix: {params: [near.yaml, null]}")
-
-
 def test_parameters_of_the_metrics_are_those_that_the_log_is_written_with(
     make_cases: MakeCases, tmp_path: Path, driven: list[EpisodeConfig]
 ) -> None:
-    cases = cases_with(make_cases, "metrics_node: {ros__parameters: {collision_threshold: 5.0}}")
+    cases = cases_with(
+        make_cases, tmp_path, "metrics_node: {ros__parameters: {collision_threshold: 5.0}}"
+    )
     near, far = run_all(cases, Backwards(), tmp_path / "out", lambda *_: None)
     assert near.breaches == ("log.Total Collisions: 40 > 0, first at 1 s",)  # the nearest is at 2 m
     assert far.passed
     assert len(driven) == 2
-
-
-def test_a_file_becomes_the_configuration_that_it_describes(make_cases: MakeCases) -> None:
-    events = (
-        '[{at: 0.5, command: [0.3, 0]}, {at: 1, reset: true}, {at: 1.5, fault: "scan:nan", for: 0.2}]'
-    )
-    more = f"driver: cmd_vel\nevents: {events}\nstart: [1, 2, 0.5]\nnoise: white\nlidar_beams: 8"
-    more += "\ndatum: [1, 2, 3]"
-    (case,) = make_cases(SPEED, more)
-    assert case.config == EpisodeConfig(
-        terrain="flat",
-        duration=2.0,
-        driver="cmd_vel",
-        start=(1.0, 2.0, 0.5),
-        noise="white",
-        lidar_beams=8,
-        datum=(1.0, 2.0, 3.0),
-        faults=("scan:nan@1.5+0.2",),
-        commands=((0.5, 0.3, 0.0),),
-        resets=(1.0,),
-    )
-    (case,) = make_cases(SPEED, "driver: goal\ngoal: {at: [3, 4], yaw: 1}")
-    assert case.config.goals == ((0.0, 3.0, 4.0, 1.0),)
-    (case,) = make_cases(SPEED, "driver: straight\ngoal: {at: [3, 4], yaw: 1}")
-    assert case.config.goals == ()
-    hill = case.path.parent / "hill.npy"
-    np.save(hill, np.zeros((40, 40)))
-    text = case.path.read_text().replace("flat", "hill.npy")
-    case.path.write_text(f"{text}terrain_size: [40, 40]\n")
-    (case,) = plan([case.path])
-    assert case.config.terrain == str(hill)
-    (case.path.parent / "models").mkdir()
-    values = {"terrain_cell": 0.2, "mesh_unit": "cm", "mesh_up": "y", "rock_height": 0.0}
-    values |= {"resource_path": ["models", "elsewhere"], "rock": ["r*"], "hazard": ["h", "i"]}
-    lines = [f"{name}: {json.dumps(value)}\n" for name, value in values.items()]
-    case.path.write_text(text.replace("hill.npy", "a.world") + "".join(lines))
-    assert set(FILE_OPTIONS) == {*values, "terrain_size", "terrain_height"}
-    (case,) = plan([case.path])
-    values["resource_path"] = [str(case.path.parent / "models"), "elsewhere"]
-    for name, value in values.items():
-        assert getattr(case.config, name) == (tuple(value) if isinstance(value, list) else value)
-    case.path.write_text(f"{text}mesh_up: down\n".replace("hill.npy", "a.world"))
-    with pytest.raises(UsageError, match="mesh axis 'down' does not exist; available: z, y, x"):
-        plan([case.path])
-    params = cases_with(make_cases, "metrics_node: {ros__parameters: {collision_threshold: 5.0}}")
-    assert [case.params for case in params] == [{"collision_threshold": 5.0}, {}]
-    assert [case.name for case in params] == ["two[near.yaml-0]", "two[None-0]"]
-    with pytest.raises(UsageError, match=r"two\.scenario\.yaml: params: .*near\.yaml: .*collision_t"):
-        cases_with(make_cases, "metrics_node: {ros__parameters: {collision_threshol: 5.0}}")
-    with pytest.raises(UsageError, match=r"two\.scenario\.yaml: robot 'mole' does not exist; available"):
-        make_cases(SPEED, "robot: mole")
-
-
-def test_files_are_found_in_order_and_what_is_not_there_is_told(tmp_path: Path) -> None:
-    paths = [tmp_path / f"{name}.scenario.yaml" for name in ("b", "a", "c/d")]
-    (tmp_path / "c").mkdir()
-    (tmp_path / "e").mkdir()
-    for path in paths:
-        path.touch()
-    (tmp_path / "other.yaml").touch()
-    b, a, d = paths
-    assert find_files([tmp_path]) == [a, b, d]
-    assert find_files([b, tmp_path, d]) == [b, a, d]
-    with pytest.raises(UsageError, match=r"there is no \*.scenario.yaml below .*e$"):
-        find_files([tmp_path / "e"])
-    with pytest.raises(UsageError, match="there is no scenario nowhere"):
-        find_files([Path("nowhere")])
 
 
 def test_attempts_come_in_the_order_of_their_cases(

@@ -144,7 +144,7 @@ def test_a_program_that_ends_before_the_run_does_is_told_with_its_last_words(
     def finish_later(trial: ScenarioTrial) -> tuple[str, ...]:
         trial.step(0.5)
         (trial._files / "go").touch()
-        trial._processes[0]._process.wait()
+        trial._programs._running[0]._process.wait()
         return finish(trial)
 
     monkeypatch.setattr(ScenarioTrial, "finish", finish_later)
@@ -168,7 +168,7 @@ def test_a_program_that_may_end_and_one_that_shows_no_node(
     (case,) = make_cases("{topic./scan.rate: {min: 20, max: 20}}", FAST + launch)
     assert attempt(case, tmp_path).passed
     monkeypatch.setattr("harness.scenario.trial.START_PATIENCE", 0.1)
-    monkeypatch.setattr("harness.testing.trial.START_PATIENCE", 0.1)
+    monkeypatch.setattr("harness.testing.nodes.START_PATIENCE", 0.1)
     (case,) = make_cases("{truth.x: {min: -1}}", f"{FAST}launch: [sleep 1000]")
     told = "launch: a node has not turned up within 0.1 s; running: none"
     assert attempt(case, tmp_path) == Attempt(case, error=told)

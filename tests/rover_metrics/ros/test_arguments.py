@@ -1,8 +1,22 @@
 import pytest
 
-from rover_metrics.ros.arguments import complaint, refusal
+from rover_metrics.ros.arguments import complaint, refusal, split_ros_args
 
 OWN = ("--seed", "--params", "-h")
+
+
+@pytest.mark.parametrize(
+    ("words", "own", "ros"),
+    [
+        ("--seed 1", "--seed 1", ""),
+        ("--seed 1 --ros-args -r a:=b", "--seed 1", "--ros-args -r a:=b"),
+        ("--ros-args -r a:=b -- --seed 1", "--seed 1", "--ros-args -r a:=b --"),
+        ("-- --seed --ros-args -p x:=1 -- 1", "-- --seed 1", "--ros-args -p x:=1 --"),
+        ("--ros-args -e /a -- x --ros-args -e /b", "x", "--ros-args -e /a -- --ros-args -e /b"),
+    ],
+)
+def test_ros_arguments_end_at_two_dashes_or_with_the_line(words: str, own: str, ros: str) -> None:
+    assert split_ros_args(words.split()) == (own.split(), ros.split())
 
 
 @pytest.mark.parametrize(

@@ -54,7 +54,7 @@ def cast(
     kernel: Callable[..., None] = cast_rays,
 ) -> Array:
     ranges = np.full(len(directions), np.inf)
-    kernel(*rays, origin, directions, range_max, ranges)
+    kernel(*rays, origin, directions, np.zeros(len(directions)), range_max, ranges)
     return ranges
 
 
@@ -228,7 +228,7 @@ def test_only_nearer_hits_within_range_are_written() -> None:
     rays = heightfield_arrays(terrain_model(np.zeros((3, 3)), 1.0)[0])
     origin, down = np.array([0.3, 0.2, 0.5]), np.tile([0.0, 0.0, -1.0], (3, 1))
     ranges = np.array([np.inf, 0.4, 0.6])
-    cast_rays(*rays, origin, down, 10.0, ranges)
+    cast_rays(*rays, origin, down, np.zeros(3), 10.0, ranges)
     assert ranges == pytest.approx([0.5, 0.4, 0.5])
     assert (cast(rays, origin, down, range_max=0.49) == np.inf).all()
 
@@ -252,7 +252,8 @@ def test_as_plain_python_the_walk_meets_mujoco_too_and_the_compiled_walk_to_the_
                 assert_same_hits(ours, mujoco_cast(scene, origin, directions))
     flat = heightfield_arrays(terrain_model(np.zeros((3, 3)), 1.0)[0])
     ranges = np.array([np.inf, 0.4, 0.6])
-    plain(*flat, np.array([0.3, 0.2, 0.5]), np.tile([0.0, 0.0, -1.0], (3, 1)), 10.0, ranges)
+    down = np.tile([0.0, 0.0, -1.0], (3, 1))
+    plain(*flat, np.array([0.3, 0.2, 0.5]), down, np.zeros(3), 10.0, ranges)
     assert ranges == pytest.approx([0.5, 0.4, 0.5])
 
 

@@ -1,0 +1,94 @@
+"""The nodes under test, of programs or hosted: found in the graph and kept in step."""
+
+from collections.abc import Callable
+
+from rclpy.executors import Executor
+
+from harness.errors import HarnessError
+from harness.ros.bridge import Bridge
+from harness.ros.context import spin_until
+from harness.ros.remote import DISCOVERY_PATIENCE
+from harness.testing.process import Programs
+from harness.testing.subject import Subject
+
+START_PATIENCE = 30.0  # [s] for the nodes of a program to turn up
+
+
+class Nodes:
+    """The nodes that must have handled everything before time goes on.
+
+    Args:
+        bridge: What publishes to them.
+        executor: Spins it.
+        programs: Those whose nodes they are, if they are not hosted here.
+        time_jumps: Whether faults will set the clock back.
+
+    Attributes:
+        subjects: In the order in which they were added.
+    """
+
+    def __init__(
+        self, bridge: Bridge, executor: Executor, programs: Programs, *, time_jumps: bool
+    ) -> None:
+        self._bridge, self._executor, self._programs = bridge, executor, programs
+        self._time_jumps = time_jumps
+        self.subjects: list[Subject] = []
+
+    def names(self) -> set[str]:
+        """Returns the full names of all nodes in the domain, but for the bridge's own."""
+        found = self._bridge.get_node_names_and_namespaces()
+        names = {f"{space.rstrip('/')}/{name}" for name, space in found}
+        return names - {self._bridge.get_fully_qualified_name()}
+
+    def wait_until(self, is_there: Callable[[], bool]) -> None:
+        """Waits for nodes, at most START_PATIENCE.
+
+        Args:
+            is_there: Whether they are there.
+
+        Raises:
+            RunFailed: A program has ended and may not.
+        """
+
+        def are_there() -> bool:
+            self._programs.check()
+            return is_there()
+
+        spin_until(self._executor, are_there, START_PATIENCE)
+
+    def add(self, name: str, node: object = None) -> None:
+        """Keeps a node in step from now on.
+
+        Args:
+            name: Its full name.
+            node: The rclpy node if it is hosted here.
+
+        Raises:
+            RunFailed: A program has ended and may not.
+            UsageError: There is no such node, or it runs on wall time.
+        """
+        self.subjects.append(self._subject(name, node))
+        self._connect()
+
+    def renew(self) -> None:
+        """Makes sure that the nodes know of the subscriptions that the bridge has made since."""
+        self.subjects = [self._subject(known.name, known.node) for known in self.subjects]
+        self._connect()
+
+    def _subject(self, name: str, node: object) -> Subject:
+        check = self._programs.check
+        try:
+            return Subject(name, self._bridge, node, check=check, time_jumps=self._time_jumps)
+        except HarnessError:
+            check()  # why it does not answer
+            raise
+
+    def _connect(self) -> None:
+        """Waits until the bridge's subscriptions have matched the publishers that the graph shows."""
+        bridge = self._bridge
+
+        def match() -> bool:
+            heard = bridge.subscriptions
+            return all(s.get_publisher_count() >= bridge.count_publishers(s.topic_name) for s in heard)
+
+        spin_until(self._executor, match, DISCOVERY_PATIENCE)
