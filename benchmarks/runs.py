@@ -44,7 +44,7 @@ def _rows(config: EpisodeConfig, effort: Effort) -> list[tuple[str, ...]]:
         return result.wall_s
 
     def without_transforms() -> float:
-        with patch.object(session, "EpisodeProcess", lambda config, _: EpisodeProcess(config, None)):
+        with patch.object(session, "EpisodeProcess", lambda configs, _: EpisodeProcess(configs, None)):
             return through_ros()
 
     ways = {

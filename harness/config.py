@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
+import numpy as np
+
 from harness.drivers import find_driver, takes_goals
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.drivers.goal_course import Area, check_area
@@ -15,7 +17,7 @@ from harness.drivers.staged import StagedEncounter
 from harness.errors import UsageError, find_named
 from harness.faults.spec import parse_faults
 from harness.frames.options import FrameOptions
-from harness.robots import RoverSpec, find_rover
+from harness.robots import find_rover
 from harness.sensors.base import period_ticks
 from harness.sensors.choice import chosen
 from harness.sensors.geodesy import DEFAULT_DATUM, Datum
@@ -42,6 +44,7 @@ LISTS = (  # the fields that are tuples
     *("terrain_size", "datum", "start", "sensors", "faults", "commands", "goals", "resets"),
     *("resource_path", "rock", "hazard", "actors", "goal_area"),
 )
+FLEET_STREAM = 13  # keeps the randomness of several rovers apart
 CMD_VEL = "cmd_vel"  # the driver that obeys commands
 TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
 FILE_OPTIONS = (  # for terrains from files alone
@@ -98,6 +101,9 @@ class EpisodeConfig:
     actors: tuple[str, ...] = ()  # people, as harness.world.actors.spec reads them
     goals: tuple[tuple[float, float, float, float], ...] = ()  # to driver goal: when [s], x, y, yaw
     resets: tuple[float, ...] = ()  # when the rover is put back to its start [s]
+    name: str = ""  # of the rover among several (harness.fleet)
+    number: int = 0  # its place among them
+    world_robot: str = ""  # whose clearance sorts the obstacles of a file, if not its own
 
     def __post_init__(self) -> None:
         """Takes lists for tuples, as JSON gives them back."""
@@ -137,6 +143,14 @@ class EpisodeConfig:
         """
         return tuple(spec.full_name for spec in self.actor_specs())
 
+    @property
+    def own_seed(self) -> int:
+        """The seed of what is random about this rover; of a single one and of the first, `seed`."""
+        if self.number == 0:
+            return self.seed
+        source = np.random.SeedSequence(self.seed, spawn_key=(FLEET_STREAM, self.number))
+        return int.from_bytes(source.generate_state(4).tobytes(), "little")
+
     def sensor_rows(self) -> tuple[SensorRow, ...]:
         """Returns the sensors that the rover carries, in publishing order.
 
@@ -162,15 +176,6 @@ class EpisodeConfig:
         """
         told = self._terrain_world().gravity if is_terrain_file(self.terrain) else None
         return find_rover(self.robot).gravity if told is None else told
-
-    def scenery(self) -> tuple[World, RoverSpec]:
-        """Returns what there is to be seen, of a configuration that comes from another process.
-
-        Raises:
-            UsageError: A value is not valid.
-        """
-        self.validate()
-        return self.world(), find_rover(self.robot)
 
     def check_world(self) -> None:
         """Checks what depends on the world, which is built only where something does.
@@ -209,7 +214,7 @@ class EpisodeConfig:
             rock_height=self.rock_height,
             rocks=self.rock,
             hazards=self.hazard,
-            clearance=(rover := find_rover(self.robot)).clearance,
+            clearance=(rover := find_rover(self.world_robot or self.robot)).clearance,
             step_limit=rover.step_limit,
         )
 
@@ -223,7 +228,9 @@ class EpisodeConfig:
         find_named("terrain", self.terrain, TERRAINS)
         for name in FILE_OPTIONS:
             if getattr(self, name) not in (None, (), ""):
-                raise UsageError(f"--{name.replace('_', '-')} applies to terrains from files only")
+                raise UsageError(
+                    f"--{name.replace('_', '-')} applies to terrains from files only; leave it out"
+                )
 
     def _validate_plan(self) -> None:
         told = (*self.commands, *self.goals)

@@ -82,7 +82,8 @@ def _check(options: argparse.Namespace, console: Console) -> int:
         _print_findings(console, f"{rover.name}: {rover.summary}", checks)
         if drawing.wanted:
             for batch in Episode(config).batches():
-                drawing.take(batch)
+                for observer in drawing.observers:
+                    observer.take(batch)
             with counted(console, "drawing") as show:
                 for path in drawing.finish(show):
                     console.print(f"drawn: {path}", soft_wrap=True, highlight=False)

@@ -8,10 +8,8 @@ Parses, calls, prints; the work is in harness.ros.session (through ROS) and harn
 
 import importlib
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
-from pathlib import Path
 
 from harness.cli.edge import begin_program, run_program
 
@@ -24,12 +22,12 @@ from harness.cli.console import RunProgress, counted, print_choices, print_summa
 from harness.cli.options import RunOptions, parse_run
 from harness.episode.loop import Observer
 from harness.episode.manifest import write_manifest
-from harness.episode.result import Run, RunResult
+from harness.episode.result import RoverRun, RunAll, RunResult
 from harness.episode.social_recorder import SocialRecorder
 from harness.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.files import check_target, write_whole
 from harness.interrupt import HANGUP, StopRequest
-from harness.report.recorder import RunRecorder
+from harness.report.recorder import RunRecorder, Stretch
 from harness.robots import robot_name
 from harness.sensors.camera.backend import keep_opengl_out
 from harness.view.drawing import Drawing
@@ -51,42 +49,76 @@ def _main(arguments: Sequence[str]) -> int:
 
 
 def _command(options: RunOptions, console: Console) -> int:
-    options.config.validate()
+    for config in options.fleet:
+        config.validate()
     backend = keep_opengl_out()  # before MuJoCo is loaded
     drawing = Drawing(options.picture, options.video, lidar=options.picture_lidar, backend=backend)
-    recorder, social = RunRecorder(), _social(options)
-    observers = (*social, *((recorder,) if options.report is not None else ()))
+    recorders = [RunRecorder() for _ in options.fleet] if options.report is not None else []
+    logs = _social(options)
     run = _loaded(options)
     with StopRequest() as stop, drawing:
-        result = _run(run, options, stop, console, drawing, observers)
-        result = replace(result, report=options.report, params=options.params)
-        for log in social:
+        drawn = _prepared(options, console, drawing)
+        rovers = [
+            RoverRun(
+                config=config,
+                log_dir=options.log_dir(config),
+                observers=tuple(each[number] for each in (logs, drawn, recorders) if each),
+                settings=options.all_settings[number],
+                parameters=options.parameters[number],
+            )
+            for number, config in enumerate(options.fleet)
+        ]
+        results = [
+            replace(result, report=options.report_of(result.config), params=options.params)
+            for result in _run(run, options, rovers, stop, console)
+        ]
+        for number, log in enumerate(logs):
             log.close()
-            result = replace(result, social_log=log.path)
-        exit_code = _report(result, options.summary, stop, console)
-        if options.report is not None:
-            from harness.report.content import render  # noqa: PLC0415 - see `_loaded`
-
-            with console.status("drawing the page"):
-                write_whole(options.report, render(result, recorder), "the report")
-            console.print(f"report: {options.report}", soft_wrap=True, highlight=False)
+            results[number] = replace(results[number], social_log=log.path)
+        exit_code = _report(results, options, stop, console)
+        for result, recorder in zip(results, recorders, strict=False):
+            _write_page(result, recorder, dict(_others(results, recorders, result)), console)
         _draw(drawing, stop, console)
     return exit_code
 
 
-def _social(options: RunOptions) -> tuple[SocialRecorder, ...]:
-    """Returns what keeps the social log of a run with people.
+def _others(
+    results: Sequence[RunResult], recorders: Sequence[RunRecorder], own: RunResult
+) -> Iterator[tuple[str, Sequence[Stretch]]]:
+    """What was recorded of the other rovers, by their names."""
+    for other, recorder in zip(results, recorders, strict=True):
+        if other is not own:
+            yield other.config.name, recorder.track
+
+
+def _write_page(
+    result: RunResult,
+    recorder: RunRecorder,
+    others: Mapping[str, Sequence[Stretch]],
+    console: Console,
+) -> None:
+    from harness.report.content import render  # noqa: PLC0415 - see `_loaded`
+
+    assert result.report is not None  # noqa: S101 - there is a recorder
+    with console.status("drawing the page"):
+        write_whole(result.report, render(result, recorder, others), "the report")
+    console.print(f"report: {result.report}", soft_wrap=True, highlight=False)
+
+
+def _social(options: RunOptions) -> list[SocialRecorder]:
+    """Returns what keeps the social log of each rover among people; empty without any.
 
     Raises:
-        UsageError: It cannot be written there.
+        UsageError: One cannot be written there.
     """
     names = options.config.actor_names()
     if options.social_log is not None:
         check_target("--social-log", options.social_log, ".csv")
-    return (SocialRecorder(names, options.social_log, options.ros.log_dir),) if names else ()
+    folders = [options.log_dir(config) for config in options.fleet] if names else []
+    return [SocialRecorder(names, options.social_log, folder) for folder in folders]
 
 
-def _loaded(options: RunOptions) -> Run:
+def _loaded(options: RunOptions) -> RunAll:
     """Returns what runs the episode, with what only these options need: ROS, MuJoCo, compiled kernels.
 
     Not with this module: through ROS, only the process that simulates needs the latter, and --direct
@@ -99,52 +131,65 @@ def _loaded(options: RunOptions) -> Run:
     if options.report is not None:
         importlib.import_module("harness.report.content")
     if options.direct:
-        from harness.episode.direct import run_direct  # noqa: PLC0415
+        from harness.episode.direct import run_all_direct  # noqa: PLC0415
 
-        return partial(run_direct, settings=options.settings)
+        return run_all_direct
     try:
-        from harness.ros.session import run_through_ros  # noqa: PLC0415
+        from harness.ros.session import run_all_through_ros  # noqa: PLC0415
     except ImportError as error:
         raise UsageError(
             f"ROS 2 is not importable ({error}); {INSTALL_ROS}, or run with --direct, which needs none"
         ) from error
-    return run_through_ros
+    return run_all_through_ros
 
 
-def _run(
-    run: Run,
-    options: RunOptions,
-    stop: StopRequest,
-    console: Console,
-    drawing: Drawing,
-    observers: Sequence[Observer],
-) -> RunResult:
+def _prepared(options: RunOptions, console: Console, drawing: Drawing) -> Sequence[Observer]:
+    """Checks what can be checked before the run; returns what keeps each rover's states, if any does."""
     config = options.config
     for flag, path in (("--summary", options.summary), ("--report", options.report)):
         if path is not None:
             check_target(flag, path)
     for note in config.world().notes if is_terrain_file(config.terrain) else ():
         console.print(f"{config.terrain}: {note}", soft_wrap=True, highlight=False)
-    config.check_world()
-    drawing.prepare(config)
-    with RunProgress(console, f"{robot_name(config.robot)} on {config.terrain}", config.duration) as bar:
+    for each in options.fleet:
+        each.check_world()
+    drawing.prepare(*options.fleet)
+    return drawing.observers
+
+
+def _run(
+    run: RunAll,
+    options: RunOptions,
+    rovers: Sequence[RoverRun],
+    stop: StopRequest,
+    console: Console,
+) -> tuple[RunResult, ...]:
+    robots = " and ".join(robot_name(config.robot) for config in options.fleet)
+    title = f"{robots} on {options.config.terrain}"
+    with RunProgress(console, title, options.config.duration) as bar:
         show = bar.show if console.is_terminal else None
-        return run(config, options.ros, stop, show, (drawing, *observers))
+        return run(rovers, options.ros, stop, show)
 
 
-def _report(result: RunResult, summary: Path | None, stop: StopRequest, console: Console) -> int:
+def _report(
+    results: Sequence[RunResult], options: RunOptions, stop: StopRequest, console: Console
+) -> int:
     """Prints and writes what a run came to; returns the exit code."""
-    print_summary(console, result)
-    complaints = [result.failure] if result.failure is not None else []
-    if result.lost:
-        lost = ", ".join(f"{c.lost} of {t}" for t, c in result.topics.items() if c.lost)
-        complaints.append(f"messages were lost: {lost}")
-    log_manifest = None if result.log_path is None else result.log_path.with_suffix(".json")
-    for path in filter(None, (log_manifest, summary)):
-        try:
-            write_manifest(result, path)
-        except HarnessError as error:  # noqa: PERF203 - two files at most
-            complaints.append(str(error))
+    complaints = dict.fromkeys(result.failure for result in results if result.failure is not None)
+    for result in results:
+        if result.config.name:
+            console.rule(f"{result.config.name}, a {robot_name(result.config.robot)}", align="left")
+        print_summary(console, result)
+        if result.lost:
+            lost = ", ".join(f"{c.lost} of {t}" for t, c in result.topics.items() if c.lost)
+            complaints[f"messages were lost: {lost}"] = None
+        log_manifest = None if result.log_path is None else result.log_path.with_suffix(".json")
+        summary = options.summary_of(result.config)
+        for path in filter(None, (log_manifest, summary)):
+            try:
+                write_manifest(result, path)
+            except HarnessError as error:  # noqa: PERF203 - two files at most
+                complaints[str(error)] = None
     for complaint in complaints:
         print(f"harness.run: {complaint}", file=sys.stderr)
     return 1 if complaints else stop.exit_code

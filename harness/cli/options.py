@@ -1,16 +1,17 @@
 """What the command line of harness.run asks for, as one value."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
 from harness.cli.run_parser import run_parser
-from harness.config import EpisodeConfig, RosOptions
+from harness.config import CMD_VEL, EpisodeConfig, RosOptions
 from harness.drivers import takes_goals
-from harness.episode.metrics_feed import extended_ros_args, extended_settings, parameter_words
+from harness.episode.metrics_feed import extended_parameters, extended_settings, parameter_words
 from harness.errors import UsageError
+from harness.fleet import fleet_of_words
 from harness.frames.options import FrameOptions
 from harness.robots import find_rover
 from harness.world.actors.spec import of_terrain
@@ -27,20 +28,22 @@ class RunOptions:
     """What the command line of harness.run asks for.
 
     Attributes:
-        config: The episode, not checked yet.
+        fleet: The episode of each rover, not checked yet; `config` is the first one's.
         ros: How it goes through ROS; `log_dir` and `rate` hold for a run without it too.
         direct: Whether it does without ROS.
-        settings: Of the metrics; the hosted node gets them as parameters.
+        all_settings: Of each rover's metrics; hosted nodes get them as parameters.
+        parameters: Of each rover's hosted node, beside those in the arguments of `ros`.
         params: The file that they come from; None without.
         report: Page to write about the run; None for none. Likewise `summary`, `picture`, `video`.
         picture_lidar: Whether pictures show the beams.
         social_log: The log of a run with people; None for one in `log_dir`.
     """
 
-    config: EpisodeConfig
+    fleet: tuple[EpisodeConfig, ...]
     ros: RosOptions
     direct: bool
-    settings: Settings
+    all_settings: tuple[Settings, ...]
+    parameters: tuple[Mapping[str, Any], ...]
     params: Path | None
     report: Path | None
     summary: Path | None
@@ -48,6 +51,34 @@ class RunOptions:
     video: Path | None
     picture_lidar: bool
     social_log: Path | None
+
+    @property
+    def config(self) -> EpisodeConfig:
+        """The first rover's episode."""
+        return self.fleet[0]
+
+    def log_dir(self, config: EpisodeConfig) -> Path:
+        """Returns the folder of a rover's logs: with its name, if there are several."""
+        return self.ros.log_dir / config.name
+
+    def report_of(self, config: EpisodeConfig) -> Path | None:
+        """Returns a rover's page: FILE_NAME.html, if there are several."""
+        return _with_name(self.report, config)
+
+    def summary_of(self, config: EpisodeConfig) -> Path | None:
+        """Returns a rover's manifest, likewise."""
+        return _with_name(self.summary, config)
+
+    @property
+    def settings(self) -> Settings:
+        """Those of the first rover's metrics."""
+        return self.all_settings[0]
+
+
+def _with_name(file: Path | None, config: EpisodeConfig) -> Path | None:
+    if file is None or not config.name:
+        return file
+    return file.with_stem(f"{file.stem}_{config.name}")
 
 
 def parse_run(arguments: Sequence[str]) -> RunOptions | None:
@@ -70,14 +101,16 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         return None
     _check_combination(given, ros_args)
     config = _filled(EpisodeConfig, given, faults=tuple(given.fault), actors=tuple(given.actor))
+    fleet = fleet_of_words(given.rover, config) if given.rover else (config,)
+    if given.direct:
+        _check_drivers(fleet)
     namespace = given.namespace.strip("/")
     namespace_args = ("--ros-args", "-r", f"__ns:=/{namespace}", "--") if namespace else ()
     values = read_parameters(given.params) if given.params else {}
-    settings, extended_args = Settings(), list[str]()
-    if given.extended:
-        of_run = extended_settings(find_rover(config.robot), config.gravity())
-        settings = replace(settings, extended_columns=True, extended=of_run)
-        extended_args = extended_ros_args(of_run)
+    made = [_settings(each, extended=given.extended) for each in fleet]
+    told = [extended_parameters(each.extended) if given.extended else {} for each in made]
+    # Of several nodes each must be told of its own; of a single one, what follows in the arguments wins.
+    extended_args = [] if given.rover else parameter_words(told[0])
     ros = _filled(
         RosOptions,
         given,
@@ -86,7 +119,17 @@ def parse_run(arguments: Sequence[str]) -> RunOptions | None:
         ros_args=(*namespace_args, *extended_args, *parameter_words(values), *ros_args),
         frames=_filled(FrameOptions, given),
     )
-    return _filled(RunOptions, given, config=config, ros=ros, settings=settings.updated(values))
+    settings = tuple(each.updated(values) for each in made)
+    parameters = tuple(each | values for each in told) if given.rover else ({},)
+    return _filled(RunOptions, given, fleet=fleet, ros=ros, all_settings=settings, parameters=parameters)
+
+
+def _settings(config: EpisodeConfig, *, extended: bool) -> Settings:
+    """The settings of a rover's metrics, but for those of a file."""
+    if not extended:
+        return Settings()
+    of_run = extended_settings(find_rover(config.robot), config.gravity())
+    return replace(Settings(), extended_columns=True, extended=of_run)
 
 
 def read_parameters(path: Path) -> dict[str, Any]:
@@ -122,6 +165,7 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         options.actor or of_terrain(options.terrain, options.resource_path)
     ):
         raise UsageError("--social-log is of a run with people; add --actor SPEC, or leave it out")
+    _check_fleet(options)
     if not options.direct:
         return
     for given, flag in (
@@ -133,11 +177,31 @@ def _check_combination(options: argparse.Namespace, ros_args: Sequence[str]) -> 
         (options.odom_tf != FrameOptions.odom_tf, "--odom-tf"),
         (options.odom_tf_3d, "--odom-tf-3d"),
         (options.map_tf, "--map-tf"),
-        (options.driver == "cmd_vel", "--driver cmd_vel"),
-        (
-            takes_goals(options.driver) and options.goal_area is None,
-            f"--driver {options.driver} without --goal-area",
-        ),
     ):
         if given:
             raise UsageError(f"{flag} needs ROS; leave out --direct")
+
+
+def _check_fleet(options: argparse.Namespace) -> None:
+    """Checks that what is told of a single rover is not told of several."""
+    wrong, flags = (
+        "is for a single rover",
+        {"social_log": None, "namespace": "", "robot": EpisodeConfig.robot},
+    )
+    mends = {
+        "social_log": "each --rover has its own below --log-dir; leave it out",
+        "namespace": "name each as --rover ROBOT:NAME",
+        "robot": f"give --rover {options.robot} beside the others",
+    }
+    for name, default in flags.items():
+        if options.rover and getattr(options, name) != default:
+            raise UsageError(f"--{name.replace('_', '-')} {wrong}: {mends[name]}")
+
+
+def _check_drivers(fleet: Sequence[EpisodeConfig]) -> None:
+    """Checks that no driver waits for what only ROS brings."""
+    for config in fleet:
+        waits = takes_goals(config.driver) and config.goal_area is None
+        if waits or config.driver == CMD_VEL:
+            without = " without --goal-area" if waits else ""
+            raise UsageError(f"--driver {config.driver}{without} needs ROS; leave out --direct")

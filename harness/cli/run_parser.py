@@ -11,6 +11,8 @@ from harness.config import CMD_VEL_TYPES, EpisodeConfig
 from harness.drivers import DRIVERS
 from harness.drivers.goal_course import Area
 from harness.faults.spec import FORM, describe_faults
+from harness.fleet import FORM as ROVER_FORM
+from harness.fleet import KEYS
 from harness.frames.options import ODOM_SOURCES, FrameOptions
 from harness.robots import ROVERS
 from harness.sensors.choice import kinds
@@ -143,6 +145,11 @@ def _add_episode(world: Group, defaults: EpisodeConfig) -> None:
             action="append" if is_many else "store",
             default=[] if is_many else getattr(defaults, flag[2:].replace("-", "_")),
         )
+    about = (
+        f"several in one world, {ROVER_FORM}, each in its NAME's namespace; KEYs: {', '.join(KEYS)}; "
+        "all other options hold for all of them (docs/fleets.md)"
+    )
+    world.add_argument("--rover", action="append", default=[], metavar="SPEC", help=about)
     about = "start [m] and heading from +x to +y [rad]; default: at or next to 0,0, the middle"
     world.add_argument("--start", type=_start, metavar="X,Y[,YAW]", help=about)
     about = f"where the world's origin is, for GNSS and its like; default: {_told(defaults.datum)}"

@@ -41,7 +41,7 @@ class PassBy(StagedEncounter):
     gap: ClassVar[tuple[float, float]] = PASSING_GAP
 
     def offset(self, width: float) -> float:
-        """Returns the offset of the path from the hazard's middle, to the left [m]; its sign is random."""
+        """Returns the offset of the path from the hazard's middle, to the left [m]: on a random side."""
         side = math.copysign(1.0, self.rng.uniform(-1.0, 1.0))
         return side * (width + self.rng.uniform(*self.gap))
 

@@ -5,8 +5,8 @@ from the sample, in the same order: a tick's samples first, then the row if a se
 """
 
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -15,13 +15,12 @@ from typing import Self
 from harness.config import EpisodeConfig, RosOptions
 from harness.drivers import sensed_by
 from harness.episode.batch import Batch
-from harness.episode.episode import Episode
-from harness.episode.loop import Observer, Pacer, drive
+from harness.episode.episode import Episode, fleet_of, together
+from harness.episode.loop import Lane, Observer, Pacer, drive, drive_all, injector
 from harness.episode.metrics_feed import DirectMetrics
-from harness.episode.result import RunAccount, RunResult, TopicCount, cells_of
+from harness.episode.result import RoverRun, RunAccount, RunResult, Show, TopicCount, cells_of
 from harness.errors import RunFailed, UsageError
 from harness.faults.injector import FaultInjector
-from harness.faults.spec import parse_faults
 from harness.interrupt import StopRequest
 from harness.samples import Sample, Tick
 from harness.sensors.lidar_spec import LidarSpec
@@ -38,7 +37,7 @@ def run_direct(
     config: EpisodeConfig,
     options: RosOptions,
     stop: StopRequest,
-    show: Callable[[RunResult], None] | None = None,
+    show: Show | None = None,
     observers: Sequence[Observer] = (),
     settings: Settings = DEFAULT_SETTINGS,
 ) -> RunResult:
@@ -55,14 +54,38 @@ def run_direct(
     Raises:
         UsageError: The arguments are not valid or the log cannot be created.
     """
+    only = RoverRun(config=config, log_dir=options.log_dir, observers=observers, settings=settings)
+    (result,) = run_all_direct((only,), options, stop, show)
+    return result
+
+
+def run_all_direct(
+    rovers: Sequence[RoverRun], options: RosOptions, stop: StopRequest, show: Show | None = None
+) -> tuple[RunResult, ...]:
+    """Runs rovers that share a world without ROS, as `run_direct` runs one; returns the result of each.
+
+    Args:
+        rovers: What to run.
+        options: Its `rate` counts.
+        stop: Ends the run early.
+        show: Is told the first one's result up to now after every batch.
+
+    Raises:
+        UsageError: The arguments are not valid or a log cannot be created.
+    """
     started = time.monotonic()
-    episode = Episode(config)
-    begun = RunResult(config=config, mode="direct, no ROS", info=episode.info)
-    with LoggedRun(begun, options.log_dir, settings, started=started, show=show) as logged:
-        rows = config.sensor_rows()
-        faults = FaultInjector(parse_faults(config.faults, rows), config.seed, rows)
-        ticks = drive(episode.batches(), faults, logged.advance, (*observers, logged), stop)
-        return logged.ended(*_driven(ticks, Pacer(options.rate, sleep=stop.sleep), stop))
+    episodes = fleet_of([rover.config for rover in rovers])
+    with ExitStack() as at_end:
+        logged, lanes = list[LoggedRun](), list[Lane]()
+        for rover, episode in zip(rovers, episodes, strict=True):
+            begun = RunResult(config=rover.config, mode="direct, no ROS", info=episode.info)
+            shown = None if logged else show
+            log = LoggedRun(begun, rover.log_dir, rover.settings, started=started, show=shown)
+            logged.append(at_end.enter_context(log))
+            lanes.append(Lane(injector(rover.config), log.advance, (*rover.observers, log)))
+        ticks = drive_all(together(episodes), lanes, stop)
+        why = _driven(ticks, Pacer(options.rate, sleep=stop.sleep), stop)
+        return tuple(log.ended(*why) for log in logged)
 
 
 class LoggedRun:
@@ -86,7 +109,7 @@ class LoggedRun:
         settings: Settings,
         *,
         started: float,
-        show: Callable[[RunResult], None] | None = None,
+        show: Show | None = None,
     ) -> None:
         self._settings = settings
         try:
@@ -99,8 +122,10 @@ class LoggedRun:
         self._metrics = metrics = DirectMetrics(session, LidarSpec(beams=begun.config.lidar_beams), log)
         self.advance = metrics.advance
 
+        space = f"/{begun.config.name}" if begun.config.name else ""
+
         def counts() -> dict[str, TopicCount]:
-            return {topic: TopicCount(published=n, received=n) for topic, n in metrics.fed.items()}
+            return {f"{space}{topic}": TopicCount(n, n) for topic, n in metrics.fed.items()}
 
         begun = replace(begun, log_path=log.path)
         self._account = RunAccount(begun, started, show, counts, lambda: log.rows)

@@ -1,16 +1,15 @@
 """One seeded drive in one world: world + rover + driver + sensors -> a stream of ticks and truth.
 
 No ROS and no wall clock: the same configuration gives the same stream, bit for bit. Consumers take it
-in batches of one control period, either in this process or through harness.episode.stream.
+in batches of one control period, either in this process or through harness.episode.stream. Rovers that
+share a world have an episode each, and are driven together; one alone is a fleet of one.
 """
 
-import math
 from collections import deque
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import partial
 from operator import itemgetter
 
-import mujoco
 import numpy as np
 
 from harness.config import TICKS_PER_CONTROL, EpisodeConfig
@@ -19,12 +18,13 @@ from harness.drivers.goal_course import GoalCourse
 from harness.drivers.steered import drivable
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import RunFailed
+from harness.fleet import scenery
 from harness.frames.options import FrameOptions
 from harness.frames.rover_frames import RoverFrames, rover_frames
 from harness.frames.transforms import describe
 from harness.physics.base_controller import base_controller
-from harness.physics.scene import HAZARD_CONTACT, build_scene
-from harness.physics.simulation import Simulation
+from harness.physics.scene import HAZARD_CONTACT, Scene, build_scenes
+from harness.physics.simulation import Simulation, simulations
 from harness.physics.start import check_room, check_start
 from harness.robots import find_rover
 from harness.robots.reading import model_hash
@@ -39,6 +39,7 @@ from harness.sensors.suite import SensorSuite
 from harness.sim_time import NANOSECONDS, TICK_NS, parse_timestep
 from harness.truth.recorder import TruthRecorder
 from harness.world.actors.room import Room
+from harness.world.berths import berth, overlaps
 from harness.world.world import World, terrain_hash
 
 GOAL_STREAM = 11
@@ -49,12 +50,14 @@ OPTIONAL_STREAM = 12  # those of optional sensors
 class Episode:
     """Builds the world on construction; `batches` then drives it once from start to end.
 
+    Of several rovers in a world `fleet_of` makes the episodes and `together` drives them.
+
     Args:
         config: What determines it.
         frame_options: Which transforms are among its samples; None for none at all.
         samples: Those that anybody wants, whatever drives the rover included; None for all. The drive
             is the same without the others.
-        world: That of the configuration, from a process that has built it; None to build it here.
+        simulation: The rover, in a world with others; None for one that is alone.
 
     Attributes:
         description: What the transforms are of; None without them.
@@ -65,16 +68,12 @@ class Episode:
         config: EpisodeConfig,
         frame_options: FrameOptions | None = None,
         samples: Collection[type[Sample]] | None = None,
-        world: World | None = None,
+        simulation: Simulation | None = None,
     ) -> None:
-        config.validate()
-        if world is None:
-            config.check_world()
-            world = config.world()
         self.config = config
-        rover = find_rover(config.robot)
-        timestep_ns = parse_timestep(config.timestep)
-        scene = build_scene(world, rover, timestep_ns / NANOSECONDS)
+        (self.simulation,) = _simulated((config,)) if simulation is None else (simulation,)
+        scene = self.simulation.scene
+        rover, world = scene.rover, scene.world
         self.info = EpisodeInfo(
             model_hash=model_hash(rover),
             terrain_hash=terrain_hash(world),
@@ -84,15 +83,10 @@ class Episode:
             notes=world.notes,
             files=world.files,
         )
-        if config.start is not None:
-            check_room(scene)
-        self.simulation = Simulation(scene, timestep_ns)
-        if config.start is not None:
-            check_start(scene, self.simulation.data)
         self._recorder = TruthRecorder(self.simulation)
         self._hazard_contact = self.simulation.summed(HAZARD_CONTACT)
         lidar_spec = LidarSpec(beams=config.lidar_beams)
-        lidar = Lidar(self.simulation.model, lidar_spec)
+        lidar = Lidar(scene.model, lidar_spec, scene.own("lidar"), scene.others())
         parts: dict[str, object] = {
             "simulation": self.simulation,
             "lidar": lidar,
@@ -105,7 +99,7 @@ class Episode:
         optional = [row.given for row in rows if row.given is not None]
         if frame_options is not None or optional:
             frames = rover_frames(rover, (frame for some in optional for frame in some.frames(rover)))
-            parts["install"] = partial(installed, config, frames, scene.model)
+            parts["install"] = partial(installed, config, frames, scene)
         if frame_options is not None:
             self.description = describe(frames, frame_options)
             parts |= {"frames": frames, "frame_options": frame_options}
@@ -114,7 +108,8 @@ class Episode:
         self._sensors = SensorSuite(parts, rover, rates, wanted=samples, noise=noise, rows=rows)
         crowd, told = self.simulation.crowd, samples is None or ActorPoses in samples
         self._people = PeopleSensor(self.simulation, crowd) if crowd is not None and told else None
-        self._goals: list[Place] = []  # given since the last batch
+        self._ticks: list[Tick] = []  # since the last batch
+        self._goals: list[Place] = []  # given since then
         self._bearings = lidar_spec.bearings_at(rover.lidar_yaw)
         self._course = goal_course(config, world)
         planned: list[tuple[float, Callable[[], None]]] = [(t, self.reset) for t in config.resets]
@@ -127,12 +122,18 @@ class Episode:
         """A driver that has done nothing yet, at a rover that stands."""
         self._began_ns = self.simulation.time_ns
         self._drive = base_controller(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
-        scene, (rng, *_) = self.simulation.scene, generators(self.config.seed, 3)
+        scene, (rng, *_) = self.simulation.scene, generators(self.config.own_seed, 3)
         middle, half_size = scene.world.roaming
         seconds = self.config.cmd_vel_timeout
         timeout_ns = None if seconds is None else round(seconds * NANOSECONDS)
         context = DriverContext(
-            scene.rover, half_size, self._bearings, rng, scene.world.obstacles, timeout_ns, middle
+            scene.rover,
+            half_size,
+            self._bearings,
+            rng,
+            obstacles=scene.world.obstacles,
+            command_timeout_ns=timeout_ns,
+            middle=middle,
         )
         self._driver: Driver = find_driver(self.config.driver)(context)
 
@@ -153,18 +154,19 @@ class Episode:
         From then on it drives as it did at first, step for step. The IMU begins a new window. Wheel
         odometry goes on without a jump, as that of Gazebo's DiffDrive after a set_pose, and so do the
         biases of noise. Joints stand as they stood. People begin their walks anew, unless the rover is
-        put elsewhere: then they walk on.
+        put elsewhere or is one of several: then they walk on.
 
         Args:
-            place: Where to, onto the ground; None for the start.
+            place: Where to, onto the ground; None for the start. Where another rover stands, beside it.
 
         Raises:
             Diverged: It cannot stand there.
         """
         self._sensors.before_reset()
+        place = self._beside_others(place)
         if place is None:
             self.simulation.return_to_start()
-            if self.simulation.crowd is not None:
+            if self.simulation.crowd is not None and len(self.simulation.physics.rovers) == 1:
                 self.simulation.crowd.restart(self.simulation.time_ns)
         else:
             self.simulation.put(place.x, place.y, place.yaw)
@@ -179,24 +181,46 @@ class Episode:
             RunFailed: The rover left the map or the simulation diverged; the ticks up to then have
                 been yielded.
         """
-        for start in range(0, self.config.total_ticks, TICKS_PER_CONTROL):
-            stop = min(start + TICKS_PER_CONTROL, self.config.total_ticks)
-            self._act(start)
-            self._drive.command(self._commanded())
-            ticks: list[Tick] = []
-            failure: RunFailed | None = None
-            try:
-                ticks.extend(self._tick(index) for index in range(start + 1, stop + 1))
-            except RunFailed as error:
-                failure = error
-            events = self._recorder.events
-            if failure is not None or stop == self.config.total_ticks:
-                events.close()
-            truth, goals = self._recorder.truth(), tuple(self._goals)
-            self._goals.clear()
-            yield Batch(tuple(ticks), truth, events.take_closed(), events.open, goals)
-            if failure is not None:
-                raise failure
+        for (batch,) in together((self,)):
+            yield batch
+
+    def begin_period(self, tick: int) -> None:
+        """Does what is planned up to a tick, and takes the driver's command."""
+        self._act(tick)
+        self._drive.command(self._commanded())
+
+    def drive_wheels(self) -> None:
+        """Commands the wheels for the next tick."""
+        self.simulation.command_wheels(self._drive.wheel_speeds())
+
+    def observe(self, index: int) -> None:
+        """Takes a tick that has just been simulated into account, counted from 1."""
+        self._recorder.observe()
+        samples = self._sensors.tick(index)
+        if self._people is not None and self._people.due(index):
+            samples += (self._people.read(),)
+        self._ticks.append(Tick(self.simulation.time_ns, samples))
+
+    def end_period(self, *, is_last: bool) -> Batch:
+        """Returns what has been since the last batch; after the last one no contact goes on."""
+        events = self._recorder.events
+        if is_last:
+            events.close()
+        ticks, goals = tuple(self._ticks), tuple(self._goals)
+        self._ticks.clear()
+        self._goals.clear()
+        return Batch(ticks, self._recorder.truth(), events.take_closed(), events.open, goals)
+
+    def _beside_others(self, place: Place | None) -> Place | None:
+        """Where there is room for the rover, which is there unless another one is in the way."""
+        scene, physics = self.simulation.scene, self.simulation.physics
+        x, y, yaw = scene.world.start if place is None else (place.x, place.y, place.yaw)
+        others = (rover for rover in physics.rovers if rover.scene is not scene)
+        taken = [(*rover.pose[:2].tolist(), rover.scene.rover.reach) for rover in others]
+        if not overlaps((x, y, scene.rover.reach), taken):
+            return place
+        free = berth((x, y, yaw), scene.rover, taken, scene.world)
+        return place if free is None else Place(*free)
 
     def _commanded(self) -> Twist:
         """What the driver wants; commands from elsewhere and of policies are taken as they are."""
@@ -224,14 +248,69 @@ class Episode:
         touches, time_ns = bool(self._hazard_contact[0]), simulation.time_ns - self._began_ns
         return Observation(time_ns, x, y, simulation.yaw, ranges, touches, self._sensors.latest)
 
-    def _tick(self, index: int) -> Tick:
-        self.simulation.command_wheels(self._drive.wheel_speeds())
-        self.simulation.tick()
-        self._recorder.observe()
-        samples = self._sensors.tick(index)
-        if self._people is not None and self._people.due(index):
-            samples += (self._people.read(),)
-        return Tick(self.simulation.time_ns, samples)
+
+def fleet_of(
+    configs: Sequence[EpisodeConfig],
+    frame_options: FrameOptions | None = None,
+    world: World | None = None,
+) -> tuple[Episode, ...]:
+    """Returns the episodes of rovers that share a world, which `together` drives.
+
+    Args:
+        configs: One a rover; the world is that of the first.
+        frame_options: As of an Episode.
+        world: That of the first, from a process that has built it; None to build it here.
+
+    Raises:
+        UsageError: A value is not valid, or two of them would touch at the start.
+    """
+    made = zip(configs, _simulated(configs, world), strict=True)
+    return tuple(Episode(config, frame_options, None, simulation) for config, simulation in made)
+
+
+def together(episodes: Sequence[Episode]) -> Iterator[tuple[Batch, ...]]:
+    """Drives episodes that share a world, one control period at a time: a batch of each.
+
+    Raises:
+        RunFailed: A rover left the map or the simulation diverged; the ticks up to then have been
+            yielded.
+    """
+    physics, total = episodes[0].simulation.physics, episodes[0].config.total_ticks
+    for start in range(0, total, TICKS_PER_CONTROL):
+        stop = min(start + TICKS_PER_CONTROL, total)
+        for episode in episodes:
+            episode.begin_period(start)
+        failure: RunFailed | None = None
+        try:
+            for index in range(start + 1, stop + 1):
+                for episode in episodes:
+                    episode.drive_wheels()
+                physics.tick()
+                for episode in episodes:
+                    episode.observe(index)
+        except RunFailed as error:
+            failure = error
+        is_last = failure is not None or stop == total
+        yield tuple(episode.end_period(is_last=is_last) for episode in episodes)
+        if failure is not None:
+            raise failure
+
+
+def _simulated(configs: Sequence[EpisodeConfig], world: World | None = None) -> tuple[Simulation, ...]:
+    """The rovers of these episodes in the world of the first, settled at their starts."""
+    if world is None:
+        for config in configs:
+            config.validate()
+            config.check_world()
+    (world, fleet), timestep_ns = scenery(configs, world), parse_timestep(configs[0].timestep)
+    scenes = build_scenes(world, fleet, timestep_ns / NANOSECONDS)
+    chosen = [scene for scene, c in zip(scenes, configs, strict=True) if c.start is not None]
+    for scene in chosen:
+        check_room(scene, scenes)
+    made = simulations(scenes, timestep_ns)
+    for scene in chosen:
+        check_start(scene, made[0].data)
+    return made
 
 
 def goal_course(config: EpisodeConfig, world: World) -> GoalCourse | None:
@@ -242,28 +321,28 @@ def goal_course(config: EpisodeConfig, world: World) -> GoalCourse | None:
     """
     if config.goal_area is None:
         return None
-    x_min, x_max, y_min, y_max = find_rover(config.robot).footprint
-    reach = math.hypot(max(-x_min, x_max), max(-y_min, y_max))
-    rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(GOAL_STREAM,)))
+    reach = find_rover(config.robot).reach
+    rng = np.random.default_rng(np.random.SeedSequence(config.own_seed, spawn_key=(GOAL_STREAM,)))
     course = GoalCourse(config.goal_area, Room(world), reach, rng)
     course.draw()
     return course
 
 
 def installed(
-    config: EpisodeConfig, frames: RoverFrames, model: mujoco.MjModel, options: SensorOptions
+    config: EpisodeConfig, frames: RoverFrames, scene: Scene, options: SensorOptions
 ) -> Installation:
     """Returns what an optional sensor is made with; its randomness depends on seed and name alone.
 
     Args:
         config: Whose seed and noise it has.
         frames: Of the rover, the sensor's own among them.
-        model: Of the scene that the rover is in.
+        scene: That the rover is in.
         options: Of the sensor.
     """
-    source = np.random.SeedSequence(config.seed, spawn_key=(OPTIONAL_STREAM, *options.name.encode()))
+    key = (OPTIONAL_STREAM, *options.name.encode())
+    source = np.random.SeedSequence(config.own_seed, spawn_key=key)
     noise = None if config.noise is None else PRESETS[config.noise]
-    mount = frames.mount(options.frame_id, model)
+    mount = frames.mount(options.frame_id, scene.model, scene.prefix)
     return Installation(options, mount, np.random.default_rng(source), noise)
 
 
@@ -271,7 +350,7 @@ def sensor_noise(config: EpisodeConfig, lidar: LidarSpec) -> SensorNoise | None:
     """Returns the noise of an episode, from its own generators; None without."""
     if config.noise is None:
         return None
-    _, scan_rng, imu_rng = generators(config.seed, 3)
+    _, scan_rng, imu_rng = generators(config.own_seed, 3)
     return SensorNoise(PRESETS[config.noise], (lidar.range_min, lidar.range_max), scan_rng, imu_rng)
 
 

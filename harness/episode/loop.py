@@ -6,10 +6,13 @@ other observers.
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
+from harness.config import EpisodeConfig
 from harness.episode.batch import Batch
 from harness.faults.injector import FaultInjector
+from harness.faults.spec import parse_faults
 from harness.interrupt import StopRequest
 from harness.samples import Tick
 from harness.sim_time import NANOSECONDS
@@ -25,6 +28,27 @@ class Observer(Protocol):
         ...
 
 
+def injector(config: EpisodeConfig) -> FaultInjector:
+    """Returns the faults of an episode."""
+    rows = config.sensor_rows()
+    return FaultInjector(parse_faults(config.faults, rows), config.own_seed, rows, config.seed)
+
+
+@dataclass(frozen=True)
+class Lane:
+    """Where what one of several rovers brings goes.
+
+    Attributes:
+        faults: Act on what leaves the rover; the episode itself does not see them.
+        sink: Where ticks go.
+        observers: See every batch, in this order.
+    """
+
+    faults: FaultInjector
+    sink: Sink
+    observers: Sequence[Observer] = ()
+
+
 def drive(
     batches: Iterable[Batch],
     faults: FaultInjector,
@@ -32,7 +56,7 @@ def drive(
     observers: Sequence[Observer] = (),
     stop: StopRequest | None = None,
 ) -> Iterator[Tick]:
-    """Hands each tick to the sink, as the faults leave it, and then each batch to the observers.
+    """Drives a single rover, as `drive_all` does several.
 
     Args:
         batches: Of the episode.
@@ -44,12 +68,30 @@ def drive(
     Yields:
         Each tick of the episode, once the sink has taken it.
     """
-    for batch in batches:
-        for tick in batch.ticks:
-            sink(tick, faults.corrupt(tick))
-            yield tick
-        for observer in observers:
-            observer.take(batch)
+    yield from drive_all(((batch,) for batch in batches), [Lane(faults, sink, observers)], stop)
+
+
+def drive_all(
+    batches: Iterable[Sequence[Batch]], lanes: Sequence[Lane], stop: StopRequest | None = None
+) -> Iterator[Tick]:
+    """Hands each rover's tick to its sink, as its faults leave it, then its batches to its observers.
+
+    Args:
+        batches: Of each control period, one a rover.
+        lanes: Of the rovers, in their order.
+        stop: Ends the drive after the batch in which it is requested.
+
+    Yields:
+        Each tick of the first rover, once the sinks have taken those of all.
+    """
+    for together in batches:
+        for ticks in zip(*(batch.ticks for batch in together), strict=True):
+            for tick, lane in zip(ticks, lanes, strict=True):
+                lane.sink(tick, lane.faults.corrupt(tick))
+            yield ticks[0]
+        for batch, lane in zip(together, lanes, strict=True):
+            for observer in lane.observers:
+                observer.take(batch)
         if stop is not None and stop.signal is not None:
             return
 

@@ -48,11 +48,6 @@ def extended_parameters(settings: ExtendedSettings) -> dict[str, object]:
     return {"extended_columns": True} | outline_parameters(settings) | others
 
 
-def extended_ros_args(settings: ExtendedSettings) -> list[str]:
-    """Returns `extended_parameters` as arguments; what follows them wins."""
-    return parameter_words(extended_parameters(settings))
-
-
 def parameter_words(values: Mapping[str, object]) -> list[str]:
     """Returns arguments that set parameters of a metrics_node; what follows them wins."""
     pairs = [("-p", f"{name}:={json.dumps(value)}") for name, value in values.items()]

@@ -1,18 +1,20 @@
 """What a run comes to: counts, rows, truth and outcome, as plain values for table and manifest."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from harness.config import EpisodeConfig
 from harness.episode.batch import Batch, EpisodeInfo
+from harness.episode.loop import Observer
 from harness.episode.truth_account import TruthAccount, TruthAlong
 from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import Truth
 from rover_metrics.core.row import Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
+from rover_metrics.extended.settings import Settings
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +121,28 @@ class RunResult:
         return sum(count.published for count in self.topics.values())
 
 
+@dataclass(frozen=True, kw_only=True)
+class RoverRun:
+    """What one rover of a run is asked for.
+
+    Attributes:
+        config: Of its episode.
+        log_dir: Gets its log.
+        observers: See its batches.
+        settings: Of its metrics.
+        parameters: Of its hosted metrics_node, beside those in the arguments of the run.
+    """
+
+    config: EpisodeConfig
+    log_dir: Path
+    observers: Sequence[Observer] = ()
+    settings: Settings = field(default_factory=Settings)
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+
+
+Show = Callable[[RunResult], None]
 Run = Callable[..., RunResult]  # run_direct, or run_through_ros
+RunAll = Callable[..., tuple[RunResult, ...]]  # run_all_direct, or run_all_through_ros
 
 
 def cells_of(row: Row | None) -> dict[str, int | float | str] | None:

@@ -1,22 +1,23 @@
-"""An episode in a child process: simulation on one core, its consumer (ROS) on the other.
+"""Episodes of one world in a child process: simulation on one core, its consumer (ROS) on the other.
 
 The child simulates AHEAD batches ahead, so the consumer hardly waits for physics nor physics for the
-consumer; the stream itself is the episode's, bit for bit. Each batch has an order: the consumer sends
-one for each that it has taken, so what it orders comes into effect after the batches that are ordered
-already, at a time that it knows. With the cmd_vel driver the child waits for each command instead.
+consumer; the stream itself is the episodes', bit for bit. Each batch has an order a rover: the consumer
+sends them for each batch that it has taken, so what it orders comes into effect after those that are
+ordered already, at a time that it knows. With the cmd_vel driver the child waits for each command
+instead.
 
-The child sends the episode's info and description, its batches and None, or instead of any of these
-the error that it failed of.
+The child sends the episodes' infos, their descriptions, their batches and None, or instead of any of
+these the error that it failed of.
 """
 
 import contextlib
 import multiprocessing
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from multiprocessing.connection import Connection
-from typing import Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
-from harness.config import EpisodeConfig
+from harness.config import CMD_VEL, EpisodeConfig
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.errors import HarnessError, RunFailed
@@ -26,6 +27,9 @@ from harness.interrupt import held_back
 from harness.samples import Place, Twist
 from harness.world.terrain_file import is_terrain_file
 from harness.world.world import World
+
+if TYPE_CHECKING:
+    from harness.episode.episode import Episode
 
 AHEAD = 10  # batches: 0.5 s of simulated time
 EXIT_PATIENCE = 0.5  # [s] for the child to leave before it is killed
@@ -46,57 +50,22 @@ class _Order(NamedTuple):
     goal: Place | None = None
 
 
-class EpisodeProcess:
-    """Runs an episode in a child; a context manager that leaves no process behind."""
+class RoverOrders:
+    """What the consumer orders of one rover.
 
-    def __init__(self, config: EpisodeConfig, frame_options: FrameOptions | None = None) -> None:
-        self._config = config
-        self._describes = frame_options is not None
-        self._obeys = config.driver == "cmd_vel"
-        world = _built_world(config)
-        context = multiprocessing.get_context("spawn")
-        self._connection, remote = context.Pipe()
-        self._process = context.Process(
-            target=_simulate, args=(config, frame_options, remote, world), daemon=True
-        )
-        try:
-            with held_back():
-                self._process.start()
-        except BaseException:  # a signal arrived meanwhile, and nobody will leave this context
-            if self._process.pid is not None:
-                self._process.kill()
-                self._process.join()
-            raise
-        remote.close()
+    Args:
+        process: Where it is driven.
+        config: Of its episode.
+    """
+
+    def __init__(self, process: "EpisodeProcess", config: EpisodeConfig) -> None:
+        self._process = process
+        self.obeys = config.driver == CMD_VEL
         self._next = _Order()
-        self._ordered = 0
-        for _ in range(0 if self._obeys else AHEAD):
-            self._order()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._connection.close()
-        self._process.join(EXIT_PATIENCE)
-        if self._process.is_alive():
-            self._process.kill()
-            self._process.join()
-
-    @property
-    def info(self) -> EpisodeInfo:
-        """What the episode was made of; waits until the world is built. Ask once, first."""
-        info: EpisodeInfo = self._receive()
-        return info
-
-    @property
-    def description(self) -> Description | None:
-        """What its transforms are of; None without any. Ask once, second."""
-        return self._receive() if self._describes else None
 
     def command(self, twist: Twist) -> None:
         """Sets the command from the next control period on (cmd_vel driver)."""
-        if self._obeys:
+        if self.obeys:
             self._next = self._next._replace(command=twist)
 
     def reset(self) -> int | None:
@@ -119,31 +88,99 @@ class EpisodeProcess:
         """
         return self._note(self._next._replace(goal=goal))
 
-    def batches(self) -> Iterator[Batch]:
-        """Yields the episode's batches, in order.
-
-        Raises:
-            RunFailed: As `Episode.batches`, or the child died.
-        """
-        self._order()
-        while (batch := self._receive()) is not None:
-            yield batch
-            self._order()
-
-    def _order(self) -> None:
-        if self._ordered == self._config.total_periods:
-            return
-        order = None if self._next == _Order() else self._next
-        with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # the next receipt tells why
-            self._connection.send(order)
-        self._ordered, self._next = self._ordered + 1, _Order()
+    def take(self) -> _Order | None:
+        """Returns the next order, once; None for nothing but to go on."""
+        order, self._next = self._next, _Order()
+        return None if order == _Order() else order
 
     def _note(self, order: _Order) -> int | None:
         """Makes that the next order; returns when it comes into effect."""
-        if self._ordered == self._config.total_periods:
-            return None
-        self._next = order
-        return self._ordered * CONTROL_PERIOD_NS
+        at_ns = self._process.next_ns
+        if at_ns is not None:
+            self._next = order
+        return at_ns
+
+
+class EpisodeProcess:
+    """Runs the episodes of a world in a child; a context manager that leaves no process behind.
+
+    Args:
+        configs: One a rover.
+        frame_options: As of an Episode.
+
+    Attributes:
+        rovers: Take the orders, in that order.
+    """
+
+    def __init__(
+        self, configs: Sequence[EpisodeConfig], frame_options: FrameOptions | None = None
+    ) -> None:
+        self._periods = configs[0].total_periods
+        self._describes = frame_options is not None
+        world = _built_world(configs)
+        context = multiprocessing.get_context("spawn")
+        self._connection, remote = context.Pipe()
+        self._process = context.Process(
+            target=_simulate, args=(tuple(configs), frame_options, remote, world), daemon=True
+        )
+        try:
+            with held_back():
+                self._process.start()
+        except BaseException:  # a signal arrived meanwhile, and nobody will leave this context
+            if self._process.pid is not None:
+                self._process.kill()
+                self._process.join()
+            raise
+        remote.close()
+        self.rovers = tuple(RoverOrders(self, config) for config in configs)
+        self._ordered = 0
+        for _ in range(0 if any(rover.obeys for rover in self.rovers) else AHEAD):
+            self._order()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._connection.close()
+        self._process.join(EXIT_PATIENCE)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+
+    @property
+    def infos(self) -> tuple[EpisodeInfo, ...]:
+        """What the episodes were made of; waits until the world is built. Ask once, first."""
+        infos: tuple[EpisodeInfo, ...] = self._receive()
+        return infos
+
+    @property
+    def descriptions(self) -> tuple[Description, ...]:
+        """What their transforms are of; empty without any. Ask once, second."""
+        return self._receive() if self._describes else ()
+
+    @property
+    def next_ns(self) -> int | None:
+        """The simulation time [ns] from which on the next order holds; None if there is no more."""
+        return None if self._ordered == self._periods else self._ordered * CONTROL_PERIOD_NS
+
+    def batches(self) -> Iterator[tuple[Batch, ...]]:
+        """Yields the batches of each control period.
+
+        Raises:
+            RunFailed: As `together`, or the child died.
+        """
+        self._order()
+        while (batches := self._receive()) is not None:
+            yield batches
+            self._order()
+
+    def _order(self) -> None:
+        if self.next_ns is None:
+            return
+        orders = tuple(rover.take() for rover in self.rovers)
+        with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # the next receipt tells why
+            self._connection.send(orders)
+        self._ordered += 1
 
     def _receive(self) -> Any:  # noqa: ANN401 - see the module
         try:
@@ -156,28 +193,29 @@ class EpisodeProcess:
         return received
 
 
-def _built_world(config: EpisodeConfig) -> World | None:
+def _built_world(configs: Sequence[EpisodeConfig]) -> World | None:
     """Returns the world of a file, which takes seconds to build and little to hand over; else None.
 
     Raises:
         UsageError: There is no such world.
     """
-    if not is_terrain_file(config.terrain):
+    if not is_terrain_file(configs[0].terrain):
         return None
-    config.check_world()
-    return config.world()
+    for config in configs:
+        config.check_world()
+    return configs[0].world()
 
 
 def _simulate(
-    config: EpisodeConfig,
+    configs: Sequence[EpisodeConfig],
     frame_options: FrameOptions | None,
     connection: Connection,
     world: World | None,
 ) -> None:
-    """The child: builds the episode, then streams it until its end or until nobody listens."""
+    """The child: builds the episodes, then streams them until their end or until nobody listens."""
     with contextlib.suppress(BrokenPipeError, ConnectionResetError, EOFError):
         try:
-            _stream(config, frame_options, connection, world)
+            _stream(configs, frame_options, connection, world)
         except HarnessError as error:
             connection.send(error)
         except Exception:  # noqa: BLE001 - a bug: its trace must reach the parent
@@ -186,27 +224,33 @@ def _simulate(
 
 
 def _stream(
-    config: EpisodeConfig,
+    configs: Sequence[EpisodeConfig],
     frame_options: FrameOptions | None,
     connection: Connection,
     world: World | None,
 ) -> None:
     # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
-    from harness.episode.episode import Episode  # noqa: PLC0415
+    from harness.episode.episode import fleet_of, together  # noqa: PLC0415
 
-    episode = Episode(config, frame_options, world=world)
-    connection.send(episode.info)
-    if episode.description is not None:
-        connection.send(episode.description)
-    batches = episode.batches()
-    for _ in range(config.total_periods):
-        order: _Order | None = connection.recv()
-        if order is not None and order.reset:
-            episode.reset(order.place)
-        if order is not None and order.command is not None:
-            episode.command(order.command)
-        if order is not None and order.goal is not None:
-            episode.head_for(order.goal)
+    episodes = fleet_of(configs, frame_options, world)
+    connection.send(tuple(episode.info for episode in episodes))
+    if frame_options is not None:
+        connection.send(tuple(episode.description for episode in episodes))
+    batches = together(episodes)
+    for _ in range(configs[0].total_periods):
+        orders: tuple[_Order | None, ...] = connection.recv()
+        for episode, order in zip(episodes, orders, strict=True):
+            if order is not None:
+                _follow(episode, order)
         connection.send(next(batches))
     next(batches, None)  # raises what the last of them failed of
     connection.send(None)
+
+
+def _follow(episode: "Episode", order: _Order) -> None:
+    if order.reset:
+        episode.reset(order.place)
+    if order.command is not None:
+        episode.command(order.command)
+    if order.goal is not None:
+        episode.head_for(order.goal)

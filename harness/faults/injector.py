@@ -27,15 +27,24 @@ class FaultInjector:
         faults: What goes wrong.
         seed: Of the run.
         rows: The sensors of the run; None for all there are.
+        clock_seed: Of the clock's faults, which several rovers share; None for the same.
 
     Attributes:
         disturbs_time: Whether time will do anything else than go on by one tick after the other.
     """
 
     def __init__(
-        self, faults: Iterable[Fault[Any]], seed: int, rows: Iterable[SensorRow] | None = None
+        self,
+        faults: Iterable[Fault[Any]],
+        seed: int,
+        rows: Iterable[SensorRow] | None = None,
+        clock_seed: int | None = None,
     ) -> None:
-        drawn = [(fault, _generator(seed, index)) for index, fault in enumerate(faults)]
+        of_clock = seed if clock_seed is None else clock_seed
+        drawn = [
+            (fault, _generator(of_clock if fault.sensor == CLOCK else seed, index))
+            for index, fault in enumerate(faults)
+        ]
         clock_faults = [(fault, rng) for fault, rng in drawn if fault.sensor == CLOCK]
         self._faulty, self.disturbs_time = bool(drawn), bool(clock_faults)
         self._clock = FaultyClock(clock_faults)

@@ -81,12 +81,18 @@ class RoverFrames:
         (parent,) = (other for other in self.links if other.name == link.parent)
         return np.linalg.inv(parent.in_base) @ link.in_base
 
-    def mount(self, frame: str, scene: mujoco.MjModel) -> Mount:
-        """Returns where one of the frames is in a scene that the rover has been put into."""
+    def mount(self, frame: str, scene: mujoco.MjModel, prefix: str = "") -> Mount:
+        """Returns where one of the frames is in a scene that the rover has been put into.
+
+        Args:
+            frame: Its name.
+            scene: The model of the scene.
+            prefix: Of the rover's names there.
+        """
         (link,) = (link for link in self.links if link.name == frame)
         data, body = self.data, link.body
         in_body = np.linalg.inv(homogeneous(data.xpos[body], data.xmat[body])) @ link.in_base
-        return Mount(scene.body(self.model.body(body).name).id, in_body[:3, 3], in_body[:3, :3])
+        return Mount(scene.body(prefix + self.model.body(body).name).id, in_body[:3, 3], in_body[:3, :3])
 
     def axis(self, link: Link) -> Matrix:
         """Returns the axis of a frame's joint in its own axes, shape (3,)."""

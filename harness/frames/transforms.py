@@ -107,7 +107,9 @@ class _Joints:
         links, model = frames.moving, frames.model
         self._qpos = simulation.data.qpos
         names = [model.joint(link.joint).name for link in links]
-        self._address = np.array([int(simulation.model.joint(name).qposadr[0]) for name in names])
+        self._address = np.array(
+            [int(simulation.model.joint(simulation.scene.own(name)).qposadr[0]) for name in names]
+        )
         self._hinges = [model.jnt_type[link.joint] == HINGE for link in links]
         edges = [frames.edge(link) for link in links]
         self._at_zero = [(edge.translation, edge.rotation) for edge in edges]

@@ -75,7 +75,7 @@ class Course:
         if self.camera is None or self._frames is None:
             return None
         config = replace(self.config, seed=seed)
-        made = installed(config, self._frames, simulation.model, self.camera)
+        made = installed(config, self._frames, simulation.scene, self.camera)
         return RangeSensor(simulation, self.lidar.surroundings, made, TICKS_PER_CONTROL)
 
     def varied(self, start: Start, variation: Variation) -> Scene:

@@ -97,5 +97,5 @@ class Ride:
     @property
     def upright(self) -> float:
         """Cosine of the angle between the rover's and the world's vertical."""
-        _, x, y, _ = self.simulation.data.qpos[3:7].tolist()
+        _, x, y, _ = self.simulation.pose[3:].tolist()
         return 1.0 - 2.0 * (float(x) ** 2 + float(y) ** 2)

@@ -1,16 +1,16 @@
-"""What the rover touches, step by step: the strongest contact of each kind in a clock tick.
+"""What a rover touches, step by step: the strongest contact of each kind in a clock tick.
 
 Walks MuJoCo's contacts only in steps whose contact counts are not zero; the counts are those of the
 truth sensors of harness.physics.scene.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import mujoco
 import numpy as np
 
-from harness.physics.scene import HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT, body_geoms
-from harness.robots import RoverSpec
+from harness.physics.scene import HAZARD_CONTACT, ROCK_CONTACT, SCRAPE_CONTACT, Scene, body_geoms
 from harness.samples import ContactKind
 
 BODY_PREFIX = "body_"  # of the names of geoms that are not wheels, in the models that ship
@@ -22,7 +22,7 @@ class Touch(NamedTuple):
 
     Attributes:
         force: Normal force [N].
-        part: Geom of the rover; `other` is that of the obstacle or the ground.
+        part: Geom of the rover; `other` is that of the obstacle, the other rover or the ground.
         position: In the world [m].
         pose: The rover's then: position [m] and w, x, y, z.
     """
@@ -35,25 +35,34 @@ class Touch(NamedTuple):
 
 
 class ContactWatch:
-    """Watches one simulation; `look` after every step whose counts are not all zero.
+    """Watches one rover; `look` after every step whose counts are not all zero.
+
+    Args:
+        scenes: Of all rovers of the world, the watched one first.
+        data: Their state.
 
     Attributes:
         counts: How many contacts of each kind MuJoCo counts in the present step; a view.
         strongest: The strongest contact of each kind since the last `begin`.
     """
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, rover: RoverSpec) -> None:
+    def __init__(self, scenes: Sequence[Scene], data: mujoco.MjData) -> None:
+        scene, *others = scenes
+        model = scene.model
         self._model, self._data = model, data
-        self.counts = data.sensordata[_contact_counts(model)]
+        self.counts = data.sensordata[_contact_counts(scene)]
+        self._pose = data.qpos[scene.qpos_at : scene.qpos_at + 7]
+        self._prefix, self._own = scene.prefix, set(scene.geoms())
         self._obstacles: dict[int, ContactKind] = {
             geom: kind
             for body, kind in KIND_OF_BODY.items()
             for geom in np.flatnonzero(model.geom_bodyid == model.body(body).id).tolist()
         }
         people = np.flatnonzero(model.body_mocapid[model.geom_bodyid] >= 0).tolist()
-        self._obstacles |= dict.fromkeys(people, "hazard")
+        self._obstacles |= dict.fromkeys((*people, *scene.others()), "hazard")
+        self._whose = {geom: other for other in others for geom in other.geoms()}
         self._ground = set(np.flatnonzero(model.geom_bodyid == 0).tolist())  # terrain and decks
-        self._body = body_geoms(model, rover)
+        self._body = body_geoms(scene)
         self._force = np.zeros(6)
         self.strongest: dict[ContactKind, Touch] = {}
 
@@ -65,14 +74,15 @@ class ContactWatch:
     def look(self) -> None:
         """Takes a step in which something was touched into account."""
         for index, (one, other) in enumerate(self._data.contact.geom.tolist()):
-            swapped = one in self._obstacles or one in self._ground
-            part, thing = (other, one) if swapped else (one, other)
+            part, thing = (one, other) if one in self._own else (other, one)
+            if part not in self._own:
+                continue  # another rover's
             kind = self._obstacles.get(thing) or ("scrape" if part in self._body else None)
             if kind is None:
                 continue  # a wheel on the ground
             mujoco.mj_contactForce(self._model, self._data, index, self._force)
             force = float(self._force[0])
-            position, pose = self._data.contact.pos[index].tolist(), self._data.qpos[:7].tolist()
+            position, pose = self._data.contact.pos[index].tolist(), self._pose.tolist()
             self.note(kind, Touch(force, part, thing, position, pose))
 
     def note(self, kind: ContactKind, touch: Touch) -> None:
@@ -82,16 +92,18 @@ class ContactWatch:
             self.strongest[kind] = touch
 
     def name_of(self, geom: int) -> str:
-        """Returns what a part, an obstacle or the ground is called."""
+        """Returns what a part, an obstacle, another rover's part or the ground is called."""
         if geom in self._ground:
             return "ground"
         name: str = self._model.geom(geom).name or self._model.body(self._model.geom_bodyid[geom]).name
-        return name.removeprefix(BODY_PREFIX)
+        if (whose := self._whose.get(geom)) is not None:
+            return f"{whose.name}/{name.removeprefix(whose.prefix).removeprefix(BODY_PREFIX)}"
+        return name.removeprefix(self._prefix).removeprefix(BODY_PREFIX)
 
 
-def _contact_counts(model: mujoco.MjModel) -> slice:
+def _contact_counts(scene: Scene) -> slice:
     """Where in the sensor data the contact counts stand: one next to the other."""
-    counted = (ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT)
+    model, counted = scene.model, scene.all_own((ROCK_CONTACT, HAZARD_CONTACT, SCRAPE_CONTACT))
     sensors = [model.sensor(i) for i in range(model.nsensor)]
     places = [int(s.adr[0]) for s in sensors if s.name.startswith(counted)]
     return slice(min(places), max(places) + 1)

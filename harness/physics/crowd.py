@@ -1,17 +1,17 @@
-"""The people of a simulation: mocap bodies, moved once a clock tick, and whether the rover touches one.
+"""The people of a simulation: mocap bodies, moved once a clock tick, and whether a rover touches one.
 
 They are kinematic: nothing pushes them, and they push the rover only if they are told to. A touch is
 truth all the same: it is a contact with a hazard, without a force where nobody pushes.
 """
 
 import math
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
 
 from harness.physics.contacts import ContactWatch, Touch
 from harness.physics.scene import Scene
-from harness.robots.model import ROOT_ID
 from harness.samples import Place, Vector3
 from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.world.actors.walker import SocialWalker
@@ -20,24 +20,28 @@ REACH = 0.1  # [m] beyond bounding discs within which a touch is looked for
 
 
 class Crowd:
-    """Moves the people of a scene; call `move` before the steps of a tick and `look` after them.
+    """Moves the people of a world; call `move` before the steps of a tick and `look` after them.
+
+    Args:
+        scenes: Of all rovers of the world.
+        data: Their state.
 
     Attributes:
         actors: Who they are.
         places: Where they are now, in that order.
     """
 
-    def __init__(self, scene: Scene, data: mujoco.MjData) -> None:
+    def __init__(self, scenes: Sequence[Scene], data: mujoco.MjData) -> None:
+        scene = scenes[0]
         model = scene.model
         self.actors = scene.world.people
         self._ground, self._model, self._data = scene.world.ground, model, data
         self._ways = [actor.way() for actor in self.actors]
-        x_min, x_max, y_min, y_max = scene.rover.footprint
-        self._rover_radius = max(math.hypot(x, y) for x in (x_min, x_max) for y in (y_min, y_max))
+        self._rovers = [(data.qpos[s.qpos_at : s.qpos_at + 7], s.rover.reach) for s in scenes]
         self._mocap = [int(model.body(actor.name).mocapid[0]) for actor in self.actors]
         self._geoms = [int(model.geom(actor.name).id) for actor in self.actors]
         solid = (model.geom_contype | model.geom_conaffinity) != 0
-        self._parts = np.flatnonzero(solid & (model.body_rootid[model.geom_bodyid] == ROOT_ID)).tolist()
+        self._parts = [[geom for geom in scene.geoms() if solid[geom]] for scene in scenes]
         self._began_ns = 0
         self.places = [Place(*actor.begin, 0.0) for actor in self.actors]
         self.move(0)
@@ -54,17 +58,16 @@ class Crowd:
     def move(self, time_ns: int) -> None:
         """Puts everybody where they are at a simulation time, a clock tick after the last one."""
         since_s = (time_ns - self._began_ns) / NANOSECONDS
-        x, y = self._data.qpos[:2].tolist()
-        discs = [(x, y, self._rover_radius)] + [
+        discs = [(*pose[:2].tolist(), reach) for pose, reach in self._rovers] + [
             (place.x, place.y, actor.spec.options.radius)
             for place, actor in zip(self.places, self.actors, strict=True)
         ]
-        seconds = TICK_NS / NANOSECONDS if since_s > 0.0 else 0.0
+        seconds, first = TICK_NS / NANOSECONDS if since_s > 0.0 else 0.0, len(self._rovers)
         self.places = [
-            way.walk(since_s, seconds, discs[: number + 1] + discs[number + 2 :])
+            way.walk(since_s, seconds, discs[:number] + discs[number + 1 :])
             if isinstance(way, SocialWalker)
             else way.place(since_s)
-            for number, way in enumerate(self._ways)
+            for number, way in enumerate(self._ways, first)
         ]
         for mocap, position, place in zip(self._mocap, self.positions(), self.places, strict=True):
             self._data.mocap_pos[mocap] = position
@@ -77,21 +80,21 @@ class Crowd:
             for p, actor in zip(self.places, self.actors, strict=True)
         ]
 
-    def look(self, contacts: ContactWatch) -> None:
-        """Takes note of whom the rover overlaps; of who pushes, MuJoCo's contacts tell the force."""
-        x, y = self._data.qpos[:2].tolist()
-        for geom, place, actor in zip(self._geoms, self.places, self.actors, strict=True):
-            options = actor.spec.options
-            near = math.hypot(place.x - x, place.y - y) - options.radius < self._rover_radius + REACH
-            if near:
-                self._touch(geom, contacts)
+    def look(self, watches: Sequence[ContactWatch]) -> None:
+        """Takes note of whom each rover overlaps; of who pushes, MuJoCo's contacts tell the force."""
+        for number, ((pose, reach), contacts) in enumerate(zip(self._rovers, watches, strict=True)):
+            x, y = pose[:2].tolist()
+            for geom, place, actor in zip(self._geoms, self.places, self.actors, strict=True):
+                gap = math.hypot(place.x - x, place.y - y) - actor.spec.options.radius
+                if gap < reach + REACH:
+                    self._touch(geom, number, contacts)
 
-    def _touch(self, geom: int, contacts: ContactWatch) -> None:
+    def _touch(self, geom: int, rover: int, contacts: ContactWatch) -> None:
         span = np.zeros(6)
-        for part in self._parts:
+        for part in self._parts[rover]:
             gap = mujoco.mj_geomDistance(self._model, self._data, part, geom, REACH, span)
             if gap <= 0.0:
                 middle = (0.5 * (span[:3] + span[3:])).tolist()
-                pose = self._data.qpos[:7].tolist()
+                pose = self._rovers[rover][0].tolist()
                 contacts.note("hazard", Touch(0.0, part, geom, middle, pose))
                 return

@@ -57,10 +57,11 @@ class Leap:
             end = begin + len(list(alike))
             self._simulate(commands, begin, end)  # parked all the time, or not at all
             begin = end
-        simulation, begun = self._simulation, self._simulation.step_count
-        simulation.step_count += self._ticks * simulation.steps_per_tick
-        simulation.check()
-        simulation.step_count = begun
+        physics = self._simulation.physics
+        begun = physics.step_count
+        physics.step_count += self._ticks * physics.steps_per_tick
+        physics.check()
+        physics.step_count = begun
         yield from self._show()
 
     def _simulate(self, commands: NDArray[np.float64], begin: int, end: int) -> None:
@@ -92,5 +93,5 @@ class Leap:
         sums = self._ticks_sensors.sum(axis=1)
         for tick, (end, total) in enumerate(zip(self._ends, sums, strict=True)):
             qpos[:], qvel[:], tick_sum[:] = end[:size], end[size:], total
-            simulation.step_count += simulation.steps_per_tick
+            simulation.physics.step_count += simulation.steps_per_tick
             yield tick

@@ -17,28 +17,40 @@ NEARLY_RIGID = (0.9999, 0.9999, 0.001, 0.5, 2.0)  # solimp of the held bearings:
 
 
 class ParkingHold:
-    """Switches a model between driving and parked.
+    """Switches a rover between driving and parked.
+
+    The stiffness of friction is the model's, for all contacts: as long as one of several rovers is
+    parked, it is that of a parked one.
 
     Args:
         model: Freshly compiled; is changed in place.
         joints: Names of the wheel joints; each has a motor.
+        fleet: Those of the model's other rovers, all made before one of them holds; it joins them.
+
+    Attributes:
+        held: Whether the rover is parked.
     """
 
-    def __init__(self, model: mujoco.MjModel, joints: tuple[str, ...]) -> None:
+    def __init__(
+        self, model: mujoco.MjModel, joints: tuple[str, ...], fleet: "list[ParkingHold] | None" = None
+    ) -> None:
         self._model = model
+        self._fleet = [] if fleet is None else fleet
+        self._fleet.append(self)
         self._dofs = np.array([int(model.joint(name).dofadr[0]) for name in joints])
         own = model.dof_frictionloss[self._dofs]
         self._driving = (model.opt.impratio, own, model.dof_solimp[self._dofs])
         parked_impratio = max(PARKED_IMPRATIO, model.opt.impratio)
         self._parked = (parked_impratio, own + _holding_torque(model, joints), np.array(NEARLY_RIGID))
-        self._holds = False
+        self.held = False
 
     def hold(self, holds: bool) -> None:
         """Parks the rover, or lets it drive."""
-        if holds != self._holds:
-            self._holds = holds
-            impratio, friction, solimp = self._parked if holds else self._driving
-            self._model.opt.impratio = impratio
+        if holds != self.held:
+            self.held = holds
+            _, friction, solimp = self._parked if holds else self._driving
+            parked = any(one.held for one in self._fleet)
+            self._model.opt.impratio = (self._parked if parked else self._driving)[0]
             self._model.dof_frictionloss[self._dofs] = friction
             self._model.dof_solimp[self._dofs] = solimp
 

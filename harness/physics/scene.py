@@ -1,26 +1,31 @@
-"""World + rover -> one compiled MuJoCo model: terrain heightfield, obstacle bodies, truth sensors.
+"""World + rovers -> one compiled MuJoCo model: terrain heightfield, obstacle bodies, truth sensors.
+
+The first rover is the model that the world is added to; others are attached behind it, under a prefix.
+So the model of a single rover is as if there could be no others.
 
 Geom groups say what a thing is: 0 terrain, 1 obstacles, 2 rover as seen, 3 rover as it collides. The
 lidar's ray mask and the pictures rely on them.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import mujoco
 import numpy as np
 
 from harness.robots import RoverSpec
-from harness.robots.model import COLLIDING_GROUP, SEEN_GROUP, read_model, root_of
+from harness.robots.model import COLLIDING_GROUP, ROOT_ID, SEEN_GROUP, read_model, root_of
 from harness.robots.reading import model_hash
 from harness.world.actors.actor import Actor
+from harness.world.berths import Member
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
 
 TERRAIN_GROUP, OBSTACLE_GROUP, VISUAL_GROUP = 0, 1, SEEN_GROUP
 GROUND_CONTACT = {"contype": 2, "conaffinity": 1}  # the rover's geoms carry (1, 2)
 UNPAINTED = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's own: harness.view gives them their kind's colour
+FIRST_OF_FLEET = 4  # the contact bit of the second rover; the next one has twice that
 UNTOUCHED = {"contype": 0, "conaffinity": 0}
 BASE_THICKNESS = 1.0  # [m] of solid ground below the lowest point
 
@@ -40,11 +45,50 @@ Dress = Callable[[mujoco.MjSpec], None]
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A compiled model with what it was made from."""
+    """A rover in a compiled model, which others may share.
+
+    Attributes:
+        model: Of the world and all its rovers.
+        world: What they drive in, with the start of this one.
+        rover: Which rover.
+        name: What it is called among others; empty of a single one.
+        prefix: Of the names that its parts have in the model.
+        root: Its root body.
+    """
 
     model: mujoco.MjModel
     world: World
     rover: RoverSpec
+    name: str = ""
+    prefix: str = ""
+    root: int = ROOT_ID
+
+    @property
+    def qpos_at(self) -> int:
+        """Where the pose of its root stands in MuJoCo's positions."""
+        return int(self.model.jnt_qposadr[self.model.body_jntadr[self.root]])
+
+    @property
+    def told(self) -> str:
+        """What it is called in a sentence."""
+        return self.name or "the rover"
+
+    def own(self, name: str) -> str:
+        """Returns the name in the model of a part that the rover's own model calls so."""
+        return self.prefix + name
+
+    def all_own(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Returns the names in the model of some parts."""
+        return tuple(map(self.own, names))
+
+    def geoms(self) -> list[int]:
+        """Returns all geoms of the rover."""
+        return np.flatnonzero(self.model.body_rootid[self.model.geom_bodyid] == self.root).tolist()
+
+    def others(self) -> list[int]:
+        """Returns what collides of the other rovers."""
+        colliding = np.flatnonzero(self.model.geom_group == COLLIDING_GROUP).tolist()
+        return sorted(set(colliding) - set(self.geoms()))
 
 
 def build_scene(world: World, rover: RoverSpec, timestep: float, dress: Dress | None = None) -> Scene:
@@ -57,20 +101,56 @@ def build_scene(world: World, rover: RoverSpec, timestep: float, dress: Dress | 
         dress: Adds colours and light to what is to be looked at. Without it, the geoms that are only
             to be seen are left out: a step is 5 % faster, and the physics is the same.
     """
-    spec = _without_visuals(rover, model_hash(rover)).copy() if dress is None else read_model(rover)
+    (scene,) = build_scenes(world, (Member("", rover, world.start),), timestep, dress)
+    return scene
+
+
+def build_scenes(
+    world: World, fleet: Sequence[Member], timestep: float, dress: Dress | None = None
+) -> tuple[Scene, ...]:
+    """Returns each rover in the model that all are compiled into.
+
+    Args:
+        world: Ground and obstacles.
+        fleet: The rovers; gravity and MuJoCo's options are those of the first one's model.
+        timestep: As of `build_scene`, and likewise `dress`.
+        dress: See `timestep`.
+    """
+    rovers = [member.rover for member in fleet]
+    specs = [
+        _without_visuals(rover, model_hash(rover)).copy() if dress is None else read_model(rover)
+        for rover in rovers
+    ]
+    prefixes = ["", *(f"/{member.name}/" for member in fleet[1:])]
+    roots = [prefix + root_of(spec) for prefix, spec in zip(prefixes, specs, strict=True)]
+    parts = [
+        {prefix + body.name for body in spec.bodies[1:]}
+        for prefix, spec in zip(prefixes, specs, strict=True)
+    ]
+    for number, one in enumerate(specs):
+        _let_meet(one, number, len(specs))
+    spec = specs[0]
     spec.option.timestep = timestep
-    _keep_constraints_soft(spec, timestep)
     _add_terrain(spec, world)
     _add_obstacles(spec, world.obstacles)
     _add_actors(spec, world.people)
-    _add_truth_sensors(spec, rover, world.people)
+    for prefix, other in zip(prefixes[1:], specs[1:], strict=True):
+        spec.attach(other, prefix=prefix, frame=spec.worldbody.add_frame())
+    _keep_constraints_soft(spec, timestep)
+    for prefix, root, own, rover in zip(prefixes, roots, parts, rovers, strict=True):
+        others = [other for other in roots if other != root]
+        _add_truth_sensors(spec, (prefix, root, own), rover, (world.people, others))
     if world.gravity is not None:
         spec.option.gravity = [0.0, 0.0, -world.gravity]
     if world.friction is not None:
         _limit_friction(spec, world.friction)
     if dress is not None:
         dress(spec)
-    return Scene(model=spec.compile(), world=world, rover=rover)
+    model = spec.compile()
+    return tuple(
+        Scene(model, replace(world, start=of.start), of.rover, of.name, prefix, model.body(root).id)
+        for of, prefix, root in zip(fleet, prefixes, roots, strict=True)
+    )
 
 
 def motors_of(model: mujoco.MjModel, joints: tuple[str, ...]) -> list[int]:
@@ -83,10 +163,11 @@ def motors_of(model: mujoco.MjModel, joints: tuple[str, ...]) -> list[int]:
     return [on[model.joint(name).id] for name in joints]
 
 
-def body_geoms(model: mujoco.MjModel, rover: RoverSpec) -> set[int]:
+def body_geoms(scene: Scene) -> set[int]:
     """Returns what collides of a rover and is no wheel's."""
-    wheels = {int(model.joint(name).bodyid[0]) for name in rover.wheel_joints}
-    colliding = np.flatnonzero(model.geom_group == COLLIDING_GROUP).tolist()
+    model = scene.model
+    wheels = {int(model.joint(name).bodyid[0]) for name in scene.all_own(scene.rover.wheel_joints)}
+    colliding = (geom for geom in scene.geoms() if model.geom_group[geom] == COLLIDING_GROUP)
     return {geom for geom in colliding if model.body_weldid[model.geom_bodyid[geom]] not in wheels}
 
 
@@ -97,6 +178,15 @@ def _without_visuals(rover: RoverSpec, _: str) -> mujoco.MjSpec:
     for geom in [g for g in spec.geoms if g.group == VISUAL_GROUP]:
         spec.delete(geom)
     return spec
+
+
+def _let_meet(spec: mujoco.MjSpec, number: int, count: int) -> None:
+    """Lets what collides of a rover meet that of all others, and none of its own parts."""
+    bits = [0, *(FIRST_OF_FLEET << other for other in range(count - 1))]
+    for geom in spec.geoms:
+        if geom.group == COLLIDING_GROUP:
+            geom.contype |= sum(bits[number + 1 :])
+            geom.conaffinity |= bits[number]
 
 
 def _keep_constraints_soft(spec: mujoco.MjSpec, timestep: float) -> None:
@@ -179,23 +269,41 @@ def _add_actors(spec: mujoco.MjSpec, actors: tuple[Actor, ...]) -> None:
         )
 
 
-def _add_truth_sensors(spec: mujoco.MjSpec, rover: RoverSpec, actors: tuple[Actor, ...]) -> None:
-    """Contact counts of the whole rover with rocks, hazards and people, of its body with the ground."""
+def _add_truth_sensors(
+    spec: mujoco.MjSpec,
+    whose: tuple[str, str, set[str]],
+    rover: RoverSpec,
+    moving: tuple[Sequence[Actor], Sequence[str]],
+) -> None:
+    """Contact counts of a whole rover with rocks and whatever moves, of its body with the ground.
+
+    Args:
+        spec: The world with all rovers.
+        whose: Prefix, root body and all bodies of the rover.
+        rover: Which it is.
+        moving: Who else moves: people, and the root bodies of other rovers.
+    """
     subtree, body, geom = (mujoco.mjtObj.mjOBJ_XBODY, mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_GEOM)
+    prefix, root, parts = whose
     counts = [
-        (ROCK_CONTACT, (subtree, root_of(spec)), (body, "rocks")),
-        (HAZARD_CONTACT, (subtree, root_of(spec)), (body, "hazards")),
+        (ROCK_CONTACT, (subtree, root), (body, "rocks")),
+        (HAZARD_CONTACT, (subtree, root), (body, "hazards")),
     ]
+    actors, others = moving
     solid = (actor.name for actor in actors if actor.spec.options.push)
-    counts += [(f"{HAZARD_CONTACT}_{name}", (subtree, root_of(spec)), (body, name)) for name in solid]
-    scraping = (part for part in spec.bodies if _scrapes(part, rover))
+    counts += [(f"{HAZARD_CONTACT}_{name}", (subtree, root), (body, name)) for name in solid]
+    counts += [(f"{HAZARD_CONTACT}_{name}", (subtree, root), (subtree, name)) for name in others]
+    wheels = {prefix + name for name in rover.wheel_joints}
+    scraping = (part for part in spec.bodies if part.name in parts and _scrapes(part, wheels))
     has_decks = any(item.group == OBSTACLE_GROUP for item in spec.worldbody.geoms)
     ground = (body, "world") if has_decks else (geom, TERRAIN)
-    counts += [(f"{SCRAPE_CONTACT}_{b.name}", (body, b.name), ground) for b in scraping]
+    counts += [
+        (f"{SCRAPE_CONTACT}_{b.name.removeprefix(prefix)}", (body, b.name), ground) for b in scraping
+    ]
     found, net_force, slots = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 3, 1
     for name, (kind, one), (other_kind, other) in counts:
         spec.add_sensor(
-            name=name,
+            name=prefix + name,
             type=mujoco.mjtSensor.mjSENS_CONTACT,
             objtype=kind,
             objname=one,
@@ -205,10 +313,10 @@ def _add_truth_sensors(spec: mujoco.MjSpec, rover: RoverSpec, actors: tuple[Acto
         )
 
 
-def _scrapes(body: mujoco.MjsBody, rover: RoverSpec) -> bool:
-    """Whether something of a body collides that is no wheel's."""
+def _scrapes(body: mujoco.MjsBody, wheels: set[str]) -> bool:
+    """Whether something of a body collides that is not on one of the wheels' joints."""
     if not any(geom.group == COLLIDING_GROUP for geom in body.geoms):
         return False
     while not body.joints and body.parent.name != "world":
         body = body.parent
-    return not any(joint.name in rover.wheel_joints for joint in body.joints)
+    return not any(joint.name in wheels for joint in body.joints)

@@ -1,6 +1,7 @@
 """Where a rover is set down, and whether it can be there."""
 
 import math
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
@@ -28,14 +29,18 @@ def spawn_pose(scene: Scene, start: Start) -> NDArray[np.float64]:
     return np.array([x, y, height, math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)])
 
 
-def check_room(scene: Scene) -> None:
+def check_room(scene: Scene, fleet: Sequence[Scene] = ()) -> None:
     """Checks a start that somebody chose, before a rover is set down there.
 
+    Args:
+        scene: The rover in its world.
+        fleet: All rovers of that world, at their starts; none but this one if left out.
+
     Raises:
-        UsageError: An obstacle is in the way.
+        UsageError: An obstacle or another rover is in the way.
     """
-    if names := _in_the_way(scene):
-        raise UsageError(f"{_told(scene)} is inside {', '.join(names)}; choose another --start")
+    if names := _in_the_way(scene, fleet or (scene,)):
+        raise UsageError(f"{_told(scene)} is inside {', '.join(names)}; choose another {_mend(scene)}")
 
 
 def check_start(scene: Scene, settled: mujoco.MjData) -> None:
@@ -48,24 +53,34 @@ def check_start(scene: Scene, settled: mujoco.MjData) -> None:
     Raises:
         UsageError: The ground is too steep to stand on.
     """
-    slid = math.dist(settled.qpos[:2], scene.world.start[:2])
-    w, x, y, z = settled.qpos[3:7].tolist()
+    pose = settled.qpos[scene.qpos_at : scene.qpos_at + 7]
+    slid = math.dist(pose[:2], scene.world.start[:2])
+    w, x, y, z = pose[3:].tolist()
     tilt = math.acos(min(1.0, w * w - x * x - y * y + z * z))
     if slid > MOST_SLID or tilt > MOST_TILTED:
         raise UsageError(
             f"no rover can stand at {_told(scene)}: it slid {slid:.1f} m and leans by "
-            f"{math.degrees(tilt):.0f} deg; choose another --start, on gentler ground"
+            f"{math.degrees(tilt):.0f} deg; choose another {_mend(scene)}, on gentler ground"
         )
 
 
 def _told(scene: Scene) -> str:
-    return "start " + ",".join(f"{value:g}" for value in scene.world.start)
+    start = "start " + ",".join(f"{value:g}" for value in scene.world.start)
+    return f"{start} of {scene.name}" if scene.name else start
 
 
-def _in_the_way(scene: Scene) -> list[str]:
-    """Names of the obstacles in which the rover would be set down."""
+def _mend(scene: Scene) -> str:
+    return f"x and y for {scene.name}" if scene.name else "--start"
+
+
+def _in_the_way(scene: Scene, fleet: Sequence[Scene]) -> list[str]:
+    """Names of the obstacles and of the rovers in which the rover would be set down."""
     model, data = scene.model, mujoco.MjData(scene.model)
-    data.qpos[:7] = spawn_pose(scene, scene.world.start)
+    for each in fleet:
+        data.qpos[each.qpos_at : each.qpos_at + 7] = spawn_pose(each, each.world.start)
     mujoco.mj_fwdPosition(model, data)
-    touched = np.unique(data.contact.geom)
-    return [model.geom(geom).name for geom in touched if model.geom_group[geom] == OBSTACLE_GROUP]
+    own, pairs = scene.geoms(), data.contact.geom
+    touched = set(np.unique(pairs[np.isin(pairs, own).any(axis=1)]).tolist()) - set(own)
+    obstacles = [geom for geom in sorted(touched) if model.geom_group[geom] == OBSTACLE_GROUP]
+    others = [each.told for each in fleet if each is not scene and touched.intersection(each.geoms())]
+    return [*(model.geom(geom).name for geom in obstacles), *others]

@@ -1,12 +1,15 @@
 """The page about a run: the names of the template's variables are the keys here."""
 
 import math
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
+from harness.config import EpisodeConfig
 from harness.episode.manifest import manifest
 from harness.episode.result import RunResult
 from harness.page.figure import MINUS, TIMES, Plot, named
@@ -14,7 +17,7 @@ from harness.page.shell import fill
 from harness.report.encounters import NEAR, encounters
 from harness.report.hillshade import shade
 from harness.report.log import Log, caption, collisions, contacts, describe, meetings, read_log
-from harness.report.recorder import RunRecorder
+from harness.report.recorder import RunRecorder, Stretch
 from harness.report.series import MOST_ROWS, series_figure, varies
 from harness.report.tables import (
     comparisons,
@@ -30,19 +33,22 @@ from harness.robots import find_rover, robot_name
 from harness.sensors.lidar_spec import scan_points
 from harness.world.heightfield import Heightfield
 
+NO_OTHERS: Mapping[str, Sequence[Stretch]] = MappingProxyType({})
 LISTED = ("arguments", "versions", "world")  # parts of the manifest that are tables of their own
 
 
-def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
-    """Returns what the template shows of a run."""
+def content(
+    result: RunResult, recorder: RunRecorder, others: Mapping[str, Sequence[Stretch]] = NO_OTHERS
+) -> dict[str, Any]:
+    """Returns what the template shows of a run; see `render`."""
     log, values = read_log(result.log_path), manifest(result)
-    terrain_map, plots = _map(result, recorder, log), _series(result, recorder, log)
+    terrain_map, plots = _map(result, recorder, log, others), _series(result, recorder, log)
     met = encounters(recorder.track)
     series = [plot for plot in plots if varies(plot.figure, log.columns[plot.heading])]
     steady = [plot for plot in plots if plot not in series]
     return {
         "result": result,
-        "heading": f"{robot_name(result.config.robot)} on {Path(result.config.terrain).name}",
+        "heading": f"{_called(result.config)} on {Path(result.config.terrain).name}",
         "arguments": values["arguments"],
         "outcome": values["outcome"],
         "written": datetime.now().astimezone().isoformat(sep=" ", timespec="seconds"),
@@ -64,7 +70,14 @@ def content(result: RunResult, recorder: RunRecorder) -> dict[str, Any]:
     }
 
 
-def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
+def _called(config: EpisodeConfig) -> str:
+    robot = robot_name(config.robot)
+    return f"{config.name}, a {robot}," if config.name else robot
+
+
+def _map(
+    result: RunResult, recorder: RunRecorder, log: Log, others: Mapping[str, Sequence[Stretch]]
+) -> Plot:
     config, track = result.config, recorder.track
     world = config.world()
     hillshade, heights = shade(world.ground), world.ground.heights
@@ -80,6 +93,7 @@ def _map(result: RunResult, recorder: RunRecorder, log: Log) -> Plot:
         collisions=collided,
         contacts=touched,
         meetings=near,
+        others=others,
         scan=np.empty((0, 2)) if placed is None else scan_points(placed, rover),
         gravity=config.gravity(),
     )
@@ -133,6 +147,14 @@ def _summary(name: str, values: list[float]) -> str:
     return f"{name} over time: from {min(finite):g} to {max(finite):g} {unit}, at last {finite[-1]:g}"
 
 
-def render(result: RunResult, recorder: RunRecorder) -> str:
-    """Returns the HTML of a run's report."""
-    return fill("report", content(result, recorder), "harness.report")
+def render(
+    result: RunResult, recorder: RunRecorder, others: Mapping[str, Sequence[Stretch]] = NO_OTHERS
+) -> str:
+    """Returns the HTML of a run's report.
+
+    Args:
+        result: What the run came to.
+        recorder: What was recorded of it.
+        others: What was recorded of other rovers in the same world, by name.
+    """
+    return fill("report", content(result, recorder, others), "harness.report")

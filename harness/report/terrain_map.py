@@ -1,7 +1,8 @@
 """The map: hillshade and obstacles, the path coloured by roughness, collisions, the last scan."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -60,7 +61,7 @@ def roughness(track: Sequence[Stretch], gravity: float) -> list[float]:
     return values
 
 
-def map_figure(
+def map_figure(  # noqa: PLR0913 - all that there is to be seen
     world: World,
     hillshade: Hillshade,
     track: Sequence[Stretch],
@@ -68,6 +69,7 @@ def map_figure(
     collisions: Sequence[Event],
     contacts: Sequence[Event],
     meetings: Sequence[Event] = (),
+    others: Mapping[str, Sequence[Stretch]] = MappingProxyType({}),
     scan: Points,
     gravity: float,
 ) -> Figure:
@@ -80,6 +82,7 @@ def map_figure(
         collisions: What the metrics counted.
         contacts: What really happened.
         meetings: When people were near.
+        others: What was recorded of other rovers, by name.
         scan: Where the beams of the last scan ended [m].
         gravity: Of the run [m/s^2].
     """
@@ -88,6 +91,7 @@ def map_figure(
         *(_obstacles(world.obstacles, kind) for kind in NAMES),
         _points(scan, "last scan", {"size": 3, "color": SCAN}),
         *_people(world.people, track),
+        *_others(others),
         *_path(track, gravity),
         *_ends(track),
         *_encounters(encounters(track), world.people),
@@ -179,6 +183,21 @@ def _encounters(met: Sequence[Encounter], actors: Sequence[Actor]) -> list[Trace
             "showlegend": False,
         },
     ]
+
+
+def _others(tracks: Mapping[str, Sequence[Stretch]]) -> list[Trace]:
+    """The way of each other rover, dashed, and a dot where it ends."""
+    traces: list[Trace] = []
+    for number, (name, track) in enumerate(tracks.items()):
+        ways = [stretch.position for stretch in track if all(map(math.isfinite, stretch.position))]
+        if not ways:
+            continue
+        dash = tuple(DASHES)[1 + number % (len(DASHES) - 1)]
+        hover = f"{name}<br>x %{{x:.2f}}, y %{{y:.2f}} m"
+        traces.append(line(name, *_columns(ways), INK, hover=hover, dash=dash))
+        end = _points(ways[-1:], name, {"size": 9, "color": INK}, hover)
+        traces.append(end | {"showlegend": False})
+    return traces
 
 
 def _scale_top(rough: Sequence[float]) -> float:

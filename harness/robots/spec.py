@@ -162,6 +162,12 @@ class RoverSpec:
         return self.footprint[3] - self.footprint[2]
 
     @property
+    def reach(self) -> float:
+        """Radius of the disc around the model frame that the footprint lies in [m]."""
+        x_min, x_max, y_min, y_max = self.footprint
+        return math.hypot(max(-x_min, x_max), max(-y_min, y_max))
+
+    @property
     def top_speed(self) -> float:
         """Speed at which the wheels turn as fast as they can [m/s]."""
         return self.wheel_speed_limit * self.wheel_radius

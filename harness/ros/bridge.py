@@ -70,6 +70,8 @@ class Bridge(GuardedNode):
         rows: The sensors; None for those of every rover.
         draw: Gives the images of cameras; without it there are none.
         actors: Names of the people, as NAME_actor.
+        namespace: Of its topics, where there are several rovers.
+        clock: /clock, if another bridge tells the time; None if this one does.
 
     Attributes:
         channels_of: The topics of each sensor's samples, in publishing order.
@@ -79,7 +81,7 @@ class Bridge(GuardedNode):
         time_ns: Simulation time of the tick that goes out now, whatever a fault tells of it.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - what a run knows of a rover
         self,
         rover: RoverSpec,
         lidar: LidarSpec,
@@ -90,8 +92,10 @@ class Bridge(GuardedNode):
         rows: Iterable[SensorRow] | None = None,
         draw: Draw | None = None,
         actors: Sequence[str] = (),
+        namespace: str = "",
+        clock: Channel | None = None,
     ) -> None:
-        super().__init__("harness", context=context)
+        super().__init__("harness", context=context, namespace=namespace)
         self.time_ns = 0
         self.frames = FrameTopics(self)
         self.channels_of: dict[samples.Source, list[Channel]] = {
@@ -108,15 +112,18 @@ class Bridge(GuardedNode):
                 for index, name in enumerate(actors)
             ]
         # Reliable serves best-effort listeners (rclpy's own) and reliable ones alike.
-        self.clock_channel = open_channel(self, CLOCK, messages.by_names(Clock(), samples.Tick))
+        self._tells_time = clock is None
+        time = messages.by_names(Clock(), samples.Tick)
+        self.clock_channel = open_channel(self, CLOCK, time) if clock is None else clock
         frames = dict.fromkeys((rover.odometry_child_frame, *COMMAND_FRAMES))
         self.commands = Commands(self, cmd_vel, tuple(frames), on_command)
 
     @property
     def channels(self) -> tuple[Channel, ...]:
-        """Returns every topic; /clock is the last."""
+        """Returns every topic that it publishes; /clock is the last, if it does that."""
         samples_ = chain.from_iterable(self.channels_of.values())
-        return (*self.frames.fixed, *samples_, self.clock_channel)
+        clock = (self.clock_channel,) if self._tells_time else ()
+        return (*self.frames.fixed, *samples_, *clock)
 
     def describe(self, description: Description) -> None:
         """Tells of a rover what is fixed, and of what the transforms of its ticks are."""
@@ -130,6 +137,11 @@ class Bridge(GuardedNode):
             sent: What faults have left of it.
             listeners: Are waited for.
         """
+        self.send(tick, sent, listeners=listeners)
+        self.tell(sent, listeners=listeners)
+
+    def send(self, tick: samples.Tick, sent: samples.Tick, *, listeners: Sequence[Listener]) -> None:
+        """Publishes the samples of one tick; the arguments are those of `advance`."""
         self.time_ns = tick.stamp_ns
         if tick.stamp_ns % NANOSECONDS == 0:
             self.frames.refuse_rivals()
@@ -143,9 +155,21 @@ class Bridge(GuardedNode):
                     channel.publish(sample)
             for listener in listeners:
                 listener.wait_for_samples(channels)
+
+    def tell(
+        self, sent: samples.Tick, *, listeners: Sequence[Listener], others: Sequence["Bridge"] = ()
+    ) -> None:
+        """Publishes the time of one tick; returns when all listeners have handled it.
+
+        Args:
+            sent: What faults have left of the tick.
+            listeners: Are waited for.
+            others: The bridges of rovers in the same world, which have sent their samples.
+        """
         if sent.tells_time:
             self.clock_channel.publish(sent)
-            self.commands.told_ns = sent.stamp_ns
+            for bridge in (self, *others):
+                bridge.commands.told_ns = sent.stamp_ns
             for listener in listeners:
                 listener.wait_for_clock(sent.stamp_ns)
         if not listeners:
@@ -153,7 +177,7 @@ class Bridge(GuardedNode):
 
     def published(self) -> dict[str, int]:
         """Returns the messages published so far, by resolved topic name."""
-        return {channel.topic: channel.published for channel in self.channels}
+        return {c.topic: c.published for c in (*self.channels, self.clock_channel)}
 
     def stop_recording(self) -> None:
         """Lets messages go out as they are, again."""

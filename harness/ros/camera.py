@@ -1,7 +1,8 @@
 """Images of a camera and what its lens is, as messages."""
 
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from rclpy.logging import get_logger
 from sensor_msgs.msg import CameraInfo, Image
 
 from harness.config import EpisodeConfig
+from harness.fleet import scenery
 from harness.ros.channel import Fill
 from harness.samples import Sample
 from harness.sensors.camera.lens import Lens
@@ -21,11 +23,17 @@ Draw = Callable[[CameraState], NDArray[np.uint8] | None]  # None: there is no Op
 ENCODING, CHANNELS = "rgb8", 3
 
 
-def painter(config: EpisodeConfig) -> CameraPainter:
-    """Returns what draws for the cameras of a run; nothing is started before the first image."""
+def painter(config: EpisodeConfig, fleet: Sequence[EpisodeConfig] = ()) -> CameraPainter:
+    """Returns what draws for the cameras of a rover; nothing is started before the first image.
+
+    Args:
+        config: Of the rover.
+        fleet: Of all rovers of its world; none but it if left out.
+    """
     given = (row.given for row in config.sensor_rows())
     cameras = {options.name: options for options in given if isinstance(options, CameraOptions)}
-    return CameraPainter(config.scenery, cameras, config.seed, get_logger("harness").warning)
+    seen, seed = partial(scenery, tuple(fleet) or (config,)), config.own_seed
+    return CameraPainter(seen, cameras, seed, get_logger("harness").warning)
 
 
 def image_fill(message: Image, options: CameraOptions, draw: Draw | None) -> Fill:

@@ -5,7 +5,8 @@ ask for happens between two ticks (pause) or with a batch to come (reset).
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 
 from std_srvs.srv import SetBool, Trigger
 
@@ -14,25 +15,31 @@ from harness.ros.bridge import Bridge
 from harness.ros.context import SPIN_TIMEOUT
 from harness.sim_time import NANOSECONDS
 
+Reset = Callable[[], int | None]
+
 
 class Controls:
-    """Offers both services.
+    """Offers both services, for each rover of a world: each is reset by itself, a pause is of all.
 
     Args:
         bridge: The node; it has an executor.
         reset: Puts the rover back; gives the simulation time [ns] at which that happens, or None if
             the episode ends before.
+        others: Likewise, of the other rovers.
 
     Attributes:
         held_s: Wall time for which the run was paused [s].
     """
 
-    def __init__(self, bridge: Bridge, reset: Callable[[], int | None]) -> None:
-        self._bridge, self._reset = bridge, reset
+    def __init__(
+        self, bridge: Bridge, reset: Reset, others: Sequence[tuple[Bridge, Reset]] = ()
+    ) -> None:
+        self._bridge = bridge
         self._paused = False
         self.held_s = 0.0
-        bridge.create_service(Trigger, "~/reset", self._answer_reset)
-        bridge.create_service(SetBool, "~/pause", self._answer_pause)
+        for node, put_back in ((bridge, reset), *others):
+            node.create_service(Trigger, "~/reset", partial(self._answer_reset, put_back))
+            node.create_service(SetBool, "~/pause", self._answer_pause)
 
     def hold(self, stop: StopRequest) -> float:
         """Returns when the run may go on, or shall stop, and how long that took [s].
@@ -48,8 +55,10 @@ class Controls:
         self.held_s += held
         return held
 
-    def _answer_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        at_ns = self._reset()
+    def _answer_reset(
+        self, reset: Reset, _: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        at_ns = reset()
         response.success = at_ns is not None
         response.message = (
             f"not reset at t = {self._now()}: the run ends before it would come into effect"

@@ -1,8 +1,9 @@
 """The MetricsNode in this process: its callbacks are counted against what was published."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 from rclpy.context import Context
 from rclpy.parameter import Parameter
@@ -18,16 +19,27 @@ from rover_metrics.metrics_node import MetricsNode
 PATIENCE = 10.0  # [s] of wall time without any progress before messages are given up
 
 
-def metrics_node(context: Context, log_dir: Path) -> MetricsNode:
+def metrics_node(
+    context: Context,
+    log_dir: Path,
+    namespace: str = "",
+    parameters: Mapping[str, object] = MappingProxyType({}),
+) -> MetricsNode:
     """Returns a MetricsNode on simulation time that logs into a folder.
+
+    Args:
+        context: Of rclpy.
+        log_dir: The folder.
+        namespace: Of the node and of what it listens to, where there are several rovers.
+        parameters: Further ones, by name.
 
     Raises:
         UsageError: The log cannot be created, or a parameter on the command line is not valid.
     """
-    values = {"use_sim_time": True, "log_dir": str(log_dir)}
+    values = {**parameters, "use_sim_time": True, "log_dir": str(log_dir)}
     overrides = [Parameter(name, value=value) for name, value in values.items()]
     try:
-        return MetricsNode(context=context, parameter_overrides=overrides)
+        return MetricsNode(context=context, parameter_overrides=overrides, namespace=namespace)
     except RoverMetricsError as error:
         raise UsageError(str(error)) from error
 

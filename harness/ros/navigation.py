@@ -17,7 +17,7 @@ from nav_msgs.msg import OccupancyGrid
 
 from harness.config import EpisodeConfig
 from harness.drivers import takes_goals
-from harness.episode.stream import EpisodeProcess
+from harness.episode.stream import RoverOrders
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.channel import open_channel
@@ -37,13 +37,13 @@ class Navigation:
     Args:
         bridge: The node that does.
         config: Of the episode.
-        source: The episode, which is told where the rover goes.
+        source: Is told where the rover goes.
 
     Attributes:
         map: /map.
     """
 
-    def __init__(self, bridge: Bridge, config: EpisodeConfig, source: EpisodeProcess) -> None:
+    def __init__(self, bridge: Bridge, config: EpisodeConfig, source: RoverOrders) -> None:
         self._bridge, self._config, self._source = bridge, config, source
         self.map = open_channel(bridge, MAP, self._message)
         bridge.create_subscription(PoseWithCovarianceStamped, "initialpose", self._put, 1)

@@ -97,6 +97,7 @@ class Recorder:
         self._latched: dict[int, _Held | None] = {}  # the last that is no more among those, by channel
         self._messages = 0
         self._failed = False
+        self._bridges: list[Bridge] = []
 
     def __enter__(self) -> Self:
         self._writer.start(profile="ros2", library=f"rover-harness {__version__}")
@@ -122,11 +123,11 @@ class Recorder:
         A message's own stamp may differ from that where a fault delays it or disturbs the clock.
 
         Args:
-            bridge: The node of the run.
+            bridge: A node of the run; of several, the first one tells the time.
             metrics: Of the hosted metrics_node, if there is one; it then publishes for nobody too.
             others: Topics of the run that are not the bridge's own.
         """
-        self._bridge = bridge
+        self._bridges.append(bridge)
         for channel in (*bridge.channels, *others):
             # A channel's messages of one length differ in nothing else: their padding is the same.
             channel.record = self._recording(channel.topic, channel.publisher, {})
@@ -173,7 +174,7 @@ class Recorder:
     ) -> bytes:
         """Records a message and returns its bytes."""
         written = message if isinstance(message, bytes) else serialize_message(message)
-        now_ns = self._bridge.time_ns
+        now_ns = self._bridges[0].time_ns
         if self._last_ns is not None:
             self._hold(_Held(identifier, name, padding, now_ns, written))
             return written

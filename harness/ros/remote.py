@@ -9,7 +9,7 @@ in that order: a node that answers has therefore matched every topic, best-effor
 
 import json
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from rcl_interfaces.srv import GetParameters
@@ -36,6 +36,7 @@ class RemoteNode:
         name: Absolute, or below the bridge's namespace.
         bridge: Publishes to it.
         time_jumps: Whether the run will set its clock back.
+        others: The bridges of other rovers in the same world, which publish to it too.
 
     Attributes:
         name: The full name.
@@ -46,9 +47,11 @@ class RemoteNode:
         UsageError: There is no such node, or it runs on wall time.
     """
 
-    def __init__(self, name: str, bridge: Bridge, *, time_jumps: bool = False) -> None:
+    def __init__(
+        self, name: str, bridge: Bridge, *, time_jumps: bool = False, others: Sequence[Bridge] = ()
+    ) -> None:
         self.name = name if name.startswith("/") else f"{bridge.get_namespace().rstrip('/')}/{name}"
-        self._bridge, self._executor = bridge, bridge.executor
+        self._bridge, self._executor, self._others = bridge, bridge.executor, others
         self._parameters = bridge.create_client(GetParameters, f"{self.name}/get_parameters")
         self._counts = bridge.create_client(Trigger, f"{self.name}/received")
         self._lock_step = bridge.create_client(SetBool, f"{self.name}/lock_step")
@@ -93,14 +96,15 @@ class RemoteNode:
         """Whether each publisher knows the readers that the graph shows for its topic."""
         return all(
             c.publisher.get_subscription_count() >= self._bridge.count_subscribers(c.topic)
-            for c in self._bridge.channels
+            for bridge in (self._bridge, *self._others)
+            for c in bridge.channels
         )
 
     def _ask_received(self, patience: float = ANSWER_PATIENCE) -> dict[str, int]:
         answer = self._call(self._counts, Trigger.Request(), patience)
         if answer is None:
             return {}
-        published = self._bridge.published()
+        published = {topic for b in (self._bridge, *self._others) for topic in b.published()}
         try:
             told = json.loads(answer.message)
             return {topic: int(count) for topic, count in told.items() if topic in published}

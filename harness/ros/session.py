@@ -1,24 +1,28 @@
-"""A run through ROS 2: child simulation -> bridge -> topics -> MetricsNode, in lock-step."""
+"""A run through ROS 2: child simulation -> bridges -> topics -> MetricsNodes, in lock-step.
+
+Each rover of the run has a bridge and a MetricsNode, in the namespace of its name if there are several.
+The first one's bridge tells the time, when all have sent the samples of a tick.
+"""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from functools import partial
 
-from rclpy.executors import ExternalShutdownException
+from rclpy.context import Context
+from rclpy.executors import Executor, ExternalShutdownException
 
 from harness.config import EpisodeConfig, RosOptions
-from harness.episode.loop import Observer, Pacer, drive
-from harness.episode.result import RunAccount, RunResult, TopicCount, cells_of
-from harness.episode.stream import EpisodeProcess
+from harness.episode.loop import Lane, Observer, Pacer, drive_all, injector
+from harness.episode.result import RoverRun, RunAccount, RunResult, Show, TopicCount, cells_of
+from harness.episode.stream import EpisodeProcess, RoverOrders
 from harness.errors import RunFailed
-from harness.faults.injector import FaultInjector
-from harness.faults.spec import parse_faults
 from harness.interrupt import GRACE, Overdue, StopRequest
 from harness.robots import find_rover
-from harness.ros.bridge import SECOND_PUBLISHER, Bridge
+from harness.ros.bridge import SECOND_PUBLISHER, Bridge, Listener
 from harness.ros.camera import painter
+from harness.ros.channel import Channel
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.controls import Controls
 from harness.ros.hosted import HostedMetrics, metrics_node
@@ -26,6 +30,7 @@ from harness.ros.lock_step import RemoteNodes
 from harness.ros.navigation import Navigation
 from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, counted_by
+from harness.samples import Tick
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
@@ -37,7 +42,7 @@ def run_through_ros(
     config: EpisodeConfig,
     options: RosOptions,
     stop: StopRequest,
-    show: Callable[[RunResult], None] | None = None,
+    show: Show | None = None,
     observers: Sequence[Observer] = (),
 ) -> RunResult:
     """Runs an episode and returns what it came to, also when it failed underway.
@@ -52,142 +57,116 @@ def run_through_ros(
     Raises:
         UsageError: Something is wrong with the arguments or the environment.
     """
+    only = RoverRun(config=config, log_dir=options.log_dir, observers=observers)
+    (result,) = run_all_through_ros((only,), options, stop, show)
+    return result
+
+
+def run_all_through_ros(
+    rovers: Sequence[RoverRun], options: RosOptions, stop: StopRequest, show: Show | None = None
+) -> tuple[RunResult, ...]:
+    """Runs rovers that share a world, as `run_through_ros` runs one; returns the result of each.
+
+    Args:
+        rovers: What to run; their settings come with the options' arguments.
+        options: How it goes through ROS.
+        stop: Ends the run early.
+        show: Is told the first one's result up to now after every batch.
+
+    Raises:
+        UsageError: Something is wrong with the arguments or the environment.
+    """
     started = time.monotonic()
     with ExitStack() as at_end:
         recorder = Recorder(options.record, overwrite=options.overwrite) if options.record else None
         at_end.enter_context(recorder or nullcontext())
-        source = at_end.enter_context(EpisodeProcess(config, options.frames))
-        run = _Run(config, options, source, at_end)
+        configs = [rover.config for rover in rovers]
+        source = at_end.enter_context(EpisodeProcess(configs, options.frames))
+        run = _Run(rovers, options, source, at_end)
         if recorder is not None:
-            recorder.tap(run.bridge, run.metrics, [run.navigation.map])
-        return run.drive(stop, show, observers, started)
+            for rover in run.rovers:
+                recorder.tap(rover.bridge, rover.metrics, [rover.navigation.map])
+        return run.drive(stop, show, started)
 
 
-class _Run:
-    """The nodes of one run and its loop."""
+class _Rover:
+    """The nodes of one rover.
+
+    Args:
+        number: Its place among the rovers.
+        run: What it is asked for, and likewise all others.
+        options: How the run goes through ROS.
+        orders: Of the rover.
+        clock: /clock, if another one tells it.
+    """
 
     def __init__(
-        self, config: EpisodeConfig, options: RosOptions, source: EpisodeProcess, at_end: ExitStack
+        self,
+        number: int,
+        run: Sequence[RoverRun],
+        options: RosOptions,
+        orders: RoverOrders,
+        context: Context,
+        at_end: ExitStack,
+        clock: Channel | None,
     ) -> None:
-        self._config, self._options, self._source = config, options, source
-        self._context = context = at_end.enter_context(ros_context(options.ros_args))
-        rover, lidar = find_rover(config.robot), LidarSpec(beams=config.lidar_beams)
-        rows, draw = config.sensor_rows(), at_end.enter_context(painter(config)).image
+        self.asked = run[number]
+        self.config = config = self.asked.config
+        self.orders, self._context, self._at_end = orders, context, at_end
+        draw = at_end.enter_context(painter(config, [rover.config for rover in run])).image
         self.bridge = Bridge(
-            rover,
-            lidar,
+            find_rover(config.robot),
+            LidarSpec(beams=config.lidar_beams),
             context=context,
-            on_command=source.command,
+            on_command=orders.command,
             cmd_vel=options.cmd_vel,
-            rows=rows,
+            rows=config.sensor_rows(),
             draw=draw,
             actors=config.actor_names(),
+            namespace=config.name,
+            clock=clock,
         )
         at_end.callback(self.bridge.destroy_node)
-        self._faults = FaultInjector(parse_faults(config.faults, rows), config.seed, rows)
-        executor = make_executor(context, time_jumps=self._faults.disturbs_time)
-        self._executor = at_end.enter_context(executor)
-        self._executor.add_node(self.bridge)
-        self.navigation = Navigation(self.bridge, config, source)
-        self._controls = Controls(self.bridge, source.reset)
-        self._hosted: HostedMetrics | None = None
-        if options.host_metrics:
-            node = metrics_node(context, options.log_dir)
-            at_end.callback(node.destroy_node)
-            self._executor.add_node(node)
-            self._hosted = HostedMetrics(self.bridge, node)
-            self._hosted.await_match()
-        jumps = self._faults.disturbs_time
-        remote = partial(RemoteNode, bridge=self.bridge, time_jumps=jumps)
-        self._remotes = [remote(name) for name in options.wait_for]
-        heard = self.bridge.commands.heard
-        spin_until(self._executor, self.bridge.commands.look_around, DISCOVERY_PATIENCE)
-        if self.bridge.commands.heard != heard:  # the nodes know of it when new clients are answered
-            self._remotes = [remote(name) for name in options.wait_for]
+        self.faults = injector(config)
+        self.hosted: HostedMetrics | None = None
 
-    def drive(
-        self,
-        stop: StopRequest,
-        show: Callable[[RunResult], None] | None,
-        observers: Sequence[Observer],
-        started: float,
-    ) -> RunResult:
-        """Publishes the episode tick by tick until its end, a failure or a stop request."""
-        info = self._source.info  # waits for the world: other runs are discovered by then
-        self._executor.spin_once(timeout_sec=0.0)
-        self.bridge.refuse_other_publishers(self._hosted.topics if self._hosted else ())
-        if (description := self._source.description) is not None:
-            self.bridge.describe(description)
-        account = RunAccount(
-            RunResult(config=self._config, mode=self._mode(), info=info),
-            started,
-            show,
-            topics=lambda: {topic: TopicCount(n) for topic, n in self.bridge.published().items()},
-            rows=lambda: 0 if self._hosted is None else self._hosted.node.rows,
-            paused_s=lambda: self._controls.held_s,
-        )
-        failure, interrupted = None, None
-        try:
-            with stop.deferred():
-                self._controls.hold(stop)
-                pacer = Pacer(self._options.rate, sleep=stop.sleep)
-                remotes = (RemoteNodes(self._remotes, self.bridge),) if self._remotes else ()
-                hosted = (self._hosted,) if self._hosted else ()  # has its turns while others answer
-                sink = partial(self.bridge.advance, listeners=(*remotes, *hosted))
-                batches, watching = self._source.batches(), (*observers, account)
-                for tick in drive(batches, self._faults, sink, watching, stop):
-                    pacer.postpone(self._controls.hold(stop))
-                    pacer.wait_until(tick.stamp_ns)
-                    if tick.stamp_ns % LOOK_PERIOD_NS == 0:
-                        self.bridge.commands.look_around()
-                        self.navigation.look_around()
-            interrupted = stop.name
-        except RunFailed as error:
-            failure = str(error)
-        except Overdue as error:
-            self._remotes = []  # one of them hangs: it will not tell what it has received
-            interrupted = error.signal.name
-        except (ExternalShutdownException, RuntimeError):
-            if self._context.ok():
-                raise
-            self._remotes = []
-            failure = "ROS 2 was shut down from outside this run"
-        return self._counted(account.ended(failure=failure, interrupted=interrupted))
+    def join(self, executor: Executor) -> None:
+        """Has the bridge spun."""
+        executor.add_node(self.bridge)
+        self.navigation = Navigation(self.bridge, self.config, self.orders)
+
+    def host_metrics(self, executor: Executor) -> None:
+        """Starts its MetricsNode."""
+        asked = self.asked
+        node = metrics_node(self._context, asked.log_dir, self.config.name, asked.parameters)
+        self._at_end.callback(node.destroy_node)
+        executor.add_node(node)
+        self.hosted = HostedMetrics(self.bridge, node)
+        self.hosted.await_match()
 
     @property
     def metrics(self) -> MetricsPublisher | None:
         """What the hosted metrics_node publishes with."""
-        return None if self._hosted is None else self._hosted.node.publisher
+        return None if self.hosted is None else self.hosted.node.publisher
 
-    def _mode(self) -> str:
-        hosted = "hosted metrics_node" if self._hosted else "no metrics_node"
-        waited = f", lock-step with {', '.join(self._options.wait_for)}" if self._remotes else ""
-        return f"ROS 2, {hosted}{waited}"
+    @property
+    def listeners(self) -> tuple[Listener, ...]:
+        """The hosted metrics_node, if there is one."""
+        return () if self.hosted is None else (self.hosted,)
 
-    def _counted(self, result: RunResult) -> RunResult:
-        topics = result.topics
-        if self._hosted:
-            for topic, received in self._hosted.received().items():
-                topics[topic] = replace(topics[topic], received=received, lost=self._hosted.lost[topic])
-        patience = ANSWER_PATIENCE if result.interrupted is None else GRACE
-        topics = counted_by(self._remotes, topics, patience)
-        waited = {remote.name: remote.waited_s for remote in self._remotes}
-        failure = result.failure
-        foreign = [topic for topic, count in topics.items() if count.published < (count.received or 0)]
-        if failure is None and foreign:
-            failure = f"{foreign[0]} {SECOND_PUBLISHER}"
-        recording = self._options.record if any(c.published for c in topics.values()) else None
-        result = replace(
-            result,
-            topics=topics,
-            recording=recording,
-            failure=failure,
-            waited_s=waited,
-            commands=self.bridge.commands.count,
-        )
-        if self._hosted is None:
+    def topics(self) -> dict[str, TopicCount]:
+        """Returns how many messages have been published."""
+        return {topic: TopicCount(count) for topic, count in self.bridge.published().items()}
+
+    def rows(self) -> int:
+        """Returns how many rows are in its log."""
+        return 0 if self.hosted is None else self.hosted.node.rows
+
+    def logged(self, result: RunResult) -> RunResult:
+        """Returns a result with what its metrics_node has to say."""
+        if self.hosted is None:
             return result
-        node = self._hosted.node
+        node, failure = self.hosted.node, result.failure
         node.log.close()  # what waits for the disk is tried a last time, then it is lost
         if failure is None and node.lost_rows:
             failure = f"{node.lost_rows} rows could not be written"
@@ -201,3 +180,154 @@ class _Run:
             reception=node.reception.account(),
             segments=node.timer.times.segments,
         )
+
+
+class _Run:
+    """The nodes of one run and its loop."""
+
+    def __init__(
+        self,
+        rovers: Sequence[RoverRun],
+        options: RosOptions,
+        source: EpisodeProcess,
+        at_end: ExitStack,
+    ) -> None:
+        self._options, self._source = options, source
+        self._context = context = at_end.enter_context(ros_context(options.ros_args))
+        self.rovers: list[_Rover] = []
+        for number, orders in enumerate(source.rovers):
+            clock = self.rovers[0].bridge.clock_channel if self.rovers else None
+            self.rovers.append(_Rover(number, rovers, options, orders, context, at_end, clock))
+        jumps = any(rover.faults.disturbs_time for rover in self.rovers)
+        self._executor = at_end.enter_context(make_executor(context, time_jumps=jumps))
+        for rover in self.rovers:
+            rover.join(self._executor)
+        first, *others = self.rovers
+        self._controls = Controls(
+            first.bridge, first.orders.reset, [(rover.bridge, rover.orders.reset) for rover in others]
+        )
+        for rover in self.rovers if options.host_metrics else ():
+            rover.host_metrics(self._executor)
+        self._remotes = self._found(time_jumps=jumps)
+        heard = [rover.bridge.commands.heard for rover in self.rovers]
+        for rover in self.rovers:
+            spin_until(self._executor, rover.bridge.commands.look_around, DISCOVERY_PATIENCE)
+        if [rover.bridge.commands.heard for rover in self.rovers] != heard:
+            # The nodes know of it when new clients are answered.
+            self._remotes = self._found(time_jumps=jumps)
+        self._told: Tick | None = None
+
+    def _found(self, *, time_jumps: bool) -> list[RemoteNode]:
+        """The nodes elsewhere; of several rovers none has a namespace that they could be below."""
+        first, *others = (rover.bridge for rover in self.rovers)
+        root = "/" if self.rovers[0].config.name else ""
+        return [
+            RemoteNode(
+                name if name.startswith("/") else root + name,
+                bridge=first,
+                time_jumps=time_jumps,
+                others=others,
+            )
+            for name in self._options.wait_for
+        ]
+
+    def drive(self, stop: StopRequest, show: Show | None, started: float) -> tuple[RunResult, ...]:
+        """Publishes the episodes tick by tick until their end, a failure or a stop request."""
+        infos = self._source.infos  # waits for the world: other runs are discovered by then
+        self._executor.spin_once(timeout_sec=0.0)
+        for rover in self.rovers:
+            rover.bridge.refuse_other_publishers(rover.hosted.topics if rover.hosted else ())
+        for rover, description in zip(self.rovers, self._source.descriptions, strict=False):
+            rover.bridge.describe(description)
+        accounts = [
+            RunAccount(
+                RunResult(config=rover.config, mode=self._mode(), info=info),
+                started,
+                None if number else show,
+                topics=rover.topics,
+                rows=rover.rows,
+                paused_s=lambda: self._controls.held_s,
+            )
+            for number, (rover, info) in enumerate(zip(self.rovers, infos, strict=True))
+        ]
+        failure, interrupted = None, None
+        try:
+            with stop.deferred():
+                self._controls.hold(stop)
+                pacer = Pacer(self._options.rate, sleep=stop.sleep)
+                for tick in drive_all(self._source.batches(), self._lanes(accounts), stop):
+                    pacer.postpone(self._controls.hold(stop))
+                    pacer.wait_until(tick.stamp_ns)
+                    if tick.stamp_ns % LOOK_PERIOD_NS == 0:
+                        for rover in self.rovers:
+                            rover.bridge.commands.look_around()
+                            rover.navigation.look_around()
+            interrupted = stop.name
+        except RunFailed as error:
+            failure = str(error)
+        except Overdue as error:
+            self._remotes = []  # one of them hangs: it will not tell what it has received
+            interrupted = error.signal.name
+        except (ExternalShutdownException, RuntimeError):
+            if self._context.ok():
+                raise
+            self._remotes = []
+            failure = "ROS 2 was shut down from outside this run"
+        ended = [account.ended(failure=failure, interrupted=interrupted) for account in accounts]
+        return self._counted(ended)
+
+    def _lanes(self, accounts: Sequence[RunAccount]) -> list[Lane]:
+        """Where the ticks and the batches of each rover go."""
+        first = self.rovers[0].bridge
+        remotes = (RemoteNodes(self._remotes, first),) if self._remotes else ()
+        # Hosted nodes come last: they have their turns while others answer.
+        everybody = (*remotes, *(node for rover in self.rovers for node in rover.listeners))
+        others = [rover.bridge for rover in self.rovers[1:]]
+
+        def send(rover: _Rover, tick: Tick, sent: Tick) -> None:
+            if rover is self.rovers[0]:
+                self._told = sent
+            rover.bridge.send(tick, sent, listeners=(*remotes, *rover.listeners))
+            if rover is self.rovers[-1] and self._told is not None:
+                first.tell(self._told, listeners=everybody, others=others)
+
+        return [
+            Lane(rover.faults, partial(send, rover), (*rover.asked.observers, account))
+            for rover, account in zip(self.rovers, accounts, strict=True)
+        ]
+
+    def _mode(self) -> str:
+        hosted = "hosted metrics_node" if self._options.host_metrics else "no metrics_node"
+        waited = f", lock-step with {', '.join(self._options.wait_for)}" if self._remotes else ""
+        return f"ROS 2, {hosted}{waited}"
+
+    def _counted(self, results: Sequence[RunResult]) -> tuple[RunResult, ...]:
+        """The results with what was received, and what is in the logs."""
+        topics: dict[str, TopicCount] = {}
+        for result, rover in zip(results, self.rovers, strict=True):
+            topics |= result.topics
+            if rover.hosted is not None:
+                for topic, received in rover.hosted.received().items():
+                    lost = rover.hosted.lost[topic]
+                    topics[topic] = replace(topics[topic], received=received, lost=lost)
+        patience = ANSWER_PATIENCE if results[0].interrupted is None else GRACE
+        topics = counted_by(self._remotes, topics, patience)
+        waited = {remote.name: remote.waited_s for remote in self._remotes}
+        recorded = any(count.published for count in topics.values())
+        counted = []
+        for result, rover in zip(results, self.rovers, strict=True):
+            own = {topic: topics[topic] for topic in result.topics}
+            foreign = [topic for topic, c in own.items() if c.published < (c.received or 0)]
+            failure = result.failure
+            if failure is None and foreign:
+                failure = f"{foreign[0]} {SECOND_PUBLISHER}"
+            told = replace(
+                result,
+                topics=own,
+                recording=self._options.record if recorded else None,
+                failure=failure,
+                waited_s=waited,
+                commands=rover.bridge.commands.count,
+            )
+            counted.append(rover.logged(told))
+        return tuple(counted)

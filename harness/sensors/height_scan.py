@@ -18,6 +18,8 @@ from harness.samples import plain_value
 from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
 
 if TYPE_CHECKING:  # the table of sensors does without MuJoCo
+    import mujoco
+
     from harness.physics.simulation import Simulation
 
 ROVER, WORLD = "rover", "world"
@@ -112,7 +114,10 @@ class HeightScanSensor(OptionalSensor):
         middles = ((np.arange(n) - 0.5 * (n - 1)) * options.resolution for n in options.cells)
         self._along, self._across = np.meshgrid(*middles, indexing="ij")
         self._reach = float(np.hypot(self._along, self._across).max())
-        self._obstacles = np.flatnonzero(simulation.model.geom_group == OBSTACLE_GROUP)
+        self._others = simulation.scene.others()
+        self._obstacles = np.append(
+            np.flatnonzero(simulation.model.geom_group == OBSTACLE_GROUP), self._others
+        ).astype(int)
         self._group = np.zeros(6, np.uint8)
         self._group[OBSTACLE_GROUP] = 1
 
@@ -149,6 +154,20 @@ class HeightScanSensor(OptionalSensor):
             at = tuple(cell)
             point = np.array([east[at], north[at], start])
             distance = mujoco.mj_ray(model, data, point, DOWN, self._group, 1, -1, hit)
-            if distance >= 0.0:
-                tops[at] = start - distance
+            below = [distance, *(_down_to(geom, model, data, point) for geom in self._others)]
+            hits = [distance for distance in below if distance >= 0.0]
+            if hits:
+                tops[at] = start - min(hits)
         return tops
+
+
+def _down_to(
+    geom: int, model: "mujoco.MjModel", data: "mujoco.MjData", point: NDArray[np.float64]
+) -> float:
+    """How far below a point a part of another rover begins [m]; negative if it does not."""
+    import mujoco  # noqa: PLC0415 - see the module
+
+    if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
+        return float(mujoco.mj_rayMesh(model, data, geom, point, DOWN))
+    place = data.geom_xpos[geom], data.geom_xmat[geom], model.geom_size[geom]
+    return float(mujoco.mju_rayGeom(*place, point, DOWN, model.geom_type[geom]))

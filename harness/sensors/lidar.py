@@ -1,7 +1,10 @@
-"""A planar lidar: exact ranges to terrain and obstacles, REP-117 coded, without noise.
+"""A planar lidar: exact ranges to terrain, obstacles and other rovers, REP-117 coded, without noise.
 
-The rover does not see itself: its geoms are in neither of the two groups that are looked at.
+The rover does not see itself: its geoms are in neither of the two groups that are looked at. Of another
+rover it sees what collides.
 """
+
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
@@ -14,18 +17,25 @@ from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.rays.bundle import Surroundings
 from harness.sensors.rays.heightfield_kernel import cast_rays
 from harness.sensors.rays.obstacle_kernel import cast_fan
-from harness.sensors.rays.triangle_kernel import cast_triangles
 
 
 class Lidar:
-    """The lidar at a model's site `lidar`; beams lie in the site's xy plane, azimuth 0 along its x."""
+    """The lidar at a model's site; beams lie in the site's xy plane, azimuth 0 along its x.
 
-    def __init__(self, model: mujoco.MjModel, spec: LidarSpec) -> None:
+    Args:
+        model: Of the scene.
+        spec: Its beams.
+        site: The site's name.
+        others: The geoms of other rovers.
+    """
+
+    def __init__(
+        self, model: mujoco.MjModel, spec: LidarSpec, site: str = "lidar", others: Sequence[int] = ()
+    ) -> None:
         self.spec = spec
-        self._site = model.site("lidar").id
-        self.surroundings = Surroundings(model)
+        self._site = model.site(site).id
+        self.surroundings = Surroundings(model, others)
         self._terrain, self._obstacles = self.surroundings.terrain, self.surroundings.obstacles
-        self._triangles = self.surroundings.triangles
         angles = self.spec.angles
         self._beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
         self._fan = np.array([angles[0], angles[1] - angles[0], self.spec.range_max])
@@ -48,8 +58,7 @@ class Lidar:
         cast_fan(*self._obstacles, positions, matrices, pose, directions, self._fan, distances)
         # Obstacles first: the terrain is then walked no further than to them.
         cast_rays(*self._terrain, pose[0], directions, self._clear, self.spec.range_max, distances)
-        if self._triangles is not None:
-            cast_triangles(*self._triangles, pose[0], directions, self.spec.range_max, distances)
+        self.surroundings.cast_meshes(data, pose[0], directions, self.spec.range_max, distances)
         distances[distances < self.spec.range_min] = -np.inf
         return distances.astype(np.float32)
 

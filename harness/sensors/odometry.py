@@ -23,14 +23,14 @@ class WheelOdometry(Sensor):
     def __init__(self, simulation: Simulation, period_ticks: int) -> None:
         super().__init__(simulation, period_ticks)
         self._rover = simulation.scene.rover
-        model = simulation.model
+        model, own = simulation.model, simulation.scene.own
         drive, steered = self._rover.drive, self._rover.steered_wheels
         read = self._rover.wheel_joints if self._rover.steers else drive.driven
         self._read = [name for name in read if name not in steered]
         self._left = [place for place, name in enumerate(self._read) if name in drive.left]
         self._right = [place for place, name in enumerate(self._read) if name in drive.right]
-        self._angles = np.array([int(model.joint(n).qposadr[0]) for n in self._read])
-        self._steering = np.array([int(model.joint(n).qposadr[0]) for n in drive.steering], int)
+        self._angles = np.array([int(model.joint(own(n)).qposadr[0]) for n in self._read])
+        self._steering = np.array([int(model.joint(own(n)).qposadr[0]) for n in drive.steering], int)
         self._metres_per_count = math.tau * self._rover.controller_radius / self._rover.encoder_ticks
         self._period = period_ticks * TICK_NS / NANOSECONDS
         self._counts = self._kept = self._encoders()

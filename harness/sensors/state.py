@@ -31,7 +31,7 @@ class ImuSensor(Sensor):
         self._force_in_tick = simulation.summed("imu_accelerometer")
         self._rate_in_tick = simulation.summed("imu_gyro")
         self._force_sum, self._rate_sum = np.zeros(3), np.zeros(3)
-        self._mounting = simulation.model.site("imu").quat.copy()
+        self._mounting = simulation.model.site(simulation.scene.own("imu")).quat.copy()
         self._attitude = np.empty(4)
 
     def observe(self) -> None:
@@ -42,7 +42,7 @@ class ImuSensor(Sensor):
 
     def read(self) -> Imu:
         """Returns the window's means [m/s^2, rad/s] and the attitude at its end; starts a new window."""
-        mujoco.mju_mulQuat(self._attitude, self._simulation.data.qpos[3:7], self._mounting)
+        mujoco.mju_mulQuat(self._attitude, self._simulation.pose[3:], self._mounting)
         w, x, y, z = self._attitude.tolist()
         reading = Imu(
             stamp_ns=self._simulation.time_ns,
@@ -67,7 +67,7 @@ class GroundTruthSensor(Sensor):
         """Returns the truth; a free joint's angular qvel is in the model frame."""
         simulation = self._simulation
         x, y, _ = simulation.position
-        wx, wy, wz = simulation.data.qvel[3:6].tolist()
+        wx, wy, wz = simulation.twist[3:].tolist()
         return GroundTruth(
             stamp_ns=simulation.time_ns,
             x=x,
@@ -83,7 +83,8 @@ class JointSensor(Sensor):
 
     def __init__(self, simulation: Simulation, period_ticks: int) -> None:
         super().__init__(simulation, period_ticks)
-        model, joints = simulation.model, simulation.scene.rover.joints
+        model, scene = simulation.model, simulation.scene
+        joints = scene.all_own(scene.rover.joints)
         self._qpos = np.array([int(model.joint(name).qposadr[0]) for name in joints])
         self._dofs = np.array([int(model.joint(name).dofadr[0]) for name in joints])
 

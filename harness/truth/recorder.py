@@ -48,7 +48,7 @@ class TruthRecorder:
         position = self._simulation.position
         self._path += math.dist(position, self._previous)
         self._previous = position
-        _, x, y, _ = self._simulation.data.qpos[3:7].tolist()
+        _, x, y, _ = self._simulation.pose[3:].tolist()
         self._lowest_upright = min(self._lowest_upright, 1.0 - 2.0 * (x * x + y * y))
         strongest = self._simulation.contacts.strongest
         self.events.observe(self._simulation.time_ns, strongest)

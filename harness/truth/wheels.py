@@ -7,7 +7,6 @@ import mujoco
 
 from harness.physics.simulation import Simulation
 
-ROOT = 1  # the id of the rover's root body
 SLIP_SPEED = 0.05  # [m/s]: a wheel whose rim and centre are both slower does not slip, it stands
 
 
@@ -34,13 +33,15 @@ class Wheels:
 
     def __init__(self, simulation: Simulation) -> None:
         self._model, self._data = simulation.model, simulation.data
-        rover = simulation.scene.rover
+        scene = simulation.scene
+        rover, self._root = scene.rover, scene.root
         self._radius = rover.wheel_radius
         self._bodies: list[tuple[int, int]] = []  # of each wheel, and along whose y its axle lies
         for name in rover.wheel_joints:
-            body = int(self._model.joint(name).bodyid[0])
+            body = int(self._model.joint(scene.own(name)).bodyid[0])
             steered = name in rover.steered_wheels
-            self._bodies.append((body, int(self._model.body_parentid[body]) if steered else ROOT))
+            carrier = int(self._model.body_parentid[body]) if steered else scene.root
+            self._bodies.append((body, carrier))
 
     def motion(self) -> list[WheelMotion]:
         """Returns what each wheel does now.
@@ -54,7 +55,7 @@ class Wheels:
         mujoco.mj_comPos(model, data)
         mujoco.mj_comVel(model, data)
         axes = data.xmat.tolist()
-        com_x, com_y, com_z = data.subtree_com[ROOT].tolist()
+        com_x, com_y, com_z = data.subtree_com[self._root].tolist()
         positions, velocities = data.xpos.tolist(), data.cvel.tolist()
         wheels = []
         for body, carrier in self._bodies:

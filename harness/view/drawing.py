@@ -7,12 +7,12 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing
 from pathlib import Path
 
 from harness.config import EpisodeConfig
-from harness.episode.batch import Batch
+from harness.episode.loop import Observer
 from harness.errors import INSTALL_OPENGL, HarnessError, UsageError
 from harness.files import check_target
 from harness.sensors.camera.backend import backends
@@ -30,6 +30,8 @@ class DrawingFailed(HarnessError):
 class Drawing(AbstractContextManager["Drawing"]):
     """The picture and the video of one run; a context manager that leaves no states behind.
 
+    The camera looks at the first rover; the others are shown too.
+
     Args:
         picture: Where to write a PNG of the run's end; None for none.
         video: Where to write an MP4 of the run; None for none.
@@ -45,7 +47,7 @@ class Drawing(AbstractContextManager["Drawing"]):
         self._lidar, self._backend = lidar, backend
         self._at_end = ExitStack()
         self._environment: dict[str, str] = {}
-        self._writer: StateWriter | None = None
+        self._writers: list[StateWriter] = []
 
     @property
     def wanted(self) -> bool:
@@ -55,8 +57,11 @@ class Drawing(AbstractContextManager["Drawing"]):
     def __exit__(self, *_: object) -> None:
         self._at_end.close()
 
-    def prepare(self, config: EpisodeConfig) -> None:
-        """Finds out whether everything that drawing takes is there, and opens the log of states.
+    def prepare(self, *fleet: EpisodeConfig) -> None:
+        """Finds out whether everything that drawing takes is there, and opens the logs of states.
+
+        Args:
+            fleet: The episode of each rover.
 
         Raises:
             UsageError: The files cannot be written, a package or OpenGL is missing.
@@ -71,13 +76,14 @@ class Drawing(AbstractContextManager["Drawing"]):
             raise UsageError("--video needs PyAV; install it with pip install 'rover-harness[video]'")
         self._environment = _working_environment(self._backend)
         folder = self._at_end.enter_context(tempfile.TemporaryDirectory(prefix="rover-harness-"))
-        writer = StateWriter(Path(folder) / "states", config)
-        self._writer = self._at_end.enter_context(closing(writer))
+        for config in fleet:
+            writer = StateWriter(Path(folder) / f"states_{config.number}", config)
+            self._writers.append(self._at_end.enter_context(closing(writer)))
 
-    def take(self, batch: Batch) -> None:
-        """Keeps the states of a batch."""
-        if self._writer is not None:
-            self._writer.take(batch)
+    @property
+    def observers(self) -> Sequence[Observer]:
+        """What keeps the states of each rover; empty if nothing is to be drawn."""
+        return self._writers
 
     def finish(self, show: Callable[[int, int], None]) -> list[Path]:
         """Draws in a process of its own; returns the files written.
@@ -88,12 +94,13 @@ class Drawing(AbstractContextManager["Drawing"]):
         Raises:
             DrawingFailed: They could not be drawn.
         """
-        if self._writer is None:
+        if not self._writers:
             return []
-        self._writer.close()
+        for writer in self._writers:
+            writer.close()
         words = [word for flag, path in self._targets.items() for word in (flag, str(path))]
         lidar = ["--lidar"] if self._lidar else []
-        _call([str(self._writer.path), *words, *lidar], self._environment, show)
+        _call([*(str(w.path) for w in self._writers), *words, *lidar], self._environment, show)
         return list(self._targets.values())
 
 

@@ -1,6 +1,6 @@
 """Command: draw a recorded episode.
 
-    python -m harness.view.picture RECORDING --picture FILE.png --video FILE.mp4 [--lidar]
+    python -m harness.view.picture RECORDING... --picture FILE.png --video FILE.mp4 [--lidar]
 
 `harness.run --picture` starts it after the run, in a process of its own: OpenGL without a display must
 be chosen before MuJoCo is imported, and no run is to wait for its pictures.
@@ -23,9 +23,9 @@ from PIL import Image
 
 from harness.errors import HarnessError
 from harness.files import whole_file
-from harness.physics.scene import build_scene
+from harness.fleet import scenery
+from harness.physics.scene import build_scenes
 from harness.physics.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
-from harness.robots import find_rover
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.view.camera import View, best_view, chase_view
@@ -46,27 +46,40 @@ CALMED = 2.0 * FRAME_RATE  # states that the camera takes to follow a turn
 
 
 class Studio(AbstractContextManager["Studio"]):
-    """Draws the states of one recording with its marks; a context manager that gives OpenGL back.
+    """Draws the states of one run with its marks; a context manager that gives OpenGL back.
+
+    Args:
+        paths: The recording of each rover.
+        quality: Of the images.
+        lidar: Whether the beams are shown.
 
     Attributes:
-        recording: The states.
+        recording: The states of the first rover, which are as many as those of each other one.
         model: The scene that they are states of.
         data: The state that was posed last.
         half_width: Half the width of an image at unit distance.
     """
 
-    def __init__(self, path: Path, quality: Quality, *, lidar: bool) -> None:
-        self.recording = read_states(path)
-        config = self.recording.config
-        rover, world = find_rover(config.robot), config.world()
+    def __init__(self, paths: Sequence[Path], quality: Quality, *, lidar: bool) -> None:
+        recordings = [read_states(path) for path in paths]
+        self.recording, config = recordings[0], recordings[0].config
+        world, fleet = scenery([states.config for states in recordings])
         world = replace(world, ground=drawn(world.ground))
-        self.model = build_scene(world, rover, config.timestep, partial(dress, quality=quality)).model
+        dressed = partial(dress, quality=quality)
+        scenes = build_scenes(world, fleet, config.timestep, dressed)
+        self._rovers, self.model = list(zip(scenes, recordings, strict=True)), scenes[0].model
         self.data = mujoco.MjData(self.model)
-        self._joints = [int(self.model.joint(name).qposadr[0]) for name in rover.joints]
-        self._lidar = Lidar(self.model, LidarSpec(beams=config.lidar_beams)) if lidar else None
+        spec = LidarSpec(beams=config.lidar_beams)
+        self._lidars = [
+            Lidar(self.model, spec, scene.own("lidar"), scene.others()) for scene in scenes if lidar
+        ]
         self._marks = [
-            *path_marks(self.recording, world.ground),
-            *track_marks(self.recording, world.ground, rover),
+            mark
+            for scene, states in self._rovers
+            for mark in (
+                *path_marks(states, world.ground),
+                *track_marks(states, world.ground, scene.rover),
+            )
         ]
         half_height = math.tan(math.radians(0.5 * FIELD_OF_VIEW))
         self.half_width = quality.width / quality.height * half_height
@@ -77,9 +90,12 @@ class Studio(AbstractContextManager["Studio"]):
 
     def pose(self, index: int) -> None:
         """Takes the state of that index."""
+        for scene, states in self._rovers:
+            at, names = scene.qpos_at, scene.all_own(scene.rover.joints)
+            self.data.qpos[at : at + 7] = (*states.path[index], *states.orientations[index])
+            joints = [int(self.model.joint(name).qposadr[0]) for name in names]
+            self.data.qpos[joints] = states.joints[index]
         states = self.recording
-        self.data.qpos[:7] = (*states.path[index], *states.orientations[index])
-        self.data.qpos[self._joints] = states.joints[index]
         if states.people.size:  # the only mocap bodies, in their order
             self.data.mocap_pos[:] = states.people[index, :, :3]
             half = states.people[index, :, 3] / 2
@@ -98,13 +114,14 @@ class Studio(AbstractContextManager["Studio"]):
         return np.asarray(self._renderer.render())
 
     def _beams(self) -> list[Mark]:
-        if self._lidar is None:
-            return []
-        site = self.data.site("lidar")
-        angles = self._lidar.spec.angles
-        level = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
-        directions = level @ site.xmat.reshape(3, 3).T
-        return beam_marks(site.xpos, directions, self._lidar.scan(self.data))
+        marks = []
+        for lidar, (scene, _) in zip(self._lidars, self._rovers, strict=False):
+            site = self.data.site(scene.own("lidar"))
+            angles = lidar.spec.angles
+            level = np.column_stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
+            directions = level @ site.xmat.reshape(3, 3).T
+            marks += beam_marks(site.xpos, directions, lidar.scan(self.data))
+        return marks
 
 
 def _tell(done: int, total: int) -> None:
@@ -112,10 +129,10 @@ def _tell(done: int, total: int) -> None:
     print(f"{done}/{total}", flush=True)
 
 
-def _draw_picture(recording: Path, target: Path, *, lidar: bool) -> None:
+def _draw_picture(recordings: Sequence[Path], target: Path, *, lidar: bool) -> None:
     """Draws the end of a recording with the path that led there, as PNG."""
     _tell(0, 1)
-    with Studio(recording, QUALITY, lidar=lidar) as studio:
+    with Studio(recordings, QUALITY, lidar=lidar) as studio:
         states = studio.recording
         studio.pose(-1)
         view = best_view(studio.model, studio.data, states.path, states.yaw[-1], studio.half_width)
@@ -125,11 +142,11 @@ def _draw_picture(recording: Path, target: Path, *, lidar: bool) -> None:
     _tell(1, 1)
 
 
-def _draw_video(recording: Path, target: Path, *, lidar: bool) -> None:
+def _draw_video(recordings: Sequence[Path], target: Path, *, lidar: bool) -> None:
     """Draws a recording as H.264 in MP4: the camera follows the rover, the path grows behind it."""
     import av  # noqa: PLC0415 - its extra may be missing
 
-    with Studio(recording, VIDEO_QUALITY, lidar=lidar) as studio, whole_file(target) as part:
+    with Studio(recordings, VIDEO_QUALITY, lidar=lidar) as studio, whole_file(target) as part:
         count = len(studio.recording.times)
         frames = range(0, count, -(-count // MOST_FRAMES))
         views, times, speeds = chase(studio.recording), studio.recording.times, studio.recording.speed
@@ -156,14 +173,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = _parser().parse_args(arguments)
     try:
-        if options.recording is None:
+        if not options.recordings:
             # Whatever MuJoCo raises if there is no OpenGL is what whoever started this looks for.
             mujoco.Renderer(mujoco.MjModel.from_xml_string("<mujoco/>"), 16, 16).close()
             return 0
         if options.picture is not None:
-            _draw_picture(options.recording, options.picture, lidar=options.lidar)
+            _draw_picture(options.recordings, options.picture, lidar=options.lidar)
         if options.video is not None:
-            _draw_video(options.recording, options.video, lidar=options.lidar)
+            _draw_video(options.recordings, options.video, lidar=options.lidar)
     except (HarnessError, OSError) as error:
         print(f"harness.view.picture: {error}", file=sys.stderr)
         return error.exit_code if isinstance(error, HarnessError) else 1
@@ -177,7 +194,11 @@ def _parser() -> argparse.ArgumentParser:
         epilog="MUJOCO_GL=egl or osmesa (macOS: cgl) chooses OpenGL without a display.",
     )
     parser.add_argument(
-        "recording", type=Path, nargs="?", help="states, as harness.view.states has them"
+        "recordings",
+        type=Path,
+        nargs="*",
+        metavar="RECORDING",
+        help="states of a rover, as harness.view.states has them",
     )
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw its end")
     parser.add_argument("--video", type=Path, metavar="FILE.mp4", help="draw all of it")

@@ -26,7 +26,7 @@ POSE_SIZE, PERSON_SIZE = 7, 4
 HALF_WINDOW = 0.25  # [s] of a speed that can be read
 SCENE = (  # of the configuration
     *("terrain", *FILE_OPTIONS, "start", "difficulty", "seed"),
-    *("robot", "timestep", "lidar_beams", "actors"),
+    *("robot", "timestep", "lidar_beams", "actors", "name", "number", "world_robot"),
 )
 
 

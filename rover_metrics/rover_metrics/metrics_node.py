@@ -51,6 +51,7 @@ class MetricsNode(GuardedNode):
         context: The rclpy context; the default one if None.
         parameter_overrides: Parameter values as a launch would give them.
         now: Wall clock for the name of the log.
+        namespace: As for a Node.
 
     Attributes:
         settings: The current parameter values.
@@ -73,8 +74,10 @@ class MetricsNode(GuardedNode):
         context: Context | None = None,
         parameter_overrides: list[Parameter] | None = None,
         now: Callable[[], datetime] = datetime.now,
+        namespace: str | None = None,
     ) -> None:
-        super().__init__("metrics_node", context=context, parameter_overrides=parameter_overrides)
+        options = {"context": context, "parameter_overrides": parameter_overrides}
+        super().__init__("metrics_node", namespace=namespace, **options)
         try:
             for name in self._parameter_overrides:  # rclpy ignores one that nobody declares
                 check_name(name, may_be_others=True)

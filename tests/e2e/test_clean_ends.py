@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -28,6 +28,7 @@ from harness.config import EpisodeConfig
 from harness.drivers.base import Observation
 from harness.drivers.wander import Wander
 from harness.episode.batch import Batch
+from harness.episode.loop import Observer
 from harness.interrupt import Interrupted, Overdue, StopRequest
 from harness.run import main
 from harness.samples import Tick, Twist
@@ -234,8 +235,12 @@ class SlowDrawing(Drawing):
 
     signals: Iterator[signal.Signals]
 
-    def prepare(self, config: EpisodeConfig) -> None:
+    def prepare(self, *fleet: EpisodeConfig) -> None:
         """Needs no OpenGL."""
+
+    @property
+    def observers(self) -> Sequence[Observer]:
+        return [self]
 
     def take(self, batch: Batch) -> None:  # noqa: ARG002 - as the real one
         self.signalled()

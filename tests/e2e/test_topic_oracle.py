@@ -31,7 +31,7 @@ from harness.config import RosOptions
 from harness.episode.batch import Batch
 from harness.episode.loop import Pacer
 from harness.episode.result import RunResult
-from harness.episode.stream import EpisodeProcess
+from harness.episode.stream import RoverOrders
 from harness.interrupt import StopRequest
 from harness.robots import ROVERS
 from harness.ros.bridge import Bridge
@@ -167,13 +167,13 @@ def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         record=folder / "drive.mcap",
         cmd_vel="twist",  # the listener's, which is sent from within this context
     )
-    take, refuse = EpisodeProcess.command, Bridge.refuse_other_publishers
+    take, refuse = RoverOrders.command, Bridge.refuse_other_publishers
 
     def join(bridge: Bridge, names: tuple[str, ...]) -> None:
         refuse(bridge, names)
         listener.join(bridge)
 
-    def note(source: EpisodeProcess, twist: Twist) -> None:
+    def note(source: RoverOrders, twist: Twist) -> None:
         listener.taken.append(twist)
         take(source, twist)
 
@@ -183,7 +183,7 @@ def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         patch.setenv("ROS_DOMAIN_ID", str(domain))
         patch.setattr(robots, "ROVERS", {**ROVERS, spec.name: staged_rover(config)})
         patch.setattr(Bridge, "refuse_other_publishers", join)
-        patch.setattr(EpisodeProcess, "command", note)
+        patch.setattr(RoverOrders, "command", note)
         patch.setattr(Pacer, "postpone", lambda _, seconds: paced.append(seconds))
         patch.setattr(Pacer, "wait_until", lambda _, time_ns: paced.append(time_ns))
         result = run_through_ros(config, options, StopRequest(), progress.append, [listener])

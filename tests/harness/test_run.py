@@ -54,7 +54,7 @@ def test_two_runs_in_the_same_second_keep_both_logs(tmp_path: Path) -> None:
 def test_run_that_reaches_the_edge_keeps_its_rows_and_exits_1(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("harness.physics.simulation.EDGE_MARGIN", 19.5)
+    monkeypatch.setattr("harness.physics.physics.EDGE_MARGIN", 19.5)
     words = ["--direct", "--terrain", "flat", "--driver", "straight", "--duration", "120"]
     assert main([*words, "--log-dir", str(tmp_path)]) == 1
     assert "harness.run: the rover reached the edge of the map at t = " in capsys.readouterr().err
@@ -86,9 +86,9 @@ def test_list_names_terrains_with_their_promises_robots_drivers_and_noise(
         (["--driver", "drunk"], "available: wander"),
         (["--duration", "-5"], "give 0.01 s or more"),
         (["--duration", "nan"], "give 0.01 s or more"),
-        (["--duration", "long"], "argument --duration: invalid float value"),
+        (["--duration", "long"], "argument --duration: 'long' is not valid; give a number;"),
         (["--seed", "-1"], "give a whole number from 0 up"),
-        (["--seed", "nan"], "argument --seed: invalid int value"),
+        (["--seed", "nan"], "argument --seed: 'nan' is not valid; give a whole number"),
         (["--rate", "-1"], "give 'max' or a number from 0.01 up"),
         (["--rate", "nan"], "give 'max' or a number from 0.01 up"),
         (["--rate", "inf"], "give 'max' or a number from 0.01 up"),

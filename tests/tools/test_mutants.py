@@ -29,6 +29,8 @@ from functools import cache
 
 _HALF = 3.75  # l
 FULL = _HALF + _HALF
+KINDS = ("oil", "water")
+PAIR = divmod(7, 2)
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,7 @@ def unseen(a: float) -> float:
 TESTS = """import sys
 
 import pytest
-from tank import FULL, Tank, countdown, lack
+from tank import FULL, KINDS, Tank, countdown, lack
 
 
 @pytest.fixture(scope="module")
@@ -83,6 +85,11 @@ def test_lack():
     assert lack(Tank(2.5)) == 5.0
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_kind(kind):
+    assert kind in ("oil", "water")
+
+
 def test_weak():
     assert Tank().litres > 0
 
@@ -94,6 +101,22 @@ def test_that_always_fails():
 def test_that_fails_unless_its_lines_are_traced():
     assert lack(Tank()) and sys.gettrace()
 """
+FATES = [
+    ("lack", "return FULL + tank.litres", "test_lack"),  # wrapped by a decorator
+    ("Tank.is_low", "return self.litres <= 1.0", "test_other_user_does"),  # a property
+    (
+        "",
+        "_HALF = 4.6875 # l",
+        "test_lack",
+    ),  # another constant, which others have imported, is made of it
+    ("", 'KINDS = ("oilX", "water")', "test_kind[oilX]"),  # of which a test has its name
+    ("", "PAIR = divmod(7)", "import"),
+    ("Tank", "litres: float = 3.75", ""),  # a default that only the weak test looks at
+    ("countdown", "n -= 2", "test_other_user_does"),  # by way of a fixture that another used first
+    ("countdown", "n -= 0", "time-out or crash"),
+    ("countdown", "while n > (-1):", "test_other_user_does"),
+    ("unseen", "return a * 3", ""),
+]
 TRY = """
 import json, sys
 from pathlib import Path
@@ -103,6 +126,7 @@ from tools.mutants.trial import Trial
 mutations.A_PLACE, mutations.A_LINE, chooser.LEAST = 2, 8, 0.2
 root = Path(sys.argv[1])
 made = mutants_of("src/tank.py", (root / "src/tank.py").read_text())
+made = [mutant for mutant in made if mutant.becomes in sys.argv[2:]]
 outcomes = Trial(root, ("src",), ("tests",), False, root / "kept", lambda outcome: None).judge(made)
 print(json.dumps([(*o.mutant.key[1:], o.killer) for o in outcomes]))
 """
@@ -130,7 +154,7 @@ def test_of_many_tests_that_may_use_a_constant_those_about_its_class_come_first(
     names = [f"test_all.py::test_promise[{n}-{name}]" for n in range(9) for name in ("water", "acid")]
     slow = "test_all.py::test_promise[huge-acid]"
     chooser = Chooser(tmp_path, Trace({}, dict.fromkeys(names, 4.0) | {slow: 14.0}), {})
-    chooser.runs_at_import = lambda _: True  # type: ignore[method-assign]
+    chooser.runs_at_import = lambda mutant: True  # type: ignore[method-assign] # noqa: ARG005
     mutant = mutants_of("fluids.py", (tmp_path / "fluids.py").read_text())[0]
     chosen = [test for test, _ in chooser.tests(mutant)]
     assert len(chosen) == 3  # a quarter of a minute
@@ -177,7 +201,7 @@ def judged(root: Path) -> dict[tuple[str, str], str]:
     (root / "tests/test_tank.py").write_text(TESTS)
     (root / "conftest.py").write_text("import sys\nsys.path.insert(0, __file__[:-11] + 'src')\n")
     (root / "pytest.ini").write_text("[pytest]\naddopts = --import-mode=importlib\n")
-    command = [sys.executable, "-B", "-c", TRY, str(root)]
+    command = [sys.executable, "-B", "-c", TRY, str(root), *(becomes for _, becomes, _ in FATES)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     files = {str(p.relative_to(root)) for p in root.rglob("*") if p.is_file()}
     files -= {file for file in files if file.startswith("kept/")}
@@ -186,23 +210,7 @@ def judged(root: Path) -> dict[tuple[str, str], str]:
     return {(function, becomes): killer for function, _, becomes, killer in json.loads(done.stdout)}
 
 
-@pytest.mark.parametrize(
-    ("function", "becomes", "killer"),
-    [
-        ("lack", "return FULL + tank.litres", "test_lack"),  # wrapped by a decorator
-        ("Tank.is_low", "return self.litres <= 1.0", "test_other_user_does"),  # a property
-        (
-            "",
-            "_HALF = 4.6875 # l",
-            "test_lack",
-        ),  # another constant, which others have imported, is made of it
-        ("Tank", "litres: float = 3.75", ""),  # a default that only the weak test looks at
-        ("countdown", "n -= 2", "test_other_user_does"),  # by way of a fixture that another used first
-        ("countdown", "n -= 0", "time-out or crash"),
-        ("countdown", "while n > (-1):", "test_other_user_does"),
-        ("unseen", "return a * 3", ""),
-    ],
-)
+@pytest.mark.parametrize(("function", "becomes", "killer"), FATES)
 def test_mutant_dies_of_the_test_that_notices_it(
     fates: dict[tuple[str, str], str], function: str, becomes: str, killer: str
 ) -> None:
@@ -374,12 +382,13 @@ def test_scores_are_kept_by_file_and_their_table_tells_packages(tmp_path: Path) 
     assert "old" not in text
 
 
-def test_every_package_has_modules_and_no_module_has_two_packages() -> None:
+def test_every_package_has_modules_and_tests_and_no_module_has_two_packages() -> None:
     modules = [file for package in PACKAGES for file in modules_of(package)]
     assert all(
         modules_of(Package("", (pattern,))) for package in PACKAGES for pattern in package.modules
     )
     assert len(set(modules)) == len(modules)
+    assert all((ROOT / tests).exists() for package in PACKAGES for tests in package.tests)
 
 
 def test_listed_survivors_are_true_to_the_code() -> None:

@@ -33,6 +33,7 @@ AT_ONCE = 2  # processes
 LIKELY = 2  # test files
 SECOND_PATIENCE = 4.0  # for what took too long, maybe because the machine had other work
 PLAIN_PATIENCE = 4.0  # kernels that nobody compiles are slow
+_BROKEN = "import"  # what has noticed a mutant with which tests cannot be imported
 _AT_IMPORT = "at import"  # what a fork answers whose mutant is not in a function
 
 Choice = tuple[Mutant | None, Timed]  # a mutant and its tests; None for the code as it is
@@ -235,10 +236,11 @@ class Trial:
 
     def _first_failure_in(self, files: list[str], tests: Timed) -> str:
         """The first test of these files that fails where they are imported now."""
-        failure = ["import"]
+        failure = [_BROKEN]
 
         def serve(session: Session) -> None:
-            failure[0] = session.first_failure([one for one in tests if one[0] in session.items])
+            if session.is_whole:
+                failure[0] = session.first_failure(_collected(tests, session.items))
 
         Session(serve).run([f"--rootdir={self.root}", *(str(self.root / file) for file in files)])
         return failure[0]
@@ -261,6 +263,15 @@ def patiently(
         else:
             yield choice, killer
     yield from in_forks(died, attempt, at_once=1)
+
+
+def _collected(tests: Timed, items: Iterable[str]) -> Timed:
+    """Those of the tests that there are; for one that is not, its function's with new parameters."""
+    found, wanted = list(items), dict(tests)
+    missing = {name.partition("[")[0]: limit for name, limit in tests if name not in found}
+    names = [name for name in found if name not in wanted and name.partition("[")[0] in missing]
+    renamed = [(name, missing[name.partition("[")[0]]) for name in names]
+    return [one for one in tests if one[0] in found] + renamed
 
 
 def _unsound(session: Session, outcomes: list[Outcome], chooser: Chooser) -> list[Mutant]:

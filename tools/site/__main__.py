@@ -10,7 +10,6 @@ import json
 import shutil
 import sys
 from pathlib import Path
-from typing import Any
 
 from tools.site.generated import generated
 from tools.site.links import REPOSITORY, BrokenLinks, Links
@@ -55,14 +54,14 @@ def write(folder: Path) -> None:
         (docs / "files" / picture).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / picture, docs / "files" / picture)
     # JSON is YAML, but for the tags of mkdocs.yml, which stays what it is.
-    config: dict[str, Any] = {
+    config = {
         "INHERIT": str(CONFIG),
         "nav": navigation(pages),
         "docs_dir": "docs",
         "site_dir": "site",
+        # Not repo_url, which would ask GitHub for stars.
+        "extra": {"social": [{"icon": "fontawesome/brands/github", "link": REPOSITORY}]},
     }
-    # Not repo_url, which would ask GitHub for stars.
-    config["extra"] = {"social": [{"icon": "fontawesome/brands/github", "link": REPOSITORY}]}
     (folder / "mkdocs.yml").write_text(json.dumps(config, indent=1))
 
 

@@ -11,10 +11,9 @@ from tools.site.pages import ROOT
 
 REPOSITORY: str = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["urls"]["Homepage"]
 PICTURES = (".gif", ".jpg", ".png", ".svg", ".webp")
+# GitHub's to show: the site asks for nothing elsewhere.
+BADGE = re.compile(r"^\[!\[[^\n]*\n", re.MULTILINE)
 # Code comes first, so that what it holds is no link.
-BADGE = re.compile(
-    r"^\[!\[[^\n]*\n", re.MULTILINE
-)  # GitHub's to show: the site asks for nothing elsewhere
 LINK = re.compile(r"^```.*?^```|`[^`\n]*`|\]\((?P<target>[^)\s]+)\)", re.DOTALL | re.MULTILINE)
 
 

@@ -10,6 +10,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import matplotlib.pyplot as plt
+
 PARAMETERS = (
     "parameters"  # the tag of the cell whose names may be given other values, as papermill has it
 )
@@ -51,19 +53,20 @@ def _outputs(source: str, names: dict[str, Any]) -> Iterator[str]:
 
 def _run(source: str, names: dict[str, Any]) -> object:
     """Runs a cell and returns the value of its last line, if that is an expression."""
-    tree = ast.parse(source)
-    last = ast.Expression(tree.body.pop().value) if isinstance(tree.body[-1], ast.Expr) else None
-    exec(compile(tree, "<cell>", "exec"), names)  # noqa: S102 - our own notebook
-    return None if last is None else eval(compile(last, "<cell>", "eval"), names)  # noqa: S307 - likewise
+    *lines, last = ast.parse(source).body
+    if not isinstance(last, ast.Expr):
+        exec(compile(source, "<cell>", "exec"), names)  # noqa: S102 - our own notebook
+        return None
+    exec(compile(ast.Module(lines, []), "<cell>", "exec"), names)  # noqa: S102 - likewise
+    return eval(compile(ast.Expression(last.value), "<cell>", "eval"), names)  # noqa: S307 - likewise
 
 
 def _figures() -> Iterator[str]:
     """Yields the open figures as pictures within the page, and closes them."""
-    pyplot = sys.modules.get("matplotlib.pyplot")
-    for number in pyplot.get_fignums() if pyplot else ():
+    for number in plt.get_fignums():
         picture = io.BytesIO()
-        pyplot.figure(number).savefig(picture, format="png", dpi=110)
-        pyplot.close(number)
+        plt.figure(number).savefig(picture, format="png", dpi=110)
+        plt.close(number)
         encoded = base64.b64encode(picture.getvalue()).decode()
         yield f"![What the cell draws](data:image/png;base64,{encoded})"
 

@@ -6,7 +6,7 @@ it. Each kind of OpenGL is tried in a new process, since the first that is loade
 
 import multiprocessing
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Self
 
@@ -21,19 +21,19 @@ from harness.sensors.camera.sensor import CameraOptions, CameraState
 if TYPE_CHECKING:
     from multiprocessing.process import BaseProcess
 
-    from harness.robots import RoverSpec
+    from harness.world.berths import Member
     from harness.world.world import World
 
 EXIT_PATIENCE = 0.5  # [s] for the process to leave before it is killed
 
-Scenery = Callable[[], tuple["World", "RoverSpec"]]
+Scenery = Callable[[], tuple["World", Sequence["Member"]]]
 
 
 class CameraPainter:
     """Draws for the cameras of a run; a context manager that leaves no process behind.
 
     Args:
-        scenery: Makes world and rover, in the other process; to be pickled.
+        scenery: Makes the world and its rovers, in the other process; to be pickled.
         cameras: By name.
         seed: Of the images' noise.
         complain: Is told, once, why there are no images.
@@ -130,11 +130,11 @@ def _serve(
         connection.send(str(error))
         return
     try:
-        world, rover = scenery()
+        world, fleet = scenery()
     except HarnessError as error:
         connection.send(str(error))
         return
-    with CameraRenderer(world, rover, cameras, context, seed) as renderer:
+    with CameraRenderer(world, fleet, cameras, context, seed) as renderer:
         connection.send(None)
         try:
             while True:

@@ -4,7 +4,7 @@ The scene is compiled a second time, with what only is to be seen. Same state, s
 OpenGL: the same image.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from functools import partial
 from typing import Any
@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.physics.opengl import Canvas
-from harness.physics.scene import build_scene
+from harness.physics.scene import build_scenes
 from harness.physics.stage import FARTHEST, NEAREST, Quality, aim_sun, visible_groups
-from harness.robots import RoverSpec
 from harness.robots.model import ROOT_ID
 from harness.sensors.camera.look import SUN_AZIMUTH, dress_for_cameras
 from harness.sensors.camera.sensor import VISIBLE_STATE, CameraOptions, CameraState
 from harness.sensors.camera.views import Assembly, View
+from harness.world.berths import Member
 from harness.world.obstacles import rotation_matrix
 from harness.world.world import World
 
@@ -33,7 +33,7 @@ class CameraRenderer(AbstractContextManager["CameraRenderer"]):
 
     Args:
         world: What they see.
-        rover: Which they are on, and which they see too.
+        fleet: All rovers in it, which they see too.
         cameras: By name.
         context: Of OpenGL, which it takes over.
         seed: Of the noise.
@@ -42,7 +42,7 @@ class CameraRenderer(AbstractContextManager["CameraRenderer"]):
     def __init__(
         self,
         world: World,
-        rover: RoverSpec,
+        fleet: Sequence[Member],
         cameras: Mapping[str, CameraOptions],
         context: Any,  # noqa: ANN401 - of MuJoCo's, by system
         seed: int = 0,
@@ -58,7 +58,7 @@ class CameraRenderer(AbstractContextManager["CameraRenderer"]):
             slices=SLICES,
         )
         dressed = partial(dress_for_cameras, quality=quality)
-        self._model = build_scene(world, rover, 0.002, dressed).model
+        self._model = build_scenes(world, fleet, 0.002, dressed)[0].model
         self._data = mujoco.MjData(self._model)
         self._canvas = Canvas(self._model, context, MOST_GEOMS)
 

@@ -5,6 +5,9 @@ heights of the world they came from, so that its own ray caster is met to roundi
 about every geom; a planar fan can go from obstacle to beams instead, with the same hits.
 """
 
+from collections.abc import Sequence
+from typing import Any
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +16,7 @@ from harness.physics.scene import TERRAIN
 from harness.sensors.rays.obstacle_kernel import BOX, CAPSULE, CYLINDER, ELLIPSOID
 from harness.sensors.rays.triangle_kernel import build_tree
 
-MESH = int(mujoco.mjtGeom.mjGEOM_MESH)
+MESH, SPHERE = int(mujoco.mjtGeom.mjGEOM_MESH), int(mujoco.mjtGeom.mjGEOM_SPHERE)
 COARSEST_LEVEL = 6  # blocks of 64 cells; coarser ones are hardly ever skipped whole
 
 Floats = NDArray[np.float32]
@@ -42,21 +45,33 @@ def heightfield_arrays(model: mujoco.MjModel) -> tuple[Floats, Floats, Integers,
     return heights, *_max_pyramid(heights), frame
 
 
-def obstacle_arrays(model: mujoco.MjModel, group: int) -> tuple[Integers, Doubles]:
-    """Returns the geoms of a group but for meshes, with kinds, and their sizes as cast_fan takes them.
+def obstacle_arrays(
+    model: mujoco.MjModel, group: int, others: Sequence[int] = ()
+) -> tuple[Integers, Doubles]:
+    """Returns geoms that are no meshes, with kinds, and their sizes as cast_fan takes them.
+
+    Args:
+        model: The scene.
+        group: All geoms of which are taken.
+        others: Further geoms.
 
     Raises:
-        ValueError: One of them is neither mesh, box, cylinder, capsule nor ellipsoid.
+        ValueError: One of them is neither mesh, box, cylinder, capsule, ellipsoid nor sphere.
     """
-    geoms = np.flatnonzero((model.geom_group == group) & (model.geom_type != MESH))
-    kinds = model.geom_type[geoms]
+    taken = model.geom_group == group
+    taken[list(others)] = True
+    geoms = np.flatnonzero(taken & (model.geom_type != MESH))
+    kinds, round_ = model.geom_type[geoms], model.geom_type[geoms] == SPHERE
+    kinds[round_] = ELLIPSOID
     unseen = geoms[~np.isin(kinds, (BOX, CYLINDER, CAPSULE, ELLIPSOID))]
     if unseen.size:
         raise ValueError(
             f"obstacle '{model.geom(unseen[0]).name}' has a shape that the lidar cannot see; "
-            "available: box, cylinder, capsule, ellipsoid, mesh"
+            "available: box, cylinder, capsule, ellipsoid, sphere, mesh"
         )
-    sizes = np.column_stack([model.geom_size[geoms], model.geom_rbound[geoms]])
+    half = model.geom_size[geoms]
+    half[round_] = half[round_, :1]
+    sizes = np.column_stack([half, model.geom_rbound[geoms]])
     return np.column_stack([geoms, kinds]).astype(np.int64), sizes
 
 
@@ -72,12 +87,24 @@ def triangle_arrays(model: mujoco.MjModel, group: int) -> tuple[Doubles, Doubles
     mujoco.mj_kinematics(model, data)
     corners = []
     for geom in geoms:
-        mesh = model.geom_dataid[geom]
-        vertex, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
-        vertices = model.mesh_vert[vertex : vertex + model.mesh_vertnum[mesh]].astype(np.float64)
-        placed = vertices @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
-        corners.append(placed[model.mesh_face[face : face + model.mesh_facenum[mesh]]])
+        axes = data.geom_xmat[geom].reshape(3, 3)
+        corners.append(_triangles(model, geom) @ axes.T + data.geom_xpos[geom])
     return build_tree(np.concatenate(corners))
+
+
+def moving_meshes(model: mujoco.MjModel, geoms: Sequence[int]) -> list[tuple[int, Doubles, Doubles]]:
+    """Returns those geoms that are meshes, each with the arrays of its triangles in its frame."""
+    meshes = (geom for geom in geoms if model.geom_type[geom] == MESH)
+    return [(geom, *build_tree(_triangles(model, geom))) for geom in meshes]
+
+
+def _triangles(model: mujoco.MjModel, geom: int | np.signedinteger[Any]) -> Doubles:
+    """The corners of a mesh in the geom's frame, shape (triangles, 3, 3)."""
+    mesh = model.geom_dataid[geom]
+    vertex, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
+    vertices = model.mesh_vert[vertex : vertex + model.mesh_vertnum[mesh]].astype(np.float64)
+    corners: Doubles = vertices[model.mesh_face[face : face + model.mesh_facenum[mesh]]]
+    return corners
 
 
 def _max_pyramid(heights: Floats) -> tuple[Floats, Integers]:

@@ -4,13 +4,19 @@ The planar lidar's fan needs less than this and has a way of its own (harness.se
 """
 
 import math
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.physics.scene import OBSTACLE_GROUP
-from harness.sensors.rays.arrays import heightfield_arrays, obstacle_arrays, triangle_arrays
+from harness.sensors.rays.arrays import (
+    heightfield_arrays,
+    moving_meshes,
+    obstacle_arrays,
+    triangle_arrays,
+)
 from harness.sensors.rays.compiled import kernel
 from harness.sensors.rays.heightfield_kernel import cast_rays
 from harness.sensors.rays.horizon_kernel import RINGS, SECTORS, clear_ways, highest_points
@@ -25,12 +31,47 @@ Integers = NDArray[np.int64]
 
 
 class Surroundings:
-    """What rays of a scene can meet: its terrain and its obstacles, as the kernels take them."""
+    """What rays of a scene can meet, as the kernels take it.
 
-    def __init__(self, model: mujoco.MjModel) -> None:
+    Args:
+        model: Of the scene.
+        others: The geoms of other rovers.
+
+    Attributes:
+        terrain: The ground.
+        obstacles: All geoms that are no meshes.
+        triangles: Of the meshes that stand still; None without any.
+    """
+
+    def __init__(self, model: mujoco.MjModel, others: Sequence[int] = ()) -> None:
         self.terrain = heightfield_arrays(model)
-        self.obstacles = obstacle_arrays(model, OBSTACLE_GROUP)
+        self.obstacles = obstacle_arrays(model, OBSTACLE_GROUP, others)
         self.triangles = triangle_arrays(model, OBSTACLE_GROUP)
+        self._moving, self._radii = moving_meshes(model, others), model.geom_rbound
+
+    def cast_meshes(
+        self,
+        data: mujoco.MjData,
+        origin: Doubles,
+        directions: Doubles,
+        range_max: float,
+        distances: Doubles,
+    ) -> None:
+        """Lowers distances to those of the meshes, those of other rovers included, as cast_triangles.
+
+        Args:
+            data: Where they are.
+            origin: Of the rays, in the world [m].
+            directions: Unit vectors in the world, shape (n, 3).
+            range_max: Where rays end [m].
+            distances: To what else was hit [m], or inf, shape (n,).
+        """
+        if self.triangles is not None:
+            cast_triangles(*self.triangles, origin, directions, range_max, distances)
+        for geom, boxes, triangles in self._moving:
+            away, axes = origin - data.geom_xpos[geom], data.geom_xmat[geom].reshape(3, 3)
+            if math.hypot(*away) <= range_max + self._radii[geom]:
+                cast_triangles(boxes, triangles, away @ axes, directions @ axes, range_max, distances)
 
 
 class RayBundle:
@@ -68,8 +109,7 @@ class RayBundle:
         order, starts, grid = self._bins
         poses = data.geom_xpos, data.geom_xmat, pose
         cast_bundle(*obstacles, *poses, directions, order, starts, grid, self._range_max, distances)
-        if (triangles := self._surroundings.triangles) is not None:
-            cast_triangles(*triangles, origin, directions, self._range_max, distances)
+        self._surroundings.cast_meshes(data, origin, directions, self._range_max, distances)
         np.isfinite(distances, out=self.on_obstacle)
         nearest = distances.copy()
         heights, pyramid, levels, frame = terrain

@@ -7,7 +7,7 @@ import pytest
 from harness.cli.options import RunOptions, parse_run
 from harness.cli.run_parser import DEFAULT_LOG_DIR
 from harness.config import EpisodeConfig, RosOptions
-from harness.episode.metrics_feed import extended_ros_args, extended_settings
+from harness.episode.metrics_feed import extended_parameters, extended_settings, parameter_words
 from harness.errors import UsageError
 from harness.robots import RoverSpec
 from rover_metrics.core.thresholds import Thresholds
@@ -23,10 +23,11 @@ def parsed(words: str) -> RunOptions:
 
 def test_without_words_all_options_are_the_default_ones() -> None:
     assert parsed("") == RunOptions(
-        config=EpisodeConfig(),
+        fleet=(EpisodeConfig(),),
         ros=RosOptions(log_dir=DEFAULT_LOG_DIR),
         direct=False,
-        settings=Settings(),
+        all_settings=(Settings(),),
+        parameters=({},),
         params=None,
         report=None,
         summary=None,
@@ -136,7 +137,7 @@ def test_a_namespace_becomes_a_remapping(given: str, name: str) -> None:
 
 
 def told_node(rover: RoverSpec, gravity: float | None = None) -> list[str]:
-    return extended_ros_args(extended_settings(rover, gravity))
+    return parameter_words(extended_parameters(extended_settings(rover, gravity)))
 
 
 def test_what_the_user_tells_ros_comes_last_and_so_holds() -> None:

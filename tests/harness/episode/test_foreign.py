@@ -6,7 +6,11 @@ from pathlib import Path
 
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
-from harness.episode.metrics_feed import SampleFeed, extended_ros_args, extended_settings
+from harness.episode.metrics_feed import (
+    SampleFeed,
+    extended_parameters,
+    extended_settings,
+)
 from harness.robots import RoverSpec
 from harness.samples import TruthState
 from harness.sensors.lidar_spec import LidarSpec
@@ -46,9 +50,9 @@ def test_people_touch_a_rover_whatever_its_bodies_are_called(
 
 
 def test_a_node_is_told_of_other_wheels_than_the_usual_four(foreign: Callable[[str], RoverSpec]) -> None:
-    told = 'wheels:="front_left,middle_left,rear_left,front_right,middle_right,rear_right"'
-    assert told in extended_ros_args(extended_settings(foreign("sojourner")))
-    assert not [word for word in extended_ros_args(extended_settings(LEO)) if word.startswith("wheels")]
+    told = "front_left,middle_left,rear_left,front_right,middle_right,rear_right"
+    assert extended_parameters(extended_settings(foreign("sojourner")))["wheels"] == told
+    assert "wheels" not in extended_parameters(extended_settings(LEO))
 
 
 def test_the_lidar_of_a_rover_tells_where_it_looks(foreign: Callable[[str], RoverSpec]) -> None:

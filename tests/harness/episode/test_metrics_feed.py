@@ -10,9 +10,10 @@ import pytest
 from harness.episode.metrics_feed import (
     DirectMetrics,
     SampleFeed,
-    extended_ros_args,
+    extended_parameters,
     extended_settings,
     outline_parameters,
+    parameter_words,
 )
 from harness.robots import RoverSpec
 from harness.samples import (
@@ -52,7 +53,7 @@ def test_a_node_is_told_the_footprint_and_the_pose_of_the_lidar(
     assert settings.gravity == 9.8
     assert settings.footprint is not None
     assert [list(corner) for corner in settings.footprint.corners] == corners
-    words = extended_ros_args(settings)
+    words = parameter_words(extended_parameters(settings))
     assert words[:3] == ["--ros-args", "-p", "extended_columns:=true"]
     assert words[-1] == "--"
     assert "gravity:=9.8" in words

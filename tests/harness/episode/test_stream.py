@@ -30,9 +30,9 @@ def flattened(batches: list[Batch]) -> list[str]:
 
 def test_child_streams_the_same_samples_and_contacts_as_an_episode_here() -> None:
     ramming = config(robot="rover_zero4wd", seed=1, driver="ram", duration=11.5, lidar_beams=60)
-    with EpisodeProcess(ramming) as process:
-        info = process.info
-        streamed = list(process.batches())
+    with EpisodeProcess([ramming]) as process:
+        (info,) = process.infos
+        streamed = [batch for (batch,) in process.batches()]
     here = Episode(ramming)
     assert info == here.info
     local = list(here.batches())
@@ -44,43 +44,47 @@ def test_child_streams_the_same_samples_and_contacts_as_an_episode_here() -> Non
 
 
 def test_commands_reach_the_child_in_the_next_control_period() -> None:
-    with EpisodeProcess(config(terrain="flat", driver="cmd_vel")) as process:
-        _ = process.info
+    with EpisodeProcess([config(terrain="flat", driver="cmd_vel")]) as process:
+        _ = process.infos
         path = []
-        for index, batch in enumerate(process.batches()):
+        for index, (batch,) in enumerate(process.batches()):
             path.append(batch.truth.path_length)
             if index == 9:
-                process.command(Twist(linear=0.4))
+                process.rovers[0].command(Twist(linear=0.4))
     assert path[9] < 1e-3
     assert path[12] > path[9] + 1e-3
     assert path[-1] > 0.4
 
 
 def test_a_reset_forgets_the_command_in_force() -> None:
-    with EpisodeProcess(config(terrain="flat", driver="cmd_vel")) as process:
-        _ = process.info
-        process.command(Twist(linear=0.4))
+    with EpisodeProcess([config(terrain="flat", driver="cmd_vel")]) as process:
+        _ = process.infos
+        process.rovers[0].command(Twist(linear=0.4))
         path = []
-        for index, batch in enumerate(process.batches()):
+        for index, (batch,) in enumerate(process.batches()):
             path.append(batch.truth.path_length)
             if index == 19:
-                assert process.reset() == 20 * CONTROL_PERIOD_NS
-        assert process.reset() is None, "the episode is over"
+                assert process.rovers[0].reset() == 20 * CONTROL_PERIOD_NS
+        assert process.rovers[0].reset() is None, "the episode is over"
     assert path[19] > 0.2
     assert path[-1] - path[19] < 0.01
 
 
 def test_the_child_puts_the_rover_and_gives_it_goals_at_the_times_that_are_told() -> None:
-    with EpisodeProcess(config(terrain="flat", driver="goal", duration=6.0, lidar_beams=2)) as process:
-        _ = process.info
+    with EpisodeProcess([config(terrain="flat", driver="goal", duration=6.0, lidar_beams=2)]) as process:
+        _ = process.infos
         poses = []
-        for index, batch in enumerate(process.batches()):
+        for index, (batch,) in enumerate(process.batches()):
             poses += [s for tick in batch.ticks for s in tick.samples if isinstance(s, Pose)]
             if index == 2:
-                put = process.put(Place(5.0, -3.0, 1.0))
+                put = process.rovers[0].put(Place(5.0, -3.0, 1.0))
             if index == 20:
-                headed = process.head_for(Place(6.0, -3.0, 0.0))
-        assert process.put(Place(0.0, 0.0, 0.0)) is process.head_for(Place(0.0, 0.0, 0.0)) is None
+                headed = process.rovers[0].head_for(Place(6.0, -3.0, 0.0))
+        assert (
+            process.rovers[0].put(Place(0.0, 0.0, 0.0))
+            is process.rovers[0].head_for(Place(0.0, 0.0, 0.0))
+            is None
+        )
     assert put is not None
     assert headed is not None
     before = [pose.position[:2] for pose in poses if pose.stamp_ns <= put]
@@ -102,30 +106,30 @@ def test_a_run_that_fails_says_so_although_orders_wait(tmp_path: Path) -> None:
         timestep=0.005,
         lidar_beams=2,
     )
-    with EpisodeProcess(fast) as process:
-        _ = process.info
+    with EpisodeProcess([fast]) as process:
+        _ = process.infos
         with pytest.raises(RunFailed, match="reached the edge of the map"):
             list(process.batches())
 
 
 def test_leaving_early_leaves_no_process_behind() -> None:
-    with EpisodeProcess(config(duration=1000.0)) as process:
-        _ = process.info
+    with EpisodeProcess([config(duration=1000.0)]) as process:
+        _ = process.infos
         next(process.batches())
     assert multiprocessing.active_children() == []
 
 
 def test_known_error_of_the_child_arrives_as_itself() -> None:
     with (
-        EpisodeProcess(config(difficulty=math.nan)) as process,
+        EpisodeProcess([config(difficulty=math.nan)]) as process,
         pytest.raises(UsageError, match="difficulty nan is not valid"),
     ):
-        _ = process.info
+        _ = process.infos
 
 
 def test_death_of_the_child_fails_the_run() -> None:
-    with EpisodeProcess(config(duration=1000.0)) as process:
-        _ = process.info
+    with EpisodeProcess([config(duration=1000.0)]) as process:
+        _ = process.infos
         batches = process.batches()
         next(batches)
         for child in multiprocessing.active_children():

@@ -25,7 +25,10 @@ def drive(robot: str, options: FrameOptions | None) -> Iterator[tuple[Episode, T
     episode = Episode(EpisodeConfig(robot=robot, lidar_beams=8), options)
     episode._drive.command(Twist(0.4, 1.0))
     for index in range(1, 51):
-        yield episode, episode._tick(index)
+        episode.drive_wheels()
+        episode.simulation.tick()
+        episode.observe(index)
+        yield episode, episode._ticks[-1]
 
 
 def own(tick: Tick) -> list[Transforms]:

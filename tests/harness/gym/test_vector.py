@@ -91,7 +91,7 @@ def test_a_first_reset_that_failed_halfway_is_not_taken_up_by_a_mask() -> None:
     last.reset.side_effect = UsageError("no place")
     made[1] = last
     left = iter(made)
-    envs = RoverVectorEnv(lambda **_: next(left), num_envs=2, threads=1)  # type: ignore[arg-type,return-value]
+    envs = RoverVectorEnv(lambda **_: next(left), num_envs=2, threads=1)  # type: ignore[arg-type]
     with pytest.raises(UsageError, match="no place"):
         envs.reset()
     with pytest.raises(ResetNeeded, match="the first reset"):

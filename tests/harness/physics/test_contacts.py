@@ -70,7 +70,7 @@ def test_the_strongest_contact_of_each_kind_is_told(
     pose: tuple[float, ...], kinds: set[str], simulation: Simulation
 ) -> None:
     put(simulation, pose)
-    watch = ContactWatch(simulation.model, simulation.data, simulation.scene.rover)
+    watch = ContactWatch((simulation.scene,), simulation.data)
     watch.look()
     expected = {kind: max(touches) for kind, touches in touches_by_hand(simulation).items()}
     assert set(expected) == kinds
@@ -86,7 +86,7 @@ def test_the_strongest_contact_of_each_kind_is_told(
 
 
 def test_of_several_steps_the_strongest_is_kept_until_a_tick_begins(simulation: Simulation) -> None:
-    watch = ContactWatch(simulation.model, simulation.data, simulation.scene.rover)
+    watch = ContactWatch((simulation.scene,), simulation.data)
     x, *rest = AGAINST_THE_WALL
     forces = []
     for deeper in (0.0, 0.01, 0.005):

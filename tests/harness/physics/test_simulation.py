@@ -113,7 +113,7 @@ def let_down_from(make_simulation: Make, monkeypatch: pytest.MonkeyPatch) -> Let
     def watched(_: mujoco.MjModel, data: mujoco.MjData) -> None:
         raise _FirstStepError(float(data.qpos[2]))
 
-    monkeypatch.setattr("harness.physics.simulation.mujoco.mj_step", watched)
+    monkeypatch.setattr("harness.physics.physics.mujoco.mj_step", watched)
     return height
 
 
@@ -200,7 +200,7 @@ def test_a_state_that_diverges_before_it_has_settled_is_told_at_once(
         steps.append(data)
         data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number = 1
 
-    monkeypatch.setattr("harness.physics.simulation.mujoco.mj_step", diverge)
+    monkeypatch.setattr("harness.physics.physics.mujoco.mj_step", diverge)
     with pytest.raises(Diverged, match=r"t = 0\.00 s \(NaN, infinite or huge acceleration\)"):
         make_simulation()
     assert len(steps) == 4, "one tick"
@@ -271,7 +271,7 @@ def test_a_rover_is_given_five_seconds_to_settle_and_is_held_after_one(
         step(model, data)
 
     monkeypatch.setattr(mujoco, "mj_step", counted)
-    monkeypatch.setattr("harness.physics.simulation.AT_REST_SPEED", at_rest)
+    monkeypatch.setattr("harness.physics.physics.AT_REST_SPEED", at_rest)
     settled = episode_simulation(terrain)
     assert shortest <= len(steps) * EPISODE_TIMESTEP_NS / NANOSECONDS <= longest
     assert abs(settled.data.qvel).max() < 2e-3

@@ -126,7 +126,7 @@ def test_report_option_writes_the_page_and_changes_no_byte_of_the_log(tmp_path: 
 def test_a_failed_run_gets_its_report_and_exit_code_1(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("harness.physics.simulation.EDGE_MARGIN", 19.5)
+    monkeypatch.setattr("harness.physics.physics.EDGE_MARGIN", 19.5)
     page = tmp_path / "report.html"
     words = ["--direct", "--terrain", "flat", "--driver", "straight", "--duration", "120"]
     assert main([*words, "--log-dir", str(tmp_path), "--report", str(page)]) == 1

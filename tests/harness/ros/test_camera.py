@@ -82,5 +82,13 @@ def test_a_run_has_a_painter_of_its_cameras_alone() -> None:
     config = EpisodeConfig(sensors=("camera=small", "gnss"), seed=4)
     subject = painter(config)
     assert [camera.width for camera in subject._cameras.values()] == [160]
-    world, rover = subject._scenery()
-    assert (world is config.world(), rover.name, subject._seed) == (True, "leo", 4)
+    world, (only,) = subject._scenery()
+    assert (world is config.world(), only.rover.name, subject._seed) == (True, "leo", 4)
+    other = EpisodeConfig(robot="rover_zero4wd", seed=4, name="b", number=1, start=(2.0, 1.0, 0.5))
+    beside = painter(other, (config, other))
+    _, fleet = beside._scenery()
+    assert [(member.rover.name, member.start) for member in fleet] == [
+        ("leo", (0.0, 0.0, 0.0)),
+        ("rover_zero4wd", (2.0, 1.0, 0.5)),
+    ]
+    assert beside._seed != 4

@@ -84,7 +84,7 @@ def test_joints_tell_angle_speed_and_the_motors_torque_which_is_none_where_there
         data.joint(name).qvel[0] = 0.3 + index
     simulation.command_wheels(commands)
     mujoco.mj_forward(simulation.model, data)
-    simulation.step_count = 12
+    simulation.physics.step_count = 12
     limit = TORQUE_LIMIT[rover.name]
     torques = np.clip(SERVO_GAIN * (commands - speeds), -limit, limit)
     joints = JointSensor(simulation, 2).read()

@@ -132,14 +132,14 @@ class StandIn(SimpleNamespace):
             time_ns=0,
             position=(0.0, 0.0, 0.0),
             velocity=(0.0, 0.0, 0.0),
-            data=SimpleNamespace(qpos=np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])),
+            pose=np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]),
             contacts=SimpleNamespace(strongest={}, name_of=str),
             scene=SimpleNamespace(rover=ROVERS["leo"]),
         )
 
     def tip(self, degrees: float) -> None:
         x, y, z, w = Rotation.from_euler("ZYX", [30.0, degrees, 0.0], degrees=True).as_quat()
-        self.data.qpos[3:7] = w, x, y, z
+        self.pose[3:] = w, x, y, z
 
 
 @pytest.fixture

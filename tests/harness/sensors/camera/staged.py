@@ -5,8 +5,9 @@ from importlib import import_module
 
 import numpy as np
 
-from harness.robots import RoverSpec, find_rover
+from harness.robots import find_rover
 from harness.sensors.camera.sensor import CameraOptions
+from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
@@ -20,14 +21,15 @@ CAMERAS = {
 }
 
 
-def scenery() -> tuple[World, RoverSpec]:
+def scenery() -> tuple[World, tuple[Member, ...]]:
     """The ball, and a rover behind the camera."""
     ground = Heightfield(np.zeros((25, 25)), 0.5)
     ball = Obstacle(ObstacleKind.HAZARD, "ellipsoid", (RADIUS,) * 3, BALL)
-    return World("stage", ground, (ball,), seed=0, difficulty=0.0), find_rover("leo")
+    rover = Member("", find_rover("leo"), (0.0, 0.0, 0.0))
+    return World("stage", ground, (ball,), seed=0, difficulty=0.0), (rover,)
 
 
-def coarse_scenery() -> tuple[World, RoverSpec]:
+def coarse_scenery() -> tuple[World, tuple[Member, ...]]:
     """The same for a process of its own, without the grain of the soil, which takes a second."""
     stage = import_module("harness.physics.stage")
     stage.SOIL_PIXELS = 64  # type: ignore[attr-defined]  # a module's

@@ -11,10 +11,11 @@ from scipy.spatial.transform import Rotation
 
 from harness.errors import UsageError
 from harness.physics.opengl import gl_context
-from harness.physics.scene import build_scene
+from harness.physics.scene import build_scene, build_scenes
 from harness.robots import RoverSpec
 from harness.sensors.camera.renderer import CameraRenderer
 from harness.sensors.camera.sensor import VISIBLE_STATE, CameraState
+from harness.world.berths import Member
 from tests.harness.sensors.camera.staged import BALL, CAMERAS, EYE, RADIUS, looking, scenery
 
 # Yaw and pitch [rad]; of the fisheye, the ball is on the seam of two faces of its cube, and on one.
@@ -40,7 +41,7 @@ def renderer() -> Iterator[CameraRenderer]:
 
 
 def state(camera: str, yaw: float = 0.0, pitch: float = 0.0, stamp_ns: int = 0) -> CameraState:
-    model = build_scene(*scenery(), 0.002).model
+    model = build_scenes(*scenery(), 0.002)[0].model
     data, visible = mujoco.MjData(model), np.empty(mujoco.mj_stateSize(model, VISIBLE_STATE))
     data.qpos[:3] = (-2.0, 0.0, 0.0)  # out of the way
     mujoco.mj_getState(model, data, visible, VISIBLE_STATE)
@@ -100,7 +101,8 @@ def test_a_rover_whose_bodies_have_other_names_is_drawn(
     data = mujoco.MjData(model := build_scene(world, rover, 0.002).model)
     visible = np.empty(mujoco.mj_stateSize(model, VISIBLE_STATE))
     mujoco.mj_getState(model, data, visible, VISIBLE_STATE)
-    with CameraRenderer(world, rover, CAMERAS, context) as renderer:
+    fleet = (Member("", rover, world.start),)
+    with CameraRenderer(world, fleet, CAMERAS, context) as renderer:
         assert (
             renderer.image("pinhole", CameraState(0, "pinhole", EYE, looking(0, 0), visible)).std() > 1
         )

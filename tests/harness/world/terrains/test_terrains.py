@@ -17,6 +17,7 @@ from harness.world.terrains import TERRAINS
 from harness.world.world import World, build_world, terrain_hash
 from tests.support.terrain_statistics import measure
 
+PAGE = Path(__file__).parents[4] / "docs/worlds.md"
 SEEDS = (0, 1, 2, 123)
 GALLERY = (Path(__file__).parents[4] / "docs/terrains.md").read_text()
 ROUNDING = 1e-6  # heights are whole micrometres
@@ -126,12 +127,13 @@ def test_every_obstacle_touches_the_ground(name: str) -> None:
 
 
 @ALL
-def test_it_is_listed_with_a_summary_and_units(name: str) -> None:
+def test_the_page_tells_its_summary_values_and_promise(name: str) -> None:
     terrain = TERRAINS[name]
     assert terrain.name == name
     assert 10 < len(terrain.summary) < 80
     assert terrain.describe().startswith("size ")
-    assert "deg" in terrain.promise.describe()
+    row = f"| `{name}` | {terrain.summary} | {terrain.describe()} | {terrain.promise.describe()} |"
+    assert row in PAGE.read_text().splitlines()
     assert {item.metadata["unit"] for item in fields(terrain)} <= {"m", "deg", ""}
 
 

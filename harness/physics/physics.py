@@ -1,0 +1,234 @@
+"""A world with all its rovers in fixed steps: one MuJoCo model, integer time, health.
+
+Time is `step * timestep_ns`; a tick is the period of /clock, a whole number of steps. Nothing here
+knows ROS, drivers or sample rates.
+"""
+
+import math
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import Diverged, RunFailed
+from harness.physics.contacts import ContactWatch
+from harness.physics.crowd import Crowd
+from harness.physics.parking import ParkingHold
+from harness.physics.scene import Scene
+from harness.physics.start import spawn_pose
+from harness.sim_time import NANOSECONDS, TICK_NS
+from harness.world.world import EDGE_MARGIN, Start
+
+SETTLE_LIMIT_NS = 5 * NANOSECONDS
+FREE_NS = 1 * NANOSECONDS  # of that the wheels may roll; held ones would keep rockers from following
+AT_REST_SPEED = 2e-3  # [m/s] and [rad/s]: below it a rover counts as settled
+
+HEALTH_WARNINGS = {
+    mujoco.mjtWarning.mjWARN_BADQPOS: "position",
+    mujoco.mjtWarning.mjWARN_BADQVEL: "velocity",
+    mujoco.mjtWarning.mjWARN_BADQACC: "acceleration",
+    mujoco.mjtWarning.mjWARN_BADCTRL: "wheel command",
+}
+
+
+class Rover:
+    """What the physics knows of one rover.
+
+    Args:
+        scenes: Of all rovers of the world, this one's first.
+        data: Their state.
+        parked: The brakes of those made before.
+
+    Attributes:
+        scene: The rover in its world.
+        pose: Position [m] and w, x, y, z of its model frame, a view into MuJoCo's.
+        twist: Linear velocity [m/s] in the world, angular velocity [rad/s] in the model frame, likewise.
+        contacts: What it touched in the last tick.
+        parking: Its brake.
+    """
+
+    def __init__(self, scenes: Sequence[Scene], data: mujoco.MjData, parked: list[ParkingHold]) -> None:
+        self.scene = scene = scenes[0]
+        model, self._geoms = scene.model, scene.geoms()
+        self.contacts = ContactWatch(scenes, data)
+        self.parking = ParkingHold(model, scene.all_own(scene.rover.drive.driven), parked)
+        joints = np.flatnonzero(model.body_rootid[model.jnt_bodyid] == scene.root)
+        dofs = np.flatnonzero(model.body_rootid[model.dof_bodyid] == scene.root)
+        motors = np.flatnonzero(np.isin(model.actuator_trnid[:, 0], joints))
+        at, moving = scene.qpos_at, slice(int(dofs[0]), int(dofs[-1]) + 1)
+        self.pose, self.twist = data.qpos[at : at + 7], data.qvel[moving][:6]
+        after = model.jnt_qposadr[joints[-1] + 1] if joints[-1] + 1 < model.njnt else model.nq
+        # All that its next step depends on, warm start included: it goes on bit for bit.
+        self._state = [data.qpos[at:after], data.qvel[moving], data.qacc_warmstart[moving]]
+        if motors.size:
+            first, last = int(motors[0]), int(motors[-1])
+            self._state.append(data.ctrl[first : last + 1])
+            acts = model.actuator_actadr[first : last + 1]
+            if (acts := acts[acts >= 0]).size:
+                self._state.append(data.act[int(acts[0]) : int(acts[-1]) + model.actuator_actnum[last]])
+
+    @property
+    def velocities(self) -> NDArray[np.float64]:
+        """All its velocities, a view into MuJoCo's."""
+        velocities: NDArray[np.float64] = self._state[1]
+        return velocities
+
+    def rests(self, data: mujoco.MjData) -> bool:
+        """Returns whether it stands on something."""
+        still = np.abs(self.velocities).max() < AT_REST_SPEED
+        return bool(still and np.isin(data.contact.geom, self._geoms).any())
+
+    def state(self) -> list[NDArray[np.float64]]:
+        """Returns a copy of its state."""
+        return [part.copy() for part in self._state]
+
+    def restore(self, state: list[NDArray[np.float64]]) -> None:
+        """Takes a state that it was in."""
+        for part, values in zip(self._state, state, strict=True):
+            part[:] = values
+
+
+class Physics:
+    """All rovers of a world, settled on the ground at time zero.
+
+    Args:
+        scenes: Of the rovers, in one model.
+        timestep_ns: Of the model.
+
+    Attributes:
+        rovers: What belongs to each.
+        model: The compiled scene.
+        data: MuJoCo's state.
+        step_count: Steps since time zero.
+        steps_per_tick: Steps of one clock tick.
+        tick_sum: MuJoCo's sensor values, each summed over the steps of the last tick.
+        crowd: The people who walk about; None without any.
+    """
+
+    def __init__(self, scenes: Sequence[Scene], timestep_ns: int) -> None:
+        # Its counters are checked on every tick; the texts would go into MUJOCO_LOG.TXT in the cwd.
+        mujoco.set_mju_user_warning(lambda _: None)
+        self.model = scenes[0].model
+        self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+        self.data = mujoco.MjData(self.model)
+        self._warnings = self.data.warning.number  # a view: MuJoCo counts up in it
+        self.timestep_ns = timestep_ns
+        self.steps_per_tick = TICK_NS // timestep_ns
+        self.step_count = 0
+        self.tick_sum = np.zeros(self.model.nsensordata)
+        parked: list[ParkingHold] = []
+        self.rovers = tuple(
+            Rover((scene, *scenes[:number], *scenes[number + 1 :]), self.data, parked)
+            for number, scene in enumerate(scenes)
+        )
+        self.crowd = Crowd(scenes, self.data) if scenes[0].world.people else None
+        self.settle([(rover, rover.scene.world.start) for rover in self.rovers])
+
+    @property
+    def time_ns(self) -> int:
+        """Simulation time."""
+        return self.step_count * self.timestep_ns
+
+    def tick(self) -> None:
+        """Advances one clock tick; `tick_sum` then holds the sensor values summed over its steps.
+
+        Raises:
+            RunFailed: The state diverged, or a rover reached the edge of the map.
+        """
+        model, data, total = self.model, self.data, self.tick_sum
+        watches = [(rover.contacts, rover.contacts.counts) for rover in self.rovers]
+        total.fill(0.0)
+        for contacts, _ in watches:
+            contacts.begin()
+        if self.crowd is not None:
+            self.crowd.move(self.time_ns + TICK_NS)
+        for _ in range(self.steps_per_tick):
+            mujoco.mj_step(model, data)
+            total += data.sensordata
+            for contacts, counts in watches:
+                if any(counts.tolist()):
+                    contacts.look()
+        if self.crowd is not None:
+            self.crowd.look([contacts for contacts, _ in watches])
+        self.step_count += self.steps_per_tick
+        self.check()
+
+    def settle(self, starts: Sequence[tuple[Rover, Start]]) -> None:
+        """Lets rovers down onto the ground, so that no drop pollutes the first samples; no time passes.
+
+        Each of them comes to rest as if it were alone: who rests waits for the slower ones as it is, and
+        so do all others.
+
+        Args:
+            starts: Where each of them is let down.
+
+        Raises:
+            Diverged: One of them cannot stand there.
+        """
+        falling = [rover for rover, _ in starts]
+        waiting = [(rover, rover.state()) for rover in self.rovers if rover not in falling]
+        for rover, start in starts:
+            rover.pose[:] = spawn_pose(rover.scene, start)
+        for tick in range(SETTLE_LIMIT_NS // TICK_NS):
+            for rover, _ in starts:
+                rover.parking.hold(tick >= FREE_NS // TICK_NS)
+            for _ in range(self.steps_per_tick):
+                mujoco.mj_step(self.model, self.data)
+            self.check_health()
+            for rover, state in waiting:
+                rover.restore(state)
+            for rover in [rover for rover in falling if rover.rests(self.data)]:
+                falling.remove(rover)
+                waiting.append((rover, rover.state()))
+            if not falling:
+                break
+        for rover, _ in starts:
+            rover.parking.hold(True)
+        self.data.time = 0.0
+
+    def check(self) -> None:
+        """Checks the present state.
+
+        Raises:
+            RunFailed: It diverged, or a rover reached the edge of the map.
+        """
+        self.check_health()
+        for rover in self.rovers:
+            x, y = rover.pose[:2].tolist()
+            if not rover.scene.world.ground.contains(x, y, EDGE_MARGIN):
+                raise RunFailed(
+                    f"{rover.scene.told} reached the edge of the map at t = {self._now()} "
+                    f"(x = {x:.2f} m, y = {y:.2f} m)"
+                )
+
+    def check_health(self) -> None:
+        """Checks MuJoCo's warnings.
+
+        Raises:
+            Diverged: There are some.
+        """
+        if not any(self._warnings.tolist()):  # a third of the time of numpy's any
+            return
+        for warning, quantity in HEALTH_WARNINGS.items():
+            if self.data.warning[warning].number:
+                rover = max(self.rovers, key=_violence)
+                told = f"{rover.scene.name}: " if rover.scene.name else ""
+                raise Diverged(
+                    f"{told}the simulation diverged at t = {self._now()} "
+                    f"(NaN, infinite or huge {quantity}); position {_rounded(rover.pose[:3])} m, "
+                    f"velocity {_rounded(rover.twist[:3])} m/s; try a smaller --timestep"
+                )
+
+    def _now(self) -> str:
+        return f"{self.time_ns / NANOSECONDS:.2f} s"
+
+
+def _violence(rover: Rover) -> float:
+    """How fast anything of a rover moves; infinite where that is no number."""
+    fastest = float(np.abs(rover.velocities).max())
+    return fastest if math.isfinite(fastest) else math.inf
+
+
+def _rounded(values: NDArray[np.float64]) -> list[float]:
+    return [round(float(v), 3) for v in values]
