@@ -32,9 +32,7 @@ def test_an_option_is_for_one_kind_of_file_and_told_beside_another(
             file.check()
         else:
             kinds = "heightmaps" if theirs == [MAP] else "SDF worlds and meshes"
-            with pytest.raises(
-                UsageError, match=f"{flag} is for {kinds}; leave it out with {path}"
-            ):
+            with pytest.raises(UsageError, match=f"{flag} is for {kinds}; leave it out with {path}"):
                 file.check()
 
 
