@@ -10,6 +10,8 @@ from harness import __version__
 from harness.config import CMD_VEL, CMD_VEL_TYPES, EpisodeConfig, RosOptions
 from harness.drivers import DRIVERS, takes_goals
 from harness.drivers.goal_course import Area
+from harness.episode.fleet import FORM as ROVER_FORM
+from harness.episode.fleet import KEYS, fleet_of_words
 from harness.episode.metrics_feed import (
     extended_parameters,
     extended_settings,
@@ -17,8 +19,6 @@ from harness.episode.metrics_feed import (
 )
 from harness.errors import UsageError
 from harness.faults.spec import FORM, describe_faults
-from harness.fleet import FORM as ROVER_FORM
-from harness.fleet import KEYS, fleet_of_words
 from harness.frames.options import ODOM_SOURCES, FrameOptions
 from harness.robots import ROVERS, find_rover
 from harness.sensors.choice import kinds
