@@ -19,7 +19,15 @@ GUIDES = "Guides"
 SECTIONS: dict[str, tuple[str, ...]] = {
     "Start": ("index.md", "first_plot.md", "comparison.md"),
     GUIDES: (
-        *("testing.md", "scenarios.md", "robots.md", "sensors.md", "worlds.md", "social.md"),
+        *(
+            "testing.md",
+            "scenarios.md",
+            "robots.md",
+            "fleets.md",
+            "sensors.md",
+            "worlds.md",
+            "social.md",
+        ),
         *("gym.md", "tuning.md", "nav2.md"),
     ),
     "Reference": (
