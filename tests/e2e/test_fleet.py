@@ -14,7 +14,7 @@ ROVERS = ("--rover", "rover_zero4wd:one,driver=spin", "--rover", "leo:two,driver
 WORDS = (
     *ROVERS,
     *("--terrain", "flat", "--duration", "2", "--lidar-beams", "16", "--actor", "g=3,0/3,4"),
-    *("--fault", "scan:dropout=0.5", "--fault", "clock:dropout=0.2", "--extended"),
+    *("--fault", "scan:dropout=0.5", "--extended"),
 )
 
 

@@ -28,7 +28,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
             "worlds.md",
             "social.md",
         ),
-        *("gym.md", "tuning.md", "nav2.md"),
+        *("social.md", "gym.md", "tuning.md", "nav2.md"),
     ),
     "Reference": (
         *("reference/commands.md", "reference/topics.md", "metrics.md", "frames.md"),
