@@ -62,6 +62,12 @@ def _file_world(file: TerrainFile, seed: int, _modified_ns: int) -> World:
     return file_world(file, seed)
 
 
+@lru_cache(maxsize=2)  # of a long way, each step is looked at
+def _peopled(world: World, start: Start | None, people: tuple[ActorSpec, ...]) -> World:
+    world = world if start is None else starting_at(world, start)
+    return with_actors(world, people) if people else world
+
+
 @dataclass(frozen=True, kw_only=True)
 class EpisodeConfig:
     """Everything that determines an episode; checked by `validate`."""
@@ -160,10 +166,7 @@ class EpisodeConfig:
             UsageError: The terrain's file is not usable, the start is off the map, or no person can
                 walk so.
         """
-        world = self._terrain_world()
-        world = world if self.start is None else starting_at(world, self.start)
-        people = self.actor_specs()
-        return with_actors(world, people) if people else world
+        return _peopled(self._terrain_world(), self.start, self.actor_specs())
 
     def gravity(self) -> float:
         """Returns what the IMU reads at rest [m/s^2]: of a world that says so, else of the model.
@@ -225,7 +228,9 @@ class EpisodeConfig:
         find_named("terrain", self.terrain, TERRAINS)
         for name in FILE_OPTIONS:
             if getattr(self, name) not in (None, (), ""):
-                raise UsageError(f"--{name.replace('_', '-')} applies to terrains from files only")
+                raise UsageError(
+                    f"--{name.replace('_', '-')} applies to terrains from files only; leave it out"
+                )
 
     def _validate_plan(self) -> None:
         told = (*self.commands, *self.goals)

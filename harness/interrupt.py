@@ -89,12 +89,12 @@ class StopRequest:
 
     @property
     def name(self) -> str | None:
-        """Name of that signal, or None."""
+        """Name of the signal that asked to stop; None without one."""
         return None if self.signal is None else self.signal.name
 
     @property
     def exit_code(self) -> int:
-        """0 without a request."""
+        """Exit code of a command that was asked to stop; 0 if it was not."""
         return 0 if self.signal is None else Interrupted(self.signal).exit_code
 
     def _handle(self, number: int, _: FrameType | None) -> None:

@@ -1,6 +1,7 @@
 """What users import and type first: the API's page and the first plot's say what is so."""
 
 import ast
+import json
 import re
 import shlex
 import subprocess
@@ -58,6 +59,9 @@ def test_an_episode_from_python_has_the_settings_and_observers_it_is_given(tmp_p
     assert result.log_path.parent == tmp_path / "new"
     header = result.log_path.read_text().partition("\n")[0]
     assert len(header.split(",")) > len(COLUMNS) == 12
+    told = json.loads(result.log_path.with_suffix(".json").read_text())
+    assert (told["arguments"]["terrain"], told["arguments"]["seed"]) == ("flat", config.seed)
+    assert told["outcome"]["status"] == "complete"
 
 
 def test_a_name_that_is_not_public_is_refused_with_those_that_are() -> None:

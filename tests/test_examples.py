@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import runpy
 import sys
 from pathlib import Path
@@ -9,15 +10,20 @@ from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from ruamel.yaml import YAML
+from scipy import stats
 
+from harness.config import EpisodeConfig
 from harness.robots import find_rover
 from harness.sensors.lidar_spec import LidarSpec
 from tests.support.layouts import FOXGLOVE, foxglove_panels
+from tools.site.notebooks import told
+from tools.site.pages import NOTEBOOKS
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-NAV2, LEARNING = EXAMPLES / "nav2", EXAMPLES / "learn.ipynb"
+NAV2 = EXAMPLES / "nav2"
 BASES = {"leo": "base_footprint", "rover_zero4wd": "base_link"}
 COSTMAPS = ("local_costmap", "global_costmap")
 
@@ -148,20 +154,58 @@ def test_the_foxglove_layout_shows_each_of_its_panels_once() -> None:
     assert sorted(shown(layout)) == sorted(foxglove_panels())
 
 
-def test_the_notebook_runs_and_its_policy_reaches_the_goal(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(LEARNING.parent)
-    monkeypatch.setenv("MPLBACKEND", "Agg")
-    cells = json.loads(LEARNING.read_text())["cells"]
-    told: dict[str, Any] = {}
-    for cell in cells:
-        if cell["cell_type"] == "code":
-            assert (cell["outputs"], cell["execution_count"]) == ([], None)  # no bytes of a machine
-            exec("".join(cell["source"]), told)  # noqa: S102 - our own
-    assert told["info"]["ending"] == "reached"
-    assert told["policy"].beams == LidarSpec().beams  # as harness.run has it without further words
-    drawn = told["axes"].get_lines()[-2].get_xydata()
-    assert np.hypot(*(drawn[-1] - told["goal"])) < 0.5
-    told["plt"].close(told["figure"])
+@pytest.mark.parametrize("name", [path.stem for path in EXAMPLES.glob("*.ipynb")])
+def test_a_notebook_is_kept_without_what_a_machine_made_of_it_and_is_on_the_site(name: str) -> None:
+    cells = json.loads((EXAMPLES / f"{name}.ipynb").read_text())["cells"]
+    ran = [(cell["outputs"], cell["execution_count"]) for cell in cells if cell["cell_type"] == "code"]
+    assert ran == [([], None)] * len(ran)
+    assert name in NOTEBOOKS
+
+
+def ran(name: str, **given: object) -> tuple[str, dict[str, Any]]:
+    """What the site tells of a notebook with these parameters, and what its cells defined."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("MPLBACKEND", "Agg")
+        names: dict[str, Any] = {}
+        return told(EXAMPLES / f"{name}.ipynb", given, names), names
+
+
+def test_the_first_run_shows_its_log_and_draws_clearance_and_path(tmp_path: Path) -> None:
+    config = EpisodeConfig(terrain="rocky", duration=3.0)
+    text, names = ran("first_run", CONFIG=config, LOGS=tmp_path)
+    log = pd.read_csv(names["result"].log_path)
+    assert re.search(rf"^2 +{log.Timestamp[2]} +0 +{log['Obstacle Clearance'][2]}", text, re.MULTILINE)
+    assert text.count("](data:image/png;base64,") == 2
+    assert f"{names['result'].truth.path_length:.2f} m driven, 0 contacts, 3 rows" in text
+    assert names["axes"].get_lines()[0].get_xydata().tolist() == [
+        [x, y] for x, y, _ in names["result"].along.path
+    ]
+
+
+def test_two_rovers_are_compared_world_by_world(tmp_path: Path) -> None:
+    text, names = ran("compare_rovers", METRICS=("OC",), SEEDS=range(2), DURATION=1.0, LOGS=tmp_path)
+    means = [
+        np.array([pd.read_csv(log)["Obstacle Clearance"].mean() for log in logs])
+        for logs in names["logs"].values()
+    ]
+    difference = means[1] - means[0]
+    clearance = names["table"].loc["Obstacle clearance [m]"]
+    assert clearance["paired"]
+    half = stats.t.ppf(0.975, 1) * stats.sem(difference)
+    expected = [means[0].mean(), means[1].mean(), difference.mean(), difference.mean() - half]
+    columns = ["means_first", "means_second", "difference", "interval_low"]
+    assert clearance[columns].to_list() == pytest.approx(expected)
+    assert text.count("](data:image/png;base64,") == 1
+
+
+def test_the_policy_of_the_notebook_reaches_the_goal_and_is_evaluated() -> None:
+    text, names = ran("learn", TERRAINS=["gravel"], EPISODES=1)
+    assert names["info"]["ending"] == "reached"
+    assert names["policy"].beams == LidarSpec().beams  # as harness.run has it without further words
+    drawn = names["axes"].get_lines()[-2].get_xydata()
+    assert np.hypot(*(drawn[-1] - names["goal"])) < 0.5
+    rows = re.findall(r"^\| (learned|straight) \| gravel \| \d of 1 ", text, re.MULTILINE)
+    assert rows == ["learned", "straight"]
 
 
 def test_the_evaluation_counts_endings_and_tells_wilsons_interval() -> None:

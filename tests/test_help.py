@@ -5,13 +5,8 @@ from collections.abc import Callable
 
 import pytest
 
-from benchmarks import __main__ as benchmarks
-from benchmarks.soak import __main__ as soak
-from harness import call, check, robot, topics, tune, validate
-from harness.cli.options import run_parser
-from rover_metrics import dictionary, social
-from rover_metrics.analysis import options as analyze
-from rover_metrics.bag import options as replay
+from harness import robot
+from tests.support.programs import PARSERS
 
 
 def of_robot(command: str) -> argparse.ArgumentParser:
@@ -21,26 +16,14 @@ def of_robot(command: str) -> argparse.ArgumentParser:
     return parser
 
 
-PROGRAMS: dict[str, Callable[[], argparse.ArgumentParser]] = {
-    "harness.run": run_parser,
-    "harness.tune": tune._parser,
-    "harness.check": check._parser,
-    "harness.validate": validate._parser,
-    "harness.robot new": lambda: of_robot("new"),
-    "harness.robot check": lambda: of_robot("check"),
-    "harness.topics": topics._parser,
-    "harness.call": call._parser,
-    "rover_metrics.analyze": analyze._parser,
-    "rover_metrics.social": social._parser,
-    "rover_metrics.replay": replay.parser,
-    "rover_metrics.dictionary": dictionary._parser,
-    "benchmarks": benchmarks._parser,
-    "benchmarks.soak": soak._parser,
-}
+COMMANDS = {f"harness.robot {name}": lambda name=name: of_robot(name) for name in ("new", "check")}
+PROGRAMS: dict[str, Callable[[], argparse.ArgumentParser]] = {**PARSERS, **COMMANDS}
+del PROGRAMS["harness.robot"]  # has commands, no options
 WITHOUT = {  # what does nothing unless it is given, or must be
     *("terrain_size", "terrain_height", "fault", "namespace", "wait_for", "record", "report", "summary"),
     *("picture", "video", "address", "realism", "bag", "params", "remap", "logs", "versus", "value"),
-    *("name", "source", "left", "right", "rover", "page", "actor", "goal_area"),
+    *("name", "source", "left", "right", "rover", "page", "actor", "goal_area", "paths", "file", "goal"),
+    *("seeds", "seed", "only", "junit", "html", "csv", "json"),
 }
 
 

@@ -15,46 +15,46 @@ SWING_TIME = 3.0  # [s]
 
 
 class Ram(StagedEncounter):
-    """Straight into it."""
+    """Drives straight into the hazard."""
 
     summary: ClassVar[str] = "drives into hazards head on (knowing where they are)"
 
     def offset(self, width: float) -> float:
-        """Through the middle or a little beside it [m]."""
+        """Returns the offset of the path from the hazard's middle, to the left [m]: little or none."""
         return self.rng.uniform(-HEAD_ON, HEAD_ON) * width
 
 
 class ReverseInto(Ram):
-    """Backwards into it."""
+    """Drives backwards into the hazard."""
 
     summary: ClassVar[str] = "drives into hazards backwards (knowing where they are)"
 
     def random_speed(self) -> float:
-        """Backwards [m/s]."""
+        """Returns a negative speed [m/s]."""
         return -super().random_speed()
 
 
 class PassBy(StagedEncounter):
-    """Past it, close but without touching."""
+    """Passes the hazard closely without touching it."""
 
     summary: ClassVar[str] = "passes hazards closely without touching (knowing where they are)"
     gap: ClassVar[tuple[float, float]] = PASSING_GAP
 
     def offset(self, width: float) -> float:
-        """On its left or right [m]."""
+        """Returns the offset of the path from the hazard's middle, to the left [m]: on a random side."""
         side = math.copysign(1.0, self.rng.uniform(-1.0, 1.0))
         return side * (width + self.rng.uniform(*self.gap))
 
 
 class Graze(PassBy):
-    """Along its flank."""
+    """Scrapes along the hazard's flank."""
 
     summary: ClassVar[str] = "scrapes along hazards with its side (knowing where they are)"
     gap: ClassVar[tuple[float, float]] = (-GRAZE_OVERLAP[1], -GRAZE_OVERLAP[0])
 
 
 class Swing(PassBy):
-    """Beside it, and then round: the corners reach farther than the sides."""
+    """Stops beside the hazard and turns: the rover's corners reach farther than its sides."""
 
     summary: ClassVar[str] = "turns in place beside hazards (knowing where they are)"
     gap: ClassVar[tuple[float, float]] = SWING_GAP

@@ -24,7 +24,10 @@ def check_area(area: Area) -> None:
     finite = len(area) == 4 and all(map(math.isfinite, area))
     if not (finite and area[0] < area[1] and area[2] < area[3]):
         text = ",".join(f"{value:g}" for value in area)
-        raise UsageError(f"goal area {text} is not valid; give XMIN,XMAX,YMIN,YMAX in metres")
+        raise UsageError(
+            f"goal area {text} is not valid; give XMIN,XMAX,YMIN,YMAX in metres, XMIN "
+            "below XMAX and YMIN below YMAX"
+        )
 
 
 @dataclass

@@ -4,7 +4,7 @@ Pure: an environment of harness.gym and the driver of a policy that have the sam
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TypeVar, cast
 
 import numpy as np
@@ -72,14 +72,14 @@ def clipped(value: object, low: object, high: object) -> NDArray[np.float32]:
     return np.minimum(np.maximum(np.asarray(value, np.float32), least), most)
 
 
-def commanded(action: NDArray[np.float64], rover: RoverSpec) -> Twist:
+def commanded(action: Sequence[float], rover: RoverSpec) -> Twist:
     """Returns what an action of two numbers from -1 to 1 commands: shares of the largest speeds.
 
     Args:
-        action: Speed and yaw rate, shape (2,).
+        action: Speed and yaw rate.
         rover: Whose top speed and yaw rate 1 is.
     """
-    speed, rate = action.tolist()
+    speed, rate = action
     return Twist(speed * rover.top_speed, rate * rover.cruise_yaw_rate)
 
 

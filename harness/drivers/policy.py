@@ -84,7 +84,7 @@ class Policy:
         arrays = {name: point_nav.clipped(values[name], *ends) for name, ends in LIMITS.items()}
         if arrays["goal"][0] < point_nav.GOAL_RADIUS:
             return Twist()
-        return point_nav.commanded(self.act(arrays).astype(np.float64), rover)
+        return point_nav.commanded(self.act(arrays).tolist(), rover)
 
 
 def write_policy(path: Path | str, policy: Policy) -> None:

@@ -51,7 +51,7 @@ class CmdVel(OpenLoop):
 
 
 class Straight(OpenLoop):
-    """Straight ahead."""
+    """Drives straight ahead."""
 
     summary: ClassVar[str] = "straight ahead at 0.3 m/s"
 
@@ -60,7 +60,7 @@ class Straight(OpenLoop):
 
 
 class Spin(OpenLoop):
-    """Turning in place."""
+    """Turns in place."""
 
     summary: ClassVar[str] = "turns left in place"
 

@@ -48,7 +48,7 @@ class Meeting:
 
     @property
     def heading(self) -> float:
-        """Of the rover while it acts [rad]."""
+        """Heading of the rover while it acts [rad]."""
         return self.course + (math.pi if self.speed < 0.0 else 0.0)
 
     def along(self, point: Point) -> float:
@@ -130,7 +130,7 @@ class StagedEncounter(ABC):
 
     @property
     def here(self) -> Point:
-        """Where the rover is [m]."""
+        """Position of the rover in the world [m]."""
         return self._now.x, self._now.y
 
     def turn_to(self, heading: float) -> float:

@@ -250,18 +250,21 @@ class Episode:
 
 
 def fleet_of(
-    configs: Sequence[EpisodeConfig], frame_options: FrameOptions | None = None
+    configs: Sequence[EpisodeConfig],
+    frame_options: FrameOptions | None = None,
+    world: World | None = None,
 ) -> tuple[Episode, ...]:
     """Returns the episodes of rovers that share a world, which `together` drives.
 
     Args:
         configs: One a rover; the world is that of the first.
         frame_options: As of an Episode.
+        world: That of the first, from a process that has built it; None to build it here.
 
     Raises:
         UsageError: A value is not valid, or two of them would touch at the start.
     """
-    made = zip(configs, _simulated(configs), strict=True)
+    made = zip(configs, _simulated(configs, world), strict=True)
     return tuple(Episode(config, frame_options, None, simulation) for config, simulation in made)
 
 
@@ -293,12 +296,13 @@ def together(episodes: Sequence[Episode]) -> Iterator[tuple[Batch, ...]]:
             raise failure
 
 
-def _simulated(configs: Sequence[EpisodeConfig]) -> tuple[Simulation, ...]:
+def _simulated(configs: Sequence[EpisodeConfig], world: World | None = None) -> tuple[Simulation, ...]:
     """The rovers of these episodes in the world of the first, settled at their starts."""
-    for config in configs:
-        config.validate()
-        config.check_world()
-    (world, fleet), timestep_ns = scenery(configs), parse_timestep(configs[0].timestep)
+    if world is None:
+        for config in configs:
+            config.validate()
+            config.check_world()
+    (world, fleet), timestep_ns = scenery(configs, world), parse_timestep(configs[0].timestep)
     scenes = build_scenes(world, fleet, timestep_ns / NANOSECONDS)
     chosen = [scene for scene, c in zip(scenes, configs, strict=True) if c.start is not None]
     for scene in chosen:

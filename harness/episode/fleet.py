@@ -51,15 +51,21 @@ def fleet_of_words(words: Sequence[str], shared: EpisodeConfig) -> tuple[Episode
     return _placed(fleet)
 
 
-def scenery(fleet: Sequence[EpisodeConfig]) -> tuple[World, tuple[Member, ...]]:
+def scenery(
+    fleet: Sequence[EpisodeConfig], world: World | None = None
+) -> tuple[World, tuple[Member, ...]]:
     """Returns the world of the first rover, and who starts where in it.
+
+    Args:
+        fleet: A configuration of each rover.
+        world: That world, if it has been built already.
 
     Raises:
         UsageError: A value is not valid.
     """
     for config in fleet:
         config.validate()
-    world = fleet[0].world()
+    world = fleet[0].world() if world is None else world
     starts = [world.start if c.start is None else starting_at(world, c.start).start for c in fleet]
     return world, tuple(
         Member(config.name, find_rover(config.robot), start)

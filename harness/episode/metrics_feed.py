@@ -41,7 +41,7 @@ def outline_parameters(settings: ExtendedSettings) -> dict[str, list[float]]:
 
 
 def extended_parameters(settings: ExtendedSettings) -> dict[str, object]:
-    """Returns the settings of a rover as parameters of a metrics_node."""
+    """Returns the parameters that give a metrics_node extended columns with a rover's settings."""
     others: dict[str, object] = {"gravity": settings.gravity}
     if settings.wheels != ExtendedSettings().wheels:
         others["wheels"] = settings.wheels

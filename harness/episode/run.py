@@ -6,6 +6,7 @@ from pathlib import Path
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.direct import DEFAULT_SETTINGS, run_direct
 from harness.episode.loop import Observer
+from harness.episode.manifest import write_manifest
 from harness.episode.result import RunResult
 from harness.interrupt import StopRequest
 from rover_metrics.extended.settings import Settings
@@ -20,11 +21,12 @@ def run_episode(
 ) -> RunResult:
     """Runs an episode without ROS; its CSV has the bytes of `harness.run`, with --direct and without.
 
-    Signals stay the caller's: Ctrl-C raises KeyboardInterrupt, and the rows so far are in the file.
+    The CSV's manifest stands beside it, so that `analyze` knows what was driven. Signals stay the
+    caller's: Ctrl-C raises KeyboardInterrupt, and the rows so far are in the file.
 
     Args:
         config: What to run.
-        log_dir: Folder that gets the CSV; made if it is not there.
+        log_dir: Folder that gets both; made if it is not there.
         observers: See every batch of 50 ms: objects with a method `take(batch)`.
         settings: Of the metrics: thresholds, and whether there are extended columns.
 
@@ -32,7 +34,10 @@ def run_episode(
         What the run came to: `log_path` is the CSV, `failure` says why it ended early, if it did.
 
     Raises:
-        UsageError: A value is not valid or the log cannot be created; the message names the mend.
+        UsageError: A value is not valid or the files cannot be written; the message names the mend.
     """
     options = RosOptions(log_dir=Path(log_dir))
-    return run_direct(config, options, StopRequest(), observers=observers, settings=settings)
+    result = run_direct(config, options, StopRequest(), observers=observers, settings=settings)
+    if result.log_path is not None:
+        write_manifest(result, result.log_path.with_suffix(".json"))
+    return result

@@ -25,6 +25,8 @@ from harness.frames.options import FrameOptions
 from harness.frames.tree import Description
 from harness.interrupt import held_back
 from harness.samples import Place, Twist
+from harness.world.terrain_file import is_terrain_file
+from harness.world.world import World
 
 if TYPE_CHECKING:
     from harness.episode.episode import Episode
@@ -115,10 +117,11 @@ class EpisodeProcess:
     ) -> None:
         self._periods = configs[0].total_periods
         self._describes = frame_options is not None
+        world = _built_world(configs)
         context = multiprocessing.get_context("spawn")
         self._connection, remote = context.Pipe()
         self._process = context.Process(
-            target=_simulate, args=(tuple(configs), frame_options, remote), daemon=True
+            target=_simulate, args=(tuple(configs), frame_options, remote, world), daemon=True
         )
         try:
             with held_back():
@@ -190,13 +193,29 @@ class EpisodeProcess:
         return received
 
 
+def _built_world(configs: Sequence[EpisodeConfig]) -> World | None:
+    """Returns the world of a file, which takes seconds to build and little to hand over; else None.
+
+    Raises:
+        UsageError: There is no such world.
+    """
+    if not is_terrain_file(configs[0].terrain):
+        return None
+    for config in configs:
+        config.check_world()
+    return configs[0].world()
+
+
 def _simulate(
-    configs: Sequence[EpisodeConfig], frame_options: FrameOptions | None, connection: Connection
+    configs: Sequence[EpisodeConfig],
+    frame_options: FrameOptions | None,
+    connection: Connection,
+    world: World | None,
 ) -> None:
     """The child: builds the episodes, then streams them until their end or until nobody listens."""
     with contextlib.suppress(BrokenPipeError, ConnectionResetError, EOFError):
         try:
-            _stream(configs, frame_options, connection)
+            _stream(configs, frame_options, connection, world)
         except HarnessError as error:
             connection.send(error)
         except Exception:  # noqa: BLE001 - a bug: its trace must reach the parent
@@ -205,12 +224,15 @@ def _simulate(
 
 
 def _stream(
-    configs: Sequence[EpisodeConfig], frame_options: FrameOptions | None, connection: Connection
+    configs: Sequence[EpisodeConfig],
+    frame_options: FrameOptions | None,
+    connection: Connection,
+    world: World | None,
 ) -> None:
     # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
     from harness.episode.episode import fleet_of, together  # noqa: PLC0415
 
-    episodes = fleet_of(configs, frame_options)
+    episodes = fleet_of(configs, frame_options, world)
     connection.send(tuple(episode.info for episode in episodes))
     if frame_options is not None:
         connection.send(tuple(episode.description for episode in episodes))

@@ -57,11 +57,11 @@ class FaultyClock:
         self.stamp_ns = 0
 
     def drift(self, factor: float) -> None:
-        """Stretches the step of this tick."""
+        """Multiplies the step of this tick by a factor."""
         self.step_ns *= factor
 
     def freeze(self) -> None:
-        """Keeps what /clock says."""
+        """Lets /clock tell its last time again."""
         self.frozen = True
 
     def silence(self, share: float, rng: np.random.Generator) -> None:

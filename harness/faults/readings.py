@@ -79,7 +79,7 @@ def spike(values: Values, size: float, rng: np.random.Generator) -> Values:
 
 
 def empty(reading: Sample) -> Readings:
-    """Returns a reading of nothing."""
+    """Returns a reading without content: no ranges, no pose, no joints."""
     match reading:
         case LaserScan():
             return (replace(reading, ranges=reading.ranges[:0]),)

@@ -5,6 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict
+from functools import cached_property
 from threading import Lock
 from typing import Any, ClassVar, Generic, TypeVar
 
@@ -19,7 +20,7 @@ from harness.drivers.base import CONTROL_PERIOD
 from harness.errors import Diverged, RunFailed, UsageError, unknown
 from harness.gym.course import Course, draw_variation
 from harness.gym.difficulty import Ladder
-from harness.gym.observation import Observation, Part, within
+from harness.gym.observation import Limits, Observation, Part
 from harness.gym.options import Options, parse_options
 from harness.gym.picture import Painter
 from harness.gym.ride import Ride
@@ -155,7 +156,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             self._ladder.take(success=info["is_success"])
         if self.render_mode == "human":
             self.render()
-        terminated = ending in self.terminal_endings
+        terminated = bool(ending) and ending in self.terminal_endings
         info["ending"] = ending
         return self._fresh_observation(), reward, terminated, bool(ending) and not terminated, info
 
@@ -187,7 +188,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         return frozenset(name for name, told in self.endings.items() if told.startswith("terminated"))
 
     @abstractmethod
-    def _twist(self, action: NDArray[np.float64]) -> Twist:
+    def _twist(self, action: list[float]) -> Twist:
         """What an action commands."""
 
     @abstractmethod
@@ -255,17 +256,27 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         with _building:
             return Course(config, self._camera)
 
-    def _checked_action(self, action: Action) -> NDArray[np.float64]:
-        space = self.action_space
-        values = np.asarray(action, np.float64)
-        if values.shape != space.shape:
-            raise InvalidAction(f"an action of shape {values.shape} is not valid; give {space.shape}")
-        if not np.isfinite(values).all():
-            raise InvalidAction(f"action {values.tolist()} is not valid; give finite numbers")
-        return np.minimum(np.maximum(values, space.low), space.high)  # np.clip takes longer
+    def _checked_action(self, action: Action) -> list[float]:
+        values, limits = np.asarray(action, np.float64), self._action_limits
+        if values.shape != (len(limits),):
+            raise InvalidAction(f"an action of shape {values.shape} is not valid; give {(len(limits),)}")
+        numbers = values.tolist()
+        if not all(map(math.isfinite, numbers)):
+            raise InvalidAction(f"action {numbers} is not valid; give finite numbers")
+        return [min(max(n, low), high) for n, (low, high) in zip(numbers, limits, strict=True)]
 
     def _fresh_observation(self) -> Observation:
-        return within(self._seen, self.observation_space)
+        return self._limits.keep(self._seen)
+
+    @cached_property
+    def _limits(self) -> Limits:
+        return Limits(self.observation_space)
+
+    @cached_property
+    def _action_limits(self) -> list[tuple[float, float]]:
+        """Smallest and largest of each number of an action."""
+        low, high = self.action_space.low.tolist(), self.action_space.high.tolist()
+        return list(zip(low, high, strict=True))
 
 
 def _checked_options(options: Mapping[str, Any]) -> dict[str, Any]:

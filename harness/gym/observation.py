@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from harness.drivers.point_nav import attitude, clipped, limits
+from harness.drivers.point_nav import attitude, limits
 from harness.samples import Pose
 from harness.sensors.depth import DepthOptions
 from harness.world.heightfield import Heightfield
@@ -47,10 +47,24 @@ def space_of(parts: Mapping[str, Part]) -> spaces.Dict:
     return spaces.Dict({name: part.space() for name, part in parts.items()})
 
 
-def within(values: Mapping[str, object], space: spaces.Dict) -> Observation:
-    """Returns an observation within its space: float32, in new arrays."""
-    boxes = cast("Mapping[str, spaces.Box]", space.spaces)
-    return {name: clipped(values[name], box.low, box.high) for name, box in boxes.items()}
+class Limits:
+    """The limits of all numbers of an observation, one after the other: one call keeps them."""
+
+    def __init__(self, space: spaces.Dict) -> None:
+        boxes = cast("Mapping[str, spaces.Box]", space.spaces)
+        self._low = np.concatenate([box.low for box in boxes.values()])
+        self._high = np.concatenate([box.high for box in boxes.values()])
+        ends = np.cumsum([box.shape[0] for box in boxes.values()]).tolist()
+        self._parts = dict(zip(boxes, map(slice, [0, *ends], ends), strict=True))
+
+    def keep(self, values: Mapping[str, object]) -> Observation:
+        """Returns an observation within its space: float32, parts of a new array."""
+        flat = np.empty_like(self._low)
+        for name, part in self._parts.items():
+            flat[part] = values[name]
+        np.maximum(flat, self._low, out=flat)
+        np.minimum(flat, self._high, out=flat)
+        return {name: flat[part] for name, part in self._parts.items()}
 
 
 def heights_around(ground: Heightfield, pose: Pose) -> list[float]:

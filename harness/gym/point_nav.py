@@ -7,7 +7,6 @@ from typing import ClassVar
 
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import NDArray
 
 from harness.drivers.base import CONTROL_PERIOD
 from harness.drivers.point_nav import GOAL_RADIUS, commanded, latest, observed, visible
@@ -132,8 +131,8 @@ class PointNavEnv(RoverEnv[PointNavOptions]):
         self._hazard_s = self._action_rate = 0.0
         self._action: list[float] = [0.0, 0.0]
 
-    def _twist(self, action: NDArray[np.float64]) -> Twist:
-        before, self._action = self._action, action.tolist()
+    def _twist(self, action: list[float]) -> Twist:
+        before, self._action = self._action, action
         self._action_rate = sum(abs(now - then) for now, then in zip(self._action, before, strict=True))
         return commanded(action, self._rover)
 

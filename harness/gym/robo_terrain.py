@@ -12,7 +12,6 @@ from typing import ClassVar
 
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import NDArray
 
 from harness.drivers.base import CONTROL_PERIOD
 from harness.drivers.point_nav import Point, attitude, latest, visible, way_to
@@ -140,9 +139,9 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
         self._places: deque[Point] = deque(maxlen=STUCK_STEPS)
         self._asked_at = time.perf_counter()
 
-    def _twist(self, action: NDArray[np.float64]) -> Twist:
+    def _twist(self, action: list[float]) -> Twist:
         """RoboTerrain's PD controller of the heading."""
-        speed, error = action.tolist()
+        speed, error = action
         error = math.remainder(error, math.tau)
         change, self._error = error - self._error, error
         rate = PROPORTIONAL * error + DERIVATIVE * change / self._period()

@@ -19,7 +19,7 @@ class DiffDrive:
 
     def __init__(self, rover: RoverSpec, period: float) -> None:
         self._rover = rover
-        self._on_left = np.array([name in rover.drive.left for name in rover.drive.driven])
+        self._on_left = [name in rover.drive.left for name in rover.drive.driven]
         self._linear_step = rover.linear_acceleration * period
         self._angular_step = rover.angular_acceleration * period
         self._target = Twist()
@@ -40,7 +40,7 @@ class DiffDrive:
         half_difference = self._angular * self._rover.controller_separation / 2
         left = (self._linear - half_difference) / self._rover.controller_radius
         right = (self._linear + half_difference) / self._rover.controller_radius
-        return np.where(self._on_left, left, right)
+        return np.array([left if on_left else right for on_left in self._on_left])
 
 
 def approach(value: float, target: float, step: float) -> float:

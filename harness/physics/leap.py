@@ -31,6 +31,11 @@ class Leap:
         self._controls = np.empty((1, steps, model.nu))
         self._states = np.empty((1, steps, self._begin.size))
         self._sensors = np.empty((1, steps, model.nsensordata))
+        # Views: of the ticks' controls, of their last states after the time, of their sensor values.
+        self._ticks_controls = self._controls.reshape(ticks, -1, model.nu)
+        moving = slice(1, 1 + model.nq + model.nv)
+        self._ends = self._states.reshape(ticks, -1, self._begin.size)[:, -1, moving]
+        self._ticks_sensors = self._sensors.reshape(ticks, -1, model.nsensordata)
 
     def run(self, commands: NDArray[np.float64]) -> Iterator[int]:
         """Simulates the ticks, then shows one after the other.
@@ -64,8 +69,8 @@ class Leap:
         model, data = simulation.model, simulation.data
         simulation.command_wheels(commands[begin])
         steps = slice(begin * per_tick, end * per_tick)
-        self._controls[0, steps] = data.ctrl
-        self._controls[0, steps, simulation.motors] = commands[begin:end].repeat(per_tick, axis=0).T
+        self._ticks_controls[begin:end] = data.ctrl
+        self._ticks_controls[begin:end, :, simulation.motors] = commands[begin:end, None]
         mujoco.mj_getState(model, data, self._begin[0], STATE)
         self._warm_start[0] = data.qacc_warmstart
         self._rollout.rollout(
@@ -82,13 +87,11 @@ class Leap:
         )
 
     def _show(self) -> Iterator[int]:
-        simulation, per_tick = self._simulation, self._simulation.steps_per_tick
-        qpos, qvel = simulation.data.qpos, simulation.data.qvel
-        ends = self._states[0, per_tick - 1 :: per_tick, 1 : 1 + qpos.size + qvel.size]  # after the time
+        simulation, size = self._simulation, self._simulation.model.nq
+        qpos, qvel, tick_sum = simulation.data.qpos, simulation.data.qvel, simulation.tick_sum
         # Of axis 1, which numpy adds one step after the other, as Simulation.tick does.
-        sums = self._sensors[0].reshape(self._ticks, per_tick, -1).sum(axis=1)
-        for tick in range(self._ticks):
-            qpos[:], qvel[:] = ends[tick, : qpos.size], ends[tick, qpos.size :]
-            simulation.tick_sum[:] = sums[tick]
-            simulation.physics.step_count += per_tick
+        sums = self._ticks_sensors.sum(axis=1)
+        for tick, (end, total) in enumerate(zip(self._ends, sums, strict=True)):
+            qpos[:], qvel[:], tick_sum[:] = end[:size], end[size:], total
+            simulation.physics.step_count += simulation.steps_per_tick
             yield tick

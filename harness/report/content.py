@@ -14,7 +14,7 @@ from harness.episode.manifest import manifest
 from harness.episode.result import RunResult
 from harness.page.figure import MINUS, TIMES, Plot, named
 from harness.page.shell import fill
-from harness.report.encounters import NEAR, Encounter, encounters
+from harness.report.encounters import NEAR, encounters
 from harness.report.hillshade import shade
 from harness.report.log import Log, caption, collisions, contacts, describe, meetings, read_log
 from harness.report.recorder import RunRecorder, Stretch
@@ -42,8 +42,8 @@ def content(
 ) -> dict[str, Any]:
     """Returns what the template shows of a run; see `render`."""
     log, values = read_log(result.log_path), manifest(result)
-    met, actors = encounters(recorder.track), result.config.world().people
-    terrain_map, plots = _map(result, recorder, log, met, others), _series(result, recorder, log)
+    terrain_map, plots = _map(result, recorder, log, others), _series(result, recorder, log)
+    met = encounters(recorder.track)
     series = [plot for plot in plots if varies(plot.figure, log.columns[plot.heading])]
     steady = [plot for plot in plots if plot not in series]
     return {
@@ -55,7 +55,7 @@ def content(
         "key_figures": key_figures(result),
         "map": terrain_map,
         "comparisons": [*comparisons(result, log), *people(recorder.track)],
-        "encounters": encounter_rows(met, actors),
+        "encounters": encounter_rows(met, result.config.world().people),
         "near": NEAR,
         "contacts": contact_rows(result),
         "series": series,
@@ -76,11 +76,7 @@ def _called(config: EpisodeConfig) -> str:
 
 
 def _map(
-    result: RunResult,
-    recorder: RunRecorder,
-    log: Log,
-    met: Sequence[Encounter],
-    others: Mapping[str, Sequence[Stretch]],
+    result: RunResult, recorder: RunRecorder, log: Log, others: Mapping[str, Sequence[Stretch]]
 ) -> Plot:
     config, track = result.config, recorder.track
     world = config.world()
@@ -97,7 +93,6 @@ def _map(
         collisions=collided,
         contacts=touched,
         meetings=near,
-        met=met,
         others=others,
         scan=np.empty((0, 2)) if placed is None else scan_points(placed, rover),
         gravity=config.gravity(),

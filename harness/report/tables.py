@@ -68,7 +68,7 @@ def people(track: Sequence[Stretch]) -> list[Comparison]:
 
 
 def encounter_rows(met: Sequence[Encounter], actors: Sequence[Actor]) -> list[tuple[str, ...]]:
-    """Returns encounters as text: number, who, distance, when, how long near, rover's and their place."""
+    """Returns encounters as text: number, who, distance, when, how long near, both places."""
     return [
         (
             str(number),

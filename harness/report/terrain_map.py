@@ -19,7 +19,7 @@ from harness.page.figure import (
     line,
     numbers,
 )
-from harness.report.encounters import Encounter
+from harness.report.encounters import Encounter, encounters
 from harness.report.hillshade import Hillshade, map_layout
 from harness.report.log import Event
 from harness.report.recorder import Stretch
@@ -69,7 +69,6 @@ def map_figure(  # noqa: PLR0913 - all that there is to be seen
     collisions: Sequence[Event],
     contacts: Sequence[Event],
     meetings: Sequence[Event] = (),
-    met: Sequence[Encounter] = (),
     others: Mapping[str, Sequence[Stretch]] = MappingProxyType({}),
     scan: Points,
     gravity: float,
@@ -83,7 +82,6 @@ def map_figure(  # noqa: PLR0913 - all that there is to be seen
         collisions: What the metrics counted.
         contacts: What really happened.
         meetings: When people were near.
-        met: Where they were nearest.
         others: What was recorded of other rovers, by name.
         scan: Where the beams of the last scan ended [m].
         gravity: Of the run [m/s^2].
@@ -96,7 +94,7 @@ def map_figure(  # noqa: PLR0913 - all that there is to be seen
         *_others(others),
         *_path(track, gravity),
         *_ends(track),
-        *_encounters(met, world.people),
+        *_encounters(encounters(track), world.people),
         _events(meetings, NEAR, "circle-open", PERSON),
         _events(collisions, "collision (metric)", "diamond-open", METRIC),
         _events(contacts, "contact with a hazard (truth)", "x-thin-open", TRUTH),

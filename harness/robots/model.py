@@ -187,3 +187,16 @@ def _descendants(body: mujoco.MjsBody) -> Iterator[mujoco.MjsBody]:
     for child in _children(body):
         yield child
         yield from _descendants(child)
+
+
+def compiled_alone(rover: RoverSpec) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """Returns a rover's model without a world, and its state at the origin, all joints at 0.
+
+    Raises:
+        UsageError: The model is not valid.
+    """
+    model = compiled(read_model(rover), rover.model_path)
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qpos[3] = 0.0, 1.0
+    mujoco.mj_kinematics(model, data)
+    return model, data

@@ -62,7 +62,7 @@ class Pace:
         return now - self._points[-1][0] if self._points else None
 
     def forget(self) -> None:
-        """Starts anew."""
+        """Drops all messages that were counted."""
         self._points.clear()
 
     def _forget(self, now: float) -> None:

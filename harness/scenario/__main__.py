@@ -115,6 +115,12 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME=VALUE",
         help="only runs with this value of their matrix; repeatable",
     )
+    _add_backend(parser)
+    _add_files(parser)
+    return parser
+
+
+def _add_backend(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: one per CPU)")
     parser.add_argument(
         "--backend",
@@ -123,6 +129,9 @@ def _parser() -> argparse.ArgumentParser:
         help=f"who drives: {', '.join(BACKENDS)} (default: %(default)s)",
     )
     parser.add_argument("--address", metavar="URL", help="of the Ray or Dask cluster")
+
+
+def _add_files(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--junit", type=Path, metavar="FILE", help="write the verdicts as JUnit XML")
     parser.add_argument(
         "--html", type=Path, metavar="FILE", help="write a page: what failed, and cells side by side"
@@ -145,7 +154,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--update-baseline", action="store_true", help="record the runs as what later ones must match"
     )
-    return parser
 
 
 if __name__ == "__main__":

@@ -83,7 +83,7 @@ class Compared:
 
     @property
     def heading(self) -> str:
-        """Returns its title, with the unit."""
+        """Returns the title of a quantity's column, with the unit."""
         return f"{self.title} [{self.unit}]" if self.unit else self.title
 
 

@@ -7,7 +7,7 @@ from harness.scenario.spec import Scenario
 
 
 def schema() -> str:
-    """Returns it as JSON text."""
+    """Returns the schema of scenario files as JSON text."""
     return json.dumps(Scenario.model_json_schema(), indent=1, ensure_ascii=False) + "\n"
 
 

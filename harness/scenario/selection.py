@@ -26,7 +26,7 @@ def find_files(paths: Iterable[Path]) -> list[Path]:
         elif path.is_file():
             found[path] = None
         else:
-            raise UsageError(f"there is no scenario {path}")
+            raise UsageError(f"there is no scenario {path}; name a *{SUFFIX}, or a folder of them")
     return list(found)
 
 

@@ -11,8 +11,9 @@ from harness.sensors.corruption import AxisErrors
 SEA_LEVEL, TEMPERATURE, LAPSE, GRAVITY, GAS = 101_325.0, 288.15, 0.0065, 9.80665, 287.05287
 CHIPS = {
     NO_ERRORS: AxisErrors(),
-    # Bosch BST-BMP280-DS001: absolute accuracy +-1 hPa taken as three deviations, 1.3 Pa RMS at full
-    # bandwidth, 0.16 Pa resolution. The walk, which is the weather's, is an estimate: 1 hPa in 3 h.
+    # Bosch BST-BMP280-DS001: absolute accuracy +-1 hPa (typical), taken as three deviations; 0.16 Pa
+    # resolution. 1.3 Pa RMS at full bandwidth is from memory of it, not checked. The walk, which is the
+    # weather's, is an estimate: 1 hPa in 3 h.
     "bmp280": AxisErrors(white=1.3, bias=100.0 / 3.0, walk=1.0, step=0.16),
 }
 

@@ -48,17 +48,17 @@ class DepthOptions(RangeOptions):
 
     @property
     def frame_id(self) -> str:
-        """The optical frame."""
+        """Name of the optical frame."""
         return f"{super().frame_id}_optical"
 
     @property
     def rays(self) -> int:
-        """Its pixels."""
+        """Number of pixels."""
         return self.width * self.height
 
     @property
     def focal_length(self) -> float:
-        """In pixels, along both axes."""
+        """Focal length along both axes [pixels]."""
         return self.width / (2.0 * math.tan(self.fov / 2.0))
 
     @property

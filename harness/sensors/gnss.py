@@ -55,14 +55,15 @@ class GnssClass:
 
     @property
     def covariance(self) -> tuple[float, ...]:
-        """East, north, up by rows [m^2]."""
+        """Covariance of a fix: east, north, up by rows [m^2]."""
         level = self.horizontal.variance
         return (level, 0.0, 0.0, 0.0, level, 0.0, 0.0, 0.0, level * self.vertical**2)
 
 
 EXACT = GnssClass(horizontal=AxisErrors(), vertical=1.0, fix=FIX)
-# u-blox ZED-F9P data sheet UBX-17051259: RTK 0.01 m CEP, vertical 0.01 m R50 (near the base). How
-# much of it wanders, and how slowly, are estimates: half of the variance, in 10 s.
+# u-blox ZED-F9P (integration manual UBX-18010802): RTK 0.01 m + 1 ppm of the way to the base CEP, which
+# is near here; as much R50 upwards is retold (docs/sensors.md). How much of it wanders, and how slowly,
+# are estimates: half of the variance, in 10 s.
 RTK = GnssClass(
     horizontal=AxisErrors(
         white=0.01 * PER_CEP * math.sqrt(0.5),
@@ -72,8 +73,8 @@ RTK = GnssClass(
     vertical=PER_R50 / PER_CEP,
     fix=GROUND_BASED,
 )
-# u-blox NEO-M8 data sheet UBX-15031086: 2.5 m CEP. Twice that upwards, 0.2 m of white noise and 100 s
-# are estimates: the errors of orbits, ionosphere and paths wander together.
+# u-blox NEO-M8N: 2.5 m CEP, retold; its data sheet was not read. Twice that upwards, 0.2 m of white
+# noise and 100 s are estimates: the errors of orbits, ionosphere and paths wander together.
 CONSUMER = GnssClass(
     horizontal=AxisErrors(
         white=0.2, bias=math.sqrt((2.5 * PER_CEP) ** 2 - 0.2**2), correlation_time=100.0

@@ -1,4 +1,4 @@
-"""Optional lidars: planar ones, and 3-D ones with rings or a pattern; presets from data sheets.
+"""Optional lidars: planar ones, and 3-D ones with rings or a pattern; presets after products.
 
 Angles are in the sensor's frame, counter-clockwise from its x axis, elevations from its xy plane. All
 rays of a reading are cast at its stamp: there is no distortion by motion, and nothing to undo.
@@ -32,9 +32,10 @@ class PlanarLidarOptions(RangeOptions):
         angle_max: Azimuth of the last [rad].
     """
 
-    # Slamtec, RPLIDAR S2 data sheet (LD510): 0.05-30 m, 32,000 samples a second, 10 Hz, 0.1125 deg.
-    # Hokuyo, UTM-30LX specification (C-42-03635): 270 deg, 0.25 deg, 0.1-30 m, 25 ms a scan; 40 Hz
-    # are no whole number of the clock's ticks of 10 ms.
+    # The makers' documents were not read; docs/sensors.md says who tells the numbers.
+    # RPLIDAR S2: 0.05-30 m, 32,000 samples a second, 10 Hz: 0.1125 deg.
+    # Hokuyo UTM-30LX: 270 deg, 0.25 deg, 0.1-30 m, 25 ms a scan; 40 Hz are no whole number of the
+    # clock's ticks of 10 ms.
     presets: ClassVar[Mapping[str, Mapping[str, object]]] = {
         "rplidar_s2": {},  # the defaults
         "planar_270": {
@@ -56,7 +57,7 @@ class PlanarLidarOptions(RangeOptions):
 
     @property
     def rays(self) -> int:
-        """Its beams."""
+        """Number of beams."""
         return self.beams
 
     def directions(self) -> NDArray[np.float64]:
@@ -93,12 +94,12 @@ class CloudLidarOptions(RangeOptions):
             always are in an organised cloud.
     """
 
-    # Velodyne, VLP-16 user manual (63-9243 rev. D): 16 channels from -15 to 15 deg, 100 m; chapter 8.3:
-    # 0.2 deg around at 600 rpm. It names no nearest range: that one is an estimate.
+    # Of these only Ouster's data sheet was read; docs/sensors.md says who tells the others' numbers.
+    # VLP-16: 16 channels from -15 to 15 deg, 100 m, 0.2 deg around at 600 rpm. 0.5 m is an estimate.
     # Ouster, OS1 data sheet (first generation): 64 channels from -16.6 to 16.6 deg, 1024 around, 10 Hz,
     # 0.8-120 m.
-    # Livox, Mid-360 specification: 360 deg by -7..52 deg, 200,000 points a second, 10 Hz, 0.1 m, 70 m at
-    # 80 % reflectivity. Its own pattern does not repeat itself; this one does.
+    # Livox Mid-360: 360 deg by -7..52 deg, 200,000 points a second, 10 Hz, 0.1 m, 70 m at 80 %
+    # reflectivity. Its own pattern does not repeat itself; this one does.
     presets: ClassVar[Mapping[str, Mapping[str, object]]] = {
         "vlp16": {},  # the defaults
         "os1_64": {
@@ -138,7 +139,7 @@ class CloudLidarOptions(RangeOptions):
 
     @property
     def rays(self) -> int:
-        """Its points, if none is a miss."""
+        """Number of points of a cloud without misses."""
         return (len(self.elevations) or self.rings) * self.columns
 
     @property

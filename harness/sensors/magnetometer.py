@@ -19,8 +19,9 @@ MICRO = 1e-6
 STRONGEST = 1e-3  # [T]: ten times what the Earth has anywhere
 CHIPS = {
     NO_ERRORS: AxisErrors(),
-    # Bosch BST-BMM150-DS001: 0.3 uT RMS in its high-accuracy preset, 0.3 uT resolution, +-1300 uT. What
-    # is left of the offset when its hard iron is calibrated, 2 uT, is taken as a standard deviation.
+    # Bosch BMM150, retold (docs/sensors.md); its data sheet was not read: 0.3 uT RMS at high accuracy,
+    # 0.3 uT resolution, +-1300 uT along x and y (along z more, which the Earth does not need). What is
+    # left of the offset when its hard iron is calibrated, 2 uT, is taken as a standard deviation.
     "bmm150": AxisErrors(white=0.3 * MICRO, bias=2.0 * MICRO, step=0.3 * MICRO, limit=1300 * MICRO),
 }
 

@@ -46,9 +46,9 @@ WHITE = NoisePreset(
 HARDWARE = NoisePreset(
     name="hardware",
     summary="MPU-9250 at +-4 g and 500 deg/s with bias, walk, 16 bits; RPLIDAR S2 with lost returns",
-    # InvenSense PS-MPU-9250A-01 rev. 1.0, tables 1 and 2: total RMS noise 8 mg and 0.1 deg/s, bias
-    # tolerance 60 mg and 5 deg/s taken as three deviations, 8192 LSB/g and 65.5 LSB/(deg/s). Ranges as
-    # Leo's firmware sets them (imu.cpp). The walks are estimates.
+    # InvenSense PS-MPU-9250A-01 rev. 1.0, table 2: total RMS noise 8 mg, bias tolerance 60 mg (z: 80 mg)
+    # taken as three deviations, 8192 LSB/g; table 1: 0.1 deg/s, 5 deg/s likewise, 65.5 LSB/(deg/s).
+    # Ranges as Leo's firmware sets them (imu.cpp). The walks are estimates.
     acceleration=AxisErrors(
         white=0.008 * G, bias=0.020 * G, walk=5e-4 * G, step=G / 8192, limit=4.0 * G
     ),
@@ -59,7 +59,8 @@ HARDWARE = NoisePreset(
         step=DEGREE / 65.5,
         limit=500.0 * DEGREE,
     ),
-    # Estimates for an RPLIDAR S2: +-30 mm taken as three deviations, 13 mm resolution, 1 % lost.
+    # Estimates for an RPLIDAR S2: +-30 mm (some say 50) taken as three deviations, 13 mm resolution,
+    # 1 % lost.
     ranges=RangeErrors(white=0.010, step=0.013, dropout=0.01),
 )
 

@@ -7,7 +7,7 @@ Without a page it prints them. What stands outside the two marks of the page is 
 
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from inspect import cleandoc
 from pathlib import Path
@@ -17,6 +17,7 @@ from harness.files import write_whole
 from harness.sensors.choice import by_default, kinds
 from harness.sensors.optional import SensorOptions
 from harness.sensors.table import SensorRow
+from rover_metrics.errors import run_program
 
 BEGIN, END = (
     "<!-- python -m harness.sensors.page: begin -->",
@@ -109,9 +110,14 @@ def written(page: str) -> str:
     return f"{before}{BEGIN}\n{tables()}{END}{after}"
 
 
-if __name__ == "__main__":
-    for name in sys.argv[1:]:
-        path = Path(name)
+def main(names: Sequence[str]) -> int:
+    """Writes the tables into pages, or prints them if there are none; returns the exit code."""
+    for path in map(Path, names):
         write_whole(path, written(path.read_text(encoding="utf-8")), "the page")
-    if not sys.argv[1:]:
+    if not names:
         print(tables(), end="")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(run_program("harness.sensors.page", lambda: main(sys.argv[1:])))

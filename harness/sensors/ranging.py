@@ -50,7 +50,7 @@ class RangeOptions(SensorOptions):
 
     @property
     def rays(self) -> int:
-        """How many there are in a reading."""
+        """Number of rays in a reading."""
         raise NotImplementedError
 
     def directions(self) -> NDArray[np.float64]:

@@ -47,8 +47,8 @@ class ImuSensor(Sensor):
         reading = Imu(
             stamp_ns=self._simulation.time_ns,
             orientation=(x, y, z, w),
-            angular_velocity=_vector(self._rate_sum / self._steps),
-            linear_acceleration=_vector(self._force_sum / self._steps),
+            angular_velocity=_mean(self._rate_sum, self._steps),
+            linear_acceleration=_mean(self._force_sum, self._steps),
         )
         self.after_reset()
         return reading
@@ -110,6 +110,6 @@ class TruthSensor(Sensor):
         return self._recorder.state()
 
 
-def _vector(values: np.ndarray) -> Vector3:
-    x, y, z = values.tolist()
-    return x, y, z
+def _mean(total: np.ndarray, count: int) -> Vector3:
+    x, y, z = total.tolist()
+    return x / count, y / count, z / count

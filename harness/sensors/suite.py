@@ -43,15 +43,15 @@ class SensorSuite:
         self._sensors = tuple(made.values())
         # Periods divide a second: what is due in one is due in each.
         self._due = [[s for s in self._sensors if s.due(n or HIGHEST_RATE)] for n in range(HIGHEST_RATE)]
-        self._observing = [s for s in self._sensors if type(s).observe is not Sensor.observe]
+        self._observe = [s.observe for s in self._sensors if type(s).observe is not Sensor.observe]
         self._noise = noise
         self.latest: dict[type[Sample], Sample] = {}
 
     def tick(self, index: int) -> tuple[Sample, ...]:
         """Returns the samples of the tick that has just been simulated, counted from 1."""
-        for sensor in self._observing:
-            sensor.observe()
-        return tuple(self._read(sensor) for sensor in self._due[index % HIGHEST_RATE])
+        for observe in self._observe:
+            observe()
+        return tuple([self._read(sensor) for sensor in self._due[index % HIGHEST_RATE]])
 
     def before_reset(self) -> None:
         """Called when the rover is about to be put elsewhere."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from harness.errors import RunFailed
 from harness.robots import RoverSpec
-from harness.robots.measures import compiled_alone
+from harness.robots.model import compiled_alone
 from harness.sensors.base import HIGHEST_RATE
 from harness.validation.check import Check, Span, around, at_most
 from harness.validation.grounds import Course

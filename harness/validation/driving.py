@@ -19,7 +19,7 @@ YAW_RATE, ARC_SPEED = 1.0, 0.3  # [rad/s], [m/s] commanded
 
 
 def rest_checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
-    """The IMU at rest."""
+    """Yields what the IMU reads at rest: gravity, and nothing that varies."""
     rig = Rig(rover, floor(seed))
     rig.run(REST_BEFORE)
     readings = rig.imu_readings(IMU_RATE, REST)

@@ -67,7 +67,7 @@ class Rig:
             observe()
 
     def run(self, seconds: float) -> None:
-        """Drives on for a time."""
+        """Drives on for so many simulated seconds."""
         for _ in range(round(seconds / TICK)):
             self.tick()
 
@@ -104,7 +104,7 @@ class Rig:
 
     @property
     def speed(self) -> float:
-        """Of the model frame's origin [m/s]."""
+        """Speed of the model frame's origin [m/s]."""
         return float(np.linalg.norm(self.simulation.data.qvel[:3]))
 
     @property

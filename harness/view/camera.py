@@ -48,7 +48,7 @@ class View:
         return self.target - self.distance * self.direction
 
     def camera(self) -> mujoco.MjvCamera:
-        """For MuJoCo."""
+        """Returns the same view as MuJoCo's own camera."""
         camera = mujoco.MjvCamera()
         camera.lookat[:] = self.target
         camera.azimuth, camera.elevation = self.azimuth, self.elevation

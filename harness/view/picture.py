@@ -155,7 +155,7 @@ def _draw_video(recordings: Sequence[Path], target: Path, *, lidar: bool) -> Non
     with Studio(recordings, VIDEO_QUALITY, lidar=lidar) as studio, whole_file(target) as part:
         count = len(studio.recording.times)
         frames = range(0, count, -(-count // MOST_FRAMES))
-        views, times, speeds = _chase(studio.recording), studio.recording.times, studio.recording.speed
+        views, times, speeds = chase(studio.recording), studio.recording.times, studio.recording.speed
         with av.open(str(part), "w", format="mp4") as container:
             stream = container.add_stream("libx264", rate=FRAME_RATE, options={"crf": "23"})
             stream.width, stream.height = VIDEO_QUALITY.width, VIDEO_QUALITY.height
@@ -169,8 +169,8 @@ def _draw_video(recordings: Sequence[Path], target: Path, *, lidar: bool) -> Non
         _tell(len(frames), len(frames))
 
 
-def _chase(recording: States) -> list[View]:
-    """A view from behind at each state; a low-pass makes it turn more calmly than the rover."""
+def chase(recording: States) -> list[View]:
+    """Returns a view from behind at each state; a low-pass makes it turn more calmly than the rover."""
     headings = accumulate(recording.yaw.tolist(), lambda calm, yaw: calm + (yaw - calm) / CALMED)
     return [chase_view(place, yaw) for place, yaw in zip(recording.path, headings, strict=True)]
 

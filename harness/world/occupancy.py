@@ -138,6 +138,8 @@ def _cover(blocked: Mask, obstacle: Obstacle, middles: tuple[Places, Places], re
     columns, rows = (np.nonzero((low[i] <= middles[i]) & (middles[i] <= high[i]))[0] for i in (0, 1))
     overlaps = np.ones((len(rows), len(columns)), dtype=bool)
     for corner, edge in zip(corners, np.roll(corners, -1, axis=0) - corners, strict=True):
+        if not edge.any():  # a hull of few corners has many of them several times
+            continue
         outward = np.array([edge[1], -edge[0]])  # the corners go round counter-clockwise
         reach_of_cell = np.abs(outward).sum() * resolution / 2
         x, y = middles[0][columns] - corner[0], middles[1][rows] - corner[1]

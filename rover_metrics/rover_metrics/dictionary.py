@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from rover_metrics.errors import OneLineParser, begin_program, run_program
+from rover_metrics.errors import OneLineParser, RoverMetricsError, begin_program, run_program
 
 if __name__ == "__main__":
     begin_program("dictionary")
@@ -18,9 +18,8 @@ from rover_metrics.core.thresholds import THRESHOLD_INFO
 from rover_metrics.extended.metrics import EXTENDED_COLUMNS
 from rover_metrics.extended.settings import EXTENDED_INFO
 
-COMMAND = "python -m rover_metrics.dictionary --write docs/metrics.md"
-
-HEAD = f"""<!-- Made by `{COMMAND}`; edit the code instead. -->
+MADE = "<!-- Made by `python -m rover_metrics.dictionary"  # how its pages begin
+HEAD = f"""{MADE} --write docs/metrics.md`; edit the code instead. -->
 # What the columns of a metrics log mean
 
 A log has one row per second of ROS time, numbers rounded to four decimals. The first twelve columns
@@ -51,8 +50,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _write(target: Path | None) -> int:
     if target is None:
         print(dictionary(), end="")
-    else:
-        target.write_text(dictionary(), encoding="utf-8")
+        return 0
+    if target.exists() and not target.read_bytes().startswith(MADE.encode()):
+        raise RoverMetricsError(f"{target} was not made by this command; name another file")
+    target.write_text(dictionary(), encoding="utf-8")
     return 0
 
 

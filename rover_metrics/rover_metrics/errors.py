@@ -9,6 +9,7 @@ import re
 import signal
 import sys
 from collections.abc import Callable, Iterable
+from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
 from types import TracebackType
@@ -127,6 +128,12 @@ def is_worth_a_line(before: int, now: int) -> bool:
     return now.bit_length() > before.bit_length()
 
 
+_NUMBERS = {"int": "a whole number", "float": "a number"}
+NEARLY = 0.75  # of 1: so alike, one option is taken for a slip of the other
+_MISTYPED = re.compile(r"invalid (int|float) value: (.*)")  # what argparse says
+_UNKNOWN = re.compile(r"unrecognized arguments: (--[^\s=]+)")  # likewise
+
+
 class HelpWithDefaults(argparse.HelpFormatter):
     """Help with the default of each option that has one; text of several lines stays as it is."""
 
@@ -167,4 +174,13 @@ class OneLineParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Prints the message and leaves with exit code 2."""
-        self.exit(RoverMetricsError.exit_code, f"{self._command}: {message}; see --help\n")
+        self.exit(RoverMetricsError.exit_code, f"{self._command}: {self.mended(message)}; see --help\n")
+
+    def mended(self, message: str) -> str:
+        """Returns what argparse complains of, with what is valid, or the option that is meant."""
+        wrong = _MISTYPED.search(message)
+        if wrong is not None:
+            return f"{message[: wrong.start()]}{wrong[2]} is not valid; give {_NUMBERS[wrong[1]]}"
+        unknown = _UNKNOWN.match(message)
+        near = get_close_matches(unknown[1], self._option_string_actions, 1, NEARLY) if unknown else []
+        return "; did you mean ".join([message, *near])

@@ -1,5 +1,6 @@
 """The benchmarks still run, take turns, and write what they measured; their figures are not tested."""
 
+import re
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -92,6 +93,28 @@ def test_readme_is_the_one_that_the_benchmarks_wrote() -> None:
     text = README.read_text()
     assert text.startswith(TEMPLATE)
     assert text.partition(SOAK)[0].count("\n### ") == len(BENCHMARKS)
+
+
+FIRST_PAGE = (README.parents[1] / "README.md").read_text()
+FIGURES = {  # what the first page says: the row it is from, and its column
+    r"at (\d+) times real time": ("| leo | through ROS 2 |", "times real time"),
+    r"Of ([\d,]+) messages": ("| in this process |", "messages"),
+    r"messages (\d+) are lost": ("| in this process |", "lost"),
+    r"row (\d\.\d) s after": ("| through ROS 2 |", "to the first row"),
+    r"any of ([\d,]+) in two hours of breaking": ("| metrics_node hosted |", "messages"),
+    r", (\d+) times as fast": ("| 20 m, 10 cm | mj_multiRay", "ratio"),
+}
+
+
+@pytest.mark.parametrize("sentence", FIGURES)
+def test_a_figure_of_the_first_page_is_the_measured_one(sentence: str) -> None:
+    (told,) = re.findall(sentence, FIRST_PAGE)
+    row, column = FIGURES[sentence]
+    (before, found) = README.read_text().split(f"\n{row}")
+    titles = before.rpartition("\n\n")[2].partition("\n")[0].split(" | ")
+    cell = (row + found).split(" | ")[[title.strip("| ") for title in titles].index(column)]
+    measured, figure = (float(re.sub(r"[^\d.]", "", text)) for text in (cell, told))
+    assert figure == pytest.approx(measured, rel=0.1), f"README.md should say {cell}"
 
 
 def test_each_command_writes_its_part_of_the_readme_and_keeps_the_other(

@@ -32,3 +32,13 @@ def test_a_place_that_cannot_be_written_is_one_line(capsys: pytest.CaptureFixtur
     assert capsys.readouterr().err == (
         "dictionary: cannot use /nowhere/metrics.md: No such file or directory; name another place\n"
     )
+
+
+def test_it_replaces_its_own_pages_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    page = tmp_path / "metrics.md"
+    assert main(["--write", str(page)]) == main(["--write", str(page)]) == 0
+    page.write_text("mine")
+    assert main(["--write", str(page)]) == 2
+    told = f"dictionary: {page} was not made by this command; name another file\n"
+    assert capsys.readouterr().err == told
+    assert page.read_text() == "mine"

@@ -158,3 +158,26 @@ def test_help_tells_the_default_of_each_option_as_it_would_be_typed() -> None:
         "--switch": "",
     }
     assert lines[-2:] == ["Several", "  lines."]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("--spede 3", "unrecognized arguments: --spede 3; did you mean --speed; see --help"),
+        ("--spede=3 x", "unrecognized arguments: --spede=3 x; did you mean --speed; see --help"),
+        ("--wheels 6", "unrecognized arguments: --wheels 6; see --help"),
+        ("6 --spede", "unrecognized arguments: 6 --spede; see --help"),
+        ("--speed fast", "argument --speed: 'fast' is not valid; give a number; see --help"),
+        ("--seed 1.5", "argument --seed: '1.5' is not valid; give a whole number; see --help"),
+    ],
+)
+def test_a_wrong_word_is_told_with_the_mend(
+    words: str, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    parser = OneLineParser(prog="python -m harness.x")
+    parser.add_argument("--speed", type=float)
+    parser.add_argument("--seed", type=int)
+    with pytest.raises(SystemExit) as end:
+        parser.parse_args(words.split())
+    assert end.value.code == 2
+    assert capsys.readouterr().err == f"harness.x: {told}\n"

@@ -201,8 +201,8 @@ def test_harness_leaves_what_is_not_given_to_the_program() -> None:
 
 
 def test_harness_passes_on_every_option_as_the_program_knows_it(tmp_path: Path) -> None:
-    run_options = pytest.importorskip(
-        "harness.cli.options", reason="needs the harness", exc_type=ImportError
+    run_parser = pytest.importorskip(
+        "harness.cli.run_parser", reason="needs the harness", exc_type=ImportError
     )
     options = {
         "terrain": "maze",
@@ -214,7 +214,7 @@ def test_harness_passes_on_every_option_as_the_program_knows_it(tmp_path: Path) 
         "log_dir": str(tmp_path),
     }
     command = launched(HARNESS, options | {"extended": "true"}).cmd
-    parsed = run_options.run_parser().parse_args(command[3:])
+    parsed = run_parser.run_parser().parse_args(command[3:])
     assert (parsed.terrain, parsed.robot, parsed.driver) == ("maze", "rover_zero4wd", "spin")
     assert (parsed.seed, parsed.duration, parsed.rate) == (-3, 7.5, None)
     assert parsed.log_dir == tmp_path

@@ -1,6 +1,9 @@
 """Mutants of a tiny project, and the list of survivors of this one."""
 
 import json
+import os
+import re
+import signal
 import subprocess
 import sys
 from collections import Counter
@@ -11,12 +14,13 @@ import pytest
 from tests.support.once import made_once
 from tools.mutants import __main__ as command
 from tools.mutants import mutations, survivors
-from tools.mutants.chooser import Chooser
+from tools.mutants.chooser import Chooser, Timed
 from tools.mutants.journal import Journal, Outcome
 from tools.mutants.mutations import Mutant, mutants_of
 from tools.mutants.scope import PACKAGES, ROOT, Package, changed_since, modules_of
 from tools.mutants.session import Trace
 from tools.mutants.survivors import LISTED, SCORES, TABLE, Score, complaints, listed, record, recorded
+from tools.mutants.trial import patiently
 
 CODE = '''"""Tanks."""
 
@@ -25,6 +29,8 @@ from functools import cache
 
 _HALF = 3.75  # l
 FULL = _HALF + _HALF
+KINDS = ("oil", "water")
+PAIR = divmod(7, 2)
 
 
 @dataclass(frozen=True)
@@ -59,7 +65,7 @@ def unseen(a: float) -> float:
 TESTS = """import sys
 
 import pytest
-from tank import FULL, Tank, countdown, lack
+from tank import FULL, KINDS, Tank, countdown, lack
 
 
 @pytest.fixture(scope="module")
@@ -79,6 +85,11 @@ def test_lack():
     assert lack(Tank(2.5)) == 5.0
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_kind(kind):
+    assert kind in ("oil", "water")
+
+
 def test_weak():
     assert Tank().litres > 0
 
@@ -90,6 +101,22 @@ def test_that_always_fails():
 def test_that_fails_unless_its_lines_are_traced():
     assert lack(Tank()) and sys.gettrace()
 """
+FATES = [
+    ("lack", "return FULL + tank.litres", "test_lack"),  # wrapped by a decorator
+    ("Tank.is_low", "return self.litres <= 1.0", "test_other_user_does"),  # a property
+    (
+        "",
+        "_HALF = 4.6875 # l",
+        "test_lack",
+    ),  # another constant, which others have imported, is made of it
+    ("", 'KINDS = ("oilX", "water")', "test_kind[oilX]"),  # of which a test has its name
+    ("", "PAIR = divmod(7)", "import"),
+    ("Tank", "litres: float = 3.75", ""),  # a default that only the weak test looks at
+    ("countdown", "n -= 2", "test_other_user_does"),  # by way of a fixture that another used first
+    ("countdown", "n -= 0", "time-out or crash"),
+    ("countdown", "while n > (-1):", "test_other_user_does"),
+    ("unseen", "return a * 3", ""),
+]
 TRY = """
 import json, sys
 from pathlib import Path
@@ -99,6 +126,7 @@ from tools.mutants.trial import Trial
 mutations.A_PLACE, mutations.A_LINE, chooser.LEAST = 2, 8, 0.2
 root = Path(sys.argv[1])
 made = mutants_of("src/tank.py", (root / "src/tank.py").read_text())
+made = [mutant for mutant in made if mutant.becomes in sys.argv[2:]]
 outcomes = Trial(root, ("src",), ("tests",), False, root / "kept", lambda outcome: None).judge(made)
 print(json.dumps([(*o.mutant.key[1:], o.killer) for o in outcomes]))
 """
@@ -119,6 +147,46 @@ def test_slow_tests_that_share_a_mutants_words_come_before_cheaper_ones(tmp_path
     assert [test for test, _ in chooser.tests(mutant)] == [fill, other]
 
 
+def test_of_many_tests_that_may_use_a_constant_those_about_its_class_come_first(tmp_path: Path) -> None:
+    (tmp_path / "fluids.py").write_text("class Acid:\n    promise = 1\n")
+    tests = "def test_promise(name):\n    assert promise(name)\n"
+    (tmp_path / "test_all.py").write_text(tests)
+    names = [f"test_all.py::test_promise[{n}-{name}]" for n in range(9) for name in ("water", "acid")]
+    slow = "test_all.py::test_promise[huge-acid]"
+    chooser = Chooser(tmp_path, Trace({}, dict.fromkeys(names, 4.0) | {slow: 14.0}), {})
+    chooser.runs_at_import = lambda mutant: True  # type: ignore[method-assign] # noqa: ARG005
+    mutant = mutants_of("fluids.py", (tmp_path / "fluids.py").read_text())[0]
+    chosen = [test for test, _ in chooser.tests(mutant)]
+    assert len(chosen) == 3  # a quarter of a minute
+    assert all("-acid]" in test for test in chosen)
+
+
+def test_what_does_not_fit_into_the_time_leaves_it_to_quicker_ones(tmp_path: Path) -> None:
+    (tmp_path / "a.py").write_text("def fill(tank):\n    tank.level = 1\n")
+    costs = {"test_b.py::test_fill_level": 4.0, "test_b.py::test_fill": 14.0, "test_b.py::test_b": 10.0}
+    said = ("fill(tank).level", "fill(tank)", "fill")
+    tests = [f"def {t[11:]}(tank):\n    {w}\n" for t, w in zip(costs, said, strict=True)]
+    (tmp_path / "test_b.py").write_text("\n".join(tests))
+    chooser = Chooser(tmp_path, Trace({str(tmp_path / "a.py"): {2: set(costs)}}, costs), {})
+    mutant = mutants_of("a.py", (tmp_path / "a.py").read_text())[0]
+    assert [test[11:] for test, _ in chooser.tests(mutant)] == ["test_fill_level", "test_b"]
+
+
+def test_what_ran_out_of_time_is_tried_again_with_more_and_only_then_dead() -> None:
+    mutants = mutants_of("a.py", "a = 1\nb = 2\nc = 3\n")
+    needed = dict(zip(mutants, (1.0, 3.0, 1e9), strict=False))
+
+    def attempt(choice: tuple[Mutant, Timed]) -> str:
+        mutant, [(test, seconds)] = choice
+        if seconds < needed[mutant]:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return test if mutant is mutants[0] else ""
+
+    choices = [(mutant, [("test", 2.0)]) for mutant in needed]
+    told = {mutant: killer for (mutant, _), killer in patiently(choices, attempt)}
+    assert told == dict(zip(needed, ("test", "", None), strict=True))
+
+
 @pytest.fixture(scope="module")
 def fates(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], str]:
     """What killed each mutant of the tiny project, by its function and the line that it makes."""
@@ -133,7 +201,7 @@ def judged(root: Path) -> dict[tuple[str, str], str]:
     (root / "tests/test_tank.py").write_text(TESTS)
     (root / "conftest.py").write_text("import sys\nsys.path.insert(0, __file__[:-11] + 'src')\n")
     (root / "pytest.ini").write_text("[pytest]\naddopts = --import-mode=importlib\n")
-    command = [sys.executable, "-B", "-c", TRY, str(root)]
+    command = [sys.executable, "-B", "-c", TRY, str(root), *(becomes for _, becomes, _ in FATES)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     files = {str(p.relative_to(root)) for p in root.rglob("*") if p.is_file()}
     files -= {file for file in files if file.startswith("kept/")}
@@ -142,23 +210,7 @@ def judged(root: Path) -> dict[tuple[str, str], str]:
     return {(function, becomes): killer for function, _, becomes, killer in json.loads(done.stdout)}
 
 
-@pytest.mark.parametrize(
-    ("function", "becomes", "killer"),
-    [
-        ("lack", "return FULL + tank.litres", "test_lack"),  # wrapped by a decorator
-        ("Tank.is_low", "return self.litres <= 1.0", "test_other_user_does"),  # a property
-        (
-            "",
-            "_HALF = 4.6875 # l",
-            "test_lack",
-        ),  # another constant, which others have imported, is made of it
-        ("Tank", "litres: float = 3.75", ""),  # a default that only the weak test looks at
-        ("countdown", "n -= 2", "test_other_user_does"),  # by way of a fixture that another used first
-        ("countdown", "n -= 0", "time-out or crash"),
-        ("countdown", "while n > (-1):", "test_other_user_does"),
-        ("unseen", "return a * 3", ""),
-    ],
-)
+@pytest.mark.parametrize(("function", "becomes", "killer"), FATES)
 def test_mutant_dies_of_the_test_that_notices_it(
     fates: dict[tuple[str, str], str], function: str, becomes: str, killer: str
 ) -> None:
@@ -253,6 +305,19 @@ def test_survivors_fail_the_run_until_they_are_listed(
     assert "1 modules, 2 mutants to try" in capsys.readouterr().out
 
 
+def test_each_mutant_is_in_one_draw_and_there_are_no_others(
+    tree: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for draw in ("0", "1", "2"):
+        mutants(monkeypatch, "a.py", "--list", "--one-in", "3", "--draw", draw)
+    tried = re.findall(r"modules, (\d) mutants", capsys.readouterr().out)
+    assert sum(map(int, tried)) == len(listed(tree / "list.toml")) == 2
+    for wrong in (["--draw", "1"], ["--one-in", "2", "--draw", "-1"], ["--one-in", "0"]):
+        with pytest.raises(SystemExit, match="2"):
+            mutants(monkeypatch, "a.py", *wrong)
+    assert "--draw 1: the draws of --one-in are 0 to 0" in capsys.readouterr().err
+
+
 def test_an_entry_without_its_mutant_is_refused(
     tree: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -317,12 +382,13 @@ def test_scores_are_kept_by_file_and_their_table_tells_packages(tmp_path: Path) 
     assert "old" not in text
 
 
-def test_every_package_has_modules_and_no_module_has_two_packages() -> None:
+def test_every_package_has_modules_and_tests_and_no_module_has_two_packages() -> None:
     modules = [file for package in PACKAGES for file in modules_of(package)]
     assert all(
         modules_of(Package("", (pattern,))) for package in PACKAGES for pattern in package.modules
     )
     assert len(set(modules)) == len(modules)
+    assert all((ROOT / tests).exists() for package in PACKAGES for tests in package.tests)
 
 
 def test_listed_survivors_are_true_to_the_code() -> None:

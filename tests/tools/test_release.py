@@ -15,7 +15,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 WORKFLOWS = sorted((ROOT / ".github/workflows").glob("*.yml"))
 FORMS = sorted((ROOT / ".github/ISSUE_TEMPLATE").glob("[!c]*.yml"))
 PYTHONS = ["3.11", "3.12", "3.13"]
-PLACEHOLDER = "OWNER"
+OWNER = PROJECT["urls"]["Homepage"].split("/")[-2]  # the one place; the others repeat it
 
 
 def yaml(path: Path) -> Any:  # noqa: ANN401 - whatever it says
@@ -33,8 +33,8 @@ def test_every_place_that_names_the_version_names_this_one() -> None:
     headings = re.findall(r"^## \[(.*?)\](?: - \d{4}-\d\d-\d\d)?$", changes, re.MULTILINE)
     assert headings[:2] == ["Unreleased", version]
     assert re.findall(r"^\[(.*?)\]: https://\S+$", changes, re.MULTILINE) == headings
-    used = re.findall(rf"{PLACEHOLDER}/rover-harness@v(\S+)", (ROOT / "docs/scenarios.md").read_text())
-    assert used == [version]
+    for page in ("docs/scenarios.md", "docs/ci.md"):
+        assert re.findall(rf"{OWNER}/rover-harness@v(\S+)", (ROOT / page).read_text()) == [version]
 
 
 @pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.stem)
@@ -82,10 +82,24 @@ def test_a_form_asks_for_what_it_must_have() -> None:
         assert len(set(ids)) == len(ids)
 
 
-def test_one_placeholder_stands_for_the_owner_of_the_repository() -> None:
+def test_every_place_names_the_owner_that_the_project_names() -> None:
     texts = [*WORKFLOWS, *ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), ROOT / "CITATION.cff"]
     texts += [ROOT / "pyproject.toml", ROOT / ".github/ISSUE_TEMPLATE/config.yml"]
     for path in texts:
-        owners = set(re.findall(r"github\.com/([^/\s]+)/rover-harness", path.read_text()))
-        assert owners <= {PLACEHOLDER}, path
-    assert f"`{PLACEHOLDER}`" in (ROOT / "CONTRIBUTING.md").read_text()
+        owners = re.findall(
+            r"github\.com/([^/\s]+)/rover-harness|(\w+)\.github\.io/rover", path.read_text()
+        )
+        assert {owner for both in owners for owner in both if owner} <= {OWNER}, path
+    assert f"`{OWNER}`" in (ROOT / "CONTRIBUTING.md").read_text()
+
+
+def test_the_badges_say_what_the_project_is() -> None:
+    badges = re.findall(r"^\[!\[.*", (ROOT / "README.md").read_text(), re.MULTILINE)
+    ours = f"https://github.com/{OWNER}/rover-harness/actions/workflows/"
+    workflows = [
+        name for badge in badges for name in re.findall(rf"\({ours}(\w+\.yml)/badge\.svg\)", badge)
+    ]
+    assert {ROOT / ".github/workflows" / name for name in workflows} <= set(WORKFLOWS)
+    assert "python-" + "%20%7C%20".join(PYTHONS) in "".join(badges)
+    assert f"licence-{PROJECT['license'].replace('-', '--')}-" in "".join(badges)
+    assert f"({PROJECT['urls']['Documentation']})" in "".join(badges)

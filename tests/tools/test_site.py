@@ -11,9 +11,12 @@ import tomllib
 
 from harness.robots import ROVERS
 from harness.sensors.table import SENSORS
+from harness.world.terrains import TERRAINS
+from tests.support.documents import PAGES
 from tools.site.__main__ import write
 from tools.site.links import BrokenLinks, Links
 from tools.site.pages import GUIDES, ROOT, navigation, sources
+from tools.site.tables import PART, TABLES, topics
 
 MKDOCS = ROOT / "build/environments/docs/bin/mkdocs"
 BLOB = "https://github.com/OWNER/rover-harness/blob/main"
@@ -22,7 +25,9 @@ BLOB = "https://github.com/OWNER/rover-harness/blob/main"
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("site")
-    write(folder)
+    with pytest.MonkeyPatch.context() as patch:  # tests/test_examples.py runs the notebooks
+        patch.setattr("tools.site.__main__.told", lambda notebook, *_: f"# {notebook.stem}\n")
+        write(folder)
     return folder
 
 
@@ -62,37 +67,41 @@ LINKS = {
     "![A](rocky.png)": "![A](files/docs/rocky.png)",
     "](https://mujoco.org)": "](https://mujoco.org)",
     "](#here)": "](#here)",
+    "](../examples/learn.ipynb)": "](notebooks/learn.md)",
+    "![A](data:image/png;base64,a/b=)": "![A](data:image/png;base64,a/b=)",
     "`a[0](b.md)`": "`a[0](b.md)`",
     "```\nx](nowhere.md)\n```": "```\nx](nowhere.md)\n```",
 }
 
 
+DOCUMENT = Path("docs/a.md")
+
+
 @pytest.fixture
-def document(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A document in docs/ of a copy of what links lead to."""
+def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A copy of what links lead to."""
     root = tmp_path / "repository"
     names = ("docs/testing.md", "docs/rocky.png", "CONTRIBUTING.md", "harness/config.py", "scenarios/a")
     for name in (*names, "../elsewhere.md"):
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         (root / name).touch()
     monkeypatch.setattr("tools.site.links.ROOT", root)
-    return root / "docs/a.md"
 
 
+@pytest.mark.usefixtures("repository")
 @pytest.mark.parametrize("link", LINKS)
-def test_a_link_of_a_document_holds_on_the_site(link: str, document: Path) -> None:
-    document.write_text(f"See\n{link}\n")
+def test_a_link_of_a_document_holds_on_the_site(link: str) -> None:
     links = Links(sources())
-    assert links.rewritten(Path("docs/a.md"), "a.md") == f"See\n{LINKS[link]}\n"
+    assert links.rewritten(f"See\n{link}\n", DOCUMENT, "a.md") == f"See\n{LINKS[link]}\n"
     links.check()
-    assert links.pictures == ({"docs/rocky.png"} if "png" in link else set())
+    assert links.pictures == ({"docs/rocky.png"} if "rocky" in link else set())
 
 
+@pytest.mark.usefixtures("repository")
 @pytest.mark.parametrize("target", ["nowhere.md", "../../elsewhere.md"])
-def test_a_link_that_leads_nowhere_is_named(target: str, document: Path) -> None:
-    document.write_text(f"[a]({target})\n")
+def test_a_link_that_leads_nowhere_is_named(target: str) -> None:
     links = Links(sources())
-    links.rewritten(Path("docs/a.md"), "a.md")
+    links.rewritten(f"[a]({target})\n", DOCUMENT, "a.md")
     with pytest.raises(BrokenLinks, match=rf"^links that lead nowhere: {target} in docs/a.md$"):
         links.check()
 
@@ -107,16 +116,47 @@ def test_the_page_of_commands_has_the_help_of_each(written: Path) -> None:
     assert len(helps) == len(usages)
 
 
-def test_the_page_of_topics_says_what_the_readme_says(written: Path) -> None:
-    rows = re.findall(r"^\| `(/\S+)` \|(.*)\|$", page(written, "reference/topics.md"), re.MULTILINE)
-    made = {name: [cell.strip() for cell in rest.split("|")] for name, rest in rows}
+@pytest.mark.parametrize("page", PAGES)
+def test_a_table_of_a_page_is_the_one_that_the_code_makes(page: str) -> None:
+    text = (ROOT / page).read_text()
+    places = [found[2] for found in PART.finditer(text)]
+    assert places or "tools.site.tables:" not in text
+    for name in {*places} - {"terrains"}:  # measured by tests/harness/world/terrains
+        assert f": {name} -->\n{TABLES[name]()}\n<!-- end -->" in text, "python -m tools.site.tables"
+
+
+def test_every_table_has_a_page_and_every_terrain_a_picture() -> None:
+    told = "".join((ROOT / page).read_text() for page in PAGES)
+    assert {found[2] for found in PART.finditer(told)} == TABLES.keys()
+    assert {path.stem for path in (ROOT / "docs/terrains").glob("*.webp")} == TERRAINS.keys()
+
+
+def test_the_page_of_topics_says_types_rates_and_frames() -> None:
+    made = dict(re.findall(r"^\| `(/\S+)` \|(.*)\|$", topics(), re.MULTILINE))
     assert made.keys() == {f"/{topic.name}" for row in SENSORS if row.rate for topic in row.topics}
-    assert len(made) == len(rows)
-    assert made["/scan"] == ["sensor_msgs/LaserScan", "reliable, 10", "20", "lidar_link", "scan", "yes"]
-    assert made["/tf"][:2] == ["tf2_msgs/TFMessage", "reliable, 100"]
-    assert made["/rover/pose_array"][1:3] == ["best effort, 10", "50"]
+    cells = [cell.strip() for cell in made["/scan"].split("|")]
+    assert cells == ["sensor_msgs/LaserScan", "reliable, 10", "20 Hz", "lidar_link", "scan"]
+    assert "| best effort, 10 | 50 Hz |" in made["/rover/pose_array"]
     rates = {name: rover.odometry_rate for name, rover in ROVERS.items()}
-    assert all(f"{name} {rate}" in made["/odometry/wheels"][2] for name, rate in rates.items())
+    assert all(f"{name} {rate} Hz" in made["/odometry/wheels"] for name, rate in rates.items())
+
+
+def test_the_page_of_a_scenarios_keys_has_each_with_type_and_default(written: Path) -> None:
+    text = page(written, "reference/scenario_file.md")
+    rules = json.loads((ROOT / "scenarios/scenario.schema.json").read_text())
+    assert set(rules["properties"]) <= set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
+    assert "| `duration` | number | `30.0` |" in text
+    assert "| `goal` | [Goal](#goal) |  |" in text
+    assert "| `seeds` | integer or list of integer |  |" in text
+    assert "| `expect` | quantity: [Bound](#bound) or list of [Bound](#bound) | required |" in text
+    assert f"{BLOB}/scenarios/scenario.schema.json" in text
+
+
+def test_the_site_shows_no_badges_and_names_the_repository_that_the_project_names(written: Path) -> None:
+    assert "badge" in (ROOT / "README.md").read_text()
+    assert "badge" not in page(written, "index.md")
+    told = json.loads((written / "mkdocs.yml").read_text())["extra"]["social"]
+    assert [entry["link"] for entry in told] == [BLOB.removesuffix("/blob/main")]
 
 
 @pytest.mark.skipif(not MKDOCS.exists(), reason="needs mkdocs: make docs")

@@ -37,14 +37,21 @@ def _run(options: argparse.Namespace) -> int:
     stale = {key for key in known if options.all or key[0] in every}
     stale -= {mutant.key for some in every.values() for mutant in some}
     made = {
-        file: [m for m in some if _drawn(m, options.one_in) and (m.key in known) == options.listed]
+        file: [
+            m
+            for m in some
+            if _drawn(m, options.one_in, options.draw) and (m.key in known) == options.listed
+        ]
         for file, some in every.items()
     }
     began = time.monotonic()
     outcomes = _outcomes(files, made, known)
     dead = {outcome.mutant.key for outcome in outcomes if outcome.killer} & known
     unlisted = [o.mutant for o in outcomes if not o.killer and o.mutant.key not in known]
-    drawn = {file: [m for m in some if _drawn(m, options.one_in)] for file, some in every.items()}
+    drawn = {
+        file: [m for m in some if _drawn(m, options.one_in, options.draw)]
+        for file, some in every.items()
+    }
     scores = _scores(drawn, unlisted, known - dead)
     if options.listed:  # the others have been tried before, if it was the same sample
         before = survivors.recorded(survivors.SCORES)
@@ -68,15 +75,23 @@ def _options() -> argparse.Namespace:
     parser.add_argument(
         "--one-in", type=int, default=1, metavar="N", help="a sample, the same for the same code"
     )
+    parser.add_argument(
+        "--draw", type=int, default=0, metavar="K", help="which of the N samples: 0 to N - 1; default: 0"
+    )
     parser.add_argument("--base", metavar="REV", help="changed since when; default: since `main`")
     parser.add_argument("--list", action="store_true", help="bring survivors.toml up to date")
     parser.add_argument("--listed", action="store_true", help="try those that are listed, no other ones")
-    return parser.parse_args()
+    options = parser.parse_args()
+    if options.one_in < 1:
+        parser.error(f"--one-in {options.one_in}: a sample is one in 1 or more")
+    if not 0 <= options.draw < options.one_in:
+        parser.error(f"--draw {options.draw}: the draws of --one-in are 0 to {options.one_in - 1}")
+    return options
 
 
-def _drawn(mutant: Mutant, one_in: int) -> bool:
-    """Whether a mutant is in a sample of one in so many."""
-    return zlib.crc32("\0".join(mutant.key).encode()) % one_in == 0
+def _drawn(mutant: Mutant, one_in: int, draw: int) -> bool:
+    """Whether a mutant is in a sample of one in so many; each is in exactly one draw."""
+    return zlib.crc32("\0".join(mutant.key).encode()) % one_in == draw
 
 
 def _files(options: argparse.Namespace) -> dict[str, Package]:

@@ -4,7 +4,6 @@ import ast
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable
-from itertools import accumulate
 from pathlib import Path
 
 from tools.mutants.mutations import Mutant
@@ -39,7 +38,7 @@ class Chooser:
         self._killers: Counter[tuple[str, str, str]] = Counter()
         self._distrusted: set[str] = set()
         self._words: dict[str, set[str]] = defaultdict(set)
-        self._said: dict[str, set[str]] = {}  # words of a test itself, by its name without parameters
+        self._said: dict[str, set[str]] = {}  # names in a test, by its own without parameters
         for file, lines in trace.lines.items():
             texts = Path(file).read_text().splitlines()
             for line, tests in lines.items():
@@ -57,7 +56,9 @@ class Chooser:
             for node in ast.parse(source).body:
                 if isinstance(node, ast.FunctionDef):
                     said = source.splitlines()[node.lineno - 1 : node.end_lineno]
-                    self._said[f"{file}::{node.name}"] = set(re.findall(r"\w+", "\n".join(said)))
+                    self._said[f"{file}::{node.name}"] = _names("\n".join(said))
+
+        self._said_by = Counter(word for test in trace.costs for word in self._speech(test))
 
     def runs_at_import(self, mutant: Mutant) -> bool:
         """Whether a mutant's statement is executed before any test."""
@@ -84,24 +85,29 @@ class Chooser:
                 costs[test],
             )
 
-        said = set(re.findall(r"\w+", mutant.line))
+        about = _names(mutant.line, mutant.function, Path(mutant.file).stem, *names)
 
-        def unrelated(test: str) -> tuple[int, float]:
-            return -len(said & self._said.get(test.partition("[")[0], set())), costs[test]
+        def unrelated(test: str) -> tuple[float, float]:
+            return -sum(1 / self._said_by[word] for word in about & self._speech(test)), costs[test]
 
         chosen = self._within(self._budget, sorted(quick, key=rank))
         others = sorted(tests - set(chosen) - self.trace.slow, key=unrelated)
         chosen += self._within(self._last_budget, others)
         return self.limits(chosen or sorted(tests, key=costs.__getitem__)[:3])
 
+    def _speech(self, test: str) -> set[str]:
+        """Names that a test says, in its parameters too."""
+        name, _, parameters = test.partition("[")
+        return self._said.get(name, set()) | _names(parameters)
+
     def _within(self, budget: float, tests: list[str]) -> list[str]:
-        """The first tests, one at least, that take no longer together."""
-        totals = accumulate(self.trace.costs[test] for test in tests)
-        return [
-            test
-            for n, (test, total) in enumerate(zip(tests, totals, strict=True))
-            if not n or total <= budget
-        ]
+        """The first test and those after it that fit in as well."""
+        chosen: list[str] = []
+        for test in tests:
+            if not chosen or self.trace.costs[test] <= budget:
+                chosen.append(test)
+                budget -= self.trace.costs[test]
+        return chosen
 
     def limits(self, tests: Iterable[str]) -> Timed:
         """Tests with the seconds that each may take."""
@@ -121,6 +127,11 @@ class Chooser:
             self._statements[mutant.file] = _statements((self._root / mutant.file).read_text())
         default = range(mutant.number, mutant.number + 1), {mutant.function.rpartition(".")[2]}
         return self._statements[mutant.file].get(mutant.number, default)
+
+
+def _names(*texts: str) -> set[str]:
+    """Names in texts, in small letters: what a number or a short word is shared with tells nothing."""
+    return {word.lower() for text in texts for word in re.findall(r"[^\W\d]\w{2,}", text)}
 
 
 def _statements(source: str) -> dict[int, tuple[range, set[str]]]:

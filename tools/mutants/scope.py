@@ -14,7 +14,7 @@ class Package:
     Attributes:
         name: As the table of scores calls it.
         modules: Patterns below the root.
-        tests: Where its tests may be; all that can run in one process if empty.
+        tests: Where its own tests are, which must notice a mutant; TESTS if empty.
         plain: Whether numba must leave the modules uncompiled, so that they can be mutated.
     """
 
@@ -31,27 +31,70 @@ def _modules(folder: str, names: str) -> tuple[str, ...]:
     return tuple(f"{folder}/{name}.py" for name in names.split())
 
 
+def _tests(names: str) -> tuple[str, ...]:
+    return tuple(f"tests/{name}" for name in names.split())
+
+
 PACKAGES = (
-    Package("metrics", _modules(_METRICS, "core/* session topics")),
-    Package("log", _modules(_METRICS, "log/*")),
-    Package("timing and health", _modules(_METRICS, "timing/* health/* ros/row_timer")),
-    Package("extended columns", _modules(_METRICS, "extended/*")),
+    Package(
+        "metrics",
+        _modules(_METRICS, "core/* session topics"),
+        _tests(
+            "rover_metrics/core rover_metrics/test_metrics_properties.py"
+            " rover_metrics/test_session.py rover_metrics/test_topics.py"
+        ),
+    ),
+    Package(
+        "log",
+        _modules(_METRICS, "log/*"),
+        _tests("rover_metrics/log rover_metrics/test_analyzer_format.py"),
+    ),
+    Package(
+        "timing and health",
+        _modules(_METRICS, "timing/* health/* ros/row_timer"),
+        _tests(
+            "rover_metrics/timing rover_metrics/health rover_metrics/ros/test_row_timer.py"
+            " rover_metrics/test_replay.py"
+        ),
+    ),
+    Package(
+        "extended columns",
+        _modules(_METRICS, "extended/*"),
+        _tests(
+            "rover_metrics/core rover_metrics/extended rover_metrics/test_dictionary.py"
+            " rover_metrics/test_extended_metrics.py rover_metrics/test_metrics_properties.py"
+            " rover_metrics/test_session.py"
+        ),
+    ),
     Package(
         "statistics",
         _modules(
             f"{_METRICS}/analysis", "* logs/* statistics/* social/log social/metrics social/comparison"
         ),
+        _tests("rover_metrics/analysis"),
     ),
-    Package("sensors", _modules(f"{_HARNESS}/sensors", "* rays/arrays")),
-    Package("faults", _modules(_HARNESS, "faults/*")),
+    Package(
+        "sensors",
+        _modules(f"{_HARNESS}/sensors", "* rays/arrays"),
+        _tests("harness/sensors"),
+    ),
+    Package("faults", _modules(_HARNESS, "faults/*"), _tests("harness/faults")),
     Package(
         "lidar kernels",
         _modules(f"{_HARNESS}/sensors/rays", "*_kernel"),
-        tests=("tests/harness/sensors",),
+        _tests("harness/sensors"),
         plain=True,
     ),
-    Package("messages", _modules(_HARNESS, "ros/messages samples")),
-    Package("truth", _modules(_HARNESS, "truth/* physics/contacts episode/truth_account")),
+    Package(
+        "messages",
+        _modules(_HARNESS, "ros/messages samples"),
+        _tests("harness/ros/test_messages.py harness/test_samples.py rover_metrics/test_topics.py"),
+    ),
+    Package(
+        "truth",
+        _modules(_HARNESS, "truth/* physics/contacts episode/truth_account"),
+        _tests("harness/truth harness/physics/test_contacts.py harness/episode/test_truth_account.py"),
+    ),
     Package(
         "episode",
         _modules(
@@ -59,6 +102,7 @@ PACKAGES = (
             "config sim_time physics/diff_drive physics/simulation episode/episode episode/loop"
             " episode/metrics_feed episode/result",
         ),
+        _tests("harness/episode harness/physics harness/test_config.py harness/test_sim_time.py"),
     ),
     Package(
         "verdicts",
@@ -66,18 +110,26 @@ PACKAGES = (
             f"{_HARNESS}/scenario",
             "arrivals baseline bound case events judge quantities reading series topic verdict",
         ),
+        _tests("harness/scenario"),
+    ),
+    Package("learning environments", _modules(_HARNESS, "gym/*"), _tests("harness/gym")),
+    Package("world", _modules(f"{_HARNESS}/world", "* terrains/* heightmap/*"), _tests("harness/world")),
+    Package(
+        "people",
+        _modules(_HARNESS, "world/actors/* physics/crowd episode/social_recorder"),
+        _tests(
+            "harness/world/actors harness/physics/test_crowd.py harness/sensors/test_people.py"
+            " harness/episode/test_social_recorder.py"
+        ),
     ),
     Package(
-        "learning environments",
-        _modules(_HARNESS, "gym/*"),
-        tests=("tests/harness/gym",),
+        "tuning scores",
+        _modules(f"{_HARNESS}/tuning", "scoring/* episodes/contacts"),
+        _tests("harness/tuning/scoring harness/tuning/episodes"),
     ),
-    Package("world", _modules(f"{_HARNESS}/world", "* terrains/* heightmap/*")),
-    Package("people", _modules(_HARNESS, "world/actors/* physics/crowd episode/social_recorder")),
-    Package("tuning scores", _modules(f"{_HARNESS}/tuning", "scoring/* episodes/contacts")),
 )
 
-TESTS = ("tests/harness", "tests/rover_metrics")
+TESTS = ("tests/harness", "tests/rover_metrics")  # all that can run in one process
 SOURCES = (_HARNESS, _METRICS)  # whose lines tell which tests use a constant
 
 

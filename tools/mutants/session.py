@@ -82,6 +82,7 @@ class Session:
         self._contexts: list[str] = []
         self._error: Exception | None = None
         self.items: dict[str, pytest.Item] = {}
+        self.is_whole = True  # whether everything could be collected
 
     def run(self, arguments: list[str]) -> int:
         """Collects tests and serves.
@@ -114,6 +115,10 @@ class Session:
         except Exception as error:  # noqa: BLE001 - pytest would only print it
             self._error = error
         return True
+
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        """Notes a file that cannot be imported, whose tests are not among the items then."""
+        self.is_whole = self.is_whole and not report.failed
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Notes a failure, of set-up and tear-down too."""

@@ -15,7 +15,7 @@ import os
 import sys
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -31,7 +31,9 @@ from tools.mutants.swap import Importer, functions_of, swap
 
 AT_ONCE = 2  # processes
 LIKELY = 2  # test files
+SECOND_PATIENCE = 4.0  # for what took too long, maybe because the machine had other work
 PLAIN_PATIENCE = 4.0  # kernels that nobody compiles are slow
+_BROKEN = "import"  # what has noticed a mutant with which tests cannot be imported
 _AT_IMPORT = "at import"  # what a fork answers whose mutant is not in a function
 
 Choice = tuple[Mutant | None, Timed]  # a mutant and its tests; None for the code as it is
@@ -96,7 +98,7 @@ class Trial:
         """Tries mutants that are imported; again without the tests that fail without a mutant too."""
         outcomes: dict[Mutant, Outcome] = {}
         while choices:
-            for (mutant, tests), killer in in_forks(choices, self._imported, at_once=AT_ONCE):
+            for (mutant, tests), killer in patiently(choices, self._imported):
                 outcomes[mutant] = self._outcome(mutant, tests, killer)
             killed_by = {mutant: outcomes[mutant].killer for mutant, _ in choices}
             limits = {one[0]: one for _, tests in choices for one in tests}
@@ -178,8 +180,9 @@ class Trial:
 
     def _digest(self, file: str = "", common: str = "", *, every: bool = False) -> str:
         """A hash of one test file; if none is named, of all code but test files, or of these too."""
-        folders = [self.root / folder for folder in (*self.sources, *self.tests)]
-        paths = [self.root / file] if file else sorted(p for f in folders for p in f.rglob("*.py"))
+        parts = [self.root / part for part in (*self.sources, *self.tests)]
+        some = {p for part in parts for p in ([part] if part.is_file() else part.rglob("*.py"))}
+        paths = [self.root / file] if file else sorted(some)
         used = [path for path in paths if file or every or not path.name.startswith("test_")]
         texts = (path.read_bytes() for path in used)
         return hashlib.sha256(f"{common}{file}{self.plain}".encode() + b"".join(texts)).hexdigest()[:24]
@@ -211,7 +214,7 @@ class Trial:
             whole = swap(str(self.root / mutant.file), mutant, functions)
             return session.first_failure(tests) if whole else _AT_IMPORT
 
-        for (mutant, tests), killer in in_forks(jobs(), attempt, at_once=AT_ONCE):
+        for (mutant, tests), killer in patiently(jobs(), attempt):
             if killer == _AT_IMPORT:
                 left.append((mutant, tests))
             else:
@@ -233,13 +236,42 @@ class Trial:
 
     def _first_failure_in(self, files: list[str], tests: Timed) -> str:
         """The first test of these files that fails where they are imported now."""
-        failure = ["import"]
+        failure = [_BROKEN]
 
         def serve(session: Session) -> None:
-            failure[0] = session.first_failure([one for one in tests if one[0] in session.items])
+            if session.is_whole:
+                failure[0] = session.first_failure(_collected(tests, session.items))
 
         Session(serve).run([f"--rootdir={self.root}", *(str(self.root / file) for file in files)])
         return failure[0]
+
+
+def patiently(
+    choices: Iterable[tuple[Mutant, Timed]], attempt: Callable[[tuple[Mutant, Timed]], str]
+) -> Iterator[tuple[tuple[Mutant, Timed], str | None]]:
+    """Results as of in_forks; what died is tried again, alone and with more time: it may only be slow.
+
+    Args:
+        choices: Mutants and their tests.
+        attempt: Returns the test that fails.
+    """
+    died: list[tuple[Mutant, Timed]] = []
+    for choice, killer in in_forks(choices, attempt, at_once=AT_ONCE):
+        if killer in {None, DIED}:
+            mutant, tests = choice
+            died.append((mutant, [(test, SECOND_PATIENCE * seconds) for test, seconds in tests]))
+        else:
+            yield choice, killer
+    yield from in_forks(died, attempt, at_once=1)
+
+
+def _collected(tests: Timed, items: Iterable[str]) -> Timed:
+    """Those of the tests that there are; for one that is not, its function's with new parameters."""
+    found, wanted = list(items), dict(tests)
+    missing = {name.partition("[")[0]: limit for name, limit in tests if name not in found}
+    names = [name for name in found if name not in wanted and name.partition("[")[0] in missing]
+    renamed = [(name, missing[name.partition("[")[0]]) for name in names]
+    return [one for one in tests if one[0] in found] + renamed
 
 
 def _unsound(session: Session, outcomes: list[Outcome], chooser: Chooser) -> list[Mutant]:

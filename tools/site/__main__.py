@@ -12,7 +12,8 @@ import sys
 from pathlib import Path
 
 from tools.site.generated import generated
-from tools.site.links import BrokenLinks, Links
+from tools.site.links import REPOSITORY, BrokenLinks, Links
+from tools.site.notebooks import told
 from tools.site.pages import ROOT, navigation, sources
 
 ASSETS = Path(__file__).with_name("assets")
@@ -43,7 +44,8 @@ def write(folder: Path) -> None:
     shutil.copytree(ASSETS, docs / "assets")
     pages, made = sources(), generated()
     links = Links(pages)
-    written = {page: links.rewritten(source, page) for page, source in pages.items()} | made
+    texts = {page: _text(ROOT / source, folder / "logs") for page, source in pages.items()}
+    written = {page: links.rewritten(texts[page], source, page) for page, source in pages.items()} | made
     links.check()
     for page, text in written.items():
         (docs / page).parent.mkdir(parents=True, exist_ok=True)
@@ -52,8 +54,22 @@ def write(folder: Path) -> None:
         (docs / "files" / picture).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / picture, docs / "files" / picture)
     # JSON is YAML, but for the tags of mkdocs.yml, which stays what it is.
-    told = {"INHERIT": str(CONFIG), "nav": navigation(pages), "docs_dir": "docs", "site_dir": "site"}
-    (folder / "mkdocs.yml").write_text(json.dumps(told, indent=1))
+    config = {
+        "INHERIT": str(CONFIG),
+        "nav": navigation(pages),
+        "docs_dir": "docs",
+        "site_dir": "site",
+        # Not repo_url, which would ask GitHub for stars.
+        "extra": {"social": [{"icon": "fontawesome/brands/github", "link": REPOSITORY}]},
+    }
+    (folder / "mkdocs.yml").write_text(json.dumps(config, indent=1))
+
+
+def _text(document: Path, logs: Path) -> str:
+    """A document as Markdown; a notebook writes its logs there."""
+    if document.suffix == ".ipynb":
+        return told(document, {"LOGS": logs / document.stem}, {})
+    return document.read_text(encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,28 +1,29 @@
-"""Pages made from the code: commands, topics and the Python reference."""
+"""Pages made from the code: commands, keys of scenarios and the Python reference."""
 
 import importlib
 import io
+import json
 import os
 import sys
 from contextlib import redirect_stdout, suppress
+from typing import Any
 from unittest import mock
 
 import tomllib
 
 import harness
 import rover_metrics
-from harness.robots import ROVERS
-from harness.sensors.table import SENSORS, Topic
-from rover_metrics.topics import SENSORS as HEARD
-from rover_metrics.topics import TRUTH
+from tools.site.links import REPOSITORY
 from tools.site.pages import ROOT
+from tools.site.tables import table
 
+SCHEMA = "scenarios/scenario.schema.json"
 WIDTH = "100"  # columns of a help text
 
 
 def generated() -> dict[str, str]:
     """Returns the text of each page that is made from the code."""
-    texts = {"commands": commands(), "topics": topics(), "python": python()}
+    texts = {"commands": commands(), "scenario_file": scenario_file(), "python": python()}
     return {f"reference/{name}.md": text for name, text in texts.items()}
 
 
@@ -53,37 +54,52 @@ def _help(script: str, entry_point: str) -> tuple[str, str]:
     return module.removesuffix(".__main__"), told.getvalue()
 
 
-def topics() -> str:
-    """Returns the page of the topics that sensors publish, and of those that the metrics hear."""
-    lines = [
-        "# Topics of the sensors\n",
-        "In publishing order; rates in simulation time. Others can be [asked for](../sensors.md).\n",
-        "| topic | type | QoS | rate [Hz] | frame | `--fault` | heard by `metrics_node` |",
-        "|---|---|---|---|---|---|---|",
+def scenario_file() -> str:
+    """Returns the page of the keys of a scenario's file, from its JSON schema."""
+    schema = json.loads((ROOT / SCHEMA).read_text())
+    parts = [
+        "# Keys of a scenario file\n",
+        f"From [its JSON schema]({REPOSITORY}/blob/main/{SCHEMA}).",
+        "What they mean, and the quantities of `expect`: [Scenarios](../scenarios.md).\n",
     ]
-    heard = {source.name.lstrip("/") for source in (*HEARD, *TRUTH)}
-    for row in SENSORS:
-        if row.rate == 0:  # only where it is asked for
-            continue
-        rates = _by_robot({name: str(row.rate_on(rover)) for name, rover in ROVERS.items()})
-        frames = _by_robot({name: row.frame_on(rover) for name, rover in ROVERS.items()})
-        for topic in row.topics:
-            cells = (f"`/{topic.name}`", topic.message_type.replace("/msg/", "/"), _qos(topic), rates)
-            more = (frames, row.fault or "", "yes" if topic.name in heard else "")
-            lines.append(f"| {' | '.join((*cells, *more))} |")
-    return "\n".join(lines) + "\n"
+    for name, rules in (("The file", schema), *schema["$defs"].items()):
+        required = rules.get("required", ())
+        rows = [
+            (f"`{key}`", _type(rule), "required" if key in required else _default(rule))
+            for key, rule in rules["properties"].items()
+        ]
+        about = rules["description"].partition("\n")[0]
+        parts.append(f"## {name}\n\n{about}\n\n{table('key | type | default', rows)}")
+    return "\n".join(parts)
 
 
-def _by_robot(values: dict[str, str]) -> str:
-    """One value if all robots have the same, else each with its robot."""
-    if len(set(values.values())) == 1:
-        return next(iter(values.values()))
-    return ", ".join(f"{robot} {value}" for robot, value in values.items())
+def _type(rule: dict[str, Any]) -> str:
+    """What a key may hold, in a few words."""
+    if "$ref" in rule:
+        name = rule["$ref"].rpartition("/")[2]
+        return f"[{name}](#{name.lower()})"
+    if either := rule.get("anyOf") or rule.get("oneOf"):
+        return " or ".join(_type(one) for one in either if one.get("type") != "null")
+    if "enum" in rule:
+        return ", ".join(f"`{value}`" for value in rule["enum"])
+    if rule["type"] == "array":
+        items = rule.get("prefixItems", [rule.get("items", {})])
+        count = f"{len(items)} " if "prefixItems" in rule else ""
+        return f"list of {count}{_type(items[0])}".replace("string", "strings").replace(
+            "number", "numbers"
+        )
+    if rule["type"] == "object" and "additionalProperties" in rule:
+        return f"quantity: {_type(rule['additionalProperties'])}"
+    return str(rule["type"])
 
 
-def _qos(topic: Topic) -> str:
-    latched = ", latched" if topic.latched else ""
-    return f"{'best effort' if topic.best_effort else 'reliable'}{latched}, {topic.depth}"
+def _default(rule: dict[str, Any]) -> str:
+    default = rule.get("default")
+    return (
+        f"`{json.dumps(default)}`"
+        if default not in (None, [], {}) and not isinstance(default, dict)
+        else ""
+    )
 
 
 def python() -> str:

@@ -5,10 +5,14 @@ import re
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
+import tomllib
+
 from tools.site.pages import ROOT
 
-REPOSITORY = "https://github.com/OWNER/rover-harness"
+REPOSITORY: str = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["urls"]["Homepage"]
 PICTURES = (".gif", ".jpg", ".png", ".svg", ".webp")
+# GitHub's to show: the site asks for nothing elsewhere.
+BADGE = re.compile(r"^\[!\[[^\n]*\n", re.MULTILINE)
 # Code comes first, so that what it holds is no link.
 LINK = re.compile(r"^```.*?^```|`[^`\n]*`|\]\((?P<target>[^)\s]+)\)", re.DOTALL | re.MULTILINE)
 
@@ -33,10 +37,11 @@ class Links:
         self.pictures: set[str] = set()
         self.broken: list[str] = []
 
-    def rewritten(self, source: Path, page: str) -> str:
+    def rewritten(self, text: str, source: Path, page: str) -> str:
         """Returns a document's text with links that hold on the site.
 
         Args:
+            text: The text.
             source: The document, below the repository's root.
             page: Its place on the site.
         """
@@ -45,7 +50,7 @@ class Links:
             target = match["target"]
             return match[0] if target is None else f"]({self._target(target, source, page)})"
 
-        return LINK.sub(replaced, (ROOT / source).read_text(encoding="utf-8"))
+        return LINK.sub(replaced, BADGE.sub("", text))
 
     def check(self) -> None:
         """Checks that all links led somewhere.

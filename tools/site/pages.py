@@ -16,25 +16,23 @@ ELSEWHERE = {  # beside docs/*.md
 }
 # By section; what docs/ has besides goes into GUIDES, so that a new document needs no line here.
 GUIDES = "Guides"
+NOTEBOOKS = ("first_run", "compare_rovers", "learn")  # of examples/
 SECTIONS: dict[str, tuple[str, ...]] = {
     "Start": ("index.md", "first_plot.md", "comparison.md"),
+    "Tutorials": (
+        *("ci.md", "robots.md", "your_terrain.md", "train.md", "tuning.md", "compare.md", "bags.md"),
+        "nav2.md",
+    ),
     GUIDES: (
-        *(
-            "testing.md",
-            "scenarios.md",
-            "robots.md",
-            "fleets.md",
-            "sensors.md",
-            "worlds.md",
-            "social.md",
-        ),
-        *("social.md", "gym.md", "tuning.md", "nav2.md"),
+        *("testing.md", "scenarios.md", "fleets.md", "sensors.md", "worlds.md", "social.md"),
+        *("gym.md", "driving.md", "looking.md", "ros.md"),
     ),
+    "Notebooks": tuple(f"notebooks/{name}.md" for name in NOTEBOOKS),
     "Reference": (
-        *("reference/commands.md", "reference/topics.md", "metrics.md", "frames.md"),
-        *("models.md", "api.md", "reference/python.md"),
+        *("reference/commands.md", "topics.md", "frames.md", "log.md", "metrics.md", "parameters.md"),
+        *("terrains.md", "reference/scenario_file.md", "models.md", "api.md", "reference/python.md"),
     ),
-    "Explanation": ("design.md", "guarantees.md", "benchmarks.md"),
+    "Explanation": ("design.md", "physics.md", "guarantees.md", "benchmarks.md"),
     "Project": ("contributing.md", "changelog.md", "security.md", "conduct.md"),
 }
 
@@ -42,6 +40,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
 def sources() -> dict[str, Path]:
     """Returns the document of each page that is one, below the repository's root."""
     found = {page: Path(source) for page, source in ELSEWHERE.items()}
+    found |= {f"notebooks/{name}.md": Path(f"examples/{name}.ipynb") for name in NOTEBOOKS}
     return found | {path.name: path.relative_to(ROOT) for path in sorted((ROOT / "docs").glob("*.md"))}
 
 

@@ -34,7 +34,7 @@ class Joints:
 
     @property
     def wheels(self) -> tuple[str, ...]:
-        """All of them."""
+        """The wheels' joints, those on the left first."""
         return self.left + self.right
 
 

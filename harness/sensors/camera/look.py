@@ -13,15 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.physics.scene import OBSTACLE_BODIES
-from harness.physics.stage import SKY, Quality, dress
+from harness.physics.stage import OBSTACLE_COLORS, SKY, Quality, dress
 from harness.world.heightfield import fractal
 
 SUN_AZIMUTH = -145.0  # [deg] of a camera over whose shoulder it shines
 SKY_PIXELS, ROCK_PIXELS = 256, 256  # along a side of one face of a cube
 ZENITH, CLOUD, HAZE = (118.0, 140.0, 172.0), (240.0, 236.0, 230.0), SKY  # RGB, 0..255
 CLOUD_PIXELS, CLOUD_REACH = 512, 6.0  # of the layer of clouds, which repeats; its height is 1
-ROCK_GAIN = 2.0  # of the colours of harness.physics.stage, which the grain darkens
-ROCK_CONTRAST = 0.28  # share of a rock's brightness, at one deviation of its grain
+# Of rocks and of what has a colour of its own: gain of the colour, which the grain darkens, and
+# share of the brightness at one deviation of the grain.
+SURFACES = {"rock": (2.0, 0.28), "paint": (1.4, 0.10)}
 # Right, up and ahead of the faces of a skybox in the world's axes, as MuJoCo stacks them.
 SKY_FACES = (
     ((0, 1, 0), (0, 0, 1), (1, 0, 0)),
@@ -48,7 +49,7 @@ def dress_for_cameras(spec: mujoco.MjSpec, quality: Quality) -> None:
         nchannel=3,
     )
     clouds.data = _sky().tobytes()
-    _add_rock(spec)
+    _add_grain(spec)
 
 
 def _sky() -> NDArray[np.uint8]:
@@ -71,8 +72,8 @@ def _sky() -> NDArray[np.uint8]:
     return np.concatenate(faces).clip(0, 255).astype(np.uint8)
 
 
-def _add_rock(spec: mujoco.MjSpec) -> None:
-    """Gives all obstacles grain in their own colours."""
+def _add_grain(spec: mujoco.MjSpec) -> None:
+    """Gives all obstacles grain in their own colours: those with colours of a file less than rocks."""
     grain = fractal(
         np.random.default_rng(2),
         (ROCK_PIXELS,) * 2,
@@ -82,20 +83,23 @@ def _add_rock(spec: mujoco.MjSpec) -> None:
         hurst=0.3,
         seamless=True,
     )
-    shade = np.clip(0.7 * (1.0 + ROCK_CONTRAST * grain), 0.0, 1.0)[..., None]
-    texture = spec.add_texture(
-        name="rock",
-        type=mujoco.mjtTexture.mjTEXTURE_CUBE,
-        width=ROCK_PIXELS,
-        height=ROCK_PIXELS,
-        nchannel=3,
-    )
-    texture.data = (255.0 * shade * np.ones(3)).astype(np.uint8).tobytes()
+    for name, (_, contrast) in SURFACES.items():
+        shade = np.clip(0.7 * (1.0 + contrast * grain), 0.0, 1.0)[..., None]
+        texture = spec.add_texture(
+            name=name,
+            type=mujoco.mjtTexture.mjTEXTURE_CUBE,
+            width=ROCK_PIXELS,
+            height=ROCK_PIXELS,
+            nchannel=3,
+        )
+        texture.data = (255.0 * shade * np.ones(3)).astype(np.uint8).tobytes()
     for body in OBSTACLE_BODIES.values():
         for geom in spec.body(body).geoms:
-            name = f"rock {geom.name}"
+            is_rock = any(np.allclose(geom.rgba, color) for color in OBSTACLE_COLORS.values())
+            surface = "rock" if is_rock else "paint"
+            gain, _ = SURFACES[surface]
             material = spec.add_material(
-                name=name, rgba=np.clip(ROCK_GAIN * geom.rgba, 0, 1), specular=0.0
+                name=f"{surface} {geom.name}", rgba=np.clip(gain * geom.rgba, 0, 1), specular=0.0
             )
-            material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "rock"
-            geom.material = name
+            material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = surface
+            geom.material = material.name

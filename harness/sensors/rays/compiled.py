@@ -4,17 +4,27 @@ import os
 import stat
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TypeVar
 
-# numba imports coverage.py wherever it is installed: a tenth of a second of each start, for nothing.
-if unmeasured := "coverage" not in sys.modules:
-    sys.modules["coverage"] = None  # type: ignore[assignment]  # what makes an import fail
-import numba
 
-if unmeasured:
-    del sys.modules["coverage"]
+@contextmanager
+def _kept_out(*names: str) -> Iterator[None]:
+    """Lets the import of these fail, where they are not imported yet."""
+    absent = [name for name in names if name not in sys.modules]
+    sys.modules.update(dict.fromkeys(absent))  # type: ignore[arg-type]  # None makes an import fail
+    yield
+    for name in absent:
+        del sys.modules[name]
+
+
+# numba imports both wherever they are installed: a tenth of each start, for nothing.
+with _kept_out("coverage", "scipy.linalg"):
+    import numba
+    import numba.np.arraymath
+numba.np.arraymath._HAVE_BLAS = True  # noqa: SLF001 - kernels of others find it when they need it
 
 F = TypeVar("F", bound=Callable[..., object])
 

@@ -57,11 +57,9 @@ def _ball(start: Vector, speed: Vector, scale: Vector) -> Interval:
 
 @inlined
 def _joined(one: Interval, other: Interval) -> Interval:
-    """What two intervals that overlap or are empty cover together."""
+    """What two intervals that overlap or are empty cover together; an empty `other` is inf to -inf."""
     if one[0] > one[1]:
         return other
-    if other[0] > other[1]:
-        return one
     return min(one[0], other[0]), max(one[1], other[1])
 
 

@@ -28,31 +28,37 @@ def build_tree(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArr
     count = len(corners)
     depth = max(0, math.ceil(math.log2(max(1, count) / LEAF)))
     leaves = 1 << depth
-    parts, middles = [np.arange(count)], corners.mean(axis=1)
-    for _ in range(depth):
-        parts = [half for part in parts for half in _halves(part, middles)]
     boxes = np.empty((2 * leaves - 1, 6))
     boxes[:, :3], boxes[:, 3:] = np.inf, -np.inf
     triangles = np.full((leaves * LEAF, 9), np.nan)
-    for leaf, part in enumerate(parts):
-        held = corners[part]
-        node = leaves - 1 + leaf
-        if len(part):
-            boxes[node, :3], boxes[node, 3:] = held.min(axis=(0, 1)), held.max(axis=(0, 1))
-        edges = [held[:, 0], held[:, 1] - held[:, 0], held[:, 2] - held[:, 0]]
-        triangles[leaf * LEAF : leaf * LEAF + len(part)] = np.concatenate(edges, axis=1)
-    for node in range(leaves - 2, -1, -1):
-        one, other = boxes[2 * node + 1], boxes[2 * node + 2]
-        boxes[node, :3] = np.minimum(one[:3], other[:3])
-        boxes[node, 3:] = np.maximum(one[3:], other[3:])
+    if not count:
+        return boxes, triangles
+    order, sizes = _halved(corners.mean(axis=1), depth)
+    held, starts = corners[order], np.cumsum(sizes) - sizes
+    edges = [held[:, 0], held[:, 1] - held[:, 0], held[:, 2] - held[:, 0]]
+    first_of_leaf = np.repeat(np.arange(leaves) * LEAF - starts, sizes)
+    triangles[first_of_leaf + np.arange(count)] = np.concatenate(edges, axis=1)
+    boxes[leaves - 1 :, :3] = np.minimum.reduceat(held.min(axis=1), starts)
+    boxes[leaves - 1 :, 3:] = np.maximum.reduceat(held.max(axis=1), starts)
+    for level in range(depth - 1, -1, -1):
+        first = (1 << level) - 1
+        below = boxes[2 * first + 1 : 4 * first + 3].reshape(-1, 2, 6)
+        boxes[first : 2 * first + 1, :3] = below[..., :3].min(axis=1)
+        boxes[first : 2 * first + 1, 3:] = below[..., 3:].max(axis=1)
     return boxes, triangles
 
 
-def _halves(part: NDArray[np.int64], middles: NDArray[np.float64]) -> list[NDArray[np.int64]]:
-    spread = np.ptp(middles[part], axis=0) if len(part) else np.zeros(3)
-    ordered = part[np.argsort(middles[part, int(spread.argmax())], kind="stable")]
-    half = (len(part) + 1) // 2
-    return [ordered[:half], ordered[half:]]
+def _halved(middles: NDArray[np.float64], depth: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Triangles leaf by leaf, and how many are in each of the 2**depth leaves: never none."""
+    order, sizes = np.arange(len(middles)), np.array([len(middles)])
+    for _ in range(depth):
+        starts, placed = np.cumsum(sizes) - sizes, middles[order]
+        spread = np.maximum.reduceat(placed, starts) - np.minimum.reduceat(placed, starts)
+        part = np.repeat(np.arange(len(sizes)), sizes)
+        along = placed[np.arange(len(order)), spread.argmax(axis=1)[part]]
+        order = order[np.lexsort((along, part))]
+        sizes = np.column_stack([(sizes + 1) // 2, sizes // 2]).ravel()
+    return order, sizes
 
 
 @inlined

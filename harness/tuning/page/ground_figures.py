@@ -80,7 +80,7 @@ def steps_and_jumps(subject: Subject) -> Plot | str:
 
 
 def _histogram(name: str, values: NDArray[np.float64], edges: NDArray[np.float64], color: str) -> Trace:
-    """In percent."""
+    """Returns the share of the values in each bin as a step curve [%]."""
     heights = 100 * np.histogram(values.clip(max=edges[-1]), edges)[0] / len(values)
     return curve(f"{name}, {len(values)} values", edges, [*heights, 0.0], color, shape="hv")
 

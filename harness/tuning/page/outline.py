@@ -51,7 +51,7 @@ def _surface(kind: int, size: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def shares(rover: RoverSpec, told: Told) -> tuple[float, float, float]:
-    """Returns how much of the outline is too near to the lidar for a range, told, and too far."""
+    """Returns the shares of the outline where a touch is nearer than range_min, told, and farther."""
     distance = np.concatenate([distance for _, distance, _ in _sides(rover)])
     far = float(np.mean(distance >= told[1]))
     between = float(np.mean((distance >= told[0]) & (distance < told[1])))

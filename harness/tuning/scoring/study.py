@@ -56,7 +56,7 @@ class RobotStudy:
 
     @property
     def verdicts(self) -> Iterator[Verdict]:
-        """Of all thresholds."""
+        """Verdicts on all thresholds, in the order of the page."""
         yield self.collision.verdict
         yield from self.collision.footprint
         yield self.clearance.verdict

@@ -25,11 +25,13 @@ class Actor:
     Attributes:
         spec: Name, size and way.
         world: Where; without people.
+        room: That it leaves to people.
         begin: Where the walk begins [m].
     """
 
     spec: ActorSpec
     world: World
+    room: Room
     begin: tuple[float, float]
 
     @property
@@ -39,7 +41,7 @@ class Actor:
 
     def way(self) -> Way:
         """Returns the way from its begin on, the same each time."""
-        return _way(self.spec, self.world, Room(self.world))
+        return _way(self.spec, self.world, self.room)
 
 
 def with_actors(world: World, specs: Sequence[ActorSpec]) -> World:
@@ -64,7 +66,7 @@ def _actor(spec: ActorSpec, world: World, room: Room) -> Actor:
             f"{y_min:g} to {y_max:g} m"
         )
     begin = way.walk(0.0, 0.0, ()) if isinstance(way, SocialWalker) else way.place(0.0)
-    return Actor(spec, world, (begin.x, begin.y))
+    return Actor(spec, world, room, (begin.x, begin.y))
 
 
 def _way(spec: ActorSpec, world: World, room: Room) -> Way:

@@ -1,7 +1,5 @@
 """Where people can walk: on the map, and not through hazards. They step over rocks."""
 
-from itertools import pairwise
-
 import numpy as np
 
 from harness.world.obstacles import ObstacleKind, Points, outline
@@ -61,11 +59,13 @@ class Room:
 
 def along(points: tuple[tuple[float, float], ...]) -> Points:
     """Returns points on the legs between way points, CHECKED_EVERY metres apart at most."""
-    pieces = [np.array(points[:1])]
-    for start, end in pairwise(points):
-        count = max(1, int(np.ceil(np.hypot(*np.subtract(end, start)) / CHECKED_EVERY)))
-        pieces.append(np.linspace(start, end, count + 1)[1:])
-    return np.concatenate(pieces)
+    places = np.array(points)
+    legs = np.diff(places, axis=0)
+    counts = np.maximum(1, np.ceil(np.hypot(*legs.T) / CHECKED_EVERY)).astype(int)
+    leg = np.repeat(np.arange(len(legs)), counts)
+    step = 1 + np.arange(len(leg)) - np.repeat(np.cumsum(counts) - counts, counts)
+    share = (step / counts[leg])[:, None]  # 1 at its end, which is met exactly
+    return np.concatenate([places[:1], places[leg] * (1.0 - share) + places[leg + 1] * share])
 
 
 def from_wall(points: Points, wall: Points) -> tuple[Points, Points]:

@@ -59,7 +59,7 @@ LIMITS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class ActorSpec:
     """One person, before there is a world.
 

@@ -20,7 +20,7 @@ SUFFIXES = (".sdf", ".world", ".xml")
 AROUND = re.compile(r"^(?:inspect|construct|island|moon|flat)_|_traject(?:ory)?(?=_|$)")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Told:
     """One person as a file tells.
 

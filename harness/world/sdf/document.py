@@ -255,7 +255,7 @@ def _add_frames(scope: Element, frames: Frames) -> None:
 
 
 def _entities(root: Element) -> list[Element]:
-    """What an include of a file brings: a model or an actor, or a world, or all where actors are more."""
+    """What an include of a file brings: a model, an actor or a world; or all, where actors are more."""
     models, actors, world = root.findall("model")[:1], root.findall("actor"), root.find("world")
     if world is not None:
         return [world]

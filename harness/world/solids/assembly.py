@@ -22,6 +22,11 @@ from harness.world.world import EDGE_MARGIN, Start, World
 
 START_ROOM = 0.7  # [m] around the start that is free
 START_RESOLUTION = 0.1  # [m]
+BUILT = {  # RGBA of what a file gives no colour: weathered concrete, not the rocks of the named terrains
+    ObstacleKind.ROCK: (0.56, 0.52, 0.47, 1.0),
+    ObstacleKind.HAZARD: (0.40, 0.42, 0.44, 1.0),
+    ObstacleKind.DECK: (0.58, 0.57, 0.54, 1.0),
+}
 BLOCK = 1.0  # [m]: how finely the room is measured in which drivers wander
 
 
@@ -77,7 +82,8 @@ def _obstacles(
     over = joined([whole.part(surface.left_over)])
     obstacles += obstacles_of(over, ground, kinds.by_height, kinds.clearance)
     for solid, mesh in found.standing:
-        obstacles += obstacles_of(joined([mesh]), ground, kinds.of(solid.name), kinds.clearance)
+        pieces = obstacles_of(joined([mesh]), ground, kinds.of(solid.name), kinds.clearance)
+        obstacles += (replace(piece, color=solid.color) for piece in pieces)
     if buried := len(placed) - sum(obstacle is not None for obstacle in placed):
         notes.append(f"{buried} solids lie in the ground or off the map: left out")
     rocks, hazards, decks = (sum(o.kind is kind for o in obstacles) for kind in ObstacleKind)
@@ -86,7 +92,7 @@ def _obstacles(
             f"{rocks} rocks (no higher than {kinds.limit:g} m above the ground), {hazards} hazards, "
             f"{decks} facets of decks"
         )
-    return obstacles
+    return [replace(obstacle, color=obstacle.color or BUILT[obstacle.kind]) for obstacle in obstacles]
 
 
 def _start(world: World, surface: Surface, file: TerrainFile, notes: list[str]) -> Start:

@@ -4,6 +4,7 @@ Ground are level planes, heightmaps, and of meshes and boxes what is at least as
 the smallest map and has a twentieth of the largest such area or more. The rest stands on it.
 """
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -181,8 +182,6 @@ def _of_file(found: Sorted, solid: Solid, file: MeshFile, unit: str, up: str) ->
 
 def _of_relief(found: Sorted, solid: Solid, relief: Relief) -> Mesh:
     """A heightmap as triangles, its first row in the north."""
-    import hashlib  # noqa: PLC0415
-
     raster = read_raster(relief.path)
     found.hashes[relief.path] = hashlib.sha256(relief.path.read_bytes()).hexdigest()
     values = raster.values

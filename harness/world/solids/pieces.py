@@ -13,6 +13,7 @@ clears, else hazards. Of other bodies the height of their top above the ground d
 
 import math
 from collections.abc import Callable, Iterator
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,8 +115,9 @@ def _pieces(body: Mesh, kind: ObstacleKind, clearance: float, ground: Heightfiel
         chosen &= ~is_ceiling
     for value in np.unique(kinds[chosen]).tolist():
         alike = np.flatnonzero(chosen & (kinds == value))
-        ways = ([*_split(body, alike, halves)] for halves in (_across, _by_facing))
-        yield from (convex(ObstacleKind(value), corners) for corners in min(ways, key=len))
+        across = [*_split(body, alike, areas, normals, _across)]
+        facing = [*islice(_split(body, alike, areas, normals, _by_facing), len(across))]
+        yield from (convex(ObstacleKind(value), corners) for corners in min(across, facing, key=len))
 
 
 def _is_ceiling(body: Mesh, normals: Points, ground: Heightfield) -> NDArray[np.bool_]:
@@ -124,21 +126,30 @@ def _is_ceiling(body: Mesh, normals: Points, ground: Heightfield) -> NDArray[np.
     return np.asarray(is_high & (normals[:, 2] < -DOWNWARD))
 
 
-def _split(body: Mesh, chosen: NDArray[np.int64], halves: Halves) -> Iterator[Points]:
-    """Corners of convex pieces that together are some triangles of a body."""
+def _split(
+    body: Mesh, chosen: NDArray[np.int64], areas: Field, normals: Points, halves: Halves
+) -> Iterator[Points]:
+    """Corners of convex pieces that together are some triangles of a body.
+
+    Args:
+        body: With areas [m2] and unit normals of all its triangles.
+        chosen: Which triangles.
+        areas: See `body`.
+        normals: See `body`.
+        halves: How a part is halved.
+    """
     part = body.part(chosen)
-    areas, normals = _areas(part)
-    corners = _own_hull(part, areas)
+    corners = _own_hull(part, areas[chosen])
     if corners is None:
-        corners = _slab(part, areas, normals)
+        corners = _slab(part, areas[chosen], normals[chosen])
     if corners is not None:
         yield corners
         return
-    is_first = halves(part, normals)
+    is_first = halves(part, normals[chosen])
     if is_first.all() or not is_first.any():
         is_first = np.arange(len(chosen)) < len(chosen) // 2
-    yield from _split(body, chosen[is_first], halves)
-    yield from _split(body, chosen[~is_first], halves)
+    yield from _split(body, chosen[is_first], areas, normals, halves)
+    yield from _split(body, chosen[~is_first], areas, normals, halves)
 
 
 def _across(part: Mesh, _: Points) -> NDArray[np.bool_]:

@@ -26,7 +26,7 @@ class UsageError(RoverMetricsError):
 
 class _Parser(OneLineParser):
     def error(self, message: str) -> NoReturn:
-        raise UsageError(" ".join(message.split()))
+        raise UsageError(" ".join(self.mended(message).split()))
 
 
 def _number(text: str, below: float, wanted: str) -> float:
@@ -119,6 +119,13 @@ def _parser() -> argparse.ArgumentParser:
     add("--save-outliers", action="store_true", help="write them to outliers.csv in the output folder")
     confidence = "of every interval, and 1 - P of every verdict; default: 0.95"
     add("--confidence-level", type=_level, default=0.95, metavar="P", help=confidence)
+    _add_comparison(parser)
+    _add_output(parser)
+    return parser
+
+
+def _add_comparison(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
     versus = "a second group of logs to compare with the first"
     add("--versus", nargs="+", type=Path, default=[], metavar="LOG", help=versus)
     names = "names of the two groups; default: first versus"
@@ -135,9 +142,12 @@ def _parser() -> argparse.ArgumentParser:
     add("--pair-by", choices=PAIRINGS, help=pairs)
     gap = f"an episode ends where no row follows for longer than this; default: {DEFAULT_GAP}"
     add("--gap", type=_positive, default=DEFAULT_GAP, metavar="S", help=gap)
+
+
+def _add_output(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
     folder = "folder for whatever is written; default: output"
     add("-o", "--output", "--output-dir", type=Path, default=Path("output"), metavar="DIR", help=folder)
     add("--csv", action="store_true", help="write every number to CSV files in the output folder")
     add("--latex", action="store_true", help="write the tables for LaTeX (booktabs) there, one a file")
     add("--json", action="store_true", help="print JSON instead of tables")
-    return parser

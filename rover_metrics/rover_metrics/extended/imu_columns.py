@@ -13,7 +13,7 @@ Quaternion = tuple[float, float, float, float]  # x, y, z, w
 
 
 class ImuColumns:
-    """The IMU's account."""
+    """The columns that are computed from IMU readings."""
 
     COLUMNS = (
         Column(

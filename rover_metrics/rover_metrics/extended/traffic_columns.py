@@ -63,7 +63,7 @@ def _columns(topic: Topic) -> tuple[Column, ...]:
 
 
 class TrafficColumns:
-    """The account of the four sensor topics."""
+    """The columns that tell of the four sensor topics themselves."""
 
     COLUMNS = tuple(column for topic in TOPICS for column in _columns(topic))
 
@@ -74,7 +74,7 @@ class TrafficColumns:
         self._previous_ns: int | None = None
 
     def add(self, topic: Topic, stamp_ns: int, *, used: bool) -> None:
-        """Take a message.
+        """Takes a message.
 
         Args:
             topic: Where it came from.

@@ -20,7 +20,7 @@ _ODOMETRY = "/odometry/wheels twist.twist.linear"
 
 
 class TravelColumns:
-    """The account of odometry and pose."""
+    """The columns that are computed from odometry and poses."""
 
     COLUMNS = (
         Column(

@@ -39,7 +39,7 @@ class ClockRows:
         return [time_ns] if self._schedule.is_due(time_ns) else []
 
     def rest(self) -> list[int]:
-        """Returns nothing."""
+        """Returns no times: a period that did not end has no row."""
         return []
 
 

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli.options import DEFAULT_LOG_DIR, RunOptions, parse_run
+from harness.cli.options import RunOptions, parse_run
+from harness.cli.run_parser import DEFAULT_LOG_DIR
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.metrics_feed import extended_parameters, extended_settings, parameter_words
 from harness.errors import UsageError

@@ -77,7 +77,7 @@ def test_it_stands_until_it_has_a_goal_and_has_read_everything_and_at_the_goal(p
 
 def test_an_action_is_a_share_of_the_largest_speeds() -> None:
     rover = find_rover("leo")  # 12 rad/s on wheels of 6.25 cm
-    assert commanded(np.array([0.5, -1.0]), rover) == Twist(0.5 * 0.75, -1.0 * rover.cruise_yaw_rate)
+    assert commanded([0.5, -1.0], rover) == Twist(0.5 * 0.75, -1.0 * rover.cruise_yaw_rate)
 
 
 def test_drivers_say_what_they_look_at_and_whether_they_take_goals(policy: Path) -> None:

@@ -72,6 +72,7 @@ def _value(hint: Any, x: float) -> object:  # noqa: ANN401 - a type or an alias
     return plain(x)
 
 
+@cache
 def sent(*specs: str, seconds: float = 4.0, seed: int = 0) -> list[Tick]:
     """What listeners get of an episode with these faults."""
     faults = FaultInjector(parse_faults(specs), seed, ROWS)

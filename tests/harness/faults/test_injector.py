@@ -42,7 +42,8 @@ def test_every_fault_of_every_sensor_changes_what_is_sent_in_its_time_and_nothin
 @pytest.mark.parametrize("sensor", SENSORS)
 def test_fault_touches_its_sensor_only(sensor: str) -> None:
     first = "zero" if "zero" in faults_of(sensor) else "freeze"
-    clean, faulty = sent(), sent(f"{sensor}:{first}@1+1", f"{sensor}:dropout@2+1")
+    faults = (f"{sensor}:{first}@0.1+0.1", f"{sensor}:dropout@0.2+0.1")
+    clean, faulty = sent(seconds=0.4), sent(*faults, seconds=0.4)
     for kind in set(SENSORS.values()) - {SENSORS[sensor]}:
         assert said(Tick(0, tuple(readings(faulty, kind)))) == said(
             Tick(0, tuple(readings(clean, kind)))

@@ -109,6 +109,15 @@ def test_worlds_are_kept_for_some_episodes_and_starts_and_goals_vary(make: Make)
         assert 1.0 - 0.3 <= math.dist(info["start"][:2], info["goal"]) <= 4.0 + 0.3  # it may slide
 
 
+def test_a_world_asked_for_by_any_of_its_properties_is_a_new_one(make: Make) -> None:
+    env = make(episodes_per_world=100, terrain=["flat"])
+    env.reset(seed=1)
+    for key, value in {"terrain": "slope", "difficulty": 0.125, "world_seed": 77}.items():
+        before = env._course
+        assert env.reset(options={key: value})[1][key] == value
+        assert env._course is not before
+
+
 def test_success_makes_the_next_worlds_harder_until_a_seed_begins_anew(make: Make) -> None:
     env = make(difficulty=(0.0, 1.0), curriculum={"step": 0.25, "window": 1})
     here = {"options": {"start": (0.0, 0.0, 0.0), "goal": (0.2, 0.0)}}

@@ -7,11 +7,11 @@ from scipy.spatial.transform import Rotation
 from harness.gym.observation import (
     AHEAD,
     LEFT,
+    Limits,
     height_part,
     heights_around,
     point_nav_parts,
     space_of,
-    within,
 )
 from harness.samples import Pose
 from harness.world.heightfield import Heightfield
@@ -34,7 +34,8 @@ def test_heights_are_those_of_a_plane_around_the_rover(yaw: float) -> None:
 def test_an_observation_is_kept_within_its_space() -> None:
     space = space_of(point_nav_parts(3, 10.0))
     for sign in (1.0, -1.0):
-        seen = within({name: np.full(box.shape or (), sign * 1e9) for name, box in space.items()}, space)
+        values = {name: np.full(box.shape or (), sign * 1e9) for name, box in space.items()}
+        seen = Limits(space).keep(values)
         assert space.contains(seen)
         ends = {name: getattr(box, "high" if sign > 0 else "low") for name, box in space.items()}
         assert all(seen[name].tolist() == end.tolist() for name, end in ends.items())

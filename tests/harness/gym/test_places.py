@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -30,6 +31,12 @@ def test_places_are_where_the_rover_fits_and_only_on_one_side_of_a_wall() -> Non
     margin = reach + 0.15
     room = (4.5 + 0.9 - 2 * margin) * (9.0 - 2 * margin) - math.pi * (0.2 + margin) ** 2
     assert covered == pytest.approx(room, rel=0.1)  # nor is much left out
+
+
+def test_a_rover_that_is_long_on_one_side_keeps_its_longest_reach_free() -> None:
+    rover = replace(LEO, footprint=(-0.2, 0.6, -0.3, 0.1))
+    x, y = Places(world(), rover).middles.T
+    assert max(np.abs(x).max(), np.abs(y).max()) <= 4.5 - math.hypot(0.6, 0.3)
 
 
 def test_draws_are_as_wanted_and_spread_over_all_that_is() -> None:

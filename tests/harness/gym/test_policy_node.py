@@ -68,6 +68,7 @@ def test_through_dds_the_node_drives_the_path_of_the_environment(
         (["--ros-args", "-p", "a:=1", "--", "nowhere.npz"], "policy nowhere.npz cannot be read"),
         (["small.npz", "--ros-args", "--goal", "3,1"], "--goal stands behind --ros-args"),
         (["small.npz", "--ros-args", "-r", "no rule"], "ROS 2 refuses to start: "),
+        (["nowhere.npz", "--ros-args", "-p", "use_sim_time:=true"], "policy nowhere.npz cannot be read"),
     ],
 )
 def test_what_is_not_valid_is_told_in_a_line(
@@ -88,3 +89,11 @@ def test_what_is_not_valid_is_told_in_a_line(
     heard = capsys.readouterr().err
     assert told in heard
     assert heard.count("\n") == 1
+
+
+def test_help_tells_how_it_is_run(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        main(["--help"])
+    told = capsys.readouterr().out
+    assert told.startswith("usage: python -m harness.gym.policy_node ")
+    assert "-p use_sim_time:=true" in told

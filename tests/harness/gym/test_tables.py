@@ -53,3 +53,9 @@ def test_it_writes_into_the_page_and_knows_its_environments(tmp_path: Path) -> N
 def test_the_code_of_the_page_runs(code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     exec(code, {})  # noqa: S102 - our own
+
+
+def test_help_tells_how_it_is_run(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        tables.main(["--help"])
+    assert capsys.readouterr().out.startswith("usage: python -m harness.gym.tables ")

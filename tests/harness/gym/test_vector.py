@@ -9,6 +9,7 @@ from gymnasium.error import InvalidAction, ResetNeeded
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from harness.errors import UsageError
+from harness.gym.vector import RoverVectorEnv
 
 ID = "RoverHarness/PointNav-v0"
 
@@ -37,6 +38,64 @@ def test_it_does_what_gymnasiums_own_does_with_single_environments(
             assert_alike(*told)
     ours.close()
     plain.close()
+
+
+class Counting(gymnasium.Env[dict[str, Any], Any]):
+    """Ends after as many steps as it has drawn; tells what not all of them tell at a time."""
+
+    observation_space = gymnasium.spaces.Dict({"step": gymnasium.spaces.Box(0, 9, (1,), np.float32)})
+    action_space = gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:  # noqa: ANN401
+        super().reset(seed=seed, options=options)
+        self.left, self.count = int(self.np_random.integers(1, 5)), 0
+        return self.told()
+
+    def step(self, action: Any) -> Any:  # noqa: ANN401
+        self.left, self.count = self.left - 1, self.count + 1
+        ended, late = self.left == 0, self.count > 2
+        seen, info = self.told()
+        return seen, float(action[0]), ended and not late, ended and late, info
+
+    def told(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        info: dict[str, Any] = {"left": 0.5 * self.left} if self.count else {"drawn": self.left}
+        if self.left % 2:
+            info["odd"] = np.full(2, self.left)
+        return {"step": np.array([self.count], np.float32)}, info
+
+
+@pytest.mark.parametrize("mode", AutoresetMode)
+@pytest.mark.parametrize("count", [1, 3])
+def test_ends_resets_and_infos_that_differ_are_as_in_gymnasiums_own(
+    mode: AutoresetMode, count: int
+) -> None:
+    def counting(**_: object) -> Any:  # noqa: ANN401
+        return Counting()
+
+    ours = RoverVectorEnv(counting, num_envs=count, autoreset_mode=mode, threads=count)
+    plain = SyncVectorEnv([Counting] * count, autoreset_mode=mode)
+    assert_alike(ours.reset(seed=1), plain.reset(seed=1))
+    for n, actions in enumerate(np.random.default_rng(1).uniform(-1.0, 1.0, (40, count, 2))):
+        stepped = ours.step(actions.astype("f4"))
+        assert_alike(stepped, plain.step(actions.astype("f4")))
+        if mode is AutoresetMode.DISABLED and (mask := stepped[2] | stepped[3]).any():
+            assert_alike(*(envs.reset(options={"reset_mask": mask}) for envs in (ours, plain)))
+        if n % 5 == 4:  # also where one has just ended
+            assert_alike(ours.reset(), plain.reset())
+    ours.close()
+
+
+def test_a_first_reset_that_failed_halfway_is_not_taken_up_by_a_mask() -> None:
+    made = [Counting(), Counting()]
+    last = Mock(wraps=made[1])
+    last.reset.side_effect = UsageError("no place")
+    made[1] = last
+    left = iter(made)
+    envs = RoverVectorEnv(lambda **_: next(left), num_envs=2, threads=1)  # type: ignore[arg-type]
+    with pytest.raises(UsageError, match="no place"):
+        envs.reset()
+    with pytest.raises(ResetNeeded, match="the first reset"):
+        envs.reset(options={"reset_mask": np.array([True, False])})
 
 
 def assert_alike(one: Any, other: Any) -> None:  # noqa: ANN401 - what steps and resets return

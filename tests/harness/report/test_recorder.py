@@ -69,8 +69,7 @@ def test_a_stretch_has_people_at_its_end_and_the_nearest_of_all() -> None:
     assert [stretch.people[1][1] for stretch in recorder.track] == [9.0, 9.0]
     assert [stretch.nearest_person for stretch in recorder.track] == pytest.approx([3.0, 5.0], abs=1e-3)
     nearest = recorder.track[0].approaches[1]
-    assert (nearest.time_s, nearest.person) == (pytest.approx(0.1), (0.0, 3.0))
-    assert nearest.rover == pytest.approx((0.02, 0.0))
+    assert (nearest.time_s, *nearest.rover, *nearest.person) == pytest.approx((0.1, 0.02, 0.0, 0.0, 3.0))
 
 
 def test_the_end_of_a_run_is_recorded_even_if_a_stretch_is_not_full() -> None:

@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.page.figure import keys
+from harness.page.figure import DASH, keys
 from harness.report.encounters import encounters
 from harness.report.hillshade import shade
 from harness.report.log import Event, Log, collisions, contacts, meetings
@@ -70,7 +70,6 @@ def test_map_shows_where_people_walked_and_where_they_were_near() -> None:
         collisions=[],
         contacts=[],
         meetings=met,
-        met=encounters(track),
         scan=NO_POINTS,
         gravity=9.81,
     )
@@ -81,7 +80,7 @@ def test_map_shows_where_people_walked_and_where_they_were_near() -> None:
     told = {key.name: key.swatch for key in keys(figure)}
     assert (told["a_actor"], told["person within 1.2 m"]) == ("line", "circle-open")
     assert encounter_rows(encounters(track), world.people) == [
-        ("1", "a_actor", "4.00 m", "2.5 s", "–", "3.0, 0.0", "1.0, 1.0"),
+        ("1", "a_actor", "4.00 m", "2.5 s", DASH, "3.0, 0.0", "1.0, 1.0"),
         ("2", "b_actor", "0.20 m", "3.0 s", "3.0 s", "3.0, 0.0", "2.0, 3.0"),
     ]
     rows = [(row.quantity, row.truth) for row in people(track)]

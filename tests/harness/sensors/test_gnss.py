@@ -1,4 +1,4 @@
-"""A receiver's fixes: where the antenna is, and errors that have the sizes of the data sheets."""
+"""A receiver's fixes: where the antenna is, and errors as large as those of u-blox's receivers."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Directions of optional lidars against their data sheets, and what cannot be a lidar."""
+"""Directions of optional lidars against the products of their names, and what cannot be a lidar."""
 
 import math
 from typing import Any

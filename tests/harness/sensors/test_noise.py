@@ -1,4 +1,4 @@
-"""The noise presets against their data sheets, measured from samples; who draws from which generator."""
+"""The noise presets against the chips' numbers, from samples; who draws from which generator."""
 
 from itertools import pairwise
 

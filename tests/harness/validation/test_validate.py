@@ -60,7 +60,7 @@ def test_a_miss_is_named_and_is_exit_code_1(
             ["--robot", "leo", "--realism", "/none/a.csv", "/none/b.csv"],
             "--realism takes two logs",
         ),
-        (["--seed", "many"], "argument --seed: invalid int value"),
+        (["--seed", "many"], "argument --seed: 'many' is not valid; give a whole number"),
     ],
 )
 def test_bad_arguments_are_one_line_and_exit_code_2(

@@ -590,6 +590,17 @@ def test_negative_values_are_seen_in_every_plot(make_log: MakeLog) -> None:
     assert only_axes(figure).get_ylim() == pytest.approx((-0.11, 0.0))
 
 
+def test_a_metric_without_values_leaves_the_layout_as_it_is(make_log: MakeLog) -> None:
+    columns = {"Total Collisions": np.ones(9), "Obstacle Clearance": np.full(9, np.nan)}
+    members = tuple(Member(make_log(columns), name, name) for name in "ab")
+    options = Options(tuple(METRICS[code] for code in ("TC", "OC")))
+    study = Study(members, ("a", "b"), options)
+    figure = draw_comparison(study, analyse(study))
+    assert figure is not None
+    figure.draw_without_rendering()
+    assert all(axes.get_position().width > 0.35 for axes in figure.axes)
+
+
 def test_pairs_are_joined(study: Study) -> None:
     paired = replace(study, pairs=((0, 1), (1, 0)))
     figure = draw_comparison(paired, analyse(paired))

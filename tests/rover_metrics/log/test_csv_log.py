@@ -139,36 +139,34 @@ def test_a_folder_that_takes_no_files_is_named_with_the_mend() -> None:
         CsvLog("/proc/1", STARTED)
 
 
-@pytest.mark.parametrize("taken", range(len(LINE)))
 def test_wherever_a_row_is_torn_the_file_keeps_its_whole_lines_and_takes_the_row_again(
-    tmp_path: Path, full_disk: FullDisk, taken: int
+    tmp_path: Path, full_disk: FullDisk
 ) -> None:
     other = replace(ROW, stamp_s=123456789)
-    with CsvLog(tmp_path, STARTED) as log:
-        log.write(ROW)
-        for row in (ROW, other):
-            with (
-                full_disk(len(HEADER) + len(LINE) + taken),
-                pytest.raises(LogError, match=str(tmp_path)),
-            ):
-                log.write(row)
-            assert log.path.read_bytes() == HEADER + LINE
-        log.write(ROW)
-        assert log.path.read_bytes() == HEADER + 2 * LINE
-        log.write(other)
-        assert log.path.read_bytes() == HEADER + 2 * LINE + b"123456789" + LINE[1:]
-        assert log.rows == 3
+    for taken in range(len(LINE)):
+        with CsvLog(tmp_path / str(taken), STARTED) as log:
+            log.write(ROW)
+            for row in (ROW, other):
+                with (
+                    full_disk(len(HEADER) + len(LINE) + taken),
+                    pytest.raises(LogError, match=str(tmp_path)),
+                ):
+                    log.write(row)
+                assert log.path.read_bytes() == HEADER + LINE, taken
+            log.write(ROW)
+            assert log.path.read_bytes() == HEADER + 2 * LINE, taken
+            log.write(other)
+            assert log.path.read_bytes() == HEADER + 2 * LINE + b"123456789" + LINE[1:], taken
+            assert log.rows == 3, taken
 
 
-@pytest.mark.parametrize("taken", range(0, len(HEADER), 7))
-def test_wherever_the_header_is_torn_no_file_is_left(
-    tmp_path: Path, full_disk: FullDisk, taken: int
-) -> None:
+def test_wherever_the_header_is_torn_no_file_is_left(tmp_path: Path, full_disk: FullDisk) -> None:
     before = open_files()
-    with full_disk(taken), pytest.raises(LogError, match="choose another folder"):
-        CsvLog(tmp_path, STARTED)
-    assert list(tmp_path.iterdir()) == []
-    assert open_files() == before
+    for taken in range(0, len(HEADER), 7):
+        with full_disk(taken), pytest.raises(LogError, match="choose another folder"):
+            CsvLog(tmp_path, STARTED)
+        assert list(tmp_path.iterdir()) == [], taken
+        assert open_files() == before, taken
 
 
 def test_a_torn_row_that_cannot_be_cut_off_is_overwritten_by_the_next(

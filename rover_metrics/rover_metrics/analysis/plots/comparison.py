@@ -63,6 +63,8 @@ def _draw_groups(axes: Axes, study: Study, metric: Metric, comparison: Compariso
         places = [spread + place for place, spread in enumerate(map(_spread, groups))]
         axes.plot(places, groups, color="#999999", linewidth=0.6, zorder=1.8)
     for place, values in enumerate(groups):
+        if not values.size:  # an empty line, not clipped, would reach to the figure's corner
+            continue
         colour = look(place)["color"]
         axes.plot(
             place + _spread(values),
@@ -75,12 +77,11 @@ def _draw_groups(axes: Axes, study: Study, metric: Metric, comparison: Compariso
             clip_on=False,
             zorder=3,
         )
-        if values.size:
-            mean = float(values.mean())
-            axes.hlines(mean, place - 0.28, place + 0.28, color=colour, linewidth=2)
-            interval = t_interval(values, mean, study.options.confidence)
-            if interval is not None:
-                axes.vlines(place + 0.28, *interval, color=colour, linewidth=2)
+        mean = float(values.mean())
+        axes.hlines(mean, place - 0.28, place + 0.28, color=colour, linewidth=2)
+        interval = t_interval(values, mean, study.options.confidence)
+        if interval is not None:
+            axes.vlines(place + 0.28, *interval, color=colour, linewidth=2)
     axes.set_xticks(range(len(groups)), study.groups)
     axes.set_xlim(-0.6, 1.6)
     axes.set_ylim(*_limits(axes, groups))

@@ -1,5 +1,6 @@
 """URDFs as they are found in the wild become folders; what cannot be is told in one line."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -155,6 +156,24 @@ def test_xacro_is_not_evaluated_unless_it_is_trusted(
     assert "which runs its author's Python" in told
     assert "--trust-xacro" in told
     assert list(tmp_path.iterdir()) == [file]
+
+
+def test_xacro_that_is_trusted_becomes_the_rover_of_its_urdf(tmp_path: Path) -> None:
+    pytest.importorskip("xacrodoc", reason="needs the extra [xacro]: make setup")
+    plain = written(tmp_path, ROVER_4WD_LIKE).rover
+    (tmp_path / "two").mkdir()
+    limits = ROVER_4WD_LIKE.count('velocity="10"')
+    assert limits == 4
+    head = '<robot name="r" xmlns:xacro="x"><xacro:property name="w" value="${2 * 6.0}"/>'
+    text = re.sub("<robot[^>]*>", head, ROVER_4WD_LIKE).replace('velocity="10"', 'velocity="${w}"')
+    file = tmp_path / "two" / "robot.xacro"
+    file.write_text(text)
+    made = write_folder("made", file, file.parent / "made", trust_xacro=True)
+    assert made.rover.wheel_speed_limit == 12.0
+    assert (made.rover.drive, made.rover.footprint) == (plain.drive, plain.footprint)
+    file.write_text(text.replace("2 * 6.0", "2 * six"))
+    with pytest.raises(UsageError, match=r"^xacro refuses .*robot\.xacro: .*six"):
+        write_folder("again", file, file.parent / "again", trust_xacro=True)
 
 
 @pytest.mark.parametrize(

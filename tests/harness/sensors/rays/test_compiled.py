@@ -10,15 +10,15 @@ import pytest
 from harness.sensors.rays import compiled
 
 
-def test_no_run_imports_coverage_which_stays_importable() -> None:
+def test_no_run_imports_what_no_kernel_needs_which_stays_importable() -> None:
     code = (
-        "import sys, harness.sensors.rays.compiled\n"
-        "print('numba' in sys.modules, 'coverage' in sys.modules)\n"
-        "import coverage, numba.misc.coverage_support as support\n"
-        "print(support.coverage_available)"
+        "import sys, harness.sensors.rays.arrays\n"
+        "print(*(name in sys.modules for name in ('numba', 'coverage', 'scipy.linalg')))\n"
+        "import coverage, scipy.linalg.cython_blas, numba.np.arraymath\n"
+        "print(numba.misc.coverage_support.coverage_available, numba.np.arraymath._HAVE_BLAS)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["True", "False", "False"]
+    assert done.stdout.split() == ["True", "False", "False", "False", "True"]
 
 
 KERNEL = (

@@ -16,16 +16,24 @@ RANGE_MAX = 30.0
 
 
 def ways(
-    heights: Array, cell: float, origin: Array, directions: Array, kernels: object = horizon_kernel
+    heights: Array,
+    cell: float,
+    origin: Array,
+    directions: Array,
+    kernels: object = horizon_kernel,
+    range_max: float = RANGE_MAX,
+    stretch: float = 1.0,
 ) -> tuple[Array, Array]:
-    """How far the rays are clear, and how far they go."""
+    """How far the rays are clear, and how far they go; cells are `stretch` times as long along x."""
     terrain = heightfield_arrays(terrain_spec(heights, cell).compile())
+    frame = terrain[3]
+    frame[0, 0], frame[1, 0] = frame[0, 0] * stretch, frame[1, 0] / stretch
     profile, clear = np.empty((SECTORS, RINGS)), np.empty(len(directions))
     rest = terrain[1:]
-    kernels.highest_points(heights.shape, *rest, origin, RANGE_MAX, profile)  # type: ignore[attr-defined]
-    kernels.clear_ways(profile, terrain[3], origin, directions, RANGE_MAX, clear)  # type: ignore[attr-defined]
+    kernels.highest_points(heights.shape, *rest, origin, range_max, profile)  # type: ignore[attr-defined]
+    kernels.clear_ways(profile, terrain[3], origin, directions, range_max, clear)  # type: ignore[attr-defined]
     found = np.full(len(directions), np.inf)
-    cast_rays(*terrain, origin, directions, np.zeros(len(directions)), RANGE_MAX, found)
+    cast_rays(*terrain, origin, directions, np.zeros(len(directions)), range_max, found)
     return clear, found
 
 
@@ -42,16 +50,25 @@ ALL_AROUND = around((-1.5, -0.6, -0.2, -0.02, 0.0, 0.05, 0.4, 1.5), 97)
 def test_no_ray_is_told_to_be_clear_farther_than_it_goes_and_most_are_nearly_as_far() -> None:
     rng = np.random.default_rng(3)
     walked = []
-    for n, cell, relief in ((5, 1.0, 1.0), (40, 0.1, 0.3), (90, 0.3, 2.0), (300, 0.05, 0.6)):
+    for n, cell, relief, stretch, reach in (
+        (5, 1.0, 1.0, 1.0, RANGE_MAX),
+        (40, 0.1, 0.3, 1.0, RANGE_MAX),
+        (90, 0.3, 2.0, 1.0, RANGE_MAX),
+        (300, 0.05, 0.6, 1.0, RANGE_MAX),
+        (60, 0.2, 0.5, 4.0, 5.0),
+        (60, 0.8, 2.0, 0.25, 5.0),
+    ):
         rolling = np.cumsum(np.cumsum(rng.normal(size=(n, n)), axis=0), axis=1)
         heights = relief * rolling / np.ptp(rolling)
         for x, y, above in ((0.0, 0.0, 0.8), (0.31, -0.24, 0.05), (-0.49, 0.2, 3.0)):
             place = (np.array([y, x]) + 0.5) * (n - 1)
             ground = heights[tuple(place.astype(int))]
-            origin = np.array([x * cell * (n - 1), y * cell * (n - 1), ground + above])
-            clear, found = ways(heights, cell, origin, ALL_AROUND)
+            side = cell * (n - 1)
+            origin = np.array([x * side * stretch, y * side, ground + above])
+            clear, found = ways(heights, cell, origin, ALL_AROUND, range_max=reach, stretch=stretch)
             assert (clear <= found).all()
-            walked.append(np.minimum(found, RANGE_MAX) - np.minimum(clear, RANGE_MAX) < 2.0)
+            walked.append(np.minimum(found, reach) - np.minimum(clear, reach) < 2.0)
+    assert min(np.mean(near) for near in walked) > 0.7
     assert np.mean(walked) > 0.8
 
 

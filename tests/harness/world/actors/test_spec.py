@@ -83,7 +83,7 @@ def test_the_people_of_a_terrain_are_those_of_what_it_includes_too(tmp_path: Pat
         assert spec.told.points[0] == pytest.approx((5.0, 1.0, 3.0))
     (tmp_path / "models" / "v.sdf").write_text("<sdf><actor name='v'><script/></actor></sdf>")
     world.write_text(f"<sdf><world>{include}</world><!-- read anew --></sdf>")
-    with pytest.raises(UsageError, match="v.sdf has 0 way points"):
+    with pytest.raises(UsageError, match=r"v\.sdf has 0 way points"):
         config.actor_specs()
 
 

@@ -10,6 +10,7 @@ from PIL import Image
 from harness.errors import UsageError
 from harness.world.files import file_world
 from harness.world.obstacles import ObstacleKind, top
+from harness.world.solids.assembly import BUILT
 from harness.world.terrain_file import TerrainFile
 from harness.world.world import World, terrain_hash
 from tests.harness.world.solids.shapes import both, box, flat, sheet, write_dae, write_obj
@@ -57,6 +58,7 @@ def test_boxes_on_a_plane_are_rocks_and_hazards_by_their_height(tmp_path: Path) 
     )
     world = world_of(tmp_path, body)
     assert kinds(world) == ["ROCK", "HAZARD", "HAZARD"]
+    assert [obstacle.color for obstacle in world.obstacles] == [BUILT[o.kind] for o in world.obstacles]
     assert (world.gravity, world.friction, world.seed, world.difficulty) == (1.62, 0.3, 7, None)
     assert world.ground.bounds() == (-19.0, 21.0, -13.0, 17.0)
     assert np.unique(world.ground.heights).tolist() == [0.5]

@@ -1,9 +1,11 @@
 """What every named terrain owes."""
 
+import re
 from collections.abc import Callable
 from dataclasses import asdict, astuple, fields
 from functools import cache
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +17,9 @@ from harness.world.terrains import TERRAINS
 from harness.world.world import World, build_world, terrain_hash
 from tests.support.terrain_statistics import measure
 
+PAGE = Path(__file__).parents[4] / "docs/worlds.md"
 SEEDS = (0, 1, 2, 123)
+GALLERY = (Path(__file__).parents[4] / "docs/terrains.md").read_text()
 ROUNDING = 1e-6  # heights are whole micrometres
 ALL = pytest.mark.parametrize("name", TERRAINS)
 DIFFICULTIES = pytest.mark.parametrize("difficulty", [0.0, 0.5, 1.0])
@@ -56,6 +60,17 @@ def test_no_statistic_falls_with_difficulty_and_one_rises_unless_it_is_flat(name
     for easier, harder in pairwise(measured):
         assert (harder >= easier - ROUNDING).all()
         assert (harder > easier).any() or name == "flat"
+
+
+@ALL
+def test_the_gallery_says_what_it_measures(name: str) -> None:
+    worlds = [world_of(name, 1, difficulty) for difficulty in (0.0, 0.5, 1.0)]
+    found = zip(*(astuple(measure(world.ground, world.obstacles)) for world in worlds), strict=True)
+    (told,) = re.findall(rf"^\| \[{name}\]\(#{name}\) \| (.*) \|$", GALLERY, re.MULTILINE)
+    for cell, values, unit in zip(told.split(" | "), found, (1, 1, 1e3, 1e3, 100), strict=True):
+        assert cell.split(", ") * (1 if "," in cell else 3) == [
+            f"{unit * value:.1f}" for value in values
+        ]
 
 
 @ALL
@@ -112,12 +127,13 @@ def test_every_obstacle_touches_the_ground(name: str) -> None:
 
 
 @ALL
-def test_it_is_listed_with_a_summary_and_units(name: str) -> None:
+def test_the_page_tells_its_summary_values_and_promise(name: str) -> None:
     terrain = TERRAINS[name]
     assert terrain.name == name
     assert 10 < len(terrain.summary) < 80
     assert terrain.describe().startswith("size ")
-    assert "deg" in terrain.promise.describe()
+    row = f"| `{name}` | {terrain.summary} | {terrain.describe()} | {terrain.promise.describe()} |"
+    assert row in PAGE.read_text().splitlines()
     assert {item.metadata["unit"] for item in fields(terrain)} <= {"m", "deg", ""}
 
 

@@ -1,0 +1,47 @@
+"""The parser of each program, by the module that `python -m` takes."""
+
+import argparse
+from collections.abc import Callable
+
+import tomllib
+
+from benchmarks import __main__ as benchmarks
+from benchmarks.soak import __main__ as soak
+from harness import call, check, robot, topics, tune, validate
+from harness.cli import programs
+from harness.cli.run_parser import run_parser
+from harness.gym import policy_node
+from harness.scenario import __main__ as scenario
+from rover_metrics import dictionary, social
+from rover_metrics.analysis import options as analyze
+from rover_metrics.bag import options as replay
+from tests.support.documents import ROOT
+
+PARSERS: dict[str, Callable[[], argparse.ArgumentParser]] = {
+    "harness.run": run_parser,
+    "harness.tune": tune._parser,
+    "harness.check": check._parser,
+    "harness.validate": validate._parser,
+    "harness.robot": robot._parser,
+    "harness.scenario": scenario._parser,
+    "harness.gym.policy_node": policy_node._parser,
+    "harness.topics": topics._parser,
+    "harness.call": call._parser,
+    "rover_metrics.analyze": analyze._parser,
+    "rover_metrics.social": social._parser,
+    "rover_metrics.replay": replay.parser,
+    "rover_metrics.dictionary": dictionary._parser,
+    "benchmarks": benchmarks._parser,
+    "benchmarks.soak": soak._parser,
+}
+SCRIPTS = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]
+
+
+def module_of(words: list[str]) -> tuple[str, list[str]]:
+    """Returns the module that a command runs, and its arguments; "" for what is no program of ours."""
+    if words[:2] == ["python", "-m"]:
+        return words[2], words[3:]
+    if words[0].startswith("rover-"):
+        script = getattr(programs, SCRIPTS[words[0]].rpartition(":")[2])
+        return script.args[0].removesuffix(".__main__"), words[1:]
+    return "", words

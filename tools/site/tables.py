@@ -1,0 +1,131 @@
+"""Program: the tables of documents that are made from the code, between marks in docs/*.md.
+
+    python -m tools.site.tables
+
+The documents keep them, so that they are read on GitHub, too; a test holds them to the code.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+
+from harness.robots import ROVERS
+from harness.sensors.base import HIGHEST_RATE
+from harness.sensors.table import SENSORS, Topic
+from harness.world.statistics import residuals, slopes
+from harness.world.terrain import DIFFICULTIES
+from harness.world.terrains import TERRAINS
+from harness.world.world import build_world
+from rover_metrics.core.parameter import ParameterInfo
+from rover_metrics.extended.settings import PARAMETERS
+from rover_metrics.topics import SENSORS as HEARD
+from rover_metrics.topics import TRUTH
+from tools.site.pages import ROOT
+
+PART = re.compile(r"(<!-- python -m tools\.site\.tables: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+SEED = 1  # of the terrains that are measured; tools/terrains_picture.py draws it
+
+
+def filled(page: str) -> str:
+    """Returns a page with its tables as the code makes them now."""
+    return PART.sub(lambda found: f"{found[1]}{TABLES[found[2]]()}\n{found[3]}", page)
+
+
+def table(titles: str, rows: Iterable[Sequence[object]]) -> str:
+    """Returns a table; the titles are separated by '|'."""
+    names = [title.strip() for title in titles.split("|")]
+    lines = [names, ["---"] * len(names), *rows]
+    return "".join(f"| {' | '.join(map(str, line))} |\n" for line in lines)
+
+
+def topics() -> str:
+    """Returns the topics of the sensors that every rover has, in publishing order."""
+    rows = []
+    for row in (row for row in SENSORS if row.options is None):
+        most = "at most " if row.rate == HIGHEST_RATE else ""
+        rates = _by_robot({name: f"{most}{row.rate_on(rover)} Hz" for name, rover in ROVERS.items()})
+        frames = _by_robot({name: row.frame_on(rover) for name, rover in ROVERS.items()})
+        for topic in row.topics:
+            cells = (f"`/{topic.name}`", topic.message_type.replace("/msg/", "/"), _qos(topic), rates)
+            rows.append((*cells, frames, row.fault or ""))
+    told = table("topic | type | QoS | rate | frame | `--fault`", rows)
+    heard, truth = (
+        ", ".join(f"`/{source.name.lstrip('/')}`" for source in kind) for kind in (HEARD, TRUTH)
+    )
+    return f"{told}\n`metrics_node` reads {heard}; with extended columns also {truth}.\n"
+
+
+def _by_robot(values: dict[str, str]) -> str:
+    """One value if all robots have the same, else each with its robot."""
+    if len(set(values.values())) == 1:
+        return next(iter(values.values()))
+    return ", ".join(f"{robot} {value}" for robot, value in values.items())
+
+
+def _qos(topic: Topic) -> str:
+    latched = ", latched" if topic.latched else ""
+    return f"{'best effort' if topic.best_effort else 'reliable'}{latched}, {topic.depth}"
+
+
+def parameters() -> str:
+    """Returns all parameters of metrics_node."""
+    rows = (
+        (f"`{name}`", _default(p), f"{p.description}; valid: {_valid(p)}")
+        for name, p in PARAMETERS.items()
+    )
+    return table("parameter | default | meaning", rows)
+
+
+def _default(parameter: ParameterInfo) -> str:
+    value = list(parameter.default) if isinstance(parameter.default, tuple) else parameter.default
+    text = str(value).lower() if isinstance(value, bool) else str(value)
+    return f"`{text}` {parameter.unit}".rstrip()
+
+
+def _valid(parameter: ParameterInfo) -> str:
+    if isinstance(parameter.default, bool):
+        return "true, false"
+    return parameter.valid or f"{parameter.minimum:g} to {parameter.maximum:g}"
+
+
+def terrains() -> str:
+    """Returns what each terrain measures, from the easiest difficulty to the hardest."""
+    titles = "terrain | slope p50 [deg] | slope p95 [deg] | roughness over 1 m [mm] | over 0.3 m [mm]"
+    return table(f"{titles} | obstacles per 100 m²", map(_measured, TERRAINS))
+
+
+def _measured(name: str) -> list[str]:
+    figures = []
+    for difficulty in DIFFICULTIES:
+        world = build_world(name, SEED, difficulty)
+        p50, p95 = np.percentile(slopes(world.ground), (50, 95))
+        rms = [1e3 * np.sqrt(np.mean(residuals(world.ground, w) ** 2)) for w in (1.0, 0.3)]
+        density = 100 * len(world.obstacles) / (4 * np.prod(world.ground.half_size))
+        figures.append([f"{figure:.1f}" for figure in (p50, p95, *rms, density)])
+    columns = zip(*figures, strict=True)
+    return [f"[{name}](#{name})", *(", ".join(c if len({*c}) > 1 else c[:1]) for c in columns)]
+
+
+def gallery() -> str:
+    """Returns a section for each terrain: what it is, its parameters, its picture."""
+    parts = (
+        f"## {name}\n\n{terrain.summary[0].upper()}{terrain.summary[1:]}. Default (easiest..hardest): "
+        f"{terrain.describe()}.\n\n"
+        f"![A Leo Rover on {name}, and {name} from above](terrains/{name}.webp)\n"
+        for name, terrain in TERRAINS.items()
+    )
+    return "\n".join(parts)
+
+
+TABLES: dict[str, Callable[[], str]] = {
+    each.__name__: each for each in (topics, parameters, terrains, gallery)
+}
+
+
+if __name__ == "__main__":
+    for path in sorted((ROOT / "docs").glob("*.md")):
+        text = path.read_text(encoding="utf-8")
+        if (new := filled(text)) != text:
+            path.write_text(new, encoding="utf-8")
+            print(f"wrote {path.relative_to(ROOT)}")
