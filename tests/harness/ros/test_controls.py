@@ -93,7 +93,7 @@ def test_a_stop_request_ends_a_pause(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_each_rover_is_reset_by_itself_and_a_pause_is_of_all(monkeypatch: pytest.MonkeyPatch) -> None:
-    one, other = Rig(monkeypatch), Rig(monkeypatch)
+    other, one = Rig(monkeypatch), Rig(monkeypatch)  # the later clock holds
     shared = Controls(one.node, lambda: 1_000_000_000, [(other.node, lambda: None)])
     assert one.ask("~/reset") == (True, "the rover goes back to its start at t = 1.00 s")
     assert other.ask("~/reset")[0] is False
