@@ -228,3 +228,41 @@ def test_a_parameter_file_says_what_the_metrics_are_made_with_after_the_rover_an
             parsed(words_of_a_mistake)
         assert mend in str(refused.value)
         assert "\n" not in str(refused.value)
+
+
+def test_several_rovers_have_a_folder_pages_and_parameters_each() -> None:
+    words = "--terrain flat --extended --report out/run.html --summary run.json --log-dir logs"
+    told = parsed(f"{words} --rover leo:a --rover rover_zero4wd:b,x=2,y=0")
+    assert [told.log_dir(config) for config in told.fleet] == [Path("logs/a"), Path("logs/b")]
+    assert [told.report_of(config) for config in told.fleet] == [
+        Path("out/run_a.html"),
+        Path("out/run_b.html"),
+    ]
+    assert told.summary_of(told.config) == Path("run_a.json")
+    for rover, settings, own in zip(
+        (LEO, ROVER_ZERO4WD), told.all_settings, told.parameters, strict=True
+    ):
+        assert settings.extended == extended_settings(rover)
+        assert own == extended_parameters(settings.extended)
+    assert told.ros.ros_args == ()
+    alone = parsed(words)
+    assert (alone.log_dir(alone.config), alone.report_of(alone.config)) == (
+        Path("logs"),
+        Path("out/run.html"),
+    )
+    assert alone.parameters == ({},)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("--namespace n", "--namespace is for a single rover: name each as --rover ROBOT:NAME"),
+        ("--robot rover_zero4wd", "--robot is for a single rover: give --rover rover_zero4wd beside"),
+        ("--actor g=1,1 --social-log a.csv", "--social-log is for a single rover: each --rover has its"),
+        ("--direct --rover leo:b,driver=cmd_vel,x=2,y=0", "--driver cmd_vel needs ROS"),
+        ("--direct --rover leo:b,driver=goal,x=2,y=0", "--driver goal without --goal-area needs ROS"),
+    ],
+)
+def test_what_makes_no_sense_with_several_rovers_is_refused(words: str, told: str) -> None:
+    with pytest.raises(UsageError, match=told):
+        parsed(f"--terrain flat --rover leo:a {words}")
