@@ -1,0 +1,20 @@
+"""What is refused before a node has a value, by names alone; nodes are in ros/test_parameters.py."""
+
+import pytest
+
+from rover_metrics.errors import ParameterError
+from rover_metrics.extended.settings import PARAMETERS, Settings, check_name
+
+
+def test_a_name_is_one_of_the_parameters_one_of_every_node_or_a_mistake() -> None:
+    assert all(check_name(name, may_be_others=False) for name in PARAMETERS)
+    for name in ("use_sim_time", "start_type_description_service"):
+        assert check_name(name, may_be_others=False) is False
+    with pytest.raises(ParameterError, match="rough_terrain_threshold"):
+        check_name("rough_terain_threshold", may_be_others=True)
+
+
+def test_the_folder_of_logs_has_a_name() -> None:
+    assert Settings().updated({"debug_mode": True, "nobodys": ""}).debug_mode
+    with pytest.raises(ParameterError, match="log_dir must be the path of a folder, not empty text"):
+        Settings().updated({"log_dir": ""})
