@@ -2,6 +2,7 @@
 
 import hashlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -117,7 +118,12 @@ def test_a_map_of_kilometres_is_looked_at_no_finer_than_its_heights(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = []
-    monkeypatch.setattr(assembly, "occupancy", lambda *args: asked.append(args[3]) or occupancy(*args))
+
+    def noted(*args: Any) -> Any:  # noqa: ANN401 - as occupancy
+        asked.append(args[3])
+        return occupancy(*args)
+
+    monkeypatch.setattr(assembly, "occupancy", noted)
     sheet = "v -1500 -1500 0\nv 1500 -1500 0\nv 1500 1500 0\nv -1500 1500 0\nf 1 2 3\nf 1 3 4\n"
     (tmp_path / "wide.obj").write_text(sheet)
     world = file_world(TerrainFile(path=tmp_path / "wide.obj", cell=10.0), seed=7)
