@@ -2,6 +2,7 @@
 
 import hashlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from PIL import Image
 from harness.errors import UsageError
 from harness.world.files import file_world
 from harness.world.obstacles import ObstacleKind, top
-from harness.world.occupancy import occupancy
+from harness.world.occupancy import OccupancyMap, occupancy
 from harness.world.solids import assembly
 from harness.world.solids.assembly import BUILT
 from harness.world.terrain_file import TerrainFile
@@ -116,8 +117,13 @@ def test_a_mesh_alone_is_a_terrain_and_takes_unit_and_axis(tmp_path: Path) -> No
 def test_a_map_of_kilometres_is_looked_at_no_finer_than_its_heights(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked = []
-    monkeypatch.setattr(assembly, "occupancy", lambda *args: asked.append(args[3]) or occupancy(*args))
+    asked: list[float] = []
+
+    def noted(*args: Any) -> OccupancyMap:
+        asked.append(args[3])
+        return occupancy(*args)
+
+    monkeypatch.setattr(assembly, "occupancy", noted)
     sheet = "v -1500 -1500 0\nv 1500 -1500 0\nv 1500 1500 0\nv -1500 1500 0\nf 1 2 3\nf 1 3 4\n"
     (tmp_path / "wide.obj").write_text(sheet)
     world = file_world(TerrainFile(path=tmp_path / "wide.obj", cell=10.0), seed=7)
