@@ -119,7 +119,7 @@ def test_a_map_of_kilometres_is_looked_at_no_finer_than_its_heights(
 ) -> None:
     asked: list[float] = []
 
-    def noted(*args: Any) -> OccupancyMap:
+    def noted(*args: Any) -> OccupancyMap:  # noqa: ANN401 - as the real one's
         asked.append(args[3])
         return occupancy(*args)
 
