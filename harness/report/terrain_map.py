@@ -158,30 +158,24 @@ def _people(actors: Sequence[Actor], track: Sequence[Stretch]) -> list[Trace]:
 
 
 def _encounters(met: Sequence[Encounter], actors: Sequence[Actor]) -> list[Trace]:
-    """A line from the rover to whom it met, with the number that the table has too."""
-    places = [(e.nearest.rover, e.nearest.person) for e in met]
-    gap = (math.nan, math.nan)
-    joined = line(CLOSEST, *_columns([p for pair in places for p in (*pair, gap)]), PERSON, width=2)
-    numbered = _points(
-        [person for _, person in places],
-        CLOSEST,
-        {"symbol": "diamond", "size": 9, "color": PERSON},
-        "%{hovertext}",
-    )
+    """Lines from the rover, where the number is that the table has, to whom it met."""
+    points, numbered, told = [], [], []
+    for number, one in enumerate(met, 1):
+        near, name = one.nearest, actors[one.person].name
+        points += [near.rover, near.person, (math.nan, math.nan)]
+        numbered += [f"<b>{number}</b>", "", ""]
+        told += [f"{number}: {name}, {near.distance:.2f} m, t = {near.time_s:.1f} s"] * 3
+    trace = line(CLOSEST, *_columns(points), PERSON, hover="%{hovertext}")
     return [
-        joined,
-        numbered
+        trace
         | {
-            "mode": "markers+text",
-            "text": [f"<b>{number}</b>" for number in range(1, len(met) + 1)],
+            "mode": "lines+markers+text",
+            "marker": {"symbol": "diamond", "size": 8, "color": PERSON},
+            "text": numbered,
             "textposition": "top right",
-            "textfont": {"size": 13, "color": INK},
-            "hovertext": [
-                f"{actors[e.person].name}, {e.nearest.distance:.2f} m, t = {e.nearest.time_s:.1f} s"
-                for e in met
-            ],
-            "showlegend": False,
-        },
+            "textfont": {"size": 14, "color": INK},
+            "hovertext": told,
+        }
     ]
 
 

@@ -11,7 +11,7 @@ from PIL import Image
 from harness.errors import UsageError
 from harness.world.files import file_world
 from harness.world.obstacles import ObstacleKind, top
-from harness.world.occupancy import occupancy
+from harness.world.occupancy import OccupancyMap, occupancy
 from harness.world.solids import assembly
 from harness.world.solids.assembly import BUILT
 from harness.world.terrain_file import TerrainFile
@@ -117,9 +117,9 @@ def test_a_mesh_alone_is_a_terrain_and_takes_unit_and_axis(tmp_path: Path) -> No
 def test_a_map_of_kilometres_is_looked_at_no_finer_than_its_heights(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked = []
+    asked: list[float] = []
 
-    def noted(*args: Any) -> Any:  # noqa: ANN401 - as occupancy
+    def noted(*args: Any) -> OccupancyMap:  # noqa: ANN401 - as the real one's
         asked.append(args[3])
         return occupancy(*args)
 
