@@ -12,13 +12,16 @@ from harness.episode.episode import installed
 from harness.frames.rover_frames import rover_frames
 from harness.gym.options import Randomisation
 from harness.gym.places import Places
+from harness.physics.physics import Physics, State
 from harness.physics.scene import Scene, build_scene
 from harness.physics.simulation import Simulation
+from harness.physics.start import check_room, check_start
 from harness.robots import find_rover
 from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.range_sensor import RangeSensor
+from harness.sim_time import parse_timestep
 from harness.world.world import Start, starting_at
 
 
@@ -64,6 +67,8 @@ class Course:
         self.scene = build_scene(world, rover, config.timestep)
         self.lidar = Lidar(self.scene.model, LidarSpec(beams=config.lidar_beams))
         self.places = Places(world, rover)
+        self._alike: tuple[Start, Variation] | None = None  # what the last state at time zero is of
+        self._settled: list[State] = []
 
     def camera_of(self, simulation: Simulation, seed: int) -> RangeSensor | None:
         """Returns the rover's depth camera, if it has one.
@@ -92,6 +97,30 @@ class Course:
         if variation != Variation(latency=variation.latency):
             _vary(model, variation)
         return replace(scene, model=model, world=starting_at(scene.world, start))
+
+    def settled(self, scene: Scene, alike: tuple[Start, Variation]) -> Simulation:
+        """Returns a simulation at time zero; where the last one was alike, it settles no second time.
+
+        Args:
+            scene: As `varied` made it.
+            alike: What it was made from: equal if and only if the state at time zero is.
+
+        Raises:
+            UsageError: The rover cannot stand there.
+            RunFailed: Nor fall there.
+        """
+        timestep_ns = parse_timestep(self.config.timestep)
+        if alike == self._alike:
+            return Simulation(scene, timestep_ns, Physics((scene,), timestep_ns, self._settled))
+        chosen = scene.world.start != self.scene.world.start
+        if chosen:
+            check_room(scene)
+        simulation = Simulation(scene, timestep_ns)
+        if chosen:
+            check_start(scene, simulation.data)
+        self._alike = alike
+        self._settled = [rover.state() for rover in simulation.physics.rovers]
+        return simulation
 
 
 def _vary(model: mujoco.MjModel, variation: Variation) -> None:

@@ -129,19 +129,38 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         }
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, Info]:
-        """Drives one control period.
+        """Drives one control period: `accept`, `drive` and `conclude`.
 
         Raises:
             InvalidAction: It has another shape than the space, or is no number.
             ResetNeeded: There is no episode, or it has ended.
         """
-        ride = self._ride
-        if ride is None:
+        self.accept(action)
+        self.drive()
+        return self.conclude()
+
+    def accept(self, action: Action) -> None:
+        """Takes the action of the next step, whose physics `drive` will do and whose rest `conclude`.
+
+        Raises:
+            InvalidAction: As `step`; likewise ResetNeeded.
+        """
+        if self._ride is None:
             raise ResetNeeded("there is no episode to step; call reset() first, and after each episode")
-        twist, failure = self._twist(self._checked_action(action)), ""
+        self._accepted = self._checked_action(action)
+
+    def drive(self) -> None:
+        """Does the physics of the step whose action was accepted."""
+        assert self._ride is not None  # noqa: S101 - or nothing was accepted
+        self._ride.drive(self._twist(self._accepted))
         self.steps += 1
+
+    def conclude(self) -> tuple[Observation, float, bool, bool, Info]:
+        """Returns what `step` returns of the step that was just driven."""
+        ride, failure = self._ride, ""
+        assert ride is not None  # noqa: S101 - it was driven
         try:
-            ride.advance(twist)
+            ride.read()
         except Diverged:
             failure = "diverged"
         except RunFailed:

@@ -15,12 +15,10 @@ from harness.gym.course import Course, Variation
 from harness.physics.base_controller import base_controller
 from harness.physics.leap import Leap
 from harness.physics.scene import HAZARD_CONTACT, SCRAPE_CONTACT
-from harness.physics.simulation import Simulation
-from harness.physics.start import check_room, check_start
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
 from harness.sensors.ranging import RangeReading
 from harness.sensors.suite import SensorSuite
-from harness.sim_time import NANOSECONDS, TICK_NS, parse_timestep
+from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.world.world import Start
 
 SENSED = (LaserScan, Imu, Pose, Odometry)
@@ -52,12 +50,7 @@ class Ride:
 
     def __init__(self, course: Course, start: Start, variation: Variation, noise_seed: int) -> None:
         config, scene = course.config, course.varied(start, variation)
-        chosen = start != course.scene.world.start
-        if chosen:
-            check_room(scene)
-        self.simulation = Simulation(scene, parse_timestep(config.timestep))
-        if chosen:
-            check_start(scene, self.simulation.data)
+        self.simulation = course.settled(scene, (start, replace(variation, latency=0.0)))
         self._leap = Leap(self.simulation, TICKS_PER_CONTROL)
         self._base = base_controller(scene.rover, TICK)
         parts = {"simulation": self.simulation, "lidar": course.lidar}
@@ -73,15 +66,27 @@ class Ride:
         self.advance(Twist())
 
     def advance(self, twist: Twist) -> None:
-        """Drives one control period with a command.
+        """Drives one control period with a command, and reads: `drive`, then `read`.
+
+        Raises:
+            RunFailed: As `read`.
+        """
+        self.drive(twist)
+        self.read()
+
+    def drive(self, twist: Twist) -> None:
+        """Lets the physics go on by one control period with a command."""
+        self._base.command(twist)
+        self._leap.run(np.array([self._base.wheel_speeds() for _ in range(TICKS_PER_CONTROL)]))
+
+    def read(self) -> None:
+        """Reads the sensors of the control period that was just driven.
 
         Raises:
             RunFailed: The rover left the map, or the simulation diverged; the readings are from before.
         """
-        self._base.command(twist)
-        speeds = np.array([self._base.wheel_speeds() for _ in range(TICKS_PER_CONTROL)])
         hazards = scrapes = 0
-        for _ in self._leap.run(speeds):
+        for _ in self._leap.ticks():
             self._ticks += 1
             counts = self.simulation.tick_sum.tolist()
             hazards += counts[self._hazard] > 0

@@ -3,6 +3,9 @@
 Each is an environment of its own, with its own world; threads take the next one that is not stepped yet.
 Physics and lidar leave the interpreter to the others meanwhile, so threads suffice, and each trajectory
 is the one that the environment drives by itself, to the bit.
+
+All are driven first and read afterwards: the interpreter's own work of a step takes less than half as
+long while the processor still has it in its caches from the environment before.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -103,18 +106,26 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         infos: list[Info | None] = [None] * self.num_envs
         final: list[tuple[Observation, Info] | None] = [None] * self.num_envs
 
-        def step(index: int) -> None:
-            env = self.envs[index]
-            if self._ended[index] and self._mode is AutoresetMode.NEXT_STEP:
-                self._seen[index], infos[index] = env.reset()
-                return
-            told = env.step(actions[index])
+        begun = self._ended & (self._mode is AutoresetMode.NEXT_STEP)
+        stepped = np.flatnonzero(~begun).tolist()
+        for index in stepped:  # a mistake changes nothing
+            self.envs[index].accept(actions[index])
+
+        def drive(index: int) -> None:
+            if begun[index]:
+                self._seen[index], infos[index] = self.envs[index].reset()
+            else:
+                self.envs[index].drive()
+
+        def conclude(index: int) -> None:
+            told = self.envs[index].conclude()
             self._seen[index], rewards[index], terminated[index], truncated[index], infos[index] = told
             if self._mode is AutoresetMode.SAME_STEP and (terminated[index] or truncated[index]):
                 final[index] = told[0], told[4]
-                self._seen[index], infos[index] = env.reset()
+                self._seen[index], infos[index] = self.envs[index].reset()
 
-        self._each(step, range(self.num_envs))
+        self._each(drive, range(self.num_envs))
+        self._each(conclude, stepped)
         self._ended = terminated | truncated
         told = stacked(infos)
         if any(final):

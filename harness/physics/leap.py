@@ -37,14 +37,23 @@ class Leap:
         self._ends = self._states.reshape(ticks, -1, self._begin.size)[:, -1, moving]
         self._ticks_sensors = self._sensors.reshape(ticks, -1, model.nsensordata)
 
-    def run(self, commands: NDArray[np.float64]) -> Iterator[int]:
-        """Simulates the ticks, then shows one after the other.
-
-        While a tick is shown, the simulation's time, `tick_sum`, qpos and qvel are those of its end;
-        whatever else MuJoCo knows is that of the last one. All are to be consumed.
+    def run(self, commands: NDArray[np.float64]) -> None:
+        """Simulates the ticks; `ticks` is to be called next.
 
         Args:
             commands: Of each tick as `Simulation.command_wheels` takes them, shape (ticks, motors).
+        """
+        begin = 0
+        for _, alike in groupby(map(any, commands[:, : self._simulation.driven].tolist())):
+            end = begin + len(list(alike))
+            self._simulate(commands, begin, end)  # parked all the time, or not at all
+            begin = end
+
+    def ticks(self) -> Iterator[int]:
+        """Shows one tick after the other of those that have just been simulated.
+
+        While a tick is shown, the simulation's time, `tick_sum`, qpos and qvel are those of its end;
+        whatever else MuJoCo knows is that of the last one. All are to be consumed.
 
         Yields:
             The index of the tick, from 0.
@@ -52,11 +61,6 @@ class Leap:
         Raises:
             RunFailed: As `Simulation.tick`, of the end of the last tick; none is shown then.
         """
-        begin = 0
-        for _, alike in groupby(map(any, commands[:, : self._simulation.driven].tolist())):
-            end = begin + len(list(alike))
-            self._simulate(commands, begin, end)  # parked all the time, or not at all
-            begin = end
         physics = self._simulation.physics
         begun = physics.step_count
         physics.step_count += self._ticks * physics.steps_per_tick

@@ -31,6 +31,8 @@ HEALTH_WARNINGS = {
     mujoco.mjtWarning.mjWARN_BADCTRL: "wheel command",
 }
 
+State = list[NDArray[np.float64]]
+
 
 class Rover:
     """What the physics knows of one rover.
@@ -79,11 +81,11 @@ class Rover:
         still = np.abs(self.velocities).max() < AT_REST_SPEED
         return bool(still and np.isin(data.contact.geom, self._geoms).any())
 
-    def state(self) -> list[NDArray[np.float64]]:
+    def state(self) -> State:
         """Returns a copy of its state."""
         return [part.copy() for part in self._state]
 
-    def restore(self, state: list[NDArray[np.float64]]) -> None:
+    def restore(self, state: State) -> None:
         """Takes a state that it was in."""
         for part, values in zip(self._state, state, strict=True):
             part[:] = values
@@ -95,6 +97,8 @@ class Physics:
     Args:
         scenes: Of the rovers, in one model.
         timestep_ns: Of the model.
+        settled: The rovers' states at time zero, from when the same scenes settled before; saves to do
+            it again.
 
     Attributes:
         rovers: What belongs to each.
@@ -106,7 +110,7 @@ class Physics:
         crowd: The people who walk about; None without any.
     """
 
-    def __init__(self, scenes: Sequence[Scene], timestep_ns: int) -> None:
+    def __init__(self, scenes: Sequence[Scene], timestep_ns: int, settled: Sequence[State] = ()) -> None:
         # Its counters are checked on every tick; the texts would go into MUJOCO_LOG.TXT in the cwd.
         mujoco.set_mju_user_warning(lambda _: None)
         self.model = scenes[0].model
@@ -123,7 +127,11 @@ class Physics:
             for number, scene in enumerate(scenes)
         )
         self.crowd = Crowd(scenes, self.data) if scenes[0].world.people else None
-        self.settle([(rover, rover.scene.world.start) for rover in self.rovers])
+        for rover, state in zip(self.rovers, settled, strict=bool(settled)):
+            rover.restore(state)
+            rover.parking.hold(True)
+        if not settled:
+            self.settle([(rover, rover.scene.world.start) for rover in self.rovers])
 
     @property
     def time_ns(self) -> int:

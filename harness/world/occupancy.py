@@ -136,12 +136,11 @@ def _cover(blocked: Mask, obstacle: Obstacle, middles: tuple[Places, Places], re
     corners = outline(obstacle)
     low, high = corners.min(axis=0) - resolution / 2, corners.max(axis=0) + resolution / 2
     columns, rows = (np.nonzero((low[i] <= middles[i]) & (middles[i] <= high[i]))[0] for i in (0, 1))
-    overlaps = np.ones((len(rows), len(columns)), dtype=bool)
-    for corner, edge in zip(corners, np.roll(corners, -1, axis=0) - corners, strict=True):
-        if not edge.any():  # a hull of few corners has many of them several times
-            continue
-        outward = np.array([edge[1], -edge[0]])  # the corners go round counter-clockwise
-        reach_of_cell = np.abs(outward).sum() * resolution / 2
-        x, y = middles[0][columns] - corner[0], middles[1][rows] - corner[1]
-        overlaps &= outward[0] * x + outward[1] * y[:, None] <= reach_of_cell
-    blocked[np.ix_(rows, columns)] |= overlaps
+    edges = np.roll(corners, -1, axis=0) - corners
+    differ = edges.any(axis=1)  # a hull of few corners has many of them several times
+    corners, edges = corners[differ], edges[differ]
+    outward_x, outward_y = edges[:, 1:], -edges[:, :1]  # the corners go round counter-clockwise
+    reach_of_cell = (np.abs(outward_x) + np.abs(outward_y)) * resolution / 2
+    x, y = middles[0][columns] - corners[:, :1], middles[1][rows] - corners[:, 1:]
+    beyond = (outward_x * x)[:, None] + (outward_y * y)[:, :, None]  # by edge, row, column
+    blocked[np.ix_(rows, columns)] |= (beyond <= reach_of_cell[:, None]).all(axis=0)

@@ -1,3 +1,4 @@
+import shlex
 from dataclasses import replace
 from operator import attrgetter
 from pathlib import Path
@@ -16,7 +17,7 @@ from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 
 def parsed(words: str) -> RunOptions:
-    options = parse_run(words.split())
+    options = parse_run(shlex.split(words))
     assert options is not None
     return options
 
@@ -194,7 +195,7 @@ def test_extended_columns_know_the_gravity_of_the_world(tmp_path: Path) -> None:
     world = f"<world name='moon'><gravity>0 0 -1.62</gravity>{model}</world>"
     file = tmp_path / "moon.sdf"
     file.write_text(f"<sdf version='1.9'>{world}</sdf>")
-    told = parsed(f"--extended --terrain {file}")
+    told = parsed(f"--extended --terrain '{file}'")
     assert told.settings.extended == extended_settings(LEO, 1.62)
     assert told.settings.extended.gravity == told.config.gravity() == 1.62
     assert told.ros.ros_args == tuple(told_node(LEO, 1.62))
@@ -208,19 +209,19 @@ def test_a_parameter_file_says_what_the_metrics_are_made_with_after_the_rover_an
     file = tmp_path / "p.yaml"
     file.write_text("/**: {ros__parameters: {collision_threshold: 0.75, gravity: 9.0, fsync: true}}")
     own = ("--ros-args", "-p", "gravity:=8.0")
-    told = parsed(f"--extended --params {file} {' '.join(own)}")
+    told = parsed(f"--extended --params '{file}' {' '.join(own)}")
     words = ("-p", "collision_threshold:=0.75", "-p", "gravity:=9.0", "-p", "fsync:=true")
     assert told.ros.ros_args == (*told_node(LEO), "--ros-args", *words, "--", *own)
     assert told.settings.thresholds == Thresholds(collision_threshold=0.75)
     assert told.settings.extended == replace(extended_settings(LEO), gravity=9.0)
     assert (told.settings.extended_columns, told.params) == (True, file)
-    alone = parsed(f"--direct --params {file}").settings
+    alone = parsed(f"--direct --params '{file}'").settings
     assert alone == Settings().updated({"collision_threshold": 0.75, "gravity": 9.0, "fsync": True})
     file.write_text("/**: {ros__parameters: {colision_threshold: 0.75}}")
     for words_of_a_mistake, mend in (
-        (f"--direct --params {file}", "did you mean collision_threshold?"),
-        (f"--params {tmp_path}", "Is a directory"),
-        (f"--no-metrics --params {file}", "start yours with --ros-args --params-file FILE"),
+        (f"--direct --params '{file}'", "did you mean collision_threshold?"),
+        (f"--params '{tmp_path}'", "Is a directory"),
+        (f"--no-metrics --params '{file}'", "start yours with --ros-args --params-file FILE"),
         ("--ros-args -p x:=1 --seed 3", "--seed stands behind --ros-args"),
     ):
         with pytest.raises(UsageError) as refused:

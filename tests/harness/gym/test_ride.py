@@ -1,5 +1,6 @@
 from dataclasses import replace
 from typing import Any
+from unittest.mock import patch
 
 import mujoco
 import numpy as np
@@ -11,6 +12,7 @@ from harness.errors import RunFailed, UsageError
 from harness.gym.course import Course, Variation, draw_variation
 from harness.gym.options import Randomisation
 from harness.gym.ride import SENSED, Ride
+from harness.physics.physics import Physics
 from harness.samples import Imu, LaserScan, Pose, Twist
 from harness.sim_time import NANOSECONDS
 from harness.world.heightfield import Heightfield
@@ -61,6 +63,30 @@ def test_a_ride_reads_what_the_same_commands_of_an_episode_publish(
         scan: Any = ride.readings[LaserScan]
         np.testing.assert_array_equal(scan.ranges, published[LaserScan].ranges)
         ride.advance(Twist(*command))
+
+
+def test_where_it_stood_last_a_rover_settles_no_second_time_and_drives_as_it_did(
+    flat_with_post: Course,
+) -> None:
+    def driven(start: tuple[float, float, float], variation: Variation) -> list[float]:
+        ride = Ride(flat_with_post, start, variation, 0)
+        assert ride.simulation.time_ns == NANOSECONDS // 20
+        for command in COMMANDS:
+            ride.advance(Twist(*command))
+        state: list[float] = ride.simulation.data.qpos.tolist()
+        return state
+
+    elsewhere = -2.0, 1.0, 2.0
+    heavy, late = Variation(payload=3.0), Variation(latency=0.1)
+    here = [(FREE, variation) for variation in (PLAIN, late, PLAIN, heavy, PLAIN)]
+    with patch.object(Physics, "settle", autospec=True, side_effect=Physics.settle) as settle:
+        counts, ends = [], []
+        for start, variation in [(elsewhere, PLAIN), *here]:
+            ends.append(driven(start, variation))
+            counts.append(settle.call_count)
+    assert counts == [1, 2, 2, 2, 3, 4]
+    assert ends[1] == ends[2] == ends[3] == ends[5]
+    assert ends[4] != ends[1] != ends[0]
 
 
 def test_late_readings_are_those_of_some_periods_before(flat_with_post: Course) -> None:

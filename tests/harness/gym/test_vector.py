@@ -150,8 +150,9 @@ def test_mistakes_with_many_episodes_are_told_in_a_line(small: dict[str, Any]) -
         envs.step(actions[:1])
     with pytest.raises(UsageError, match="no actions are not valid"):
         envs.step(np.float32(0.5))
-    with pytest.raises(InvalidAction, match="finite numbers"):  # of a thread's environment, too
+    with pytest.raises(InvalidAction, match="finite numbers"):
         envs.step(np.array([[0.0, 0.0], [0.0, np.nan]], np.float32))
+    assert [env.steps for env in envs.envs] == [0, 0]  # nor has the other one driven
     single = Mock(wraps=envs.envs[1])
     envs.envs[1] = single
     envs.close()

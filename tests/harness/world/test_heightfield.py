@@ -41,6 +41,15 @@ def test_points_beyond_the_map_have_the_height_of_its_edge() -> None:
     assert ground.height_at(-99.0, -99.0) == 0.0
 
 
+def test_a_single_point_has_the_height_that_it_has_among_many_to_the_bit() -> None:
+    rng = np.random.default_rng(2)
+    ground = Heightfield(rng.normal(size=(9, 13)), cell=0.3, middle=(1.7, -0.4))
+    inside_and_out = rng.uniform(-1.3, 1.3, (500, 2)) * ground.half_size
+    vertices = np.stack(np.meshgrid(np.arange(-7, 8), np.arange(-5, 6)), axis=-1).reshape(-1, 2) * 0.3
+    x, y = (np.vstack([inside_and_out, vertices]) + ground.middle).T
+    assert [ground.height_at(*at) for at in zip(x, y, strict=True)] == ground.heights_at(x, y).tolist()
+
+
 def _fractal(seed: int = 0, shortest: float = 0.5) -> np.ndarray:
     rng = np.random.default_rng(seed)
     return fractal(rng, (201, 201), cell=0.1, longest=4.0, shortest=shortest)
