@@ -335,14 +335,14 @@ def test_rclpy_shut_down_from_outside_fails_the_run_with_one_line(
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     # The module that the command will find: tests that hide rclpy leave others of its name behind.
     bridge = import_module("harness.ros.session").Bridge
-    advance = bridge.advance
+    send = bridge.send
 
     def shut_down(self: Any, tick: Tick, *rest: Any, **more: Any) -> None:  # noqa: ANN401 - needs rclpy
         if tick.stamp_ns == 2_500_000_000:
             self.context.shutdown()
-        advance(self, tick, *rest, **more)
+        send(self, tick, *rest, **more)
 
-    monkeypatch.setattr(bridge, "advance", shut_down)
+    monkeypatch.setattr(bridge, "send", shut_down)
     assert main([*ENDLESS, "--log-dir", str(tmp_path)]) == 1
     told = capfd.readouterr().err
     assert "harness.run: ROS 2 was shut down from outside this run" in told
