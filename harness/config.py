@@ -101,7 +101,7 @@ class EpisodeConfig:
     actors: tuple[str, ...] = ()  # people, as harness.world.actors.spec reads them
     goals: tuple[tuple[float, float, float, float], ...] = ()  # to driver goal: when [s], x, y, yaw
     resets: tuple[float, ...] = ()  # when the rover is put back to its start [s]
-    name: str = ""  # of the rover among several (harness.fleet)
+    name: str = ""  # of the rover among several (harness.episode.fleet)
     number: int = 0  # its place among them
     world_robot: str = ""  # whose clearance sorts the obstacles of a file, if not its own
 

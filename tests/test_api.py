@@ -86,6 +86,7 @@ def test_the_code_of_the_page_runs_and_gives_the_bytes_of_the_command(
     names: dict[str, object] = {}
     exec(first.replace("duration=20.0", "duration=4.0"), names)  # noqa: S102 - ours
     assert (tmp_path / "clearance.png").read_bytes().startswith(b"\x89PNG")
+    names["plt"].close(names["figure"])  # type: ignore[attr-defined]
     words = ["--direct", "--robot", "leo", "--terrain", "rocky", "--seed", "0", "--duration", "4"]
     assert main([*words, "--log-dir", "command"]) == 0
     (ours,), (theirs,) = (list((tmp_path / place).glob("*.csv")) for place in ("logs", "command"))

@@ -10,9 +10,9 @@ from harness import __version__
 from harness.config import CMD_VEL_TYPES, EpisodeConfig
 from harness.drivers import DRIVERS
 from harness.drivers.goal_course import Area
+from harness.episode.fleet import FORM as ROVER_FORM
+from harness.episode.fleet import KEYS
 from harness.faults.spec import FORM, describe_faults
-from harness.fleet import FORM as ROVER_FORM
-from harness.fleet import KEYS
 from harness.frames.options import ODOM_SOURCES, FrameOptions
 from harness.robots import ROVERS
 from harness.sensors.choice import kinds

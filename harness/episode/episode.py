@@ -17,8 +17,8 @@ from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, Po
 from harness.drivers.goal_course import GoalCourse
 from harness.drivers.steered import drivable
 from harness.episode.batch import Batch, EpisodeInfo
+from harness.episode.fleet import scenery
 from harness.errors import RunFailed
-from harness.fleet import scenery
 from harness.frames.options import FrameOptions
 from harness.frames.rover_frames import RoverFrames, rover_frames
 from harness.frames.transforms import describe

@@ -220,10 +220,14 @@ class Physics:
             return
         for warning, quantity in HEALTH_WARNINGS.items():
             if self.data.warning[warning].number:
-                rover = max(self.rovers, key=_violence)
-                told = f"{rover.scene.name}: " if rover.scene.name else ""
+                speeds = [_violence(rover) for rover in self.rovers]
+                rover = self.rovers[speeds.index(max(speeds))]
+                names = (
+                    r.scene.name for r, v in zip(self.rovers, speeds, strict=True) if v == max(speeds)
+                )
+                told = " or ".join(filter(None, names))  # what is no number soon spreads to all
                 raise Diverged(
-                    f"{told}the simulation diverged at t = {self._now()} "
+                    f"{told and told + ': '}the simulation diverged at t = {self._now()} "
                     f"(NaN, infinite or huge {quantity}); position {_rounded(rover.pose[:3])} m, "
                     f"velocity {_rounded(rover.twist[:3])} m/s; try a smaller --timestep"
                 )

@@ -11,7 +11,7 @@ from rclpy.logging import get_logger
 from sensor_msgs.msg import CameraInfo, Image
 
 from harness.config import EpisodeConfig
-from harness.fleet import scenery
+from harness.episode.fleet import scenery
 from harness.ros.channel import Fill
 from harness.samples import Sample
 from harness.sensors.camera.lens import Lens

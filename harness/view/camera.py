@@ -78,7 +78,12 @@ def chase_view(rover: Vector, yaw: float) -> View:
 
 
 def best_view(
-    model: mujoco.MjModel, data: mujoco.MjData, path: Vector, yaw: float, half_width: float
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    path: Vector,
+    yaw: float,
+    half_width: float,
+    others: Vector | None = None,
 ) -> View:
     """Returns the best of many views of the rover at the end of its path.
 
@@ -88,10 +93,13 @@ def best_view(
         path: Positions of the rover [m], shape (n, 3), the last is where it is.
         yaw: Its heading [rad].
         half_width: Half the width of the picture at unit distance.
+        others: Where other rovers are [m], shape (n, 3); None without any.
     """
 
     def merit(view: View) -> float:
         shown = float(np.mean(view.sees(path, half_width))) if len(path) > 1 else 0.0
+        if others is not None:
+            shown += float(np.mean(view.sees(others, half_width)))
         to_camera = math.radians(view.azimuth + 180.0)
         off_front = abs(abs(math.remainder(to_camera - yaw, math.tau)) - BEST_FRONT)
         return shown - 0.25 * off_front - 10.0 * _is_hidden(view, model, data, path[-1])

@@ -21,9 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from harness.episode.fleet import scenery
 from harness.errors import HarnessError
 from harness.files import whole_file
-from harness.fleet import scenery
 from harness.physics.scene import build_scenes
 from harness.physics.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
 from harness.sensors.lidar import Lidar
@@ -113,6 +113,11 @@ class Studio(AbstractContextManager["Studio"]):
         scene.flags[mujoco.mjtRndFlag.mjRND_HAZE] = True
         return np.asarray(self._renderer.render())
 
+    def others(self) -> NDArray[np.float64] | None:
+        """Returns where the other rovers are at the end [m], shape (n, 3); None without any."""
+        places = [states.path[-1] for _, states in self._rovers[1:]]
+        return np.array(places) if places else None
+
     def _beams(self) -> list[Mark]:
         marks = []
         for lidar, (scene, _) in zip(self._lidars, self._rovers, strict=False):
@@ -135,7 +140,8 @@ def _draw_picture(recordings: Sequence[Path], target: Path, *, lidar: bool) -> N
     with Studio(recordings, QUALITY, lidar=lidar) as studio:
         states = studio.recording
         studio.pose(-1)
-        view = best_view(studio.model, studio.data, states.path, states.yaw[-1], studio.half_width)
+        yaw, others = states.yaw[-1], studio.others()
+        view = best_view(studio.model, studio.data, states.path, yaw, studio.half_width, others)
         image = Image.fromarray(studio.image(-1, view)).reduce(SCALE)
     with whole_file(target) as part:
         image.point(lambda value: value & KEPT_BITS).save(part, format="PNG", optimize=True)

@@ -3,10 +3,11 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 
 from harness.robots import RoverSpec
-from harness.world.occupancy import occupancy
+from harness.world.occupancy import OccupancyMap, occupancy
 from harness.world.world import Start, World
 
 GAP = 0.5  # [m] between the discs that two rovers keep to
@@ -30,6 +31,12 @@ class Member:
     start: Start
 
 
+@lru_cache(maxsize=2)
+def _ground(world: World, slope_limit: float) -> OccupancyMap:
+    """The map of a world for a rover below which no rock may be, as if it could climb no step."""
+    return occupancy(world, slope_limit, step_limit=0.0)
+
+
 def overlaps(disc: Disc, others: Iterable[Disc], gap: float = 0.0) -> bool:
     """Returns whether a disc comes closer to one of some others than `gap` [m]."""
     x, y, radius = disc
@@ -49,7 +56,7 @@ def berth(near: Start, rover: RoverSpec, taken: Sequence[Disc], world: World) ->
         world: Ground and obstacles.
     """
     (x, y, yaw), reach = near, rover.reach
-    free = occupancy(world, rover.slope_limit, step_limit=0.0)  # no rock may be below it
+    free = _ground(world, rover.slope_limit)
     pitch = reach + max((radius for *_, radius in taken), default=reach) + GAP
     cos, sin = math.cos(yaw), math.sin(yaw)
     places = product(range(-FARTHEST, FARTHEST + 1), repeat=2)

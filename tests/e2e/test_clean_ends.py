@@ -33,11 +33,10 @@ from harness.interrupt import Interrupted, Overdue, StopRequest
 from harness.run import main
 from harness.samples import Tick, Twist
 from harness.view.drawing import Drawing
-from tests.support.waiting import wait_until
+from tests.support.waiting import PATIENCE, wait_until
 
 SOON = 1.0  # [s]: the promise; a machine with other work may need more for one of several ends
 NO_HANG = 5.0  # [s]: far less than any patience of a run for DDS or a node
-PATIENCE = 60.0
 ENDLESS = ["--terrain", "flat", "--driver", "spin", "--duration", "36000"]
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 STARTS = 12

@@ -16,6 +16,8 @@ from typing import Any
 
 import pytest
 
+from tests.support.waiting import PATIENCE
+
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from builtin_interfaces.msg import Time
@@ -34,7 +36,6 @@ from rover_metrics.health.rejections import NO_TIME
 
 ROUNDS = 9
 WARM = 3  # rounds until what a process keeps for good is there
-PATIENCE = 60.0
 ANSWER = 2.0  # [s] until a request is sent again
 MOST_GROWTH = 4_000  # kB; a few of the scans that come meanwhile, 400 kB each, would be more
 FLOATS = (math.nan, math.inf, -math.inf, 1e308, -1e308, 5e-324, -0.0, 1.0)

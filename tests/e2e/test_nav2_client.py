@@ -24,7 +24,8 @@ from harness.ros.session import run_through_ros
 from harness.samples import GroundTruth
 from harness.sensors.message_types import typestore
 from harness.world.occupancy import occupancy
-from tests.support.nav2_client import CACHE_NS, PATIENCE, TF, XY_TOLERANCE, Buffer, Nav2Client
+from tests.support.nav2_client import CACHE_NS, TF, XY_TOLERANCE, Buffer, Nav2Client
+from tests.support.waiting import PATIENCE
 
 GOALS = [(0.6, 0.15), (1.1, 0.15), (1.6, -0.1)]
 CONFIG = EpisodeConfig(terrain="rocky", driver="cmd_vel", duration=5.5, lidar_beams=45)

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.support.waiting import PATIENCE
+
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
@@ -22,7 +24,6 @@ from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.session import run_through_ros
 from harness.world.occupancy import occupancy
 
-PATIENCE = 20.0  # [s]
 LATCHED = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
 )

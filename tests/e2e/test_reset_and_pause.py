@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 
+from tests.support.waiting import PATIENCE
+
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 import rclpy
@@ -29,8 +31,6 @@ from harness.ros import session
 from harness.ros.context import make_executor, spin_until
 from harness.ros.session import run_through_ros
 from harness.samples import Odometry, Pose
-
-PATIENCE = 30.0  # [s]
 
 
 class Caller:

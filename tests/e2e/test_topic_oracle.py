@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.support.waiting import PATIENCE
+
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from geometry_msgs.msg import Twist as TwistMessage
@@ -56,7 +58,6 @@ from tests.e2e.topic_oracle.stage import (
 )
 from tests.e2e.topic_oracle.twin import TICK_NS, Twin
 
-PATIENCE = 20.0  # [s]; reached only when a test fails
 TICKS_PER_BATCH = 5
 TABLE = {topic.name: topic for topic in topics()}
 UNHEARD = ("/map", "/cmd_vel", "/rover/metrics")  # are recorded too, and tested elsewhere

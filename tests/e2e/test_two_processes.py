@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 
 from harness.run import main
+from tests.support.waiting import PATIENCE
 
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
-PATIENCE = 60.0
 METRICS_NODE = [sys.executable, "-m", "rover_metrics.metrics_node"]
 SCRIPT = Path(sys.executable).with_name("metrics_node")
 HARNESS = [sys.executable, "-m", "harness.run", "--no-metrics", "--wait-for", "/metrics_node"]

@@ -19,11 +19,11 @@ from harness.episode.batch import Batch
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.foreign_type import forget_missing_definition, message_type
 from harness.sensors.message_types import typestore
+from tests.support.waiting import PATIENCE
 
 Pose = tuple[Rotation, NDArray[np.float64]]
 Place = tuple[float, float]
 TF = "tf2_msgs/msg/TFMessage"
-PATIENCE = 20.0  # [s]; reached only when a test fails
 DISCOVERY = 0.5  # [s]; for so long it waits for a scan of a batch before it has heard any
 CACHE_NS = 10 * 10**9  # tf2_ros::Buffer
 TOLERANCE_NS = 3 * 10**8  # transform_tolerance of a costmap

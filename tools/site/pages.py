@@ -24,8 +24,8 @@ SECTIONS: dict[str, tuple[str, ...]] = {
         "nav2.md",
     ),
     GUIDES: (
-        *("testing.md", "scenarios.md", "sensors.md", "worlds.md", "social.md", "gym.md"),
-        *("driving.md", "looking.md", "ros.md"),
+        *("testing.md", "scenarios.md", "fleets.md", "sensors.md", "worlds.md", "social.md"),
+        *("gym.md", "driving.md", "looking.md", "ros.md"),
     ),
     "Notebooks": tuple(f"notebooks/{name}.md" for name in NOTEBOOKS),
     "Reference": (

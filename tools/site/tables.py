@@ -71,10 +71,10 @@ def _qos(topic: Topic) -> str:
 def parameters() -> str:
     """Returns all parameters of metrics_node."""
     rows = (
-        (f"`{name}`", _default(p), f"{p.description}; valid: {_valid(p)}")
+        (f"`{name}`", f"{p.description}. Default: {_default(p)}; valid: {_valid(p)}")
         for name, p in PARAMETERS.items()
     )
-    return table("parameter | default | meaning", rows)
+    return table("parameter | meaning", rows)
 
 
 def _default(parameter: ParameterInfo) -> str:

@@ -21,7 +21,7 @@ from harness.world.terrain_file import MIDDLE, STEEPEST_START, TerrainFile
 from harness.world.world import EDGE_MARGIN, Start, World
 
 START_ROOM = 0.7  # [m] around the start that is free
-START_RESOLUTION = 0.1  # [m]
+START_RESOLUTION = 0.1  # [m], or that of the heights
 BUILT = {  # RGBA of what a file gives no colour: weathered concrete, not the rocks of the named terrains
     ObstacleKind.ROCK: (0.56, 0.52, 0.47, 1.0),
     ObstacleKind.HAZARD: (0.40, 0.42, 0.44, 1.0),
@@ -104,11 +104,12 @@ def _start(world: World, surface: Surface, file: TerrainFile, notes: list[str]) 
     from scipy.ndimage import distance_transform_edt  # noqa: PLC0415 - 0.1 s that named terrains save
 
     ground = world.ground
-    cells = occupancy(world, math.radians(STEEPEST_START), file.step_limit, START_RESOLUTION)
+    resolution = max(START_RESOLUTION, ground.cell)  # finer than its heights, kilometres take gigabytes
+    cells = occupancy(world, math.radians(STEEPEST_START), file.step_limit, resolution)
     rows, columns = cells.cells.shape
     x_from, _, y_from, _ = ground.bounds()
     x, y = (
-        (np.arange(count) + 0.5) * START_RESOLUTION + start
+        (np.arange(count) + 0.5) * resolution + start
         for count, start in ((columns, x_from), (rows, y_from))
     )
     nearest = [
@@ -116,7 +117,7 @@ def _start(world: World, surface: Surface, file: TerrainFile, notes: list[str]) 
         for places, start, count in zip((y, x), (y_from, x_from), ground.heights.shape, strict=True)
     ]
     free = (cells.cells == FREE) & surface.has_floor[np.ix_(*nearest)]
-    room = distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1] * START_RESOLUTION
+    room = distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1] * resolution
     wanted = (0.0, 0.0) if ground.contains(0.0, 0.0, EDGE_MARGIN) else ground.middle
     distance = np.hypot(y[:, None] - wanted[1], x[None, :] - wanted[0])
     fit = room >= START_ROOM
@@ -126,7 +127,7 @@ def _start(world: World, surface: Surface, file: TerrainFile, notes: list[str]) 
             f"{STEEPEST_START:g} deg; choose a --start"
         )
     row, column = np.unravel_index(np.argmin(np.where(fit, distance, np.inf)), fit.shape)
-    if distance[row, column] < START_RESOLUTION:
+    if distance[row, column] < resolution:
         return *wanted, 0.0
     start = round(float(x[column]), 3), round(float(y[row]), 3), 0.0
     notes.append(f"starts at {start[0]:g},{start[1]:g}, the free and gentle place next to its middle")

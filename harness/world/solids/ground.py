@@ -103,7 +103,8 @@ def _groundless(solids: Sequence[Solid], candidates: list[tuple[Solid, Mesh]]) -
     told = "" if widest is None else f" (the widest is {widest[0]:.3g} x {widest[1]:.3g} m)"
     return (
         f"it has no ground: neither a plane nor a heightmap, nor a mesh or box of {SMALLEST_SIDE:g} x "
-        f"{SMALLEST_SIDE:g} m or more{told}; add a ground plane, or tell the unit by --mesh-unit"
+        f"{SMALLEST_SIDE:g} m or more{told}; add a ground plane, or tell the unit by --mesh-unit, "
+        "the axis by --mesh-up"
     )
 
 

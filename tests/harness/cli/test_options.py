@@ -1,3 +1,4 @@
+import shlex
 from dataclasses import replace
 from operator import attrgetter
 from pathlib import Path
@@ -16,7 +17,7 @@ from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 
 def parsed(words: str) -> RunOptions:
-    options = parse_run(words.split())
+    options = parse_run(shlex.split(words))
     assert options is not None
     return options
 
@@ -194,7 +195,7 @@ def test_extended_columns_know_the_gravity_of_the_world(tmp_path: Path) -> None:
     world = f"<world name='moon'><gravity>0 0 -1.62</gravity>{model}</world>"
     file = tmp_path / "moon.sdf"
     file.write_text(f"<sdf version='1.9'>{world}</sdf>")
-    told = parsed(f"--extended --terrain {file}")
+    told = parsed(f"--extended --terrain '{file}'")
     assert told.settings.extended == extended_settings(LEO, 1.62)
     assert told.settings.extended.gravity == told.config.gravity() == 1.62
     assert told.ros.ros_args == tuple(told_node(LEO, 1.62))
@@ -208,22 +209,60 @@ def test_a_parameter_file_says_what_the_metrics_are_made_with_after_the_rover_an
     file = tmp_path / "p.yaml"
     file.write_text("/**: {ros__parameters: {collision_threshold: 0.75, gravity: 9.0, fsync: true}}")
     own = ("--ros-args", "-p", "gravity:=8.0")
-    told = parsed(f"--extended --params {file} {' '.join(own)}")
+    told = parsed(f"--extended --params '{file}' {' '.join(own)}")
     words = ("-p", "collision_threshold:=0.75", "-p", "gravity:=9.0", "-p", "fsync:=true")
     assert told.ros.ros_args == (*told_node(LEO), "--ros-args", *words, "--", *own)
     assert told.settings.thresholds == Thresholds(collision_threshold=0.75)
     assert told.settings.extended == replace(extended_settings(LEO), gravity=9.0)
     assert (told.settings.extended_columns, told.params) == (True, file)
-    alone = parsed(f"--direct --params {file}").settings
+    alone = parsed(f"--direct --params '{file}'").settings
     assert alone == Settings().updated({"collision_threshold": 0.75, "gravity": 9.0, "fsync": True})
     file.write_text("/**: {ros__parameters: {colision_threshold: 0.75}}")
     for words_of_a_mistake, mend in (
-        (f"--direct --params {file}", "did you mean collision_threshold?"),
-        (f"--params {tmp_path}", "Is a directory"),
-        (f"--no-metrics --params {file}", "start yours with --ros-args --params-file FILE"),
+        (f"--direct --params '{file}'", "did you mean collision_threshold?"),
+        (f"--params '{tmp_path}'", "Is a directory"),
+        (f"--no-metrics --params '{file}'", "start yours with --ros-args --params-file FILE"),
         ("--ros-args -p x:=1 --seed 3", "--seed stands behind --ros-args"),
     ):
         with pytest.raises(UsageError) as refused:
             parsed(words_of_a_mistake)
         assert mend in str(refused.value)
         assert "\n" not in str(refused.value)
+
+
+def test_several_rovers_have_a_folder_pages_and_parameters_each() -> None:
+    words = "--terrain flat --extended --report out/run.html --summary run.json --log-dir logs"
+    told = parsed(f"{words} --rover leo:a --rover rover_zero4wd:b,x=2,y=0")
+    assert [told.log_dir(config) for config in told.fleet] == [Path("logs/a"), Path("logs/b")]
+    assert [told.report_of(config) for config in told.fleet] == [
+        Path("out/run_a.html"),
+        Path("out/run_b.html"),
+    ]
+    assert told.summary_of(told.config) == Path("run_a.json")
+    for rover, settings, own in zip(
+        (LEO, ROVER_ZERO4WD), told.all_settings, told.parameters, strict=True
+    ):
+        assert settings.extended == extended_settings(rover)
+        assert own == extended_parameters(settings.extended)
+    assert told.ros.ros_args == ()
+    alone = parsed(words)
+    assert (alone.log_dir(alone.config), alone.report_of(alone.config)) == (
+        Path("logs"),
+        Path("out/run.html"),
+    )
+    assert alone.parameters == ({},)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("--namespace n", "--namespace is for a single rover: name each as --rover ROBOT:NAME"),
+        ("--robot rover_zero4wd", "--robot is for a single rover: give --rover rover_zero4wd beside"),
+        ("--actor g=1,1 --social-log a.csv", "--social-log is for a single rover: each --rover has its"),
+        ("--direct --rover leo:b,driver=cmd_vel,x=2,y=0", "--driver cmd_vel needs ROS"),
+        ("--direct --rover leo:b,driver=goal,x=2,y=0", "--driver goal without --goal-area needs ROS"),
+    ],
+)
+def test_what_makes_no_sense_with_several_rovers_is_refused(words: str, told: str) -> None:
+    with pytest.raises(UsageError, match=told):
+        parsed(f"--terrain flat --rover leo:a {words}")

@@ -64,7 +64,8 @@ class Scripted:
 def scripted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Episodes are scripted, and each reading of the wall clock is a quarter of a second later."""
     wall = iter(range(10_000))
-    monkeypatch.setattr(direct, "Episode", Scripted)
+    monkeypatch.setattr(direct, "fleet_of", lambda configs: [Scripted(config) for config in configs])
+    monkeypatch.setattr(direct, "together", lambda made: ((batch,) for batch in made[0].batches()))
     for module in (direct, results):
         monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: next(wall) / 4))
 

@@ -314,7 +314,8 @@ def test_a_run_that_fails_gives_its_last_ticks_and_events_first() -> None:
     for _ in range(8):
         last = next(batches)
     assert last.open_events
-    tick, called = episode.simulation.tick, list[None]()
+    physics = episode.simulation.physics
+    tick, called = physics.tick, list[None]()
 
     def leave_the_map() -> None:
         tick()
@@ -322,7 +323,7 @@ def test_a_run_that_fails_gives_its_last_ticks_and_events_first() -> None:
         if len(called) == 3:
             raise RunFailed("left")
 
-    episode.simulation.tick = leave_the_map  # type: ignore[method-assign]
+    physics.tick = leave_the_map  # type: ignore[method-assign]
     last = next(batches)
     assert [one.stamp_ns for one in last.ticks] == [410_000_000, 420_000_000]
     assert (len(last.events), last.open_events) == (1, ())

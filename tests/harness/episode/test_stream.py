@@ -136,3 +136,26 @@ def test_death_of_the_child_fails_the_run() -> None:
             child.kill()
         with pytest.raises(RunFailed, match="simulation process died"):
             list(batches)
+
+
+def test_each_rover_of_a_world_gets_its_own_orders_and_its_own_batches() -> None:
+    shared = {"terrain": "flat", "driver": "cmd_vel", "lidar_beams": 2, "duration": 1.0}
+    fleet = [
+        config(name="a", **shared),
+        config(name="b", number=1, start=(2.0, 0.0, 0.0), robot="rover_zero4wd", **shared),
+    ]
+    with EpisodeProcess(fleet) as process:
+        assert [info.start[0] for info in process.infos] == [0.0, 2.0]
+        path = []
+        for index, batches in enumerate(process.batches()):
+            path.append([batch.truth.path_length for batch in batches])
+            if index == 2:
+                process.rovers[1].command(Twist(linear=0.4))
+            if index == 12:
+                assert process.rovers[1].reset() == 13 * CONTROL_PERIOD_NS
+    assert max(still for still, _ in path) < 1e-3
+    assert path[2][1] < 1e-3
+    assert path[12][1] > 0.1
+    assert [batch.truth.resets for batch in batches] == [0, 1]
+    x = [batch.truth.position[0] for batch in batches]
+    assert x == pytest.approx([0.0, 2.0], abs=0.03)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import mujoco
 import pytest
@@ -129,6 +130,7 @@ def test_a_slide_moves_its_frame_along_its_axis_in_the_parent(tmp_path: Path) ->
 
         model, data = frames.model, frames.data
         time_ns = 50_000_000
+        scene = SimpleNamespace(own=str)
 
     frames.data.joint("lift").qpos[0] = 0.3
     simulation: object = Lifted()

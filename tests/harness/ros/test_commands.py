@@ -6,6 +6,8 @@ from typing import Any
 
 import pytest
 
+from tests.support.waiting import PATIENCE
+
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 import rclpy
@@ -17,7 +19,6 @@ from harness.ros.commands import STAMPED_BY_DEFAULT, Commands
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.samples import Twist as Command
 
-PATIENCE = 10.0
 NAN = float("nan")
 
 

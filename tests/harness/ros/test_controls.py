@@ -90,3 +90,14 @@ def test_a_stop_request_ends_a_pause(monkeypatch: pytest.MonkeyPatch) -> None:
     rig.ask("~/pause", data=True)
     rig.while_spinning = [lambda: setattr(stop, "signal", 2)]
     assert rig.controls.hold(stop) == 2.0
+
+
+def test_each_rover_is_reset_by_itself_and_a_pause_is_of_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    other, one = Rig(monkeypatch), Rig(monkeypatch)  # the later clock holds
+    shared = Controls(one.node, lambda: 1_000_000_000, [(other.node, lambda: None)])
+    assert one.ask("~/reset") == (True, "the rover goes back to its start at t = 1.00 s")
+    assert other.ask("~/reset")[0] is False
+    assert other.ask("~/pause", data=True) == (True, "paused at t = 0.00 s")
+    assert one.ask("~/pause", data=True) == (True, "paused already at t = 0.00 s")
+    one.while_spinning.append(lambda: other.ask("~/pause", data=False))
+    assert shared.hold(StopRequest()) == 2.0

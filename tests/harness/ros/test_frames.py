@@ -7,6 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.support.waiting import PATIENCE
+
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from harness.errors import RunFailed
@@ -25,7 +27,6 @@ BASE = ("odom", "base_footprint")
 WHEEL = ("base_link", "wheel_FL_link")
 OWN = Description((), (BASE, WHEEL), owns_odom=True, urdf="<robot/>")
 MAPPED = Description((Edge("map", "odom"),), (WHEEL,), owns_odom=False, urdf="")
-PATIENCE = 20.0  # [s]; reached only when a test fails
 
 names = st.text("abc_/é", min_size=1, max_size=9)
 numbers = st.floats(allow_nan=True)

@@ -24,8 +24,8 @@ from harness.ros.network import (
     USERS_OWN,
     local_settings,
 )
+from tests.support.waiting import PATIENCE
 
-PATIENCE = 30.0  # [s]; reached only when a test fails
 READING = 0.3  # [s]: a listener reads at once
 LOCALHOST = {RANGE: "LOCALHOST"}
 

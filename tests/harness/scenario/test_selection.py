@@ -1,6 +1,7 @@
 """Files and folders of scenarios to runs."""
 
 import json
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,7 +29,7 @@ def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
     ]
     file = tmp_path / "two.scenario.yaml"
     words = "--seed 7 --only robot=leo --only difficulty=1.0"
-    assert cases[3].command == f"python -m harness.scenario {file} {words}"
+    assert cases[3].command == f"python -m harness.scenario {shlex.quote(str(file))} {words}"
     assert cases[3].folder == Path(*tmp_path.parts[1:], "two[leo-1.0-7]")
     outside = replace(cases[3], path=Path("../two.scenario.yaml"))
     assert outside.folder == Path("two[leo-1.0-7]")

@@ -131,7 +131,7 @@ def test_a_metrics_node_that_is_started_writes_the_log_that_is_judged_and_is_ask
     assert (counts["/rover/metrics"], counts["/scan"], counts["/clock"]) == (2, 40, 251)
 
 
-DIES = """sh -c 'while [ ! -e {folder}/go ]; do sleep 0.01; done; echo one; echo two; exit 3'"""
+DIES = """sh -c 'while [ ! -e "{folder}/go" ]; do sleep 0.01; done; echo one; echo two; exit 3'"""
 
 
 def test_a_program_that_ends_before_the_run_does_is_told_with_its_last_words(

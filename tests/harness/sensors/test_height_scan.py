@@ -1,5 +1,6 @@
 """The height scan against MuJoCo's own rays from above, and where its cells are."""
 
+import copy
 import math
 
 import mujoco
@@ -9,14 +10,15 @@ import pytest
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.errors import UsageError
-from harness.physics.scene import build_scene
-from harness.physics.simulation import Simulation
+from harness.physics.scene import build_scene, build_scenes
+from harness.physics.simulation import Simulation, simulations
 from harness.sensors.height_scan import HeightScan, HeightScanOptions, HeightScanSensor
+from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import ObstacleKind
 from harness.world.world import World
 from tests.harness.sensors.installed import installation
-from tests.support.rovers import LEO
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 SIZE = (1.6, 0.9)
 
@@ -102,3 +104,20 @@ def test_a_map_need_not_lie_around_the_origin() -> None:
 def test_a_grid_that_makes_no_sense_is_refused(told: dict[str, object], message: str) -> None:
     with pytest.raises(UsageError, match=message):
         HeightScanOptions(name="scan", **told).check()  # type: ignore[arg-type]  # of several types
+
+
+def test_another_rover_is_part_of_the_ground_and_its_own_is_not() -> None:
+    world = World("bench", Heightfield(np.zeros((61, 61)), 0.1), (), seed=0, difficulty=0.0)
+    fleet = (Member("a", LEO, (0.0, 0.0, 0.0)), Member("b", ROVER_ZERO4WD, (0.7, 0.0, 0.4)))
+    one, other = simulations(build_scenes(world, fleet, 0.0025), 2_500_000)
+    model, data, hit = one.model, one.data, np.zeros(1, np.int32)
+    read = scan(one, (0.4, 0.0, 0.0), axes="world")
+    model = copy.copy(model)
+    model.geom_group[one.scene.geoms()] = 5
+    seen, met = np.array([1, 1, 0, 1, 0, 0], np.uint8), 0
+    for (i, j), height in np.ndenumerate(read.heights):
+        above = np.array([read.x - 0.75 + 0.1 * i, read.y - 0.4 + 0.1 * j, 10.0])
+        distance = mujoco.mj_ray(model, data, above, np.array([0.0, 0.0, -1.0]), seen, 1, -1, hit)
+        met += int(hit[0]) in other.scene.geoms()
+        assert height == pytest.approx(10.0 - distance - read.z, abs=2e-6)
+    assert 10 < met < read.heights.size

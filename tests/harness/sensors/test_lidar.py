@@ -1,5 +1,6 @@
 """The lidar against mj_multiRay over the whole scene, and what its ranges say (REP-117)."""
 
+import copy
 from itertools import cycle, islice
 
 import mujoco
@@ -7,9 +8,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from harness.physics.scene import build_scenes
+from harness.physics.simulation import Simulation, simulations
 from harness.robots import ROVERS, RoverSpec
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.rays.bundle import RayBundle
+from harness.world.berths import Member
+from harness.world.world import build_world
 
 Array = NDArray[np.float64]
 Scene = tuple[mujoco.MjModel, mujoco.MjData]
@@ -242,7 +248,95 @@ def test_obstacle_of_unknown_shape_is_named() -> None:
     world = terrain_spec(np.zeros((3, 3)), 1.0)
     add_rover(world, 0.5)
     world.worldbody.add_geom(
-        name="ball", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.1, 0.0, 0.0], group=1
+        name="wall", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0.1, 0.1, 0.1], group=1
     )
-    with pytest.raises(ValueError, match=r"'ball'.*available: box, cylinder, capsule, ellipsoid"):
+    with pytest.raises(
+        ValueError, match=r"'wall'.*available: box, cylinder, capsule, ellipsoid, sphere"
+    ):
         Lidar(world.compile(), LidarSpec())
+
+
+@pytest.fixture(scope="module")
+def pair() -> tuple[Simulation, Simulation]:
+    """Two rovers that stand beside each other, askew, on rough ground."""
+    world = build_world("rocky", seed=3)
+    fleet = (
+        Member("a", ROVERS["leo"], (0.0, 0.0, 0.4)),
+        Member("b", ROVERS["rover_zero4wd"], (0.9, -0.5, 2.0)),
+    )
+    one, other = simulations(build_scenes(world, fleet, 0.0025), 2_500_000)
+    return one, other
+
+
+@pytest.mark.parametrize("who", [0, 1])
+def test_another_rover_is_met_as_mujoco_has_it_and_its_own_never(
+    who: int, pair: tuple[Simulation, Simulation]
+) -> None:
+    """By the lidar and by bundles of rays to all sides: its wheels, its body, and past it the ground."""
+    me, model, data = pair[who], pair[0].model, pair[0].data
+    scene = me.scene
+    lidar = Lidar(model, LidarSpec(beams=360), scene.own("lidar"), scene.others())
+    seen, own = copy.copy(model), [g for g in range(model.ngeom) if g in scene.geoms()]
+    seen.geom_group[own] = 5  # nothing of one's own is asked for
+    groups = np.array([1, 1, 0, 1, 0, 0], np.uint8)
+    other = pair[1 - who]
+    chassis = model.geom(other.scene.own("body_chassis")).id
+    joints = [
+        model.joint(each.scene.own(name)).qposadr[0] for each in pair for name in each.scene.rover.joints
+    ]
+    for turn in (0.0, 0.9, -1.3):  # wheels turn, and rockers hang
+        data.qpos[joints] = turn * np.linspace(0.1, 0.2, len(joints))
+        mujoco.mj_kinematics(model, data)
+        # Lidars are high: level with one, the other stands on a step, and leans.
+        other.pose[2] += data.site_xpos[lidar._site][2] - data.geom_xpos[chassis][2]
+        other.pose[3:] = np.cos(0.1 * turn), np.sin(0.1 * turn), 0.0, 0.0
+        mujoco.mj_kinematics(model, data)
+        place, axes = data.site_xpos[lidar._site], data.site_xmat[lidar._site].reshape(3, 3)
+        level = lidar._beams @ axes.T
+        steep = np.random.default_rng(who).normal(size=(600, 3))
+        steep /= np.linalg.norm(steep, axis=1, keepdims=True)
+        surroundings = RayBundle(lidar.surroundings, steep, 10.0)
+        pose = np.vstack([place, axes])
+        for directions, ours in (
+            (level, lidar.scan(data).astype(float)),
+            (steep @ axes.T, surroundings.cast(data, pose)),
+        ):
+            count = len(directions)
+            geoms, distances = np.empty(count, np.int32), np.empty(count)
+            cast = place, directions.ravel(), groups, 1, -1, geoms, distances, None
+            mujoco.mj_multiRay(seen, data, *cast, count, 10.0)
+            met = np.isin(geoms, scene.others())
+            assert met.any()
+            assert not np.isin(geoms, own).any()
+            met_within = (geoms >= 0) & (distances <= 10.0)
+            expected = np.where(met_within, distances, np.inf)
+            near = expected < lidar.spec.range_min
+            kept = ~near if directions is level else slice(None)
+            np.testing.assert_allclose(ours[kept], expected[kept], atol=TOLERANCE)
+
+
+def test_spheres_and_meshes_of_other_rovers_are_met_where_they_are() -> None:
+    rng = np.random.default_rng(4)
+    spec = terrain_spec(np.zeros((41, 41)), 0.25)
+    add_rover(spec, 0.5)
+    other = spec.worldbody.add_body(name="other", pos=[2.0, 1.0, 0.5])
+    other.add_freejoint()
+    spec.add_mesh(name="shell", uservert=rng.uniform(-0.5, 0.5, 24).tolist())
+    other.add_geom(type=MESH, meshname="shell", group=3)
+    other.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.3, 0, 0], pos=[0.0, 0.9, 0.0], group=3)
+    model, data = compiled(spec)
+    others = [g for g in range(model.ngeom) if model.body(model.geom_bodyid[g]).name == "other"]
+    lidar = Lidar(model, LidarSpec(beams=720), "lidar", others)
+    data.qpos[7:] = (-1.8, 0.6, 0.5, np.cos(0.9), 0.0, 0.0, np.sin(0.9))  # it has driven on since
+    mujoco.mj_kinematics(model, data)
+    place, axes = data.site_xpos[lidar._site], data.site_xmat[lidar._site].reshape(3, 3)
+    directions = lidar._beams @ axes.T
+    model.geom_group[[g for g in range(model.ngeom) if model.geom_bodyid[g] == 1]] = 5
+    geoms, distances = np.empty(720, np.int32), np.empty(720)
+    groups = np.array([1, 1, 0, 1, 0, 0], np.uint8)
+    mujoco.mj_multiRay(
+        model, data, place, directions.ravel(), groups, 1, -1, geoms, distances, None, 720, 10.0
+    )
+    assert {g for g in geoms.tolist() if g in others} == set(others)
+    expected = np.where(geoms >= 0, distances, np.inf)
+    np.testing.assert_allclose(lidar.scan(data), expected, atol=TOLERANCE)

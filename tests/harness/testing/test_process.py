@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from harness.errors import RunFailed, UsageError
-from harness.testing.process import BECOME, LAST_LINES, Process
+from harness.testing.process import BECOME, LAST_LINES, Process, Programs
 from tests.support.waiting import wait_until
 
 # A child that does not hear Ctrl-C, and a program that does.
@@ -50,6 +50,24 @@ def test_stop_ends_all_that_a_program_has_started_also_where_signals_are_blocked
     process.stop()  # once more does no harm
     with pytest.raises(RunFailed, match=r"^sh -c '.*' ended by SIGINT at 3 s\n\d+$"):
         process.check(" at 3 s")
+
+
+def test_whichever_of_several_programs_ends_is_told_of_with_the_time_and_knows_its_domain(
+    tmp_path: Path,
+) -> None:
+    programs = Programs(42, lambda: " at 7 s")
+    ended = ["sh", "-c", "echo $ROS_DOMAIN_ID; exit 3"]
+    lasting = [programs.begin(["sleep", "1000"])]
+    programs.check()
+    told = programs.begin(ended, output=tmp_path / "said")
+    lasting.append(programs.begin(["sleep", "1000"]))
+    told._process.wait()
+    try:
+        with pytest.raises(RunFailed, match=r"ended with exit code 3 at 7 s\n42$"):
+            programs.check()
+    finally:
+        for process in lasting:
+            process.stop()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux ends children with their parents")

@@ -196,7 +196,7 @@ def test_upside_down_is_180_degrees_even_if_rounding_says_more(
 ) -> None:
     x, y = math.sin(math.radians(8.0)), math.cos(math.radians(8.0))
     assert x * x + y * y > 1.0
-    stand_in.data.qpos[3:7] = 0.0, x, y, 0.0
+    stand_in.pose[3:] = 0.0, x, y, 0.0
     recorder.observe()
     assert recorder.truth().largest_tilt == math.pi
 

@@ -4,8 +4,7 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 from types import ModuleType
@@ -14,9 +13,9 @@ import pytest
 
 from harness.tuning.backend import WorkerLost, backend_of
 from harness.tuning.backend.local import LocalBackend
+from tests.support.waiting import PATIENCE, wait_until
 
 HERE = Path(__file__).parent
-PATIENCE = 20.0  # [s]
 # A command that works with two processes until it is stopped.
 COMMAND = """
 import sys
@@ -138,13 +137,6 @@ def runs(pid: int) -> bool:
     words = ["ps", "-o", "stat=", "-p", str(pid)]
     state = subprocess.run(words, capture_output=True, text=True, check=False).stdout
     return bool(state) and not state.startswith("Z")
-
-
-def wait_until(condition: Callable[[], object]) -> None:
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
 
 
 def test_as_many_jobs_as_usable_cpus_by_default() -> None:

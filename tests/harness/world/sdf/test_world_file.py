@@ -10,6 +10,8 @@ from PIL import Image
 from harness.errors import UsageError
 from harness.world.files import file_world
 from harness.world.obstacles import ObstacleKind, top
+from harness.world.occupancy import occupancy
+from harness.world.solids import assembly
 from harness.world.solids.assembly import BUILT
 from harness.world.terrain_file import TerrainFile
 from harness.world.world import World, terrain_hash
@@ -109,6 +111,17 @@ def test_a_mesh_alone_is_a_terrain_and_takes_unit_and_axis(tmp_path: Path) -> No
     path = write_obj(tmp_path / "u.obj", turned)
     again = file_world(TerrainFile(path=path, cell=0.5, mesh_unit="mm", mesh_up="y"), 0)
     np.testing.assert_allclose(again.ground.heights, world.ground.heights, atol=1e-6)
+
+
+def test_a_map_of_kilometres_is_looked_at_no_finer_than_its_heights(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+    monkeypatch.setattr(assembly, "occupancy", lambda *args: asked.append(args[3]) or occupancy(*args))
+    sheet = "v -1500 -1500 0\nv 1500 -1500 0\nv 1500 1500 0\nv -1500 1500 0\nf 1 2 3\nf 1 3 4\n"
+    (tmp_path / "wide.obj").write_text(sheet)
+    world = file_world(TerrainFile(path=tmp_path / "wide.obj", cell=10.0), seed=7)
+    assert (asked, world.ground.heights.shape, world.start) == ([10.0], (301, 301), (0.0, 0.0, 0.0))
 
 
 def test_a_heightmap_of_a_world_keeps_its_north_and_its_heights(tmp_path: Path) -> None:
