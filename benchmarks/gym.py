@@ -45,7 +45,8 @@ def measure(effort: Effort) -> Table:
     robots = list(ROVERS)[: effort.maps]  # worlds take their time to make
     rows = [row for robot in robots for row in _rows(robot, effort)]
     return Table(
-        title=f"Learning environments: PointNav on rocky, {effort.seconds:g} simulated seconds",
+        title=f"Learning environments: PointNav on rocky, {effort.seconds:g} simulated seconds, "
+        f"{effort.rounds} rounds",
         columns=("robot", "what", "env steps a second", "time against physics alone", "target"),
         rows=tuple(rows),
     )

@@ -88,13 +88,13 @@ def test_episodes_end_as_the_table_says(make: Make, monkeypatch: pytest.MonkeyPa
     assert math.isfinite(reward)
 
     env.reset(options={"start": (0.0, 0.0, 0.0), "goal": (2.0, 0.0)})
-    advance, shares = env._ride.advance, iter([0.04, 0.05, 0.01])  # whose sum is 0.1 - 1e-17
+    read, shares = env._ride.read, iter([0.04, 0.05, 0.01])  # whose sum is 0.1 - 1e-17
 
-    def touching(twist: object) -> None:
-        advance(twist)
+    def touching() -> None:
+        read()
         env._ride.hazard_s = next(shares)
 
-    monkeypatch.setattr(env._ride, "advance", touching)
+    monkeypatch.setattr(env._ride, "read", touching)
     assert [env.step(still)[4]["ending"] for _ in range(2)] == ["", ""]
     _, _, terminated, truncated, info = env.step(still)
     assert (terminated, truncated, info["ending"]) == (True, False, "hazard")

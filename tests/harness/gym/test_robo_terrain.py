@@ -90,15 +90,15 @@ def test_scans_nearer_than_thirty_centimetres_are_collisions(
     env.reset(seed=0, options=MIDDLE)
     rewards = []
     for nearest in (1.0, 0.29, 0.31, -np.inf):
-        advance = env._ride.advance
+        read = env._ride.read
 
-        def near(twist: object, advance: Any = advance, nearest: float = nearest) -> None:  # noqa: ANN401
-            advance(twist)
+        def near(read: Any = read, nearest: float = nearest) -> None:  # noqa: ANN401
+            read()
             env._ride.readings = readings(np.full(32, nearest))
 
-        env._ride.advance = near
+        env._ride.read = near
         _, reward, *_, info = env.step(STILL)
-        env._ride.advance = advance
+        env._ride.read = read
         rewards.append(reward)
     assert [reward == -0.5 for reward in rewards] == [False, True, False, True]
     assert info["reward_terms"] == {"collision": -0.5}
