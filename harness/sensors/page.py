@@ -51,18 +51,14 @@ def _topics(row: SensorRow) -> str:
 def _options(kind: type[SensorOptions], without: type[SensorOptions] | None = None) -> Iterator[str]:
     yield "| option | default | what |"
     yield "| --- | --- | --- |"
-    inherited = (
-        set()
-        if without is None
-        else {item.name: getattr(without, item.name, None) for item in fields(without)}
-    )
+    inherited = {
+        item.name: getattr(without, item.name, None) for item in (fields(without) if without else ())
+    }
     known = described(kind)
     example = kind(name="NAME")
     for item in fields(kind):
         default = getattr(example, item.name)
-        if item.name == "name" or (
-            item.name in inherited and default == getattr(without, item.name, default)
-        ):
+        if item.name == "name" or (item.name in inherited and default == inherited[item.name]):
             continue
         yield f"| `{item.name}` | {_text(default)} | {known[item.name]} |"
 
@@ -103,9 +99,9 @@ def written(page: str) -> str:
     Raises:
         UsageError: It has not got them.
     """
-    before, begin, rest = page.partition(BEGIN)
+    before, _, rest = page.partition(BEGIN)
     _, end, after = rest.partition(END)
-    if not begin or not end:
+    if not end:
         raise UsageError(f"the page has no place for the tables; give it the lines {BEGIN} and {END}")
     return f"{before}{BEGIN}\n{tables()}{END}{after}"
 

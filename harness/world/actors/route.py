@@ -111,6 +111,5 @@ def timed(
     """
     if any(after < before for before, after in pairwise(times)) or times[0] < 0.0:
         raise UsageError(f"{who}: the times of its way points do not ascend from 0 on; mend <time>")
-    begin = 0.0 if times[0] == 0.0 or len(times) == 1 else times[0]
-    since = tuple(time - begin for time in times)
-    return Route(since, tuple((point[0], point[1]) for point in points), loops, delay + begin)
+    since = tuple(time - times[0] for time in times)
+    return Route(since, tuple((point[0], point[1]) for point in points), loops, delay + times[0])

@@ -1,6 +1,7 @@
 """The social log of a run, against where rover and people were by the episode's own truth."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -30,10 +31,13 @@ def test_each_second_has_a_row_and_goals_count_from_when_they_are_given(tmp_path
     goals = [(), (Place(2.1, 0.0, 0.0),), (), (Place(4.2, 0.0, 0.0), Place(9.0, 0.0, 0.0)), ()]
     for second, given in enumerate(goals, 1):
         log.take(batch(second, float(second), *given))
+    sixth = batch(6, 6.0)
+    pose, _ = sixth.ticks[0].samples
+    log.take(replace(sixth, ticks=(Tick(6 * 10**9, (pose,)),)))  # nobody's places are told
     log.close()
     assert log.path is not None
     assert (log.path.parent, log.path.name[:11]) == (tmp_path / "social", "social_log_")
-    told = read_social_log(log.path)
+    told = read_social_log(log.path)  # so none of the sixth
     assert told.actors == ("a", "b")
     assert told.distance.tolist() == [[1.0, 3.0]] * 5
     assert told.position.tolist() == [[float(x), 0.0] for x in range(1, 6)]

@@ -15,8 +15,9 @@ from harness.physics.simulation import Simulation, simulations
 from harness.sensors.height_scan import HeightScan, HeightScanOptions, HeightScanSensor
 from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
-from harness.world.obstacles import ObstacleKind
+from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
+from tests.harness.conftest import MakeSimulation
 from tests.harness.sensors.installed import installation
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
@@ -66,6 +67,12 @@ def test_every_cell_has_the_height_of_what_is_met_first_from_above(
         rocks += simulation.model.geom(hit[0]).name.startswith("rock")
         assert height == pytest.approx(10.0 - distance - mount[2], abs=2e-6)
     assert 0 < rocks < read.heights.size / 2
+
+
+def test_what_hangs_high_is_looked_at_from_above_it(make_simulation: MakeSimulation) -> None:
+    box = Obstacle(ObstacleKind.HAZARD, "box", (0.3, 0.3, 0.3), (0.0, 0.0, 5.0))
+    read = scan(make_simulation("leo", obstacles=(box,)), axes="world")
+    assert read.heights[8, 4] + read.z == pytest.approx(5.3, abs=1e-6)
 
 
 def test_what_is_off_the_map_is_not_known(simulation: Simulation) -> None:

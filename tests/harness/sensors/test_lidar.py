@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from harness.physics.scene import build_scenes
 from harness.physics.simulation import Simulation, simulations
 from harness.robots import ROVERS, RoverSpec
-from harness.sensors.lidar import Lidar
+from harness.sensors.lidar import Lidar, LidarSensor
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.rays.bundle import RayBundle
 from harness.world.berths import Member
+from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import build_world
+from tests.harness.conftest import MakeSimulation
 
 Array = NDArray[np.float64]
 Scene = tuple[mujoco.MjModel, mujoco.MjData]
@@ -340,3 +342,14 @@ def test_spheres_and_meshes_of_other_rovers_are_met_where_they_are() -> None:
     assert {g for g in geoms.tolist() if g in others} == set(others)
     expected = np.where(geoms >= 0, distances, np.inf)
     np.testing.assert_allclose(lidar.scan(data), expected, atol=TOLERANCE)
+
+
+def test_a_scan_is_taken_from_where_the_rover_is_now(make_simulation: MakeSimulation) -> None:
+    """Not from where MuJoCo's last step began: half a metre on, the wall is half a metre nearer."""
+    wall = Obstacle(ObstacleKind.HAZARD, "box", (0.1, 1.5, 1.5), (1.6, 0.0, 0.0))
+    simulation = make_simulation("leo", obstacles=(wall,))
+    sensor = LidarSensor(simulation, Lidar(simulation.model, LidarSpec(beams=8)), 5)
+    before = sensor.read().ranges
+    simulation.data.qpos[0] += 0.5
+    ahead = int(np.argmin(before))
+    assert before[ahead] - sensor.read().ranges[ahead] == pytest.approx(0.5, abs=0.02)  # it leans

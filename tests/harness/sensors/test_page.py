@@ -28,6 +28,17 @@ def test_every_option_of_every_kind_is_described() -> None:
         assert row.summary
 
 
+def test_arguments_are_not_described_as_attributes() -> None:
+    class Told:
+        """One without attributes.
+
+        Args:
+            name: Of something else.
+        """
+
+    assert described(Told) == {}
+
+
 def test_a_page_without_a_place_for_the_tables_is_refused() -> None:
     with pytest.raises(UsageError, match=r"has no place for the tables"):
         written("nothing")

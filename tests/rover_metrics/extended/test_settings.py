@@ -10,8 +10,19 @@ def test_a_name_is_one_of_the_parameters_one_of_every_node_or_a_mistake() -> Non
     assert all(check_name(name, may_be_others=False) for name in PARAMETERS)
     for name in ("use_sim_time", "start_type_description_service"):
         assert check_name(name, may_be_others=False) is False
-    with pytest.raises(ParameterError, match="rough_terrain_threshold"):
-        check_name("rough_terain_threshold", may_be_others=True)
+    for name in ("rough_terain_threshold", "rough_threshold"):
+        with pytest.raises(ParameterError, match="rough_terrain_threshold"):
+            check_name(name, may_be_others=True)
+    assert check_name("threshold", may_be_others=True) is False
+
+
+def test_the_defaults_that_ros_declares_are_those_of_the_settings() -> None:
+    assert Settings().updated({name: info.default for name, info in PARAMETERS.items()}) == Settings()
+
+
+def test_nothing_is_switched_on_but_what_is_published() -> None:
+    switches = {name: info.default for name, info in PARAMETERS.items() if type(info.default) is bool}
+    assert [name for name, is_on in switches.items() if is_on] == ["publish_metrics"]
 
 
 def test_the_folder_of_logs_has_a_name() -> None:

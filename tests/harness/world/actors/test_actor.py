@@ -2,6 +2,7 @@
 
 import math
 from itertools import pairwise
+from pathlib import Path
 from unittest.mock import Mock
 
 import numpy as np
@@ -10,11 +11,13 @@ import pytest
 from harness.errors import UsageError
 from harness.world.actors.actor import with_actors
 from harness.world.actors.room import Room
+from harness.world.actors.route import Route
+from harness.world.actors.social_force import step
 from harness.world.actors.spec import parse_actors
 from harness.world.actors.stroll import Stroll, StrollRoute
 from harness.world.actors.walker import SocialWalker
 from harness.world.heightfield import Heightfield
-from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.obstacles import Obstacle, ObstacleKind, outline
 from harness.world.world import World, terrain_hash
 
 WALL = Obstacle(ObstacleKind.HAZARD, "box", (0.2, 1.0, 0.5), (3.0, 0.0, 0.5))
@@ -66,6 +69,13 @@ def social(text: str = "s=social:within=6") -> SocialWalker:
     return way
 
 
+def heading_for(x: float, y: float) -> SocialWalker:
+    """One at the origin that walks there at 1 m/s."""
+    stroll = Mock()
+    stroll.spot.side_effect = [(0.0, 0.0), (x, y)].__getitem__
+    return SocialWalker(stroll, Room(BARE), speed=1.0, delay=0.0, radius=0.25)
+
+
 def walked(walker: SocialWalker, seconds: float, bodies: list[tuple[float, float, float]]) -> np.ndarray:
     ticks = range(1, round(seconds / TICK_S) + 1)
     return np.array([(p.x, p.y) for n in ticks for p in [walker.walk(n * TICK_S, TICK_S, bodies)]])
@@ -110,6 +120,32 @@ def test_who_does_not_get_on_heads_for_the_next_point_after_twenty_seconds_more(
         stroll.spot.assert_called_with(heads_for)
 
 
+def test_walls_in_sight_push_a_social_walker() -> None:
+    """Against the forces themselves, which are told of the wall from the beginning."""
+    walker, goal = heading_for(6.0, 0.5), np.array([6.0, 0.5])
+    place, velocity = np.zeros(2), np.zeros(2)
+    for told in walked(walker, 3.0, []):
+        wanted = (goal - place) / np.linalg.norm(goal - place)
+        place, velocity = step(
+            place, velocity, wanted, radius=0.25, bodies=(), walls=[outline(WALL)], seconds=TICK_S
+        )
+        np.testing.assert_allclose(told, place, atol=1e-9)
+    assert 1.6 < place[0] < 2.55  # in front of it
+
+
+def test_a_social_walker_turns_from_five_centimetres_a_second_on() -> None:
+    walker = heading_for(0.0, 5.0)  # 1 m/s in half a second: 0.02, 0.04, 0.06 m/s
+    yaws = [walker.walk(n * TICK_S, TICK_S, []).yaw for n in (1, 2, 3)]
+    assert yaws == pytest.approx([0.0, 0.0, math.pi / 2])
+
+
+def test_who_strolls_after_a_delay_stands_at_the_begin_until_then() -> None:
+    stroll = Mock()
+    stroll.spot.side_effect = lambda number: (float(number), 2.0)
+    late = StrollRoute(stroll, 0.5, 10.0)
+    assert [late.place(time_s).x for time_s in (0.0, 9.0, 11.0)] == pytest.approx([0.0, 0.0, 0.5])
+
+
 def test_a_stroll_stays_within_its_circle_wherever_that_is() -> None:
     stroll = Stroll("a", Room(BARE), (4.0, -3.0), within=3.0, radius=0.25, rng=np.random.default_rng(0))
     spots = np.array([stroll.spot(n) for n in range(100)])
@@ -117,6 +153,9 @@ def test_a_stroll_stays_within_its_circle_wherever_that_is() -> None:
     assert away.max() <= 3.0 + 1e-3
     assert np.mean(away < 1.5) == pytest.approx(0.25, abs=0.12)  # as many a square metre everywhere
     assert away[0] > 2.0
+    millimetres = 1000 * spots  # so that every processor has the same ones
+    np.testing.assert_allclose(millimetres, np.round(millimetres), atol=1e-6)
+    assert not np.allclose(millimetres % 10, 0.0)
 
 
 def test_a_social_walker_waits_for_its_delay() -> None:
@@ -124,6 +163,24 @@ def test_a_social_walker_waits_for_its_delay() -> None:
     places = walked(walker, 1.5, [])
     assert (places[:100] == places[0]).all()
     assert not (places[100:] == places[0]).all()
+
+
+def test_a_social_walker_looks_for_walls_again_every_half_metre(monkeypatch: pytest.MonkeyPatch) -> None:
+    walker, looked = social(), Mock(return_value=[])
+    monkeypatch.setattr(Room, "walls_near", looked)
+    way = np.diff(walked(walker, 6.0, []), axis=0)
+    assert 0.0 < looked.call_count <= 1 + np.linalg.norm(way, axis=1).sum() / 0.5
+
+
+def test_the_delay_that_is_told_comes_after_that_of_the_file(tmp_path: Path) -> None:
+    points = "".join(
+        f"<waypoint><time>{at}</time><pose>{at} 2 0 0 0 0</pose></waypoint>" for at in (0, 4)
+    )
+    script = f"<script><delay_start>2</delay_start><trajectory>{points}</trajectory></script>"
+    (file := tmp_path / "a.sdf").write_text(f"<actor name='a'>{script}</actor>")
+    way = with_actors(BARE, parse_actors([f"{file}:delay=1"])).people[0].way()
+    assert isinstance(way, Route)
+    assert [way.place(time_s).x for time_s in (2.9, 5.0)] == pytest.approx([0.0, 2.0])
 
 
 def test_the_worlds_hash_tells_who_walks_and_where() -> None:

@@ -85,6 +85,11 @@ def test_a_script_is_walked_at_its_own_times(loops: bool, time_s: float, x: floa
     assert (waits.x, waits.yaw) == (2.0, 0.0)
 
 
+def test_who_waits_looks_along_the_first_leg_that_leads_anywhere() -> None:
+    waits = timed((0.0, 2.0, 3.0), [(1.0, 2.0), (1.0, 2.0), (1.0, 5.0)], loops=False, delay=0.0, who="x")
+    assert waits.place(1.0).yaw == pytest.approx(math.pi / 2)
+
+
 def test_a_route_begins_anew_unless_it_is_told_otherwise() -> None:
     assert Route((0.0, 1.0), ((0.0, 0.0), (1.0, 0.0))).place(1.5).x == pytest.approx(0.5)
 

@@ -41,6 +41,24 @@ def test_forces_are_those_of_the_paper(given: dict[str, object], expected: tuple
     assert force(**given) == pytest.approx(expected, rel=1e-6)  # type: ignore[arg-type]
 
 
+def pushed(degrees: float, wanted: np.ndarray) -> float:
+    """How strongly one is pushed by a body a metre away, seen from the x axis."""
+    body = (math.cos(math.radians(degrees)), math.sin(math.radians(degrees)), 0.3)
+    _, alone = step(STILL, STILL, wanted, radius=0.25, bodies=(), walls=(), seconds=1e-6)
+    _, after = step(STILL, STILL, wanted, radius=0.25, bodies=(body,), walls=(), seconds=1e-6)
+    return math.dist(after, alone) / 1e-6 / (7.0 * math.exp(-0.45 / 0.3))
+
+
+def test_what_is_more_than_100_degrees_aside_counts_half() -> None:
+    found = [pushed(degrees, WANTED) for degrees in (0, 99, -99, 101, -101, 180)]
+    assert found == pytest.approx([1.0, 1.0, 1.0, 0.5, 0.5, 0.5], rel=1e-6)
+
+
+def test_who_wants_nowhere_stays() -> None:
+    place, velocity = step(STILL, STILL, STILL, radius=0.25, bodies=(), walls=(), seconds=0.01)
+    assert (place.tolist(), velocity.tolist()) == ([0.0, 0.0], [0.0, 0.0])
+
+
 def test_nobody_is_faster_than_in_a_hurry_and_a_step_is_the_speed() -> None:
     fast = np.array([3.0, 4.0])
     place, velocity = step(STILL, fast, WANTED, radius=0.25, bodies=(), walls=(), seconds=0.01)

@@ -61,8 +61,10 @@ def test_the_people_of_a_terrain_are_the_actors_of_its_world(tmp_path: Path) -> 
     world, empty = tmp_path / "a.world", tmp_path / "b.sdf"
     world.write_text("<sdf><world><actor name='a'/></world></sdf>")
     empty.write_text("<sdf><world/></sdf>")
+    (broken := tmp_path / "d.sdf").write_text("<sdf>")  # whoever loads the terrain is told
     assert of_terrain(str(world)) == (str(world),)
-    assert [of_terrain(name) for name in ("rocky", str(empty), str(tmp_path / "c.sdf"))] == [()] * 3
+    nobodys = ("rocky", str(empty), str(broken), str(tmp_path / "c.sdf"))
+    assert [of_terrain(name) for name in nobodys] == [()] * 4
     assert EpisodeConfig(terrain=str(world), actors=("b=1,2",)).people == (str(world), "b=1,2")
 
 
@@ -89,7 +91,7 @@ def test_the_people_of_a_terrain_are_those_of_what_it_includes_too(tmp_path: Pat
 
 def test_a_file_is_found_beside_the_scenario_that_names_it() -> None:
     assert beside("g=way.sdf:speed=2", lambda name: Path("there", name)) == "g=there/way.sdf:speed=2"
-    for name in ("way.world", "way.XML"):
+    for name in ("way.world", "way.XML", "my\nway.sdf:speed=2"):
         assert beside(name, lambda name: Path("there", name)) == f"there/{name}"
     assert beside("g=1,2/3,4:speed=2", lambda name: Path("there", name)) == "g=1,2/3,4:speed=2"
 
@@ -107,6 +109,7 @@ def test_a_file_is_found_beside_the_scenario_that_names_it() -> None:
         ("g=random:speed=nan", "speed 'nan' is not valid"),
         ("g=random:spead=1", "key 'spead' does not exist; did you mean 'speed'"),
         ("g=1,2:route=round", "route 'round' does not exist; available: mirror, closed"),
+        ("g=random:push=-1", "push '-1' is not valid"),
         ("g=random:push=0.5", "push '0.5' is not valid"),
         ("g=random:radius=0.5,height=0.8", "at least as high as wide"),
         ("g=random,g=social", "is not valid"),

@@ -54,6 +54,11 @@ def test_the_actors_of_a_world_have_their_names_poses_and_times(tmp_path: Path) 
     assert (b.name, b.points, b.times, b.loops) == ("b", ((7.0, 8.0, 9.0),), (0.0,), True)
 
 
+def test_an_actor_without_a_name_is_called_actor(tmp_path: Path) -> None:
+    (told,) = read_told(written(tmp_path, "<actor/>"))
+    assert told.name == "actor"
+
+
 LAUGHS = '<!DOCTYPE t [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]><trajectory>&b;</trajectory>'
 
 
