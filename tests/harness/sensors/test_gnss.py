@@ -78,6 +78,7 @@ def test_what_is_not_white_is_left_by_1_over_e_after_its_time(
     preset: str, white: float, seconds: float
 ) -> None:
     """Of a Gauss-Markov process r(tau) = exp(-tau / T); pairs that are T apart, 10 T between them."""
+    assert GnssOptions.errors[preset].correlation_time == seconds
     total = {"rtk": 0.01, "consumer": 2.5}[preset] / HALF
     read = errors(preset, 300, seconds)[:, :2]
     correlation = (read[1:] * read[:-1]).mean() / total**2

@@ -113,6 +113,12 @@ def test_a_grid_that_makes_no_sense_is_refused(told: dict[str, object], message:
         HeightScanOptions(name="scan", **told).check()  # type: ignore[arg-type]  # of several types
 
 
+def test_a_grid_has_a_quarter_of_a_million_cells_at_most() -> None:
+    HeightScanOptions(name="scan", resolution=0.125, size=(62.5, 62.5)).check()
+    with pytest.raises(UsageError, match="more than 250000 cells"):
+        HeightScanOptions(name="scan", resolution=0.125, size=(62.5, 62.625)).check()
+
+
 def test_its_frame_is_where_it_is_mounted() -> None:
     (row,) = HeightScanOptions(name="scan", xyz=(1.0, 2.0, 3.0), rpy=(0.1, 0.2, 0.3)).frames(LEO)
     assert (row.parent, row.xyz, row.rpy) == (

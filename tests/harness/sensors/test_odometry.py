@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
@@ -157,6 +158,18 @@ def test_a_reading_carries_the_time_of_the_simulation(bench: MakeBench) -> None:
     rig._simulation.tick()
     rig._simulation.tick()
     assert rig.odometry.read().stamp_ns == 20_000_000
+
+
+def test_a_wheel_without_a_motor_has_no_encoder(
+    simulate: "Callable[[RoverSpec], Simulation]",
+) -> None:
+    rear = LEO.wheel_joints[1::2]
+    rover = replace(LEO, drive=replace(LEO.drive, driven=LEO.wheel_joints[::2]))
+    simulation = simulate(rover)
+    odometry = WheelOdometry(simulation, 5)
+    for name in rear:
+        simulation.data.joint(name).qpos[0] += 3.0
+    assert pose(odometry.read()) == (0.0, 0.0, 0.0)
 
 
 def test_six_wheels_count_as_the_means_of_their_sides(
