@@ -26,7 +26,16 @@ def drawing(make: Make, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
     return make
 
 
-def test_an_image_shows_the_rover_in_the_middle_and_the_goal(drawing: Callable[..., Any]) -> None:
+def is_blueish(image: Any) -> Any:  # noqa: ANN401 - arrays
+    """Where the goal is: nothing else on Mars is."""
+    return (image[..., 2].astype(int) - image[..., 0]) > 40
+
+
+def test_an_image_shows_the_rover_in_the_middle_and_the_goal(
+    drawing: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen_from = Mock(wraps=picture.chase_view)
+    monkeypatch.setattr(picture, "chase_view", seen_from)
     env = drawing(render_mode="rgb_array", random_start=False)
     turned = {"start": (0.0, 0.0, np.pi / 2), "goal": (0.5, 4.0)}  # ahead, a little to the right
     with pytest.raises(ResetNeeded, match="nothing to draw yet"):
@@ -35,13 +44,14 @@ def test_an_image_shows_the_rover_in_the_middle_and_the_goal(drawing: Callable[.
     image = env.render()
     assert np.array_equal(env.render(), image)  # the first has the same light
     assert (image.shape, image.dtype) == ((400, 640, 3), np.uint8)
-    blueish = (image[..., 2].astype(int) - image[..., 0]) > 40  # nothing else on Mars is
+    blueish = is_blueish(image)
     assert blueish.sum() > 200, blueish.sum()
     height, width = np.ptp(np.nonzero(blueish)[0]), blueish.sum(axis=1).max()
     assert height > 8 * width, (height, width)  # 1.2 m of it above the ground, 0.1 m thick, from above
+    (_, yaw), _ = seen_from.call_args
+    assert yaw == pytest.approx(np.pi / 2, abs=0.02)
     env.reset(options={"goal": (-6.0, 0.0)})  # behind the camera
-    other = env.render()
-    assert ((other[..., 2].astype(int) - other[..., 0]) > 40).sum() == 0
+    assert not is_blueish(env.render()).any()
     env.close()
     env.close()
 

@@ -1,6 +1,8 @@
 import math
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from geometry_msgs.msg import PoseArray
 
 from harness.config import EpisodeConfig
 from harness.drivers.policy import BESIDE_LIDAR, Policy, write_policy
+from harness.gym import policy_node
 from harness.gym.policy_node import PolicyNode, main
 from harness.robots import find_rover
 from harness.testing import Trial
@@ -45,7 +48,8 @@ def test_through_dds_the_node_drives_the_path_of_the_environment(
         driver="cmd_vel",
     )
     with Trial(config) as trial:
-        trial.host(lambda: PolicyNode(policy, find_rover(small["robot"]), GOAL))
+        node = trial.host(lambda: PolicyNode(policy, find_rover(small["robot"]), GOAL))
+        assert node.get_fully_qualified_name() == "/policy"
         poses = trial.collect(PoseArray, "rover/pose_array")
         trial.step(0.05 * (1 + PERIODS))
     told = {
@@ -89,6 +93,20 @@ def test_what_is_not_valid_is_told_in_a_line(
     heard = capsys.readouterr().err
     assert told in heard
     assert heard.count("\n") == 1
+
+
+def test_it_drives_the_rover_to_the_goal_that_it_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node, spin = Mock(), Mock()
+    monkeypatch.setattr(policy_node, "PolicyNode", node)
+    monkeypatch.setattr(policy_node, "rclpy", Mock(init=Mock(return_value=nullcontext()), spin=spin))
+    layer = np.zeros((BESIDE_LIDAR + 8, 2), np.float32), np.zeros(2, np.float32)
+    write_policy(tmp_path / "small.npz", Policy((layer,)))
+    assert main([str(tmp_path / "small.npz"), "--goal", "3,-1", "--robot", "rover_zero4wd"]) == 0
+    policy, rover, goal = node.call_args.args
+    assert (policy.beams, rover, goal) == (8, find_rover("rover_zero4wd"), (3.0, -1.0))
+    spin.assert_called_once_with(node.return_value)
 
 
 def test_help_tells_how_it_is_run(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,3 +1,4 @@
+import copy
 from dataclasses import replace
 from typing import Any
 from unittest.mock import patch
@@ -9,7 +10,7 @@ import pytest
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.errors import RunFailed, UsageError
-from harness.gym.course import Course, Variation, draw_variation
+from harness.gym.course import Course, Variation, _vary, draw_variation
 from harness.gym.options import Randomisation
 from harness.gym.ride import SENSED, Ride
 from harness.physics.physics import Physics
@@ -149,6 +150,10 @@ def test_a_variation_changes_the_rover_alone_and_only_for_its_episode(flat_with_
     assert model.geom_friction[wheel, 0] == 0.5 * plain.geom_friction[wheel, 0]
     for other in (terrain, post):
         assert model.geom_friction[other].tolist() == plain.geom_friction[other].tolist()
+    slippery = copy.copy(plain)
+    slippery.geom_friction[:, 0] = 0.8
+    _vary(slippery, variation)
+    assert slippery.geom_friction[[wheel, post], 0].tolist() == [0.4, 0.8]
     assert model.actuator_forcerange.tolist() == (0.25 * plain.actuator_forcerange).tolist()
     # A settled rover presses on the ground with its weight.
     data = Ride(flat_with_post, FREE, variation, 0).simulation.data

@@ -58,7 +58,8 @@ def test_a_goal_is_worth_a_hundred_and_another_one_follows(make: Make) -> None:
     assert (info["goals"], info["is_success"]) == (1, True)
     assert env.goal not in goals
     x, y, _ = env._pose.position
-    assert seen["target"][0] == pytest.approx(math.dist((x, y), env.goal), rel=1e-5)
+    away = pytest.approx(math.dist((x, y), env.goal), rel=1e-5)
+    assert (seen["target"][0], info["distance"]) == (away, away)
     assert env.step(AHEAD)[1] == 0.0  # the first step towards it
 
 

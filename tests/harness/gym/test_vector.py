@@ -9,7 +9,7 @@ from gymnasium.error import InvalidAction, ResetNeeded
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from harness.errors import UsageError
-from harness.gym.vector import RoverVectorEnv
+from harness.gym.vector import RoverVectorEnv, _mode
 
 ID = "RoverHarness/PointNav-v0"
 
@@ -93,6 +93,11 @@ def test_ends_resets_and_infos_that_differ_are_as_in_gymnasiums_own(
         if n % 5 == 4:  # also where one has just ended
             assert_alike(ours.reset(), plain.reset())
     ours.close()
+
+
+def test_modes_of_resets_are_called_as_gymnasiums_values_or_names() -> None:
+    for mode in AutoresetMode:
+        assert [_mode(name) for name in (mode.value, mode.name)] == [mode, mode]
 
 
 def test_a_first_reset_that_failed_halfway_is_not_taken_up_by_a_mask() -> None:

@@ -116,6 +116,7 @@ def test_one_who_is_driven_into_is_touched_and_nobody_is_pushed(make_simulation:
     assert (path, none) == (alone, {})
     model, first = simulation.model, touches[min(touches)]
     assert (model.geom(first.other).name, first.force) == ("x_actor", 0.0)
+    assert first.position[:2] == pytest.approx((0.55, 0.0), abs=0.15)  # its front, wherever that meets
     assert model.geom(first.part).name.startswith(("wheel", "body_"))
     met = min(tick for tick, touch in pushed.items() if touch.force > 0.0)
     assert abs(min(touches) - met) <= 1

@@ -48,11 +48,11 @@ def test_a_page_is_written_where_it_has_the_place_and_printed_without_one(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     page = tmp_path / "page.md"
-    page.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n")
+    page.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n{END}\n")
     assert main([str(page)]) == main([]) == 0
     tables = capsys.readouterr().out
     assert "`barometer`" in tables
-    assert page.read_text() == f"before\n{BEGIN}\n{tables}{END}\nafter\n"
+    assert page.read_text() == f"before\n{BEGIN}\n{tables}{END}\nafter\n{END}\n"
 
 
 def test_the_rover_yaml_of_the_page_is_valid_and_its_frames_hang_together() -> None:
