@@ -61,9 +61,9 @@ PACKAGES = (
         "extended columns",
         _modules(_METRICS, "extended/*"),
         _tests(
-            "rover_metrics/core rover_metrics/extended rover_metrics/test_dictionary.py"
-            " rover_metrics/test_extended_metrics.py rover_metrics/test_metrics_properties.py"
-            " rover_metrics/test_session.py"
+            "rover_metrics/core rover_metrics/extended rover_metrics/ros/test_parameters.py"
+            " rover_metrics/test_dictionary.py rover_metrics/test_extended_metrics.py"
+            " rover_metrics/test_metrics_properties.py rover_metrics/test_session.py"
         ),
     ),
     Package(

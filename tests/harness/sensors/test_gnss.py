@@ -11,6 +11,7 @@ from tests.harness.sensors.installed import installation, set_time, simulation
 from tests.harness.sensors.test_geodesy import axes, ecef
 
 DATUM = Datum(*DEFAULT_DATUM)
+DESERT = (38.4064, -110.7919, 1382.0)  # Utah's Mars Desert Research Station
 HALF = 1.1774  # deviations: the radius in which half of what is spread over a plane lies
 HALF_OF_LINE = 0.67449
 
@@ -39,6 +40,11 @@ def errors(preset: str, count: int, every_s: float = 0.0) -> NDArray[np.float64]
         set_time(one, n * every_s)
         read.append(in_world(one.read()) - (0, 0, 0.5))
     return np.array(read)
+
+
+def test_the_world_lies_at_a_station_of_the_desert_unless_it_is_told_otherwise() -> None:
+    fix = sensor(position=(0.0, 0.0, -0.5)).read()
+    assert (fix.latitude, fix.longitude, fix.altitude) == pytest.approx(DESERT, abs=1e-6)
 
 
 def test_without_noise_a_fix_is_where_the_antenna_is_and_of_unknown_covariance() -> None:

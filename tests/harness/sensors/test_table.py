@@ -1,6 +1,7 @@
 """A sensor is one file and one row: the barometer is in every part of a run by that alone."""
 
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
@@ -16,7 +17,7 @@ from harness.frames.options import FrameOptions
 from harness.robots import ROVERS, find_rover
 from harness.samples import Tick
 from harness.sensors.barometer import Pressure
-from harness.sensors.base import period_ticks
+from harness.sensors.base import Sensor, period_ticks
 from harness.sensors.choice import by_default
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.table import SENSORS, SensorRow
@@ -134,6 +135,16 @@ PROMISED = {  # RoboTerrain's, docs/design.md: type, best effort, depth
     "rover/truth/contact": ("std_msgs/msg/Bool", False, 10),
     "rover/truth/traversal": ("std_msgs/msg/Float64MultiArray", False, 10),
 }
+
+
+def test_every_reader_is_where_the_table_has_it() -> None:
+    for module, _, name in (row.reader.partition(":") for row in SENSORS if row.reader):
+        assert issubclass(getattr(import_module(module), name), Sensor)
+
+
+def test_faults_call_the_sensors_of_every_rover_by_these_names() -> None:
+    told = [row.fault for row in SENSORS if row.options is None and row.fault]
+    assert told == ["tf", "scan", "imu", "pose", "odometry", "ground_truth", "joint_states"]
 
 
 def test_topics_have_the_type_and_the_qos_that_are_promised() -> None:

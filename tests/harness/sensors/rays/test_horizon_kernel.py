@@ -88,6 +88,19 @@ def test_a_single_peak_is_in_nobodys_way_unseen() -> None:
         assert np.isfinite(found).mean() > 0.5
 
 
+def test_a_peak_narrower_than_a_sector_is_in_the_way_of_its_own_sector() -> None:
+    rng, n, cell = np.random.default_rng(2), 257, 0.1
+    heights, azimuths = np.zeros((n, n)), rng.uniform(-np.pi, np.pi, 60)
+    around_middle = np.rint(120.0 * np.column_stack([np.cos(azimuths), np.sin(azimuths)])).astype(int)
+    heights[tuple((around_middle + n // 2).T[::-1])] = 2.0
+    targets = np.column_stack([cell * around_middle, np.full(60, 0.6)])
+    origin = np.array([0.0, 0.0, 0.5])
+    directions = (targets - origin) / np.linalg.norm(targets - origin, axis=1, keepdims=True)
+    clear, found = ways(heights, cell, origin, directions)
+    assert (clear <= found).all()
+    assert np.isfinite(found).all()
+
+
 @pytest.mark.parametrize("place", [(50.0, 0.0, 5.0), (0.0, -50.0, 5.0), (0.0, 0.0, -0.5)])
 def test_from_beside_the_map_or_under_the_ground_nothing_is_clear(place: tuple[float, ...]) -> None:
     clear, _ = ways(np.zeros((30, 30)), 0.2, np.array(place), ALL_AROUND)
