@@ -10,6 +10,7 @@ from harness.errors import UsageError
 from harness.gym import picture
 from harness.physics import opengl
 from harness.physics.opengl import gl_context
+from harness.view.camera import chase_view
 from harness.world.heightfield import Heightfield
 from tests.harness.gym.conftest import Make
 
@@ -34,7 +35,7 @@ def is_blueish(image: Any) -> Any:  # noqa: ANN401 - arrays
 def test_an_image_shows_the_rover_in_the_middle_and_the_goal(
     drawing: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    seen_from = Mock(wraps=picture.chase_view)
+    seen_from = Mock(wraps=chase_view)
     monkeypatch.setattr(picture, "chase_view", seen_from)
     env = drawing(render_mode="rgb_array", random_start=False)
     turned = {"start": (0.0, 0.0, np.pi / 2), "goal": (0.5, 4.0)}  # ahead, a little to the right

@@ -81,7 +81,8 @@ def test_elevations_of_ones_own_and_part_of_a_circle() -> None:
     assert np.radians(elevation) == pytest.approx([0.1] * 3 + [-0.2] * 3)
     assert given.ring.tolist() == [1, 1, 1, 0, 0, 0]
     spiral = CloudLidarOptions(name="x", rings=2, columns=3, pattern="spiral")
-    assert (spiral.ring.tolist(), spiral.ring.dtype) == ([0] * 6, np.uint16)
+    assert spiral.ring.dtype == np.uint16
+    assert spiral.ring.tolist() == [0] * 6
 
 
 @pytest.mark.parametrize(
