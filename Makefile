@@ -2,7 +2,7 @@
 BIN := .venv/bin
 READY := .venv/.ready
 # Processes of `make test`, on two cores: its tests wait, too; 0: its own only.
-JOBS ?= 3
+JOBS ?= 4
 
 .PHONY: run test test-jazzy test-cluster mutants lint format bench soak docs dist lock audit clean setup
 

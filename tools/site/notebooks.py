@@ -12,9 +12,8 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 
-PARAMETERS = (
-    "parameters"  # the tag of the cell whose names may be given other values, as papermill has it
-)
+# The tag of the cell whose names may be given other values, as papermill has it.
+PARAMETERS = "parameters"
 
 
 def told(notebook: Path, given: Mapping[str, object], names: dict[str, Any]) -> str:
