@@ -25,9 +25,15 @@ BLOB = "https://github.com/OWNER/rover-harness/blob/main"
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("site")
+
+    def told(notebook: Path, given: dict[str, Path], _: object) -> str:
+        assert given["LOGS"] == folder / "logs" / notebook.stem  # wherever the notebook stands
+        return f"# {notebook.stem}\n"
+
     with pytest.MonkeyPatch.context() as patch:  # tests/test_examples.py runs the notebooks
-        patch.setattr("tools.site.__main__.told", lambda notebook, *_: f"# {notebook.stem}\n")
-        write(folder)
+        patch.setattr("tools.site.__main__.told", told)
+        patch.chdir(folder.parent)
+        write(Path(folder.name))
     return folder
 
 

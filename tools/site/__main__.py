@@ -39,12 +39,13 @@ def write(folder: Path) -> None:
     Raises:
         BrokenLinks: A link of a document leads nowhere.
     """
-    docs = folder / "docs"
-    shutil.rmtree(docs, ignore_errors=True)
+    docs, logs = folder / "docs", folder.resolve() / "logs"  # notebooks run in their own folder
+    for old in (docs, logs):
+        shutil.rmtree(old, ignore_errors=True)
     shutil.copytree(ASSETS, docs / "assets")
     pages, made = sources(), generated()
     links = Links(pages)
-    texts = {page: _text(ROOT / source, folder / "logs") for page, source in pages.items()}
+    texts = {page: _text(ROOT / source, logs) for page, source in pages.items()}
     written = {page: links.rewritten(texts[page], source, page) for page, source in pages.items()} | made
     links.check()
     for page, text in written.items():
