@@ -2,6 +2,7 @@
 
 import copy
 from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -12,7 +13,7 @@ from harness.episode.episode import installed
 from harness.frames.rover_frames import rover_frames
 from harness.gym.options import Randomisation
 from harness.gym.places import Places
-from harness.physics.physics import Physics, State
+from harness.physics.physics import Physics
 from harness.physics.scene import Scene, build_scene
 from harness.physics.simulation import Simulation
 from harness.physics.start import check_room, check_start
@@ -23,6 +24,9 @@ from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.range_sensor import RangeSensor
 from harness.sim_time import parse_timestep
 from harness.world.world import Start, starting_at
+
+if TYPE_CHECKING:
+    from harness.physics.rover import State
 
 
 @dataclass(frozen=True, kw_only=True)

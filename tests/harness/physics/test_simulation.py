@@ -271,7 +271,7 @@ def test_a_rover_is_given_five_seconds_to_settle_and_is_held_after_one(
         step(model, data)
 
     monkeypatch.setattr(mujoco, "mj_step", counted)
-    monkeypatch.setattr("harness.physics.physics.AT_REST_SPEED", at_rest)
+    monkeypatch.setattr("harness.physics.rover.AT_REST_SPEED", at_rest)
     settled = episode_simulation(terrain)
     assert shortest <= len(steps) * EPISODE_TIMESTEP_NS / NANOSECONDS <= longest
     assert abs(settled.data.qvel).max() < 2e-3

@@ -62,7 +62,7 @@ def driven(monkeypatch: pytest.MonkeyPatch) -> list[EpisodeConfig]:
     seen: list[EpisodeConfig] = []
     monkeypatch.setattr(Scripted, "seen", seen, raising=False)
     monkeypatch.setattr(direct, "Episode", Scripted)
-    monkeypatch.setattr(direct, "fleet_of", lambda configs: tuple(map(vars(direct)["Episode"], configs)))
+    monkeypatch.setattr(direct, "fleet_of", lambda configs: tuple(map(Scripted, configs)))
     monkeypatch.setattr(direct, "together", lambda made: zip(*(e.batches() for e in made), strict=True))
     return seen
 

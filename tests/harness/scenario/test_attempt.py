@@ -246,7 +246,7 @@ def test_a_run_is_compared_only_for_what_has_a_baseline(
 def test_the_truth_that_is_judged_is_that_of_the_simulator(
     make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(direct, "Episode", Episode)
+    monkeypatch.undo()  # the scripted episode
     (case,) = make_cases("{truth.path_length: {max: 0}}", "driver: straight")
     episode = Episode(replace(case.config, terrain="slope"))
     for _ in episode.batches():
@@ -300,7 +300,7 @@ def test_the_truth_takes_scans_only_where_the_driver_does(
 def test_the_truth_is_the_same_without_the_other_sensors(
     make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(direct, "Episode", Episode)
+    monkeypatch.undo()  # the scripted episode
     (case,) = make_cases("{truth.speed: {max: 9}}", "driver: wander\nnoise: white\nlidar_beams: 90")
     config = replace(case.config, terrain="rocky", duration=1.0)
     full, alone = TruthSeries(QUANTITIES), TruthSeries(QUANTITIES)

@@ -1,0 +1,72 @@
+"""One rover's part of the state of a world: views into MuJoCo's, to read, to keep and to put back."""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.physics.contacts import ContactWatch
+from harness.physics.parking import ParkingHold
+from harness.physics.scene import Scene
+
+AT_REST_SPEED = 2e-3  # [m/s] and [rad/s]: below it a rover counts as settled
+
+State = list[NDArray[np.float64]]
+
+
+class Rover:
+    """What of MuJoCo's state is one rover's, its brake and what it touches.
+
+    Args:
+        scenes: Of all rovers of the world, this one's first.
+        data: Their state.
+        parked: The brakes of those made before.
+
+    Attributes:
+        scene: The rover in its world.
+        pose: Position [m] and w, x, y, z of its model frame, a view into MuJoCo's.
+        twist: Linear velocity [m/s] in the world, angular velocity [rad/s] in the model frame, likewise.
+        contacts: What it touched in the last tick.
+        parking: Its brake.
+    """
+
+    def __init__(self, scenes: Sequence[Scene], data: mujoco.MjData, parked: list[ParkingHold]) -> None:
+        self.scene = scene = scenes[0]
+        model, self._geoms = scene.model, scene.geoms()
+        self.contacts = ContactWatch(scenes, data)
+        self.parking = ParkingHold(model, scene.all_own(scene.rover.drive.driven), parked)
+        joints = np.flatnonzero(model.body_rootid[model.jnt_bodyid] == scene.root)
+        dofs = np.flatnonzero(model.body_rootid[model.dof_bodyid] == scene.root)
+        motors = np.flatnonzero(np.isin(model.actuator_trnid[:, 0], joints))
+        at, moving = scene.qpos_at, slice(int(dofs[0]), int(dofs[-1]) + 1)
+        self.pose, self.twist = data.qpos[at : at + 7], data.qvel[moving][:6]
+        after = model.jnt_qposadr[joints[-1] + 1] if joints[-1] + 1 < model.njnt else model.nq
+        # All that its next step depends on, warm start included: it goes on bit for bit.
+        self._state = [data.qpos[at:after], data.qvel[moving], data.qacc_warmstart[moving]]
+        if motors.size:
+            first, last = int(motors[0]), int(motors[-1])
+            self._state.append(data.ctrl[first : last + 1])
+            acts = model.actuator_actadr[first : last + 1]
+            if (acts := acts[acts >= 0]).size:
+                self._state.append(data.act[int(acts[0]) : int(acts[-1]) + model.actuator_actnum[last]])
+
+    @property
+    def velocities(self) -> NDArray[np.float64]:
+        """All its velocities, a view into MuJoCo's."""
+        velocities: NDArray[np.float64] = self._state[1]
+        return velocities
+
+    def rests(self, data: mujoco.MjData) -> bool:
+        """Returns whether it stands on something."""
+        still = np.abs(self.velocities).max() < AT_REST_SPEED
+        return bool(still and np.isin(data.contact.geom, self._geoms).any())
+
+    def state(self) -> State:
+        """Returns a copy of its state."""
+        return [part.copy() for part in self._state]
+
+    def restore(self, state: State) -> None:
+        """Takes a state that it was in."""
+        for part, values in zip(self._state, state, strict=True):
+            part[:] = values
