@@ -1,13 +1,15 @@
 """The MetricsNode in this process: its callbacks are counted against what was published."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
 from rclpy.context import Context
 from rclpy.parameter import Parameter
 
+from harness.episode.result import TopicCount
 from harness.errors import RunFailed, UsageError
 from harness.ros.bridge import SECOND_PUBLISHER, Bridge
 from harness.ros.channel import Channel
@@ -136,3 +138,20 @@ class HostedMetrics:
             if count:
                 missing[topic] = count
         return missing
+
+
+def heard_by(
+    hosts: Iterable[HostedMetrics], published: Mapping[str, TopicCount]
+) -> dict[str, TopicCount]:
+    """Returns what was published with what hosted nodes received, and the most that one of them lost.
+
+    Args:
+        hosts: Of all rovers; they share /clock.
+        published: By topic.
+    """
+    topics = dict(published)
+    for host in hosts:
+        for topic, received in host.received().items():
+            lost = max(topics[topic].lost, host.lost[topic])
+            topics[topic] = replace(topics[topic], received=received, lost=lost)
+    return topics

@@ -25,7 +25,7 @@ from harness.ros.camera import painter
 from harness.ros.channel import Channel
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.controls import Controls
-from harness.ros.hosted import HostedMetrics, metrics_node
+from harness.ros.hosted import HostedMetrics, heard_by, metrics_node
 from harness.ros.lock_step import RemoteNodes
 from harness.ros.navigation import Navigation
 from harness.ros.recorder import Recorder
@@ -303,13 +303,8 @@ class _Run:
 
     def _counted(self, results: Sequence[RunResult]) -> tuple[RunResult, ...]:
         """The results with what was received, and what is in the logs."""
-        topics: dict[str, TopicCount] = {}
-        for result, rover in zip(results, self.rovers, strict=True):
-            topics |= result.topics
-            if rover.hosted is not None:
-                for topic, received in rover.hosted.received().items():
-                    lost = rover.hosted.lost[topic]
-                    topics[topic] = replace(topics[topic], received=received, lost=lost)
+        published = {topic: count for result in results for topic, count in result.topics.items()}
+        topics = heard_by([rover.hosted for rover in self.rovers if rover.hosted], published)
         patience = ANSWER_PATIENCE if results[0].interrupted is None else GRACE
         topics = counted_by(self._remotes, topics, patience)
         waited = {remote.name: remote.waited_s for remote in self._remotes}

@@ -15,11 +15,12 @@ from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu as ImuMessage
 
+from harness.episode.result import TopicCount
 from harness.errors import RunFailed, UsageError
 from harness.ros import hosted
 from harness.ros.bridge import Bridge
 from harness.ros.context import make_executor, spin_until
-from harness.ros.hosted import HostedMetrics, metrics_node
+from harness.ros.hosted import HostedMetrics, heard_by, metrics_node
 from harness.samples import Imu, Pose, Tick, TruthState
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.metrics_node import MetricsNode
@@ -202,3 +203,18 @@ def test_the_hosted_node_runs_on_simulation_time_and_logs_where_it_is_told(
     with pytest.raises(UsageError, match="file"):
         metrics_node(context, tmp_path / "file" / "logs")
     context.shutdown()
+
+
+def test_what_any_rovers_node_lost_of_a_shared_topic_is_lost() -> None:
+    hosts: Any = [
+        SimpleNamespace(received=lambda: {"/clock": 7, "/a/scan": 4}, lost={"/clock": 3, "/a/scan": 0}),
+        SimpleNamespace(received=lambda: {"/clock": 10}, lost={"/clock": 0}),
+    ]
+    published = {"/clock": TopicCount(10), "/a/scan": TopicCount(4), "/a/tf": TopicCount(5)}
+    heard = heard_by(hosts, published)
+    assert {topic: count.lost for topic, count in heard.items()} == {
+        "/clock": 3,
+        "/a/scan": 0,
+        "/a/tf": 0,
+    }
+    assert (heard["/a/scan"].received, heard["/a/tf"].received) == (4, None)
