@@ -10,30 +10,24 @@ from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from functools import partial
 
-from rclpy.context import Context
-from rclpy.executors import Executor, ExternalShutdownException
+from rclpy.executors import ExternalShutdownException
 
 from harness.config import EpisodeConfig, RosOptions
-from harness.episode.loop import Lane, Observer, Pacer, drive_all, injector
-from harness.episode.result import RoverRun, RunAccount, RunResult, Show, TopicCount, cells_of
-from harness.episode.stream import EpisodeProcess, RoverOrders
+from harness.episode.loop import Lane, Observer, Pacer, drive_all
+from harness.episode.result import RoverRun, RunAccount, RunResult, Show
+from harness.episode.stream import EpisodeProcess
 from harness.errors import RunFailed
 from harness.interrupt import GRACE, Overdue, StopRequest
-from harness.robots import find_rover
-from harness.ros.bridge import SECOND_PUBLISHER, Bridge, Listener
-from harness.ros.camera import painter
-from harness.ros.channel import Channel
+from harness.ros.bridge import SECOND_PUBLISHER
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.controls import Controls
-from harness.ros.hosted import HostedMetrics, heard_by, metrics_node
+from harness.ros.hosted import heard_by
 from harness.ros.lock_step import RemoteNodes
-from harness.ros.navigation import Navigation
 from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, counted_by
+from harness.ros.rover_nodes import RoverNodes
 from harness.samples import Tick
-from harness.sensors.lidar_spec import LidarSpec
 from harness.sim_time import NANOSECONDS
-from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
 LOOK_PERIOD_NS = NANOSECONDS // 10  # of simulation time, for publishers that have turned up
 
@@ -89,99 +83,6 @@ def run_all_through_ros(
         return run.drive(stop, show, started)
 
 
-class _Rover:
-    """The nodes of one rover.
-
-    Args:
-        number: Its place among the rovers.
-        run: What it is asked for, and likewise all others.
-        options: How the run goes through ROS.
-        orders: Of the rover.
-        clock: /clock, if another one tells it.
-    """
-
-    def __init__(
-        self,
-        number: int,
-        run: Sequence[RoverRun],
-        options: RosOptions,
-        orders: RoverOrders,
-        context: Context,
-        at_end: ExitStack,
-        clock: Channel | None,
-    ) -> None:
-        self.asked = run[number]
-        self.config = config = self.asked.config
-        self.orders, self._context, self._at_end = orders, context, at_end
-        draw = at_end.enter_context(painter(config, [rover.config for rover in run])).image
-        self.bridge = Bridge(
-            find_rover(config.robot),
-            LidarSpec(beams=config.lidar_beams),
-            context=context,
-            on_command=orders.command,
-            cmd_vel=options.cmd_vel,
-            rows=config.sensor_rows(),
-            draw=draw,
-            actors=config.actor_names(),
-            namespace=config.name,
-            clock=clock,
-        )
-        at_end.callback(self.bridge.destroy_node)
-        self.faults = injector(config)
-        self.hosted: HostedMetrics | None = None
-
-    def join(self, executor: Executor) -> None:
-        """Has the bridge spun."""
-        executor.add_node(self.bridge)
-        self.navigation = Navigation(self.bridge, self.config, self.orders)
-
-    def host_metrics(self, executor: Executor) -> None:
-        """Starts its MetricsNode."""
-        asked = self.asked
-        node = metrics_node(self._context, asked.log_dir, self.config.name, asked.parameters)
-        self._at_end.callback(node.destroy_node)
-        executor.add_node(node)
-        self.hosted = HostedMetrics(self.bridge, node)
-        self.hosted.await_match()
-
-    @property
-    def metrics(self) -> MetricsPublisher | None:
-        """What the hosted metrics_node publishes with."""
-        return None if self.hosted is None else self.hosted.node.publisher
-
-    @property
-    def listeners(self) -> tuple[Listener, ...]:
-        """The hosted metrics_node, if there is one."""
-        return () if self.hosted is None else (self.hosted,)
-
-    def topics(self) -> dict[str, TopicCount]:
-        """Returns how many messages have been published."""
-        return {topic: TopicCount(count) for topic, count in self.bridge.published().items()}
-
-    def rows(self) -> int:
-        """Returns how many rows are in its log."""
-        return 0 if self.hosted is None else self.hosted.node.rows
-
-    def logged(self, result: RunResult) -> RunResult:
-        """Returns a result with what its metrics_node has to say."""
-        if self.hosted is None:
-            return result
-        node, failure = self.hosted.node, result.failure
-        node.log.close()  # what waits for the disk is tried a last time, then it is lost
-        if failure is None and node.lost_rows:
-            failure = f"{node.lost_rows} rows could not be written"
-        return replace(
-            result,
-            failure=failure,
-            rows=node.rows,
-            log_path=node.log.path,
-            last_row=cells_of(node.last_row),
-            thresholds=node.settings.thresholds,
-            reception=node.reception.account(),
-            segments=node.timer.times.segments,
-        )
-
-
 class _Run:
     """The nodes of one run and its loop."""
 
@@ -194,10 +95,10 @@ class _Run:
     ) -> None:
         self._options, self._source = options, source
         self._context = context = at_end.enter_context(ros_context(options.ros_args))
-        self.rovers: list[_Rover] = []
+        self.rovers: list[RoverNodes] = []
         for number, orders in enumerate(source.rovers):
             clock = self.rovers[0].bridge.clock_channel if self.rovers else None
-            self.rovers.append(_Rover(number, rovers, options, orders, context, at_end, clock))
+            self.rovers.append(RoverNodes(number, rovers, options, orders, context, at_end, clock))
         jumps = any(rover.faults.disturbs_time for rover in self.rovers)
         self._executor = at_end.enter_context(make_executor(context, time_jumps=jumps))
         for rover in self.rovers:
@@ -284,7 +185,7 @@ class _Run:
         everybody = (*remotes, *(node for rover in self.rovers for node in rover.listeners))
         others = [rover.bridge for rover in self.rovers[1:]]
 
-        def send(rover: _Rover, tick: Tick, sent: Tick) -> None:
+        def send(rover: RoverNodes, tick: Tick, sent: Tick) -> None:
             if rover is self.rovers[0]:
                 self._told = sent
             rover.bridge.send(tick, sent, listeners=(*remotes, *rover.listeners))
