@@ -334,7 +334,7 @@ def test_rclpy_shut_down_from_outside_fails_the_run_with_one_line(
 ) -> None:
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     # The module that the command will find: tests that hide rclpy leave others of its name behind.
-    bridge = import_module("harness.ros.session").Bridge
+    bridge = import_module("harness.ros.rover_nodes").Bridge
     send = bridge.send
 
     def shut_down(self: Any, tick: Tick, *rest: Any, **more: Any) -> None:  # noqa: ANN401 - needs rclpy
