@@ -4,8 +4,8 @@ Each is an environment of its own, with its own world; threads take the next one
 Physics and lidar leave the interpreter to the others meanwhile, so threads suffice, and each trajectory
 is the one that the environment drives by itself, to the bit.
 
-All are driven first and read afterwards: the interpreter's own work of a step takes less than half as
-long while the processor still has it in its caches from the environment before.
+All are commanded first, then driven, then read: the interpreter's own work of a step takes less than
+half as long while the processor still has it in its caches from the environment before.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -111,6 +111,8 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         stepped = np.flatnonzero(~begun).tolist()
         for index in stepped:  # a mistake changes nothing
             self.envs[index].accept(actions[index])
+        for index in stepped:
+            self.envs[index].command()
 
         def drive(index: int) -> None:
             if begun[index]:
