@@ -1,9 +1,12 @@
 import math
 import re
+from types import SimpleNamespace
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from harness.errors import UsageError
 from harness.gym import ENVIRONMENTS
@@ -12,7 +15,6 @@ from tests.harness.gym.conftest import Make
 
 STILL, AHEAD = np.zeros(2, np.float32), np.array([0.6, 0.0], np.float32)
 MIDDLE = {"start": (0.0, 0.0, 0.0), "goal": (3.0, 1.0)}
-LEVEL = (0.0, 0.0, 0.0, 1.0)
 
 
 def expected_reward(before: dict[str, Any], now: dict[str, Any]) -> float:
@@ -63,95 +65,190 @@ def test_a_goal_is_worth_a_hundred_and_another_one_follows(make: Make) -> None:
     assert env.step(AHEAD)[1] == 0.0  # the first step towards it
 
 
-def readings(ranges: np.ndarray) -> dict[type[Sample], Sample]:
-    return {
-        LaserScan: LaserScan(0, ranges.astype(np.float32)),
-        Imu: Imu(0, LEVEL, (0.0, 0.0, 0.0), (0.0, 0.0, 9.8)),
-        Pose: Pose(0, (0.0, 0.0, 0.0), LEVEL),
-        Odometry: Odometry(0, 0.0, 0.0, 0.0, Twist(0.1, 0.2)),
-    }
+def sensed(
+    x: float = 0.0,
+    yaw: float = 0.0,
+    *,
+    tilt: tuple[float, float] = (0.0, 0.0),
+    twist: Twist = Twist(),  # noqa: B008 - frozen
+    ranges: float | np.ndarray = 9.0,
+) -> Any:  # noqa: ANN401
+    """What is read of a ride that stands east of the origin [m], rolled and pitched [rad]."""
+    turned, level = (
+        tuple(Rotation.from_euler("ZYX", angles).as_quat().tolist())
+        for angles in ((yaw + 0.3, *tilt[::-1]), (yaw, 0.0, 0.0))  # an IMU's yaw drifts
+    )
+    samples: tuple[Sample, ...] = (
+        LaserScan(0, np.broadcast_to(ranges, 64).astype(np.float32)),
+        Imu(0, turned, (0.0, 0.0, 0.0), (0.0, 0.0, 9.8)),
+        Pose(0, (x, 0.25, 0.5), level),
+        Odometry(0, 0.0, 0.0, 0.0, twist),
+    )
+    return SimpleNamespace(readings={type(sample): sample for sample in samples})
+
+
+def begun(make: Make, goal: tuple[float, float] = (3.0, 0.25), **defects: bool) -> Any:  # noqa: ANN401
+    """An environment that is fed with what is sensed, and had another episode before."""
+    env = make("RoboTerrain", lidar_beams=64, defects=defects)
+    env._draw_goal = Mock(side_effect=[(9.0, 9.0), (8.0, 8.0)])
+    env.goal, env.steps = (0.1, 0.25), 0
+    env._begin(None)
+    for distance in (0.7, 0.4):
+        env._twist([0.0, 1.0])
+        judged(env, sensed(0.1 + distance))
+    assert (env.goal, env._told()["goals"]) == ((9.0, 9.0), 1)
+    env.goal, env.steps = goal, 0
+    env._begin(None)
+    return env
+
+
+def judged(env: Any, ride: Any, failure: str = "") -> tuple[float, str, dict[str, Any]]:  # noqa: ANN401
+    if not failure:
+        env._seen = env._observe(ride)
+    env.steps += 1
+    told: tuple[float, str, dict[str, Any]] = env._judge(ride, failure)
+    return told
 
 
 @pytest.mark.parametrize(("defect", "too_near"), [(False, 0.0), (True, 12.0)])
-def test_the_lidar_is_the_nearest_of_each_sector(make: Make, defect: bool, too_near: float) -> None:
-    env = make("RoboTerrain", lidar_beams=64, defects={"nearest_is_farthest": defect})
-    env.reset(seed=0)
+def test_what_is_observed_is_what_was_sensed_and_of_the_lidar_the_nearest_of_each_sector(
+    make: Make, defect: bool, too_near: float
+) -> None:
+    env = begun(make, (1.5, 1.25), nearest_is_farthest=defect)
     ranges = np.full(64, np.inf)
     ranges[:7] = 5.0, 4.0, np.nan, np.inf, -np.inf, np.inf, 9.0
-    env._ride.readings = readings(ranges)
-    lidar = env._observe(env._ride)["lidar"]
-    assert lidar.tolist() == [4.0, 12.0, too_near, 9.0] + [12.0] * 28
+    seen = env._observe(sensed(0.5, 2.0, tilt=(0.1, -0.2), twist=Twist(0.3, -0.4), ranges=ranges))
+    assert seen["lidar"].tolist() == [4.0, 12.0, too_near, 9.0] + [12.0] * 28
+    assert seen["pose"] == (0.5, 0.25, 0.5)
+    assert seen["imu"] == pytest.approx((-0.2, 0.1, 2.3))  # pitch comes first
+    assert seen["target"] == pytest.approx((math.sqrt(2.0), math.pi / 4 - 2.0))
+    assert seen["velocities"] == (0.3, -0.4)
+
+
+def test_every_step_is_paid_as_robo_terrain_pays_it(make: Make) -> None:
+    env, rng, paid = begun(make), np.random.default_rng(0), set()
+    for n in range(200):
+        distance = rng.choice([0.4999, 0.5, 0.5001, rng.uniform(0.6, 8.0)], p=[0.05, 0.05, 0.05, 0.85])
+        nearest = rng.choice([0.2999, 0.3001, 0.4, 9.0])
+        progress = rng.choice([-0.0011, -0.0009, 0.0009, 0.0011, rng.uniform(-0.04, 0.04)])
+        bearing = rng.choice([1.0, -1.0]) * rng.choice([1.25, 1.26, rng.uniform(0.0, math.pi)])  # 72 deg
+        twist, ahead = (
+            Twist(*rng.uniform(-1.0, 1.0, 2).tolist()),
+            math.radians(90.0 * rng.integers(-1, 2)),
+        )
+        env.goal = (0.0, 0.25)
+        env._begin(None)
+        steps = [
+            (sensed(away, math.pi - angle, twist=twist, ranges=nearest), away, angle)
+            for away, angle in ((distance + progress, ahead), (distance, bearing))
+        ]
+        rewards = [judged(env, ride)[0] for ride, _, _ in steps]
+        info = env._told()
+        (before, now) = (
+            {
+                "target": (away, angle),
+                "lidar": np.array([nearest]),
+                "velocities": (twist.linear, twist.angular),
+            }
+            for _, away, angle in steps
+        )
+        expected = expected_reward(before, now)
+        assert rewards == [0.0, pytest.approx(expected, abs=1e-12)], (
+            distance,
+            nearest,
+            progress,
+            bearing,
+        )
+        assert sum(info["reward_terms"].values()) == rewards[1]
+        assert (info["goals"], info["collisions"]) == (expected == 100.0, expected == -0.5)
+        assert info["is_success"] == (expected == 100.0)
+        if expected == 100.0:
+            env._draw_goal.assert_called_with((distance, 0.25))
+            env._draw_goal = Mock(return_value=(n, n))
+        paid.add(round(expected, 1))
+    assert paid >= {100.0, -0.5, 0.0}
 
 
 @pytest.mark.parametrize(("uncounted", "counted"), [(False, 2), (True, 0)])
 def test_scans_nearer_than_thirty_centimetres_are_collisions(
     make: Make, uncounted: bool, counted: int
 ) -> None:
-    env = make("RoboTerrain", defects={"collisions_uncounted": uncounted})
-    env.reset(seed=0, options=MIDDLE)
-    rewards = []
-    for nearest in (1.0, 0.29, 0.31, -np.inf):
-        read = env._ride.read
-
-        def near(read: Any = read, nearest: float = nearest) -> None:  # noqa: ANN401
-            read()
-            env._ride.readings = readings(np.full(32, nearest))
-
-        env._ride.read = near
-        _, reward, *_, info = env.step(STILL)
-        env._ride.read = read
-        rewards.append(reward)
-    assert [reward == -0.5 for reward in rewards] == [False, True, False, True]
-    assert info["reward_terms"] == {"collision": -0.5}
-    assert info["collisions"] == counted
+    env = begun(make, collisions_uncounted=uncounted)
+    steps = [judged(env, sensed(ranges=nearest)) for nearest in (1.0, 0.29, 0.31, -np.inf)]
+    assert [reward == -0.5 for reward, _, _ in steps] == [False, True, False, True]
+    assert steps[-1][2]["reward_terms"] == {"collision": -0.5}
+    assert [info["collisions"] for _, _, info in steps[-2:]] == [counted / 2, counted]
 
 
 def test_the_heading_controller_is_pd_in_simulation_time(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    env = make("RoboTerrain")
-    env.reset(seed=0)
-    errors = [0.5, 0.7, 0.7, -0.1, 3.2]
-    rates = [env._twist(np.array([0.4, error])).angular for error in errors]
-    wrapped = [0.5, 0.7, 0.7, -0.1, 3.2 - math.tau]
+    env = begun(make)
+    errors = [0.5, 0.7, 0.7, -0.1, 3.2, 3.0]
+    twists = [env._twist([0.4, error]) for error in errors]
+    rates = [twist.angular for twist in twists]
+    assert {twist.linear for twist in twists} == {0.4}
+    wrapped = [0.5, 0.7, 0.7, -0.1, 3.2 - math.tau, 3.0]
     changes = np.diff([0.0, *wrapped])
     expected = 2.0 * np.array(wrapped) + 0.1 * changes / 0.05
     assert rates == pytest.approx(np.clip(expected, -7.0, 7.0))
     defective = make("RoboTerrain", defects={"wall_clock": True})
     now = iter([10.0, 10.5])
     monkeypatch.setattr("harness.gym.robo_terrain.time.perf_counter", lambda: next(now))
-    defective.reset(seed=0)
+    defective._begin(None)
     assert defective._twist(np.array([0.4, 0.5])).angular == pytest.approx(2.0 * 0.5 + 0.1 * 0.5 / 0.5)
 
 
+@pytest.mark.parametrize("failure", ["", "edge"])
 @pytest.mark.parametrize(
-    ("steps", "reward", "tilt"),
+    ("steps", "tilt", "reward", "ending"),
     [
-        (1, 0.0, (0.78, 0.0)),
-        (500, 0.0, (-0.75, 0.0)),
-        (501, -20.0, (0.0, 0.75)),
-        (502, -20.0, (0.0, -0.75)),
+        (1, (1.481, 0.0), 0.0, "flipped"),
+        (500, (-1.481, 0.0), 0.0, "flipped"),
+        (501, (0.0, 1.481), -20.0, "flipped"),
+        (501, (0.0, -1.481), -20.0, "flipped"),
+        (501, (3.0, 0.0), -20.0, "flipped"),
+        (501, (1.479, 0.0), 0.0, ""),
+        (501, (0.0, -1.479), 0.0, ""),
     ],
 )
-def test_who_flips_ends_and_pays_unless_it_was_early(
-    make: Make, steps: int, reward: float, tilt: tuple[float, float]
+def test_who_flips_ends_and_pays_unless_it_was_early(  # noqa: PLR0917 - a table
+    make: Make, steps: int, tilt: tuple[float, float], reward: float, ending: str, failure: str
 ) -> None:
-    env = make("RoboTerrain")
-    env.reset(seed=0, options=MIDDLE)
+    env = begun(make)
+    env._observe(sensed(tilt=tilt))
     env.steps = steps - 1
-    half_roll, half_pitch = tilt  # beyond 0.74 rad; in the air
-    cos, roll, pitch = math.cos(sum(tilt)), math.sin(half_roll), math.sin(half_pitch)
-    env._ride.simulation.data.qpos[2:7] = 1.0, cos, roll, pitch, 0.0
-    assert env.step(STILL)[1:3] == (reward, True)
+    expected = (reward, ending) if ending or not failure else (-10.0, "edge")
+    assert judged(env, sensed(tilt=tilt), failure)[:2] == expected
 
 
-def test_who_is_stuck_or_outside_ends_and_pays(make: Make) -> None:
+@pytest.mark.parametrize(
+    ("places", "ending"),
+    [
+        ([0.0] * 599, ""),
+        ([0.0] * 600, "stuck"),
+        ([0.0] + [1.0] * 598 + [0.0009], "stuck"),  # there and back
+        ([0.0] + [1.0] * 598 + [-0.0011], ""),
+        ([0.0] + [1.0] * 599 + [0.0], ""),  # of the last 600 only
+        ([1.0] + [0.0] * 600, "stuck"),
+    ],
+)
+def test_who_is_after_600_steps_where_it_was_is_stuck(
+    make: Make, places: list[float], ending: str
+) -> None:
+    env = begun(make)
+    env._places.extend((x, 0.25) for x in places[:-1])
+    reward, told, _ = judged(env, sensed(places[-1]))
+    assert (reward, told) == ((-25.0, "stuck") if ending else (0.0, ""))
+
+
+def test_who_flips_or_is_outside_ends_and_pays(make: Make) -> None:
     env = make("RoboTerrain", time_limit=40.0)
     env.reset(seed=0, options=MIDDLE)
-    env._places.extend([(0.0, 0.0)] * 598)
-    assert env.step(STILL)[2] is False  # 599
+    env.steps = 500
+    env._ride.simulation.data.qpos[2:7] = 1.0, math.cos(0.75), 0.0, math.sin(0.75), 0.0  # in the air
     _, reward, terminated, _, info = env.step(STILL)
-    assert (reward, terminated, info["ending"]) == (-25.0, True, "stuck")
+    assert (reward, terminated, info["ending"]) == (-20.0, True, "flipped")
     env.reset(options=MIDDLE)
     env._ride.simulation.data.qpos[0] = 6.6
     _, reward, terminated, _, info = env.step(STILL)
