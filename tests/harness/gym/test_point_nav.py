@@ -18,7 +18,7 @@ from tests.harness.gym.conftest import Make
 ACTIONS = np.random.default_rng(3).uniform(-1.0, 1.0, (25, 2)).astype(np.float32)
 WEIGHTS = {"progress": 3.0, "reached": 7.0, "time": -0.5, "flipped": -9.0, "action_rate": -0.25}
 TOUCHING = 0.05  # [s] in each step of the table below
-STEPS = [  # how it failed, tilt [deg], contact before [s], distance [m]: how it ends, at 0.5 m, 75 deg, 0.3 s
+STEPS = [  # failure, tilt [deg], contact before [s], distance [m], ending; limits 75 deg, 0.3 s, 0.5 m
     ("", 0.0, 0.0, 0.5, ""),
     ("", 0.0, 0.0, 0.4999, "reached"),
     ("", 75.0, 0.0, 2.0, ""),

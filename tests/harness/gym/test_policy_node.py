@@ -41,7 +41,7 @@ class Heard:
         def subscribed(_: object, kind: type, topic: str, callback: Any, qos: object) -> None:  # noqa: ANN401, ARG001
             self.topics[topic] = callback
 
-        monkeypatch.setattr(GuardedNode, "__init__", lambda _, name: None)
+        monkeypatch.setattr(GuardedNode, "__init__", lambda *_: None)
         monkeypatch.setattr(PolicyNode, "create_subscription", subscribed)
         monkeypatch.setattr(PolicyNode, "create_publisher", lambda *_: self.sent)
         monkeypatch.setattr(PolicyNode, "get_logger", lambda _: self.log)

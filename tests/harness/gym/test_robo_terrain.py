@@ -212,7 +212,7 @@ def test_the_heading_controller_is_pd_in_simulation_time(
         (501, (0.0, -1.479), 0.0, ""),
     ],
 )
-def test_who_flips_ends_and_pays_unless_it_was_early(  # noqa: PLR0917 - a table
+def test_who_flips_ends_and_pays_unless_it_was_early(
     make: Make, steps: int, tilt: tuple[float, float], reward: float, ending: str, failure: str
 ) -> None:
     env = begun(make)
