@@ -13,6 +13,10 @@ from harness.drivers.policy import BESIDE_LIDAR, Policy, write_policy
 from harness.episode.episode import Episode
 from harness.errors import UsageError
 from harness.gym.point_nav import PointNavWeights
+from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
+from harness.sensors.depth import DepthOptions
+from harness.sensors.ranging import RangeReading
+from harness.world.heightfield import Heightfield
 from tests.harness.gym.conftest import Make
 
 ACTIONS = np.random.default_rng(3).uniform(-1.0, 1.0, (25, 2)).astype(np.float32)
@@ -107,6 +111,32 @@ def test_each_term_is_its_weight_times_what_the_simulator_knows(make: Make) -> N
         )
         assert reward == pytest.approx(sum(terms.values()))
         before, previous = now, action.astype(float)
+
+
+def test_depths_and_heights_are_those_of_what_was_read(make: Make) -> None:
+    env, level = make(depth=(2, 2), height_scan=True), (0.0, 0.0, 0.0, 1.0)
+    readings = (
+        LaserScan(0, np.full(32, 4.0, np.float32)),
+        Imu(0, level, (0.0, 0.0, 0.0), (0.0, 0.0, 9.8)),
+        Pose(0, (1.0, 2.0, 0.5), level),
+        Odometry(0, 0.0, 0.0, 0.0, Twist(0.1, 0.2)),
+        RangeReading(
+            0, "depth", np.array([np.nan, np.inf, -np.inf, 3.0], np.float32), np.zeros(4, np.bool_)
+        ),
+    )
+    x, _ = np.meshgrid(np.arange(-4.0, 5.0), np.arange(-4.0, 5.0))
+    scene = SimpleNamespace(world=SimpleNamespace(ground=Heightfield(0.1 * x, 1.0)))
+    ride = SimpleNamespace(
+        readings={type(reading): reading for reading in readings},
+        simulation=SimpleNamespace(scene=scene),
+    )
+    env.goal = (1.0, 5.0)
+    seen = env._observe(ride)
+    assert seen["depth"].tolist() == [10.0, 10.0, 0.0, 3.0]  # a miss and a fault are the largest
+    ahead = np.repeat(0.1 * (1.0 - 0.5 + 0.2 * np.arange(11)) - 0.5, 7)
+    assert seen["heights"] == pytest.approx(ahead)
+    assert seen["goal"] == pytest.approx((3.0, 1.0, 0.0))
+    assert env.options.camera == DepthOptions(name="depth", width=2, height=2, rate=20)
 
 
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])

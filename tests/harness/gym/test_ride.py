@@ -1,4 +1,5 @@
 import copy
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 from unittest.mock import patch
@@ -16,6 +17,7 @@ from harness.gym.ride import SENSED, Ride
 from harness.physics.physics import Physics
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
 from harness.sensors.depth import DepthOptions
+from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.ranging import RangeReading
 from harness.sim_time import NANOSECONDS
 from harness.world.heightfield import Heightfield
@@ -148,8 +150,18 @@ def test_a_body_on_the_ground_is_a_scrape_and_tilt_is_told(flat_with_post: Cours
     ride.simulation.data.qpos[2:7] = 0.35, 0.0, 1.0, 0.0, 0.0  # on its roof
     for _ in range(6):
         ride.advance(Twist())
-    assert (ride.scrape_s, ride.hazard_s) == (pytest.approx(0.05), 0.0)
+    assert ride.scrape_s == pytest.approx(0.05)
+    assert ride.hazard_s == 0.0
     assert ride.upright == pytest.approx(-1.0, abs=0.05)
+
+
+def test_room_is_looked_for_at_any_start_but_the_worlds_own(flat_with_post: Course) -> None:
+    assert flat_with_post.lidar.spec == LidarSpec(beams=8)
+    for start in ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)):
+        room = patch("harness.gym.course.check_room", side_effect=UsageError("no room"))
+        with room as look, suppress(UsageError):
+            Ride(flat_with_post, start, Variation(payload=1.0), 0)
+        assert look.call_count == any(start)
 
 
 def test_a_start_in_an_obstacle_or_off_the_map_is_refused(flat_with_post: Course) -> None:
