@@ -66,6 +66,10 @@ def test_where_nothing_is_as_wanted_the_nearest_is_taken(
         assert {(x > 0.0, y > 0.0) for x, y in others} == {
             *product((False, True), repeat=2)
         }  # of its cells any
+    # From (3, 0) at most 0.2 m, from the axes at most 0.15 m: at 1.475 m both miss by as much.
+    x, y = places.draw(rng, (3.0, 0.0), (0.0, 0.2), 0.15)
+    assert x == pytest.approx(1.475, abs=0.21)
+    assert abs(y) < 0.7
     near = places.draw(rng, (0.0, 0.0), (0.0, 0.01), box)
     assert math.hypot(*near) < 0.3
 

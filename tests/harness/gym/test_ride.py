@@ -1,8 +1,10 @@
 import copy
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
+from types import SimpleNamespace
 from typing import Any
-from unittest.mock import patch
+from unittest.mock import Mock, patch
 
 import mujoco
 import numpy as np
@@ -140,6 +142,21 @@ def test_contact_with_a_hazard_counts_in_hundredths_of_a_second(flat_with_post: 
         assert ride.hazard_s in [0.01 * n for n in range(6)]
         seconds += ride.hazard_s
     assert 0.1 < seconds < 1.4
+
+
+def test_a_hundredth_with_contact_counts_once_however_many_parts_touch(flat_with_post: Course) -> None:
+    ride = Ride(flat_with_post, FREE, PLAIN, 0)
+    hazard, *parts = ride._hazard, *ride._scrapes
+    assert len(parts) > 1
+    counts = np.zeros((5, ride.simulation.model.nsensordata))
+    counts[1:3, hazard] = 3.0, 1.0
+    counts[0, parts[0]] = counts[3, parts[-1]] = 1.0
+    counts[2, parts] = 2.0
+    there: Any = SimpleNamespace(tick_sum=None)
+    ticks = [partial(setattr, there, "tick_sum", row) for row in counts]
+    ride.simulation, ride._leap = there, Mock(ticks=lambda: (tick() for tick in ticks))
+    ride.read()
+    assert (ride.hazard_s, ride.scrape_s) == (pytest.approx(0.02), pytest.approx(0.03))
 
 
 def test_a_body_on_the_ground_is_a_scrape_and_tilt_is_told(flat_with_post: Course) -> None:

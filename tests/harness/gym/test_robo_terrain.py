@@ -237,6 +237,8 @@ def test_who_is_after_600_steps_where_it_was_is_stuck(
     make: Make, places: list[float], ending: str
 ) -> None:
     env = begun(make)
+    env._places.extend([(0.0, 0.25)] * 600)  # in the episode before
+    env._begin(None)
     env._places.extend((x, 0.25) for x in places[:-1])
     reward, told, _ = judged(env, sensed(places[-1]))
     assert (reward, told) == ((-25.0, "stuck") if ending else (0.0, ""))
