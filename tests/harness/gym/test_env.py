@@ -36,7 +36,11 @@ class Counted(RoverEnv[Options]):
     """Observes how many steps were read of which episode; tells what it is to tell."""
 
     options_class = Options
-    endings: ClassVar[Mapping[str, str]] = {"won": "terminated: it has won", "edge": "truncated: off"}
+    endings: ClassVar[Mapping[str, str]] = {
+        "won": "terminated: it has won",
+        "lost": "terminated: it has not",
+        "edge": "truncated: off",
+    }
     camera = DepthOptions(name="depth", width=2, height=1, rate=20)
 
     def __init__(self, render_mode: str | None = None, **options: object) -> None:
@@ -236,9 +240,9 @@ def test_a_step_is_driven_read_and_judged_and_its_failure_told(monkeypatch: pyte
         assert env._ladder.highest == 0.0
         with pytest.raises(ResetNeeded):
             env.step(AHEAD)
-    env.tell = "won"
-    bare.reset()
-    assert (*env.step(AHEAD)[2:4], env._ladder.highest) == (True, False, 0.5)
+    for env.tell, highest in (("lost", 0.0), ("won", 0.5)):
+        bare.reset()
+        assert (*env.step(AHEAD)[2:4], env._ladder.highest) == (True, False, highest)
     assert 0.0 < bare.reset(world_seed=3)["difficulty"] < 0.5
     bare.reset(0)
     assert env._ladder.highest == 0.0
@@ -419,6 +423,7 @@ WRONG_OPTIONS = [
     ({"depth": (0, 4)}, "an image of 0 x 4 pixels is not valid; give 1 or more"),
     ({"goal_radius": -1.0}, "goal_radius -1 is not valid; give a number above 0"),
     ({"terrain_size": [1.0, 2.0, 3.0]}, "terrain_size [1.0, 2.0, 3.0] is not valid; give 2 at most"),
+    ({"render_mode": ""}, "render_mode '' does not exist; available: rgb_array, human"),
     ({"render_mode": "ascii"}, "render_mode 'ascii' does not exist; available: rgb_array, human"),
 ]
 
@@ -468,6 +473,7 @@ WRONG_RESETS = [
     ({"start": (1.0, 2.0)}, "reset: start (1.0, 2.0) is not valid; give 3 finite numbers"),
     ({"goal": ("a", "b")}, "reset: goal ('a', 'b') is not valid; give 2 finite numbers"),
     ({"goal": (math.nan, 0.0)}, "give 2 finite numbers"),
+    ({"start": 5}, "reset: start 5 is not valid; give 3 finite numbers"),
     ({"start": (5.0, 5.0, 0.0)}, "no rover can stand at start 5,5,0: it slid"),
     ({"start": (0.0, SIDE, 0.0)}, "is off the map or at its edge"),
     ({"terrain": "mars"}, "terrain 'mars' does not exist"),
@@ -475,6 +481,7 @@ WRONG_RESETS = [
 WRONG_ACTIONS = [
     ([math.nan, 0.0], "action [nan, 0.0] is not valid; give finite numbers"),
     ([0.0, math.inf], "give finite numbers"),
+    ([[0.5], [0.5]], "an action of shape (2, 1) is not valid; give (2,)"),
     ([0.0], "an action of shape (1,) is not valid; give (2,)"),
     (0.5, "an action of shape () is not valid; give (2,)"),
 ]

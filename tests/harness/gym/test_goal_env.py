@@ -49,6 +49,8 @@ def test_a_step_is_judged_by_the_goals_that_are_observed_to_the_bit(make: Make) 
         assert env.compute_reward(*goals, None) == reward == (0.0 if ending == "reached" else -1.0)
         assert env.compute_terminated(*goals, {}) is (ending == "reached")
         outcomes.append(ending)
+        assert env._judge(ride, "diverged")[:2] == (-1.0, "diverged")
+        assert "reward_terms" not in info
     assert {*outcomes} == {"", "reached"}
     assert env.compute_reward(np.array([0.75, 0.0]), np.zeros(2), None) == -1.0  # within, not at
 
@@ -57,6 +59,7 @@ def test_a_step_is_judged_by_the_goals_that_are_observed_to_the_bit(make: Make) 
     ("ending", "terminated", "truncated"),
     [
         *[("", False, False), ("hazard", True, False), ("flipped", True, False), ("time", False, True)],
+        *[("edge", False, True), ("diverged", False, True)],
         ("reached", False, False),  # of another goal
         (None, False, False),
     ],

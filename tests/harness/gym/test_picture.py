@@ -115,7 +115,8 @@ def test_a_window_is_shown_each_step_and_opened_anew_in_a_new_world(
     viewer = Mock()
     monkeypatch.setattr(picture, "dress", lambda *_, **__: None)  # slow, and nobody looks
     monkeypatch.setattr(picture, "drawn", lambda _: Heightfield(np.zeros((9, 9)), 1.75))
-    monkeypatch.setattr(picture, "import_module", lambda _: viewer)
+    modules = {"mujoco.viewer": viewer, "glfw": viewer}
+    monkeypatch.setattr(picture, "import_module", modules.__getitem__)
     env = make(render_mode="human")
     env.reset(seed=0)
     env.step(np.zeros(2, np.float32))

@@ -43,6 +43,7 @@ def test_a_rover_that_is_long_on_one_side_keeps_its_longest_reach_free() -> None
 def test_draws_are_as_wanted_and_spread_over_all_that_is() -> None:
     places, rng = Places(world(), LEO), np.random.default_rng(0)
     drawn = np.array([places.draw(rng, (1.0, 1.0), (1.0, 2.0)) for _ in range(200)])
+    assert (drawn != drawn.round(2)).any()
     assert (drawn == drawn.round(3)).all()  # can be typed after --start
     away = np.hypot(*(drawn - 1.0).T)
     assert (away >= 1.0).all()
@@ -50,6 +51,7 @@ def test_draws_are_as_wanted_and_spread_over_all_that_is() -> None:
     assert np.abs(drawn.mean(axis=0) - 1.0).max() < 0.3
     boxed = np.array([places.draw(rng, (0.0, 0.0), (0.0, math.inf), 0.5) for _ in range(50)])
     assert 0.3 < np.abs(boxed).max() <= 0.6  # by half a cell
+    assert np.hypot(*boxed.T).max() > 0.6  # a square, not a disc
 
 
 @pytest.mark.parametrize(("distance", "box"), [((30.0, 40.0), math.inf), ((0.0, math.inf), 0.01)])

@@ -9,7 +9,7 @@ import pytest
 
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
-from geometry_msgs.msg import Pose, PoseArray, PoseStamped
+from geometry_msgs.msg import Pose, PoseArray, PoseStamped, Twist
 from nav_msgs.msg import Odometry
 from rclpy.executors import ExternalShutdownException
 from rosgraph_msgs.msg import Clock
@@ -43,7 +43,8 @@ class Heard:
 
         monkeypatch.setattr(GuardedNode, "__init__", lambda *_: None)
         monkeypatch.setattr(PolicyNode, "create_subscription", subscribed)
-        monkeypatch.setattr(PolicyNode, "create_publisher", lambda *_: self.sent)
+        publisher = {(Twist, "cmd_vel", 10): self.sent}  # of the node's namespace
+        monkeypatch.setattr(PolicyNode, "create_publisher", lambda _, *told: publisher[told])
         monkeypatch.setattr(PolicyNode, "get_logger", lambda _: self.log)
         self.node = PolicyNode(self.policy, find_rover("leo"), goal)
 
@@ -101,6 +102,7 @@ def test_each_scan_is_answered_once_and_none_without_a_goal_or_a_reading(
 ) -> None:
     heard, topics = Heard(monkeypatch, None), ("scan", "imu/data", "rover/pose_array", "odometry/wheels")
     asked = heard.policy.command
+    heard.hear()
     for missing in topics:
         heard.node._readings.clear()
         heard.goal(*GOAL)
@@ -114,13 +116,13 @@ def test_each_scan_is_answered_once_and_none_without_a_goal_or_a_reading(
     assert asked.call_count == 0
     heard.goal(3.0, -4.0)
     heard.goal(math.nan, 1.0)
-    for ns in (STAMP_NS, STAMP_NS, STAMP_NS + 50_000_000):
+    for ns in (STAMP_NS, STAMP_NS, STAMP_NS + 50_000_000, 50_000_000):  # the last of the next run
         heard.hear(ns=ns)
-    assert [call.args[1] for call in asked.call_args_list] == [(3.0, -4.0)] * 2
-    assert heard.sent.publish.call_count == 2
+    assert [call.args[1] for call in asked.call_args_list] == [(3.0, -4.0)] * 3
+    assert heard.sent.publish.call_count == 3
     assert not heard.log.error.called
     heard.hear(ns=STAMP_NS + 10**8, beams=3)
-    assert asked.call_count == 2  # the last scan that it can read was answered
+    assert asked.call_count == 3  # the last scan that it can read was answered
     (told,), limits = heard.log.error.call_args
     assert told == "the policy is for 4 beams, /scan has 3: no answer"
     assert limits == {"throttle_duration_sec": 5.0}
@@ -173,6 +175,7 @@ def test_through_dds_the_node_drives_the_path_of_the_environment(
         (["small.npz", "--goal", "-3,1", "--robot", "spirit"], "robot 'spirit' does not exist"),
         (["small.npz", "--goal", "3"], "'3' is not valid; give X,Y in metres"),
         (["small.npz", "--goal", "3,nan"], "'3,nan' is not valid; give X,Y in metres"),
+        (["small.npz", "--goal", "1,2,3"], "'1,2,3' is not valid; give X,Y in metres"),
         (["small.npz", "--goal", "inf,3"], "'inf,3' is not valid; give X,Y in metres"),
         (["--ros-args", "-p", "a:=1", "--", "nowhere.npz"], "policy nowhere.npz cannot be read"),
         (["small.npz", "--ros-args", "--goal", "3,1"], "--goal stands behind --ros-args"),
@@ -216,6 +219,8 @@ def test_it_drives_the_rover_to_the_goal_that_it_is_told_until_it_is_stopped(
     policy, rover, goal = node.call_args.args
     assert (policy.beams, rover, goal) == (8, find_rover("rover_zero4wd"), (3.0, -1.0))
     spin.assert_called_once_with(node.return_value)
+    assert main(words[:1]) == 0
+    assert node.call_args.args[1:] == (find_rover("leo"), None)
 
 
 def test_help_tells_how_it_is_run(capsys: pytest.CaptureFixture[str]) -> None:

@@ -18,17 +18,21 @@ MIDDLE = {"start": (0.0, 0.0, 0.0), "goal": (3.0, 1.0)}
 
 
 def expected_reward(before: dict[str, Any], now: dict[str, Any]) -> float:
+    return sum(expected_terms(before, now).values())
+
+
+def expected_terms(before: dict[str, Any], now: dict[str, Any]) -> dict[str, float]:
     """RoboTerrain's reward, of two observations with the goal in the same place."""
     last, (distance, bearing) = float(before["target"][0]), map(float, now["target"])
     v, w = map(float, now["velocities"])
     if distance < 0.5:
-        return 100.0
+        return {"goal": 100.0}
     if now["lidar"].min() < 0.3:
-        return -0.5
+        return {"collision": -0.5}
     align = 1.0 - abs(bearing) / (math.pi / 2)  # 1 at 0 deg, 0 at 90, -1 at 180
     progress = last - distance
     d = 0.3 * progress if abs(progress) > 0.001 and 0.01 * align > 0.002 else -0.03
-    return 1.5 * d + 0.0025 * v - 0.0015 * abs(w)
+    return {"distance": 1.5 * d, "speed": 0.0025 * v, "turn": -0.0015 * abs(w)}
 
 
 @pytest.mark.parametrize("stale", [False, True])
@@ -90,13 +94,13 @@ def sensed(
 def begun(make: Make, goal: tuple[float, float] = (3.0, 0.25), **defects: bool) -> Any:  # noqa: ANN401
     """An environment that is fed with what is sensed, and had another episode before."""
     env = make("RoboTerrain", lidar_beams=64, defects=defects)
-    env._draw_goal = Mock(side_effect=[(9.0, 9.0), (8.0, 8.0)])
+    env._draw_goal = Mock(side_effect=[(2.0, 0.25), (9.0, 9.0)])
     env.goal, env.steps = (0.1, 0.25), 0
     env._begin(None)
-    for distance in (0.7, 0.4):
+    for x in (0.8, 0.5, 2.1, 1.9):
         env._twist([0.0, 1.0])
-        judged(env, sensed(0.1 + distance))
-    assert (env.goal, env._told()["goals"]) == ((9.0, 9.0), 1)
+        judged(env, sensed(x))
+    assert (env.goal, env._told()["goals"]) == ((9.0, 9.0), 2)
     env.goal, env.steps = goal, 0
     env._begin(None)
     return env
@@ -127,6 +131,7 @@ def test_what_is_observed_is_what_was_sensed_and_of_the_lidar_the_nearest_of_eac
 
 def test_every_step_is_paid_as_robo_terrain_pays_it(make: Make) -> None:
     env, rng, paid = begun(make), np.random.default_rng(0), set()
+    env._draw_goal = Mock(return_value=(9.0, 9.0))
     for n in range(200):
         distance = rng.choice([0.4999, 0.5, 0.5001, rng.uniform(0.6, 8.0)], p=[0.05, 0.05, 0.05, 0.85])
         nearest = rng.choice([0.2999, 0.3001, 0.4, 9.0])
@@ -152,14 +157,15 @@ def test_every_step_is_paid_as_robo_terrain_pays_it(make: Make) -> None:
             }
             for _, away, angle in steps
         )
-        expected = expected_reward(before, now)
+        terms = expected_terms(before, now)
+        expected = sum(terms.values())
         assert rewards == [0.0, pytest.approx(expected, abs=1e-12)], (
             distance,
             nearest,
             progress,
             bearing,
         )
-        assert sum(info["reward_terms"].values()) == rewards[1]
+        assert info["reward_terms"] == pytest.approx(terms, abs=1e-12)
         assert (info["goals"], info["collisions"]) == (expected == 100.0, expected == -0.5)
         assert info["is_success"] == (expected == 100.0)
         if expected == 100.0:
@@ -239,9 +245,12 @@ def test_who_is_after_600_steps_where_it_was_is_stuck(
     env = begun(make)
     env._places.extend([(0.0, 0.25)] * 600)  # in the episode before
     env._begin(None)
+    judged(env, sensed(-2.0))
+    env._places.clear()
     env._places.extend((x, 0.25) for x in places[:-1])
     reward, told, _ = judged(env, sensed(places[-1]))
-    assert (reward, told) == ((-25.0, "stuck") if ending else (0.0, ""))
+    assert told == ending
+    assert (reward == -25.0) if ending else (abs(reward) < 2.0)
 
 
 def test_who_flips_or_is_outside_ends_and_pays(make: Make) -> None:
@@ -281,6 +290,7 @@ def test_starts_and_goals_are_in_the_box_and_the_spaces_are_robo_terrains(make: 
         _, info = env.reset(seed=0 if seed == 0 else None)
         places += [*info["start"][:2], *info["goal"]]
     assert 1.0 < np.abs(places).max() <= 2.1
+    assert make("RoboTerrain", reverse_speed=0.0).action_space.low[0] == 0.0
     limits = [*env.action_space.low, *env.action_space.high]
     assert limits == pytest.approx([-0.6, -math.pi, 1.0, math.pi])
     shapes = {name: box.shape for name, box in env.observation_space.items()}
@@ -296,6 +306,8 @@ def test_starts_and_goals_are_in_the_box_and_the_spaces_are_robo_terrains(make: 
     [
         ({"lidar_beams": 100}, "100 lidar_beams are not valid; give a multiple of 32"),
         ({"box": 0.0}, "box 0 is not valid; give a number above 0"),
+        ({"box": math.inf}, "box inf is not valid; give a number above 0"),
+        ({"reverse_speed": -0.1}, "reverse_speed -0.1 is not valid; give 0 to 1"),
         ({"reverse_speed": 2.0}, "reverse_speed 2 is not valid; give 0 to 1"),
         ({"defects": {"sleeps": True}}, "defects: key 'sleeps' does not exist; valid: limit_terminates"),
         ({"defects": {"stale_reward": 1}}, "stale_reward = 1 is not valid; give true or false"),
