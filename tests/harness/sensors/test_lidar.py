@@ -349,6 +349,8 @@ def test_a_scan_is_taken_from_where_the_rover_is_now(make_simulation: MakeSimula
     wall = Obstacle(ObstacleKind.HAZARD, "box", (0.1, 1.5, 1.5), (1.6, 0.0, 0.0))
     simulation = make_simulation("leo", obstacles=(wall,))
     sensor = LidarSensor(simulation, Lidar(simulation.model, LidarSpec(beams=8)), 5)
+    simulation.physics.step_count = 12
+    assert sensor.read().stamp_ns == 30_000_000
     before = sensor.read().ranges
     simulation.data.qpos[0] += 0.5
     ahead = int(np.argmin(before))

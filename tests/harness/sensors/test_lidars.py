@@ -74,6 +74,16 @@ def test_planar_beams_are_those_of_the_data_sheet(
     assert (elevation == 0.0).all()
 
 
+@pytest.mark.parametrize(("span", "step"), [(2 * np.pi, 2 * np.pi / 5), (6.0, 1.5), (3.5, 0.875)])
+def test_all_around_the_last_column_would_be_the_first_and_otherwise_both_ends_are_there(
+    span: float, step: float
+) -> None:
+    given = CloudLidarOptions(name="x", rings=1, columns=5, angle_min=-span / 2, angle_max=span / 2)
+    azimuth, _ = angles(given.directions())
+    expected = np.arange(5) * step - span / 2
+    assert np.exp(1j * np.radians(azimuth)) == pytest.approx(np.exp(1j * expected))
+
+
 def test_elevations_of_ones_own_and_part_of_a_circle() -> None:
     given = CloudLidarOptions(name="x", elevations=(-0.2, 0.1), columns=3, angle_min=-0.5, angle_max=0.5)
     azimuth, elevation = angles(given.directions())
@@ -120,6 +130,15 @@ def test_elevations_of_ones_own_and_part_of_a_circle() -> None:
             r"range_min 5 m and range_max 5 m are not",
         ),
         (CloudLidarOptions, {"range_max": math.inf}, r"range_max inf m are not valid"),
+        (CloudLidarOptions, {"angle_min": -3.2}, r"a field of view from -3\.2 to 3\.14159 rad"),
+        (
+            CloudLidarOptions,
+            {"highest": 1.6},
+            r"elevations from .* to 1\.6 rad .* to 1\.5708$",
+        ),
+        (CloudLidarOptions, {"elevations": (-1.6, 0.1)}, r"elevations from -1\.6 to 0\.1 rad"),
+        (CloudLidarOptions, {"pattern": "spiral", "elevations": (0.1,)}, r"a spiral has no rings"),
+        (PlanarLidarOptions, {"angle_max": 3.2}, r"a field of view from -3\.14159 to 3\.2 rad"),
         (PlanarLidarOptions, {"beams": 1}, r"1 beams are not valid; give 2 or more"),
         (PlanarLidarOptions, {"beams": 10_000_000}, r"10,000,000 rays"),
         (PlanarLidarOptions, {"angle_min": 0.0, "angle_max": 0.0}, r"field of view from 0 to 0 rad"),
