@@ -51,7 +51,7 @@ def test_a_lidar_may_be_mounted_anyhow(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("harness.sensors.lidar_spec._lidar_mount", lambda _: told)
     ranges, angles = np.array([1.0, -np.inf, 2.5, 3.0]), np.linspace(-3.14159, 3.14159, 4)
     x, y, z, w = attitude.as_quat().tolist()
-    placed = PlacedScan(LaserScan(0, np.float32(ranges)), Pose(0, (4.0, -7.0, 1.0), (x, y, z, w)))
+    placed = PlacedScan(LaserScan(0, ranges.astype(np.float32)), Pose(0, (4.0, -7.0, 1.0), (x, y, z, w)))
     beams = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(4)])
     in_rover = [mounting.apply(ranges[n] * beams[n]) + mount for n in (0, 2, 3)]
     assert scan_points(placed, LEO) == pytest.approx((attitude.apply(in_rover) + place)[:, :2])
