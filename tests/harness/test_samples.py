@@ -30,7 +30,8 @@ def test_a_sample_arrives_as_it_was_sent_field_by_field_and_cannot_be_changed(ki
 
 def test_a_sample_is_known_by_its_sensors_name_or_else_by_what_it_is() -> None:
     reading = RangeReading(0, "top", np.zeros(0, np.float32), np.zeros(0, bool))
-    assert [samples.source(sample) for sample in (reading, Twist())] == ["top", Twist]
+    pose = Pose(0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+    assert (samples.source(reading), samples.source(pose)) == ("top", Pose)
 
 
 def test_beyond_ten_metres_roboterrains_lidar_sees_nothing() -> None:
