@@ -2,6 +2,7 @@
 
 import struct
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -347,6 +348,15 @@ def test_frames_and_joints_are_those_of_the_rover(
     assert told["odometry/wheels"].child_frame_id == child
     assert told["odom_ground_truth"].child_frame_id == "base_footprint"
     assert len(told["joint_states"].name) == joints
+
+
+@pytest.mark.parametrize("flags", [*product([False, True], repeat=3)], ids=str)
+def test_each_kind_of_contact_is_told_in_its_place(flags: tuple[bool, bool, bool]) -> None:
+    hazard, rock, scrape = flags
+    truth = samples.TruthState(STAMP_NS, hazard, rock, scrape, 11.0, 12.0, 13.0, SLIP, 14.0)
+    (contact,) = heard("rover/truth/contact", truth)
+    (traversal,) = heard("rover/truth/traversal", truth)
+    assert (contact.data, *traversal.data[1:3]) == (hazard, rock, scrape)
 
 
 def test_the_clock_tells_the_time_of_a_tick() -> None:

@@ -31,6 +31,14 @@ def test_the_first_beam_looks_ahead_as_the_lidar_looks_backwards(beams: int) -> 
     assert bearings[0] == pytest.approx(0.0, abs=1e-5)
 
 
+@pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5])
+def test_a_lidar_that_is_turned_looks_where_its_yaw_says(yaw: float) -> None:
+    spec = LidarSpec(beams=7, angle_max=3.0)
+    bearings = spec.bearings_at(yaw)
+    assert np.exp(1j * bearings) == pytest.approx(np.exp(1j * (np.arange(-3.0, 3.5) + yaw)))
+    assert np.abs(bearings).max() <= math.pi
+
+
 def test_beams_of_a_scan_end_where_the_lidar_saw_something() -> None:
     # The lidar looks backwards: its middle beams go to where the rover comes from.
     ranges = np.array([np.inf, 2.0, np.inf], dtype=np.float32)

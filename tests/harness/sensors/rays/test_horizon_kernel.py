@@ -171,6 +171,12 @@ def test_from_beside_the_map_or_under_the_ground_nothing_is_clear(place: tuple[f
     assert (clear == 0.0).all()
 
 
+def test_of_a_map_of_one_cell_nothing_is_known() -> None:
+    clear, found = ways(np.array([[0.0, 0.3], [0.2, 1.0]]), 4.0, np.array([0.5, 0.3, 2.0]), ALL_AROUND)
+    assert (clear == 0.0).all()
+    assert np.isfinite(found).any()
+
+
 def test_what_is_compiled_is_what_python_does(monkeypatch: pytest.MonkeyPatch) -> None:
     plain = as_plain_python("harness.sensors.rays.horizon_kernel", monkeypatch)
     heights = np.random.default_rng(4).normal(size=(17, 17)) * 0.2
