@@ -2,6 +2,8 @@
 
 import copy
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -18,9 +20,11 @@ from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
 from tests.harness.conftest import MakeSimulation
 from tests.harness.sensors.installed import installation
+from tests.harness.sensors.test_lidar import terrain_spec
 from tests.support.rovers import LEO
 
 SIZE = (1.6, 0.9)
+SHAPES = ("BOX", "CYLINDER", "CAPSULE", "ELLIPSOID")
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +38,9 @@ def simulation() -> Simulation:
 
 
 def scan(
-    simulation: Simulation, xyz: tuple[float, float, float] = (0, 0, 0), **told: object
+    simulation: Any,  # noqa: ANN401 - or what stands for a Simulation
+    xyz: tuple[float, float, float] = (0, 0, 0),
+    **told: object,
 ) -> HeightScan:
     options = HeightScanOptions(name="scan", size=SIZE, **told)  # type: ignore[arg-type]  # of several types
     options.check()
@@ -158,3 +164,27 @@ def test_another_rover_is_part_of_the_ground_and_its_own_is_not(
         met += int(hit[0]) in other.scene.geoms()
         assert height == pytest.approx(10.0 - distance - read.z, abs=2e-6)
     assert 10 < met < read.heights.size
+
+
+def test_of_another_rover_every_shape_is_seen_meshes_too() -> None:
+    spec, rng = terrain_spec(np.zeros((41, 41)), 0.1), np.random.default_rng(4)
+    spec.worldbody.add_body(name="rover", pos=[0.0, 0.0, 0.6])
+    spec.add_mesh(name="shell", uservert=rng.uniform(-0.3, 0.3, 24).tolist())
+    other, places = spec.worldbody.add_body(name="other"), [-0.6, -0.3, 0.0, 0.3, 0.6]
+    kinds = [mujoco.mjtGeom.mjGEOM_MESH, *(getattr(mujoco.mjtGeom, f"mjGEOM_{k}") for k in SHAPES)]
+    for kind, x in zip(kinds, places, strict=True):
+        mesh = {"meshname": "shell"} if kind == kinds[0] else {"size": [0.12, 0.1, 0.15]}
+        turn = rng.normal(size=4)
+        other.add_geom(type=kind, pos=[x, 0.1, 0.3], quat=turn, mass=1.0, group=3, **mesh)
+    model = spec.compile()
+    data, others = mujoco.MjData(model), np.flatnonzero(model.geom_group == 3)
+    ground = Heightfield(np.zeros((41, 41)), 0.1)
+    scene = SimpleNamespace(world=SimpleNamespace(ground=ground), others=lambda: others)
+    read = scan(SimpleNamespace(model=model, data=data, scene=scene, time_ns=7), axes="world")
+    seen, met, hit = np.array([1, 0, 0, 1, 0, 0], np.uint8), set(), np.zeros(1, np.int32)
+    for (i, j), height in np.ndenumerate(read.heights):
+        above, down = np.array([-0.75 + 0.1 * i, -0.4 + 0.1 * j, 10.0]), np.array([0.0, 0.0, -1.0])
+        distance = mujoco.mj_ray(model, data, above, down, seen, 1, -1, hit)
+        met.add(int(hit[0]))
+        assert height + 0.6 == pytest.approx(10.0 - distance, abs=2e-6)
+    assert met == {0, *others.tolist()}
