@@ -142,6 +142,7 @@ PROMISED: dict[str, tuple[tuple[int, str], ...]] = {
 
 def test_every_rover_has_these_sensors_at_these_rates_and_in_these_frames() -> None:
     rows = {topic.name: row for row in SENSORS if row.options is None for topic in row.topics}
+    assert list(rows) == list(PROMISED)  # published in this order
     told = {name: [(r.rate_on(v), r.frame_on(v)) for v in (LEO, ZERO)] for name, r in rows.items()}
     assert told == {name: [values[0], values[-1]] for name, values in PROMISED.items()}
 
