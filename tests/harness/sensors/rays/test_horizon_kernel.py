@@ -9,6 +9,7 @@ from harness.sensors.rays.arrays import heightfield_arrays
 from harness.sensors.rays.heightfield_kernel import cast_rays
 from harness.sensors.rays.horizon_kernel import RINGS, SECTORS
 from tests.harness.sensors.plain_python import as_plain_python
+from tests.harness.sensors.rays.test_heightfield_kernel import terrain_model
 from tests.harness.sensors.test_lidar import terrain_spec
 
 Array = NDArray[np.float64]
@@ -109,6 +110,67 @@ def test_a_peak_is_entered_into_the_parts_that_its_block_touches_and_no_others(s
     sector = int(angles[(ways @ peak).argmax()] * 64)
     assert profile[sector, np.searchsorted(OUTER, np.linalg.norm(peak), side="right")] == 1.0
     assert np.isfinite(profile[:, 0]).all()
+
+
+@pytest.mark.parametrize(
+    ("shape", "cell", "place", "reach"),
+    [
+        ((66, 38), 0.5, (0.3, -2.1), 99.0),
+        ((38, 66), 0.5, (-15.1, 8.2), 5.3),
+        ((66, 66), 0.25, (8.0, 8.1), 4.1),
+        ((5, 5), 1.0, (0.0, 0.0), 3.0),
+    ],
+)
+def test_every_block_within_reach_is_entered_with_its_highest_vertex(
+    shape: tuple[int, int],
+    cell: float,
+    place: tuple[float, float],
+    reach: float,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Blocks of 4 by 4 cells, the last of a row or column as large as the map has them."""
+    plain = as_plain_python("harness.sensors.rays.horizon_kernel", monkeypatch)
+    rows, cols = shape[0] - 1, shape[1] - 1
+    model, _ = terrain_model(np.random.default_rng(7).random(shape), cell, oblong=1.25)
+    heights, *rest = heightfield_arrays(model)
+    entered: list[tuple[float, ...]] = []
+    monkeypatch.setattr(plain, "_raise_block", lambda high, box, _: entered.append((high, *box)))
+    u, v = place[0] / cell + cols / 2, place[1] / (1.25 * cell) + rows / 2
+    profile, origin = np.empty((SECTORS, RINGS)), np.array([*place, 1.0])
+    plain.highest_points(shape, *rest, origin, reach, profile)
+    cells, expected = reach / cell + 1.0, []
+    for row in range(0, rows, 4):
+        for col in range(0, cols, 4):
+            if row + 4 > v - cells and row <= v + cells and col + 4 > u - cells and col <= u + cells:
+                high = heights[row : row + 5, col : col + 5].max()
+                ends = (col - u, min(col + 4, cols) - u, row - v, min(row + 4, rows) - v)
+                expected.append((high, *ends))
+    assert np.array(entered) == pytest.approx(np.array(expected), abs=2e-3)
+    wider = (np.array(entered) - expected)[:, 1:] * (-1, 1, -1, 1)
+    assert (wider > 1e-4).all()  # so that rounding never costs a hit
+    assert (profile == -np.inf).all()
+
+
+@pytest.mark.parametrize(
+    ("shape", "reach", "levels", "level"),
+    [
+        ((65, 65), 1e9, 7, 2),
+        ((97, 1001), 1e9, 7, 2),  # 6000 blocks
+        ((97, 1002), 1e9, 7, 3),
+        ((1002, 97), 1e9, 7, 3),
+        ((1001, 1001), 1e9, 7, 4),
+        ((1001, 1001), 154.0, 7, 2),
+        ((1001, 1001), 156.0, 7, 3),
+        ((40_001, 40_001), 1e9, 7, 6),
+        ((40_001, 40_001), 1e9, 4, 3),
+        ((3, 3), 1e9, 2, 1),
+    ],
+)
+def test_blocks_are_as_fine_as_six_thousand_within_reach_allow(
+    shape: tuple[int, int], reach: float, levels: int, level: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = as_plain_python("harness.sensors.rays.horizon_kernel", monkeypatch)
+    assert plain._level(shape, reach, levels) == level
 
 
 def test_a_ray_is_clear_up_to_the_ring_in_which_it_comes_down_to_the_highest_point() -> None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from harness.sensors.rays.arrays import triangle_arrays
 from harness.sensors.rays.triangle_kernel import build_tree, cast_triangles
+from tests.harness.sensors.plain_python import as_plain_python
 
 Array = NDArray[np.float64]
 GROUP = 1
@@ -135,6 +136,43 @@ def test_no_ray_slips_through_between_two_triangles() -> None:
     apart = along - origin
     lengths = np.linalg.norm(apart, axis=1)
     assert cast(build_tree(square), origin, apart / lengths[:, None]) == pytest.approx(lengths)
+
+
+@pytest.mark.parametrize(
+    ("x", "ahead", "limit", "asked"),
+    [
+        (0.0, 1.0, 99.0, {1, 2, 3, 4}),  # the first leaf alone
+        (99.0, -1.0, 99.0, {61, 62, 63, 64}),
+        (32.5, 1.0, 99.0, {33, 34, 35, 36}),
+        (32.5, -1.0, 99.0, {29, 30, 31, 32}),
+        (0.0, 1.0, 0.99, set()),
+        (0.0, -1.0, 99.0, set()),
+    ],
+)
+def test_a_ray_asks_the_nearest_triangles_first_and_none_behind_what_it_hits(
+    x: float, ahead: float, limit: float, asked: set[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A row of 64 triangles, one behind the other."""
+    plain = as_plain_python("harness.sensors.rays.triangle_kernel", monkeypatch)
+    corners = np.array([[0.0, -1, -1], [0, 1, -1], [0, 0, 1]]) + np.arange(1, 65)[:, None, None] * [
+        1,
+        0,
+        0,
+    ]
+    boxes, triangles = plain.build_tree(corners)
+    seen, hit = set(), plain._hit
+
+    def noted(triangle: Array, *ray: object) -> float:
+        seen.add(int(triangle[0]))
+        return float(hit(triangle, *ray))
+
+    monkeypatch.setattr(plain, "_hit", noted)
+    ranges = np.array([math.inf])
+    plain.cast_triangles(
+        boxes, triangles, np.array([x, 0.0, 0.0]), np.array([[ahead, 0.0, 0.0]]), limit, ranges
+    )
+    assert seen == asked
+    assert ranges[0] == min((abs(n - x) for n in asked), default=math.inf)
 
 
 def test_without_meshes_there_is_nothing_to_ask() -> None:
