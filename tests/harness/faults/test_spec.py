@@ -7,6 +7,7 @@ import pytest
 from harness.errors import UsageError
 from harness.faults.base import Fault
 from harness.faults.spec import describe_faults, faults_of, parse_faults, sensors
+from harness.sensors import table
 from harness.sim_time import NANOSECONDS as SECOND
 
 
@@ -53,6 +54,15 @@ def test_invalid_spec_is_one_line_that_says_what_is_valid(spec: str, message: st
     with pytest.raises(UsageError, match=message) as caught:
         parse_faults([spec])
     assert "\n" not in str(caught.value)
+
+
+def test_a_sensor_that_could_be_carried_is_told_how() -> None:
+    rows = [row for row in table.SENSORS if row.options is None]
+    told = "there is no sensor 'barometer', but --sensors barometer adds it; available: tf, scan"
+    with pytest.raises(UsageError, match=told):
+        parse_faults(["barometer:nan"], rows)
+    with pytest.raises(UsageError, match="there is no sensor 'sonar'; available"):
+        parse_faults(["sonar:nan"], rows)
 
 
 def test_help_names_every_sensor_and_fault() -> None:
