@@ -113,6 +113,14 @@ def test_what_a_section_for_every_node_says_to_others_is_left_out(file: Path) ->
     assert read_values(file) == {"gravity": 9.8}
 
 
+def test_a_value_that_is_0_false_or_empty_is_a_value(file: Path) -> None:
+    file.write_text(section("publish_metrics: false", "stale_after: 0.0", "footprint: []"))
+    assert read_values(file) == {"publish_metrics": False, "stale_after": 0.0}
+    file.write_text(section("log_dir: ''"))
+    with pytest.raises(ParameterError, match="not empty text"):
+        read_values(file)
+
+
 def test_a_missing_file_is_told_with_its_reason(tmp_path: Path) -> None:
     with pytest.raises(ParameterError) as refused:
         read_parameters(tmp_path / "no.yaml")
