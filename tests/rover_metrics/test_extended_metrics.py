@@ -696,7 +696,10 @@ def test_a_rover_of_other_wheels_has_other_columns_of_slip() -> None:
     assert slips == {"True Slip Front Left": 0.1, "True Slip Front Right": 0.2, "True Slip 1 Left": 0.3}
 
 
-@pytest.mark.parametrize("wheels", ["", "left,left", "Left,right", "left, right", "left,,right"])
+@pytest.mark.parametrize(
+    "wheels",
+    ["", "left,left", "Left,right", "left, right", "left,,right", "_left", "7", "7left", "7_8", "7_"],
+)
 def test_names_of_wheels_that_are_not_valid_are_refused(wheels: str) -> None:
     with pytest.raises(ParameterError, match="parameter wheels must be names of lower-case letters"):
         ExtendedSettings(wheels=wheels)
