@@ -15,6 +15,7 @@ def clock_times(*specs: str) -> list[float]:
     [
         ("clock:jump=5@2", [1.99, 7.0, 7.01]),
         ("clock:jump=-1.5@2", [1.99, 0.5, 0.51]),
+        ("clock:jump=2.01@2", [1.99, 4.01, 4.02]),  # to the nearest nanosecond
         ("clock:jump=-30@2", [1.99, 0.01, 0.02]),
         ("clock:reset@2", [1.99, 0.01, 0.02]),
         ("clock:speed=0.5@2", [1.99, 1.995, 2.0]),

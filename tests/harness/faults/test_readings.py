@@ -129,6 +129,7 @@ def test_duplicates_follow_each_other() -> None:
 def test_stamps_shift_but_never_below_zero_or_stand_still() -> None:
     assert times(imus("imu:stamp-shift=-0.5@0.2+0.4"))[18:61:20] == [0.19, 0.0, 0.09]
     assert times(imus("imu:stamp-freeze@1+1"))[98:201:50] == [0.99, 0.99, 0.99]
+    assert imus("imu:stamp-shift=2.01")[0].stamp_ns == 2_020_000_000  # to the nearest nanosecond
 
 
 def test_empty_messages_hold_no_readings() -> None:

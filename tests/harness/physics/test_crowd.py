@@ -91,21 +91,26 @@ def test_a_social_walker_is_told_of_all_rovers_and_of_all_others(
         _: object, time_s: float, seconds: float, bodies: list[tuple[float, float, float]]
     ) -> Place:
         told.append((time_s, seconds, bodies))
-        return Place(0.5, -1.5, 0.0)
+        return Place(0.1 * len(told), -1.5, 0.0)
 
     monkeypatch.setattr(SocialWalker, "walk", walk)
-    people, data = two_boxes("x=1.5,-0.7:radius=0.3", "s=social:within=3.5", "y=1,3:radius=0.2")
+    people, data = two_boxes(
+        "x=1.5,-0.7:radius=0.3", "s=social:within=3.5", "y=1,3:radius=0.2", "t=social:within=3.5"
+    )
     data.qpos[:2], data.qpos[7:9] = (0.1, 0.2), (2.9, -0.3)
     del told[:]
-    people.move(TICK_NS)
-    people.move(2 * TICK_NS)
     people.restart(5 * TICK_NS)
-    people.move(7 * TICK_NS)
-    assert [(time_s, seconds) for time_s, seconds, _ in told] == pytest.approx(
-        np.array([(0.01, 0.01), (0.02, 0.01), (0.0, 0.0), (0.02, 0.01)])
+    people.move(6 * TICK_NS)
+    people.move(8 * TICK_NS)
+    np.testing.assert_allclose(
+        [one[:2] for one in told[::2]], [(0.0, 0.0), (0.01, 0.01), (0.03, 0.01)], atol=1e-12
     )
-    rovers, others = [(0.1, 0.2, 0.4), (2.9, -0.3, 0.5)], [(1.5, -0.7, 0.3), (1.0, 3.0, 0.2)]
-    assert [bodies for _, _, bodies in told] == [rovers + others] * 4
+    rovers, (x, y) = [(0.1, 0.2, 0.4), (2.9, -0.3, 0.5)], [(1.5, -0.7, 0.3), (1.0, 3.0, 0.2)]
+    begins = [(*actor.begin, 0.25) for actor in people.actors]
+    for number in range(3):  # the others where they were before anybody moved
+        s, t = begins[1::2] if number == 0 else [(0.1 * (2 * number + n), -1.5, 0.25) for n in (-1, 0)]
+        np.testing.assert_allclose(told[2 * number][2], [*rovers, x, y, t])
+        np.testing.assert_allclose(told[2 * number + 1][2], [*rovers, x, s, y])
 
 
 @pytest.mark.parametrize(("gap", "touches"), [(-0.01, True), (0.01, False)])
