@@ -683,6 +683,7 @@ def test_slips_and_roughness_are_read_by_their_names_or_their_usual_places(
 def test_another_truth_is_refused(values: list[float]) -> None:
     feed = Feed()
     assert not feed.traversal(values)
+    assert feed.session.take_traversal([1.0] * 10, []) is not None  # whose names are none
     assert feed.row()["True Roughness [m]"] == ""
 
 

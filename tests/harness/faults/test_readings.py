@@ -128,7 +128,9 @@ def test_duplicates_follow_each_other() -> None:
 
 def test_stamps_shift_but_never_below_zero_or_stand_still() -> None:
     assert times(imus("imu:stamp-shift=-0.5@0.2+0.4"))[18:61:20] == [0.19, 0.0, 0.09]
-    assert times(imus("imu:stamp-freeze@1+1"))[98:201:50] == [0.99, 0.99, 0.99]
+    stands = imus("imu:stamp-freeze@1+1")
+    assert times(stands)[98:201:50] == [0.99, 0.99, 0.99]
+    assert [imu.angular_velocity[0] for imu in stands] == [float(n) for n in range(1, 401)]
     assert imus("imu:stamp-shift=2.01")[0].stamp_ns == 2_020_000_000  # to the nearest nanosecond
 
 
@@ -145,5 +147,9 @@ def test_empty_messages_hold_no_readings() -> None:
 
 
 def test_beams_are_cut_or_added() -> None:
-    assert scans("scan:beams=3")[6].ranges.tolist() == [7.0] * 3
-    assert scans("scan:beams=12")[6].ranges.tolist() == [7.0] * 10 + [math.inf] * 2
+    whole = [float(beam) for beam in range(10)]
+    one = Tick(TICK, (LaserScan(TICK, np.array(whole, np.float32)),))
+    for beams, expected in ((0, []), (3, whole[:3]), (10, whole), (12, [*whole, math.inf, math.inf])):
+        (scan,) = FaultInjector(parse_faults([f"scan:beams={beams}"]), 0).corrupt(one).samples
+        assert isinstance(scan, LaserScan)
+        assert (scan.ranges.tolist(), scan.ranges.dtype) == (expected, np.float32)

@@ -73,6 +73,8 @@ def test_help_names_every_sensor_and_fault() -> None:
     forms = {line.split()[0] for line in told.splitlines() if line.startswith("  ")}
     assert {"dropout[=SHARE]", "latency=S", "freeze", "jump[=S]@START", "reset@START"} <= forms
     assert "  beams=N               only the first N ranges" in told
+    own = {"beams": 1, "empty": 3, "jump": 1, "reset": 1, "dropout": 2, "nan": 1}
+    assert {name: told.count(f"\n  {name}") for name in own} == own  # not among all sensors' ones
     headings = [line for line in told.splitlines() if line.endswith(":")]
     assert headings == ["each sensor:", "scan:", "pose:", "joint_states:", "clock:"]
 

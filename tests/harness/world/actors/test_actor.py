@@ -41,9 +41,9 @@ def test_ways_without_room_are_refused_with_the_place(text: str, told: str) -> N
 
 
 def test_a_random_walk_is_straight_free_steady_and_the_names_own() -> None:
-    words = ["a=random:speed=2,within=7,radius=0.9,height=2", "b=random:within=7"]
+    words = ["a=random:speed=2,within=7,radius=0.9,height=2", "b=random:within=7,delay=20"]
     both = with_actors(BARE, parse_actors(words)).people
-    alone = with_actors(BARE, parse_actors(["b=random:within=7"])).people
+    alone = with_actors(BARE, parse_actors(words[1:])).people
     ways = [actor.way() for actor in (*both, *alone)]
     times = np.arange(0.0, 300.0, 0.5)
     places = np.array(
@@ -58,6 +58,7 @@ def test_a_random_walk_is_straight_free_steady_and_the_names_own() -> None:
     assert isinstance(late, StrollRoute)
     assert late.place(299.5).x == places[0, -1, 0]  # whatever was asked before
     steps = np.linalg.norm(np.diff(places, axis=1), axis=2)
+    assert np.flatnonzero(steps[1])[0] == 40  # from 20 s on
     assert (steps <= [[1.0 + 1e-9], [0.5 + 1e-9], [0.5 + 1e-9]]).all()
     assert np.median(steps, axis=1) == pytest.approx([1.0, 0.5, 0.5])
     assert np.linalg.norm(places, axis=2).max() <= 7.0
@@ -280,15 +281,17 @@ def test_a_social_walker_looks_for_walls_again_every_half_metre(monkeypatch: pyt
     assert 0.0 < looked.call_count <= 1 + np.linalg.norm(way, axis=1).sum() / 0.5
 
 
-def test_the_delay_that_is_told_comes_after_that_of_the_file(tmp_path: Path) -> None:
+@pytest.mark.parametrize("loops", [True, False])
+def test_the_delay_that_is_told_comes_after_that_of_the_file(tmp_path: Path, loops: bool) -> None:
     points = "".join(
         f"<waypoint><time>{at}</time><pose>{at} 2 0 0 0 0</pose></waypoint>" for at in (0, 4)
     )
-    script = f"<script><delay_start>2</delay_start><trajectory>{points}</trajectory></script>"
+    loop = f"<loop>{str(loops).lower()}</loop>"
+    script = f"<script>{loop}<delay_start>2</delay_start><trajectory>{points}</trajectory></script>"
     (file := tmp_path / "a.sdf").write_text(f"<actor name='a'>{script}</actor>")
     way = with_actors(BARE, parse_actors([f"{file}:delay=1"])).people[0].way()
     assert isinstance(way, Route)
-    assert [way.place(time_s).x for time_s in (2.9, 5.0)] == pytest.approx([0.0, 2.0])
+    assert [way.place(t).x for t in (2.9, 5.0, 8.0)] == pytest.approx([0.0, 2.0, 1.0 if loops else 4.0])
     waits = with_actors(BARE, parse_actors(["g=0,2/4,2:delay=3,speed=2"])).people[0].way()
     assert isinstance(waits, Route)
     assert [waits.place(time_s).x for time_s in (2.9, 4.0)] == pytest.approx([0.0, 2.0])
@@ -306,3 +309,5 @@ def test_the_worlds_hash_tells_who_walks_and_where() -> None:
     hashes = {terrain_hash(with_actors(BARE, parse_actors(some))) for some in words}
     assert len(hashes) == len(words)
     assert terrain_hash(BARE) in hashes
+    others = with_actors(with_actors(BARE, parse_actors(["g=0,2/0,3"])), parse_actors(["h=random"]))
+    assert [actor.name for actor in others.people] == ["h_actor"]
