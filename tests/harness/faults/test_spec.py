@@ -12,10 +12,12 @@ from harness.sim_time import NANOSECONDS as SECOND
 
 
 def test_spec_says_sensor_fault_value_start_and_length() -> None:
-    assert parse_faults(["imu:nan=0.5@10+2", "scan:latency=0.2", "clock:jump=-3@30"]) == (
+    specs = ["imu:nan=0.5@10+2", "scan:latency=0.2", "clock:jump=-3@30", "imu:stuck=-1e+5@2.5+1e-1"]
+    assert parse_faults(specs) == (
         Fault(faults_of("imu")["nan"], "imu", 0.5, 10 * SECOND, 12 * SECOND),
         Fault(faults_of("scan")["latency"], "scan", 0.2, 0, None),
         Fault(faults_of("clock")["jump"], "clock", -3.0, 30 * SECOND, None),
+        Fault(faults_of("imu")["stuck"], "imu", -1e5, 2_500_000_000, 2_600_000_000),
     )
 
 

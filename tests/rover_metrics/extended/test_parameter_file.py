@@ -86,6 +86,8 @@ def test_sections_of_the_node_count_and_the_later_one_wins(file: Path, name: str
         (section("colision_threshold: 1.0", name="/**"), "did you mean collision_threshold?"),
         (section("debug_interval: true"), "debug_interval must be a whole number"),
         (section("fsync: 1"), "fsync must be true or false"),
+        (section("log_dir: 7"), "parameter log_dir must be text"),
+        (section("lidar_pose: [1.0, 2, 3.0]"), "lidar_pose must be a list of numbers with decimal"),
         (section("x: 1", name="other"), "no section 'metrics_node"),
         ("metrics_node: {ros__parameters: 3}", "no section 'metrics_node"),
         ("metrics_node: [", "cannot read parameters"),

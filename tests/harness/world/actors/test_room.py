@@ -32,24 +32,24 @@ def test_the_distance_from_a_wall_is_that_of_a_turned_box() -> None:
 
 
 @pytest.mark.parametrize(
-    ("point", "radius", "trouble"),
+    ("point", "radius", "trouble", "later"),
     [
-        ((2.0, 1.0), 0.1, "through hazard_1"),
-        ((2.0, 1.4), 0.25, "through hazard_1"),
-        ((2.0, 1.6), 0.25, None),
-        ((-2.0, 0.0), 0.25, None),  # over the rock
-        ((2.6, 0.0), 0.25, "off the map"),
-        ((math.nan, 0.0), 0.25, "off the map"),
+        ((2.0, 1.0), 0.1, "through hazard_1", (2.0, 1.1)),
+        ((2.0, 1.4), 0.25, "through hazard_1", (2.0, 1.0)),
+        ((2.6, 0.0), 0.25, "off the map", (9.0, 9.0)),
+        ((math.nan, 0.0), 0.25, "off the map", (9.0, 9.0)),
     ],
 )
-def test_hazards_and_the_edge_are_in_the_way(
-    point: tuple[float, float], radius: float, trouble: str | None
+def test_the_first_point_at_a_hazard_or_beyond_the_edge_is_told(
+    point: tuple[float, float], radius: float, trouble: str, later: tuple[float, float]
 ) -> None:
     room = Room(world(STONE, WALL))
-    found = room.trouble(np.array([(0.0, -1.0), point]), radius)
-    assert (found and found[0]) == trouble
-    if found:
-        np.testing.assert_array_equal(found[1], point)
+    free = [(0.0, -1.0), (2.0, 1.6), (-2.0, 0.0)]  # the last one on the rock
+    assert room.trouble(np.array(free), radius) is None
+    found = room.trouble(np.array([*free, point, later]), radius)
+    assert found is not None
+    assert found[0] == trouble
+    np.testing.assert_array_equal(found[1], point)
 
 
 def test_people_walk_on_the_map_to_half_a_metre_from_its_edge() -> None:

@@ -65,8 +65,8 @@ def test_the_actors_of_a_world_have_their_names_poses_and_times(tmp_path: Path) 
 
 
 def test_an_actor_without_a_name_is_called_actor(tmp_path: Path) -> None:
-    (told,) = read_told(written(tmp_path, "<actor/>"))
-    assert told.name == "actor"
+    (told,) = read_told(written(tmp_path, "<actor><pose>1 2 3 0 0 0</pose></actor>"))
+    assert (told.name, told.points) == ("actor", ((1.0, 2.0, 3.0),))
 
 
 LAUGHS = '<!DOCTYPE t [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]><trajectory>&b;</trajectory>'
