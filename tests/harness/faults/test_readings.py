@@ -46,11 +46,13 @@ def test_values_are_hit_from_start_to_before_the_end(
     assert hit == [n / 100 for n in range(100, 150)]
 
 
-def test_share_of_beams_is_hit_at_random() -> None:
-    hit = np.isnan([scan.ranges for scan in scans("scan:nan=0.3")])
+@pytest.mark.parametrize("share", [0.3, 0.005])
+def test_share_of_beams_is_hit_at_random(share: float) -> None:
+    found = scans(f"scan:nan={share}")
+    hit = np.isnan([scan.ranges for scan in found])
     rng = np.random.default_rng(np.random.SeedSequence(0, spawn_key=(11, 0)))
-    np.testing.assert_array_equal(hit, rng.random(hit.shape) < 0.3)
-    assert all(scan.ranges.dtype == np.float32 for scan in scans("scan:nan=0.3"))
+    np.testing.assert_array_equal(hit, rng.random(hit.shape) < share)
+    assert all(scan.ranges.dtype == np.float32 for scan in found)
 
 
 def test_spike_throws_one_value_in_ten_off_to_both_sides() -> None:
