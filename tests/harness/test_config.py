@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.config import TICKS_PER_CONTROL, EpisodeConfig
+from harness.config import TICKS_PER_CONTROL, EpisodeConfig, RosOptions
 from harness.errors import UsageError
+from harness.frames.options import FrameOptions
 from harness.world.world import terrain_hash
 
 
@@ -36,15 +37,40 @@ def test_the_defaults_are_those_of_the_command_line() -> None:
         terrain_size=None,
         terrain_height=None,
         datum=(38.4064, -110.7919, 1382.0),
+        terrain_cell=None,
+        resource_path=(),
+        mesh_unit="",
+        mesh_up="",
+        rock_height=None,
+        rock=(),
+        hazard=(),
         start=None,
         timestep=0.0025,
         noise=None,
         lidar_beams=640,
         imu_rate=20,
+        sensors=None,
+        cmd_vel_timeout=None,
         faults=(),
         commands=(),
+        goal_area=None,
+        actors=(),
         goals=(),
         resets=(),
+        name="",
+        number=0,
+        world_robot="",
+    )
+    assert RosOptions(log_dir=Path()) == RosOptions(
+        log_dir=Path(),
+        host_metrics=True,
+        wait_for=(),
+        rate=None,
+        ros_args=(),
+        cmd_vel="auto",
+        record=None,
+        overwrite=False,
+        frames=FrameOptions(odom_tf="ground_truth", odom_tf_3d=False, map_tf=False),
     )
 
 
@@ -223,6 +249,10 @@ def test_a_fault_may_begin_with_the_last_tick_but_not_after_it(fault: str) -> No
         f"fault '{late}' begins after the end of the run at 3 s; begin it earlier, or give a longer "
         "--duration"
     )
+
+
+def test_people_are_named_as_their_topics_and_columns_have_them() -> None:
+    assert EpisodeConfig(actors=("ann=1,2/3,4", "bob=5,6")).actor_names() == ("ann_actor", "bob_actor")
 
 
 def test_a_manifest_s_arguments_make_the_same_episode_again() -> None:
