@@ -119,14 +119,6 @@ def test_a_rock_is_occupied_if_it_is_higher_than_the_rover_climbs(height: float,
     assert top(rock) == pytest.approx(1.55 + height)
 
 
-def test_a_leaning_body_is_as_high_as_its_highest_point() -> None:
-    for shape, half in (("box", (0.5, 0.12, 0.4)), ("ellipsoid", (0.6, 0.3, 0.2))):
-        body = Obstacle(ObstacleKind.ROCK, shape, half, (0.0, 0.0, 2.0), LEANING)  # type: ignore[arg-type]
-        upward = rotation_matrix(LEANING)[2] * np.array(half)
-        expected = np.abs(upward).sum() if shape == "box" else np.linalg.norm(upward)
-        assert top(body) == pytest.approx(2.0 + expected)
-
-
 def test_a_disc_is_free_if_no_occupied_cell_lies_in_it_and_nothing_off_the_map_is() -> None:
     post = Obstacle(ObstacleKind.HAZARD, "box", (0.02, 0.02, 0.5), (1.025, 0.025, 0.5))
     grid = occupancy(world(None, post), SLOPE, STEP)
@@ -160,12 +152,15 @@ def test_an_oblong_map_has_more_columns_than_rows_and_its_own_edges() -> None:
 
 
 def test_decks_and_what_is_high_above_the_ground_are_not_in_the_way_wherever_the_map_lies() -> None:
-    ground = Heightfield(np.zeros((41, 41)), 0.25, (100.0, -50.0))
+    ground = Heightfield(np.full((41, 41), 5.0), 0.25, (100.0, -50.0))
     corners = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-0.5, 0.5) for z in (0.0, 0.3)])
 
     def map_with(kind: ObstacleKind, height: float) -> OccupancyMap:
-        thing = convex(kind, corners + np.array([100.0, -50.0, height]))
-        return occupancy(World("w", ground, (thing,), 0, None), 0.5, 0.1)
+        thing = convex(kind, corners + np.array([100.0, -50.0, 5.0 + height]))
+        last = Obstacle(ObstacleKind.HAZARD, "box", (0.1, 0.1, 0.1), (102.0, -50.0, 5.0))
+        found = occupancy(World("w", ground, (thing, last), 0, None), 0.5, 0.1)
+        assert not found.is_free(102.0, -50.0)
+        return found
 
     assert not map_with(ObstacleKind.HAZARD, 0.9).is_free(100.0, -50.0)
     assert map_with(ObstacleKind.HAZARD, 0.9).is_free(101.5, -50.0)
