@@ -131,6 +131,41 @@ def test_a_disc_is_free_if_no_occupied_cell_lies_in_it_and_nothing_off_the_map_i
     )
 
 
+@pytest.mark.parametrize(
+    ("x", "y", "radius", "is_free"),
+    [
+        (8.5, -9.5, 0.0, False),
+        (8.9, -9.1, 0.0, False),
+        (9.1, -9.5, 0.0, True),
+        (8.5, -7.5, 2.0, False),  # the cell's middle is on the rim
+        (8.5, -7.5, 1.999, True),
+        (11.5, -9.5, 3.0, False),
+        (11.5, -9.5, 2.999, True),
+        (12.0, -9.5, 0.0, False),
+        (11.9, -6.1, 0.0, True),
+        (11.9, -6.0, 0.0, False),
+    ],
+)
+def test_a_disc_is_as_free_as_the_cells_whose_middles_lie_in_it(
+    x: float, y: float, radius: float, *, is_free: bool
+) -> None:
+    cells = np.zeros((4, 4), dtype=np.int8)
+    cells[0, 0] = OCCUPIED
+    grid = OccupancyMap(cells, 1.0, (2.0, 2.0), (10.0, -8.0))
+    assert grid.is_free(x, y, radius) is is_free
+
+
+@pytest.mark.parametrize("along", [0, 1])
+def test_ripples_are_driven_over_if_the_mean_of_three_vertices_is_not_too_steep(along: int) -> None:
+    """0, 1, 0, -1 dm: 45 deg from vertex to vertex; the means 0, 1/3, 0, -1/3 dm rise by 18 deg."""
+    ripples = 0.1 * np.array([0.0, 1.0, 0.0, -1.0])[np.arange(81) % 4]
+    heights = np.repeat(ripples[None], 81, axis=0)
+    ground = world(heights if along else heights.T)
+    steepest = math.degrees(math.atan(1.0 / 3.0))
+    for limit, is_free in ((steepest + 0.1, True), (steepest - 0.1, False)):
+        assert occupancy(ground, math.radians(limit), 0.2).is_free(0.02, 0.02) is is_free
+
+
 @pytest.mark.parametrize("resolution", [0.5, 0.6])  # the last cell of 0.6 m is half off the map
 def test_a_coarse_map_keeps_what_fine_ground_shows(resolution: float) -> None:
     heights = 0.5 * (np.hypot(*axes()) < 0.05)  # one vertex

@@ -111,6 +111,8 @@ def test_rows_of_an_older_schema_are_left_out(write_log: WriteLog, row: Row) -> 
     log = read_log(write_log(lines=[*(row(i) for i in range(8)), *old]), [METRICS["CV"]])
     assert len(log) == 8
     assert "2 rows with fewer fields than the header (first on line 10): left out" in log.findings
+    half = read_log(write_log(lines=[row(0), row(1), *old]), [METRICS["CV"]])
+    assert list(half.stamps) == [100, 101]
 
 
 def test_a_last_line_cut_in_a_number_is_left_out(write_log: WriteLog, row: Row) -> None:
