@@ -167,6 +167,7 @@ def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object
         ({"start": (0.0, math.nan, 0.0)}, "start 0,nan,0 is not valid; give x and y in metres"),
         ({"start": (0.0, 0.0, 90.0)}, "start 0,0,90 is not valid"),
         ({"start": (0.0, 0.0)}, "start 0,0 is not valid"),
+        ({"datum": (90.0, 0.0, 0.0)}, "datum: latitude 90 is not valid; give -89.9 to 89.9 degrees"),
         ({"actors": ("walker",)}, "actor 'walker' is not valid; give [NAME=]FILE"),
         ({"actors": ("a=1,2", "a=3,4")}, "two actors are called 'a'"),
         (
@@ -262,6 +263,17 @@ def test_a_manifest_s_arguments_make_the_same_episode_again() -> None:
     again = EpisodeConfig(**json.loads(json.dumps(asdict(config))))
     assert again == config
     assert hash(again) == hash(config)
+
+
+def test_gravity_is_that_of_a_world_that_tells_one_else_of_the_rover(tmp_path: Path) -> None:
+    moon = tmp_path / "moon.sdf"
+    ground = "<collision name='c'><geometry><plane><size>20 20</size></plane></geometry></collision>"
+    moon.write_text(
+        "<sdf version='1.9'><world name='moon'><gravity>0 0 -1.62</gravity>"
+        f"<model name='m'><static>1</static><link name='l'>{ground}</link></model></world></sdf>"
+    )
+    assert EpisodeConfig(terrain=str(moon)).gravity() == 1.62
+    assert EpisodeConfig(terrain="flat").gravity() == 9.8
 
 
 def test_the_start_changes_nothing_else_of_the_world() -> None:

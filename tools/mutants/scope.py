@@ -93,7 +93,10 @@ PACKAGES = (
     Package(
         "truth",
         _modules(_HARNESS, "truth/* physics/contacts episode/truth_account"),
-        _tests("harness/truth harness/physics/test_contacts.py harness/episode/test_truth_account.py"),
+        _tests(
+            "harness/truth harness/physics/test_contacts.py harness/physics/test_crowd.py"
+            " harness/physics/test_physics.py harness/episode/test_truth_account.py"
+        ),
     ),
     Package(
         "episode",
