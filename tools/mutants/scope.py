@@ -118,6 +118,11 @@ PACKAGES = (
     Package("learning environments", _modules(_HARNESS, "gym/*"), _tests("harness/gym")),
     Package("world", _modules(f"{_HARNESS}/world", "* terrains/* heightmap/*"), _tests("harness/world")),
     Package(
+        "worlds from files",
+        _modules(f"{_HARNESS}/world", "sdf/* solids/*"),
+        _tests("harness/world/sdf harness/world/solids"),
+    ),
+    Package(
         "people",
         _modules(_HARNESS, "world/actors/* physics/crowd episode/social_recorder"),
         _tests(
