@@ -5,7 +5,7 @@ import math
 import os
 import subprocess
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -227,6 +227,14 @@ def test_a_file_becomes_a_world_of_the_size_and_height_given(tmp_path: Path) -> 
     assert np.ptp(world.ground.heights) == pytest.approx(0.5, abs=1e-6)
 
 
+def test_a_file_on_which_nobody_can_stand_is_a_world_for_whoever_chooses_a_start(tmp_path: Path) -> None:
+    np.save(tmp_path / "steep.npy", np.add.outer(np.linspace(0.0, 20.0, 41), np.zeros(41)))
+    steep = EpisodeConfig(terrain=str(tmp_path / "steep.npy"), terrain_size=(20.0, 20.0))
+    with pytest.raises(UsageError, match="no rover can stand within"):
+        steep.world()
+    assert replace(steep, start=(1.0, 2.0, 3.0)).world().start == (1.0, 2.0, 3.0)
+
+
 def test_a_file_that_has_been_written_anew_is_another_world(tmp_path: Path) -> None:
     path, ramp = tmp_path / "ramp.npy", np.add.outer(np.linspace(0.0, 1.0, 41), np.zeros(41))
     config = EpisodeConfig(terrain=str(path), terrain_size=(20.0, 20.0))
@@ -268,10 +276,17 @@ def test_a_manifest_s_arguments_make_the_same_episode_again() -> None:
 def test_gravity_is_that_of_a_world_that_tells_one_else_of_the_rover(tmp_path: Path) -> None:
     moon = tmp_path / "moon.sdf"
     ground = "<collision name='c'><geometry><plane><size>20 20</size></plane></geometry></collision>"
+    way = "".join(
+        f"<waypoint><time>{n}</time><pose>{n} 0 0 0 0 0</pose></waypoint>" for n in range(1, 3)
+    )
     moon.write_text(
         "<sdf version='1.9'><world name='moon'><gravity>0 0 -1.62</gravity>"
-        f"<model name='m'><static>1</static><link name='l'>{ground}</link></model></world></sdf>"
+        f"<model name='m'><static>1</static><link name='l'>{ground}</link></model>"
+        f"<actor name='ann'><script><trajectory id='0' type='walk'>{way}</trajectory></script></actor>"
+        "</world></sdf>"
     )
+    people = EpisodeConfig(terrain=str(moon), actors=("bob=5,6",)).actor_names()
+    assert people == ("ann_actor", "bob_actor"), "first those of the world"
     assert EpisodeConfig(terrain=str(moon)).gravity() == 1.62
     assert EpisodeConfig(terrain="flat").gravity() == 9.8
 
