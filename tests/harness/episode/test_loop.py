@@ -2,6 +2,7 @@
 
 import signal
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -92,7 +93,8 @@ def test_the_faults_of_a_rover_are_drawn_from_its_own_seed_but_the_clocks_from_t
     config = EpisodeConfig(seed=5, name="b", number=2, faults=("imu:nan@1", "clock:jump=10@2"))
     rows = config.sensor_rows()
     assert config.own_seed != 5
-    assert injector(config) == (parse_faults(config.faults, rows), config.own_seed, rows, 5)
+    given: Any = injector(config)
+    assert given == (parse_faults(config.faults, rows), config.own_seed, rows, 5)
 
 
 def test_a_stop_ends_the_drive_once_the_batch_in_hand_has_been_taken() -> None:
