@@ -17,8 +17,6 @@ from tests.support.surroundings import receive_signals, settle_environment
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
-pytest_plugins = ["tests.support.processes"]
-
 ROS_LOG = settle_environment()  # before any test imports rclpy
 receive_signals()
 
