@@ -92,6 +92,7 @@ def test_a_map_that_is_no_square_around_the_origin_has_its_places_where_it_is() 
     assert cells == pytest.approx(cells.round(), abs=1e-9)
     rng = np.random.default_rng(0)
     drawn = np.array([places.draw(rng, (20.0, -7.0), (0.0, math.inf)) for _ in range(400)])
+    assert ((low - 0.1 <= drawn) & (drawn <= high + 0.1)).all()
     within = ((drawn - low) / 0.2 + 0.5) % 1.0 - 0.5  # of a cell, from its middle
     assert np.abs(within).mean(axis=0) == pytest.approx(
         [0.25, 0.25], abs=0.03

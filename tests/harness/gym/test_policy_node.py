@@ -219,7 +219,8 @@ def test_it_drives_the_rover_to_the_goal_that_it_is_told_until_it_is_stopped(
     policy, rover, goal = node.call_args.args
     assert (policy.beams, rover, goal) == (8, find_rover("rover_zero4wd"), (3.0, -1.0))
     spin.assert_called_once_with(node.return_value)
-    assert main(words[:1]) == 0
+    monkeypatch.setattr("sys.argv", ["policy_node", *words[:1]])
+    assert main() == 0
     assert node.call_args.args[1:] == (find_rover("leo"), None)
 
 
