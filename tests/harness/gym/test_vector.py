@@ -54,11 +54,15 @@ class Counting(gymnasium.Env[dict[str, Any], Any]):
 
     def step(self, action: Any) -> Any:  # noqa: ANN401
         self.accept(action)
+        self.command()
         self.drive()
         return self.conclude()
 
     def accept(self, action: Any) -> None:  # noqa: ANN401
         self.accepted = float(action[0])
+
+    def command(self) -> None:
+        self.commanded = self.accepted
 
     def drive(self) -> None:
         self.left, self.count = self.left - 1, self.count + 1
@@ -66,7 +70,7 @@ class Counting(gymnasium.Env[dict[str, Any], Any]):
     def conclude(self) -> Any:  # noqa: ANN401
         ended, late = self.left == 0, self.count > 2
         seen, info = self.told()
-        return seen, self.accepted, ended and not late, ended and late, info
+        return seen, self.commanded, ended and not late, ended and late, info
 
     def told(self) -> tuple[dict[str, Any], dict[str, Any]]:
         info: dict[str, Any] = {"left": 0.5 * self.left} if self.count else {"drawn": self.left}
