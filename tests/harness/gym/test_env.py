@@ -93,7 +93,9 @@ class Bare:
         scene = SimpleNamespace(world=SimpleNamespace(start=start))
         settled = (start[0] + 0.125, start[1], 0.2)
         made.simulation = SimpleNamespace(position=settled, scene=scene, data=object())
-        made.drive, made.read = Mock(), Mock(side_effect=lambda: setattr(made, "reads", made.reads + 1))
+        made.work = Mock()
+        made.work.read.side_effect = lambda: setattr(made, "reads", made.reads + 1)
+        made.command, made.drive, made.read = made.work.command, made.work.drive, made.work.read
         self.rides.append(made)
         return made
 
@@ -225,11 +227,11 @@ def test_a_step_is_driven_read_and_judged_and_its_failure_told(monkeypatch: pyte
     env = bare.env
     assert bare.reset(0)["difficulty"] == 0.0
     assert env.step(np.array([0.5, -1.5], np.float32))[0]["count"].tolist() == [1.0, 1.0]
-    bare.rides[-1].drive.assert_called_once_with(Twist(0.5, -1.5))
+    assert bare.rides[-1].work.mock_calls == [call.command(Twist(0.5, -1.5)), call.drive(), call.read()]
     bare.reset()
     for action, driven in (([50.0, -7.0], Twist(1.0, -2.0)), ([-3.0, 3.5], Twist(-1.0, 3.0))):
         env.step(np.array(action, np.float32))
-        bare.rides[-1].drive.assert_called_with(driven)  # what is beyond the space is its end
+        bare.rides[-1].command.assert_called_with(driven)  # what is beyond the space is its end
     for error, ending in ((Diverged("far"), "diverged"), (RunFailed("off"), "edge")):
         bare.reset()
         ride, seen = bare.rides[-1], env.step(AHEAD)[0]
