@@ -126,7 +126,7 @@ def test_worlds_come_from_the_seed_and_stay_for_their_episodes(monkeypatch: pyte
     )
     noises = [ride.seed for ride in bare.rides]
     assert (noises[0], len({*noises})) == (5, len(noises))  # each episode has noise of its own
-    assert max(noises) > 2**30
+    assert 2**30 < max(noises) < 2**31
     assert noises[::2] == [seed for _, seed, _ in worlds[::2]]
     again = Bare(monkeypatch, episodes_per_world=2, terrain=["flat", "gravel"], difficulty=(0.2, 0.6))
     for _ in range(2):  # a seed begins anew, wherever it comes
@@ -204,7 +204,8 @@ def throw(error: Exception) -> None:
 
 
 @pytest.mark.parametrize(
-    ("limit", "steps"), [(0.05, 1), (0.06, 2), (0.1, 2), (1.15, 23), (0.3 + 1e-12, 6), (0.35, 7)]
+    ("limit", "steps"),
+    [(0.05, 1), (0.06, 2), (0.1, 2), (1.15, 23), (0.3 + 1e-12, 6), (0.35, 7)],
 )
 def test_an_episode_has_the_steps_that_its_time_takes(
     monkeypatch: pytest.MonkeyPatch, limit: float, steps: int

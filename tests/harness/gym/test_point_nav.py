@@ -30,6 +30,7 @@ STEPS = [  # failure, tilt [deg], contact before [s], distance [m], ending; limi
     ("", 0.0, 0.24, 2.0, ""),
     ("", 0.0, 0.25, 2.0, "hazard"),
     ("", 0.0, 0.25 - 1e-12, 2.0, "hazard"),  # a sum of hundredths
+    ("", 0.0, 0.25 - 1.1e-9, 2.0, ""),
     ("", 0.0, 0.25, 0.1, "hazard"),  # nobody reaches a goal through a wall
     ("", 80.0, 0.25, 0.1, "flipped"),
     ("edge", 0.0, 0.25, 2.0, "edge"),  # the contacts of a step that broke off are not known

@@ -12,6 +12,7 @@ rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]
 from geometry_msgs.msg import Pose, PoseArray, PoseStamped, Twist
 from nav_msgs.msg import Odometry
 from rclpy.executors import ExternalShutdownException
+from rclpy.qos import ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, LaserScan
 
@@ -38,8 +39,10 @@ class Heard:
         self.topics: dict[str, Any] = {}
         self.sent, self.log = Mock(), Mock()
 
-        def subscribed(_: object, kind: type, topic: str, callback: Any, qos: object) -> None:  # noqa: ANN401, ARG001
-            self.topics[topic] = callback
+        self.subscribed: dict[str, tuple[type, Any]] = {}
+
+        def subscribed(_: object, kind: type, topic: str, callback: Any, qos: object) -> None:  # noqa: ANN401
+            self.topics[topic], self.subscribed[topic] = callback, (kind, qos)
 
         monkeypatch.setattr(GuardedNode, "__init__", lambda *_: None)
         monkeypatch.setattr(PolicyNode, "create_subscription", subscribed)
@@ -83,6 +86,15 @@ def test_the_policy_is_asked_with_what_was_heard_and_its_answer_is_sent(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     heard = Heard(monkeypatch, GOAL)
+    _, best_effort = heard.subscribed.pop("rover/pose_array")
+    assert (best_effort.depth, best_effort.reliability) == (10, ReliabilityPolicy.BEST_EFFORT)
+    assert heard.subscribed == {
+        "scan": (LaserScan, 10),
+        "imu/data": (Imu, 10),
+        "odometry/wheels": (Odometry, 10),
+        "goal_pose": (PoseStamped, 10),
+        "/clock": (Clock, 10),
+    }
     heard.hear()
     (readings, goal, rover), _ = heard.policy.command.call_args
     scan = readings.pop(samples.LaserScan)
