@@ -138,6 +138,8 @@ def test_each_environment_is_made_drawn_and_masked_by_itself() -> None:
     assert (envs.render(), envs.render_mode) == (("image 0", "image 1"), "rgb_array")
     assert envs.metadata == {"render_fps": 20, "autoreset_mode": AutoresetMode.NEXT_STEP}
     assert made[0].metadata == {"render_fps": 20}
+    alone = RoverVectorEnv(lambda **_: Counting())  # type: ignore[arg-type]
+    assert (alone.num_envs, alone.metadata["autoreset_mode"]) == (1, AutoresetMode.NEXT_STEP)
     envs.reset(seed=[3, None], options={"goal": 1})
     assert [env.reset.call_args for env in made] == [
         call(seed=s, options={"goal": 1}) for s in (3, None)
