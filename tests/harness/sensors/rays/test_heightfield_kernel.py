@@ -91,7 +91,7 @@ def assert_same_hits(ours: Array, theirs: Array) -> None:
 @pytest.mark.parametrize("steepness", [0.05, 1.0, 3.0])
 @pytest.mark.parametrize("shape", [(2, 2), (3, 8), (17, 17), (30, 5), (33, 33)])
 def test_random_rays_meet_mujoco(shape: tuple[int, int], steepness: float) -> None:
-    # Origins above, on all sides of, inside and below the solid; many rays leave the map.
+    # Origins above, on all sides of, inside and below the solid; many rays leave the map, if they may.
     rng = np.random.default_rng([*shape, int(100 * steepness)])
     for relief, cell in itertools.product((0.02, 0.2, 1.0), (0.05, 0.25)):
         heights = relief * rng.normal(size=shape)
@@ -102,7 +102,10 @@ def test_random_rays_meet_mujoco(shape: tuple[int, int], steepness: float) -> No
         for _ in range(4):
             origin = np.array([*center, 0.0]) + rng.uniform(-0.9, 0.9, 3) * size
             directions = random_directions(rng, 40, steepness)
-            assert_same_hits(cast(rays, origin, directions), mujoco_cast(scene, origin, directions))
+            hits = mujoco_cast(scene, origin, directions)
+            for reach in (FAR, float(rng.uniform(0.1, 0.7) * size[0])):
+                within = np.where(hits <= reach, hits, np.inf)
+                assert_same_hits(cast(rays, origin, directions, reach), within)
 
 
 def test_rays_from_below_the_surface_meet_mujoco() -> None:
