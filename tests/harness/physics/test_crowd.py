@@ -69,6 +69,7 @@ def two_boxes(*actors: str) -> tuple[Crowd, mujoco.MjData]:
         body.add_freejoint()
         body.add_geom(type=sphere, size=(0.9, 0.0, 0.0), contype=0, conaffinity=0)
         body.add_geom(name=name, type=box, size=(0.3, 0.2, 0.1))
+    spec.worldbody.add_body(name="flag", mocap=True)  # another that is moved by hand
     for actor in world.people:
         body = spec.worldbody.add_body(name=actor.name, mocap=True)
         body.add_geom(name=actor.name, type=capsule, size=(0.25, 0.625, 0.0), contype=0, conaffinity=0)

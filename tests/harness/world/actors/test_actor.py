@@ -192,12 +192,15 @@ class Space(Room):
 
     def __init__(self) -> None:
         super().__init__(BARE)
+        self.radii: set[float] = set()
 
-    def trouble(self, *_: object) -> None:
+    def trouble(self, _: object, radius: float) -> None:
         """Nothing is in the way."""
+        self.radii.add(radius)
 
-    def is_clear(self, *_: object) -> bool:
+    def is_clear(self, _: object, __: object, radius: float) -> bool:
         """Tells what has been said of all ways."""
+        self.radii.add(radius)
         return self.has_ways
 
 
@@ -212,6 +215,7 @@ def test_who_has_nowhere_to_go_goes_back_or_stays() -> None:
     assert (away := stroll.spot(stays)) != begin
     room.has_ways = False
     assert [stroll.spot(stays + n) for n in (1, 2, 3)] == [begin, away, begin]
+    assert room.radii == {0.25}
 
 
 def polar(rng: np.random.Generator, start: tuple[float, float], within: float) -> np.ndarray:
@@ -292,6 +296,11 @@ def test_the_delay_that_is_told_comes_after_that_of_the_file(tmp_path: Path, loo
     way = with_actors(BARE, parse_actors([f"{file}:delay=1"])).people[0].way()
     assert isinstance(way, Route)
     assert [way.place(t).x for t in (2.9, 5.0, 8.0)] == pytest.approx([0.0, 2.0, 1.0 if loops else 4.0])
+    points = "".join(f"<waypoint><pose>{x} 2 {z} 0 0 0</pose></waypoint>" for x, z in ((0, 0), (3, 4)))
+    file.write_text(f"<trajectory>{points}</trajectory>")
+    climbs = with_actors(BARE, parse_actors([f"{file}:speed=2"])).people[0].way()
+    assert isinstance(climbs, Route)
+    assert climbs.place(1.25).x == pytest.approx(1.5)  # of 5 m
     waits = with_actors(BARE, parse_actors(["g=0,2/4,2:delay=3,speed=2"])).people[0].way()
     assert isinstance(waits, Route)
     assert [waits.place(time_s).x for time_s in (2.9, 4.0)] == pytest.approx([0.0, 2.0])

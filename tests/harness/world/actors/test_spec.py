@@ -48,7 +48,7 @@ def test_a_word_says_who_walks_and_how(
 
 
 def test_a_file_names_its_people_unless_the_word_does(tmp_path: Path) -> None:
-    one, two = tmp_path / "inspect_diag.sdf", tmp_path / "two.world"
+    one, two = tmp_path / "inspect_diag.sdf", tmp_path / "Two.world"
     one.write_text(f"<trajectory>{LINE}</trajectory>")
     two.write_text("<sdf><actor name='a_actor'/><actor name='b'/></sdf>")
     assert actor_names([str(one), f"g={one}:speed=2", str(two)]) == tuple(
@@ -112,7 +112,7 @@ def test_a_file_is_found_beside_the_scenario_that_names_it() -> None:
         ("g=none.sdf", "none.sdf cannot be read"),
         ("g=random:speed=nan", "speed 'nan' is not valid"),
         ("g=random:spead=1", "key 'spead' does not exist; did you mean 'speed'"),
-        ("g=1,2:route=round", "route 'round' does not exist; available: mirror, closed"),
+        ("g=1,2:route=round", "route 'round' does not exist; available: mirror, closed$"),
         ("g=random:push=0.5", "push '0.5' is not valid"),
         ("g=random:radius=0.5,height=0.8", "at least as high as wide"),
         ("g=random,g=social", "is not valid"),
