@@ -116,6 +116,13 @@ BETTER, CLOSER = "0.70 (0.65 to 0.80)", "0.70 (0.55 to 0.80)"
             ),
         ),
         (
+            verdict(APART, Estimate(0.04, 0.03, 0.05)),
+            (
+                f"{BEGIN} is worse than it could be for leo: {WAS} against {BETTER} with 0.3 m on "
+                "unseen seeds; the intervals do not overlap."
+            ),
+        ),
+        (
             verdict(OVERLAPPING, Estimate(0.2, 0.1, 0.3)),
             (
                 f"{BEGIN} is worse than 0.3 m for leo: {WAS} against {CLOSER} with 0.3 m on unseen "
