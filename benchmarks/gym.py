@@ -125,7 +125,7 @@ def _recorded(env: Any, actions: NDArray[np.float32]) -> list[NDArray[np.float64
     """The wheel commands of a drive, tick by tick."""
     env.reset(options=WHERE)
     leap = env._ride._leap  # noqa: SLF001 - to compare with what it does
-    with patch.object(leap, "run", wraps=leap.run) as spy:
+    with patch.object(leap, "take", wraps=leap.take) as spy:
         for action in actions:
             env.step(action)
     return [speeds for call in spy.call_args_list for speeds in call.args[0]]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import HealthCheck, settings
 
+from harness.episode import stream
 from harness.ros.network import reserved_domain
 from tests.support.browser import CHROMIUM, FLAGS
 from tests.support.forking import ForkedSimulations
@@ -37,8 +38,8 @@ def pytest_unconfigure() -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def _forked_simulations() -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("harness.episode.stream.multiprocessing", ForkedSimulations())
+    with pytest.MonkeyPatch.context() as patch:  # of a module that is there: an import would cost here
+        patch.setattr(stream, "multiprocessing", ForkedSimulations())
         yield
 
 

@@ -129,18 +129,19 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         }
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, Info]:
-        """Drives one control period: `accept`, `drive` and `conclude`.
+        """Drives one control period: `accept`, `command`, `drive` and `conclude`.
 
         Raises:
             InvalidAction: It has another shape than the space, or is no number.
             ResetNeeded: There is no episode, or it has ended.
         """
         self.accept(action)
+        self.command()
         self.drive()
         return self.conclude()
 
     def accept(self, action: Action) -> None:
-        """Takes the action of the next step, whose physics `drive` will do and whose rest `conclude`.
+        """Takes the action of the next step; what follows is to be called in the order of `step`.
 
         Raises:
             InvalidAction: As `step`; likewise ResetNeeded.
@@ -149,10 +150,15 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             raise ResetNeeded("there is no episode to step; call reset() first, and after each episode")
         self._accepted = self._checked_action(action)
 
-    def drive(self) -> None:
-        """Does the physics of the step whose action was accepted."""
+    def command(self) -> None:
+        """Makes commands of the accepted action."""
         assert self._ride is not None  # noqa: S101 - or nothing was accepted
-        self._ride.drive(self._twist(self._accepted))
+        self._ride.command(self._twist(self._accepted))
+
+    def drive(self) -> None:
+        """Does the physics of the step."""
+        assert self._ride is not None  # noqa: S101 - it was commanded
+        self._ride.drive()
         self.steps += 1
 
     def conclude(self) -> tuple[Observation, float, bool, bool, Info]:

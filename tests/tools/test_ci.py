@@ -1,8 +1,9 @@
-"""What others' CI runs: shell of action.yml and of docs, and the Containerfile's steps; no network."""
+"""What CI runs, ours and others': .ci/run, shell of action.yml and of docs, the Containerfile's steps."""
 
 import json
 import os
 import re
+import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -115,3 +116,22 @@ def test_the_container_installs_the_wheel_and_compiles_what_it_casts_rays_with(f
     assert installed[1][0] == "-c"
     exec(installed[1][1])  # noqa: S102 - ours
     assert yaml(dict(steps)["ENTRYPOINT"]) == ["python", "-m", "harness.scenario"]
+
+
+@pytest.mark.parametrize("package", ["rover_metrics\trover_metrics\t(ros.ament_python)", "other\tother\t(-)"])
+def test_a_log_of_our_ci_is_whole_and_ends_without_the_colcon_package(
+    package: str, tmp_path: Path
+) -> None:
+    for path, says in ((".venv/bin/colcon", package), ("bin/make", "make $*")):
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text(f"#!/bin/sh\necho \"{says}\"\n")
+        (tmp_path / path).chmod(0o755)
+    (tmp_path / ".ci").mkdir()
+    (tmp_path / "bin/chromium").symlink_to("make")
+    script, log = shutil.copy(ROOT / ".ci/run", tmp_path / ".ci/run"), tmp_path / "log"
+    path = f"{tmp_path / 'bin'}:{os.environ['PATH']}"
+    with log.open("w") as both:  # at one place in one file, as `.ci/run > log 2>&1` has it
+        ended = subprocess.run([script], stdout=both, stderr=both, env={"PATH": path}, check=False)
+    whole = ["make clean", "make lint", package, "make test"]
+    found = package.startswith("rover_metrics")
+    assert (ended.returncode, log.read_text().splitlines()) == (1 - found, whole if found else whole[:2])

@@ -50,17 +50,20 @@ def test_fault_touches_its_sensor_only(sensor: str) -> None:
         )
 
 
-@pytest.mark.parametrize("seed", [0, 3])
-def test_each_fault_has_a_random_stream_of_its_own(seed: int) -> None:
+@pytest.mark.parametrize(("seed", "clock_seed"), [(0, None), (3, None), (3, 0), (3, 5)])
+def test_each_fault_has_a_random_stream_of_its_own(seed: int, clock_seed: int | None) -> None:
     """The streams are part of what a seed means: numpy's for the key (11, place of the fault)."""
-    told = sent("imu:dropout=0.5", "scan:dropout=0.5", "clock:dropout=0.25", seed=seed)
+    faults = parse_faults(("imu:dropout=0.5", "scan:dropout=0.5", "clock:dropout=0.25"))
+    injector = FaultInjector(faults, seed, ROWS, clock_seed)
+    told = [injector.corrupt(tick(number)) for number in range(1, 201)]
     sent_at = (
         [any(type(s) is Imu for s in one.samples) for one in told],
         [any(type(s) is LaserScan for s in one.samples) for one in told],
         [one.tells_time for one in told],
     )
     for place, (share, told_at) in enumerate(zip((0.5, 0.5, 0.25), sent_at, strict=True)):
-        rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(11, place)))
+        drawn = clock_seed if place == 2 and clock_seed is not None else seed
+        rng = np.random.default_rng(np.random.SeedSequence(drawn, spawn_key=(11, place)))
         assert told_at == (rng.random(len(told)) >= share).tolist()
 
 
@@ -75,6 +78,11 @@ def test_a_lasting_fault_touches_every_tick_from_its_start_to_before_its_end(fau
         assert set(changed) <= set(range(100, 150))
     else:
         assert changed == list(range(100, 150))
+
+
+def test_a_fault_has_its_time_whatever_the_clock_says() -> None:
+    hit = [math.isnan(imu.linear_acceleration[0]) for imu in imus("clock:jump=2@1", "imu:nan@3+0.5")]
+    assert [n for n, is_hit in enumerate(hit, 1) if is_hit] == list(range(300, 350))
 
 
 def test_no_fault_changes_the_truth() -> None:

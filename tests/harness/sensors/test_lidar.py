@@ -342,6 +342,12 @@ def test_spheres_and_meshes_of_other_rovers_are_met_where_they_are() -> None:
     assert {g for g in geoms.tolist() if g in others} == set(others)
     expected = np.where(geoms >= 0, distances, np.inf)
     np.testing.assert_allclose(lidar.scan(data), expected, atol=TOLERANCE)
+    middles = np.linalg.norm(data.geom_xpos[others] - place, axis=1)
+    nearest = np.array([distances[geoms == geom].min() for geom in others])
+    for farthest in 0.5 * (nearest + middles):  # only the near side of one is within that
+        short = Lidar(model, LidarSpec(beams=720, range_max=float(farthest)), "lidar", others)
+        seen = np.where(expected <= farthest, expected, np.inf)
+        np.testing.assert_allclose(short.scan(data), seen, atol=TOLERANCE)
 
 
 def test_a_scan_is_taken_from_where_the_rover_is_now(make_simulation: MakeSimulation) -> None:
@@ -349,6 +355,8 @@ def test_a_scan_is_taken_from_where_the_rover_is_now(make_simulation: MakeSimula
     wall = Obstacle(ObstacleKind.HAZARD, "box", (0.1, 1.5, 1.5), (1.6, 0.0, 0.0))
     simulation = make_simulation("leo", obstacles=(wall,))
     sensor = LidarSensor(simulation, Lidar(simulation.model, LidarSpec(beams=8)), 5)
+    simulation.physics.step_count = 12
+    assert sensor.read().stamp_ns == 30_000_000
     before = sensor.read().ranges
     simulation.data.qpos[0] += 0.5
     ahead = int(np.argmin(before))

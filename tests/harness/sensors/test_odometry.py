@@ -153,6 +153,18 @@ def test_counts_since_the_last_reading_survive_being_put_elsewhere(bench: MakeBe
     assert rig.odometry.read().x == pytest.approx(30 * rig.count)
 
 
+def test_where_it_would_be_now_can_be_asked_without_taking_a_reading(bench: MakeBench) -> None:
+    asked, silent = bench(ROVER_ZERO4WD), bench(ROVER_ZERO4WD)
+    for rig in (asked, silent):
+        rig.turn_by(100, 100, 120, 120)
+        rig.odometry.read()
+        rig.turn_by(30, 30, 50, 50)
+    now = asked.odometry.pose()
+    assert now == asked.odometry.pose()
+    assert asked.odometry.read() == (reading := silent.odometry.read())
+    assert now == pose(reading)
+
+
 def test_a_reading_carries_the_time_of_the_simulation(bench: MakeBench) -> None:
     rig = bench(LEO)
     rig._simulation.tick()

@@ -33,8 +33,11 @@ def force(
         ({"bodies": ((0.0, 1.0, 0.3), (9.0, 0.0, 0.3), (0.0, 0.0, 0.3))}, (2.0, -7.0 * math.exp(-1.5))),
         ({"bodies": ((2.5, 0.0, 0.3),)}, (2.0 - 7.0 * math.exp(-1.95 / 0.3), 0.0)),
         ({"bodies": ((2.6, 0.0, 0.3),)}, (2.0, 0.0)),  # out of sight
+        ({"bodies": ((0.1, 0.0, 0.3),)}, (2.0 - 7.0 * math.exp(0.25 / 0.3), 0.0)),  # not ever more
         ({"walls": (WALL,)}, (2.0, -50.0 * math.exp(-0.75 / 0.2))),
-        ({"walls": (WALL + np.array([0.0, 9.0]),)}, (2.0, 0.0)),
+        ({"walls": (WALL + np.array([0.0, 1.2]),)}, (2.0, -50.0 * math.exp(-1.95 / 0.2))),
+        ({"walls": (WALL + np.array([0.0, 1.3]),)}, (2.0, 0.0)),
+        ({"walls": (WALL - np.array([0.0, 0.8]),)}, (2.0, 0.0)),  # who is in one is pushed by none
     ],
 )
 def test_forces_are_those_of_the_paper(given: dict[str, object], expected: tuple[float, float]) -> None:
