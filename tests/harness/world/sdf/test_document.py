@@ -61,6 +61,12 @@ def test_poses_of_model_link_and_collision_nest(tmp_path: Path, version: str) ->
             Primitive("cylinder", (2.0, 1.5)),
         ),
         ("<plane><size>7 8</size></plane>", Plane((0.0, 0.0, 1.0), (7.0, 8.0))),
+        ("<plane/>", Plane((0.0, 0.0, 1.0), (1.0, 1.0))),
+        ("<mesh><uri>m.obj</uri></mesh>", MeshFile(Path("m.obj"), (1.0, 1.0, 1.0), "", False)),
+        (
+            "<heightmap><uri>m.obj</uri></heightmap>",
+            Relief(Path("m.obj"), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)),
+        ),
         (
             MESH,
             MeshFile(Path("m.obj"), (1.0, 1.0, 2.0), "s", True),
@@ -81,8 +87,8 @@ def test_every_shape_is_read(tmp_path: Path, geometry: str, shape: object) -> No
 def test_a_capsule_is_a_cylinder_between_two_balls(tmp_path: Path) -> None:
     capsule = "<geometry><capsule><radius>1</radius><length>4</length></capsule></geometry>"
     solids = read(tmp_path, model(link(collision=capsule))).solids
-    kinds = [getattr(solid.shape, "shape", "") for solid in solids]
-    assert kinds == ["cylinder", "ellipsoid", "ellipsoid"]
+    ball = Primitive("ellipsoid", (1.0, 1.0, 1.0))
+    assert [solid.shape for solid in solids] == [Primitive("cylinder", (1.0, 2.0)), ball, ball]
     assert [solid.pose[2, 3] for solid in solids] == [0.0, 2.0, -2.0]
 
 
@@ -300,6 +306,40 @@ def test_what_is_wrong_is_told_in_one_line(tmp_path: Path, body: str, told: str)
     assert "\n" not in str(raised.value)
 
 
+@pytest.mark.parametrize(
+    ("inner", "told"),
+    [
+        ("<frame name='f'>@</frame>", "pose of f '1 2 3' is not valid"),
+        ("<joint name='j' type='fixed'><child>l</child>@</joint>", "pose of j '1 2 3' is not valid"),
+        ("<link name='k'>@</link>", "pose of k '1 2 3' is not valid"),
+        (link("", f"@{BOX}"), "pose of m::l::c '1 2 3' is not valid"),
+        (link("", BOX.replace("2 4 6", "1e6 1 1")), "<size> of m::l::c '1e6 1 1' is not valid"),
+        (
+            link("", "<geometry><plane><normal>0 0 0</normal></plane></geometry>"),
+            "normal of m::l::c is 0",
+        ),
+        (
+            link("", "<geometry><heightmap><uri>m.obj</uri><size>1 2</size></heightmap></geometry>"),
+            "<size> of m::l::c '1 2' is not valid; give 3 finite numbers",
+        ),
+        (
+            link("", "<geometry><mesh><uri>m.obj</uri><scale>1 0 1</scale></mesh></geometry>"),
+            "<scale> of m::l::c is not valid; a factor is 0",
+        ),
+        (
+            link("", BOX + "<surface><friction><ode><mu>x</mu></ode></friction></surface>"),
+            "<mu> of m::l::c 'x' is not valid",
+        ),
+    ],
+)
+def test_a_number_that_is_not_valid_is_told_with_whose_it_is(
+    inner: str, told: str, tmp_path: Path
+) -> None:
+    (tmp_path / "m.obj").touch()
+    with pytest.raises(UsageError, match=told):
+        read(tmp_path, model(inner.replace("@", "<pose>1 2 3</pose>")))
+
+
 def test_a_model_alone_is_a_world_and_of_several_worlds_the_first_counts(tmp_path: Path) -> None:
     alone = read_document(written(tmp_path, f"<model name='m'>{link()}</model>"), Resources())
     assert [solid.name for solid in alone.solids] == ["m::l::c"]
@@ -318,3 +358,5 @@ def test_includes_that_double_themselves_are_bounded(
         written(tmp_path, f"<model name='m'>{twice if depth < 5 else link()}</model>", f"{depth}.sdf")
     with pytest.raises(UsageError, match="more than 60 includes"):
         read_document(tmp_path / "0.sdf", Resources())
+    monkeypatch.setattr(module, "MOST_INCLUDES", 62)  # 2 + 4 + 8 + 16 + 32
+    assert len(read_document(tmp_path / "0.sdf", Resources()).solids) == 32

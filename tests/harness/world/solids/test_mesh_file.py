@@ -1,6 +1,7 @@
 """Meshes from files: units, axes, parts, and what is refused."""
 
 import hashlib
+import os
 import struct
 from pathlib import Path
 
@@ -34,6 +35,16 @@ def test_a_box_is_read_with_its_vertices_shared(tmp_path: Path, write: object) -
     np.testing.assert_allclose([mesh.vertices.min(0), mesh.vertices.max(0)], [LOW, HIGH])
     assert volume(mesh) == pytest.approx(48.0)
     assert digest == hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def test_a_file_is_decoded_once_and_again_when_it_has_been_written_anew(tmp_path: Path) -> None:
+    path = tmp_path / "a.obj"
+    for second, mesh in enumerate((BOX, box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))), start=1):
+        os.utime(write_obj(path, mesh), (second, second))
+        read, digest = read_mesh(path)
+        assert volume(read) == pytest.approx(volume(mesh))
+        assert digest == hashlib.sha256(path.read_bytes()).hexdigest()
+        assert read_mesh(path)[0] is read
 
 
 @pytest.mark.parametrize(
