@@ -5,7 +5,7 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from harness.errors import UsageError
@@ -54,6 +54,7 @@ def test_maps_that_cannot_be_driven_are_refused(
 
 
 @settings(max_examples=40)
+@example(0.0, 22.9868098108107, 10.0, 10.0, 1.0)  # 10 m less a rounding
 @given(*[st.floats(-100.0, 100.0)] * 2, *[st.floats(10.0, 30.0)] * 2, st.floats(0.1, 2.0))
 def test_vertices_lie_within_the_bounds_around_their_middle_as_many_as_fit(
     x: float, y: float, width: float, depth: float, cell: float
