@@ -165,6 +165,7 @@ def test_starts_and_goals_are_drawn_around_and_variations_are_told(
             3.5,
         )  # where it came to
         assert info["start"].tolist() == [*ride.start]
+        assert ride.start[1] == info["goal"][1] == 1.0  # y, as it was drawn
         assert info["variation"] == vars(ride.variation)
     payloads, yaws = (
         [info["variation"]["payload"] for info in infos],
