@@ -231,6 +231,9 @@ def test_a_step_is_driven_read_and_judged_and_its_failure_told(monkeypatch: pyte
     assert env.step(np.array([0.5, -1.5], np.float32))[0]["count"].tolist() == [1.0, 1.0]
     assert bare.rides[-1].work.mock_calls == [call.command(Twist(0.5, -1.5)), call.drive(), call.read()]
     bare.reset()
+    env.step(np.array([0.1, 0.2]))
+    bare.rides[-1].command.assert_called_with(Twist(0.1, 0.2))  # as exactly as it was given
+    bare.reset()
     for action, driven in (([50.0, -7.0], Twist(1.0, -2.0)), ([-3.0, 3.5], Twist(-1.0, 3.0))):
         env.step(np.array(action, np.float32))
         bare.rides[-1].command.assert_called_with(driven)  # what is beyond the space is its end
