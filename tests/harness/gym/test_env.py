@@ -166,6 +166,7 @@ def test_starts_and_goals_are_drawn_around_and_variations_are_told(
             3.5,
         )  # where it came to
         assert info["start"].tolist() == [*ride.start]
+        assert ride.start[1] == info["goal"][1] == 1.0  # y, as it was drawn
         assert info["variation"] == vars(ride.variation)
     payloads, yaws = (
         [info["variation"]["payload"] for info in infos],
@@ -230,6 +231,9 @@ def test_a_step_is_driven_read_and_judged_and_its_failure_told(monkeypatch: pyte
     assert bare.reset(0)["difficulty"] == 0.0
     assert env.step(np.array([0.5, -1.5], np.float32))[0]["count"].tolist() == [1.0, 1.0]
     assert bare.rides[-1].work.mock_calls == [call.command(Twist(0.5, -1.5)), call.drive(), call.read()]
+    bare.reset()
+    env.step(np.array([0.1, 0.2]))
+    bare.rides[-1].command.assert_called_with(Twist(0.1, 0.2))  # as exactly as it was given
     bare.reset()
     for action, driven in (([50.0, -7.0], Twist(1.0, -2.0)), ([-3.0, 3.5], Twist(-1.0, 3.0))):
         env.step(np.array(action, np.float32))
