@@ -77,6 +77,8 @@ def test_help_names_every_sensor_and_fault() -> None:
     assert "  beams=N               only the first N ranges" in told
     own = {"beams": 1, "empty": 3, "jump": 1, "reset": 1, "dropout": 2, "nan": 1}
     assert {name: told.count(f"\n  {name}") for name in own} == own  # not among all sensors' ones
+    names = ", ".join(sensors())
+    assert told.splitlines()[0] == f"sensors: {names}; attitudes have those of values"
     headings = [line for line in told.splitlines() if line.endswith(":")]
     assert headings == ["each sensor:", "scan:", "pose:", "joint_states:", "clock:"]
 
