@@ -14,7 +14,9 @@ import pytest
 from harness.config import TICKS_PER_CONTROL, EpisodeConfig, RosOptions
 from harness.errors import UsageError
 from harness.frames.options import FrameOptions
+from harness.world.terrain_file import TerrainFile
 from harness.world.world import terrain_hash
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 
 def test_the_process_that_publishes_an_episode_loads_neither_mujoco_nor_compiled_kernels() -> None:
@@ -225,6 +227,49 @@ def test_a_file_becomes_a_world_of_the_size_and_height_given(tmp_path: Path) -> 
     world = EpisodeConfig(terrain=path, terrain_size=(20.0, 20.0), terrain_height=0.5, seed=3).world()
     assert (world.ground.half_size, world.seed) == ((10.0, 10.0), 3)
     assert np.ptp(world.ground.heights) == pytest.approx(0.5, abs=1e-6)
+
+
+def test_what_a_terrains_file_leaves_open_is_what_was_told_and_the_rover_that_sorts_its_obstacles() -> (
+    None
+):
+    told = EpisodeConfig(
+        terrain="a.sdf",
+        robot="rover_zero4wd",
+        world_robot="leo",
+        terrain_size=(1.0, 2.0),
+        terrain_height=3.0,
+        terrain_cell=4.0,
+        resource_path=("p", "q"),
+        mesh_unit="cm",
+        mesh_up="y",
+        rock_height=5.0,
+        rock=("r",),
+        hazard=("h",),
+    )
+    expected = TerrainFile(
+        path=Path("a.sdf"),
+        size=(1.0, 2.0),
+        relief=3.0,
+        needs_start=True,
+        folders=(Path("p"), Path("q")),
+        cell=4.0,
+        mesh_unit="cm",
+        mesh_up="y",
+        rock_height=5.0,
+        rocks=("r",),
+        hazards=("h",),
+        clearance=LEO.clearance,
+        step_limit=LEO.step_limit,
+    )
+    assert told._terrain_file() == expected
+    own = replace(told, world_robot="", start=(0.0, 0.0, 0.0))._terrain_file()
+    assert own == replace(
+        expected,
+        needs_start=False,
+        clearance=ROVER_ZERO4WD.clearance,
+        step_limit=ROVER_ZERO4WD.step_limit,
+    )
+    assert (own.clearance, own.step_limit) != (expected.clearance, expected.step_limit)
 
 
 def test_a_file_on_which_nobody_can_stand_is_a_world_for_whoever_chooses_a_start(tmp_path: Path) -> None:

@@ -118,13 +118,15 @@ def test_the_container_installs_the_wheel_and_compiles_what_it_casts_rays_with(f
     assert yaml(dict(steps)["ENTRYPOINT"]) == ["python", "-m", "harness.scenario"]
 
 
-@pytest.mark.parametrize("package", ["rover_metrics\trover_metrics\t(ros.ament_python)", "other\tother\t(-)"])
+@pytest.mark.parametrize(
+    "package", ["rover_metrics\trover_metrics\t(ros.ament_python)", "other\tother\t(-)"]
+)
 def test_a_log_of_our_ci_is_whole_and_ends_without_the_colcon_package(
     package: str, tmp_path: Path
 ) -> None:
     for path, says in ((".venv/bin/colcon", package), ("bin/make", "make $*")):
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / path).write_text(f"#!/bin/sh\necho \"{says}\"\n")
+        (tmp_path / path).write_text(f'#!/bin/sh\necho "{says}"\n')
         (tmp_path / path).chmod(0o755)
     (tmp_path / ".ci").mkdir()
     (tmp_path / "bin/chromium").symlink_to("make")

@@ -18,7 +18,7 @@ from harness.world.heightmap.raster import read_raster
 from harness.world.solids.mesh_file import Mesh, read_mesh
 from harness.world.solids.pieces import bodies
 from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief, Solid
-from harness.world.solids.surface import SMALLEST_SIDE, Bounds, slopes_up
+from harness.world.solids.surface import ROUNDING, SMALLEST_SIDE, Bounds, slopes_up
 
 SMALLEST_SHARE = 0.05  # of the largest ground's area
 LEVEL = 0.9999  # upward part of the normal of a plane without end
@@ -143,7 +143,7 @@ def _area(mesh: Mesh) -> float:
 
 
 def _is_wide(mesh: Mesh) -> bool:
-    return bool((np.ptp(mesh.vertices[:, :2], axis=0) >= SMALLEST_SIDE).all())
+    return bool((np.ptp(mesh.vertices[:, :2], axis=0) >= SMALLEST_SIDE - ROUNDING).all())
 
 
 def _upright(mesh: Mesh, solid: Solid, notes: list[str]) -> Mesh:

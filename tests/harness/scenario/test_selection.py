@@ -102,6 +102,20 @@ def test_a_rover_is_the_folder_beside_the_scenario_unless_it_has_the_name_of_one
     assert [case.config.robot for case in cases] == [str(tmp_path / "mole"), "leo"]
 
 
+def test_a_failure_is_expected_of_the_runs_that_have_all_that_it_names(make_cases: MakeCases) -> None:
+    known = (
+        "[{reason: one, robot: leo, terrain: flat}, {reason: two, terrain: hill.npy},"
+        " {reason: three, robot: rover_zero4wd}]"
+    )
+    (case,) = make_cases(SPEED, f"expected_to_fail: {known}")
+    found = []
+    for robot in ("leo", "rover_zero4wd"):
+        for terrain in ("flat", "slope", "maps/hill.npy"):
+            told = replace(case, config=replace(case.config, robot=robot, terrain=terrain))
+            found.append(told.expected_failure and told.expected_failure.reason)
+    assert found == ["one", None, "two", "three", "three", "two"]
+
+
 def test_files_are_found_in_order_and_what_is_not_there_is_told(tmp_path: Path) -> None:
     paths = [tmp_path / f"{name}.scenario.yaml" for name in ("b", "a", "c/d")]
     (tmp_path / "c").mkdir()

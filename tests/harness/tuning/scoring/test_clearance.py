@@ -1,6 +1,7 @@
 """min_safe_clearance: the sum that makes it, and the warnings that check it."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -83,7 +84,9 @@ def near_between(
 
 
 @pytest.mark.usefixtures("stops")
-def test_the_clearance_is_the_sum_of_its_parts_rounded_up(make_record: MakeRecord) -> None:
+def test_the_clearance_is_the_sum_of_its_parts_rounded_up(
+    make_record: MakeRecord, monkeypatch: pytest.MonkeyPatch
+) -> None:
     records = both([near_between(make_record, 1.0, 2.0, [(2.0, 2.1)])] * 10)
     study = study_clearance(records, LEO, seed=0)
 
@@ -96,6 +99,10 @@ def test_the_clearance_is_the_sum_of_its_parts_rounded_up(make_record: MakeRecor
         "0.044 m from lidar to bumper + 0.100 m in 0.1 s at 1.00 m/s + 0.100 m braking + 0.1 m margin"
     )
     assert study.verdict.tuned.scores[Part.TEST]["recall"].value == 1.0
+    monkeypatch.setattr(clearance, "measure_braking", lambda *_: replace(STOP, distance=0.117))
+    longer = study_clearance(records, LEO, seed=0).verdict.tuned
+    assert longer is not None
+    assert longer.value == 0.37  # up from 0.361
 
 
 @pytest.mark.parametrize(

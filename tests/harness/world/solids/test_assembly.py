@@ -17,7 +17,7 @@ from harness.world.terrain_file import TerrainFile
 from harness.world.world import Start, World
 
 
-@settings(max_examples=60)
+@settings(max_examples=40)
 @given(arrays(bool, array_shapes(min_dims=2, max_dims=2, max_side=5)))
 def test_no_rectangle_without_a_pit_is_larger(free: np.ndarray) -> None:
     rows, columns = (range(count + 1) for count in free.shape)

@@ -102,6 +102,7 @@ def test_a_wide_box_is_ground_unless_another_has_twenty_times_its_area() -> None
     for solids, ground in (
         *(((great, twentieth), 2), ((great, less), 1), ((less, narrow), 0), ((twentieth, narrow), 1)),
         ((cube(at(0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 5.0, 5.0, 1.0),), 1),
+        ((cube(at(0.0, 22.9868098108107, 0.0), 5.0, 5.0, 1.0),), 1),  # 10 m less a rounding
         ((cube(at(0.0, 0.0, 0.0, 0.0, np.pi / 2, 0.0), 1.0, 5.0, 5.0),), 1),
     ):
         if not ground:

@@ -34,6 +34,7 @@ def solid(
         (solid((102.0, 0.0, 1.0)), 0.2 + SLOPE * 0.5),
         (solid((100.0, 0.0, 1.0), turned=(0.0, 0.0, math.pi / 4)), 1.2 + SLOPE * math.sqrt(0.5)),
         (solid((100.0, 0.0, 1.0), turned=(0.0, math.pi / 2, 0.0)), 1.5 + SLOPE * 0.2),
+        (solid((100.0, 0.0, 1.0), "cylinder", (0.5, 0.2), (0.0, 0.0, -3.0)), 1.2 + SLOPE * 0.5),
         (solid((100.0, 0.0, 1.0), "cylinder", (0.5, 0.2)), 1.2 + SLOPE * 0.5),
         (solid((100.0, 0.0, 1.0), "ellipsoid", (0.3, 0.5, 0.2)), 1.2 + SLOPE * 0.3),
         (solid((110.3, 0.0, 6.0)), 6.2 - SLOPE * 9.8),  # what is off the map has no ground
@@ -64,4 +65,5 @@ def test_its_kind_is_that_of_its_top_above_the_lowest_ground_below_it(
     assert (obstacle.shape, obstacle.half_size) == (made.shape.shape, made.shape.half_size)
     assert obstacle.position == pytest.approx(made.pose[:3, 3])
     w, x, y, z = obstacle.quaternion
+    assert w >= 0.0, "of the two that mean this turn"
     assert Rotation.from_quat([x, y, z, w]).as_matrix() == pytest.approx(made.pose[:3, :3])
