@@ -318,6 +318,7 @@ def test_what_is_wrong_is_told_in_one_line(tmp_path: Path, body: str, told: str)
         ("<joint name='j' type='fixed'><child>l</child>@</joint>", "pose of j '1 2 3' is not valid"),
         ("<link name='k'>@</link>", "pose of k '1 2 3' is not valid"),
         (link("", f"@{BOX}"), "pose of m::l::c '1 2 3' is not valid"),
+        (link("", "<geometry><box/></geometry>"), "<size> of m::l::c '' is not valid; give 3 finite"),
         (link("", BOX.replace("2 4 6", "1e6 1 1")), "<size> of m::l::c '1e6 1 1' is not valid"),
         (
             link("", "<geometry><plane><normal>0 0 0</normal></plane></geometry>"),

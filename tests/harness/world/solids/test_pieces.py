@@ -118,8 +118,8 @@ def test_a_plate_with_a_notch_is_in_pieces_that_leave_it_open() -> None:
     assert len(found) > 1
     hulls = [Delaunay(np.array(one.corners) + one.position) for one in found]
     for point, is_filled in (
-        *(((0.5, 0.1, 0.49), True), ((0.1, 0.5, 0.49), True), ((0.1, 0.1, 0.49), True)),
-        *(((0.35, 0.35, 0.49), False), ((0.5, 0.1, 0.51), False), ((0.5, 0.1, 0.47), False)),
+        *(((0.5, 0.1, 0.481), True), ((0.1, 0.5, 0.49), True), ((0.1, 0.1, 0.499), True)),
+        *(((0.35, 0.35, 0.49), False), ((0.5, 0.1, 0.501), False), ((0.5, 0.1, 0.479), False)),
     ):
         assert any(hull.find_simplex(point) >= 0 for hull in hulls) is is_filled, point
 
