@@ -129,7 +129,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         }
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, Info]:
-        """Drives one control period: `accept`, `command`, `drive` and `conclude`.
+        """Drives one control period: `accept`, `command`, `drive`, `sense` and `conclude`.
 
         Raises:
             InvalidAction: It has another shape than the space, or is no number.
@@ -138,6 +138,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         self.accept(action)
         self.command()
         self.drive()
+        self.sense()
         return self.conclude()
 
     def accept(self, action: Action) -> None:
@@ -161,16 +162,21 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         self._ride.drive()
         self.steps += 1
 
-    def conclude(self) -> tuple[Observation, float, bool, bool, Info]:
-        """Returns what `step` returns of the step that was just driven."""
-        ride, failure = self._ride, ""
-        assert ride is not None  # noqa: S101 - it was driven
+    def sense(self) -> None:
+        """Reads the sensors after the step that was just driven, if it could be driven to its end."""
+        assert self._ride is not None  # noqa: S101 - it was driven
+        self._failure = ""
         try:
-            ride.read()
+            self._ride.read()
         except Diverged:
-            failure = "diverged"
+            self._failure = "diverged"
         except RunFailed:
-            failure = "edge"
+            self._failure = "edge"
+
+    def conclude(self) -> tuple[Observation, float, bool, bool, Info]:
+        """Returns what `step` returns, of what was just sensed."""
+        ride, failure = self._ride, self._failure
+        assert ride is not None  # noqa: S101 - it was driven
         if not failure:
             self._seen = self._observe(ride)
         reward, ending, info = self._judge(ride, failure)

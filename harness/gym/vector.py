@@ -4,7 +4,7 @@ Each is an environment of its own, with its own world; threads take the next one
 Physics and lidar leave the interpreter to the others meanwhile, so threads suffice, and each trajectory
 is the one that the environment drives by itself, to the bit.
 
-All are commanded first, then driven, then read: the interpreter's own work of a step takes less than
+All are commanded first, then driven, then sensed: the interpreter's own work of a step takes less than
 half as long while the processor still has it in its caches from the environment before.
 """
 
@@ -128,6 +128,7 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
                 self._seen[index], infos[index] = self.envs[index].reset()
 
         self._each(drive, range(self.num_envs))
+        self._each(lambda index: self.envs[index].sense(), stepped)
         self._each(conclude, stepped)
         self._ended = terminated | truncated
         told = stacked(infos)

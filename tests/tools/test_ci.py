@@ -1,4 +1,4 @@
-"""What CI runs, ours and others': .ci/run, shell of action.yml and of docs, the Containerfile's steps."""
+"""What CI runs, ours and others': .ci/run, action.yml, shell of docs, steps of the Containerfile."""
 
 import json
 import os

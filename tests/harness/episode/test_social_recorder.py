@@ -57,11 +57,16 @@ def test_a_goal_has_207_s_from_when_it_is_given(tmp_path: Path) -> None:
 
 def test_a_goal_is_reached_at_its_place_and_failed_by_a_rover_on_its_side(tmp_path: Path) -> None:
     log, half = SocialRecorder(("a_actor", "b_actor"), None, tmp_path), math.sqrt(0.5)
+    log.take(replace(batch(0, 2.0, Place(9.0, 9.0, 0.0)), ticks=()))  # nothing has been read yet
+    assert (log.goals.reached, log.goals.failed) == (0, 0)
     log.take(batch(1, 2.0, Place(2.0, 5.0, 0.0), y=5.1))
     assert (log.goals.reached, log.goals.failed) == (1, 0)
     log.take(batch(2, 2.0, Place(9.0, 5.0, 0.0), orientation=(half, 0.0, 0.0, half)))
+    log.take(batch(3, 2.0))
     log.close()
     assert (log.goals.reached, log.goals.failed) == (1, 1)
+    assert log.path is not None
+    assert read_social_log(log.path).goals.tolist() == [0, 1, 1]
 
 
 def test_rows_are_where_rover_and_people_are(tmp_path: Path) -> None:

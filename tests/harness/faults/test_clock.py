@@ -20,6 +20,7 @@ def clock_times(*specs: str) -> list[float]:
         ("clock:jump=-1.5@2", [1.99, 0.5, 0.51]),
         ("clock:jump=2.01@2", [1.99, 4.01, 4.02]),  # to the nearest nanosecond
         ("clock:jump=-30@2", [1.99, 0.01, 0.02]),
+        ("clock:jump=5@1.995", [1.99, 7.0, 7.01]),  # with the first tick from then on
         ("clock:reset@2", [1.99, 0.01, 0.02]),
         ("clock:speed=0.5@2", [1.99, 1.995, 2.0]),
         ("clock:speed=1.00000007@2", [1.99, 2.000000001, 2.010000002]),  # to the nearest nanosecond
@@ -40,6 +41,8 @@ def test_stamps_go_on_while_the_clock_alone_fails_and_it_then_catches_up() -> No
     for spec in ("clock:freeze@1+1", "clock:dropout@1+1"):
         assert times(imus(spec)) == [n / 100 for n in range(1, 401)]
         assert clock_times(spec)[-200:] == [n / 100 for n in range(201, 401)]
+    assert clock_times("clock:freeze@1+1", "clock:freeze@1.5+1")[98:251:25] == [0.99] * 7
+    assert clock_times("clock:freeze@1+1", "clock:freeze@1.5+1")[249] == 2.5
     assert len(clock_times("clock:dropout@1+1")) == 300
     assert len(clock_times("clock:dropout@1+1", "clock:dropout@1.5+1")) == 250
     assert len(clock_times("clock:dropout@1.5+1", "clock:dropout@1+1", "clock:dropout=1e-9")) == 250

@@ -154,5 +154,5 @@ def test_beams_are_cut_or_added() -> None:
     for beams, expected in ((0, []), (3, whole[:3]), (10, whole), (12, [*whole, math.inf, math.inf])):
         (scan,) = FaultInjector(parse_faults([f"scan:beams={beams}"]), 0).corrupt(one).samples
         assert isinstance(scan, LaserScan)
-        assert scan.ranges.dtype == np.float32
         assert scan.ranges.tolist() == expected
+        assert scan.ranges.dtype == np.float32

@@ -31,6 +31,12 @@ def test_ticks_without_a_reading_are_no_readings() -> None:
     assert {scan.ranges[0] for scan in frozen if 1.0 <= scan.stamp_ns / SECOND < 2.0} == {49.0}
     slow = times(scans("scan:dropout@1+0.05", "scan:rate=5@1+1"))
     assert slow[98:102] == [0.99, 1.05, 1.2, 1.4]
+    assert times(scans("scan:dropout@1.05+0.05", "scan:rate=5@1+1"))[98:102] == [0.99, 1.0, 1.2, 1.4]
+
+
+def test_readings_that_come_together_come_late_or_pass_together() -> None:
+    assert times(scans("scan:duplicate=2", "scan:latency=0.02"))[:4] == [0.01, 0.01, 0.02, 0.02]
+    assert times(scans("scan:duplicate=2", "scan:rate=1"))[:4] == [0.01, 0.01, 1.0, 1.0]
 
 
 def test_late_readings_come_in_order_with_their_own_stamps() -> None:

@@ -93,7 +93,9 @@ class Bare:
         scene = SimpleNamespace(world=SimpleNamespace(start=start))
         settled = (start[0] + 0.125, start[1], 0.2)
         made.simulation = SimpleNamespace(position=settled, scene=scene, data=object())
-        made.drive, made.read = Mock(), Mock(side_effect=lambda: setattr(made, "reads", made.reads + 1))
+        made.work = Mock()
+        made.work.read.side_effect = lambda: setattr(made, "reads", made.reads + 1)
+        made.command, made.drive, made.read = made.work.command, made.work.drive, made.work.read
         self.rides.append(made)
         return made
 
@@ -124,7 +126,7 @@ def test_worlds_come_from_the_seed_and_stay_for_their_episodes(monkeypatch: pyte
     )
     noises = [ride.seed for ride in bare.rides]
     assert (noises[0], len({*noises})) == (5, len(noises))  # each episode has noise of its own
-    assert max(noises) > 2**30
+    assert 2**30 < max(noises) < 2**31
     assert noises[::2] == [seed for _, seed, _ in worlds[::2]]
     again = Bare(monkeypatch, episodes_per_world=2, terrain=["flat", "gravel"], difficulty=(0.2, 0.6))
     for _ in range(2):  # a seed begins anew, wherever it comes
@@ -202,7 +204,8 @@ def throw(error: Exception) -> None:
 
 
 @pytest.mark.parametrize(
-    ("limit", "steps"), [(0.05, 1), (0.06, 2), (0.1, 2), (1.15, 23), (0.3 + 1e-12, 6), (0.35, 7)]
+    ("limit", "steps"),
+    [(0.05, 1), (0.06, 2), (0.1, 2), (1.15, 23), (0.3 + 1e-12, 6), (0.35, 7)],
 )
 def test_an_episode_has_the_steps_that_its_time_takes(
     monkeypatch: pytest.MonkeyPatch, limit: float, steps: int
@@ -225,11 +228,11 @@ def test_a_step_is_driven_read_and_judged_and_its_failure_told(monkeypatch: pyte
     env = bare.env
     assert bare.reset(0)["difficulty"] == 0.0
     assert env.step(np.array([0.5, -1.5], np.float32))[0]["count"].tolist() == [1.0, 1.0]
-    bare.rides[-1].drive.assert_called_once_with(Twist(0.5, -1.5))
+    assert bare.rides[-1].work.mock_calls == [call.command(Twist(0.5, -1.5)), call.drive(), call.read()]
     bare.reset()
     for action, driven in (([50.0, -7.0], Twist(1.0, -2.0)), ([-3.0, 3.5], Twist(-1.0, 3.0))):
         env.step(np.array(action, np.float32))
-        bare.rides[-1].drive.assert_called_with(driven)  # what is beyond the space is its end
+        bare.rides[-1].command.assert_called_with(driven)  # what is beyond the space is its end
     for error, ending in ((Diverged("far"), "diverged"), (RunFailed("off"), "edge")):
         bare.reset()
         ride, seen = bare.rides[-1], env.step(AHEAD)[0]

@@ -77,7 +77,14 @@ def test_the_heading_and_what_point_nav_observes_follow_one_another(make: Make) 
     env, plain = make("PointNavGoal", height_scan=True), make(height_scan=True)
     options = {"start": (1.0, 0.5, 2.0), "goal": (3.0, 1.0)}
     (seen, _), (expected, _) = (e.reset(seed=5, options=options) for e in (env, plain))
-    parts = [expected[name] for name in ("lidar", "imu", "velocities", "heights")]
+    names = ("lidar", "imu", "velocities", "heights")
+    parts = [expected[name] for name in names]
+    for end, of_heading in (("low", [-1.0, -1.0]), ("high", [1.0, 1.0])):
+        limits = [getattr(plain.observation_space[name], end) for name in names]
+        assert (
+            getattr(env.observation_space["observation"], end).tolist()
+            == np.concatenate([*limits, of_heading]).tolist()
+        )
     assert expected["heights"].shape == (77,)
     assert seen["observation"][:-2].tolist() == np.concatenate(parts).tolist()
     assert np.arctan2(*seen["observation"][-2:]) == pytest.approx(2.0, abs=0.02)

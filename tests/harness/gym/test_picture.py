@@ -113,7 +113,8 @@ def test_a_window_is_shown_each_step_and_opened_anew_in_a_new_world(
 ) -> None:
     monkeypatch.setenv("DISPLAY", ":0")
     viewer = Mock()
-    monkeypatch.setattr(picture, "dress", lambda *_, **__: None)  # slow, and nobody looks
+    dress = Mock()  # slow, and nobody looks
+    monkeypatch.setattr(picture, "dress", dress)
     monkeypatch.setattr(picture, "drawn", lambda _: Heightfield(np.zeros((9, 9)), 1.75))
     modules = {"mujoco.viewer": viewer, "glfw": viewer}
     monkeypatch.setattr(picture, "import_module", modules.__getitem__)
@@ -122,6 +123,7 @@ def test_a_window_is_shown_each_step_and_opened_anew_in_a_new_world(
     env.step(np.zeros(2, np.float32))
     env.reset()
     window = viewer.launch_passive.return_value
+    assert dress.call_args.kwargs == {"quality": picture.QUALITY}
     assert (viewer.launch_passive.call_count, window.sync.call_count) == (1, 3)
     assert viewer.launch_passive.call_args.args[0].hfield_nrow.tolist() == [9]
     env.reset(seed=1)

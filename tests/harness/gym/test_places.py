@@ -34,10 +34,13 @@ def test_places_are_where_the_rover_fits_and_only_on_one_side_of_a_wall() -> Non
     assert covered == pytest.approx(room, rel=0.1)  # nor is much left out
 
 
-def test_a_rover_that_is_long_on_one_side_keeps_its_longest_reach_free() -> None:
-    rover = replace(LEO, footprint=(-0.2, 0.6, -0.3, 0.1))
-    x, y = Places(world(), rover).middles.T
-    assert max(np.abs(x).max(), np.abs(y).max()) <= 4.5 - math.hypot(0.6, 0.3)
+@pytest.mark.parametrize("footprint", [(-0.2, 0.6, -0.3, 0.1), (-0.3, 0.1, -0.2, 0.6)])
+def test_a_rover_that_is_long_on_one_side_keeps_its_longest_reach_free(
+    footprint: tuple[float, float, float, float],
+) -> None:
+    x, y = Places(world(), replace(LEO, footprint=footprint)).middles.T
+    farthest = 4.5 - math.hypot(0.6, 0.3)
+    assert farthest - 0.25 <= max(np.abs(x).max(), np.abs(y).max()) <= farthest
 
 
 def test_draws_are_as_wanted_and_spread_over_all_that_is() -> None:
@@ -92,6 +95,7 @@ def test_a_map_that_is_no_square_around_the_origin_has_its_places_where_it_is() 
     assert cells == pytest.approx(cells.round(), abs=1e-9)
     rng = np.random.default_rng(0)
     drawn = np.array([places.draw(rng, (20.0, -7.0), (0.0, math.inf)) for _ in range(400)])
+    assert ((low - 0.1 <= drawn) & (drawn <= high + 0.1)).all()
     within = ((drawn - low) / 0.2 + 0.5) % 1.0 - 0.5  # of a cell, from its middle
     assert np.abs(within).mean(axis=0) == pytest.approx(
         [0.25, 0.25], abs=0.03

@@ -6,6 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from harness.config import EpisodeConfig
 from harness.drivers import sensed_by
@@ -30,6 +31,7 @@ STEPS = [  # failure, tilt [deg], contact before [s], distance [m], ending; limi
     ("", 0.0, 0.24, 2.0, ""),
     ("", 0.0, 0.25, 2.0, "hazard"),
     ("", 0.0, 0.25 - 1e-12, 2.0, "hazard"),  # a sum of hundredths
+    ("", 0.0, 0.25 - 1.1e-9, 2.0, ""),
     ("", 0.0, 0.25, 0.1, "hazard"),  # nobody reaches a goal through a wall
     ("", 80.0, 0.25, 0.1, "flipped"),
     ("edge", 0.0, 0.25, 2.0, "edge"),  # the contacts of a step that broke off are not known
@@ -113,25 +115,31 @@ def test_each_term_is_its_weight_times_what_the_simulator_knows(make: Make) -> N
         before, previous = now, action.astype(float)
 
 
-def test_depths_and_heights_are_those_of_what_was_read(make: Make) -> None:
+def test_what_is_observed_is_what_was_read(make: Make) -> None:
     env, level = make(depth=(2, 2), height_scan=True), (0.0, 0.0, 0.0, 1.0)
+    x, y, z, w = Rotation.from_euler("ZYX", [0.5, 0.2, -0.1]).as_quat().tolist()
+    tilted = x, y, z, w
     readings = (
-        LaserScan(0, np.full(32, 4.0, np.float32)),
-        Imu(0, level, (0.0, 0.0, 0.0), (0.0, 0.0, 9.8)),
+        LaserScan(0, np.array([np.nan, np.inf, -np.inf, *np.linspace(1.0, 8.0, 29)], np.float32)),
+        Imu(0, tilted, (0.1, 0.2, 0.3), (1.0, 2.0, 9.5)),
         Pose(0, (1.0, 2.0, 0.5), level),
         Odometry(0, 0.0, 0.0, 0.0, Twist(0.1, 0.2)),
         RangeReading(
             0, "depth", np.array([np.nan, np.inf, -np.inf, 3.0], np.float32), np.zeros(4, np.bool_)
         ),
     )
-    x, _ = np.meshgrid(np.arange(-4.0, 5.0), np.arange(-4.0, 5.0))
-    scene = SimpleNamespace(world=SimpleNamespace(ground=Heightfield(0.1 * x, 1.0)))
+    slope, _ = np.meshgrid(0.1 * np.arange(-4.0, 5.0), np.arange(9))
+    scene = SimpleNamespace(world=SimpleNamespace(ground=Heightfield(slope, 1.0)))
     ride = SimpleNamespace(
         readings={type(reading): reading for reading in readings},
         simulation=SimpleNamespace(scene=scene),
     )
     env.goal = (1.0, 5.0)
     seen = env._observe(ride)
+    assert seen.keys() == env.observation_space.spaces.keys()
+    assert seen["lidar"] == pytest.approx([10.0, 10.0, 0.0, *np.linspace(1.0, 8.0, 29)])
+    assert seen["imu"] == pytest.approx((1.0, 2.0, 9.5, 0.1, 0.2, 0.3, -0.1, 0.2))  # roll, then pitch
+    assert seen["velocities"] == (0.1, 0.2)
     assert seen["depth"].tolist() == [10.0, 10.0, 0.0, 3.0]  # a miss and a fault are the largest
     ahead = np.repeat(0.1 * (1.0 - 0.5 + 0.2 * np.arange(11)) - 0.5, 7)
     assert seen["heights"] == pytest.approx(ahead)

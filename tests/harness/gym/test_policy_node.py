@@ -12,6 +12,7 @@ rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]
 from geometry_msgs.msg import Pose, PoseArray, PoseStamped, Twist
 from nav_msgs.msg import Odometry
 from rclpy.executors import ExternalShutdownException
+from rclpy.qos import ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, LaserScan
 
@@ -38,8 +39,10 @@ class Heard:
         self.topics: dict[str, Any] = {}
         self.sent, self.log = Mock(), Mock()
 
-        def subscribed(_: object, kind: type, topic: str, callback: Any, qos: object) -> None:  # noqa: ANN401, ARG001
-            self.topics[topic] = callback
+        self.subscribed: dict[str, tuple[type, Any]] = {}
+
+        def subscribed(_: object, kind: type, topic: str, callback: Any, qos: object) -> None:  # noqa: ANN401
+            self.topics[topic], self.subscribed[topic] = callback, (kind, qos)
 
         monkeypatch.setattr(GuardedNode, "__init__", lambda *_: None)
         monkeypatch.setattr(PolicyNode, "create_subscription", subscribed)
@@ -83,6 +86,15 @@ def test_the_policy_is_asked_with_what_was_heard_and_its_answer_is_sent(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     heard = Heard(monkeypatch, GOAL)
+    _, best_effort = heard.subscribed.pop("rover/pose_array")
+    assert (best_effort.depth, best_effort.reliability) == (10, ReliabilityPolicy.BEST_EFFORT)
+    assert heard.subscribed == {
+        "scan": (LaserScan, 10),
+        "imu/data": (Imu, 10),
+        "odometry/wheels": (Odometry, 10),
+        "goal_pose": (PoseStamped, 10),
+        "/clock": (Clock, 10),
+    }
     heard.hear()
     (readings, goal, rover), _ = heard.policy.command.call_args
     scan = readings.pop(samples.LaserScan)
@@ -219,7 +231,8 @@ def test_it_drives_the_rover_to_the_goal_that_it_is_told_until_it_is_stopped(
     policy, rover, goal = node.call_args.args
     assert (policy.beams, rover, goal) == (8, find_rover("rover_zero4wd"), (3.0, -1.0))
     spin.assert_called_once_with(node.return_value)
-    assert main(words[:1]) == 0
+    monkeypatch.setattr("sys.argv", ["policy_node", *words[:1]])
+    assert main() == 0
     assert node.call_args.args[1:] == (find_rover("leo"), None)
 
 

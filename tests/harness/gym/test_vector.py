@@ -56,6 +56,7 @@ class Counting(gymnasium.Env[dict[str, Any], Any]):
         self.accept(action)
         self.command()
         self.drive()
+        self.sense()
         return self.conclude()
 
     def accept(self, action: Any) -> None:  # noqa: ANN401
@@ -67,10 +68,13 @@ class Counting(gymnasium.Env[dict[str, Any], Any]):
     def drive(self) -> None:
         self.left, self.count = self.left - 1, self.count + 1
 
+    def sense(self) -> None:
+        self.sensed = self.commanded
+
     def conclude(self) -> Any:  # noqa: ANN401
         ended, late = self.left == 0, self.count > 2
         seen, info = self.told()
-        return seen, self.commanded, ended and not late, ended and late, info
+        return seen, self.sensed, ended and not late, ended and late, info
 
     def told(self) -> tuple[dict[str, Any], dict[str, Any]]:
         info: dict[str, Any] = {"left": 0.5 * self.left} if self.count else {"drawn": self.left}
@@ -134,6 +138,8 @@ def test_each_environment_is_made_drawn_and_masked_by_itself() -> None:
     assert (envs.render(), envs.render_mode) == (("image 0", "image 1"), "rgb_array")
     assert envs.metadata == {"render_fps": 20, "autoreset_mode": AutoresetMode.NEXT_STEP}
     assert made[0].metadata == {"render_fps": 20}
+    alone = RoverVectorEnv(lambda **_: Counting())  # type: ignore[arg-type]
+    assert (alone.num_envs, alone.metadata["autoreset_mode"]) == (1, AutoresetMode.NEXT_STEP)
     envs.reset(seed=[3, None], options={"goal": 1})
     assert [env.reset.call_args for env in made] == [
         call(seed=s, options={"goal": 1}) for s in (3, None)

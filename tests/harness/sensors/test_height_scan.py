@@ -8,6 +8,8 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
@@ -40,11 +42,12 @@ def simulation() -> Simulation:
 def scan(
     simulation: Any,  # noqa: ANN401 - or what stands for a Simulation
     xyz: tuple[float, float, float] = (0, 0, 0),
+    turn: NDArray[np.float64] | None = None,
     **told: object,
 ) -> HeightScan:
     options = HeightScanOptions(name="scan", size=SIZE, **told)  # type: ignore[arg-type]  # of several types
     options.check()
-    installed = installation(options, xyz=xyz)
+    installed = installation(options, xyz=xyz, axes=turn)
     body = simulation.model.body("rover").id
     object.__setattr__(installed.mount, "body", body)
     return HeightScanSensor(simulation, installed, 5).read()
@@ -58,10 +61,11 @@ def test_every_cell_has_the_height_of_what_is_met_first_from_above(
     assert read.heights.shape == (16, 9)
     assert read.heights.dtype == np.float32
     assert (read.stamp_ns, read.sensor) == (simulation.time_ns, "scan")
-    yaw = simulation.yaw if axes == "rover" else 0.0
+    ahead = simulation.rotation()[:, 0]
+    yaw = math.atan2(ahead[1], ahead[0]) if axes == "rover" else 0.0
     mount = np.array(simulation.position) + simulation.rotation() @ (0.3, 0.1, 0.2)
     assert (read.x, read.y, read.z) == pytest.approx(mount.tolist())
-    assert read.yaw == pytest.approx(yaw, abs=2e-2)  # that of a frame that leans is another's
+    assert read.yaw == pytest.approx(yaw)
     seen, hit = np.array([1, 1, 0, 0, 0, 0], np.uint8), np.zeros(1, np.int32)
     rocks = 0
     for (i, j), height in np.ndenumerate(read.heights):
@@ -73,6 +77,13 @@ def test_every_cell_has_the_height_of_what_is_met_first_from_above(
         rocks += simulation.model.geom(hit[0]).name.startswith("rock")
         assert height == pytest.approx(10.0 - distance - mount[2], abs=2e-6)
     assert 0 < rocks < read.heights.size / 2
+
+
+def test_a_grid_turns_with_its_own_frame(simulation: Simulation) -> None:
+    turn = Rotation.from_euler("xyz", (0.3, -0.2, 2.5)).as_matrix()
+    ahead = simulation.rotation() @ turn[:, 0]
+    assert scan(simulation, turn=turn).yaw == pytest.approx(math.atan2(ahead[1], ahead[0]))
+    assert scan(simulation, turn=turn, axes="world").yaw == 0.0
 
 
 def test_what_hangs_high_and_what_reaches_in_from_afar_are_seen(make_simulation: MakeSimulation) -> None:

@@ -57,8 +57,8 @@ def test_a_spiral_covers_its_field_of_view_evenly() -> None:
     assert len(azimuth) * 10 == 200_000  # a second
     assert (elevation.min(), elevation.max()) == pytest.approx((-7.0, 52.0))
     edges = np.degrees(np.arcsin(np.linspace(math.sin(math.radians(-7)), math.sin(math.radians(52)), 6)))
-    ratio = (1 + math.sqrt(5)) / 2  # each a golden part of a turn further than the one before
-    assert np.exp(1j * np.radians(np.diff(azimuth[:50]))) == pytest.approx(np.exp(2j * np.pi / ratio))
+    turns = np.arange(50) * 2 / (1 + math.sqrt(5)) - 0.5  # a golden part further each, from behind
+    assert np.exp(1j * np.radians(azimuth[:50])) == pytest.approx(np.exp(2j * np.pi * turns))
     counts, *_ = np.histogram2d(azimuth, elevation, (np.linspace(-180, 180, 9), edges))
     assert counts == pytest.approx(500, rel=0.02)  # parts of the same solid angle
 

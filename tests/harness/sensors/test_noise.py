@@ -12,6 +12,7 @@ from harness.episode.episode import Episode
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist, Vector3
 from harness.sensors.corruption import AxisErrors, ContactChatter, RangeErrors
 from harness.sensors.noise import (
+    DEFAULT_PRESET,
     GAZEBO,
     HARDWARE,
     PRESETS,
@@ -219,4 +220,5 @@ def test_ranges_beyond_the_lidars_limits_become_misses_and_near_returns() -> Non
 def test_there_are_three_presets_by_name() -> None:
     assert list(PRESETS) == ["white", "hardware", "gazebo"]
     assert list(PRESETS.values()) == [WHITE, HARDWARE, GAZEBO]
+    assert DEFAULT_PRESET == "white"
     assert all(one != other for one, other in pairwise(preset.summary for preset in PRESETS.values()))

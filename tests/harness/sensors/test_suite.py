@@ -81,6 +81,7 @@ def test_what_is_corrupted_is_told_and_kept_as_such() -> None:
     spied = suite([], noise=noise, wanted={Pose})
     (told,) = spied.tick(100)
     assert (told.stamp_ns, spied.latest) == (-2, {Pose: told})
+    assert suite([], wanted=()).tick(100) == ()
 
 
 def test_a_suite_has_all_that_its_parts_suffice_for(make_simulation: MakeSimulation) -> None:

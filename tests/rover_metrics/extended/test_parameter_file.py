@@ -90,6 +90,7 @@ def test_sections_of_the_node_count_and_the_later_one_wins(file: Path, name: str
         (section("lidar_pose: [1.0, 2, 3.0]"), "lidar_pose must be a list of numbers with decimal"),
         (section("x: 1", name="other"), "no section 'metrics_node"),
         ("metrics_node: {ros__parameters: 3}", "no section 'metrics_node"),
+        ("metrics_node: [1.0, x]", "no section 'metrics_node"),
         ("metrics_node: [", "cannot read parameters"),
         ("", "no section 'metrics_node"),
         (section("footprint: [1.0, 2.0]"), "footprint has 1 corners, not 3 to 100"),

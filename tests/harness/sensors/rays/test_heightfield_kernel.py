@@ -387,3 +387,62 @@ def test_a_walk_looks_at_the_cells_on_its_way_in_their_order_and_from_above_at_f
         share.append(len(looked) / (1 + np.abs(direction[0, :2]).sum() * min(distance, 30.0)))
     assert len(share) > 30
     assert np.mean(share) < (0.6 if side > 0.0 else 1.2)
+
+
+@pytest.mark.parametrize(
+    ("place", "well_over"),
+    [
+        ((1.0, 1.0, 0.1), True),
+        ((5.0, 3.0, 0.1), True),
+        ((0.99, 2.0, 0.1), False),
+        ((5.01, 2.0, 0.1), False),
+        ((3.0, 0.99, 0.1), False),
+        ((3.0, 3.01, 0.1), False),
+        ((3.0, 2.0, 0.0), False),
+    ],
+)
+def test_a_point_is_well_over_a_map_a_cell_from_its_edge(
+    place: tuple[float, float, float], well_over: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = as_plain_python("harness.sensors.rays.heightfield_kernel", monkeypatch)
+    assert plain._well_over(np.zeros((5, 7), np.float32), *place) == well_over
+
+
+@pytest.mark.parametrize(
+    ("origin", "direction", "reach", "asked"),
+    [
+        ((0.0, 0.0, 1.4), (1.0, 0.0, 0.0), 4.0, "surface"),
+        ((0.0, 0.0, 1.4), (1.0, 0.0, 0.0), 8.0, "field"),  # it comes to the edge
+        ((0.0, 0.0, 1.4), (0.0, -1.0, 0.0), 8.0, "field"),
+        ((0.0, 0.0, 1.4), (0.0, 0.0, -1.0), 8.0, "field"),  # and under w = 0
+        ((0.0, 0.0, 0.4), (1.0, 0.0, 0.0), 4.0, "field"),  # from under the surface
+        ((9.0, 0.0, 1.4), (-1.0, 0.0, 0.0), 9.0, "field"),  # from beside the map
+        ((0.0, 0.0, 2.1), (1.0, 0.0, 0.0), 4.0, ""),  # above all
+        ((0.0, 0.0, 2.1), (0.6, 0.0, -0.8), 0.2, "surface"),
+        ((0.0, 0.0, 1.9), (0.6, 0.0, 0.8), 4.0, "surface"),
+    ],
+)
+def test_only_rays_that_may_leave_the_map_are_asked_for_its_edges_and_base(
+    origin: tuple[float, float, float],
+    direction: tuple[float, float, float],
+    reach: float,
+    asked: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A plateau of 1 m in a map of 16 m with a peak of 2 m."""
+    plain = as_plain_python("harness.sensors.rays.heightfield_kernel", monkeypatch)
+    heights, calls = np.ones((17, 17)), []
+    heights[3, 4], heights[0, 0] = 2.0, 0.0
+
+    def noted(name: str) -> Callable[..., float]:
+        def miss(*_: object) -> float:
+            calls.append(name)
+            return np.inf
+
+        return miss
+
+    for name in ("_hit_field", "_hit_surface"):
+        monkeypatch.setattr(plain, name, noted(name))
+    rays = heightfield_arrays(terrain_model(heights, 1.0)[0])
+    cast(rays, np.array(origin), np.array([direction]), reach, plain.cast_rays)
+    assert calls == ([f"_hit_{asked}"] if asked else [])

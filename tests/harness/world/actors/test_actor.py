@@ -32,12 +32,14 @@ TICK_S = 0.01
         ("g=0,0/6,0", r"actor 'g' walks through hazard_0 at 2\.60,0\.00; lead it around"),
         ("g=0,0/0,9.6", r"actor 'g' walks off the map at 0\.00,9\.60; .* y from -9\.5 to 9\.5 m"),
         ("g=0,2/6,2/6,-2:route=closed", "walks through hazard_0"),
+        ("g=0,1.5/6,1.5:radius=0.6", "walks through hazard_0"),
         ("g=random:within=2", "actor 'g': no free place within 2 m of the rover's start at 0,0"),
     ],
 )
 def test_ways_without_room_are_refused_with_the_place(text: str, told: str) -> None:
     with pytest.raises(UsageError, match=told):
         with_actors(BARE, parse_actors([text]))
+    assert with_actors(BARE, parse_actors(["g=0,1.5/6,1.5"])).people[0].begin == (0.0, 1.5)
 
 
 def test_a_random_walk_is_straight_free_steady_and_the_names_own() -> None:
@@ -73,12 +75,15 @@ def social(text: str = "s=social:within=6") -> SocialWalker:
 
 
 def heading_for(
-    *spots: tuple[float, float], begin: tuple[float, float] = (0.0, 0.0), speed: float = 1.0
+    *spots: tuple[float, float],
+    begin: tuple[float, float] = (0.0, 0.0),
+    speed: float = 1.0,
+    world: World = BARE,
 ) -> SocialWalker:
     """One that walks there."""
     stroll = Mock()
     stroll.spot.side_effect = [begin, *spots].__getitem__
-    return SocialWalker(stroll, Room(BARE), speed=speed, delay=0.0, radius=0.25)
+    return SocialWalker(stroll, Room(world), speed=speed, delay=0.0, radius=0.25)
 
 
 def walked(walker: SocialWalker, seconds: float, bodies: list[tuple[float, float, float]]) -> np.ndarray:
@@ -150,21 +155,25 @@ def test_a_social_walker_looks_where_it_walks() -> None:
 
 
 def test_who_does_not_get_on_heads_for_the_next_point_after_twenty_seconds_more() -> None:
-    walker = heading_for((5.0, 0.0), (0.0, 5.0), speed=0.5)
+    walker = heading_for((5.0, 0.0), (0.0, 5.0), (9.0, 9.0), speed=0.5)
     spot: Mock = walker._stroll.spot  # type: ignore[assignment]
-    for time_s, heads_for in ((0.01, 1), (30.0, 1), (30.02, 2)):  # the leg takes 10 s
+    # Either leg takes 10 s.
+    for time_s, heads_for in ((0.01, 1), (30.0, 1), (30.02, 2), (60.0, 2), (60.04, 3)):
         walker.walk(time_s, 0.0, [])
         spot.assert_called_with(heads_for)
 
 
 def test_walls_in_sight_push_a_social_walker() -> None:
     """Against the forces themselves, which are told of the wall from the beginning."""
-    walker, goal = heading_for((6.0, 0.5)), np.array([6.0, 0.5])
+    other = replace(WALL, position=(1.0, -1.6, 0.5))
+    world = replace(BARE, obstacles=(WALL, other))
+    walker, goal = heading_for((6.0, 0.5), world=world), np.array([6.0, 0.5])
     place, velocity = np.zeros(2), np.zeros(2)
     for told in walked(walker, 3.0, []):
         wanted = (goal - place) / np.linalg.norm(goal - place)
+        walls = [outline(WALL), outline(other)]
         place, velocity = step(
-            place, velocity, wanted, radius=0.25, bodies=(), walls=[outline(WALL)], seconds=TICK_S
+            place, velocity, wanted, radius=0.25, bodies=(), walls=walls, seconds=TICK_S
         )
         np.testing.assert_allclose(told, place, atol=1e-9)
     assert 1.6 < place[0] < 2.55  # in front of it
@@ -192,12 +201,15 @@ class Space(Room):
 
     def __init__(self) -> None:
         super().__init__(BARE)
+        self.radii: set[float] = set()
 
-    def trouble(self, *_: object) -> None:
+    def trouble(self, _: object, radius: float) -> None:
         """Nothing is in the way."""
+        self.radii.add(radius)
 
-    def is_clear(self, *_: object) -> bool:
+    def is_clear(self, _: object, __: object, radius: float) -> bool:
         """Tells what has been said of all ways."""
+        self.radii.add(radius)
         return self.has_ways
 
 
@@ -212,6 +224,7 @@ def test_who_has_nowhere_to_go_goes_back_or_stays() -> None:
     assert (away := stroll.spot(stays)) != begin
     room.has_ways = False
     assert [stroll.spot(stays + n) for n in (1, 2, 3)] == [begin, away, begin]
+    assert room.radii == {0.25}
 
 
 def polar(rng: np.random.Generator, start: tuple[float, float], within: float) -> np.ndarray:
@@ -274,6 +287,14 @@ def test_a_social_walker_waits_for_its_delay() -> None:
     assert not (places[100:] == places[0]).all()
 
 
+def test_each_way_of_somebody_begins_at_the_begin() -> None:
+    (actor,) = with_actors(BARE, parse_actors(["s=social:within=6"])).people
+    one, other = actor.way(), actor.way()
+    assert isinstance(one, SocialWalker)
+    assert isinstance(other, SocialWalker)
+    np.testing.assert_array_equal(walked(one, 0.5, []), walked(other, 0.5, []))
+
+
 def test_a_social_walker_looks_for_walls_again_every_half_metre(monkeypatch: pytest.MonkeyPatch) -> None:
     walker, looked = social(), Mock(return_value=[])
     monkeypatch.setattr(Room, "walls_near", looked)
@@ -292,6 +313,15 @@ def test_the_delay_that_is_told_comes_after_that_of_the_file(tmp_path: Path, loo
     way = with_actors(BARE, parse_actors([f"{file}:delay=1"])).people[0].way()
     assert isinstance(way, Route)
     assert [way.place(t).x for t in (2.9, 5.0, 8.0)] == pytest.approx([0.0, 2.0, 1.0 if loops else 4.0])
+    backwards = script.replace("<time>0<", "<time>5<")
+    file.write_text(f"<actor name='a'>{backwards}</actor>")
+    with pytest.raises(UsageError, match=r"^actor 'a': the times of its way points"):
+        with_actors(BARE, parse_actors([str(file)]))
+    points = "".join(f"<waypoint><pose>{x} 2 {z} 0 0 0</pose></waypoint>" for x, z in ((0, 0), (3, 4)))
+    file.write_text(f"<trajectory>{points}</trajectory>")
+    climbs = with_actors(BARE, parse_actors([f"{file}:speed=2"])).people[0].way()
+    assert isinstance(climbs, Route)
+    assert climbs.place(1.25).x == pytest.approx(1.5)  # of 5 m
     waits = with_actors(BARE, parse_actors(["g=0,2/4,2:delay=3,speed=2"])).people[0].way()
     assert isinstance(waits, Route)
     assert [waits.place(time_s).x for time_s in (2.9, 4.0)] == pytest.approx([0.0, 2.0])
@@ -311,3 +341,4 @@ def test_the_worlds_hash_tells_who_walks_and_where() -> None:
     assert terrain_hash(BARE) in hashes
     others = with_actors(with_actors(BARE, parse_actors(["g=0,2/0,3"])), parse_actors(["h=random"]))
     assert [actor.name for actor in others.people] == ["h_actor"]
+    assert vars(others) | {"people": ()} == vars(BARE)

@@ -13,7 +13,7 @@ from harness.world.obstacles import Obstacle, ObstacleKind, orientation, outline
 from harness.world.world import World
 
 WALL = Obstacle(ObstacleKind.HAZARD, "box", (1.0, 0.2, 0.5), (2.0, 1.0, 0.5), orientation(0.5))
-STONE = Obstacle(ObstacleKind.ROCK, "ellipsoid", (0.3, 0.3, 0.1), (-2.0, 0.0, 0.0))
+STONE = Obstacle(ObstacleKind.ROCK, "box", (0.3, 0.3, 0.1), (-2.0, 0.0, 0.0))
 
 
 def world(*obstacles: Obstacle) -> World:

@@ -91,6 +91,9 @@ def test_who_waits_looks_along_the_first_leg_that_leads_anywhere() -> None:
     points = [(1.0, 2.0), (1.0, 2.0), (3.0, -1.0)]
     waits = timed((0.0, 2.0, 3.0), points, loops=False, delay=0.0, who="x")
     assert waits.place(1.0).yaw == pytest.approx(math.atan2(-3.0, 2.0))
+    points = [(0.0, 0.0), (3.0, 0.0), (3.0, 0.0), (3.0, 4.0)]
+    turns = timed((0.0, 1.0, 5.0, 6.0), points, loops=True, delay=0.0, who="x")
+    assert turns.place(3.0).yaw == pytest.approx(math.pi / 2)
 
 
 @pytest.mark.parametrize(("time_s", "x"), [(0.5, 0.5), (1.0, 5.0), (1.5, 5.5), (2.0, 9.0), (7.0, 9.0)])

@@ -27,6 +27,7 @@ LINE = "<waypoint><time>0</time><pose>1 2 3 0 0 0</pose></waypoint>"
         ("factor=+1.,-2e-1", "factor", "", ((1.0, -0.2),), Options()),
         ("g_actor=1,2:route=closed,push=1", "g", "", ((1.0, 2.0),), Options(route="closed", push=1)),
         ("random", "random", "random", None, Options()),
+        ("Bo=random:speed=2,speed=3", "Bo", "random", None, Options(speed=3.0)),
         ("me=social:speed=1.5,delay=2", "me", "social", None, Options(speed=1.5, delay=2.0)),
         (
             "b=random:within=4,radius=.2,height=1",
@@ -48,7 +49,7 @@ def test_a_word_says_who_walks_and_how(
 
 
 def test_a_file_names_its_people_unless_the_word_does(tmp_path: Path) -> None:
-    one, two = tmp_path / "inspect_diag.sdf", tmp_path / "two.world"
+    one, two = tmp_path / "inspect_diag.sdf", tmp_path / "Two.WORLD"
     one.write_text(f"<trajectory>{LINE}</trajectory>")
     two.write_text("<sdf><actor name='a_actor'/><actor name='b'/></sdf>")
     assert actor_names([str(one), f"g={one}:speed=2", str(two)]) == tuple(
@@ -110,9 +111,10 @@ def test_a_file_is_found_beside_the_scenario_that_names_it() -> None:
         ("1,2/3,4", "has no name; give"),
         ("9=random", "is not valid; give"),
         ("g=none.sdf", "none.sdf cannot be read"),
+        ("g=random:speed=1=2", "speed '1=2' is not valid"),
         ("g=random:speed=nan", "speed 'nan' is not valid"),
         ("g=random:spead=1", "key 'spead' does not exist; did you mean 'speed'"),
-        ("g=1,2:route=round", "route 'round' does not exist; available: mirror, closed"),
+        ("g=1,2:route=round", "route 'round' does not exist; available: mirror, closed$"),
         ("g=random:push=0.5", "push '0.5' is not valid"),
         ("g=random:radius=0.5,height=0.8", "at least as high as wide"),
         ("g=random,g=social", "is not valid"),

@@ -41,7 +41,7 @@ def test_roboterrains_files_are_read(file: str, name: str, first: tuple[float, .
         ("my_walk", "my_walk"),
         ("moon_a_trajectory", "a"),
         ("construct_flat_b_traject_2", "flat_b_2"),
-        ("flat_trajectories", "trajectories"),
+        ("my_trajectories", "my_trajectories"),
     ],
 )
 def test_a_trajectory_is_called_as_its_topic(stem: str, name: str, tmp_path: Path) -> None:

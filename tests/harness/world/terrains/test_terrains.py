@@ -15,7 +15,7 @@ from harness.world.statistics import slopes
 from harness.world.terrain import SPAWN_CLEARANCE, SPAWN_RADIUS, Terrain
 from harness.world.terrains import TERRAINS
 from harness.world.world import World, build_world, terrain_hash
-from tests.support.terrain_statistics import measure
+from tests.support.terrain_statistics import TerrainStatistics, measure
 
 PAGE = Path(__file__).parents[4] / "docs/terrains.md"
 SEEDS = (0, 1, 2, 123)
@@ -32,6 +32,13 @@ def world_of(name: str, seed: int, difficulty: float = 0.5) -> World:
     return _cached(name, seed, difficulty)
 
 
+@cache
+def measured(name: str, seed: int, difficulty: float) -> TerrainStatistics:
+    """What is measured of a world."""
+    world = world_of(name, seed, difficulty)
+    return measure(world.ground, world.obstacles)
+
+
 @ALL
 def test_the_same_seed_makes_the_same_world(name: str) -> None:
     assert terrain_hash(build_world(name, 1)) == terrain_hash(world_of(name, 1))
@@ -46,26 +53,22 @@ def test_another_seed_makes_another_world_unless_it_is_flat(name: str) -> None:
 @ALL
 @pytest.mark.parametrize("seed", SEEDS)
 def test_it_keeps_its_promise(name: str, seed: int) -> None:
-    world = world_of(name, seed)
-    measured = measure(world.ground, world.obstacles)
+    found = measured(name, seed, 0.5)
     promised = asdict(TERRAINS[name].promise)
-    broken = [key for key, (low, high) in promised.items() if not low <= getattr(measured, key) <= high]
-    assert broken == [], measured
+    broken = [key for key, (low, high) in promised.items() if not low <= getattr(found, key) <= high]
+    assert broken == [], found
 
 
 @ALL
 def test_no_statistic_falls_with_difficulty_and_one_rises_unless_it_is_flat(name: str) -> None:
-    worlds = [world_of(name, 1, d) for d in (0.0, 0.5, 1.0)]
-    measured = [np.array(astuple(measure(w.ground, w.obstacles))) for w in worlds]
-    for easier, harder in pairwise(measured):
+    for easier, harder in pairwise(np.array(astuple(measured(name, 1, d))) for d in (0.0, 0.5, 1.0)):
         assert (harder >= easier - ROUNDING).all()
         assert (harder > easier).any() or name == "flat"
 
 
 @ALL
 def test_the_gallery_says_what_it_measures(name: str) -> None:
-    worlds = [world_of(name, 1, difficulty) for difficulty in (0.0, 0.5, 1.0)]
-    found = zip(*(astuple(measure(world.ground, world.obstacles)) for world in worlds), strict=True)
+    found = zip(*(astuple(measured(name, 1, difficulty)) for difficulty in (0.0, 0.5, 1.0)), strict=True)
     (told,) = re.findall(rf"^\| \[{name}\]\(#{name}\) \| (.*) \|$", GALLERY, re.MULTILINE)
     for cell, values, unit in zip(told.split(" | "), found, (1, 1, 1e3, 1e3, 100), strict=True):
         assert cell.split(", ") * (1 if "," in cell else 3) == [
