@@ -1,7 +1,7 @@
 # The verbs of this project. `make run` and `make test` set everything up by themselves.
 BIN := .venv/bin
 READY := .venv/.ready
-# Processes of `make test`, on two cores: its tests wait, too; 1: its own only.
+# Processes of `make test`, on two cores: its tests wait, too; 0: its own only.
 JOBS ?= 4
 
 .PHONY: run test test-jazzy test-cluster mutants lint format bench soak docs dist lock audit clean setup
@@ -10,7 +10,7 @@ run: setup  ## a rover over rocky terrain, metrics logged to CSV
 	$(BIN)/python -m harness.run --terrain rocky $(ARGS)
 
 test: setup  ## the whole test suite, in random order
-	$(BIN)/python -m pytest --processes $(JOBS) --durations=20 $(ARGS)
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --durations=20 $(ARGS)
 
 test-jazzy:  ## the suite of rover_metrics against ROS 2 Jazzy, on Python 3.10 where there is one
 	tools/test_jazzy.sh $(ARGS)

@@ -3,11 +3,14 @@
 In processor time, which says on a shared machine too what a step takes; two threads by the wall's clock.
 """
 
+import copy
 import itertools
 import os
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from typing import Any
 from unittest.mock import patch
 
@@ -19,6 +22,7 @@ from numpy.typing import NDArray
 import harness.gym  # noqa: F401 - registers
 from benchmarks.measuring import Effort, Rounds, Table, timed
 from benchmarks.resident import MEGABYTE, resident
+from harness.config import TICKS_PER_CONTROL
 from harness.drivers.base import CONTROL_PERIOD
 from harness.robots import ROVERS
 
@@ -71,18 +75,41 @@ def _rows(robot: str, effort: Effort) -> list[tuple[str, ...]]:
         against = f"**{rounds.ratio(name, 'physics alone') / count:.2f}**"
         speed = f"{count * steps / rounds.median(name):,.0f}"
         rows.append((robot, name, speed, against, targets.get(name, f"<= {LONGER:.2f}")))
-    both = _on_two(robot, actions, effort)
-    return [*rows, both, *_resets(robot, env, effort), _memory(robot, env, effort)]
+    both = [_physics_on_two(robot, env, commands, effort), _on_two(robot, actions, effort)]
+    return [*rows, *both, *_resets(robot, env, effort), _memory(robot, env, effort)]
 
 
 def _on_two(robot: str, actions: NDArray[np.float32], effort: Effort) -> tuple[str, ...]:
     """How much sooner two threads are done than one, on a machine with two free processors."""
     count = ON_TWO if effort.rounds > 1 else 2
-    ways = {n: _vector(robot, count, n, actions, time.perf_counter) for n in (1, 2)}
-    rounds = Rounds({str(n): run for n, run in ways.items()}, effort.rounds)
-    speed, sooner = count * len(actions) / rounds.median("2"), rounds.ratio("1", "2")
-    what = f"vector of {count}, 2 threads, wall time"
-    return robot, what, f"{speed:,.0f}", f"**{sooner:.2f}** times as fast as 1 thread", ">= 1.80"
+    ways = {str(n): _vector(robot, count, n, actions, time.perf_counter) for n in (1, 2)}
+    what, steps = f"vector of {count}", count * len(actions)
+    return _two_against_one(robot, what, steps, Rounds(ways, effort.rounds), ">= 1.80")
+
+
+def _physics_on_two(
+    robot: str,
+    env: Any,  # noqa: ANN401
+    commands: list[NDArray[np.float64]],
+    effort: Effort,
+) -> tuple[str, ...]:
+    """Likewise of threads that do nothing but mj_step: all that the machine can give."""
+    other = copy.deepcopy(env)
+    other.reset(seed=0)
+
+    def drive(threads: int) -> float:
+        drives = [_stepping(each, commands) for each in (env, other)]
+        with ThreadPoolExecutor(threads) as pool:
+            return timed(lambda: [done.result() for done in map(pool.submit, drives)])()
+
+    ways = {str(n): partial(drive, n) for n in (1, 2)}
+    steps = 2 * len(commands) // TICKS_PER_CONTROL
+    return _two_against_one(robot, "physics alone", steps, Rounds(ways, effort.rounds), "-")
+
+
+def _two_against_one(robot: str, what: str, steps: int, rounds: Rounds, target: str) -> tuple[str, ...]:
+    speed, sooner = steps / rounds.median("2"), f"**{rounds.ratio('1', '2'):.2f}** times as fast as 1"
+    return robot, f"{what}, 2 threads, wall time", f"{speed:,.0f}", f"{sooner} thread", target
 
 
 def _resets(robot: str, env: Any, effort: Effort) -> list[tuple[str, ...]]:  # noqa: ANN401
@@ -125,7 +152,7 @@ def _recorded(env: Any, actions: NDArray[np.float32]) -> list[NDArray[np.float64
     """The wheel commands of a drive, tick by tick."""
     env.reset(options=WHERE)
     leap = env._ride._leap  # noqa: SLF001 - to compare with what it does
-    with patch.object(leap, "run", wraps=leap.run) as spy:
+    with patch.object(leap, "take", wraps=leap.take) as spy:
         for action in actions:
             env.step(action)
     return [speeds for call in spy.call_args_list for speeds in call.args[0]]
@@ -133,6 +160,10 @@ def _recorded(env: Any, actions: NDArray[np.float32]) -> list[NDArray[np.float64
 
 def _physics(env: Any, commands: list[NDArray[np.float64]]) -> float:  # noqa: ANN401
     """Processor time [s] of mj_step alone under these commands: the same contacts, the same path."""
+    return timed(_stepping(env, commands), time.process_time)()
+
+
+def _stepping(env: Any, commands: list[NDArray[np.float64]]) -> Callable[[], None]:  # noqa: ANN401
     env.reset(options=WHERE)
     simulation = env._ride.simulation  # noqa: SLF001
 
@@ -141,7 +172,7 @@ def _physics(env: Any, commands: list[NDArray[np.float64]]) -> float:  # noqa: A
             simulation.command_wheels(speeds)
             mujoco.mj_step(simulation.model, simulation.data, simulation.steps_per_tick)
 
-    return timed(run, time.process_time)()
+    return run
 
 
 def _driving(env: Any, actions: NDArray[np.float32]) -> Callable[[], float]:  # noqa: ANN401

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import HealthCheck, settings
 
+from harness.episode import stream
 from harness.ros.network import reserved_domain
 from tests.support.browser import CHROMIUM, FLAGS
 from tests.support.forking import ForkedSimulations
@@ -15,8 +16,6 @@ from tests.support.surroundings import receive_signals, settle_environment
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
-
-pytest_plugins = ["tests.support.processes"]
 
 ROS_LOG = settle_environment()  # before any test imports rclpy
 receive_signals()
@@ -39,8 +38,8 @@ def pytest_unconfigure() -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def _forked_simulations() -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("harness.episode.stream.multiprocessing", ForkedSimulations())
+    with pytest.MonkeyPatch.context() as patch:  # of a module that is there: an import would cost here
+        patch.setattr(stream, "multiprocessing", ForkedSimulations())
         yield
 
 

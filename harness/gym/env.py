@@ -129,18 +129,20 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         }
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, Info]:
-        """Drives one control period: `accept`, `drive` and `conclude`.
+        """Drives one control period: `accept`, `command`, `drive`, `sense` and `conclude`.
 
         Raises:
             InvalidAction: It has another shape than the space, or is no number.
             ResetNeeded: There is no episode, or it has ended.
         """
         self.accept(action)
+        self.command()
         self.drive()
+        self.sense()
         return self.conclude()
 
     def accept(self, action: Action) -> None:
-        """Takes the action of the next step, whose physics `drive` will do and whose rest `conclude`.
+        """Takes the action of the next step; what follows is to be called in the order of `step`.
 
         Raises:
             InvalidAction: As `step`; likewise ResetNeeded.
@@ -149,22 +151,32 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             raise ResetNeeded("there is no episode to step; call reset() first, and after each episode")
         self._accepted = self._checked_action(action)
 
-    def drive(self) -> None:
-        """Does the physics of the step whose action was accepted."""
+    def command(self) -> None:
+        """Makes commands of the accepted action."""
         assert self._ride is not None  # noqa: S101 - or nothing was accepted
-        self._ride.drive(self._twist(self._accepted))
+        self._ride.command(self._twist(self._accepted))
+
+    def drive(self) -> None:
+        """Does the physics of the step."""
+        assert self._ride is not None  # noqa: S101 - it was commanded
+        self._ride.drive()
         self.steps += 1
 
-    def conclude(self) -> tuple[Observation, float, bool, bool, Info]:
-        """Returns what `step` returns of the step that was just driven."""
-        ride, failure = self._ride, ""
-        assert ride is not None  # noqa: S101 - it was driven
+    def sense(self) -> None:
+        """Reads the sensors after the step that was just driven, if it could be driven to its end."""
+        assert self._ride is not None  # noqa: S101 - it was driven
+        self._failure = ""
         try:
-            ride.read()
+            self._ride.read()
         except Diverged:
-            failure = "diverged"
+            self._failure = "diverged"
         except RunFailed:
-            failure = "edge"
+            self._failure = "edge"
+
+    def conclude(self) -> tuple[Observation, float, bool, bool, Info]:
+        """Returns what `step` returns, of what was just sensed."""
+        ride, failure = self._ride, self._failure
+        assert ride is not None  # noqa: S101 - it was driven
         if not failure:
             self._seen = self._observe(ride)
         reward, ending, info = self._judge(ride, failure)

@@ -152,10 +152,10 @@ class Options:
         self._check_worlds()
         check_duration(self.time_limit)
         for name in ("friction", "mass", "motor_strength"):
-            _check_range(f"randomisation: {name}", getattr(self.randomisation, name), above=0.0)
+            _check_range(f"randomisation: {name}", getattr(self.randomisation, name), positive=True)
         for name in ("payload", "latency"):
             _check_range(f"randomisation: {name}", getattr(self.randomisation, name))
-        _check_range("goal_distance", self.goal_distance, above=0.0)
+        _check_range("goal_distance", self.goal_distance, positive=True)
         self.curriculum.check()
 
     def _check_worlds(self) -> None:
@@ -206,10 +206,10 @@ def _plain(value: object) -> object:
     return list(value) if isinstance(value, tuple) else value
 
 
-def _check_range(name: str, values: Range, above: float | None = None) -> None:
+def _check_range(name: str, values: Range, *, positive: bool = False) -> None:
     low, high = values
-    least = "above 0" if above is not None else "from 0 up"
-    if not (math.isfinite(high) and low <= high and (low > 0.0 if above is not None else low >= 0.0)):
+    least = "above 0" if positive else "from 0 up"
+    if not (math.isfinite(high) and low <= high and (low > 0.0 if positive else low >= 0.0)):
         raise UsageError(
             f"{name} {low:g} to {high:g} is not valid; give two numbers {least}, the lower first"
         )

@@ -66,18 +66,23 @@ class Ride:
         self.advance(Twist())
 
     def advance(self, twist: Twist) -> None:
-        """Drives one control period with a command, and reads: `drive`, then `read`.
+        """Drives one control period with a command, and reads: `command`, `drive`, `read`.
 
         Raises:
             RunFailed: As `read`.
         """
-        self.drive(twist)
+        self.command(twist)
+        self.drive()
         self.read()
 
-    def drive(self, twist: Twist) -> None:
-        """Lets the physics go on by one control period with a command."""
+    def command(self, twist: Twist) -> None:
+        """Makes of a command what the wheels do in the control period that `drive` lets pass."""
         self._base.command(twist)
-        self._leap.run(np.array([self._base.wheel_speeds() for _ in range(TICKS_PER_CONTROL)]))
+        self._leap.take(np.array([self._base.wheel_speeds() for _ in range(TICKS_PER_CONTROL)]))
+
+    def drive(self) -> None:
+        """Lets the physics go on by one control period."""
+        self._leap.run()
 
     def read(self) -> None:
         """Reads the sensors of the control period that was just driven.

@@ -4,12 +4,13 @@ Each is an environment of its own, with its own world; threads take the next one
 Physics and lidar leave the interpreter to the others meanwhile, so threads suffice, and each trajectory
 is the one that the environment drives by itself, to the bit.
 
-All are driven first and read afterwards: the interpreter's own work of a step takes less than half as
-long while the processor still has it in its caches from the environment before.
+All are commanded first, then driven, then sensed: the interpreter's own work of a step takes less than
+half as long while the processor still has it in its caches from the environment before.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -110,6 +111,8 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
         stepped = np.flatnonzero(~begun).tolist()
         for index in stepped:  # a mistake changes nothing
             self.envs[index].accept(actions[index])
+        for index in stepped:
+            self.envs[index].command()
 
         def drive(index: int) -> None:
             if begun[index]:
@@ -125,6 +128,7 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
                 self._seen[index], infos[index] = self.envs[index].reset()
 
         self._each(drive, range(self.num_envs))
+        self._each(lambda index: self.envs[index].sense(), stepped)
         self._each(conclude, stepped)
         self._ended = terminated | truncated
         told = stacked(infos)
@@ -164,7 +168,7 @@ class RoverVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
 
     def _observations(self) -> Observation:
         seen = self._seen
-        return {name: np.stack([observation[name] for observation in seen]) for name in seen[0]}
+        return {name: np.array([observation[name] for observation in seen]) for name in seen[0]}
 
     def _final(self, final: Sequence[tuple[Observation, Info] | None]) -> Info:
         observations = np.array([None if last is None else last[0] for last in final], dtype=object)
@@ -204,9 +208,9 @@ def stacked(infos: Sequence[Mapping[str, Any] | None]) -> Info:
         infos: Of each environment; None for one that told nothing.
     """
     told: Info = {}
-    keys = dict.fromkeys(key for info in infos if info for key in info)
-    for key in keys:
-        values = [info[key] if info and key in info else None for info in infos]
+    some = [info or {} for info in infos]
+    for key in dict.fromkeys(chain.from_iterable(some)):
+        values = [info.get(key) for info in some]
         has = np.array([value is not None for value in values])
         told[key], told[f"_{key}"] = _stack(values, has), has
     return told
@@ -218,8 +222,10 @@ def _stack(values: list[Any], has: Flags) -> Any:  # noqa: ANN401 - an array, or
         return stacked(values)
     if not isinstance(first, bool | int | float | np.ndarray):
         return np.array(values, dtype=object)
-    blank = np.zeros_like(first)
-    return np.array([blank if value is None else value for value in values])
+    if not has.all():
+        blank = np.zeros_like(first)
+        values = [blank if value is None else value for value in values]
+    return np.array(values)
 
 
 def _mode(mode: str | AutoresetMode) -> AutoresetMode:

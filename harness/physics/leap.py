@@ -4,9 +4,13 @@
 know that something was touched, as the contact sensors tell, leaps: mujoco.rollout steps on the calling
 thread and gives the interpreter free meanwhile. Same states, same sums, to the bit: the warm start and
 the parking of the wheels are carried over.
+
+What Python prepares is apart from what MuJoCo does: who leaps with many simulations lets all take their
+commands first, for then the processor still has Python's work in its caches.
 """
 
 from collections.abc import Iterator
+from functools import partial
 from itertools import groupby
 
 import mujoco
@@ -31,23 +35,33 @@ class Leap:
         self._controls = np.empty((1, steps, model.nu))
         self._states = np.empty((1, steps, self._begin.size))
         self._sensors = np.empty((1, steps, model.nsensordata))
+        self._commands, self._legs = np.empty((ticks, 0)), list[slice]()
         # Views: of the ticks' controls, of their last states after the time, of their sensor values.
         self._ticks_controls = self._controls.reshape(ticks, -1, model.nu)
         moving = slice(1, 1 + model.nq + model.nv)
         self._ends = self._states.reshape(ticks, -1, self._begin.size)[:, -1, moving]
         self._ticks_sensors = self._sensors.reshape(ticks, -1, model.nsensordata)
 
-    def run(self, commands: NDArray[np.float64]) -> None:
-        """Simulates the ticks; `ticks` is to be called next.
+    def take(self, commands: NDArray[np.float64]) -> None:
+        """Takes the commands under which `run` will simulate; the state must stay as it is until then.
 
         Args:
             commands: Of each tick as `Simulation.command_wheels` takes them, shape (ticks, motors).
         """
+        self._commands, self._legs = commands, []
         begin = 0
         for _, alike in groupby(map(any, commands[:, : self._simulation.driven].tolist())):
             end = begin + len(list(alike))
-            self._simulate(commands, begin, end)  # parked all the time, or not at all
+            self._legs.append(slice(begin, end))  # parked all the time, or not at all
             begin = end
+        self._set_out(self._legs[0])
+
+    def run(self) -> None:
+        """Simulates the ticks; `ticks` is to be called next."""
+        self._go()
+        for leg in self._legs[1:]:
+            self._set_out(leg)
+            self._go()
 
     def ticks(self) -> Iterator[int]:
         """Shows one tick after the other of those that have just been simulated.
@@ -68,16 +82,18 @@ class Leap:
         physics.step_count = begun
         yield from self._show()
 
-    def _simulate(self, commands: NDArray[np.float64], begin: int, end: int) -> None:
-        simulation, per_tick = self._simulation, self._simulation.steps_per_tick
-        model, data = simulation.model, simulation.data
-        simulation.command_wheels(commands[begin])
-        steps = slice(begin * per_tick, end * per_tick)
-        self._ticks_controls[begin:end] = data.ctrl
-        self._ticks_controls[begin:end, :, simulation.motors] = commands[begin:end, None]
+    def _set_out(self, leg: slice) -> None:
+        """Makes everything ready for some of the ticks."""
+        simulation, commands = self._simulation, self._commands[leg]
+        model, data, per_tick = simulation.model, simulation.data, simulation.steps_per_tick
+        simulation.command_wheels(commands[0])
+        self._ticks_controls[leg] = data.ctrl
+        self._ticks_controls[leg, :, simulation.motors] = commands[:, None]
         mujoco.mj_getState(model, data, self._begin[0], STATE)
         self._warm_start[0] = data.qacc_warmstart
-        self._rollout.rollout(
+        steps = slice(leg.start * per_tick, leg.stop * per_tick)
+        self._go = partial(
+            self._rollout.rollout,
             [model],
             [data],
             self._begin,

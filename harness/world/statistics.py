@@ -86,11 +86,13 @@ class RoughnessMap:
         inset = reach(ground, WINDOW)
         squares = box_means(residuals(ground, WINDOW) ** 2, inset)
         self._squares = np.pad(squares, 2 * inset, mode="edge")
-        self._half_x, self._half_y = ground.half_size
+        self._x, _, self._y, _ = ground.bounds()  # of the first vertex
         self._vertices_per_metre = 1.0 / ground.cell
 
     def mean_square(self, x: float, y: float) -> float:
-        """Returns the mean square residual [m^2] at the vertex nearest to a point of the map [m]."""
-        row = round((y + self._half_y) * self._vertices_per_metre)
-        column = round((x + self._half_x) * self._vertices_per_metre)
-        return float(self._squares[row, column])
+        """Returns the mean square residual [m^2] at the vertex nearest to a point in the world [m]."""
+        rows, columns = self._squares.shape
+        row = round((y - self._y) * self._vertices_per_metre)
+        column = round((x - self._x) * self._vertices_per_metre)
+        # A large rover's wheels leave the map before its origin comes near the edge.
+        return float(self._squares[min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)])

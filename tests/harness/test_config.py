@@ -5,15 +5,18 @@ import math
 import os
 import subprocess
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from harness.config import TICKS_PER_CONTROL, EpisodeConfig
+from harness.config import TICKS_PER_CONTROL, EpisodeConfig, RosOptions
 from harness.errors import UsageError
+from harness.frames.options import FrameOptions
+from harness.world.terrain_file import TerrainFile
 from harness.world.world import terrain_hash
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 
 def test_the_process_that_publishes_an_episode_loads_neither_mujoco_nor_compiled_kernels() -> None:
@@ -36,15 +39,40 @@ def test_the_defaults_are_those_of_the_command_line() -> None:
         terrain_size=None,
         terrain_height=None,
         datum=(38.4064, -110.7919, 1382.0),
+        terrain_cell=None,
+        resource_path=(),
+        mesh_unit="",
+        mesh_up="",
+        rock_height=None,
+        rock=(),
+        hazard=(),
         start=None,
         timestep=0.0025,
         noise=None,
         lidar_beams=640,
         imu_rate=20,
+        sensors=None,
+        cmd_vel_timeout=None,
         faults=(),
         commands=(),
+        goal_area=None,
+        actors=(),
         goals=(),
         resets=(),
+        name="",
+        number=0,
+        world_robot="",
+    )
+    assert RosOptions(log_dir=Path()) == RosOptions(
+        log_dir=Path(),
+        host_metrics=True,
+        wait_for=(),
+        rate=None,
+        ros_args=(),
+        cmd_vel="auto",
+        record=None,
+        overwrite=False,
+        frames=FrameOptions(odom_tf="ground_truth", odom_tf_3d=False, map_tf=False),
     )
 
 
@@ -141,6 +169,7 @@ def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object
         ({"start": (0.0, math.nan, 0.0)}, "start 0,nan,0 is not valid; give x and y in metres"),
         ({"start": (0.0, 0.0, 90.0)}, "start 0,0,90 is not valid"),
         ({"start": (0.0, 0.0)}, "start 0,0 is not valid"),
+        ({"datum": (90.0, 0.0, 0.0)}, "datum: latitude 90 is not valid; give -89.9 to 89.9 degrees"),
         ({"actors": ("walker",)}, "actor 'walker' is not valid; give [NAME=]FILE"),
         ({"actors": ("a=1,2", "a=3,4")}, "two actors are called 'a'"),
         (
@@ -200,6 +229,57 @@ def test_a_file_becomes_a_world_of_the_size_and_height_given(tmp_path: Path) -> 
     assert np.ptp(world.ground.heights) == pytest.approx(0.5, abs=1e-6)
 
 
+def test_what_a_terrains_file_leaves_open_is_what_was_told_and_the_rover_that_sorts_its_obstacles() -> (
+    None
+):
+    told = EpisodeConfig(
+        terrain="a.sdf",
+        robot="rover_zero4wd",
+        world_robot="leo",
+        terrain_size=(1.0, 2.0),
+        terrain_height=3.0,
+        terrain_cell=4.0,
+        resource_path=("p", "q"),
+        mesh_unit="cm",
+        mesh_up="y",
+        rock_height=5.0,
+        rock=("r",),
+        hazard=("h",),
+    )
+    expected = TerrainFile(
+        path=Path("a.sdf"),
+        size=(1.0, 2.0),
+        relief=3.0,
+        needs_start=True,
+        folders=(Path("p"), Path("q")),
+        cell=4.0,
+        mesh_unit="cm",
+        mesh_up="y",
+        rock_height=5.0,
+        rocks=("r",),
+        hazards=("h",),
+        clearance=LEO.clearance,
+        step_limit=LEO.step_limit,
+    )
+    assert told._terrain_file() == expected
+    own = replace(told, world_robot="", start=(0.0, 0.0, 0.0))._terrain_file()
+    assert own == replace(
+        expected,
+        needs_start=False,
+        clearance=ROVER_ZERO4WD.clearance,
+        step_limit=ROVER_ZERO4WD.step_limit,
+    )
+    assert (own.clearance, own.step_limit) != (expected.clearance, expected.step_limit)
+
+
+def test_a_file_on_which_nobody_can_stand_is_a_world_for_whoever_chooses_a_start(tmp_path: Path) -> None:
+    np.save(tmp_path / "steep.npy", np.add.outer(np.linspace(0.0, 20.0, 41), np.zeros(41)))
+    steep = EpisodeConfig(terrain=str(tmp_path / "steep.npy"), terrain_size=(20.0, 20.0))
+    with pytest.raises(UsageError, match="no rover can stand within"):
+        steep.world()
+    assert replace(steep, start=(1.0, 2.0, 3.0)).world().start == (1.0, 2.0, 3.0)
+
+
 def test_a_file_that_has_been_written_anew_is_another_world(tmp_path: Path) -> None:
     path, ramp = tmp_path / "ramp.npy", np.add.outer(np.linspace(0.0, 1.0, 41), np.zeros(41))
     config = EpisodeConfig(terrain=str(path), terrain_size=(20.0, 20.0))
@@ -225,6 +305,10 @@ def test_a_fault_may_begin_with_the_last_tick_but_not_after_it(fault: str) -> No
     )
 
 
+def test_people_are_named_as_their_topics_and_columns_have_them() -> None:
+    assert EpisodeConfig(actors=("ann=1,2/3,4", "bob=5,6")).actor_names() == ("ann_actor", "bob_actor")
+
+
 def test_a_manifest_s_arguments_make_the_same_episode_again() -> None:
     config = EpisodeConfig(
         terrain="a.npy", terrain_size=(20.0, 30.0), start=(1.0, 2.0, 0.5), faults=("imu:nan",)
@@ -232,6 +316,24 @@ def test_a_manifest_s_arguments_make_the_same_episode_again() -> None:
     again = EpisodeConfig(**json.loads(json.dumps(asdict(config))))
     assert again == config
     assert hash(again) == hash(config)
+
+
+def test_gravity_is_that_of_a_world_that_tells_one_else_of_the_rover(tmp_path: Path) -> None:
+    moon = tmp_path / "moon.sdf"
+    ground = "<collision name='c'><geometry><plane><size>20 20</size></plane></geometry></collision>"
+    way = "".join(
+        f"<waypoint><time>{n}</time><pose>{n} 0 0 0 0 0</pose></waypoint>" for n in range(1, 3)
+    )
+    moon.write_text(
+        "<sdf version='1.9'><world name='moon'><gravity>0 0 -1.62</gravity>"
+        f"<model name='m'><static>1</static><link name='l'>{ground}</link></model>"
+        f"<actor name='ann'><script><trajectory id='0' type='walk'>{way}</trajectory></script></actor>"
+        "</world></sdf>"
+    )
+    people = EpisodeConfig(terrain=str(moon), actors=("bob=5,6",)).actor_names()
+    assert people == ("ann_actor", "bob_actor"), "first those of the world"
+    assert EpisodeConfig(terrain=str(moon)).gravity() == 1.62
+    assert EpisodeConfig(terrain="flat").gravity() == 9.8
 
 
 def test_the_start_changes_nothing_else_of_the_world() -> None:

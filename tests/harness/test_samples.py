@@ -3,11 +3,13 @@
 import pickle
 from dataclasses import FrozenInstanceError, astuple, fields, is_dataclass
 
+import numpy as np
 import pytest
 
 from harness import samples
 from harness.episode.batch import Batch
 from harness.samples import Odometry, Pose, Tick, Twist
+from harness.sensors.ranging import RangeReading
 from harness.truth.traversal import ContactEvent, Truth
 
 KINDS = [kind for kind in vars(samples).values() if isinstance(kind, type) and is_dataclass(kind)]
@@ -24,6 +26,16 @@ def test_a_sample_arrives_as_it_was_sent_field_by_field_and_cannot_be_changed(ki
     assert sent.__reduce__() == (kind, tuple(values.values())), "the short way"
     with pytest.raises(FrozenInstanceError):
         setattr(sent, next(iter(values)), 1)
+
+
+def test_a_sample_is_known_by_its_sensors_name_or_else_by_what_it_is() -> None:
+    reading = RangeReading(0, "top", np.zeros(0, np.float32), np.zeros(0, bool))
+    pose = Pose(0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+    assert (samples.source(reading), samples.source(pose)) == ("top", Pose)
+
+
+def test_beyond_ten_metres_roboterrains_lidar_sees_nothing() -> None:
+    assert samples.LIDAR_RANGE_MAX == 10.0
 
 
 def test_what_is_left_out_is_nothing_out_of_the_ordinary() -> None:

@@ -14,7 +14,6 @@ from rover_metrics.analysis.logs.header import UnreadableLog
 from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.log.csv_log import CsvLog
-from rover_metrics.log.session_record import COMPLETE, write_record
 
 STARTED = datetime(2025, 1, 16)
 PACKAGE = str(Path(rover_metrics.__file__).parents[1])
@@ -72,15 +71,6 @@ def test_a_log_without_rows_or_header_is_refused(tmp_path: Path) -> None:
         path.write_bytes(data)
         with pytest.raises(UnreadableLog):
             read_log(path)
-
-
-def test_a_session_that_was_killed_is_read_with_a_finding_and_one_that_ended_without(
-    log: Path,
-) -> None:
-    write_record(log, None, {})
-    assert read_log(log).findings == ("the session has no end mark: it was killed, or is still running",)
-    write_record(log, COMPLETE, {})
-    assert read_log(log).findings == ()
 
 
 def test_a_writer_killed_in_mid_write_leaves_a_log_that_can_be_read(tmp_path: Path) -> None:

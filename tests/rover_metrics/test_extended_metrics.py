@@ -15,9 +15,10 @@ from rover_metrics.core.row import COLUMNS
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose
-from rover_metrics.extended.metrics import EXTENDED_HEADER
+from rover_metrics.extended.metrics import EXTENDED_COLUMNS, EXTENDED_HEADER
 from rover_metrics.extended.settings import DEFAULT_EXTENDED, ExtendedSettings
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN
+from rover_metrics.extended.truth_columns import traversal_names
 from rover_metrics.session import MetricsSession
 from rover_metrics.topics import SENSORS, TRUTH
 
@@ -129,6 +130,16 @@ def test_a_row_is_the_twelve_columns_and_then_the_extended_ones() -> None:
 
 def test_what_never_spoke_leaves_empty_cells_never_zeros() -> None:
     assert set(list(Feed().row().values())[12:]) == {""}
+
+
+def test_what_counts_from_the_start_on_is_known_so_that_only_its_growth_is_compared() -> None:
+    """As the meanings in docs/metrics.md say: so far."""
+    topics = ("Scan", "IMU", "Pose", "Odometry")
+    counts = [f"{topic} {what}" for topic in topics for what in ("Rejected", "Lost")]
+    seen = ["Collision Events", "Near Return Scans", "Footprint Collisions"]
+    told = [column.name for column in EXTENDED_COLUMNS if column.cumulative]
+    assert told == [*seen, *counts, "True Contact Events"]
+    assert [c.name for c in EXTENDED_COLUMNS if "so far" in c.meaning] == told
 
 
 def test_floats_have_four_decimals() -> None:
@@ -398,8 +409,15 @@ def test_steps_of_up_to_a_second_forward_tell_jerk_and_speed(step: float, told: 
 
 @pytest.mark.parametrize(
     ("wheels", "pose", "slip"),
-    [(0.05, 0.0, 1.0), (0.05, 0.1, -0.5), (0.0499999, 0.0, ""), (0.0, 0.0159, ""), (0.004, 0.04, "")],
-    ids=["spins", "is outrun", "hardly turns", "creeps parked", "turns in place"],
+    [
+        (0.05, 0.0, 1.0),
+        (0.05, 0.1, -0.5),
+        (0.0499999, 0.0, ""),
+        (0.0, 0.0159, ""),
+        (0.004, 0.04, ""),
+        (0.04, 0.4, ""),
+    ],
+    ids=["spins", "is outrun", "hardly turns", "creeps parked", "turns in place", "slides down"],
 )
 def test_slip_is_defined_from_five_centimetres_a_second_of_the_wheels(
     wheels: float, pose: float, slip: object
@@ -635,14 +653,14 @@ def test_true_speed_is_empty_while_nobody_fills_the_twist_in() -> None:
     [
         (
             "roughness,slip_rear_right,else,slip_front_right,slip_rear_left,slip_front_left",
-            [5.0, 4.0, math.pi, 3.0, 2.0, 1.0],
+            [5.0, 4.0, math.pi, 3.0, -2.0, 1.0],
         ),
         (
             "slip_front_left,slip_rear_left,slip_front_right,slip_rear_right,roughness",
-            [1.0, 2.0, 3.0, 4.0, 5.0],
+            [1.0, -2.0, 3.0, 4.0, 5.0],
         ),
-        (None, [9.0, 9.0, 9.0, 9.0, 9.0, 1.0, 2.0, 3.0, 4.0, 5.0]),
-        ("", [9.0, 9.0, 9.0, 9.0, 9.0, 1.0, 2.0, 3.0, 4.0, 5.0]),
+        (None, [9.0, 9.0, 9.0, 9.0, 9.0, 1.0, -2.0, 3.0, 4.0, 5.0]),
+        ("", [9.0, 9.0, 9.0, 9.0, 9.0, 1.0, -2.0, 3.0, 4.0, 5.0]),
     ],
 )
 def test_slips_and_roughness_are_read_by_their_names_or_their_usual_places(
@@ -653,16 +671,19 @@ def test_slips_and_roughness_are_read_by_their_names_or_their_usual_places(
         assert feed.traversal([factor * value for value in values], label)
     assert feed.traversal([0.0] * 9, "a,b,c,d,e,f,g,h,i") is False  # lacks the names
     row = feed.row()
-    assert [row[f"True Slip {wheel}"] for wheel in WHEELS] == [0.2, 0.4, 0.6, 0.8]
+    assert [row[f"True Slip {wheel}"] for wheel in WHEELS] == [0.2, -0.4, 0.6, 0.8]
     assert row["True Roughness [m]"] == 1.0
     assert feed.traversal(values, label)
     assert feed.row()["True Slip Rear Right"] == 4.0
+    totals = ("contact_force", "rock_contact", "scrape", "speed", "path_length")
+    assert traversal_names(("left", "2_right")) == (*totals, "slip_left", "slip_2_right", "roughness")
 
 
 @pytest.mark.parametrize("values", [[], [1.0] * 9, [1.0] * 11, [1.0] * 9 + [math.nan]])
 def test_another_truth_is_refused(values: list[float]) -> None:
     feed = Feed()
     assert not feed.traversal(values)
+    assert feed.session.take_traversal([1.0] * 10, []) is not None  # whose names are none
     assert feed.row()["True Roughness [m]"] == ""
 
 
@@ -676,7 +697,10 @@ def test_a_rover_of_other_wheels_has_other_columns_of_slip() -> None:
     assert slips == {"True Slip Front Left": 0.1, "True Slip Front Right": 0.2, "True Slip 1 Left": 0.3}
 
 
-@pytest.mark.parametrize("wheels", ["", "left,left", "Left,right", "left, right", "left,,right"])
+@pytest.mark.parametrize(
+    "wheels",
+    ["", "left,left", "Left,right", "left, right", "left,,right", "_left", "7", "7left", "7_8", "7_"],
+)
 def test_names_of_wheels_that_are_not_valid_are_refused(wheels: str) -> None:
     with pytest.raises(ParameterError, match="parameter wheels must be names of lower-case letters"):
         ExtendedSettings(wheels=wheels)

@@ -114,6 +114,7 @@ def test_every_component_reaches_its_metric_and_the_extended_ones_come_after() -
     session.take_odometry(0, (2.0, 1.0, -2.0))
     for position in ((9.0, 8.0, 7.0), (9.02, 8.03, 7.06)):
         session.take_pose(0, position)
+    assert MetricsSession().row(7_999_999_999).stamp_s == 7
     row = session.metrics.row(0)
     assert (row.total_collisions, row.obstacle_clearance) == (1, 0.125)
     assert (row.smoothness_metric, row.vertical_roughness) == (13.0, 6.0)

@@ -9,8 +9,9 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 
 from rover_metrics.extended.traffic_columns import TOPICS
+from rover_metrics.health.rejections import NO_TIME
 from rover_metrics.session import MetricsSession, Remark
-from rover_metrics.topics import SENSORS, TRUTH, Message, Source, stamp_ns
+from rover_metrics.topics import CLOCK, SENSORS, TRUTH, Message, Source, stamp_ns
 
 SCAN, IMU, POSE, ODOMETRY = SENSORS
 GROUND_TRUTH, CONTACT, TRUTH_VALUES = TRUTH
@@ -92,20 +93,40 @@ def test_a_message_is_one_sample_and_what_the_session_remarks_is_told(
     assert session.mock_calls == [expected]
 
 
+@pytest.mark.parametrize(
+    ("sec", "nanosec", "is_odd"),
+    [(0, 0, False), (9, 999_999_999, False), (-1, 5, True), (9, 10**9, True)],
+)
+def test_a_clock_that_tells_no_time_is_remarked_upon(sec: int, nanosec: int, is_odd: bool) -> None:
+    session: Mock = create_autospec(MetricsSession, instance=True)
+    message = SimpleNamespace(clock=SimpleNamespace(sec=sec, nanosec=nanosec))
+    remark = CLOCK.take(session, message, 0)
+    assert (remark is not None) is is_odd
+    if remark is not None:
+        assert (remark.what, remark.left_out) == (NO_TIME, True)
+    assert session.mock_calls == []
+    assert (CLOCK.name, CLOCK.message_type) == ("/clock", "rosgraph_msgs/msg/Clock")
+
+
 def test_a_stamp_is_the_headers_in_nanoseconds() -> None:
     assert stamp_ns(scan()) == STAMP_NS
 
 
 def test_every_type_exists_and_has_a_header_where_the_table_says_so() -> None:
     types = get_typestore(Stores.LATEST).types
-    for source in (*SENSORS, *TRUTH):
+    for source in (*SENSORS, *TRUTH, CLOCK):
         fields = types[source.message_type].__annotations__
         assert ("header" in fields) is source.has_stamp
 
 
 def test_sensors_are_those_whose_traffic_has_columns_and_truth_is_what_simulators_publish() -> None:
     assert tuple(source.topic for source in SENSORS) == TOPICS
-    assert [source.name for source in SENSORS] == [topic.name for topic in TOPICS]
     assert [source.topic for source in TRUTH] == [None, None, None]
+    assert [source.name for source in SENSORS] == [
+        *("/scan", "/imu/data", "/rover/pose_array", "/odometry/wheels")
+    ]
+    assert [source.name for source in TRUTH] == [
+        *("/odom_ground_truth", "/rover/truth/contact", "/rover/truth/traversal")
+    ]
     assert [source.is_truth for source in (*SENSORS, *TRUTH)] == [False] * 4 + [True] * 3
     assert [source.name for source in (*SENSORS, *TRUTH) if source.best_effort] == ["/rover/pose_array"]

@@ -1,4 +1,4 @@
-"""Values that take long to make: once for all processes of a session, whichever needs them first."""
+"""Values that take long to make: once for all workers of a session, whichever needs them first."""
 
 import fcntl
 import os
@@ -8,20 +8,18 @@ from typing import TypeVar
 
 import pytest
 
-from tests.support.processes import NUMBER
-
 T = TypeVar("T")
 
 
 def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[], T]) -> T:
-    """Returns what `make` returns here, or returned in another process of this session.
+    """Returns what `make` returns here, or returned in another worker of this session.
 
     Args:
         factory: Knows the session's folder.
         name: Of the file that keeps the value: one for each value.
         make: Makes it; what it returns can be pickled.
     """
-    if NUMBER not in os.environ:  # there is no other
+    if "PYTEST_XDIST_WORKER" not in os.environ:  # there is no other
         return make()
     kept = factory.getbasetemp().parent / f"{name}.pickle"
     with kept.with_suffix(".lock").open("w") as lock:

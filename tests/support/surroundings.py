@@ -21,6 +21,8 @@ def receive_signals() -> None:
     ignored them: a handler, other than ignoring, is not inherited by a program that it starts.
     """
     ignored = [number for number in STOPPING if signal.getsignal(number) is signal.SIG_IGN]
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        ignored.append(signal.SIGHUP)  # a worker leaves when the process that started it does
     for number in ignored:
         signal.signal(number, _nothing)
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # else no child has an exit code

@@ -1,4 +1,4 @@
-"""What CI runs: .ci/run, shell of action.yml and of docs, and the Containerfile's steps; no network."""
+"""What CI runs, ours and others': .ci/run, action.yml, shell of docs, steps of the Containerfile."""
 
 import json
 import os
@@ -119,7 +119,7 @@ def test_the_container_installs_the_wheel_and_compiles_what_it_casts_rays_with(f
 
 
 @pytest.mark.parametrize(
-    "package", ["rover_metrics rover_metrics (ros.ament_python)", "other other (-)"]
+    "package", ["rover_metrics\trover_metrics\t(ros.ament_python)", "other\tother\t(-)"]
 )
 def test_a_log_of_our_ci_is_whole_and_ends_without_the_colcon_package(
     package: str, tmp_path: Path

@@ -93,7 +93,10 @@ PACKAGES = (
     Package(
         "truth",
         _modules(_HARNESS, "truth/* physics/contacts episode/truth_account"),
-        _tests("harness/truth harness/physics/test_contacts.py harness/episode/test_truth_account.py"),
+        _tests(
+            "harness/truth harness/physics/test_contacts.py harness/physics/test_crowd.py"
+            " harness/physics/test_physics.py harness/episode/test_truth_account.py"
+        ),
     ),
     Package(
         "episode",
@@ -114,6 +117,11 @@ PACKAGES = (
     ),
     Package("learning environments", _modules(_HARNESS, "gym/*"), _tests("harness/gym")),
     Package("world", _modules(f"{_HARNESS}/world", "* terrains/* heightmap/*"), _tests("harness/world")),
+    Package(
+        "worlds from files",
+        _modules(f"{_HARNESS}/world", "sdf/* solids/*"),
+        _tests("harness/world/sdf harness/world/solids"),
+    ),
     Package(
         "people",
         _modules(_HARNESS, "world/actors/* physics/crowd episode/social_recorder"),

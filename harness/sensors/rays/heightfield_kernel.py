@@ -43,6 +43,13 @@ def _over_map(heights: NDArray[np.float32], ray: Ray) -> Interval:
 
 
 @inlined
+def _well_over(heights: NDArray[np.float32], u: float, v: float, w: float) -> bool:
+    """Whether a point is over the map, a cell from its edge at least, and above w = 0."""
+    rows, cols = heights.shape
+    return 1.0 <= u <= cols - 2.0 and 1.0 <= v <= rows - 2.0 and w > 0.0
+
+
+@inlined
 def _hit_base(ray: Ray, over_map: Interval, bottom: float) -> float:
     """First t >= 0 on a face of the base box, from outside or from within."""
     begin, end = _slab(ray[2], ray[5], bottom, 0.0)
@@ -243,7 +250,8 @@ def cast_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of 
     u = (origin[0] - frame[0, 0]) * su
     v = (origin[1] - frame[0, 1]) * sv
     w = (origin[2] - frame[0, 2]) * sw
-    extent, first_level = (frame[2, 0], frame[2, 1]), min(NEAR_LEVEL, levels.shape[0] - 1)
+    extent, top = (frame[2, 0], frame[2, 1]), levels.shape[0] - 1
+    above = _well_over(heights, u, v, w) and _clearance(heights, (u, v, w, 0.0, 0.0, 0.0), 0.0) > 0.0
     for i in range(ranges.shape[0]):
         limit = min(ranges[i], range_max)
         if clear[i] > limit:
@@ -251,7 +259,11 @@ def cast_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of 
         ray = (u, v, w, directions[i, 0] * su, directions[i, 1] * sv, directions[i, 2] * sw)
         if clear[i] > 0.0:  # it begins over the map and above the surface: no base, no walls
             stay = clear[i], min(_over_map(heights, ray)[1], limit)
-            hit = _hit_surface(heights, pyramid, levels, ray, stay, 1.0, first_level)
+            hit = _hit_surface(heights, pyramid, levels, ray, stay, 1.0, min(NEAR_LEVEL, top))
+        elif above and _well_over(heights, u + limit * ray[3], v + limit * ray[4], w + limit * ray[5]):
+            if min(w, w + limit * ray[5]) > extent[1]:
+                continue
+            hit = _hit_surface(heights, pyramid, levels, ray, (0.0, limit), 1.0, top)  # as _hit_field
         else:
             hit = _hit_field(heights, pyramid, levels, extent, ray, limit)
         if hit <= limit:

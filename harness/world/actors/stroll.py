@@ -95,6 +95,6 @@ class StrollRoute:
         while self._times[-1] <= until:
             number = len(self._times)
             leg = math.dist(self._stroll.spot(number - 1), self._stroll.spot(number))
-            self._times.append(self._times[-1] + max(leg / self._speed, 1.0))
+            self._times.append(self._times[-1] + (leg / self._speed or 1.0))  # 1 s where there is no way
         spots = tuple(self._stroll.spot(number) for number in range(len(self._times)))
         self._route = Route(tuple(self._times), spots, loops=False, delay=self._delay)

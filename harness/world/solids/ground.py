@@ -18,7 +18,7 @@ from harness.world.heightmap.raster import read_raster
 from harness.world.solids.mesh_file import Mesh, read_mesh
 from harness.world.solids.pieces import bodies
 from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief, Solid
-from harness.world.solids.surface import SMALLEST_SIDE, Bounds, slopes_up
+from harness.world.solids.surface import ROUNDING, SMALLEST_SIDE, Bounds, slopes_up
 
 SMALLEST_SHARE = 0.05  # of the largest ground's area
 LEVEL = 0.9999  # upward part of the normal of a plane without end
@@ -143,7 +143,7 @@ def _area(mesh: Mesh) -> float:
 
 
 def _is_wide(mesh: Mesh) -> bool:
-    return bool((np.ptp(mesh.vertices[:, :2], axis=0) >= SMALLEST_SIDE).all())
+    return bool((np.ptp(mesh.vertices[:, :2], axis=0) >= SMALLEST_SIDE - ROUNDING).all())
 
 
 def _upright(mesh: Mesh, solid: Solid, notes: list[str]) -> Mesh:
@@ -160,9 +160,6 @@ def _upright(mesh: Mesh, solid: Solid, notes: list[str]) -> Mesh:
 def _add_plane(found: Sorted, solid: Solid, plane: Plane) -> None:
     normal = np.array(plane.normal) / np.linalg.norm(plane.normal)
     height = float(solid.pose[2, 3])
-    across = np.linalg.svd(normal[None])[2][1:]
-    if np.linalg.det(np.vstack([across, normal])) < 0.0:
-        across = across[::-1]
     if (solid.pose[:3, :3] @ normal)[2] >= LEVEL:
         found.plane = height if found.plane is None else max(height, found.plane)
         half = [0.5 * min(length, LARGEST_PLANE) for length in plane.size]
@@ -170,7 +167,18 @@ def _add_plane(found: Sorted, solid: Solid, plane: Plane) -> None:
         found.mapped.append((x - half[0], x + half[0], y - half[1], y + half[1]))
         return
     signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * 0.5 * np.array(plane.size)
-    found.ground.append(Mesh(signs @ across, np.array([[0, 1, 2], [0, 2, 3]])).moved(solid.pose))
+    corners = signs @ _across(*normal.tolist())
+    found.ground.append(Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]])).moved(solid.pose))
+
+
+def _across(x: float, y: float, z: float) -> NDArray[np.float64]:
+    """Axes x and y of a plane whose z axis is turned straight to its unit normal, as Gazebo turns it."""
+    if 1.0 + z < 1e-12:
+        return np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+    share = 1.0 / (1.0 + z)
+    return np.array(
+        [[1.0 - share * x * x, -share * x * y, -x], [-share * x * y, 1.0 - share * y * y, -y]]
+    )
 
 
 def _of_file(found: Sorted, solid: Solid, file: MeshFile, unit: str, up: str) -> Mesh:

@@ -75,7 +75,6 @@ def joined(meshes: "list[Mesh]") -> Mesh:
     return Mesh(vertices[first], faces[has_area])
 
 
-@lru_cache(maxsize=8)
 def read_mesh(path: Path, submesh: str = "", unit: str = "", up: str = "") -> tuple[Mesh, str]:
     """Returns the triangles of a file, and the SHA-256 of what was read.
 
@@ -88,6 +87,11 @@ def read_mesh(path: Path, submesh: str = "", unit: str = "", up: str = "") -> tu
     Raises:
         UsageError: It is missing, too large, damaged or holds no triangles.
     """
+    return _read(path, path.stat().st_mtime_ns if path.exists() else 0, submesh, unit, up)
+
+
+@lru_cache(maxsize=8)  # a world names a file many times
+def _read(path: Path, _modified_ns: int, submesh: str, unit: str, up: str) -> tuple[Mesh, str]:
     try:
         data = _bytes(path)
         scale, axis = _told(data) if path.suffix.lower() == ".dae" else (1.0, "z")

@@ -19,6 +19,7 @@ from harness.world.terrain import HEIGHT_DECIMALS
 CELL = 0.1  # [m], as the named terrains have
 MOST_VERTICES = 1500 * 1500
 SMALLEST_SIDE, LARGEST_SIDE = 10.0, 50_000.0  # [m] of a map
+ROUNDING = 1e-6  # [m] by which a length may differ once it lies somewhere
 PIT = 2.0  # [m] below the lowest floor
 LARGEST_GAP = 0.25  # [m2] that is filled
 TOLERANCE = 0.05  # [m] above the heightfield up to which it shows a triangle
@@ -58,7 +59,8 @@ def chosen_grid(bounds: Bounds, cell: float | None) -> Grid:
         UsageError: The bounds cannot be driven, or such cells are too many.
     """
     width, depth = bounds[1] - bounds[0], bounds[3] - bounds[2]
-    if not SMALLEST_SIDE <= min(width, depth) <= max(width, depth) <= LARGEST_SIDE:
+    smallest, largest = SMALLEST_SIDE - ROUNDING, LARGEST_SIDE + ROUNDING
+    if not smallest <= min(width, depth) <= max(width, depth) <= largest:
         raise UsageError(
             f"it is {width:.4g} x {depth:.4g} m; between {SMALLEST_SIDE:g} and {LARGEST_SIDE:g} m can "
             "be driven; --mesh-unit tells the unit of a mesh that does not"

@@ -11,9 +11,9 @@ import pytest
 
 from harness.config import EpisodeConfig
 from harness.drivers import Observation
-from harness.episode.episode import Episode
+from harness.episode.episode import Episode, goal_course
 from harness.errors import RunFailed, UsageError
-from harness.robots import ROVERS
+from harness.robots import ROVERS, RoverSpec
 from harness.samples import (
     ActorPoses,
     GroundTruth,
@@ -387,6 +387,62 @@ def test_driver_scan_noise_and_imu_noise_draw_from_streams_of_their_own(spied: l
     expected = [np.random.default_rng(child).random() for child in children]
     assert [rng.random() for rng in given] == expected
     assert again.given[0].rng.random() == expected[0], "a reset drives as at first"
+
+
+@pytest.mark.parametrize("number", [0, 2])
+def test_goals_in_an_area_are_drawn_from_a_stream_of_their_own(
+    number: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("harness.episode.episode.GoalCourse", Course)
+    monkeypatch.setattr("harness.episode.episode.Room", lambda world: world)
+    area = (1.0, 2.0, 3.0, 4.0)
+    told = config(driver="goal", goal_area=area, seed=6, number=number)
+    course = goal_course(told, told.world())
+    assert isinstance(course, Course)
+    given, room, reach, rng = course.given
+    assert (given, reach, course.drawn) == (area, LEO.reach, 1)
+    assert room is told.world()
+    stream = np.random.SeedSequence(told.own_seed, spawn_key=(11,))
+    assert rng.random() == np.random.default_rng(stream).random()
+    assert goal_course(config(driver="goal"), told.world()) is None
+
+
+class Course:
+    """Goals that remember what they are made of."""
+
+    def __init__(self, *given: Any) -> None:  # noqa: ANN401 - of a GoalCourse
+        self.given, self.drawn = given, 0
+
+    def draw(self) -> None:
+        self.drawn += 1
+
+
+def test_what_drivers_want_is_made_drivable_and_commands_are_taken_as_they_are(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked = []
+
+    def halved(twist: Twist, rover: RoverSpec) -> Twist:
+        asked.append((twist, rover))
+        return Twist(0.0, 0.0)
+
+    monkeypatch.setattr("harness.episode.episode.drivable", halved)
+    drives = []
+    for driver in ("straight", "cmd_vel"):
+        episode = Episode(config(driver=driver, lidar_beams=8, duration=0.05))
+        episode.command(Twist(0.3, 0.0))
+        list(episode.batches())
+        drives.append(bool(episode.simulation.data.ctrl.any()))
+    assert drives == [False, True]
+    assert [(twist.angular, rover) for twist, rover in asked] == [(0.0, LEO)]
+
+
+def test_people_are_told_of_only_where_somebody_wants_to_know() -> None:
+    told = config(actors=("g=3,0/3,4",), duration=0.1, lidar_beams=8)
+    for wanted, expected in ((None, True), ({ActorPoses}, True), ({Imu}, False)):
+        batches = list(Episode(told, samples=wanted).batches())
+        samples_of = [type(s) for batch in batches for tick in batch.ticks for s in tick.samples]
+        assert (ActorPoses in samples_of) is expected
 
 
 def test_a_driver_sees_where_the_rover_is_and_the_last_scan_as_it_was_sent(spied: list[Spy]) -> None:

@@ -1,11 +1,15 @@
 """The loop over a scripted episode: who is told what, and when; and how fast it may go."""
 
 import signal
+from dataclasses import replace
+from typing import Any
 
 import pytest
 
+from harness.config import EpisodeConfig
+from harness.episode import loop
 from harness.episode.batch import Batch
-from harness.episode.loop import Pacer, drive
+from harness.episode.loop import Lane, Pacer, drive, drive_all, injector
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.interrupt import StopRequest
@@ -65,6 +69,32 @@ def test_faults_change_what_is_sent_and_not_the_episode() -> None:
     ticks = list(drive(BATCHES, faults, diary.sink))
     assert diary.told == ["1: 1", "2: 1", "3: 0", "4: 0"]
     assert ticks == [tick(number) for number in range(1, 5)]
+
+
+def test_each_of_several_rovers_has_faults_a_sink_and_observers_of_its_own() -> None:
+    one, other = Diary(), Diary()
+    others = [
+        replace(b, ticks=tuple(replace(t, samples=t.samples * 2) for t in b.ticks)) for b in BATCHES
+    ]
+    lanes = (
+        Lane(FaultInjector((), 0), one.sink, one.observers[:1]),
+        Lane(FaultInjector(parse_faults(("pose:dropout@0.03",)), 0), other.sink, other.observers),
+    )
+    ticks = list(drive_all(zip(BATCHES, others, strict=True), lanes))
+    assert ticks == [tick(number) for number in range(1, 5)], "those of the first rover"
+    assert one.told == ["1: 1", "2: 1", "a 2", "3: 1", "4: 1", "a 4"]
+    assert other.told == ["1: 2", "2: 2", "a 2", "b 2", "3: 0", "4: 0", "a 4", "b 4"]
+
+
+def test_the_faults_of_a_rover_are_drawn_from_its_own_seed_but_the_clocks_from_that_of_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(loop, "FaultInjector", lambda *given: given)
+    config = EpisodeConfig(seed=5, name="b", number=2, faults=("imu:nan@1", "clock:jump=10@2"))
+    rows = config.sensor_rows()
+    assert config.own_seed != 5
+    given: Any = injector(config)
+    assert given == (parse_faults(config.faults, rows), config.own_seed, rows, 5)
 
 
 def test_a_stop_ends_the_drive_once_the_batch_in_hand_has_been_taken() -> None:

@@ -11,18 +11,20 @@ from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.social_recorder import SocialRecorder
 from harness.errors import RunFailed, UsageError
-from harness.samples import ActorPoses, Place, Pose, Tick
+from harness.samples import ActorPoses, Place, Pose, Quaternion, Tick
 from harness.truth.traversal import Truth
 from rover_metrics.analysis.social.log import read_social_log
 
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
-def batch(second: int, x: float, *goals: Place) -> Batch:
+def batch(
+    second: int, x: float, *goals: Place, y: float = 0.0, orientation: Quaternion = UPRIGHT
+) -> Batch:
     stamp = second * 10**9
     people = ActorPoses(stamp, ((x, 3.0, 1.0), (x + 1.0, 0.0, 1.0)), (UPRIGHT, UPRIGHT))
-    ticks = (Tick(stamp, (Pose(stamp, (x, 0.0, 0.2), UPRIGHT), people)),)
-    return Batch(ticks, Truth(time_ns=stamp, position=(x, 0.0, 0.2)), goals=goals)
+    ticks = (Tick(stamp, (Pose(stamp, (x, y, 0.2), orientation), people)),)
+    return Batch(ticks, Truth(time_ns=stamp, position=(x, y, 0.2)), goals=goals)
 
 
 def test_each_second_has_a_row_and_goals_count_from_when_they_are_given(tmp_path: Path) -> None:
@@ -53,10 +55,24 @@ def test_a_goal_has_207_s_from_when_it_is_given(tmp_path: Path) -> None:
     log.close()
 
 
+def test_a_goal_is_reached_at_its_place_and_failed_by_a_rover_on_its_side(tmp_path: Path) -> None:
+    log, half = SocialRecorder(("a_actor", "b_actor"), None, tmp_path), math.sqrt(0.5)
+    log.take(replace(batch(0, 2.0, Place(9.0, 9.0, 0.0)), ticks=()))  # nothing has been read yet
+    assert (log.goals.reached, log.goals.failed) == (0, 0)
+    log.take(batch(1, 2.0, Place(2.0, 5.0, 0.0), y=5.1))
+    assert (log.goals.reached, log.goals.failed) == (1, 0)
+    log.take(batch(2, 2.0, Place(9.0, 5.0, 0.0), orientation=(half, 0.0, 0.0, half)))
+    log.take(batch(3, 2.0))
+    log.close()
+    assert (log.goals.reached, log.goals.failed) == (1, 1)
+    assert log.path is not None
+    assert read_social_log(log.path).goals.tolist() == [0, 1, 1]
+
+
 def test_rows_are_where_rover_and_people_are(tmp_path: Path) -> None:
     actors = ("guide=3,0/3,4", "x=1,1")
     config = EpisodeConfig(terrain="flat", duration=3.0, driver="straight", actors=actors)
-    log = SocialRecorder(("guide_actor", "x_actor"), tmp_path / "mine.csv", tmp_path)
+    log = SocialRecorder(("guide_actor", "x_actor"), tmp_path / "mine.csv", tmp_path / "others")
     episode, places = Episode(config), []
     for number, one in enumerate(episode.batches(), 1):
         log.take(one)

@@ -46,12 +46,12 @@ def tick(number: int) -> Tick:
             Odometry(stamp, x, x, 0.5, Twist(x, x)),
             GroundTruth(stamp, x, x, 0.5, vector, vector),
             JointStates(stamp, vector, vector, vector),
-            *(_made(row, stamp, x) for row in ROWS if row.given is not None),
+            *(made(row, stamp, x) for row in ROWS if row.given is not None),
         ),
     )
 
 
-def _made(row: SensorRow, stamp: int, x: float) -> Sample:
+def made(row: SensorRow, stamp: int, x: float) -> Sample:
     """A sample of an optional sensor with a number in every value."""
     named = {"stamp_ns": stamp, "sensor": row.fault}
     values = {name: _value(hint, x) for name, hint in _hints(row.sample).items() if name not in named}

@@ -1,7 +1,10 @@
 """Faults of the clock."""
 
+import numpy as np
 import pytest
 
+from harness.faults.clock import FaultyClock
+from harness.faults.spec import parse_faults
 from harness.sim_time import NANOSECONDS as SECOND
 from tests.harness.faults.faulty_ticks import imus, sent, times
 
@@ -15,7 +18,9 @@ def clock_times(*specs: str) -> list[float]:
     [
         ("clock:jump=5@2", [1.99, 7.0, 7.01]),
         ("clock:jump=-1.5@2", [1.99, 0.5, 0.51]),
+        ("clock:jump=2.01@2", [1.99, 4.01, 4.02]),  # to the nearest nanosecond
         ("clock:jump=-30@2", [1.99, 0.01, 0.02]),
+        ("clock:jump=5@1.995", [1.99, 7.0, 7.01]),  # with the first tick from then on
         ("clock:reset@2", [1.99, 0.01, 0.02]),
         ("clock:speed=0.5@2", [1.99, 1.995, 2.0]),
         ("clock:speed=1.00000007@2", [1.99, 2.000000001, 2.010000002]),  # to the nearest nanosecond
@@ -36,6 +41,8 @@ def test_stamps_go_on_while_the_clock_alone_fails_and_it_then_catches_up() -> No
     for spec in ("clock:freeze@1+1", "clock:dropout@1+1"):
         assert times(imus(spec)) == [n / 100 for n in range(1, 401)]
         assert clock_times(spec)[-200:] == [n / 100 for n in range(201, 401)]
+    assert clock_times("clock:freeze@1+1", "clock:freeze@1.5+1")[98:251:25] == [0.99] * 7
+    assert clock_times("clock:freeze@1+1", "clock:freeze@1.5+1")[249] == 2.5
     assert len(clock_times("clock:dropout@1+1")) == 300
     assert len(clock_times("clock:dropout@1+1", "clock:dropout@1.5+1")) == 250
     assert len(clock_times("clock:dropout@1.5+1", "clock:dropout@1+1", "clock:dropout=1e-9")) == 250
@@ -44,6 +51,15 @@ def test_stamps_go_on_while_the_clock_alone_fails_and_it_then_catches_up() -> No
 def test_time_never_leaves_what_a_stamp_can_hold() -> None:
     jumps = [f"clock:jump=1e8@{n / 10}" for n in range(30)]
     assert max(one.stamp_ns for one in sent(*jumps)) == (2**31 - 1) * SECOND
+
+
+def test_time_goes_on_by_what_passes_between_ticks() -> None:
+    (fault,) = parse_faults(["clock:speed=2"])
+    fast, clock = FaultyClock([(fault, np.random.default_rng(0))]), FaultyClock([])
+    for time_ns in (7 * SECOND, 9 * SECOND, 9 * SECOND + 1):
+        for one, factor in ((clock, 1), (fast, 2)):
+            one.advance(time_ns)
+            assert (one.stamp_ns, one.told_ns) == (factor * time_ns, factor * time_ns)
 
 
 def test_time_runs_faster_for_as_long_as_the_fault_lasts() -> None:

@@ -16,7 +16,7 @@ from harness.samples import (
 )
 from harness.sensors import table
 from harness.sim_time import TICK_NS as TICK
-from tests.harness.faults.faulty_ticks import ROWS, imus, readings, said, sent, tick
+from tests.harness.faults.faulty_ticks import ROWS, imus, made, readings, said, sent, tick
 
 SENSORS = {name: row.source for name, row in table.by_fault_name(ROWS).items()}
 
@@ -50,18 +50,24 @@ def test_fault_touches_its_sensor_only(sensor: str) -> None:
         )
 
 
-@pytest.mark.parametrize("seed", [0, 3])
-def test_each_fault_has_a_random_stream_of_its_own(seed: int) -> None:
+@pytest.mark.parametrize(("seed", "clock_seed"), [(0, None), (3, None), (3, 0), (3, 5)])
+def test_each_fault_has_a_random_stream_of_its_own(seed: int, clock_seed: int | None) -> None:
     """The streams are part of what a seed means: numpy's for the key (11, place of the fault)."""
-    told = sent("imu:dropout=0.5", "scan:dropout=0.5", "clock:dropout=0.25", seed=seed)
+    specs = ("imu:dropout=0.5", "scan:dropout=0.5", "clock:dropout=0.25", "clock:dropout=0.125")
+    faults = parse_faults(specs)
+    injector = FaultInjector(faults, seed, ROWS, clock_seed)
+    told = [injector.corrupt(tick(number)) for number in range(1, 201)]
     sent_at = (
         [any(type(s) is Imu for s in one.samples) for one in told],
         [any(type(s) is LaserScan for s in one.samples) for one in told],
         [one.tells_time for one in told],
     )
-    for place, (share, told_at) in enumerate(zip((0.5, 0.5, 0.25), sent_at, strict=True)):
-        rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(11, place)))
-        assert told_at == (rng.random(len(told)) >= share).tolist()
+    kept = []
+    for place, share in enumerate((0.5, 0.5, 0.25, 0.125)):
+        drawn = clock_seed if place >= 2 and clock_seed is not None else seed
+        rng = np.random.default_rng(np.random.SeedSequence(drawn, spawn_key=(11, place)))
+        kept.append(rng.random(len(told)) >= share)
+    np.testing.assert_array_equal(sent_at, [kept[0], kept[1], kept[2] & kept[3]])
 
 
 @pytest.mark.parametrize(
@@ -75,6 +81,11 @@ def test_a_lasting_fault_touches_every_tick_from_its_start_to_before_its_end(fau
         assert set(changed) <= set(range(100, 150))
     else:
         assert changed == list(range(100, 150))
+
+
+def test_a_fault_has_its_time_whatever_the_clock_says() -> None:
+    hit = [math.isnan(imu.linear_acceleration[0]) for imu in imus("clock:jump=2@1", "imu:nan@3+0.5")]
+    assert [n for n, is_hit in enumerate(hit, 1) if is_hit] == list(range(300, 350))
 
 
 def test_no_fault_changes_the_truth() -> None:
@@ -98,6 +109,17 @@ def test_a_sample_that_no_fault_knows_passes_through_any_fault() -> None:
     told = FaultInjector(faults, 0, ROWS).corrupt(replace(tick(1), samples=(beep, *tick(1).samples)))
     assert told.samples[-1] is beep
     assert len(told.samples) == len(tick(1).samples)  # the beep, but no IMU
+
+
+@pytest.mark.parametrize("name", ["mast", "mast_2"])
+def test_a_sensor_is_not_the_one_whose_name_begins_like_its_own(name: str) -> None:
+    (row,) = (row for row in ROWS if row.fault == "barometer")
+    assert row.given is not None
+    rows = [replace(row, fault=n, given=replace(row.given, name=n)) for n in ("mast", "mast_2")]
+    samples = {str(one.fault): made(one, TICK, 1.0) for one in rows}
+    injector = FaultInjector(parse_faults([f"{name}:dropout"], rows), 0, rows)
+    told = injector.corrupt(Tick(TICK, tuple(samples.values()))).samples
+    assert told == tuple(sample for other, sample in samples.items() if other != name)
 
 
 def test_faults_of_one_sensor_act_in_the_order_given() -> None:

@@ -29,7 +29,7 @@ from tests.harness.faults.faulty_ticks import UPRIGHT, imus, readings, scans, se
     ("fault", "is_hit"),
     [
         ("nan", math.isnan),
-        ("inf", math.isinf),
+        ("inf", lambda x: x == math.inf),
         ("zero", lambda x: x == 0.0),
         ("huge", lambda x: x == 1e30),
         ("stuck=-4", lambda x: x == -4.0),
@@ -46,16 +46,22 @@ def test_values_are_hit_from_start_to_before_the_end(
     assert hit == [n / 100 for n in range(100, 150)]
 
 
-def test_share_of_beams_is_hit_at_random() -> None:
-    share = np.mean([np.isnan(scan.ranges).mean() for scan in scans("scan:nan=0.3")])
-    assert share == pytest.approx(0.3, abs=0.03)
-    assert all(scan.ranges.dtype == np.float32 for scan in scans("scan:nan=0.3"))
+@pytest.mark.parametrize("share", [0.3, 0.005])
+def test_share_of_beams_is_hit_at_random(share: float) -> None:
+    found = scans(f"scan:nan={share}")
+    hit = np.isnan([scan.ranges for scan in found])
+    rng = np.random.default_rng(np.random.SeedSequence(0, spawn_key=(11, 0)))
+    np.testing.assert_array_equal(hit, rng.random(hit.shape) < share)
+    assert all(scan.ranges.dtype == np.float32 for scan in found)
 
 
 def test_spike_throws_one_value_in_ten_off_to_both_sides() -> None:
-    off = np.concatenate([s.ranges - round(s.stamp_ns / TICK) for s in scans("scan:spike=3")])
+    off = np.array([s.ranges - round(s.stamp_ns / TICK) for s in scans("scan:spike=3")])
     assert set(np.unique(off).tolist()) == {-3.0, 0.0, 3.0}
-    assert np.mean(off != 0.0) == pytest.approx(0.1, abs=0.02)
+    hits = np.abs(off) / 3.0
+    assert hits.mean() == pytest.approx(0.1, abs=0.02)
+    assert hits.sum(axis=1).var() == pytest.approx(10 * 0.1 * 0.9, abs=0.2)  # each by itself
+    assert (np.ptp(off, axis=1) == 6.0).any()  # to its own side
 
 
 def test_dropout_silences_and_then_ends() -> None:
@@ -124,7 +130,10 @@ def test_duplicates_follow_each_other() -> None:
 
 def test_stamps_shift_but_never_below_zero_or_stand_still() -> None:
     assert times(imus("imu:stamp-shift=-0.5@0.2+0.4"))[18:61:20] == [0.19, 0.0, 0.09]
-    assert times(imus("imu:stamp-freeze@1+1"))[98:201:50] == [0.99, 0.99, 0.99]
+    stands = imus("imu:stamp-freeze@1+1")
+    assert times(stands)[98:201:50] == [0.99, 0.99, 0.99]
+    assert [imu.angular_velocity[0] for imu in stands] == [float(n) for n in range(1, 401)]
+    assert imus("imu:stamp-shift=2.01")[0].stamp_ns == 2_020_000_000  # to the nearest nanosecond
 
 
 def test_empty_messages_hold_no_readings() -> None:
@@ -140,5 +149,10 @@ def test_empty_messages_hold_no_readings() -> None:
 
 
 def test_beams_are_cut_or_added() -> None:
-    assert scans("scan:beams=3")[6].ranges.tolist() == [7.0] * 3
-    assert scans("scan:beams=12")[6].ranges.tolist() == [7.0] * 10 + [math.inf] * 2
+    whole = [float(beam) for beam in range(10)]
+    one = Tick(TICK, (LaserScan(TICK, np.array(whole, np.float32)),))
+    for beams, expected in ((0, []), (3, whole[:3]), (10, whole), (12, [*whole, math.inf, math.inf])):
+        (scan,) = FaultInjector(parse_faults([f"scan:beams={beams}"]), 0).corrupt(one).samples
+        assert isinstance(scan, LaserScan)
+        assert scan.ranges.tolist() == expected
+        assert scan.ranges.dtype == np.float32

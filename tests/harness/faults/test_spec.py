@@ -7,14 +7,17 @@ import pytest
 from harness.errors import UsageError
 from harness.faults.base import Fault
 from harness.faults.spec import describe_faults, faults_of, parse_faults, sensors
+from harness.sensors import table
 from harness.sim_time import NANOSECONDS as SECOND
 
 
 def test_spec_says_sensor_fault_value_start_and_length() -> None:
-    assert parse_faults(["imu:nan=0.5@10+2", "scan:latency=0.2", "clock:jump=-3@30"]) == (
+    specs = ["imu:nan=0.5@10+2", "scan:latency=0.2", "clock:jump=-3@30", "imu:stuck=-1e+5@2.5+1e-1"]
+    assert parse_faults(specs) == (
         Fault(faults_of("imu")["nan"], "imu", 0.5, 10 * SECOND, 12 * SECOND),
         Fault(faults_of("scan")["latency"], "scan", 0.2, 0, None),
         Fault(faults_of("clock")["jump"], "clock", -3.0, 30 * SECOND, None),
+        Fault(faults_of("imu")["stuck"], "imu", -1e5, 2_500_000_000, 2_600_000_000),
     )
 
 
@@ -55,6 +58,15 @@ def test_invalid_spec_is_one_line_that_says_what_is_valid(spec: str, message: st
     assert "\n" not in str(caught.value)
 
 
+def test_a_sensor_that_could_be_carried_is_told_how() -> None:
+    rows = [row for row in table.SENSORS if row.options is None]
+    told = "there is no sensor 'barometer', but --sensors barometer adds it; available: tf, scan"
+    with pytest.raises(UsageError, match=told):
+        parse_faults(["barometer:nan"], rows)
+    with pytest.raises(UsageError, match="there is no sensor 'sonar'; available"):
+        parse_faults(["sonar:nan"], rows)
+
+
 def test_help_names_every_sensor_and_fault() -> None:
     told = describe_faults()
     for sensor in sensors():
@@ -63,6 +75,8 @@ def test_help_names_every_sensor_and_fault() -> None:
     forms = {line.split()[0] for line in told.splitlines() if line.startswith("  ")}
     assert {"dropout[=SHARE]", "latency=S", "freeze", "jump[=S]@START", "reset@START"} <= forms
     assert "  beams=N               only the first N ranges" in told
+    own = {"beams": 1, "empty": 3, "jump": 1, "reset": 1, "dropout": 2, "nan": 1}
+    assert {name: told.count(f"\n  {name}") for name in own} == own  # not among all sensors' ones
     headings = [line for line in told.splitlines() if line.endswith(":")]
     assert headings == ["each sensor:", "scan:", "pose:", "joint_states:", "clock:"]
 

@@ -25,6 +25,20 @@ def test_of_readings_that_come_together_the_last_is_frozen_or_the_first_of_a_fro
     assert {scan.ranges[0] for scan in scans("scan:latency=0.05@0+0.02", "scan:freeze")} == {1.0}
 
 
+def test_ticks_without_a_reading_are_no_readings() -> None:
+    """As of a sensor that is slower than the clock: none is frozen, and none takes another's turn."""
+    frozen = scans("scan:dropout@0.5+1", "scan:freeze@1+1")
+    assert {scan.ranges[0] for scan in frozen if 1.0 <= scan.stamp_ns / SECOND < 2.0} == {49.0}
+    slow = times(scans("scan:dropout@1+0.05", "scan:rate=5@1+1"))
+    assert slow[98:102] == [0.99, 1.05, 1.2, 1.4]
+    assert times(scans("scan:dropout@1.05+0.05", "scan:rate=5@1+1"))[98:102] == [0.99, 1.0, 1.2, 1.4]
+
+
+def test_readings_that_come_together_come_late_or_pass_together() -> None:
+    assert times(scans("scan:duplicate=2", "scan:latency=0.02"))[:4] == [0.01, 0.01, 0.02, 0.02]
+    assert times(scans("scan:duplicate=2", "scan:rate=1"))[:4] == [0.01, 0.01, 1.0, 1.0]
+
+
 def test_late_readings_come_in_order_with_their_own_stamps() -> None:
     late = sent("scan:latency=0.2@1+1")
     arrivals = [

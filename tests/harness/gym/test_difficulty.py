@@ -12,6 +12,14 @@ def test_shares_of_a_curriculum_are_from_none_to_all() -> None:
         Curriculum(step=share, success=share).check()
 
 
+def test_of_the_share_that_is_wanted_all_is_harder_and_half_is_not_yet_easier() -> None:
+    for successes, highest in ((2, 1.0), (1, 0.75), (0, 0.5)):  # of four, half are wanted
+        ladder = Ladder(Curriculum(step=0.25, window=4, success=0.5), (0.25, 1.0))
+        for success in [True] * 8 + [True] * successes + [False] * (4 - successes):
+            ladder.take(success=success)
+        assert ladder.highest == highest
+
+
 def test_without_a_curriculum_the_whole_range_is_drawn_from_whatever_succeeds() -> None:
     ladder, rng = Ladder(Curriculum(window=1), (0.2, 0.6)), np.random.default_rng(0)
     ladder.take(success=False)

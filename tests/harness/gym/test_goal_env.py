@@ -1,6 +1,10 @@
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
+from harness.samples import Pose
 from tests.harness.gym.conftest import Make
 
 
@@ -23,15 +27,48 @@ def test_rewards_and_endings_can_be_computed_again_from_what_was_observed(make: 
     assert batch.tolist() == [0.0 if there else -1.0 for there in near]
 
 
+def test_a_step_is_judged_by_the_goals_that_are_observed_to_the_bit(make: Make) -> None:
+    env, rng = make("PointNavGoal", goal_radius=0.75), np.random.default_rng(0)
+    outcomes = []
+    for angle in rng.uniform(-np.pi, np.pi, 300):
+        env.goal = tuple(rng.uniform(-5.0, 5.0, 2).tolist())
+        x, y = env.goal + 0.75 * np.array([np.cos(angle), np.sin(angle)])  # to the last bits
+        place = SimpleNamespace(position=(99.0, 99.0, 0.0))  # where it is, but not where it is seen
+        ride: Any = SimpleNamespace(
+            readings={Pose: Pose(0, (x, y, 0.0), (0.0, 0.0, 0.0, 1.0))},
+            simulation=place,
+            upright=1.0,
+            hazard_s=0.0,
+            scrape_s=0.0,
+        )
+        env._begin(ride)
+        reward, ending, info = env._judge(ride, "")
+        goals = np.array([x, y], np.float32), np.array(env.goal, np.float32)
+        apart = np.linalg.norm(goals[0].astype(float) - goals[1].astype(float))
+        assert info["distance"] == pytest.approx(apart, rel=1e-15)
+        assert env.compute_reward(*goals, None) == reward == (0.0 if ending == "reached" else -1.0)
+        assert env.compute_terminated(*goals, {}) is (ending == "reached")
+        outcomes.append(ending)
+        assert env._judge(ride, "diverged")[:2] == (-1.0, "diverged")
+        assert "reward_terms" not in info
+    assert {*outcomes} == {"", "reached"}
+    assert env.compute_reward(np.array([0.75, 0.0]), np.zeros(2), None) == -1.0  # within, not at
+
+
 @pytest.mark.parametrize(
     ("ending", "terminated", "truncated"),
-    [("", False, False), ("hazard", True, False), ("flipped", True, False), ("time", False, True)],
+    [
+        *[("", False, False), ("hazard", True, False), ("flipped", True, False), ("time", False, True)],
+        *[("edge", False, True), ("diverged", False, True)],
+        ("reached", False, False),  # of another goal
+        (None, False, False),
+    ],
 )
 def test_what_ends_an_episode_for_another_reason_still_does(
-    make: Make, ending: str, terminated: bool, truncated: bool
+    make: Make, ending: str | None, terminated: bool, truncated: bool
 ) -> None:
     env, here, far = make("PointNavGoal"), np.zeros(2), np.ones(2)
-    info = {"ending": ending}
+    info = {} if ending is None else {"ending": ending}
     assert env.compute_terminated(here, far, info) is terminated
     assert env.compute_truncated(here, far, info) is truncated
 
@@ -40,7 +77,14 @@ def test_the_heading_and_what_point_nav_observes_follow_one_another(make: Make) 
     env, plain = make("PointNavGoal", height_scan=True), make(height_scan=True)
     options = {"start": (1.0, 0.5, 2.0), "goal": (3.0, 1.0)}
     (seen, _), (expected, _) = (e.reset(seed=5, options=options) for e in (env, plain))
-    parts = [expected[name] for name in ("lidar", "imu", "velocities", "heights")]
+    names = ("lidar", "imu", "velocities", "heights")
+    parts = [expected[name] for name in names]
+    for end, of_heading in (("low", [-1.0, -1.0]), ("high", [1.0, 1.0])):
+        limits = [getattr(plain.observation_space[name], end) for name in names]
+        assert (
+            getattr(env.observation_space["observation"], end).tolist()
+            == np.concatenate([*limits, of_heading]).tolist()
+        )
     assert expected["heights"].shape == (77,)
     assert seen["observation"][:-2].tolist() == np.concatenate(parts).tolist()
     assert np.arctan2(*seen["observation"][-2:]) == pytest.approx(2.0, abs=0.02)

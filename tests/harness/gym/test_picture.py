@@ -2,6 +2,7 @@ from collections.abc import Callable
 from typing import Any
 from unittest.mock import Mock
 
+import mujoco
 import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
@@ -10,7 +11,9 @@ from harness.errors import UsageError
 from harness.gym import picture
 from harness.physics import opengl
 from harness.physics.opengl import gl_context
+from harness.physics.stage import aim_sun
 from harness.view.camera import chase_view
+from harness.view.marks import add_marks
 from harness.world.heightfield import Heightfield
 from tests.harness.gym.conftest import Make
 
@@ -35,8 +38,9 @@ def is_blueish(image: Any) -> Any:  # noqa: ANN401 - arrays
 def test_an_image_shows_the_rover_in_the_middle_and_the_goal(
     drawing: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    seen_from = Mock(wraps=chase_view)
-    monkeypatch.setattr(picture, "chase_view", seen_from)
+    seen_from, lit, marked = (Mock(wraps=work) for work in (chase_view, aim_sun, add_marks))
+    for name, spy in (("chase_view", seen_from), ("aim_sun", lit), ("add_marks", marked)):
+        monkeypatch.setattr(picture, name, spy)
     env = drawing(render_mode="rgb_array", random_start=False)
     turned = {"start": (0.0, 0.0, np.pi / 2), "goal": (0.5, 4.0)}  # ahead, a little to the right
     with pytest.raises(ResetNeeded, match="nothing to draw yet"):
@@ -49,8 +53,20 @@ def test_an_image_shows_the_rover_in_the_middle_and_the_goal(
     assert blueish.sum() > 200, blueish.sum()
     height, width = np.ptp(np.nonzero(blueish)[0]), blueish.sum(axis=1).max()
     assert height > 8 * width, (height, width)  # 1.2 m of it above the ground, 0.1 m thick, from above
-    (_, yaw), _ = seen_from.call_args
+    (position, yaw), _ = seen_from.call_args
     assert yaw == pytest.approx(np.pi / 2, abs=0.02)
+    assert position.tolist() == env._shown.qpos[:3].tolist()
+    assert lit.call_args.args[1:] == (position, chase_view(position, yaw).azimuth)
+    (_, (post,), _), _ = marked.call_args
+    above, down, model = (
+        np.array([0.5, 4.0, 3.0]),
+        np.array([0.0, 0.0, -1.0]),
+        env._ride.simulation.model,
+    )
+    depth = mujoco.mj_ray(model, env._shown, above, down, None, 1, -1, np.zeros(1, np.int32), None)
+    assert post.position == pytest.approx(
+        [0.5, 4.0, 3.0 - depth + 0.6], abs=1e-6
+    )  # it stands on the ground
     env.reset(options={"goal": (-6.0, 0.0)})  # behind the camera
     assert not is_blueish(env.render()).any()
     env.close()
@@ -78,19 +94,36 @@ def test_without_opengl_or_display_the_mend_is_told(make: Make, monkeypatch: pyt
             make(render_mode="human").reset(seed=0)
 
 
+def test_what_opengl_gave_is_given_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    context, canvas = Mock(), Mock()
+    monkeypatch.setattr(picture, "gl_context", context)
+    monkeypatch.setattr(picture, "Canvas", canvas)
+    painter = picture.Painter(window=False)
+    context.assert_called_once_with("render_mode 'rgb_array'", 640, 400)
+    painter._view = picture._Image(Mock(), context.return_value)
+    for _ in range(2):
+        painter._leave()
+    assert canvas.return_value.close.call_count == 1
+    painter.close()
+    assert context.return_value.free.call_count == 1
+
+
 def test_a_window_is_shown_each_step_and_opened_anew_in_a_new_world(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("DISPLAY", ":0")
     viewer = Mock()
-    monkeypatch.setattr(picture, "dress", lambda *_, **__: None)  # slow, and nobody looks
+    dress = Mock()  # slow, and nobody looks
+    monkeypatch.setattr(picture, "dress", dress)
     monkeypatch.setattr(picture, "drawn", lambda _: Heightfield(np.zeros((9, 9)), 1.75))
-    monkeypatch.setattr(picture, "import_module", lambda _: viewer)
+    modules = {"mujoco.viewer": viewer, "glfw": viewer}
+    monkeypatch.setattr(picture, "import_module", modules.__getitem__)
     env = make(render_mode="human")
     env.reset(seed=0)
     env.step(np.zeros(2, np.float32))
     env.reset()
     window = viewer.launch_passive.return_value
+    assert dress.call_args.kwargs == {"quality": picture.QUALITY}
     assert (viewer.launch_passive.call_count, window.sync.call_count) == (1, 3)
     assert viewer.launch_passive.call_args.args[0].hfield_nrow.tolist() == [9]
     env.reset(seed=1)

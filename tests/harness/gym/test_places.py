@@ -1,5 +1,6 @@
 import math
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -33,15 +34,19 @@ def test_places_are_where_the_rover_fits_and_only_on_one_side_of_a_wall() -> Non
     assert covered == pytest.approx(room, rel=0.1)  # nor is much left out
 
 
-def test_a_rover_that_is_long_on_one_side_keeps_its_longest_reach_free() -> None:
-    rover = replace(LEO, footprint=(-0.2, 0.6, -0.3, 0.1))
-    x, y = Places(world(), rover).middles.T
-    assert max(np.abs(x).max(), np.abs(y).max()) <= 4.5 - math.hypot(0.6, 0.3)
+@pytest.mark.parametrize("footprint", [(-0.2, 0.6, -0.3, 0.1), (-0.3, 0.1, -0.2, 0.6)])
+def test_a_rover_that_is_long_on_one_side_keeps_its_longest_reach_free(
+    footprint: tuple[float, float, float, float],
+) -> None:
+    x, y = Places(world(), replace(LEO, footprint=footprint)).middles.T
+    farthest = 4.5 - math.hypot(0.6, 0.3)
+    assert farthest - 0.25 <= max(np.abs(x).max(), np.abs(y).max()) <= farthest
 
 
 def test_draws_are_as_wanted_and_spread_over_all_that_is() -> None:
     places, rng = Places(world(), LEO), np.random.default_rng(0)
     drawn = np.array([places.draw(rng, (1.0, 1.0), (1.0, 2.0)) for _ in range(200)])
+    assert (drawn != drawn.round(2)).any()
     assert (drawn == drawn.round(3)).all()  # can be typed after --start
     away = np.hypot(*(drawn - 1.0).T)
     assert (away >= 1.0).all()
@@ -49,6 +54,7 @@ def test_draws_are_as_wanted_and_spread_over_all_that_is() -> None:
     assert np.abs(drawn.mean(axis=0) - 1.0).max() < 0.3
     boxed = np.array([places.draw(rng, (0.0, 0.0), (0.0, math.inf), 0.5) for _ in range(50)])
     assert 0.3 < np.abs(boxed).max() <= 0.6  # by half a cell
+    assert np.hypot(*boxed.T).max() > 0.6  # a square, not a disc
 
 
 @pytest.mark.parametrize(("distance", "box"), [((30.0, 40.0), math.inf), ((0.0, math.inf), 0.01)])
@@ -61,6 +67,51 @@ def test_where_nothing_is_as_wanted_the_nearest_is_taken(
         assert math.hypot(x, y) > 5.0  # a corner
     else:
         assert max(abs(x), abs(y)) <= 0.2
+        others = [places.draw(rng, (0.0, 0.0), distance, 0.15) for _ in range(20)]
+        assert {(x > 0.0, y > 0.0) for x, y in others} == {
+            *product((False, True), repeat=2)
+        }  # of its cells any
+    # From (3, 0) at most 0.2 m, from the axes at most 0.15 m: at 1.475 m both miss by as much.
+    x, y = places.draw(rng, (3.0, 0.0), (0.0, 0.2), 0.15)
+    assert x == pytest.approx(1.475, abs=0.21)
+    assert abs(y) < 0.7
+    near = places.draw(rng, (0.0, 0.0), (0.0, 0.01), box)
+    assert math.hypot(*near) < 0.3
+
+
+def test_a_map_that_is_no_square_around_the_origin_has_its_places_where_it_is() -> None:
+    ground = Heightfield(np.zeros((41, 61)), 0.25, middle=(20.0, -7.0))  # 15 m x 10 m
+    post = replace(POST, position=(24.0, -6.0, 0.5))
+    places = Places(World("made", ground, (post,), seed=0, difficulty=None), LEO)
+    low, high = places.middles.min(axis=0), places.middles.max(axis=0)
+    assert (low + high) / 2 == pytest.approx([20.0, -7.0])
+    margin = 0.5 + math.hypot(0.218, 0.214) + 0.15  # of the edge, the rover, around it
+    for side, half in zip(high - low, (7.5, 5.0), strict=True):
+        assert side == pytest.approx(2 * (half - margin), abs=0.25)
+    assert np.hypot(*(places.middles - (24.0, -6.0)).T).min() == pytest.approx(
+        0.2 + margin - 0.5, abs=0.2
+    )
+    cells = (places.middles - low) / 0.2
+    assert cells == pytest.approx(cells.round(), abs=1e-9)
+    rng = np.random.default_rng(0)
+    drawn = np.array([places.draw(rng, (20.0, -7.0), (0.0, math.inf)) for _ in range(400)])
+    assert ((low - 0.1 <= drawn) & (drawn <= high + 0.1)).all()
+    within = ((drawn - low) / 0.2 + 0.5) % 1.0 - 0.5  # of a cell, from its middle
+    assert np.abs(within).mean(axis=0) == pytest.approx(
+        [0.25, 0.25], abs=0.03
+    )  # half of them on each side
+    assert within.mean(axis=0) == pytest.approx([0.0, 0.0], abs=0.06)
+    assert abs(np.corrcoef(within.T)[0, 1]) < 0.2
+
+
+def test_a_rover_reaches_what_is_beyond_slopes_and_steps_that_it_climbs() -> None:
+    x = np.linspace(-5.0, 5.0, 41)
+    bumps = [np.maximum(1.0 - np.abs(x - 2.0), 0.0) * math.tan(angle) for angle in (0.5, 0.9)]
+    kerbs = [np.where(x > 1.1, height, 0.0) for height in (0.05, 0.4)]  # Leo climbs 0.07 m
+    for heights, is_beyond in ((bumps[0], 1), (bumps[1], 0), (kerbs[0], 1), (kerbs[1], 0)):
+        ground = Heightfield(np.tile(heights, (41, 1)), 0.25)
+        farthest = Places(replace(world(), ground=ground), LEO).middles[:, 0].max()
+        assert (0.0 < farthest < 1.0) != is_beyond == (farthest > 3.5)
 
 
 def test_a_map_without_room_is_told() -> None:

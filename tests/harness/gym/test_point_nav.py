@@ -1,20 +1,92 @@
 import math
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from harness.config import EpisodeConfig
 from harness.drivers import sensed_by
 from harness.drivers.policy import BESIDE_LIDAR, Policy, write_policy
 from harness.episode.episode import Episode
 from harness.errors import UsageError
+from harness.gym.point_nav import PointNavWeights
+from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
+from harness.sensors.depth import DepthOptions
+from harness.sensors.ranging import RangeReading
+from harness.world.heightfield import Heightfield
 from tests.harness.gym.conftest import Make
 
 ACTIONS = np.random.default_rng(3).uniform(-1.0, 1.0, (25, 2)).astype(np.float32)
 WEIGHTS = {"progress": 3.0, "reached": 7.0, "time": -0.5, "flipped": -9.0, "action_rate": -0.25}
+TOUCHING = 0.05  # [s] in each step of the table below
+STEPS = [  # failure, tilt [deg], contact before [s], distance [m], ending; limits 75 deg, 0.3 s, 0.5 m
+    ("", 0.0, 0.0, 0.5, ""),
+    ("", 0.0, 0.0, 0.4999, "reached"),
+    ("", 75.0, 0.0, 2.0, ""),
+    ("", 75.001, 0.0, 2.0, "flipped"),
+    ("", 0.0, 0.24, 2.0, ""),
+    ("", 0.0, 0.25, 2.0, "hazard"),
+    ("", 0.0, 0.25 - 1e-12, 2.0, "hazard"),  # a sum of hundredths
+    ("", 0.0, 0.25 - 1.1e-9, 2.0, ""),
+    ("", 0.0, 0.25, 0.1, "hazard"),  # nobody reaches a goal through a wall
+    ("", 80.0, 0.25, 0.1, "flipped"),
+    ("edge", 0.0, 0.25, 2.0, "edge"),  # the contacts of a step that broke off are not known
+    ("edge", 0.0, 0.0, 0.1, "reached"),
+    ("edge", 80.0, 0.0, 0.1, "flipped"),
+    ("diverged", 80.0, 0.3, 0.1, "diverged"),  # what is no state has no place and no tilt
+]
+
+
+def riding(distance: float, tilt: float = 0.0, hazard_s: float = 0.0, scrape_s: float = 0.0) -> Any:  # noqa: ANN401
+    """What is judged of a ride: so far north of the origin [m], tilted [deg]."""
+    upright, place = math.cos(math.radians(tilt)), SimpleNamespace(position=(0.0, distance, 0.2))
+    return SimpleNamespace(upright=upright, hazard_s=hazard_s, scrape_s=scrape_s, simulation=place)
+
+
+def test_each_step_ends_and_is_paid_as_the_table_says(make: Make) -> None:
+    weights = {**WEIGHTS, "hazard": -2.0, "scrape": -4.0}
+    env = make(reward=weights, hazard_budget=0.3)
+    env.goal = (0.0, 0.0)
+    for failure, tilt, touched, distance, ending in STEPS:
+        env._begin(riding(2.5))
+        for _ in range(2):  # what an episode had of everything is not the next one's
+            env._twist([0.5, -1.0])
+            env._judge(riding(3.0, hazard_s=0.2), "")
+            env._begin(riding(2.5))
+        assert env._judge(riding(2.5, hazard_s=touched), "")[2]["hazard_s"] == touched
+        env._twist([-0.25, 0.5])
+        reward, told, info = env._judge(riding(distance, tilt, TOUCHING, 0.03), failure)
+        seconds = (0.0, 0.0) if failure else (TOUCHING, 0.03)
+        measured = {
+            "progress": 0.0 if failure == "diverged" else 2.5 - distance,
+            "reached": ending == "reached",
+            "time": 1.0,
+            "hazard": seconds[0],
+            "scrape": seconds[1],
+            "flipped": ending == "flipped",
+            "action_rate": 0.75,
+        }
+        terms = {name: weights[name] * value for name, value in measured.items()}
+        case = (failure, tilt, touched, distance)
+        assert (*case, told, info["is_success"]) == (*case, ending, ending == "reached")
+        assert info["reward_terms"] == pytest.approx(terms), case
+        assert reward == pytest.approx(sum(terms.values()))
+        assert info["distance"] == (2.5 if failure == "diverged" else distance)
+        assert info["hazard_s"] == touched + seconds[0]
+        assert (info["x_position"], info["y_position"]) == (0.0, distance)
+    assert make().options.reward == PointNavWeights(
+        progress=1.0,
+        reached=10.0,
+        time=-0.01,
+        hazard=-10.0,
+        scrape=-1.0,
+        flipped=-10.0,
+        action_rate=-0.01,
+    )
 
 
 def test_each_term_is_its_weight_times_what_the_simulator_knows(make: Make) -> None:
@@ -43,6 +115,38 @@ def test_each_term_is_its_weight_times_what_the_simulator_knows(make: Make) -> N
         before, previous = now, action.astype(float)
 
 
+def test_what_is_observed_is_what_was_read(make: Make) -> None:
+    env, level = make(depth=(2, 2), height_scan=True), (0.0, 0.0, 0.0, 1.0)
+    x, y, z, w = Rotation.from_euler("ZYX", [0.5, 0.2, -0.1]).as_quat().tolist()
+    tilted = x, y, z, w
+    readings = (
+        LaserScan(0, np.array([np.nan, np.inf, -np.inf, *np.linspace(1.0, 8.0, 29)], np.float32)),
+        Imu(0, tilted, (0.1, 0.2, 0.3), (1.0, 2.0, 9.5)),
+        Pose(0, (1.0, 2.0, 0.5), level),
+        Odometry(0, 0.0, 0.0, 0.0, Twist(0.1, 0.2)),
+        RangeReading(
+            0, "depth", np.array([np.nan, np.inf, -np.inf, 3.0], np.float32), np.zeros(4, np.bool_)
+        ),
+    )
+    slope, _ = np.meshgrid(0.1 * np.arange(-4.0, 5.0), np.arange(9))
+    scene = SimpleNamespace(world=SimpleNamespace(ground=Heightfield(slope, 1.0)))
+    ride = SimpleNamespace(
+        readings={type(reading): reading for reading in readings},
+        simulation=SimpleNamespace(scene=scene),
+    )
+    env.goal = (1.0, 5.0)
+    seen = env._observe(ride)
+    assert seen.keys() == env.observation_space.spaces.keys()
+    assert seen["lidar"] == pytest.approx([10.0, 10.0, 0.0, *np.linspace(1.0, 8.0, 29)])
+    assert seen["imu"] == pytest.approx((1.0, 2.0, 9.5, 0.1, 0.2, 0.3, -0.1, 0.2))  # roll, then pitch
+    assert seen["velocities"] == (0.1, 0.2)
+    assert seen["depth"].tolist() == [10.0, 10.0, 0.0, 3.0]  # a miss and a fault are the largest
+    ahead = np.repeat(0.1 * (1.0 - 0.5 + 0.2 * np.arange(11)) - 0.5, 7)
+    assert seen["heights"] == pytest.approx(ahead)
+    assert seen["goal"] == pytest.approx((3.0, 1.0, 0.0))
+    assert env.options.camera == DepthOptions(name="depth", width=2, height=2, rate=20)
+
+
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
 def test_full_ahead_is_the_speed_at_which_the_wheels_turn_as_fast_as_they_can(
     make: Make, robot: str
@@ -58,8 +162,8 @@ def test_full_ahead_is_the_speed_at_which_the_wheels_turn_as_fast_as_they_can(
     assert seen["velocities"][0] == pytest.approx(limit * radius, rel=0.1)
 
 
-def test_episodes_end_as_the_table_says(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
-    env, still = make(goal_radius=0.3, hazard_budget=0.1), np.zeros(2, np.float32)
+def test_what_the_physics_comes_to_ends_episodes(make: Make) -> None:
+    env, still = make(goal_radius=0.3), np.zeros(2, np.float32)
     env.reset(seed=0, options={"start": (0.0, 0.0, 0.0), "goal": (0.29, 0.0)})
     _, reward, terminated, truncated, info = env.step(still)
     assert (terminated, truncated, info["ending"], info["is_success"]) == (True, False, "reached", True)
@@ -86,20 +190,6 @@ def test_episodes_end_as_the_table_says(make: Make, monkeypatch: pytest.MonkeyPa
     assert (terminated, truncated, info["ending"]) == (False, True, "diverged")
     assert all(np.isfinite(values).all() for values in seen.values())
     assert math.isfinite(reward)
-
-    env.reset(options={"start": (0.0, 0.0, 0.0), "goal": (2.0, 0.0)})
-    read, shares = env._ride.read, iter([0.04, 0.05, 0.01])  # whose sum is 0.1 - 1e-17
-
-    def touching() -> None:
-        read()
-        env._ride.hazard_s = next(shares)
-
-    monkeypatch.setattr(env._ride, "read", touching)
-    assert [env.step(still)[4]["ending"] for _ in range(2)] == ["", ""]
-    _, _, terminated, truncated, info = env.step(still)
-    assert (terminated, truncated, info["ending"]) == (True, False, "hazard")
-    assert info["hazard_s"] == pytest.approx(0.1)
-    assert info["reward_terms"]["hazard"] == pytest.approx(-0.1)
 
 
 def test_depth_is_what_mujocos_rays_meet_along_the_axis_of_a_camera_above_the_lidar(make: Make) -> None:

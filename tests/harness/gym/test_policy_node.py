@@ -9,17 +9,135 @@ import pytest
 
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
-from geometry_msgs.msg import PoseArray
+from geometry_msgs.msg import Pose, PoseArray, PoseStamped, Twist
+from nav_msgs.msg import Odometry
+from rclpy.executors import ExternalShutdownException
+from rclpy.qos import ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Imu, LaserScan
 
+from harness import samples
 from harness.config import EpisodeConfig
 from harness.drivers.policy import BESIDE_LIDAR, Policy, write_policy
 from harness.gym import policy_node
 from harness.gym.policy_node import PolicyNode, main
 from harness.robots import find_rover
 from harness.testing import Trial
+from rover_metrics.ros.guarded_node import GuardedNode
 from tests.harness.gym.conftest import Make
 
 GOAL, PERIODS = (2.0, 1.0), 16
+STAMP_NS = 3_250_000_000
+
+
+class Heard:
+    """A node without ROS: its topics by name, the policy that it asks and what it answers."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, goal: tuple[float, float] | None) -> None:
+        self.policy = Mock(beams=4)
+        self.policy.command.return_value = samples.Twist(0.5, -0.25)
+        self.topics: dict[str, Any] = {}
+        self.sent, self.log = Mock(), Mock()
+
+        self.subscribed: dict[str, tuple[type, Any]] = {}
+
+        def subscribed(_: object, kind: type, topic: str, callback: Any, qos: object) -> None:  # noqa: ANN401
+            self.topics[topic], self.subscribed[topic] = callback, (kind, qos)
+
+        monkeypatch.setattr(GuardedNode, "__init__", lambda *_: None)
+        monkeypatch.setattr(PolicyNode, "create_subscription", subscribed)
+        publisher = {(Twist, "cmd_vel", 10): self.sent}  # of the node's namespace
+        monkeypatch.setattr(PolicyNode, "create_publisher", lambda _, *told: publisher[told])
+        monkeypatch.setattr(PolicyNode, "get_logger", lambda _: self.log)
+        self.node = PolicyNode(self.policy, find_rover("leo"), goal)
+
+    def hear(self, *wrong: str, ns: int = STAMP_NS, beams: int = 4) -> None:
+        """A tick: one message a topic but for some, then the clock."""
+        messages = {"scan": LaserScan(), "imu/data": Imu(), "rover/pose_array": PoseArray()}
+        messages["odometry/wheels"] = Odometry()
+        for message in messages.values():
+            message.header.stamp.sec, message.header.stamp.nanosec = divmod(ns, 10**9)
+        messages["scan"].ranges = [1.5, math.inf, -math.inf, 2.5][:beams]
+        imu = messages["imu/data"]
+        imu.angular_velocity.x, imu.angular_velocity.y, imu.angular_velocity.z = 0.1, 0.2, 0.3
+        force = imu.linear_acceleration
+        force.x, force.y, force.z = 1.0, 2.0, 9.5
+        turn = imu.orientation
+        turn.x, turn.y, turn.z, turn.w = 0.1, 0.3, 0.5, 0.7
+        first, second = Pose(), Pose()
+        first.position.x, first.position.y, first.position.z = 4.0, 5.0, 6.0
+        turn = first.orientation
+        turn.x, turn.y, turn.z, turn.w = 0.2, 0.4, 0.6, 0.8
+        messages["rover/pose_array"].poses = [first, second]
+        twist = messages["odometry/wheels"].twist.twist
+        twist.linear.x, twist.angular.z = 0.75, -1.25
+        for topic, message in messages.items():
+            if topic not in wrong:
+                self.topics[topic](message)
+        self.topics["/clock"](Clock())
+
+    def goal(self, x: float, y: float) -> None:
+        message = PoseStamped()
+        message.pose.position.x, message.pose.position.y = x, y
+        self.topics["goal_pose"](message)
+
+
+def test_the_policy_is_asked_with_what_was_heard_and_its_answer_is_sent(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    heard = Heard(monkeypatch, GOAL)
+    _, best_effort = heard.subscribed.pop("rover/pose_array")
+    assert (best_effort.depth, best_effort.reliability) == (10, ReliabilityPolicy.BEST_EFFORT)
+    assert heard.subscribed == {
+        "scan": (LaserScan, 10),
+        "imu/data": (Imu, 10),
+        "odometry/wheels": (Odometry, 10),
+        "goal_pose": (PoseStamped, 10),
+        "/clock": (Clock, 10),
+    }
+    heard.hear()
+    (readings, goal, rover), _ = heard.policy.command.call_args
+    scan = readings.pop(samples.LaserScan)
+    assert (scan.stamp_ns, scan.ranges.tolist()) == (STAMP_NS, [1.5, math.inf, -math.inf, 2.5])
+    assert readings == {
+        samples.Imu: samples.Imu(STAMP_NS, (0.1, 0.3, 0.5, 0.7), (0.1, 0.2, 0.3), (1.0, 2.0, 9.5)),
+        samples.Pose: samples.Pose(STAMP_NS, (4.0, 5.0, 6.0), (0.2, 0.4, 0.6, 0.8)),
+        samples.Odometry: samples.Odometry(STAMP_NS, 0.0, 0.0, 0.0, samples.Twist(0.75, -1.25)),
+    }
+    assert (goal, rover) == (GOAL, find_rover("leo"))
+    (twist,) = heard.sent.publish.call_args.args
+    assert (twist.linear.x, twist.angular.z, twist.linear.y, twist.angular.x) == (0.5, -0.25, 0.0, 0.0)
+
+
+def test_each_scan_is_answered_once_and_none_without_a_goal_or_a_reading(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    heard, topics = Heard(monkeypatch, None), ("scan", "imu/data", "rover/pose_array", "odometry/wheels")
+    asked = heard.policy.command
+    heard.hear()
+    for missing in topics:
+        heard.node._readings.clear()
+        heard.goal(*GOAL)
+        heard.hear(missing)
+        assert asked.call_count == 0, missing
+    heard.node._goal = None
+    heard.hear()
+    for x, y in ((math.nan, 1.0), (1.0, math.inf), (-math.inf, math.nan)):
+        heard.goal(x, y)
+        heard.hear()
+    assert asked.call_count == 0
+    heard.goal(3.0, -4.0)
+    heard.goal(math.nan, 1.0)
+    for ns in (STAMP_NS, STAMP_NS, STAMP_NS + 50_000_000, 50_000_000):  # the last of the next run
+        heard.hear(ns=ns)
+    assert [call.args[1] for call in asked.call_args_list] == [(3.0, -4.0)] * 3
+    assert heard.sent.publish.call_count == 3
+    assert not heard.log.error.called
+    heard.hear(ns=STAMP_NS + 10**8, beams=3)
+    assert asked.call_count == 3  # the last scan that it can read was answered
+    (told,), limits = heard.log.error.call_args
+    assert told == "the policy is for 4 beams, /scan has 3: no answer"
+    assert limits == {"throttle_duration_sec": 5.0}
 
 
 def test_through_dds_the_node_drives_the_path_of_the_environment(
@@ -69,6 +187,8 @@ def test_through_dds_the_node_drives_the_path_of_the_environment(
         (["small.npz", "--goal", "-3,1", "--robot", "spirit"], "robot 'spirit' does not exist"),
         (["small.npz", "--goal", "3"], "'3' is not valid; give X,Y in metres"),
         (["small.npz", "--goal", "3,nan"], "'3,nan' is not valid; give X,Y in metres"),
+        (["small.npz", "--goal", "1,2,3"], "'1,2,3' is not valid; give X,Y in metres"),
+        (["small.npz", "--goal", "inf,3"], "'inf,3' is not valid; give X,Y in metres"),
         (["--ros-args", "-p", "a:=1", "--", "nowhere.npz"], "policy nowhere.npz cannot be read"),
         (["small.npz", "--ros-args", "--goal", "3,1"], "--goal stands behind --ros-args"),
         (["small.npz", "--ros-args", "-r", "no rule"], "ROS 2 refuses to start: "),
@@ -95,18 +215,25 @@ def test_what_is_not_valid_is_told_in_a_line(
     assert heard.count("\n") == 1
 
 
-def test_it_drives_the_rover_to_the_goal_that_it_is_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("end", [None, KeyboardInterrupt, ExternalShutdownException])
+def test_it_drives_the_rover_to_the_goal_that_it_is_told_until_it_is_stopped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, end: type[BaseException] | None
 ) -> None:
-    node, spin = Mock(), Mock()
+    node, spin, init = Mock(), Mock(side_effect=end), Mock(return_value=nullcontext())
     monkeypatch.setattr(policy_node, "PolicyNode", node)
-    monkeypatch.setattr(policy_node, "rclpy", Mock(init=Mock(return_value=nullcontext()), spin=spin))
+    monkeypatch.setattr(policy_node, "rclpy", Mock(init=init, spin=spin))
     layer = np.zeros((BESIDE_LIDAR + 8, 2), np.float32), np.zeros(2, np.float32)
     write_policy(tmp_path / "small.npz", Policy((layer,)))
-    assert main([str(tmp_path / "small.npz"), "--goal", "3,-1", "--robot", "rover_zero4wd"]) == 0
+    ros_args = ["--ros-args", "-p", "use_sim_time:=true"]
+    words = [str(tmp_path / "small.npz"), "--goal", "3,-1", "--robot", "rover_zero4wd", *ros_args]
+    assert main(words) == 0
+    init.assert_called_once_with(args=ros_args)
     policy, rover, goal = node.call_args.args
     assert (policy.beams, rover, goal) == (8, find_rover("rover_zero4wd"), (3.0, -1.0))
     spin.assert_called_once_with(node.return_value)
+    monkeypatch.setattr("sys.argv", ["policy_node", *words[:1]])
+    assert main() == 0
+    assert node.call_args.args[1:] == (find_rover("leo"), None)
 
 
 def test_help_tells_how_it_is_run(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,7 +1,10 @@
 import copy
+from contextlib import suppress
 from dataclasses import replace
+from functools import partial
+from types import SimpleNamespace
 from typing import Any
-from unittest.mock import patch
+from unittest.mock import Mock, patch
 
 import mujoco
 import numpy as np
@@ -14,7 +17,10 @@ from harness.gym.course import Course, Variation, _vary, draw_variation
 from harness.gym.options import Randomisation
 from harness.gym.ride import SENSED, Ride
 from harness.physics.physics import Physics
-from harness.samples import Imu, LaserScan, Pose, Twist
+from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
+from harness.sensors.depth import DepthOptions
+from harness.sensors.lidar_spec import LidarSpec
+from harness.sensors.ranging import RangeReading
 from harness.sim_time import NANOSECONDS
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
@@ -23,7 +29,9 @@ from harness.world.world import World
 START = 0.75, -0.5, 2.0
 FREE = -2.0, -1.0, 2.0
 PLAIN = Variation()
+READ_AT_ITS_END: tuple[type[Sample], ...] = (LaserScan, Imu, Odometry, RangeReading)  # of a period
 COMMANDS = [(0.4, 0.5), (0.4, 0.5), (-0.3, 1.0), (0.0, 0.0), (0.0, 0.0), (0.7, -1.0)] * 2
+VARIED = ("geom_friction", "body_mass", "body_inertia", "actuator_forcerange")
 POST = Obstacle(ObstacleKind.HAZARD, "box", (0.1, 0.6, 0.5), (0.6, 0.0, 0.5))
 
 
@@ -35,7 +43,8 @@ def flat_with_post() -> Course:
         def world(self) -> World:
             return World("made", ground, (POST,), seed=0, difficulty=None)
 
-    return Course(Made(lidar_beams=8, robot="leo"))
+    camera = DepthOptions(name="depth", width=3, height=2, rate=20)
+    return Course(Made(lidar_beams=8, robot="leo", noise="hardware"), camera)
 
 
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
@@ -94,11 +103,33 @@ def test_late_readings_are_those_of_some_periods_before(flat_with_post: Course) 
     prompt, late = (Ride(flat_with_post, FREE, Variation(latency=s), 0) for s in (0.0, 0.1))
     stamps = []
     for _ in range(4):
-        stamps.append((prompt.readings[Imu].stamp_ns, late.readings[Imu].stamp_ns))
+        stamps.append(
+            [{ride.readings[kind].stamp_ns for kind in READ_AT_ITS_END} for ride in (prompt, late)]
+        )
+        assert prompt.readings.keys() == late.readings.keys() == {*SENSED, RangeReading}
         for ride in (prompt, late):
             ride.advance(Twist(0.3, 0.0))
     periods = [(1, 1), (2, 1), (3, 1), (4, 2)]  # nothing is older than the first
-    assert stamps == [tuple(n * NANOSECONDS // 20 for n in pair) for pair in periods]
+    assert stamps == [[{n * NANOSECONDS // 20} for n in pair] for pair in periods]
+
+
+def test_noise_is_its_seeds_whatever_the_worlds(flat_with_post: Course) -> None:
+    def read(seed: int) -> list[list[float]]:
+        ride = Ride(flat_with_post, (-0.5, 0.0, 0.0), PLAIN, seed)  # the post is ahead
+        seen: tuple[Any, ...] = tuple(ride.readings[kind] for kind in (LaserScan, RangeReading, Imu))
+        return [seen[0].ranges.tolist(), seen[1].ranges.tolist(), [*seen[2].linear_acceleration]]
+
+    flat_with_post.config, own = replace(flat_with_post.config, seed=5), flat_with_post.config
+    elsewhere = read(1)
+    flat_with_post.config = own
+    one, other = read(1), read(2)
+    assert one == elsewhere
+    assert all(mine != its for mine, its in zip(one, other, strict=True))
+
+
+def test_a_reading_is_late_by_whole_periods() -> None:
+    late = {0.0: 0, 0.02: 0, 0.03: 1, 0.05: 1, 0.07: 1, 0.08: 2, 0.15: 3}
+    assert {latency: Variation(latency=latency).late_periods for latency in late} == late
 
 
 def test_contact_with_a_hazard_counts_in_hundredths_of_a_second(flat_with_post: Course) -> None:
@@ -113,6 +144,21 @@ def test_contact_with_a_hazard_counts_in_hundredths_of_a_second(flat_with_post: 
     assert 0.1 < seconds < 1.4
 
 
+def test_a_hundredth_with_contact_counts_once_however_many_parts_touch(flat_with_post: Course) -> None:
+    ride = Ride(flat_with_post, FREE, PLAIN, 0)
+    hazard, *parts = ride._hazard, *ride._scrapes
+    assert len(parts) > 1
+    counts = np.zeros((5, ride.simulation.model.nsensordata))
+    counts[1:3, hazard] = 3.0, 1.0
+    counts[0, parts[0]] = counts[3, parts[-1]] = 1.0
+    counts[2, parts] = 2.0
+    there: Any = SimpleNamespace(tick_sum=None)
+    ticks = [partial(setattr, there, "tick_sum", row) for row in counts]
+    ride.simulation, ride._leap = there, Mock(ticks=lambda: (tick() for tick in ticks))
+    ride.read()
+    assert [ride.hazard_s, ride.scrape_s] == pytest.approx([0.02, 0.03])
+
+
 def test_a_body_on_the_ground_is_a_scrape_and_tilt_is_told(flat_with_post: Course) -> None:
     ride = Ride(flat_with_post, (-2.0, 0.0, 0.0), PLAIN, 0)
     assert ride.upright == pytest.approx(1.0, abs=1e-3)
@@ -122,11 +168,26 @@ def test_a_body_on_the_ground_is_a_scrape_and_tilt_is_told(flat_with_post: Cours
     for _ in range(6):
         ride.advance(Twist())
     assert ride.scrape_s == pytest.approx(0.05)
+    assert ride.hazard_s == 0.0
+    assert ride.upright == pytest.approx(-1.0, abs=0.05)
+
+
+def test_room_is_looked_for_at_any_start_but_the_worlds_own(flat_with_post: Course) -> None:
+    assert flat_with_post.lidar.spec == LidarSpec(beams=8)
+    for start in ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)):
+        room = patch("harness.gym.course.check_room", side_effect=UsageError("no room"))
+        with room as look, suppress(UsageError):
+            Ride(flat_with_post, start, Variation(payload=1.0), 0)
+        assert look.call_count == any(start)
 
 
 def test_a_start_in_an_obstacle_or_off_the_map_is_refused(flat_with_post: Course) -> None:
-    with pytest.raises(UsageError, match="is inside hazard_0"):
-        Ride(flat_with_post, (0.6, 0.0, 0.0), PLAIN, 0)
+    for _ in range(2):  # not only at first
+        with pytest.raises(UsageError, match="is inside hazard_0"):
+            Ride(flat_with_post, (0.6, 0.0, 0.0), PLAIN, 0)
+        slid = patch("harness.gym.course.check_start", side_effect=UsageError("it slid"))
+        with slid, pytest.raises(UsageError, match="it slid"):
+            Ride(flat_with_post, (1.5, 2.0, 0.0), PLAIN, 0)
     with pytest.raises(UsageError, match="off the map"):
         Ride(flat_with_post, (9.0, 0.0, 0.0), PLAIN, 0)
     ride = Ride(flat_with_post, (3.4, 0.0, 0.0), PLAIN, 0)
@@ -141,20 +202,29 @@ def test_a_start_in_an_obstacle_or_off_the_map_is_refused(flat_with_post: Course
 def test_a_variation_changes_the_rover_alone_and_only_for_its_episode(flat_with_post: Course) -> None:
     variation = Variation(friction=0.5, mass=1.2, payload=3.0, motor_strength=0.25)
     plain = flat_with_post.scene.model
+    before = {name: getattr(plain, name).copy() for name in VARIED}
     model = flat_with_post.varied(FREE, variation).model
     base, terrain = plain.body("rover").id, plain.geom("terrain").id
-    weight = plain.body_subtreemass[base]
-    assert model.body_subtreemass[base] == pytest.approx(1.2 * weight + 3.0)
-    assert model.body_inertia[base].tolist() == (1.2 * plain.body_inertia[base]).tolist()
     wheel, post = plain.geom("wheel_FL").id, plain.geom("hazard_0").id
-    assert model.geom_friction[wheel, 0] == 0.5 * plain.geom_friction[wheel, 0]
-    for other in (terrain, post):
-        assert model.geom_friction[other].tolist() == plain.geom_friction[other].tolist()
+    weight = plain.body_subtreemass[base]
+    assert model.body_subtreemass[base] == pytest.approx(1.2 * weight + 3.0)  # [kg] as MuJoCo adds up
     slippery = copy.copy(plain)
-    slippery.geom_friction[:, 0] = 0.8
+    slippery.geom_friction[[wheel, post, terrain], 0] = 0.8  # so that it is seen whose is less
     _vary(slippery, variation)
-    assert slippery.geom_friction[[wheel, post], 0].tolist() == [0.4, 0.8]
-    assert model.actuator_forcerange.tolist() == (0.25 * plain.actuator_forcerange).tolist()
+    own = np.array([plain.body_rootid[body] == base for body in plain.geom_bodyid])
+    assert own[wheel]
+    assert not own[[post, terrain]].any()
+    expected = {**before, "body_inertia": before["body_inertia"].copy()}
+    expected["geom_friction"] = before["geom_friction"] * np.where(own[:, None], (0.5, 1.0, 1.0), 1.0)
+    of_rover = plain.body_rootid == base
+    expected["body_inertia"][of_rover] *= 1.2
+    expected["body_mass"] = before["body_mass"] * np.where(of_rover, 1.2, 1.0)
+    expected["body_mass"][base] += 3.0
+    expected["actuator_forcerange"] = 0.25 * before["actuator_forcerange"]
+    for name in VARIED:
+        assert getattr(model, name).tolist() == expected[name].tolist(), name
+        assert getattr(plain, name).tolist() == before[name].tolist(), name
+    assert slippery.geom_friction[[wheel, post, terrain], 0].tolist() == [0.4, 0.8, 0.8]
     # A settled rover presses on the ground with its weight.
     data = Ride(flat_with_post, FREE, variation, 0).simulation.data
     force, total = np.empty(6), 0.0

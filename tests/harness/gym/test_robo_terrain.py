@@ -1,9 +1,12 @@
 import math
 import re
+from types import SimpleNamespace
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from harness.errors import UsageError
 from harness.gym import ENVIRONMENTS
@@ -12,21 +15,24 @@ from tests.harness.gym.conftest import Make
 
 STILL, AHEAD = np.zeros(2, np.float32), np.array([0.6, 0.0], np.float32)
 MIDDLE = {"start": (0.0, 0.0, 0.0), "goal": (3.0, 1.0)}
-LEVEL = (0.0, 0.0, 0.0, 1.0)
 
 
 def expected_reward(before: dict[str, Any], now: dict[str, Any]) -> float:
+    return sum(expected_terms(before, now).values())
+
+
+def expected_terms(before: dict[str, Any], now: dict[str, Any]) -> dict[str, float]:
     """RoboTerrain's reward, of two observations with the goal in the same place."""
     last, (distance, bearing) = float(before["target"][0]), map(float, now["target"])
     v, w = map(float, now["velocities"])
     if distance < 0.5:
-        return 100.0
+        return {"goal": 100.0}
     if now["lidar"].min() < 0.3:
-        return -0.5
+        return {"collision": -0.5}
     align = 1.0 - abs(bearing) / (math.pi / 2)  # 1 at 0 deg, 0 at 90, -1 at 180
     progress = last - distance
     d = 0.3 * progress if abs(progress) > 0.001 and 0.01 * align > 0.002 else -0.03
-    return 1.5 * d + 0.0025 * v - 0.0015 * abs(w)
+    return {"distance": 1.5 * d, "speed": 0.0025 * v, "turn": -0.0015 * abs(w)}
 
 
 @pytest.mark.parametrize("stale", [False, True])
@@ -63,95 +69,197 @@ def test_a_goal_is_worth_a_hundred_and_another_one_follows(make: Make) -> None:
     assert env.step(AHEAD)[1] == 0.0  # the first step towards it
 
 
-def readings(ranges: np.ndarray) -> dict[type[Sample], Sample]:
-    return {
-        LaserScan: LaserScan(0, ranges.astype(np.float32)),
-        Imu: Imu(0, LEVEL, (0.0, 0.0, 0.0), (0.0, 0.0, 9.8)),
-        Pose: Pose(0, (0.0, 0.0, 0.0), LEVEL),
-        Odometry: Odometry(0, 0.0, 0.0, 0.0, Twist(0.1, 0.2)),
-    }
+def sensed(
+    x: float = 0.0,
+    yaw: float = 0.0,
+    *,
+    tilt: tuple[float, float] = (0.0, 0.0),
+    twist: Twist = Twist(),  # noqa: B008 - frozen
+    ranges: float | np.ndarray = 9.0,
+) -> Any:  # noqa: ANN401
+    """What is read of a ride that stands east of the origin [m], rolled and pitched [rad]."""
+    turned, level = (
+        tuple(Rotation.from_euler("ZYX", angles).as_quat().tolist())
+        for angles in ((yaw + 0.3, *tilt[::-1]), (yaw, 0.0, 0.0))  # an IMU's yaw drifts
+    )
+    samples: tuple[Sample, ...] = (
+        LaserScan(0, np.broadcast_to(ranges, 64).astype(np.float32)),
+        Imu(0, turned, (0.0, 0.0, 0.0), (0.0, 0.0, 9.8)),
+        Pose(0, (x, 0.25, 0.5), level),
+        Odometry(0, 0.0, 0.0, 0.0, twist),
+    )
+    return SimpleNamespace(readings={type(sample): sample for sample in samples})
+
+
+def begun(make: Make, goal: tuple[float, float] = (3.0, 0.25), **defects: bool) -> Any:  # noqa: ANN401
+    """An environment that is fed with what is sensed, and had another episode before."""
+    env = make("RoboTerrain", lidar_beams=64, defects=defects)
+    env._draw_goal = Mock(side_effect=[(2.0, 0.25), (9.0, 9.0)])
+    env.goal, env.steps = (0.1, 0.25), 0
+    env._begin(None)
+    for x in (0.8, 0.5, 2.1, 1.9):
+        env._twist([0.0, 1.0])
+        judged(env, sensed(x))
+    assert (env.goal, env._told()["goals"]) == ((9.0, 9.0), 2)
+    env.goal, env.steps = goal, 0
+    env._begin(None)
+    return env
+
+
+def judged(env: Any, ride: Any, failure: str = "") -> tuple[float, str, dict[str, Any]]:  # noqa: ANN401
+    if not failure:
+        env._seen = env._observe(ride)
+    env.steps += 1
+    told: tuple[float, str, dict[str, Any]] = env._judge(ride, failure)
+    return told
 
 
 @pytest.mark.parametrize(("defect", "too_near"), [(False, 0.0), (True, 12.0)])
-def test_the_lidar_is_the_nearest_of_each_sector(make: Make, defect: bool, too_near: float) -> None:
-    env = make("RoboTerrain", lidar_beams=64, defects={"nearest_is_farthest": defect})
-    env.reset(seed=0)
+def test_what_is_observed_is_what_was_sensed_and_of_the_lidar_the_nearest_of_each_sector(
+    make: Make, defect: bool, too_near: float
+) -> None:
+    env = begun(make, (1.5, 1.25), nearest_is_farthest=defect)
     ranges = np.full(64, np.inf)
     ranges[:7] = 5.0, 4.0, np.nan, np.inf, -np.inf, np.inf, 9.0
-    env._ride.readings = readings(ranges)
-    lidar = env._observe(env._ride)["lidar"]
-    assert lidar.tolist() == [4.0, 12.0, too_near, 9.0] + [12.0] * 28
+    seen = env._observe(sensed(0.5, 2.0, tilt=(0.1, -0.2), twist=Twist(0.3, -0.4), ranges=ranges))
+    assert seen["lidar"].tolist() == [4.0, 12.0, too_near, 9.0] + [12.0] * 28
+    assert seen["pose"] == (0.5, 0.25, 0.5)
+    assert seen["imu"] == pytest.approx((-0.2, 0.1, 2.3))  # pitch comes first
+    assert seen["target"] == pytest.approx((math.sqrt(2.0), math.pi / 4 - 2.0))
+    assert seen["velocities"] == (0.3, -0.4)
+
+
+def test_every_step_is_paid_as_robo_terrain_pays_it(make: Make) -> None:
+    env, rng, paid = begun(make), np.random.default_rng(0), set()
+    env._draw_goal = Mock(return_value=(9.0, 9.0))
+    for n in range(200):
+        distance = rng.choice([0.4999, 0.5, 0.5001, rng.uniform(0.6, 8.0)], p=[0.05, 0.05, 0.05, 0.85])
+        nearest = rng.choice([0.2999, 0.3001, 0.4, 9.0])
+        progress = rng.choice([-0.0011, -0.0009, 0.0009, 0.0011, rng.uniform(-0.04, 0.04)])
+        bearing = rng.choice([1.0, -1.0]) * rng.choice([1.25, 1.26, rng.uniform(0.0, math.pi)])  # 72 deg
+        twist, ahead = (
+            Twist(*rng.uniform(-1.0, 1.0, 2).tolist()),
+            math.radians(90.0 * rng.integers(-1, 2)),
+        )
+        env.goal = (0.0, 0.25)
+        env._begin(None)
+        steps = [
+            (sensed(away, math.pi - angle, twist=twist, ranges=nearest), away, angle)
+            for away, angle in ((distance + progress, ahead), (distance, bearing))
+        ]
+        rewards = [judged(env, ride)[0] for ride, _, _ in steps]
+        info = env._told()
+        (before, now) = (
+            {
+                "target": (away, angle),
+                "lidar": np.array([nearest]),
+                "velocities": (twist.linear, twist.angular),
+            }
+            for _, away, angle in steps
+        )
+        terms = expected_terms(before, now)
+        expected = sum(terms.values())
+        assert rewards == [0.0, pytest.approx(expected, abs=1e-12)], (
+            distance,
+            nearest,
+            progress,
+            bearing,
+        )
+        assert info["reward_terms"] == pytest.approx(terms, abs=1e-12)
+        assert (info["goals"], info["collisions"]) == (expected == 100.0, expected == -0.5)
+        assert info["is_success"] == (expected == 100.0)
+        if expected == 100.0:
+            env._draw_goal.assert_called_with((distance, 0.25))
+            env._draw_goal = Mock(return_value=(n, n))
+        paid.add(round(expected, 1))
+    assert paid >= {100.0, -0.5, 0.0}
 
 
 @pytest.mark.parametrize(("uncounted", "counted"), [(False, 2), (True, 0)])
 def test_scans_nearer_than_thirty_centimetres_are_collisions(
     make: Make, uncounted: bool, counted: int
 ) -> None:
-    env = make("RoboTerrain", defects={"collisions_uncounted": uncounted})
-    env.reset(seed=0, options=MIDDLE)
-    rewards = []
-    for nearest in (1.0, 0.29, 0.31, -np.inf):
-        read = env._ride.read
-
-        def near(read: Any = read, nearest: float = nearest) -> None:  # noqa: ANN401
-            read()
-            env._ride.readings = readings(np.full(32, nearest))
-
-        env._ride.read = near
-        _, reward, *_, info = env.step(STILL)
-        env._ride.read = read
-        rewards.append(reward)
-    assert [reward == -0.5 for reward in rewards] == [False, True, False, True]
-    assert info["reward_terms"] == {"collision": -0.5}
-    assert info["collisions"] == counted
+    env = begun(make, collisions_uncounted=uncounted)
+    steps = [judged(env, sensed(ranges=nearest)) for nearest in (1.0, 0.29, 0.31, -np.inf)]
+    assert [reward == -0.5 for reward, _, _ in steps] == [False, True, False, True]
+    assert steps[-1][2]["reward_terms"] == {"collision": -0.5}
+    assert [info["collisions"] for _, _, info in steps[-2:]] == [counted / 2, counted]
 
 
 def test_the_heading_controller_is_pd_in_simulation_time(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    env = make("RoboTerrain")
-    env.reset(seed=0)
-    errors = [0.5, 0.7, 0.7, -0.1, 3.2]
-    rates = [env._twist(np.array([0.4, error])).angular for error in errors]
-    wrapped = [0.5, 0.7, 0.7, -0.1, 3.2 - math.tau]
+    env = begun(make)
+    errors = [0.5, 0.7, 0.7, -0.1, 3.2, 3.0]
+    twists = [env._twist([0.4, error]) for error in errors]
+    rates = [twist.angular for twist in twists]
+    assert {twist.linear for twist in twists} == {0.4}
+    wrapped = [0.5, 0.7, 0.7, -0.1, 3.2 - math.tau, 3.0]
     changes = np.diff([0.0, *wrapped])
     expected = 2.0 * np.array(wrapped) + 0.1 * changes / 0.05
     assert rates == pytest.approx(np.clip(expected, -7.0, 7.0))
     defective = make("RoboTerrain", defects={"wall_clock": True})
     now = iter([10.0, 10.5])
     monkeypatch.setattr("harness.gym.robo_terrain.time.perf_counter", lambda: next(now))
-    defective.reset(seed=0)
+    defective._begin(None)
     assert defective._twist(np.array([0.4, 0.5])).angular == pytest.approx(2.0 * 0.5 + 0.1 * 0.5 / 0.5)
 
 
+@pytest.mark.parametrize("failure", ["", "edge"])
 @pytest.mark.parametrize(
-    ("steps", "reward", "tilt"),
+    ("steps", "tilt", "reward", "ending"),
     [
-        (1, 0.0, (0.78, 0.0)),
-        (500, 0.0, (-0.75, 0.0)),
-        (501, -20.0, (0.0, 0.75)),
-        (502, -20.0, (0.0, -0.75)),
+        (1, (1.481, 0.0), 0.0, "flipped"),
+        (500, (-1.481, 0.0), 0.0, "flipped"),
+        (501, (0.0, 1.481), -20.0, "flipped"),
+        (501, (0.0, -1.481), -20.0, "flipped"),
+        (501, (3.0, 0.0), -20.0, "flipped"),
+        (501, (1.479, 0.0), 0.0, ""),
+        (501, (0.0, -1.479), 0.0, ""),
     ],
 )
 def test_who_flips_ends_and_pays_unless_it_was_early(
-    make: Make, steps: int, reward: float, tilt: tuple[float, float]
+    make: Make, steps: int, tilt: tuple[float, float], reward: float, ending: str, failure: str
 ) -> None:
-    env = make("RoboTerrain")
-    env.reset(seed=0, options=MIDDLE)
+    env = begun(make)
+    env._observe(sensed(tilt=tilt))
     env.steps = steps - 1
-    half_roll, half_pitch = tilt  # beyond 0.74 rad; in the air
-    cos, roll, pitch = math.cos(sum(tilt)), math.sin(half_roll), math.sin(half_pitch)
-    env._ride.simulation.data.qpos[2:7] = 1.0, cos, roll, pitch, 0.0
-    assert env.step(STILL)[1:3] == (reward, True)
+    expected = (reward, ending) if ending or not failure else (-10.0, "edge")
+    assert judged(env, sensed(tilt=tilt), failure)[:2] == expected
 
 
-def test_who_is_stuck_or_outside_ends_and_pays(make: Make) -> None:
+@pytest.mark.parametrize(
+    ("places", "ending"),
+    [
+        ([0.0] * 599, ""),
+        ([0.0] * 600, "stuck"),
+        ([0.0] + [1.0] * 598 + [0.0009], "stuck"),  # there and back
+        ([0.0] + [1.0] * 598 + [-0.0011], ""),
+        ([0.0] + [1.0] * 599 + [0.0], ""),  # of the last 600 only
+        ([1.0] + [0.0] * 600, "stuck"),
+    ],
+)
+def test_who_is_after_600_steps_where_it_was_is_stuck(
+    make: Make, places: list[float], ending: str
+) -> None:
+    env = begun(make)
+    env._places.extend([(0.0, 0.25)] * 600)  # in the episode before
+    env._begin(None)
+    judged(env, sensed(-2.0))
+    env._places.clear()
+    env._places.extend((x, 0.25) for x in places[:-1])
+    reward, told, _ = judged(env, sensed(places[-1]))
+    assert told == ending
+    assert (reward == -25.0) if ending else (abs(reward) < 2.0)
+
+
+def test_who_flips_or_is_outside_ends_and_pays(make: Make) -> None:
     env = make("RoboTerrain", time_limit=40.0)
     env.reset(seed=0, options=MIDDLE)
-    env._places.extend([(0.0, 0.0)] * 598)
-    assert env.step(STILL)[2] is False  # 599
+    env.steps = 500
+    env._ride.simulation.data.qpos[2:7] = 1.0, math.cos(0.75), 0.0, math.sin(0.75), 0.0  # in the air
     _, reward, terminated, _, info = env.step(STILL)
-    assert (reward, terminated, info["ending"]) == (-25.0, True, "stuck")
+    assert (reward, terminated, info["ending"]) == (-20.0, True, "flipped")
     env.reset(options=MIDDLE)
     env._ride.simulation.data.qpos[0] = 6.6
     _, reward, terminated, _, info = env.step(STILL)
@@ -182,6 +290,7 @@ def test_starts_and_goals_are_in_the_box_and_the_spaces_are_robo_terrains(make: 
         _, info = env.reset(seed=0 if seed == 0 else None)
         places += [*info["start"][:2], *info["goal"]]
     assert 1.0 < np.abs(places).max() <= 2.1
+    assert make("RoboTerrain", reverse_speed=0.0).action_space.low[0] == 0.0
     limits = [*env.action_space.low, *env.action_space.high]
     assert limits == pytest.approx([-0.6, -math.pi, 1.0, math.pi])
     shapes = {name: box.shape for name, box in env.observation_space.items()}
@@ -196,7 +305,10 @@ def test_starts_and_goals_are_in_the_box_and_the_spaces_are_robo_terrains(make: 
     ("options", "message"),
     [
         ({"lidar_beams": 100}, "100 lidar_beams are not valid; give a multiple of 32"),
+        ({"time_limit": 0.003}, "duration 0.003 s is not valid"),
         ({"box": 0.0}, "box 0 is not valid; give a number above 0"),
+        ({"box": math.inf}, "box inf is not valid; give a number above 0"),
+        ({"reverse_speed": -0.1}, "reverse_speed -0.1 is not valid; give 0 to 1"),
         ({"reverse_speed": 2.0}, "reverse_speed 2 is not valid; give 0 to 1"),
         ({"defects": {"sleeps": True}}, "defects: key 'sleeps' does not exist; valid: limit_terminates"),
         ({"defects": {"stale_reward": 1}}, "stale_reward = 1 is not valid; give true or false"),

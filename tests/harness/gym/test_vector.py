@@ -1,6 +1,6 @@
 import re
 from typing import Any
-from unittest.mock import Mock
+from unittest.mock import Mock, call
 
 import gymnasium
 import numpy as np
@@ -9,6 +9,7 @@ from gymnasium.error import InvalidAction, ResetNeeded
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from harness.errors import UsageError
+from harness.gym import ENVIRONMENTS
 from harness.gym.vector import RoverVectorEnv, _mode
 
 ID = "RoverHarness/PointNav-v0"
@@ -53,19 +54,27 @@ class Counting(gymnasium.Env[dict[str, Any], Any]):
 
     def step(self, action: Any) -> Any:  # noqa: ANN401
         self.accept(action)
+        self.command()
         self.drive()
+        self.sense()
         return self.conclude()
 
     def accept(self, action: Any) -> None:  # noqa: ANN401
         self.accepted = float(action[0])
 
+    def command(self) -> None:
+        self.commanded = self.accepted
+
     def drive(self) -> None:
         self.left, self.count = self.left - 1, self.count + 1
+
+    def sense(self) -> None:
+        self.sensed = self.commanded
 
     def conclude(self) -> Any:  # noqa: ANN401
         ended, late = self.left == 0, self.count > 2
         seen, info = self.told()
-        return seen, self.accepted, ended and not late, ended and late, info
+        return seen, self.sensed, ended and not late, ended and late, info
 
     def told(self) -> tuple[dict[str, Any], dict[str, Any]]:
         info: dict[str, Any] = {"left": 0.5 * self.left} if self.count else {"drawn": self.left}
@@ -90,9 +99,65 @@ def test_ends_resets_and_infos_that_differ_are_as_in_gymnasiums_own(
         assert_alike(stepped, plain.step(actions.astype("f4")))
         if mode is AutoresetMode.DISABLED and (mask := stepped[2] | stepped[3]).any():
             assert_alike(*(envs.reset(options={"reset_mask": mask}) for envs in (ours, plain)))
+        if n % 7 == 3:
+            mask = np.arange(count) % 2 == 0
+            assert_alike(*(envs.reset(options={"reset_mask": mask.copy()}) for envs in (ours, plain)))
         if n % 5 == 4:  # also where one has just ended
             assert_alike(ours.reset(), plain.reset())
     ours.close()
+
+
+@pytest.mark.parametrize(("count", "threads", "used"), [(3, 0, 3), (8, 0, 5), (8, 2, 2), (1, 4, 1)])
+def test_no_more_threads_work_than_there_is_work_and_this_one_is_one_of_them(
+    monkeypatch: pytest.MonkeyPatch, count: int, threads: int, used: int
+) -> None:
+    monkeypatch.setattr("harness.gym.vector.cpu_count", lambda: 5)
+    monkeypatch.setattr("harness.gym.vector.ThreadPoolExecutor", pool := Mock())
+    envs = RoverVectorEnv(lambda **_: Counting(), num_envs=count, threads=threads)  # type: ignore[arg-type]
+    submit = pool.return_value.submit
+    for some in (count, 1):
+        done: list[int] = []
+        submit.reset_mock()
+        envs._each(done.append, range(some))
+        assert (done, submit.call_count) == ([*range(some)], min(used, some) - 1)
+    assert [made.args for made in pool.call_args_list] == ([(used - 1,)] if used > 1 else [])
+    if used > 1:
+        submit.return_value.result.side_effect = UsageError("no place")  # in another thread
+        with pytest.raises(UsageError, match="no place"):
+            envs._each(done.append, range(count))
+
+
+def test_each_environment_is_made_drawn_and_masked_by_itself() -> None:
+    made = [Mock(wraps=Counting(), metadata={"render_fps": 20}) for _ in range(2)]
+    for index, env in enumerate(made):
+        env.observation_space, env.action_space = Counting.observation_space, Counting.action_space
+        env.render.side_effect = [f"image {index}"]
+    make = Mock(side_effect=made)
+    envs = RoverVectorEnv(make, num_envs=2, threads=1, render_mode="rgb_array", colour="red")
+    assert make.call_args_list == [call(render_mode="rgb_array", colour="red")] * 2
+    assert (envs.render(), envs.render_mode) == (("image 0", "image 1"), "rgb_array")
+    assert envs.metadata == {"render_fps": 20, "autoreset_mode": AutoresetMode.NEXT_STEP}
+    assert made[0].metadata == {"render_fps": 20}
+    alone = RoverVectorEnv(lambda **_: Counting())  # type: ignore[arg-type]
+    assert (alone.num_envs, alone.metadata["autoreset_mode"]) == (1, AutoresetMode.NEXT_STEP)
+    envs.reset(seed=[3, None], options={"goal": 1})
+    assert [env.reset.call_args for env in made] == [
+        call(seed=s, options={"goal": 1}) for s in (3, None)
+    ]
+    options = {"reset_mask": np.array([False, True]), "goal": 2}
+    envs.reset(seed=7, options=options)
+    assert options.keys() == {"reset_mask", "goal"}
+    assert [env.reset.call_count for env in made] == [1, 2]
+    assert made[1].reset.call_args == call(seed=8, options={"goal": 2})
+
+
+@pytest.mark.parametrize(("name", "kind"), ENVIRONMENTS.items())
+def test_every_environment_is_registered_with_its_vector(name: str, kind: type) -> None:
+    envs: Any = gymnasium.make_vec(name, num_envs=2, vectorization_mode="vector_entry_point")
+    assert isinstance(envs, RoverVectorEnv)
+    assert [type(env) for env in envs.envs] == [kind, kind]
+    assert type(gymnasium.make(name).unwrapped) is kind
+    envs.close()
 
 
 def test_modes_of_resets_are_called_as_gymnasiums_values_or_names() -> None:

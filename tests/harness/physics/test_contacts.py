@@ -97,6 +97,8 @@ def test_of_several_steps_the_strongest_is_kept_until_a_tick_begins(simulation: 
     touch = watch.strongest["hazard"]
     assert touch.force == forces[1]
     assert touch.pose == [x + 0.01, *rest]
+    watch.note("hazard", touch._replace(part=touch.part + 1))
+    assert watch.strongest["hazard"] == touch, "of equally strong ones the first"
     watch.begin()
     assert watch.strongest == {}
 

@@ -1,6 +1,8 @@
 """People in the physics: where they are, who is touched, and that nobody is pushed unless told."""
 
 from collections.abc import Callable
+from dataclasses import replace
+from unittest.mock import Mock
 
 import mujoco
 import numpy as np
@@ -8,11 +10,18 @@ import pytest
 
 from harness.physics.contacts import Touch
 from harness.physics.crowd import Crowd
+from harness.physics.scene import Scene
 from harness.physics.simulation import Simulation
+from harness.robots import ROVERS
 from harness.samples import Place
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
+from harness.sim_time import TICK_NS
+from harness.world.actors.actor import with_actors
+from harness.world.actors.spec import parse_actors
 from harness.world.actors.walker import SocialWalker
+from harness.world.heightfield import Heightfield
+from harness.world.world import World
 
 MakeSimulation = Callable[..., Simulation]
 PASSES = "g=1,1/1,-1"
@@ -37,6 +46,7 @@ def test_after_a_tick_people_are_where_their_time_has_them(make_simulation: Make
     )
     assert crowd(simulation).positions()[0] == pytest.approx((1.0, 0.5, 1.175))
     assert len(set(social)) > 45
+    np.testing.assert_allclose(simulation.data.mocap_pos, crowd(simulation).positions())
     crowd(simulation).restart(simulation.time_ns)
     x, y, _ = crowd(simulation).positions()[0]
     np.testing.assert_allclose(simulation.data.mocap_pos[:, :2].tolist()[0], [x, y])  # at once
@@ -49,25 +59,78 @@ def test_after_a_tick_people_are_where_their_time_has_them(make_simulation: Make
     assert simulation.data.body("g_actor").xpos[1] == pytest.approx(0.5)
 
 
-def test_a_social_walker_is_told_of_the_rover_and_of_all_others(
-    make_simulation: MakeSimulation, monkeypatch: pytest.MonkeyPatch
+def two_boxes(*actors: str) -> tuple[Crowd, mujoco.MjData]:
+    """A crowd around two rovers at x = 0 and 3 m: boxes of 60 cm x 40 cm in spheres to look at."""
+    bare = World("bare", Heightfield(np.zeros((81, 81)), 0.1), (), seed=0, difficulty=0.0)
+    world = with_actors(bare, parse_actors(actors))
+    spec = mujoco.MjSpec()
+    box, sphere, capsule = (getattr(mujoco.mjtGeom, f"mjGEOM_{n}") for n in ("BOX", "SPHERE", "CAPSULE"))
+    for name, x in (("one", 0.0), ("two", 3.0)):
+        body = spec.worldbody.add_body(name=name, pos=(x, 0.0, 0.5))
+        body.add_freejoint()
+        body.add_geom(type=sphere, size=(0.9, 0.0, 0.0), contype=0, conaffinity=0)
+        body.add_geom(name=name, type=box, size=(0.3, 0.2, 0.1))
+    spec.worldbody.add_body(name="flag", mocap=True)  # another that is moved by hand
+    for actor in world.people:
+        body = spec.worldbody.add_body(name=actor.name, mocap=True)
+        body.add_geom(name=actor.name, type=capsule, size=(0.25, 0.625, 0.0), contype=0, conaffinity=0)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    rovers = [replace(ROVERS["leo"], footprint=(-reach, 0.0, 0.0, 0.0)) for reach in (0.4, 0.5)]
+    scenes = [
+        Scene(model, world, rover, root=model.body(name).id)
+        for name, rover in zip(("one", "two"), rovers, strict=True)
+    ]
+    return Crowd(scenes, data), data
+
+
+def test_a_social_walker_is_told_of_all_rovers_and_of_all_others(
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    told: list[list[tuple[float, float, float]]] = []
+    told: list[tuple[float, float, list[tuple[float, float, float]]]] = []
 
     def walk(
-        _walker: object, _time_s: float, _seconds: float, bodies: list[tuple[float, float, float]]
+        _: object, time_s: float, seconds: float, bodies: list[tuple[float, float, float]]
     ) -> Place:
-        told.append(bodies)
-        return Place(0.5, -1.5, 0.0)
+        told.append((time_s, seconds, bodies))
+        return Place(0.1 * len(told), -1.5, 0.0)
 
     monkeypatch.setattr(SocialWalker, "walk", walk)
-    simulation = make_simulation("leo", actors=("s=social:within=2.5", "x=1.5,-0.7:radius=0.3"))
-    simulation.tick()
-    x, y = simulation.data.qpos[:2].tolist()
-    rover, other = told[-1]
-    np.testing.assert_allclose(rover[:2], (x, y), atol=1e-3)
-    assert rover[2] == pytest.approx(0.31, abs=0.01)
-    assert other == (1.5, -0.7, 0.3)
+    people, data = two_boxes(
+        "x=1.5,-0.7:radius=0.3", "s=social:within=3.5", "y=1,3:radius=0.2", "t=social:within=3.5"
+    )
+    data.qpos[:2], data.qpos[7:9] = (0.1, 0.2), (2.9, -0.3)
+    del told[:]
+    people.restart(5 * TICK_NS)
+    people.move(6 * TICK_NS)
+    people.move(8 * TICK_NS)
+    np.testing.assert_allclose(
+        [one[:2] for one in told[::2]], [(0.0, 0.0), (0.01, 0.01), (0.03, 0.01)], atol=1e-12
+    )
+    rovers, (x, y) = [(0.1, 0.2, 0.4), (2.9, -0.3, 0.5)], [(1.5, -0.7, 0.3), (1.0, 3.0, 0.2)]
+    begins = [(*actor.begin, 0.25) for actor in people.actors]
+    for number in range(3):  # the others where they were before anybody moved
+        s, t = begins[1::2] if number == 0 else [(0.1 * (2 * number + n), -1.5, 0.25) for n in (-1, 0)]
+        np.testing.assert_allclose(told[2 * number][2], [*rovers, x, y, t])
+        np.testing.assert_allclose(told[2 * number + 1][2], [*rovers, x, s, y])
+
+
+@pytest.mark.parametrize(("gap", "touches"), [(-0.001, True), (0.001, False)])
+def test_a_touch_is_that_of_the_rover_whose_colliding_part_meets_a_person(
+    gap: float, touches: bool
+) -> None:
+    people, data = two_boxes("far=-3,3", f"x=3,{0.2 + 0.25 + gap}")
+    mujoco.mj_forward(people._model, data)
+    watches = [Mock(), Mock()]
+    people.look(watches)
+    watches[0].note.assert_not_called()
+    assert watches[1].note.call_count == touches
+    if touches:
+        kind, touch = watches[1].note.call_args.args
+        names = [people._model.geom(geom).name for geom in (touch.part, touch.other)]
+        assert (kind, touch.force, names) == ("hazard", 0.0, ["two", "x_actor"])
+        assert touch.position[1] == pytest.approx(0.2 + gap / 2, abs=1e-6)
+        assert touch.pose == pytest.approx([3.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0])
 
 
 def test_the_lidar_sees_them_as_mujoco_does(make_simulation: MakeSimulation) -> None:

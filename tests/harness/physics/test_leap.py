@@ -33,7 +33,8 @@ def test_a_leap_gives_the_bits_that_single_ticks_give(
     stepped, leaping = (make_simulation(robot, heights=heights, obstacles=(POST,)) for _ in range(2))
     leap, hazard, touched = Leap(leaping, 5), leaping.summed(HAZARD_CONTACT), 0
     for period in SPEEDS.reshape(-1, 5, 4):
-        leap.run(period)
+        leap.take(period)
+        leap.run()
         for tick in leap.ticks():
             stepped.command_wheels(period[tick])
             stepped.tick()
@@ -51,10 +52,12 @@ def test_a_leap_off_the_map_or_into_nonsense_is_told(make_simulation: MakeSimula
     simulation = make_simulation()
     leap, still = Leap(simulation, 5), np.zeros((5, 4))
     simulation.data.qpos[0] = 1.6
-    leap.run(still)
+    leap.take(still)
+    leap.run()
     with pytest.raises(RunFailed, match=r"edge of the map at t = 0\.05 s"):
         list(leap.ticks())
     simulation.data.qvel[0] = np.inf
-    leap.run(still)
+    leap.take(still)
+    leap.run()
     with pytest.raises(Diverged):
         list(leap.ticks())

@@ -2,6 +2,7 @@
 
 import copy
 import math
+from collections.abc import Callable
 
 import mujoco
 import numpy as np
@@ -87,3 +88,15 @@ def test_wheels_hold_with_the_torque_of_their_motors(
     mujoco.mj_step(model, data, 400)
     turned = np.abs(data.qvel[dofs]).max()
     assert turned < 1e-2 if holds else turned > 0.1
+
+
+def test_who_only_steers_is_parked(
+    foreign: Callable[[str], RoverSpec], simulate: MakeSimulation
+) -> None:
+    simulation = simulate(foreign("buggy"))
+    stiff = []
+    for speeds, angles in (((1.0, 1.0), (0.0, 0.0)), ((0.0, 0.0), (0.3, 0.2)), ((0.0, 0.1), (0.0, 0.0))):
+        simulation.command_wheels(np.array([*speeds, *angles]))
+        assert simulation.data.ctrl[simulation.motors].tolist() == [*speeds, *angles]
+        stiff.append(simulation.model.opt.impratio)
+    assert stiff == [1.0, 30.0, 1.0]

@@ -85,6 +85,7 @@ def test_who_drives_into_another_touches_a_hazard_and_so_does_the_other(
             assert (strongest is not None) == bool(forces)
             if strongest is not None:
                 assert strongest.force == max(forces)
+                assert strongest.pose == simulation.pose.tolist()
         most = max([most, *forces])
     assert counted > 10
     assert most > 5.0
@@ -131,6 +132,12 @@ def test_a_reset_is_of_one_alone(pair: tuple[Simulation, Simulation]) -> None:
     x = one.position[0]
     one.tick()
     assert one.position[0] < x, "it drives on"
+    one.summed("imu_gyro")[:], other.summed("imu_gyro")[:] = 1.0, 2.0
+    there = other.pose.copy()
+    one.return_to_start()
+    assert (one.summed("imu_gyro") == 0.0).all()
+    assert (other.summed("imu_gyro") == 2.0).all()
+    assert np.array_equal(other.pose, there)
 
 
 def test_friction_is_stiff_as_long_as_one_is_parked(pair: tuple[Simulation, Simulation]) -> None:

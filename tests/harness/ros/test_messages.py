@@ -2,6 +2,7 @@
 
 import struct
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from geometry_msgs.msg import (
 )
 from nav_msgs.msg import Odometry
 from rclpy.serialization import deserialize_message, serialize_message
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import (
     CameraInfo,
     FluidPressure,
@@ -39,6 +41,7 @@ from sensor_msgs.msg import (
 from std_msgs.msg import Bool, Float64MultiArray, Header, MultiArrayDimension, MultiArrayLayout
 
 from harness import samples
+from harness.robots import RoverSpec
 from harness.ros.messages import by_names, filler, person
 from harness.sensors import table
 from harness.sensors.barometer import Pressure
@@ -48,7 +51,7 @@ from harness.sensors.gnss import GnssFix
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.magnetometer import MagneticField as MagneticFieldSample
 from harness.sensors.ranging import RangeReading
-from tests.support.rovers import ROVER_ZERO4WD
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 STAMP_NS, STAMP = 12_000_000_345, Time(sec=12, nanosec=345)
 LIDAR = LidarSpec(beams=5, range_min=0.25, range_max=8.0, angle_max=1.5)  # exact in float32
@@ -329,6 +332,43 @@ def test_every_topic_of_a_sensor_is_expected_here() -> None:
     assert {row.fault for row in ROWS} == {row.fault for row in table.SENSORS}
     told = [row for row in ROWS if row.sample is not samples.Transforms]  # test_frames.py
     assert list(EXPECTED) == [topic.name for row in told for topic in row.topics]
+
+
+@pytest.mark.parametrize(
+    ("rover", "imu_frame", "child", "joints"),
+    [(LEO, "imu_frame", "base_footprint", 6), (ROVER_ZERO4WD, "imu_link", "base_link", 4)],
+)
+def test_frames_and_joints_are_those_of_the_rover(
+    rover: RoverSpec, imu_frame: str, child: str, joints: int
+) -> None:
+    rows = [row for row in chosen(rover, ()) if row.sample is not samples.Transforms]
+    fills = {topic.name: filler(row, topic, rover, LIDAR) for row in rows for topic in row.topics}
+    told = {name: fills[name](sample) for name, (sample, _) in EXPECTED.items() if name in fills}
+    assert told["imu/data"].header.frame_id == imu_frame
+    assert told["odometry/wheels"].child_frame_id == child
+    assert told["odom_ground_truth"].child_frame_id == "base_footprint"
+    assert len(told["joint_states"].name) == joints
+
+
+@pytest.mark.parametrize("flags", [*product([False, True], repeat=3)], ids=str)
+def test_each_kind_of_contact_is_told_in_its_place(flags: tuple[bool, bool, bool]) -> None:
+    hazard, rock, scrape = flags
+    truth = samples.TruthState(STAMP_NS, hazard, rock, scrape, 11.0, 12.0, 13.0, SLIP, 14.0)
+    (contact,) = heard("rover/truth/contact", truth)
+    (traversal,) = heard("rover/truth/traversal", truth)
+    assert (contact.data, *traversal.data[1:3]) == (hazard, rock, scrape)
+
+
+def test_the_clock_tells_the_time_of_a_tick() -> None:
+    assert by_names(Clock(), samples.Tick)(samples.Tick(STAMP_NS, ())) == Clock(clock=STAMP)
+
+
+@pytest.mark.parametrize("yaw", [np.inf, np.nan])
+def test_a_faulty_yaw_is_no_number_and_stops_nobody(yaw: float) -> None:
+    (message,) = heard("odometry/wheels", replace(EXPECTED["odometry/wheels"][0], yaw=yaw))
+    turn = message.pose.pose.orientation
+    assert np.isnan([turn.z, turn.w]).all()
+    assert (turn.x, turn.y) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("yaw", [0.5, -2.0, 3.0])

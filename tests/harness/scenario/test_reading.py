@@ -178,6 +178,27 @@ def test_a_mistake_is_told_where_it_stands(text: str, told: str, tmp_path: Path)
     assert "\n" not in message
 
 
+@pytest.mark.parametrize(
+    ("part", "keys"),
+    [
+        ("matrix: {q: 1}", "robot, terrain, difficulty, driver, noise, params"),
+        ("goal: {q: 1}", "at, yaw, radius"),
+        ("events: [{at: 1, fault: a, q: 1}]", "at, fault, for"),
+        ("events: [{at: 1, command: [0, 0], q: 1}]", "at, command"),
+        ("events: [{at: 1, reset: true, q: 1}]", "at, reset"),
+        ("events: [{at: 1, pause: 1, q: 1}]", "at, pause"),
+        ("launch: [{q: 1}]", "command, wait_for"),
+        ("expected_to_fail: [{q: 1}]", "reason, robot, terrain"),
+        ("pass_rate: {q: 1}", "min"),
+    ],
+)
+def test_of_a_key_that_no_part_knows_those_of_its_part_are_told(
+    part: str, keys: str, tmp_path: Path
+) -> None:
+    with pytest.raises(UsageError, match=rf":4:\d+: key 'q' does not exist; available: {keys}$"):
+        read(f"{HEAD}{EXPECT}{part}\n", tmp_path)
+
+
 def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=re.escape(f"cannot read {tmp_path}: Is a directory")):
         read_scenario(tmp_path)

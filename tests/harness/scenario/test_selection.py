@@ -10,6 +10,7 @@ import pytest
 
 from harness.config import FILE_OPTIONS, EpisodeConfig
 from harness.errors import UsageError
+from harness.robots import MODELS_DIR
 from harness.scenario.selection import find_files, plan
 from tests.harness.scenario.conftest import MakeCases, cases_with
 
@@ -90,6 +91,29 @@ def test_a_file_becomes_the_configuration_that_it_describes(make_cases: MakeCase
         cases_with(make_cases, hill.parent, "metrics_node: {ros__parameters: {collision_threshol: 5.0}}")
     with pytest.raises(UsageError, match=r"two\.scenario\.yaml: robot 'mole' does not exist; available"):
         make_cases(SPEED, "robot: mole")
+
+
+def test_a_rover_is_the_folder_beside_the_scenario_unless_it_has_the_name_of_one_that_ships(
+    make_cases: MakeCases, tmp_path: Path
+) -> None:
+    for name in ("mole", "leo"):
+        (tmp_path / name).symlink_to(MODELS_DIR / "rover_zero4wd")
+    cases = make_cases(SPEED, "matrix: {robot: [mole, leo]}")
+    assert [case.config.robot for case in cases] == [str(tmp_path / "mole"), "leo"]
+
+
+def test_a_failure_is_expected_of_the_runs_that_have_all_that_it_names(make_cases: MakeCases) -> None:
+    known = (
+        "[{reason: one, robot: leo, terrain: flat}, {reason: two, terrain: hill.npy},"
+        " {reason: three, robot: rover_zero4wd}]"
+    )
+    (case,) = make_cases(SPEED, f"expected_to_fail: {known}")
+    found = []
+    for robot in ("leo", "rover_zero4wd"):
+        for terrain in ("flat", "slope", "maps/hill.npy"):
+            told = replace(case, config=replace(case.config, robot=robot, terrain=terrain))
+            found.append(told.expected_failure and told.expected_failure.reason)
+    assert found == ["one", None, "two", "three", "three", "two"]
 
 
 def test_files_are_found_in_order_and_what_is_not_there_is_told(tmp_path: Path) -> None:

@@ -53,6 +53,8 @@ def carried(asked: tuple[str, ...] | None, *sensors: Mapping[str, Any]) -> dict[
     return {row.given.name: row for row in rows if row.given is not None}
 
 
+# What a run hears or tells besides the sensors: docs/topics.md.
+OF_THE_RUN = ["clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_static", "rover/metrics"]
 LEFT, RIGHT = (
     {"kind": "eye", "name": "left", "topic": "l"},
     {"kind": "eye", "name": "right", "pixels": 4},
@@ -95,16 +97,6 @@ def test_those_of_rover_yaml_are_carried_unless_others_are_asked_for(
     assert {name: getattr(row.given, "pixels", None) for name, row in rows.items()} == names
 
 
-def test_a_mount_hangs_on_its_parent_or_else_where_the_lidar_is() -> None:
-    leo = replace(rover(), rest_height=0.2)  # of the base over the ground
-    (free,) = EyeOptions(name="eye", xyz=(0.1, 0.2, 0.3)).frames(leo)
-    assert (free.parent, free.child) == ("base_footprint", "eye_link")
-    assert free.xyz == pytest.approx((0.274, 0.2, 0.898))
-    (fixed,) = EyeOptions(name="eye", parent="rocker_L_link", xyz=(0.1, 0.2, 0.3)).frames(leo)
-    assert (fixed.parent, fixed.xyz) == ("rocker_L_link", (0.1, 0.2, 0.3))
-    assert EyeOptions(name="eye", frame="camera_optical_frame").frames(leo) == ()
-
-
 @pytest.mark.parametrize(
     ("entry", "message"),
     [
@@ -123,7 +115,11 @@ def test_a_mount_hangs_on_its_parent_or_else_where_the_lidar_is() -> None:
             r"/l/image is the topic of left and of l; give 'l' another topic",
         ),
         ({"kind": "nose", "topic": "scan"}, r"/scan is the topic of scan and of nose"),
-        ({"kind": "nose", "topic": "cmd_vel"}, r"/cmd_vel is the topic of the run itself and of nose"),
+        *(
+            ({"kind": "nose", "topic": topic}, rf"/{topic} is the topic of the run itself and of nose")
+            for topic in OF_THE_RUN
+        ),
+        ({"kind": "nose", "name": "clock"}, r"two sensors are named 'clock'; give one another name"),
         (
             {"kind": "nose", "topic": "/a"},
             r"topic '/a' is not valid; give e\.g\. front/points, no slash",

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.stats import norm
 
 from harness.sensors.geodesy import DEFAULT_DATUM, Datum
 from harness.sensors.gnss import GnssFix, GnssOptions, GnssSensor
@@ -12,8 +13,8 @@ from tests.harness.sensors.test_geodesy import axes, ecef
 
 DATUM = Datum(*DEFAULT_DATUM)
 DESERT = (38.4064, -110.7919, 1382.0)  # Utah's Mars Desert Research Station
-HALF = 1.1774  # deviations: the radius in which half of what is spread over a plane lies
-HALF_OF_LINE = 0.67449
+HALF = np.sqrt(2 * np.log(2))  # deviations: the radius in which half of what lies in a plane is (CEP)
+HALF_OF_LINE = norm.ppf(0.75)
 
 
 def sensor(
@@ -31,17 +32,6 @@ def in_world(fix: GnssFix) -> NDArray[np.float64]:
     return np.asarray(axes(DATUM) @ (ecef(fix.latitude, fix.longitude, fix.altitude) - origin))
 
 
-def errors(preset: str, count: int, every_s: float = 0.0) -> NDArray[np.float64]:
-    """Of one receiver's fixes [m], or of as many receivers' first ones."""
-    if not every_s:
-        return np.array([in_world(sensor(preset, seed).read()) - (0, 0, 0.5) for seed in range(count)])
-    one, read = sensor(preset), []
-    for n in range(count):
-        set_time(one, n * every_s)
-        read.append(in_world(one.read()) - (0, 0, 0.5))
-    return np.array(read)
-
-
 def test_the_world_lies_at_a_station_of_the_desert_unless_it_is_told_otherwise() -> None:
     fix = sensor(position=(0.0, 0.0, -0.5)).read()
     assert (fix.latitude, fix.longitude, fix.altitude) == pytest.approx(DESERT, abs=1e-6)
@@ -56,42 +46,30 @@ def test_without_noise_a_fix_is_where_the_antenna_is_and_of_unknown_covariance()
 
 
 @pytest.mark.parametrize(
-    ("preset", "cep", "up", "status"),
-    [("rtk", 0.01, 0.01 / HALF_OF_LINE, 2), ("consumer", 2.5, 4.25, 0)],
+    ("preset", "white", "total", "up", "seconds", "status"),
+    [
+        ("rtk", 0.01 / HALF / 2**0.5, 0.01 / HALF, 0.01 / HALF_OF_LINE, 10.0, 2),
+        ("consumer", 0.2, 2.5 / HALF, 2 * 2.5 / HALF, 100.0, 0),
+    ],
 )
-def test_half_of_the_receivers_are_within_the_data_sheets_circle(
-    preset: str, cep: float, up: float, status: int
+def test_half_of_the_fixes_are_within_the_data_sheets_circle(
+    preset: str, white: float, total: float, up: float, seconds: float, status: int
 ) -> None:
-    """ZED-F9P: 0.01 m CEP, 0.01 m R50; NEO-M8: 2.5 m CEP. Binomial: 5 deviations of a half of n."""
-    count = 120
-    read = errors(preset, count)
-    within = (np.hypot(*read[:, :2].T) < cep).mean()
-    assert within == pytest.approx(0.5, abs=5 * 0.5 / np.sqrt(count))
-    interval = 5 / np.sqrt(2 * count)
-    assert read[:, 2].std() == pytest.approx(up, rel=interval)
-    assert np.abs(read.mean(axis=0)).max() < 5 * max(cep, up) / np.sqrt(count)
-    fix = sensor(preset).read()
+    """ZED-F9P: 0.01 m CEP and R50; NEO-M8: 2.5 m CEP. What is not white is left by 1/e in its time."""
+    rng, one = np.random.default_rng(3), sensor(preset, 3, position=(3.0, -4.0, 1.0))
+    antenna = np.array([3.0, -4.0, 1.5])
+    slow = np.sqrt(total**2 - white**2)
+    bias, renewed = rng.normal(0.0, slow, 3), slow * np.sqrt(1 - np.exp(-2))
+    for reading in range(3):
+        set_time(one, reading * seconds)
+        bias = bias / np.e + rng.normal(0.0, renewed, 3) if reading else bias
+        drawn = (bias + rng.normal(0.0, white, 3)) * (1, 1, up / total)
+        fix = one.read()
+        assert in_world(fix) == pytest.approx(antenna + drawn, abs=1e-6)
     told = np.array(fix.position_covariance).reshape(3, 3)
-    assert np.sqrt(np.diag(told)) == pytest.approx((cep / HALF, cep / HALF, up), rel=1e-3)
+    assert np.sqrt(np.diag(told)) == pytest.approx((total, total, up))
     assert np.count_nonzero(told) == 3
     assert (fix.position_covariance_type, fix.fix) == (2, status)
-
-
-@pytest.mark.parametrize(
-    ("preset", "white", "seconds"), [("rtk", 0.01 / HALF / 2**0.5, 10.0), ("consumer", 0.2, 100.0)]
-)
-def test_what_is_not_white_is_left_by_1_over_e_after_its_time(
-    preset: str, white: float, seconds: float
-) -> None:
-    """Of a Gauss-Markov process r(tau) = exp(-tau / T); pairs that are T apart, 10 T between them."""
-    assert GnssOptions.errors[preset].correlation_time == seconds
-    total = {"rtk": 0.01, "consumer": 2.5}[preset] / HALF
-    read = errors(preset, 300, seconds)[:, :2]
-    correlation = (read[1:] * read[:-1]).mean() / total**2
-    share = 1 - (white / total) ** 2
-    assert correlation == pytest.approx(share * np.exp(-1), abs=5 / np.sqrt(read.size))
-    at_once = errors(preset, 150, 1e-6)
-    assert np.diff(at_once[:, :2], axis=0).std() == pytest.approx(white * 2**0.5, rel=0.25)
 
 
 @pytest.mark.parametrize(

@@ -2,26 +2,31 @@
 
 import copy
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.errors import UsageError
-from harness.physics.scene import build_scene, build_scenes
-from harness.physics.simulation import Simulation, simulations
+from harness.physics.scene import build_scene
+from harness.physics.simulation import Simulation
 from harness.sensors.height_scan import HeightScan, HeightScanOptions, HeightScanSensor
-from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
 from tests.harness.conftest import MakeSimulation
 from tests.harness.sensors.installed import installation
-from tests.support.rovers import LEO, ROVER_ZERO4WD
+from tests.harness.sensors.test_lidar import terrain_spec
+from tests.support.rovers import LEO
 
 SIZE = (1.6, 0.9)
+SHAPES = ("BOX", "CYLINDER", "CAPSULE", "ELLIPSOID")
 
 
 @pytest.fixture(scope="module")
@@ -35,11 +40,14 @@ def simulation() -> Simulation:
 
 
 def scan(
-    simulation: Simulation, xyz: tuple[float, float, float] = (0, 0, 0), **told: object
+    simulation: Any,  # noqa: ANN401 - or what stands for a Simulation
+    xyz: tuple[float, float, float] = (0, 0, 0),
+    turn: NDArray[np.float64] | None = None,
+    **told: object,
 ) -> HeightScan:
     options = HeightScanOptions(name="scan", size=SIZE, **told)  # type: ignore[arg-type]  # of several types
     options.check()
-    installed = installation(options, xyz=xyz)
+    installed = installation(options, xyz=xyz, axes=turn)
     body = simulation.model.body("rover").id
     object.__setattr__(installed.mount, "body", body)
     return HeightScanSensor(simulation, installed, 5).read()
@@ -52,10 +60,12 @@ def test_every_cell_has_the_height_of_what_is_met_first_from_above(
     read = scan(simulation, (0.3, 0.1, 0.2), axes=axes)
     assert read.heights.shape == (16, 9)
     assert read.heights.dtype == np.float32
-    yaw = simulation.yaw if axes == "rover" else 0.0
+    assert (read.stamp_ns, read.sensor) == (simulation.time_ns, "scan")
+    ahead = simulation.rotation()[:, 0]
+    yaw = math.atan2(ahead[1], ahead[0]) if axes == "rover" else 0.0
     mount = np.array(simulation.position) + simulation.rotation() @ (0.3, 0.1, 0.2)
     assert (read.x, read.y, read.z) == pytest.approx(mount.tolist())
-    assert read.yaw == pytest.approx(yaw, abs=2e-2)  # that of a frame that leans is another's
+    assert read.yaw == pytest.approx(yaw)
     seen, hit = np.array([1, 1, 0, 0, 0, 0], np.uint8), np.zeros(1, np.int32)
     rocks = 0
     for (i, j), height in np.ndenumerate(read.heights):
@@ -69,19 +79,32 @@ def test_every_cell_has_the_height_of_what_is_met_first_from_above(
     assert 0 < rocks < read.heights.size / 2
 
 
-def test_what_hangs_high_is_looked_at_from_above_it(make_simulation: MakeSimulation) -> None:
-    box = Obstacle(ObstacleKind.HAZARD, "box", (0.3, 0.3, 0.3), (0.0, 0.0, 5.0))
-    read = scan(make_simulation("leo", obstacles=(box,)), axes="world")
-    assert read.heights[8, 4] + read.z == pytest.approx(5.3, abs=1e-6)
+def test_a_grid_turns_with_its_own_frame(simulation: Simulation) -> None:
+    turn = Rotation.from_euler("xyz", (0.3, -0.2, 2.5)).as_matrix()
+    ahead = simulation.rotation() @ turn[:, 0]
+    assert scan(simulation, turn=turn).yaw == pytest.approx(math.atan2(ahead[1], ahead[0]))
+    assert scan(simulation, turn=turn, axes="world").yaw == 0.0
 
 
-def test_what_is_off_the_map_is_not_known(simulation: Simulation) -> None:
-    half_x, _ = simulation.scene.world.ground.half_size
-    aside = half_x - simulation.position[0], 0.0, 0.0
+def test_what_hangs_high_and_what_reaches_in_from_afar_are_seen(make_simulation: MakeSimulation) -> None:
+    boxes = [((0.26, 0.26, 0.3), (0.0, 0.0, 5.0)), ((1.0, 0.05, 0.2), (-1.2, 0.38, 0.2))]
+    walls = tuple(Obstacle(ObstacleKind.HAZARD, "box", half, middle) for half, middle in boxes)
+    read = scan(make_simulation("leo", obstacles=walls), axes="world")
+    for (i, j), height in np.ndenumerate(read.heights):
+        place = np.array([read.x - 0.75 + 0.1 * i, read.y - 0.4 + 0.1 * j])
+        tops = [z + c for (a, b, c), (x, y, z) in boxes if (abs(place - (x, y)) < (a, b)).all()]
+        assert height + read.z == pytest.approx(max(tops, default=0.0), abs=1e-6)
+
+
+@pytest.mark.parametrize(("axis", "end"), [(0, 1), (0, -1), (1, 1), (1, -1)])
+def test_what_is_off_the_map_is_not_known(simulation: Simulation, axis: int, end: int) -> None:
+    aside = np.zeros(3)
+    aside[axis] = end * simulation.scene.world.ground.half_size[axis] - simulation.position[axis]
     x, y, z = (aside @ simulation.rotation()).tolist()
-    heights = scan(simulation, (x, y, z), axes="world").heights
-    assert np.isnan(heights[8:]).all()
-    assert np.isfinite(heights[:8]).all()
+    heights = np.moveaxis(scan(simulation, (x, y, z), axes="world").heights, axis, 0)[::end]
+    beyond = np.arange(len(heights)) > (len(heights) - 1) / 2
+    assert np.isnan(heights[beyond]).all()
+    assert np.isfinite(heights[: len(heights) // 2]).all()
 
 
 def test_a_map_need_not_lie_around_the_origin() -> None:
@@ -119,19 +142,28 @@ def test_a_grid_has_a_quarter_of_a_million_cells_at_most() -> None:
         HeightScanOptions(name="scan", resolution=0.125, size=(62.5, 62.625)).check()
 
 
+@pytest.mark.parametrize(
+    ("size", "resolution", "cells"),
+    [((0.3, 0.7), 0.1, (3, 7)), ((0.04, 0.34), 0.1, (1, 3)), ((1.0, 0.02), 0.25, (4, 1))],
+)
+def test_a_grid_has_the_nearest_number_of_cells_and_one_at_least(
+    size: tuple[float, float], resolution: float, cells: tuple[int, int]
+) -> None:
+    assert HeightScanOptions(name="scan", size=size, resolution=resolution).cells == cells
+
+
 def test_its_frame_is_where_it_is_mounted() -> None:
     (row,) = HeightScanOptions(name="scan", xyz=(1.0, 2.0, 3.0), rpy=(0.1, 0.2, 0.3)).frames(LEO)
-    assert (row.parent, row.xyz, row.rpy) == (
-        LEO.odometry_child_frame,
-        (1.0, 2.0, 3.0),
-        (0.1, 0.2, 0.3),
-    )
+    assert (row.parent, row.child) == (LEO.odometry_child_frame, "scan_link")
+    assert (row.xyz, row.rpy) == ((1.0, 2.0, 3.0), (0.1, 0.2, 0.3))
+    (row,) = HeightScanOptions(name="scan", parent="lidar_link", frame="grid").frames(LEO)
+    assert (row.parent, row.child) == ("lidar_link", "grid")
 
 
-def test_another_rover_is_part_of_the_ground_and_its_own_is_not() -> None:
-    world = World("bench", Heightfield(np.zeros((61, 61)), 0.1), (), seed=0, difficulty=0.0)
-    fleet = (Member("a", LEO, (0.0, 0.0, 0.0)), Member("b", ROVER_ZERO4WD, (0.7, 0.0, 0.4)))
-    one, other = simulations(build_scenes(world, fleet, 0.0025), 2_500_000)
+def test_another_rover_is_part_of_the_ground_and_its_own_is_not(
+    two_rovers: tuple[Simulation, Simulation],
+) -> None:
+    one, other = two_rovers
     model, data, hit = one.model, one.data, np.zeros(1, np.int32)
     read = scan(one, (0.4, 0.0, 0.0), axes="world")
     model = copy.copy(model)
@@ -143,3 +175,27 @@ def test_another_rover_is_part_of_the_ground_and_its_own_is_not() -> None:
         met += int(hit[0]) in other.scene.geoms()
         assert height == pytest.approx(10.0 - distance - read.z, abs=2e-6)
     assert 10 < met < read.heights.size
+
+
+def test_of_another_rover_every_shape_is_seen_meshes_too() -> None:
+    spec, rng = terrain_spec(np.zeros((41, 41)), 0.1), np.random.default_rng(4)
+    spec.worldbody.add_body(name="rover", pos=[0.0, 0.0, 0.6])
+    spec.add_mesh(name="shell", uservert=rng.uniform(-0.3, 0.3, 24).tolist())
+    other, places = spec.worldbody.add_body(name="other"), [-0.6, -0.3, 0.0, 0.3, 0.6]
+    kinds = [mujoco.mjtGeom.mjGEOM_MESH, *(getattr(mujoco.mjtGeom, f"mjGEOM_{k}") for k in SHAPES)]
+    for kind, x in zip(kinds, places, strict=True):
+        mesh = {"meshname": "shell"} if kind == kinds[0] else {"size": [0.12, 0.1, 0.15]}
+        turn = rng.normal(size=4)
+        other.add_geom(type=kind, pos=[x, 0.1, 0.3], quat=turn, mass=1.0, group=3, **mesh)
+    model = spec.compile()
+    data, others = mujoco.MjData(model), np.flatnonzero(model.geom_group == 3)
+    ground = Heightfield(np.zeros((41, 41)), 0.1)
+    scene = SimpleNamespace(world=SimpleNamespace(ground=ground), others=lambda: others)
+    read = scan(SimpleNamespace(model=model, data=data, scene=scene, time_ns=7), axes="world")
+    seen, met, hit = np.array([1, 0, 0, 1, 0, 0], np.uint8), set(), np.zeros(1, np.int32)
+    for (i, j), height in np.ndenumerate(read.heights):
+        above, down = np.array([-0.75 + 0.1 * i, -0.4 + 0.1 * j, 10.0]), np.array([0.0, 0.0, -1.0])
+        distance = mujoco.mj_ray(model, data, above, down, seen, 1, -1, hit)
+        met.add(int(hit[0]))
+        assert height + 0.6 == pytest.approx(10.0 - distance, abs=2e-6)
+    assert met == {0, *others.tolist()}

@@ -121,7 +121,9 @@ def assert_same_scan(ours: NDArray[np.float32], theirs: NDArray[np.float32]) -> 
 def test_a_thousand_random_scans_meet_mujoco(rover: RoverSpec, cell: float) -> None:
     """Random worlds and poses: level to overturned, over, on and under the ground, off the map."""
     rng = np.random.default_rng([int(1000 * rover.lidar_height), int(100 * cell)])
-    spec = LidarSpec(beams=48, range_max=float(rng.choice([3.0, 10.0])))
+    spec = LidarSpec(
+        beams=48, range_max=float(rng.choice([3.0, 10.0])), angle_max=2.0 if cell == 0.1 else 3.14159
+    )
     finite = near = 0
     for _ in range(14):
         n = int(rng.integers(9, 40))
@@ -325,6 +327,7 @@ def test_spheres_and_meshes_of_other_rovers_are_met_where_they_are() -> None:
     other.add_freejoint()
     spec.add_mesh(name="shell", uservert=rng.uniform(-0.5, 0.5, 24).tolist())
     other.add_geom(type=MESH, meshname="shell", group=3)
+    other.add_geom(type=MESH, meshname="shell", pos=[0.0, -0.9, 0.0], quat=[1, 1, 0, 0], group=3)
     other.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.3, 0, 0], pos=[0.0, 0.9, 0.0], group=3)
     model, data = compiled(spec)
     others = [g for g in range(model.ngeom) if model.body(model.geom_bodyid[g]).name == "other"]
@@ -342,6 +345,12 @@ def test_spheres_and_meshes_of_other_rovers_are_met_where_they_are() -> None:
     assert {g for g in geoms.tolist() if g in others} == set(others)
     expected = np.where(geoms >= 0, distances, np.inf)
     np.testing.assert_allclose(lidar.scan(data), expected, atol=TOLERANCE)
+    middles = np.linalg.norm(data.geom_xpos[others] - place, axis=1)
+    nearest = np.array([distances[geoms == geom].min() for geom in others])
+    for farthest in 0.5 * (nearest + middles):  # only the near side of one is within that
+        short = Lidar(model, LidarSpec(beams=720, range_max=float(farthest)), "lidar", others)
+        seen = np.where(expected <= farthest, expected, np.inf)
+        np.testing.assert_allclose(short.scan(data), seen, atol=TOLERANCE)
 
 
 def test_a_scan_is_taken_from_where_the_rover_is_now(make_simulation: MakeSimulation) -> None:
@@ -349,6 +358,8 @@ def test_a_scan_is_taken_from_where_the_rover_is_now(make_simulation: MakeSimula
     wall = Obstacle(ObstacleKind.HAZARD, "box", (0.1, 1.5, 1.5), (1.6, 0.0, 0.0))
     simulation = make_simulation("leo", obstacles=(wall,))
     sensor = LidarSensor(simulation, Lidar(simulation.model, LidarSpec(beams=8)), 5)
+    simulation.physics.step_count = 12
+    assert sensor.read().stamp_ns == 30_000_000
     before = sensor.read().ranges
     simulation.data.qpos[0] += 0.5
     ahead = int(np.argmin(before))

@@ -57,6 +57,8 @@ def test_a_spiral_covers_its_field_of_view_evenly() -> None:
     assert len(azimuth) * 10 == 200_000  # a second
     assert (elevation.min(), elevation.max()) == pytest.approx((-7.0, 52.0))
     edges = np.degrees(np.arcsin(np.linspace(math.sin(math.radians(-7)), math.sin(math.radians(52)), 6)))
+    turns = np.arange(50) * 2 / (1 + math.sqrt(5)) - 0.5  # a golden part further each, from behind
+    assert np.exp(1j * np.radians(azimuth[:50])) == pytest.approx(np.exp(2j * np.pi * turns))
     counts, *_ = np.histogram2d(azimuth, elevation, (np.linspace(-180, 180, 9), edges))
     assert counts == pytest.approx(500, rel=0.02)  # parts of the same solid angle
 
@@ -72,6 +74,16 @@ def test_planar_beams_are_those_of_the_data_sheet(
     assert (azimuth[0] % 360 - 360, azimuth[-1]) == pytest.approx((first % 360 - 360, last))
     assert np.diff(azimuth[1:]) == pytest.approx(step)
     assert (elevation == 0.0).all()
+
+
+@pytest.mark.parametrize(("span", "step"), [(2 * np.pi, 2 * np.pi / 5), (6.0, 1.5), (3.5, 0.875)])
+def test_all_around_the_last_column_would_be_the_first_and_otherwise_both_ends_are_there(
+    span: float, step: float
+) -> None:
+    given = CloudLidarOptions(name="x", rings=1, columns=5, angle_min=-span / 2, angle_max=span / 2)
+    azimuth, _ = angles(given.directions())
+    expected = np.arange(5) * step - span / 2
+    assert np.exp(1j * np.radians(azimuth)) == pytest.approx(np.exp(1j * expected))
 
 
 def test_elevations_of_ones_own_and_part_of_a_circle() -> None:
@@ -120,6 +132,15 @@ def test_elevations_of_ones_own_and_part_of_a_circle() -> None:
             r"range_min 5 m and range_max 5 m are not",
         ),
         (CloudLidarOptions, {"range_max": math.inf}, r"range_max inf m are not valid"),
+        (CloudLidarOptions, {"angle_min": -3.2}, r"a field of view from -3\.2 to 3\.14159 rad"),
+        (
+            CloudLidarOptions,
+            {"highest": 1.6},
+            r"elevations from .* to 1\.6 rad .* to 1\.5708$",
+        ),
+        (CloudLidarOptions, {"elevations": (-1.6, 0.1)}, r"elevations from -1\.6 to 0\.1 rad"),
+        (CloudLidarOptions, {"pattern": "spiral", "elevations": (0.1,)}, r"a spiral has no rings"),
+        (PlanarLidarOptions, {"angle_max": 3.2}, r"a field of view from -3\.14159 to 3\.2 rad"),
         (PlanarLidarOptions, {"beams": 1}, r"1 beams are not valid; give 2 or more"),
         (PlanarLidarOptions, {"beams": 10_000_000}, r"10,000,000 rays"),
         (PlanarLidarOptions, {"angle_min": 0.0, "angle_max": 0.0}, r"field of view from 0 to 0 rad"),

@@ -22,6 +22,18 @@ POSES = "geometry_msgs/msg/PoseArray"
         (POSES, "poses[2].position.x", None),
         ("std_msgs/msg/Bool", "data", None),
         ("my_msgs/msg/Mine", "anything[3].goes", None),
+        *(
+            ("grid_map_msgs/msg/GridMap", path, None)
+            for path in (
+                *("info.resolution", "info.length_x", "info.length_y", "info.pose.position.x"),
+                *("data[0].data[3]", "data.layout.dim.stride", "header.stamp.sec"),
+                *("outer_start_index", "inner_start_index"),
+            )
+        ),
+        *(
+            ("grid_map_msgs/msg/GridMap", path, "it leads to text")
+            for path in ("layers", "basic_layers[0]")
+        ),
         (ODOMETRY, "twst", "field 'twst' does not exist; did you mean 'twist'? (nav_msgs/msg/Odometry)"),
         (SCAN, "x", "field 'x' does not exist; available: header, angle_min, "),
         (ODOMETRY, "twist.twist", "it leads to a geometry_msgs/msg/Twist; go on with one of: linear, a"),

@@ -1,5 +1,6 @@
-"""The noise presets against the chips' numbers, from samples; who draws from which generator."""
+"""The noise presets against the chips' numbers; who draws from which generator."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -9,7 +10,9 @@ from numpy.typing import NDArray
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist, Vector3
+from harness.sensors.corruption import AxisErrors, ContactChatter, RangeErrors
 from harness.sensors.noise import (
+    DEFAULT_PRESET,
     GAZEBO,
     HARDWARE,
     PRESETS,
@@ -28,15 +31,15 @@ ALL = pytest.mark.parametrize("preset", PRESETS.values(), ids=PRESETS)
 # leo_bringup: covariances 1e-3 and 1e-6. PS-MPU-9250A-01 rev. 1.0, tables 1 and 2: 8 mg and 0.1 deg/s
 # RMS, bias 60 mg and 5 deg/s at three deviations, 8192 LSB/g at 4 g, 65.5 LSB/(deg/s) at 500.
 INERTIAL = [
-    (WHITE, "linear_acceleration", (1e-3**0.5, 0.0, 0.0, 0.0, np.inf)),
+    (WHITE, "acceleration", (1e-3**0.5, 0.0, 0.0, 0.0, np.inf)),
     (WHITE, "angular_velocity", (1e-6**0.5, 0.0, 0.0, 0.0, np.inf)),
-    (HARDWARE, "linear_acceleration", (0.008 * G, 0.060 / 3 * G, 5e-4 * G, G / 8192, 4 * G)),
+    (HARDWARE, "acceleration", (0.008 * G, 0.060 / 3 * G, 5e-4 * G, G / 8192, 4 * G)),
     (
         HARDWARE,
         "angular_velocity",
         (0.1 * DEGREE, 5 / 3 * DEGREE, 0.003 * DEGREE, DEGREE / 65.5, 500 * DEGREE),
     ),
-    (GAZEBO, "linear_acceleration", (0.0, 0.0, 0.0, 0.0, np.inf)),
+    (GAZEBO, "acceleration", (0.0, 0.0, 0.0, 0.0, np.inf)),
     (GAZEBO, "angular_velocity", (0.0, 0.0, 0.0, 0.0, np.inf)),
 ]
 
@@ -69,83 +72,47 @@ def read(noisy: SensorNoise, quantity: str, *samples: Imu) -> NDArray[np.float64
     return np.array([getattr(noisy.corrupt(sample), quantity) for sample in samples])
 
 
-def deviation(readings: NDArray[np.float64], expected: float) -> None:
-    """The root mean square of n normal values, which lies within 5 deviations of 1 / sqrt(2 n)."""
-    interval = 5.0 / np.sqrt(2.0 * readings.size)
-    assert np.sqrt(np.mean(np.square(readings))) == pytest.approx(expected, rel=interval, abs=1e-9)
-
-
 @pytest.mark.parametrize(
     ("preset", "quantity", "sheet"), INERTIAL, ids=[f"{p.name} {q}" for p, q, _ in INERTIAL]
 )
 def test_imu_errors_are_those_of_the_data_sheet(
     preset: NoisePreset, quantity: str, sheet: tuple[float, ...]
 ) -> None:
-    white, bias, walk, step, limit = sheet
-    rng = np.random.default_rng(5)
-    fleet = [SensorNoise(preset, LIMITS, rng, rng) for _ in range(700)]
-    switched_on = np.array([read(noisy, quantity, imu())[0] for noisy in fleet])
-    deviation(switched_on, np.hypot(white, bias))  # what one reading differs by from sensor to sensor
-    assert np.ptp(switched_on.mean(axis=0)) <= 8 * np.hypot(white, bias) / np.sqrt(len(fleet))
+    errors = getattr(preset, quantity)
+    told = (errors.white, errors.bias, errors.walk, errors.step, errors.limit)
+    assert told == pytest.approx(sheet, rel=0.02 if preset is WHITE else 1e-6)  # rounded there
+    assert errors.correlation_time == np.inf
 
-    one = read(fleet[0], quantity, *[imu()] * 700)
-    deviation(np.diff(one, axis=0)[::2], white * np.sqrt(2.0))
 
-    hour = 3600
-    later = np.array([read(noisy, quantity, imu(hour * SECOND_NS))[0] for noisy in fleet])
-    deviation(later - switched_on, np.hypot(white * np.sqrt(2.0), walk * np.sqrt(hour)))
-
-    if step:
-        counts = np.concatenate([one, switched_on]) / step
-        np.testing.assert_allclose(counts, np.round(counts), atol=1e-6)
-        assert np.diff(np.unique(np.round(counts))).min() == 1.0
-    largest = 3 * limit if np.isfinite(limit) else 1e4
-    hit = (largest, -largest, 0.0)
-    (ends,) = read(fleet[0], quantity, imu(hour * SECOND_NS, force=hit, rate=hit))[:, :2]
-    clipped = min(limit, largest)
-    assert ends == pytest.approx((clipped, -clipped), abs=0.2 if np.isinf(limit) else 1e-9)
+def test_what_an_imu_reads_is_its_force_and_its_rate_with_the_errors_of_each() -> None:
+    rng, exact = np.random.default_rng(2), imu(force=(1.0, -2.0, 100.0), rate=(0.1, -0.2, 20.0))
+    biases = [rng.normal(0.0, deviation, 3) for deviation in (0.020 * G, 5 / 3 * DEGREE)]
+    force = exact.linear_acceleration + biases[0] + rng.normal(0.0, 0.008 * G, 3)
+    rate = exact.angular_velocity + biases[1] + rng.normal(0.0, 0.1 * DEGREE, 3)
+    reading = noise(HARDWARE).corrupt(exact)
+    assert isinstance(reading, Imu)
+    assert reading.linear_acceleration == pytest.approx((*force[:2], 4 * G), abs=0.51 * G / 8192)
+    assert reading.angular_velocity == pytest.approx((*rate[:2], 500 * DEGREE), abs=0.51 * DEGREE / 65.5)
 
 
 @pytest.mark.parametrize(
-    ("preset", "white", "step", "lost"),
-    [(WHITE, 0.010, 0.0, 0.0), (HARDWARE, 0.030 / 3, 0.013, 0.01), (GAZEBO, 0.0, 0.0, 0.0)],
+    ("preset", "errors"),
+    [
+        (WHITE, RangeErrors(white=0.010)),
+        (HARDWARE, RangeErrors(white=0.030 / 3, step=0.013, dropout=0.01)),
+        (GAZEBO, RangeErrors()),
+    ],
 )
-def test_range_errors_are_those_of_the_data_sheet(
-    preset: NoisePreset, white: float, step: float, lost: float
-) -> None:
-    count, exact = 40_000, 5.005  # a whole number of steps
-    ranges = read_scan(noise(preset), *[exact] * count)
-    misses = np.isposinf(ranges)
-    assert misses.sum() == pytest.approx(lost * count, abs=5 * np.sqrt(lost * count))
-    errors = (ranges[~misses] - np.float32(exact)).astype(np.float64)
-    deviation(errors, np.hypot(white, step / np.sqrt(12.0)))
-    assert errors.mean() == pytest.approx(0.0, abs=5 * white / np.sqrt(count) + 1e-6)
-    if step:
-        np.testing.assert_allclose(errors / step, np.round(errors / step), atol=1e-3)
+def test_range_errors_are_those_of_the_data_sheet(preset: NoisePreset, errors: RangeErrors) -> None:
+    assert preset.ranges == errors
+    exact = np.full(5_000, 5.005, np.float32)
+    expected = errors.corrupt(exact, LIMITS, np.random.default_rng(1))
+    np.testing.assert_array_equal(read_scan(noise(preset), *exact.tolist()), expected)
 
 
-def test_the_chatter_of_gazebo_has_the_moments_of_its_definition() -> None:
-    """Loads of variance 1 / 1.5 in 1 - exp(-v / 0.35), friction to 1 in 1 - exp(-v / 0.1)."""
-    speed, force = 0.2, (2.0, -1.0, 9.0)
-    weight = float(np.linalg.norm(force))
-    noisy, count = noise(GAZEBO), 12_000
-    noisy.corrupt(odometry(-speed))  # backwards is as bad
-    x, y, z = read(noisy, "linear_acceleration", *[imu(force=force)] * count).T
-    load = z / force[2]
-    disturbed = load != 1.0
-    assert disturbed.mean() == pytest.approx(1 - np.exp(-speed / 0.35), abs=0.02)
-    assert load[disturbed].mean() == pytest.approx(1.0, abs=0.05)
-    assert load[disturbed].var() == pytest.approx(1 / 1.5, rel=0.1)
-    assert load.min() >= 0.0  # the ground pushes, it never pulls
-    frictions = np.array([x / load - force[0], y / load - force[1]]) / weight
-    slides = (np.abs(frictions) > 1e-9).all(axis=0)
-    assert slides.mean() == pytest.approx(1 - np.exp(-speed / 0.1), abs=0.02)
-    for friction in frictions[:, slides]:
-        assert np.abs(friction).max() == pytest.approx(1.0, abs=0.01)
-        assert friction.mean() == pytest.approx(0.0, abs=0.03)
-        deviation(friction, 1 / np.sqrt(3))
-    assert abs(np.corrcoef(*frictions[:, slides])[0, 1]) < 0.05
-    assert abs(np.corrcoef(slides, disturbed)[0, 1]) < 0.05
+def test_only_gazebos_contacts_chatter_as_was_fitted_to_its_logs() -> None:
+    fitted = ContactChatter(speed=0.35, shape=1.5, sliding_speed=0.1, friction=1.0)
+    assert [preset.chatter for preset in PRESETS.values()] == [None, None, fitted]
 
 
 def test_chatter_leaves_alone_a_rover_that_stands_and_every_rate() -> None:
@@ -157,6 +124,15 @@ def test_chatter_leaves_alone_a_rover_that_stands_and_every_rate() -> None:
     assert read(noisy, "angular_velocity", still)[0] == pytest.approx(still.angular_velocity)
     noisy.corrupt(odometry(0.0))
     assert noisy.corrupt(still) == still
+
+
+def test_what_chatter_does_comes_before_the_sensors_own_errors() -> None:
+    shaken = replace(GAZEBO, acceleration=AxisErrors(step=0.5, limit=9.0))
+    noisy, still = noise(shaken), imu(force=(0.1, 0.2, 9.8))
+    noisy.corrupt(odometry(2.0))
+    forces = read(noisy, "linear_acceleration", *[still] * 200)
+    assert set(np.abs(forces).ravel() % 0.5) == {0.0}
+    assert np.abs(forces).max() == 9.0
 
 
 def test_scan_and_imu_draw_from_generators_of_their_own_force_before_rate() -> None:
@@ -244,4 +220,5 @@ def test_ranges_beyond_the_lidars_limits_become_misses_and_near_returns() -> Non
 def test_there_are_three_presets_by_name() -> None:
     assert list(PRESETS) == ["white", "hardware", "gazebo"]
     assert list(PRESETS.values()) == [WHITE, HARDWARE, GAZEBO]
+    assert DEFAULT_PRESET == "white"
     assert all(one != other for one, other in pairwise(preset.summary for preset in PRESETS.values()))

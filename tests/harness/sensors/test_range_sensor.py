@@ -63,7 +63,11 @@ def test_a_wall_ahead_has_the_same_depth_in_the_whole_image(make_simulation: Mak
     mount = Mount(body, turn.T @ ([0.1, 0.0, 0.9] - simulation.data.xpos[body]), turn.T @ ahead)
     given = DepthOptions(name="eye", width=6, height=4, fov=1.2, range_max=1.45)
     install = Installation(given, mount, np.random.default_rng(0))
-    reading = RangeSensor(simulation, Surroundings(simulation.model), install, 10).read()
+    sensor = RangeSensor(simulation, Surroundings(simulation.model), install, 10)
+    reading = sensor.read()
+    simulation.data.qpos[0] -= 1.0
+    assert not sensor.read().on_obstacle.any()  # which leaves the first reading as it is
+    simulation.data.qpos[0] += 1.0
     assert reading.ranges == pytest.approx(np.full(24, 1.4, np.float32), abs=2e-3)
     assert reading.on_obstacle.all()
     near = replace(given, range_min=1.42)

@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS, RoverSpec
 from harness.samples import Imu
+from harness.sensors.odometry import WheelOdometry
 from harness.sensors.state import GroundTruthSensor, ImuSensor, JointSensor, PoseSensor
 from tests.support.rovers import LEO
 
@@ -175,3 +176,30 @@ def test_in_free_fall_it_reads_no_force_and_how_fast_it_turns(
     reading = imu.read()
     assert reading.linear_acceleration == pytest.approx((0.0, 0.0, 0.0), abs=0.02)
     assert reading.angular_velocity == pytest.approx((0.02, -0.03, 0.05), abs=2e-3)
+
+
+def test_each_of_two_rovers_reads_what_is_its_own(two_rovers: tuple[Simulation, Simulation]) -> None:
+    before = [WheelOdometry(me, 5) for me in two_rovers]
+    for turned, me in enumerate(two_rovers, 1):
+        model, data, scene = me.model, me.data, me.scene
+        joints = [model.joint(scene.own(name)) for name in scene.rover.joints]
+        for index, joint in enumerate(joints):
+            data.qpos[joint.qposadr[0]] += turned
+            data.qvel[joint.dofadr[0]] = 10 * turned + index
+        read = JointSensor(me, 2).read()
+        assert read.position == tuple(data.qpos[joint.qposadr[0]] for joint in joints)
+        assert read.velocity == tuple(10 * turned + index for index in range(len(joints)))
+        imu = ImuSensor(me, 5)
+        for name, value in (("imu_gyro", turned), ("imu_accelerometer", -turned)):
+            me.tick_sum[(start := model.sensor(scene.own(name)).adr[0]) : start + 3] = value
+        imu.observe()
+        share = turned / me.steps_per_tick
+        sensed = imu.read()
+        assert sensed.angular_velocity == pytest.approx([share] * 3)
+        assert sensed.linear_acceleration == pytest.approx([-share] * 3)
+        mujoco.mj_kinematics(model, data)
+        site = data.site(scene.own("imu")).xmat.reshape(3, 3)
+        assert attitude(sensed) == pytest.approx(site)
+    for turned, (me, odometry) in enumerate(zip(two_rovers, before, strict=True), 1):
+        rolled = turned * me.scene.rover.controller_radius
+        assert odometry.read().x == pytest.approx(rolled, abs=2e-3)  # counts

@@ -15,12 +15,14 @@ from harness.faults.injector import FaultInjector
 from harness.faults.spec import describe_faults, parse_faults
 from harness.frames.options import FrameOptions
 from harness.robots import ROVERS, find_rover
-from harness.samples import Tick
+from harness.samples import Tick, TruthState
 from harness.sensors.barometer import Pressure
 from harness.sensors.base import Sensor, period_ticks
 from harness.sensors.choice import by_default
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sensors.table import SENSORS, SensorRow
+from harness.sensors.table import SENSORS, SensorRow, by_fault_name
+from tests.support.rovers import LEO
+from tests.support.rovers import ROVER_ZERO4WD as ZERO
 
 BEAMS = 8
 RUN: Any = {
@@ -124,30 +126,92 @@ def test_every_row_has_a_valid_rate_on_every_rover_and_fields_that_its_sample_ha
     assert list(row.measured) == [n for n in row.sample.__dataclass_fields__ if n in row.measured]
 
 
-PROMISED = {  # RoboTerrain's, docs/design.md: type, best effort, depth
-    "tf": ("tf2_msgs/msg/TFMessage", False, 100),
-    "scan": ("sensor_msgs/msg/LaserScan", False, 10),
-    "imu/data": ("sensor_msgs/msg/Imu", False, 10),
-    "rover/pose_array": ("geometry_msgs/msg/PoseArray", True, 10),
-    "odometry/wheels": ("nav_msgs/msg/Odometry", False, 10),
-    "odom_ground_truth": ("nav_msgs/msg/Odometry", False, 10),
-    "joint_states": ("sensor_msgs/msg/JointState", False, 10),
-    "rover/truth/contact": ("std_msgs/msg/Bool", False, 10),
-    "rover/truth/traversal": ("std_msgs/msg/Float64MultiArray", False, 10),
+# docs/design.md, "Contracts": rate [Hz] and frame, of Leo and of rover_zero4wd where they differ.
+PROMISED: dict[str, tuple[tuple[int, str], ...]] = {
+    "tf": ((100, ""),),
+    "scan": ((20, "lidar_link"),),
+    "imu/data": ((20, "imu_frame"), (20, "imu_link")),
+    "rover/pose_array": ((50, "world"),),
+    "odometry/wheels": ((20, "odom"), (50, "odom")),
+    "odom_ground_truth": ((50, "odom"),),
+    "joint_states": ((50, ""),),
+    "rover/truth/contact": ((20, ""),),
+    "rover/truth/traversal": ((20, ""),),
 }
+
+
+def test_every_rover_has_these_sensors_at_these_rates_and_in_these_frames() -> None:
+    rows = {topic.name: row for row in SENSORS if row.options is None for topic in row.topics}
+    assert list(rows) == list(PROMISED)  # published in this order
+    told = {name: [(r.rate_on(v), r.frame_on(v)) for v in (LEO, ZERO)] for name, r in rows.items()}
+    assert told == {name: [values[0], values[-1]] for name, values in PROMISED.items()}
+
+
+TYPES = {
+    "tf": "tf2_msgs/msg/TFMessage",
+    "scan": "sensor_msgs/msg/LaserScan",
+    "imu/data": "sensor_msgs/msg/Imu",
+    "rover/pose_array": "geometry_msgs/msg/PoseArray",
+    "odometry/wheels": "nav_msgs/msg/Odometry",
+    "odom_ground_truth": "nav_msgs/msg/Odometry",
+    "joint_states": "sensor_msgs/msg/JointState",
+    "rover/truth/contact": "std_msgs/msg/Bool",
+    "rover/truth/traversal": "std_msgs/msg/Float64MultiArray",
+}  # of the optional ones: docs/sensors.md, which test_page.py holds
+
+
+def test_topics_have_the_types_and_the_qos_that_are_promised() -> None:
+    topics = [topic for row in by_default() for topic in row.topics]
+    assert {t.name: t.message_type for t in topics if t.name in PROMISED} == TYPES
+    assert [topic.name for topic in topics if topic.best_effort] == ["rover/pose_array"]
+    assert {topic.name: topic.depth for topic in topics if topic.depth != 10} == {"tf": 100}
+    assert [topic.name for topic in topics if topic.on_demand] == ["camera/image_raw"]
+    assert not any(topic.latched for topic in topics)
+
+
+# What faults of values change: what is measured, and the attitude, which is only changed where told.
+FAULTY = {
+    "tf": (["translation"], []),
+    "scan": (["ranges"], []),
+    "imu": (["angular_velocity", "linear_acceleration"], ["orientation"]),
+    "pose": (["position"], ["orientation"]),
+    "odometry": (["x", "y", "twist"], ["yaw"]),
+    "ground_truth": (["x", "y", "linear_velocity", "angular_velocity"], ["yaw"]),
+    "joint_states": (["position", "velocity", "effort"], []),
+    "lidar2d": (["ranges"], []),
+    "lidar3d": (["ranges"], []),
+    "depth": (["ranges"], []),
+    "camera": ([], []),
+    "gnss": (["latitude", "longitude", "altitude"], []),
+    "magnetometer": (["magnetic_field"], []),
+    "barometer": (["fluid_pressure"], []),
+    "height_scan": (["heights"], []),
+}
+
+
+def test_faults_change_what_a_sensor_measures_and_its_attitude_apart() -> None:
+    rows = by_fault_name(by_default())
+    assert {name: (list(r.measured), list(r.attitude)) for name, r in rows.items()} == FAULTY
+    assert [r.sample for r in by_default() if r.fault is None] == [TruthState]
+    assert (set(by_fault_name()), by_fault_name(())) == (set(FAULTY), {})
+
+
+@pytest.mark.parametrize(
+    ("part", "needed_by"),
+    [
+        ("lidar", {"scan"}),
+        ("surroundings", {"lidar2d", "lidar3d", "depth"}),
+        ("datum", {"gnss", "magnetometer", "barometer"}),
+        ("frames", {"tf"}),
+        ("frame_options", {"tf"}),
+        ("recorder", {None}),  # the truth
+        ("simulation", {*FAULTY}),
+    ],
+)
+def test_a_run_without_a_part_lacks_what_is_made_of_it(part: str, needed_by: set[str | None]) -> None:
+    assert {row.fault for row in by_default() if part in row.parts} == needed_by
 
 
 def test_every_reader_is_where_the_table_has_it() -> None:
     for module, _, name in (row.reader.partition(":") for row in SENSORS if row.reader):
         assert issubclass(getattr(import_module(module), name), Sensor)
-
-
-def test_faults_call_the_sensors_of_every_rover_by_these_names() -> None:
-    told = [row.fault for row in SENSORS if row.options is None and row.fault]
-    assert told == ["tf", "scan", "imu", "pose", "odometry", "ground_truth", "joint_states"]
-
-
-def test_topics_have_the_type_and_the_qos_that_are_promised() -> None:
-    topics = [topic for row in SENSORS if row.options is None for topic in row.topics]
-    told = {topic.name: (topic.message_type, topic.best_effort, topic.depth) for topic in topics}
-    assert told == PROMISED

@@ -3,7 +3,7 @@
 import copy
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from types import SimpleNamespace
 
 import mujoco
@@ -167,8 +167,19 @@ def motion(slip: float, *, moves: bool = True) -> WheelMotion:
     return WheelMotion(x=0.01, y=0.02, slip=slip, moves=moves)
 
 
+def test_before_the_first_tick_every_total_is_nothing(recorder: TruthRecorder) -> None:
+    nothing = dict.fromkeys(asdict(Truth()), 0) | {"position": (0, 0, 0), "wheel_slip": ()}
+    assert asdict(Truth()) == nothing
+    assert asdict(recorder.truth()) == nothing | {"wheel_slip": (0,) * 4}
+
+
+@pytest.mark.usefixtures("recorder")
+def test_a_rover_has_the_slip_of_as_many_wheels_as_it_has(stand_in: StandIn) -> None:
+    stand_in.scene.rover = SimpleNamespace(wheel_joints=("a", "b", "c", "d", "e", "f"))
+    assert TruthRecorder(stand_in).truth().wheel_slip == (0.0,) * 6  # type: ignore[arg-type]
+
+
 def test_slip_is_averaged_over_the_wheels_that_move(recorder: TruthRecorder) -> None:
-    assert recorder.truth().mean_slip == 0.0
     states = [recorder.state(), recorder.state()]
     assert [state.slip for state in states] == [(0.5, -0.25, 1.0, 0.0), (0.0, 0.75, 0.5, 0.0)]
     truth = recorder.truth()

@@ -1,6 +1,7 @@
 """Where there is room for one more rover."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -48,6 +49,14 @@ def test_places_are_as_far_apart_as_the_larger_rover_needs() -> None:
     assert place == pytest.approx((0.0, LEO.reach + ROVER_ZERO4WD.reach + GAP, 0.0))
 
 
+@pytest.mark.parametrize(("gap", "side"), [(GAP - 0.01, -1), (GAP, 1)])
+def test_a_place_keeps_its_gap_from_every_disc_not_only_from_the_nearest(gap: float, side: int) -> None:
+    pitch = 2 * LEO.reach + GAP
+    other = (2 * LEO.reach + gap, pitch, LEO.reach)  # ahead of the place on the left
+    place = berth((0.0, 0.0, 0.0), LEO, [(0.0, 0.0, LEO.reach), other], world())
+    assert place == pytest.approx((0.0, side * pitch, 0.0))
+
+
 def test_neither_rocks_nor_hazards_nor_steep_ground_nor_the_edge_are_room() -> None:
     start, taken = (0.0, 0.0, 0.0), [(0.0, 0.0, LEO.reach)]
     pitch = 2 * LEO.reach + GAP
@@ -59,5 +68,9 @@ def test_neither_rocks_nor_hazards_nor_steep_ground_nor_the_edge_are_room() -> N
     assert berth(start, LEO, taken, world(pebble, post, ground=steep)) == pytest.approx(
         (pitch, 0.0, 0.0)
     )
+    beside = Obstacle(ObstacleKind.HAZARD, "cylinder", (0.05, 0.5), (0.0, pitch + 0.9 * LEO.reach, 0.5))
+    far = replace(beside, position=(0.0, pitch + 1.5 * LEO.reach, 0.5))
+    assert berth(start, LEO, taken, world(beside)) == pytest.approx((0.0, -pitch, 0.0))
+    assert berth(start, LEO, taken, world(far)) == pytest.approx((0.0, pitch, 0.0))
     tiny = Heightfield(np.zeros((15, 15)), 0.1)
     assert berth(start, LEO, taken, world(ground=tiny)) is None

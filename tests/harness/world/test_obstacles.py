@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,13 +12,17 @@ from harness.world.obstacles import (
     Obstacle,
     ObstacleKind,
     Shape,
+    bottom,
+    convex,
     half_extent,
     orientation,
     outline,
     place,
     rotation_matrix,
     scatter,
+    top,
 )
+from harness.world.obstacles import surface as seen_only
 
 
 def test_scattered_points_keep_their_distance_from_each_other_spawn_and_edge() -> None:
@@ -124,7 +129,8 @@ def test_a_silhouette_reaches_as_far_as_the_body_in_every_direction(shape: Shape
         position=(3.0, -2.0, 1.0),
         quaternion=(w, x, y, z),
     )
-    seen = turn.apply(surface(shape, HALF[shape]))[:, :2]
+    points = turn.apply(surface(shape, HALF[shape]))
+    seen = points[:, :2]
     angles = np.arange(24) * math.tau / 24
     directions = np.column_stack([np.cos(angles), np.sin(angles)])
     reach = (seen @ directions.T).max(axis=0)
@@ -132,6 +138,18 @@ def test_a_silhouette_reaches_as_far_as_the_body_in_every_direction(shape: Shape
     corners = outline(body) - (3.0, -2.0)
 
     assert rotation_matrix(body.quaternion) == pytest.approx(turn.as_matrix())
+    levels = points[:, 2].min(), points[:, 2].max()
+    assert (bottom(body) - 1.0, top(body) - 1.0) == pytest.approx(levels, abs=1e-4)
     assert [half_extent(body, angle) for angle in angles] == pytest.approx(reach.tolist(), abs=1e-4)
     assert (corners * directions).sum(axis=1) == pytest.approx(reach, abs=1e-4)
     assert (corners @ directions.T <= reach + 1e-4).all()
+
+
+def test_a_hull_stands_in_the_middle_of_the_box_around_it_and_a_surface_has_its_triangles() -> None:
+    points = np.array([[1.0, 0.0, 5.0], [1.5, 4.0, 5.0], [3.0, 1.0, 5.0], [1.0, 2.0, 8.0]])
+    hull = convex(ObstacleKind.ROCK, points)
+    assert (hull.position, hull.half_size) == ((2.0, 2.0, 6.5), (1.0, 2.0, 1.5))
+    assert np.array(hull.corners) + hull.position == pytest.approx(points)
+    assert (hull.kind, hull.shape, top(hull), bottom(hull)) == (ObstacleKind.ROCK, "convex", 8.0, 5.0)
+    seen = seen_only(ObstacleKind.DECK, points, np.array([[0, 1, 3], [1, 2, 3]]))
+    assert seen == replace(hull, kind=ObstacleKind.DECK, shape="surface", faces=((0, 1, 3), (1, 2, 3)))

@@ -119,14 +119,6 @@ def test_a_rock_is_occupied_if_it_is_higher_than_the_rover_climbs(height: float,
     assert top(rock) == pytest.approx(1.55 + height)
 
 
-def test_a_leaning_body_is_as_high_as_its_highest_point() -> None:
-    for shape, half in (("box", (0.5, 0.12, 0.4)), ("ellipsoid", (0.6, 0.3, 0.2))):
-        body = Obstacle(ObstacleKind.ROCK, shape, half, (0.0, 0.0, 2.0), LEANING)  # type: ignore[arg-type]
-        upward = rotation_matrix(LEANING)[2] * np.array(half)
-        expected = np.abs(upward).sum() if shape == "box" else np.linalg.norm(upward)
-        assert top(body) == pytest.approx(2.0 + expected)
-
-
 def test_a_disc_is_free_if_no_occupied_cell_lies_in_it_and_nothing_off_the_map_is() -> None:
     post = Obstacle(ObstacleKind.HAZARD, "box", (0.02, 0.02, 0.5), (1.025, 0.025, 0.5))
     grid = occupancy(world(None, post), SLOPE, STEP)
@@ -137,6 +129,41 @@ def test_a_disc_is_free_if_no_occupied_cell_lies_in_it_and_nothing_off_the_map_i
     assert not any(
         grid.is_free(x, y) for x, y in ((3.6, 0.0), (0.0, -9.0), (math.nan, 0.0), (0.0, math.nan))
     )
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "radius", "is_free"),
+    [
+        (8.5, -9.5, 0.0, False),
+        (8.9, -9.1, 0.0, False),
+        (9.1, -9.5, 0.0, True),
+        (8.5, -7.5, 2.0, False),  # the cell's middle is on the rim
+        (8.5, -7.5, 1.999, True),
+        (11.5, -9.5, 3.0, False),
+        (11.5, -9.5, 2.999, True),
+        (12.0, -9.5, 0.0, False),
+        (11.9, -6.1, 0.0, True),
+        (11.9, -6.0, 0.0, False),
+    ],
+)
+def test_a_disc_is_as_free_as_the_cells_whose_middles_lie_in_it(
+    x: float, y: float, radius: float, *, is_free: bool
+) -> None:
+    cells = np.zeros((4, 4), dtype=np.int8)
+    cells[0, 0] = OCCUPIED
+    grid = OccupancyMap(cells, 1.0, (2.0, 2.0), (10.0, -8.0))
+    assert grid.is_free(x, y, radius) is is_free
+
+
+@pytest.mark.parametrize("along", [0, 1])
+def test_ripples_are_driven_over_if_the_mean_of_three_vertices_is_not_too_steep(along: int) -> None:
+    """0, 1, 0, -1 dm: 45 deg from vertex to vertex; the means 0, 1/3, 0, -1/3 dm rise by 18 deg."""
+    ripples = 0.1 * np.array([0.0, 1.0, 0.0, -1.0])[np.arange(81) % 4]
+    heights = np.repeat(ripples[None], 81, axis=0)
+    ground = world(heights if along else heights.T)
+    steepest = math.degrees(math.atan(1.0 / 3.0))
+    for limit, is_free in ((steepest + 0.1, True), (steepest - 0.1, False)):
+        assert occupancy(ground, math.radians(limit), 0.2).is_free(0.02, 0.02) is is_free
 
 
 @pytest.mark.parametrize("resolution", [0.5, 0.6])  # the last cell of 0.6 m is half off the map
@@ -160,12 +187,15 @@ def test_an_oblong_map_has_more_columns_than_rows_and_its_own_edges() -> None:
 
 
 def test_decks_and_what_is_high_above_the_ground_are_not_in_the_way_wherever_the_map_lies() -> None:
-    ground = Heightfield(np.zeros((41, 41)), 0.25, (100.0, -50.0))
+    ground = Heightfield(np.full((41, 41), 5.0), 0.25, (100.0, -50.0))
     corners = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-0.5, 0.5) for z in (0.0, 0.3)])
 
     def map_with(kind: ObstacleKind, height: float) -> OccupancyMap:
-        thing = convex(kind, corners + np.array([100.0, -50.0, height]))
-        return occupancy(World("w", ground, (thing,), 0, None), 0.5, 0.1)
+        thing = convex(kind, corners + np.array([100.0, -50.0, 5.0 + height]))
+        last = Obstacle(ObstacleKind.HAZARD, "box", (0.1, 0.1, 0.1), (102.0, -50.0, 5.0))
+        found = occupancy(World("w", ground, (thing, last), 0, None), 0.5, 0.1)
+        assert not found.is_free(102.0, -50.0)
+        return found
 
     assert not map_with(ObstacleKind.HAZARD, 0.9).is_free(100.0, -50.0)
     assert map_with(ObstacleKind.HAZARD, 0.9).is_free(101.5, -50.0)

@@ -89,8 +89,10 @@ def test_a_promise_is_described_with_its_units() -> None:
     )
 
 
-def ground(heights: np.ndarray, cell: float = 0.05) -> Heightfield:
-    return Heightfield(heights=heights, cell=cell)
+def ground(
+    heights: np.ndarray, cell: float = 0.05, middle: tuple[float, float] = (0.0, 0.0)
+) -> Heightfield:
+    return Heightfield(heights, cell, middle)
 
 
 def test_a_plane_of_any_incline_is_smooth() -> None:
@@ -116,16 +118,16 @@ def mean_square(heights: np.ndarray, row: int, column: int, reach: int) -> float
 @pytest.mark.parametrize(("cell", "reach"), [(0.03, 5), (0.1, 1), (0.5, 1)])
 def test_it_is_the_mean_square_residual_around_the_nearest_vertex(cell: float, reach: int) -> None:
     heights = np.random.default_rng(0).normal(0.0, 0.01, (41, 51))
-    rough = RoughnessMap(ground(heights, cell))
+    rough = RoughnessMap(ground(heights, cell, (70.0, -90.0)))
     for row, column in ((20, 20), (12, 30), (2 * reach, 50 - 2 * reach)):
         expected = pytest.approx(mean_square(heights, row, column, reach))
-        x, y = (column - 25) * cell, (row - 20) * cell
+        x, y = 70.0 + (column - 25) * cell, -90.0 + (row - 20) * cell
         assert rough.mean_square(x, y) == expected
         assert rough.mean_square(x + 0.49 * cell, y - 0.49 * cell) == expected
         assert rough.mean_square(x - 0.49 * cell, y + 0.49 * cell) == expected
 
 
-def test_near_the_edge_the_nearest_value_that_there_is_stands() -> None:
+def test_near_the_edge_and_beyond_the_nearest_value_that_there_is_stands() -> None:
     heights = np.random.default_rng(1).normal(0.0, 0.01, (21, 21))
     rough = RoughnessMap(ground(heights, cell=0.5))
     for x, y, row, column in (
@@ -133,5 +135,7 @@ def test_near_the_edge_the_nearest_value_that_there_is_stands() -> None:
         (-5.0, -5.0, 2, 2),
         (4.9, -4.9, 2, 18),
         (0, 5, 18, 10),
+        (-5.9, 7.0, 18, 2),
+        (7.0, -5.9, 2, 18),
     ):
         assert rough.mean_square(x, y) == pytest.approx(mean_square(heights, row, column, 1))

@@ -57,6 +57,12 @@ def test_values_are_valid_up_to_their_limits(
             TerrainFile(path=path, **{name: value}).check()  # type: ignore[arg-type]
 
 
+def test_whatever_is_neither_a_world_nor_a_mesh_is_taken_for_a_heightmap() -> None:
+    names = ("a.tif", "a.dem", "a", "a.SDF", "a.world", "a.obj", "a.STL")
+    found = [TerrainFile(path=Path(name)).is_heightmap for name in names]
+    assert found == [True] * 3 + [False] * 4
+
+
 def test_a_file_is_known_by_its_suffix_its_folder_or_that_it_is_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -6,7 +6,7 @@ import math
 import random
 import struct
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from statistics import fmean
 
 import numpy as np
@@ -84,6 +84,12 @@ def test_a_mean_of_zero_is_a_float_where_an_empty_window_is_an_integer(
     metrics.add_odometry(STILL)
     metrics.add_imu(STILL, STILL)
     assert csv_line(metrics.row(0)) == "0,0,0,0.0,0.0,inf,0.0,0.0,0.0,0,0.0,Normal operation\r\n"
+
+
+def test_extended_cells_follow_the_twelve_and_what_is_none_is_empty(metrics: TraversalMetrics) -> None:
+    row = replace(metrics.row(3), extended={"Way [m]": None, "Share": 0.123456, "Count": 0})
+    assert row.columns == (*COLUMNS, "Way [m]", "Share", "Count")
+    assert row.as_fields() == (*metrics.row(3).as_fields(), "", 0.1235, 0)
 
 
 # All columns at once
@@ -265,7 +271,7 @@ def test_an_imu_sample_that_is_not_finite_is_left_out(
 # Pose
 
 
-@pytest.mark.parametrize(("step", "counted"), [(0.4999, True), (0.5, False), (3.0, False)])
+@pytest.mark.parametrize(("step", "counted"), [(0.4999, True), (0.5, False), (3e6, False)])
 def test_a_step_counts_strictly_below_the_distance_threshold(
     metrics: TraversalMetrics, step: float, counted: bool
 ) -> None:
@@ -273,6 +279,8 @@ def test_a_step_counts_strictly_below_the_distance_threshold(
     metrics.add_pose((step, 0.0, 0.0))
     assert metrics.total_distance == (step if counted else 0.0)
     assert metrics.last_step == step
+    metrics.add_pose((step + 0.25, 0.0, 0.0))  # from where the jump ended
+    assert metrics.total_distance == pytest.approx(0.25 + (step if counted else 0.0))
 
 
 @pytest.mark.parametrize("bad", [(NAN, 0.0, 0.0), (0.0, INF, 0.0), (0.0, 0.0, -INF)])

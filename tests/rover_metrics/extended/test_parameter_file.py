@@ -86,8 +86,11 @@ def test_sections_of_the_node_count_and_the_later_one_wins(file: Path, name: str
         (section("colision_threshold: 1.0", name="/**"), "did you mean collision_threshold?"),
         (section("debug_interval: true"), "debug_interval must be a whole number"),
         (section("fsync: 1"), "fsync must be true or false"),
+        (section("log_dir: 7"), "parameter log_dir must be text"),
+        (section("lidar_pose: [1.0, 2, 3.0]"), "lidar_pose must be a list of numbers with decimal"),
         (section("x: 1", name="other"), "no section 'metrics_node"),
         ("metrics_node: {ros__parameters: 3}", "no section 'metrics_node"),
+        ("metrics_node: [1.0, x]", "no section 'metrics_node"),
         ("metrics_node: [", "cannot read parameters"),
         ("", "no section 'metrics_node"),
         (section("footprint: [1.0, 2.0]"), "footprint has 1 corners, not 3 to 100"),
@@ -111,6 +114,14 @@ def test_a_bad_file_is_one_line(file: Path, text: str, told: str) -> None:
 def test_what_a_section_for_every_node_says_to_others_is_left_out(file: Path) -> None:
     file.write_text(section("robot_radius: 0.3", "gravity: 9.8", name="/**"))
     assert read_values(file) == {"gravity": 9.8}
+
+
+def test_a_value_that_is_0_false_or_empty_is_a_value(file: Path) -> None:
+    file.write_text(section("publish_metrics: false", "stale_after: 0.0", "footprint: []"))
+    assert read_values(file) == {"publish_metrics": False, "stale_after": 0.0}
+    file.write_text(section("log_dir: ''"))
+    with pytest.raises(ParameterError, match="not empty text"):
+        read_values(file)
 
 
 def test_a_missing_file_is_told_with_its_reason(tmp_path: Path) -> None:

@@ -56,6 +56,20 @@ def test_what_repeats_is_told_ever_more_rarely_and_counted_always(listener: List
     ]
 
 
+def test_what_is_rejected_of_a_topic_that_others_listen_to_begins_an_account_without_messages(
+    listener: Listener,
+) -> None:
+    listener.reception.reject("/parameters", "not readable", ", see above")
+    assert listener.told == ["/parameters: not readable, see above, left out (1 so far)"]
+    assert listener.reception.account()["/parameters"] == {
+        "received": None,
+        "rejected": 1,
+        "lost": 0,
+        "remarks": {"not readable": 1},
+    }
+    assert [state.topic for state in listener.reception.states()] == ["/scan"]
+
+
 def test_messages_missing_by_their_stamps_are_counted(listener: Listener) -> None:
     listener.hear(*range(20))
     listener.look(1, limit=0)

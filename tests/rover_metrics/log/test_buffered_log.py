@@ -47,6 +47,9 @@ def test_rows_wait_while_the_disk_is_full_and_are_written_in_order_when_it_is_no
     told = Told()
     log = buffered(tmp_path, told)
     log.write(row(0))
+    for fsync in (True, False):
+        with BufferedLog(tmp_path / "synced", STARTED, told.append, fsync=fsync) as synced:
+            assert synced.fsync is fsync
     with BufferedLog(tmp_path, STARTED, told.append, columns=("a", "b")) as other:
         assert not other.fsync
         assert other.path.read_bytes() == b"a,b\r\n"

@@ -20,7 +20,7 @@ from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.core.row import COLUMNS, Row
 from rover_metrics.errors import LogError
 from rover_metrics.log import csv_log
-from rover_metrics.log.csv_log import CsvLog
+from rover_metrics.log.csv_log import CsvLog, harmless
 
 STARTED = datetime(2025, 1, 16, 22, 4, 57)
 ROW = TraversalMetrics().row(7)
@@ -416,3 +416,10 @@ def test_no_text_cell_starts_a_formula_and_negative_numbers_stay_numbers(
     assert header[0] == f"'{start}SUM(A1)"
     assert cells[-1] == f"'{start}cmd|calc \u00e9"
     assert cells[5] == "-1.5"
+
+
+@pytest.mark.parametrize("text", ["-5", "-1.5e3", "-1.50 m", "--1.5", "+1.5", "=1.5", "-.5", "-1."])
+def test_a_text_that_is_no_number_of_fixed_decimals_is_made_harmless(text: str) -> None:
+    assert harmless(text) == f"'{text}"
+    for cell in ("-1.50", "1.50", "nan", "x-1", "", -5, -1.5):
+        assert harmless(cell) == cell

@@ -12,6 +12,7 @@ from rover_metrics.log.session_record import (
     COMPLETE,
     SessionEnd,
     SessionRecord,
+    session_arguments,
     session_end,
     session_thresholds,
     write_record,
@@ -145,10 +146,11 @@ def test_a_record_of_something_else_tells_nothing(log: Path, text: str) -> None:
     assert session_end(log) is SessionEnd.UNKNOWN
 
 
-@pytest.mark.parametrize("status", ["complete", "failed", "interrupted"])
-def test_the_manifest_of_harness_run_marks_the_end_too(log: Path, status: str) -> None:
+@pytest.mark.parametrize("status", ["complete", "failed", "interrupted", None])
+def test_the_manifest_of_harness_run_marks_the_end_too(log: Path, status: str | None) -> None:
     write_record(log, None, {})
-    manifest = {"mode": "ROS 2", "outcome": {"status": status, "reason": None}, "rows": 30}
+    outcome = {"status": status, "reason": None} if status else {}
+    manifest = {"mode": "ROS 2", "outcome": outcome, "rows": 30}
     log.with_suffix(".json").write_text(json.dumps(manifest))
     assert session_end(log) is SessionEnd.MARKED
 
@@ -161,6 +163,24 @@ def test_the_outcome_of_the_real_manifest_is_the_one_that_is_looked_for(log: Pat
     write_record(log, None, {})
     manifest.write_manifest(RunResult(config=EpisodeConfig(), mode="direct"), log.with_suffix(".json"))
     assert session_end(log) is SessionEnd.MARKED
+
+
+@pytest.mark.parametrize(
+    ("record", "arguments"),
+    [
+        ('{"arguments": {"seed": 3}, "options": {"seed": 4}}', {"seed": 3}),
+        ('{"arguments": ["--seed"]}', {}),
+        ('{"outcome": null}', {}),
+        ("[]", {}),
+        ("{", {}),
+    ],
+)
+def test_arguments_are_those_of_a_run_of_the_harness_if_there_are_any(
+    tmp_path: Path, record: str, arguments: dict[str, object]
+) -> None:
+    (tmp_path / "log.json").write_text(record)
+    assert session_arguments(tmp_path / "log.csv") == arguments
+    assert session_arguments(tmp_path / "other.csv") == {}
 
 
 @pytest.mark.parametrize(

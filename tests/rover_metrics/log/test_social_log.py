@@ -29,7 +29,13 @@ def test_rows_have_two_decimals_and_come_back_from_the_file(tmp_path: Path) -> N
     back = read_social_log(log.path)
     assert (back.actors, back.findings, back.goals.tolist()) == (("a", "b"), (), [7, 7, 7])
     assert back.position[1].tolist() == [3.0, -5.0]
-    assert math.isnan(SocialRows().next(0.0, (0.0, 0.0), {}, 0).speed)
+
+
+def test_without_a_second_since_the_row_before_there_is_no_speed_and_without_people_no_nearest() -> None:
+    rows = SocialRows()
+    speeds = [rows.next(time_s, (9.0 * time_s, 0.0), {}, 0).speed for time_s in (1.0, 1.0, 0.5, 1.5)]
+    assert speeds == pytest.approx([math.nan, math.nan, math.nan, 9.0], nan_ok=True)
+    assert rows.next(2.0, (0.0, 0.0), {}, 3).as_fields() == [5, "2.00", "0.00", "0.00", "27.00", "nan", 3]
 
 
 @pytest.mark.skipif(not REAL.is_dir(), reason="needs the RoboTerrain logs in ../shared/data")

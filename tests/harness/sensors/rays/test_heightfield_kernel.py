@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Callable
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -90,7 +91,7 @@ def assert_same_hits(ours: Array, theirs: Array) -> None:
 @pytest.mark.parametrize("steepness", [0.05, 1.0, 3.0])
 @pytest.mark.parametrize("shape", [(2, 2), (3, 8), (17, 17), (30, 5), (33, 33)])
 def test_random_rays_meet_mujoco(shape: tuple[int, int], steepness: float) -> None:
-    # Origins above, on all sides of, inside and below the solid; many rays leave the map.
+    # Origins above, on all sides of, inside and below the solid; many rays leave the map, if they may.
     rng = np.random.default_rng([*shape, int(100 * steepness)])
     for relief, cell in itertools.product((0.02, 0.2, 1.0), (0.05, 0.25)):
         heights = relief * rng.normal(size=shape)
@@ -101,7 +102,10 @@ def test_random_rays_meet_mujoco(shape: tuple[int, int], steepness: float) -> No
         for _ in range(4):
             origin = np.array([*center, 0.0]) + rng.uniform(-0.9, 0.9, 3) * size
             directions = random_directions(rng, 40, steepness)
-            assert_same_hits(cast(rays, origin, directions), mujoco_cast(scene, origin, directions))
+            hits = mujoco_cast(scene, origin, directions)
+            for reach in (FAR, float(rng.uniform(0.1, 0.7) * size[0])):
+                within = np.where(hits <= reach, hits, np.inf)
+                assert_same_hits(cast(rays, origin, directions, reach), within)
 
 
 def test_rays_from_below_the_surface_meet_mujoco() -> None:
@@ -276,3 +280,169 @@ def test_rays_along_the_axes_meet_mujoco_over_and_beside_the_map(
         assert_same_hits(ours, mujoco_cast(scene, origin, directions))
         hits += np.isfinite(ours).tolist()
     assert min(sum(hits), len(hits) - sum(hits)) > 60
+
+
+class Noted(NDArray[np.float32]):
+    """Maxima that note the places that are asked for."""
+
+    taken: list[int]
+
+    def __getitem__(self, place: Any) -> Any:  # noqa: ANN401 - an array's
+        self.taken.append(int(place))
+        return super().__getitem__(place)
+
+
+@pytest.mark.parametrize("along", [0, 1])
+@pytest.mark.parametrize("forward", [True, False])
+@pytest.mark.parametrize("start", [0, 8, 24, 40, 77])
+def test_a_ray_above_all_looks_at_larger_and_larger_blocks(
+    start: int, along: int, forward: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From blocks of 8 cells; one that steps into another block of twice the size climbs a level."""
+    plain = as_plain_python("harness.sensors.rays.heightfield_kernel", monkeypatch)
+    heights = np.random.default_rng(3).random((101, 129) if along else (129, 101))
+    stored, pyramid, levels, frame = heightfield_arrays(terrain_model(heights, 1.0)[0])
+    noted = pyramid.view(Noted)
+    noted.taken = []
+    cells = np.array(stored.shape)[::-1] - 1  # along x and y
+    at, direction = np.array([50.5, 50.5]), np.zeros(3)
+    at[along] = start + 0.5 if forward else cells[along] - start - 0.5
+    direction[along] = 1.0 if forward else -1.0
+    origin, ranges = np.append(at - cells / 2, 1.5), np.array([np.inf])
+    plain.cast_rays(
+        stored, noted, levels, frame, origin, direction[None], np.array([1e-6]), 500.0, ranges
+    )
+    assert ranges[0] == np.inf
+    expected, cell, level = [], int(at[along]), 3
+    while 0 <= cell < cells[along]:
+        block, other = cell >> level, 50 >> level
+        row, col = (block, other) if along else (other, block)
+        expected.append(levels[level, 0] + row * levels[level, 1] + col)
+        cell = (block + 1 << level) if forward else (block << level) - 1
+        climbs = cell >> level + 1 != block >> 1 and level < len(levels) - 1
+        level += climbs
+    assert noted.taken == expected
+
+
+def cells_on_the_way(
+    heights: NDArray[np.float32], place: Array, ray: Array, end: float, side: float
+) -> list[tuple[int, int]]:
+    """Cells that a ray crosses over the map, from above only those of 2 x 2 that it does not stay above.
+
+    Args:
+        heights: In cells, as `place` and `ray` are.
+        place: Of the origin, over the map.
+        ray: What is added to it in each metre.
+        end: Where the ray ends [m].
+        side: 1 from above, -1 from below.
+    """
+    rows, cols = np.array(heights.shape) - 1
+    lines = [(np.arange(n + 1) - place[axis]) / ray[axis] for axis, n in ((0, cols), (1, rows))]
+    edges = np.unique(np.clip(np.concatenate([*lines, [0.0, end]]), 0.0, end))
+    middles = place + (edges[:-1] + edges[1:])[:, None] / 2 * ray
+    blocks: dict[tuple[int, int], list[int]] = {}
+    crossed = []
+    for index, (u, v, _) in enumerate(middles):
+        if 0 <= u < cols and 0 <= v < rows:
+            crossed.append((int(v), int(u)))
+            blocks.setdefault((int(v) // 2, int(u) // 2), []).append(index)
+    kept = []
+    for row, col in crossed:
+        stay = blocks[row // 2, col // 2]
+        ends = edges[[stay[0], stay[-1] + 1]]
+        highest = heights[row // 2 * 2 : row // 2 * 2 + 3, col // 2 * 2 : col // 2 * 2 + 3].max()
+        if side < 0.0 or (place[2] + ends * ray[2]).min() <= highest:
+            kept.append((row, col))
+    return kept
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_walk_looks_at_the_cells_on_its_way_in_their_order_and_from_above_at_few(
+    side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = as_plain_python("harness.sensors.rays.heightfield_kernel", monkeypatch)
+    rng, looked, share = np.random.default_rng(9), [], []
+    rolling = np.cumsum(np.cumsum(rng.normal(size=(34, 47)), axis=0), axis=1)
+    scene = terrain_model(4.0 * (rolling - rolling.min()) / np.ptp(rolling), 1.0)
+    arrays = heightfield_arrays(scene[0])
+    heights, hit_cell, corner = arrays[0], plain._hit_cell, np.array([23.0, 16.5, 0.0])
+
+    def noted(heights: Array, row: int, col: int, *rest: object) -> float:
+        looked.append((row, col))
+        return float(hit_cell(heights, row, col, *rest))
+
+    monkeypatch.setattr(plain, "_hit_cell", noted)
+    ground = Heightfield(heights=4.0 * heights.astype(float), cell=1.0)
+    for _ in range(60):
+        x, y = rng.uniform(-0.45, 0.45, 2) * (46, 33)
+        origin = np.array([x, y, ground.height_at(x, y) + side * rng.uniform(0.1, 0.4)])
+        if origin[2] < 0.0:
+            continue
+        direction = random_directions(rng, 1, 0.05)
+        looked.clear()
+        distance = cast((*arrays,), origin, direction, kernel=plain.cast_rays, range_max=30.0)[0]
+        place, ray = (origin + corner) / (1, 1, 4), direction[0] / (1, 1, 4)
+        expected = cells_on_the_way(heights, place, ray, min(distance, 30.0), side)
+        assert looked == expected
+        share.append(len(looked) / (1 + np.abs(direction[0, :2]).sum() * min(distance, 30.0)))
+    assert len(share) > 30
+    assert np.mean(share) < (0.6 if side > 0.0 else 1.2)
+
+
+@pytest.mark.parametrize(
+    ("place", "well_over"),
+    [
+        ((1.0, 1.0, 0.1), True),
+        ((5.0, 3.0, 0.1), True),
+        ((0.99, 2.0, 0.1), False),
+        ((5.01, 2.0, 0.1), False),
+        ((3.0, 0.99, 0.1), False),
+        ((3.0, 3.01, 0.1), False),
+        ((3.0, 2.0, 0.0), False),
+    ],
+)
+def test_a_point_is_well_over_a_map_a_cell_from_its_edge(
+    place: tuple[float, float, float], well_over: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = as_plain_python("harness.sensors.rays.heightfield_kernel", monkeypatch)
+    assert plain._well_over(np.zeros((5, 7), np.float32), *place) == well_over
+
+
+@pytest.mark.parametrize(
+    ("origin", "direction", "reach", "asked"),
+    [
+        ((0.0, 0.0, 1.4), (1.0, 0.0, 0.0), 4.0, "surface"),
+        ((0.0, 0.0, 1.4), (1.0, 0.0, 0.0), 8.0, "field"),  # it comes to the edge
+        ((0.0, 0.0, 1.4), (0.0, -1.0, 0.0), 8.0, "field"),
+        ((0.0, 0.0, 1.4), (0.0, 0.0, -1.0), 8.0, "field"),  # and under w = 0
+        ((0.0, 0.0, 0.4), (1.0, 0.0, 0.0), 4.0, "field"),  # from under the surface
+        ((9.0, 0.0, 1.4), (-1.0, 0.0, 0.0), 9.0, "field"),  # from beside the map
+        ((0.0, 0.0, 2.1), (1.0, 0.0, 0.0), 4.0, ""),  # above all
+        ((0.0, 0.0, 2.1), (0.6, 0.0, -0.8), 0.2, "surface"),
+        ((0.0, 0.0, 1.9), (0.6, 0.0, 0.8), 4.0, "surface"),
+    ],
+)
+def test_only_rays_that_may_leave_the_map_are_asked_for_its_edges_and_base(
+    origin: tuple[float, float, float],
+    direction: tuple[float, float, float],
+    reach: float,
+    asked: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A plateau of 1 m in a map of 16 m with a peak of 2 m."""
+    plain = as_plain_python("harness.sensors.rays.heightfield_kernel", monkeypatch)
+    heights, calls = np.ones((17, 17)), []
+    heights[3, 4], heights[0, 0] = 2.0, 0.0
+
+    def noted(name: str) -> Callable[..., float]:
+        def miss(*_: object) -> float:
+            calls.append(name)
+            return np.inf
+
+        return miss
+
+    for name in ("_hit_field", "_hit_surface"):
+        monkeypatch.setattr(plain, name, noted(name))
+    rays = heightfield_arrays(terrain_model(heights, 1.0)[0])
+    cast(rays, np.array(origin), np.array([direction]), reach, plain.cast_rays)
+    assert calls == ([f"_hit_{asked}"] if asked else [])

@@ -9,6 +9,7 @@ from harness.sensors.rays.arrays import heightfield_arrays
 from harness.sensors.rays.heightfield_kernel import cast_rays
 from harness.sensors.rays.horizon_kernel import RINGS, SECTORS
 from tests.harness.sensors.plain_python import as_plain_python
+from tests.harness.sensors.rays.test_heightfield_kernel import terrain_model
 from tests.harness.sensors.test_lidar import terrain_spec
 
 Array = NDArray[np.float64]
@@ -34,6 +35,9 @@ def ways(
     kernels.clear_ways(profile, terrain[3], origin, directions, range_max, clear)  # type: ignore[attr-defined]
     found = np.full(len(directions), np.inf)
     cast_rays(*terrain, origin, directions, np.zeros(len(directions)), range_max, found)
+    begun = np.full(len(directions), np.inf)
+    cast_rays(*terrain, origin, directions, clear, range_max, begun)
+    np.testing.assert_allclose(begun, found, rtol=0.0, atol=1e-9)  # where walks begin changes no hit
     return clear, found
 
 
@@ -44,6 +48,16 @@ def around(elevations: tuple[float, ...], count: int) -> Array:
     return np.stack(vectors, -1).reshape(-1, 3)
 
 
+def aim(pseudo_angle: Array) -> Array:
+    """Points of the square |u| + |v| = 1 at angles of 0..4, one a quarter; shape (..., 2)."""
+    quarter = [pseudo_angle < n for n in (1, 2, 3, 4)]
+    u = np.select(quarter, [1 - pseudo_angle, 1 - pseudo_angle, pseudo_angle - 3, pseudo_angle - 3])
+    v = np.select(quarter, [pseudo_angle, 2 - pseudo_angle, 2 - pseudo_angle, pseudo_angle - 4])
+    return np.stack([u, v], axis=-1)
+
+
+INNER = np.append(0.0, 4.0 * 1.25 ** np.arange(RINGS - 1))  # [cells]
+OUTER = np.append(INNER[1:], np.inf)
 ALL_AROUND = around((-1.5, -0.6, -0.2, -0.02, 0.0, 0.05, 0.4, 1.5), 97)
 
 
@@ -70,6 +84,118 @@ def test_no_ray_is_told_to_be_clear_farther_than_it_goes_and_most_are_nearly_as_
             walked.append(np.minimum(found, reach) - np.minimum(clear, reach) < 2.0)
     assert min(np.mean(near) for near in walked) > 0.7
     assert np.mean(walked) > 0.8
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_peak_is_entered_into_the_parts_that_its_block_touches_and_no_others(seed: int) -> None:
+    """A block of 4 cells: a part that is told to be high has a point near, one that holds it is."""
+    rng, n = np.random.default_rng(seed), 65
+    heights, (row, col) = np.zeros((n, n)), rng.integers(1, n - 1, 2)
+    heights[row, col] = 1.0
+    terrain = heightfield_arrays(terrain_spec(heights, 0.25).compile())
+    profile, (u, v) = np.empty((SECTORS, RINGS)), rng.uniform(5.0, 59.0, 2)
+    origin = np.array([0.25 * u - 8.0, 0.25 * v - 8.0, 3.0])
+    horizon_kernel.highest_points(heights.shape, *terrain[1:], origin, RANGE_MAX, profile)
+    assert set(profile.ravel().tolist()) <= {-np.inf, 0.0, 1.0}
+    sectors = aim((np.arange(SECTORS)[:, None] + np.linspace(0.01, 0.99, 5)) / 64)
+    sectors /= np.linalg.norm(sectors, axis=-1, keepdims=True)
+    radii = np.linspace(INNER[:-1], OUTER[:-1], 9).T  # the last ring begins off the map
+    points = radii[None, :, None, :, None] * sectors[:, None, :, None, :]  # sector, ring, angle, radius
+    away = np.hypot(*np.moveaxis(points - (col - u, row - v), -1, 0))
+    high = profile[:, :-1] == 1.0
+    assert (away.min(axis=(2, 3))[high] < 9.0).all()
+    angles, peak = np.arange(0.0, 4.0, 1e-4), np.array([col - u, row - v])
+    ways = aim(angles)
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    sector = int(angles[(ways @ peak).argmax()] * 64)
+    assert profile[sector, np.searchsorted(OUTER, np.linalg.norm(peak), side="right")] == 1.0
+    assert np.isfinite(profile[:, 0]).all()
+
+
+@pytest.mark.parametrize(
+    ("shape", "cell", "place", "reach"),
+    [
+        ((66, 38), 0.5, (0.3, -2.1), 99.0),
+        ((38, 66), 0.5, (-15.1, 8.2), 5.3),
+        ((66, 66), 0.25, (8.0, 8.1), 4.1),
+        ((5, 5), 1.0, (0.0, 0.0), 3.0),
+    ],
+)
+def test_every_block_within_reach_is_entered_with_its_highest_vertex(
+    shape: tuple[int, int],
+    cell: float,
+    place: tuple[float, float],
+    reach: float,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Blocks of 4 by 4 cells, the last of a row or column as large as the map has them."""
+    plain = as_plain_python("harness.sensors.rays.horizon_kernel", monkeypatch)
+    rows, cols = shape[0] - 1, shape[1] - 1
+    model, _ = terrain_model(np.random.default_rng(7).random(shape), cell, oblong=1.25)
+    heights, *rest = heightfield_arrays(model)
+    entered: list[tuple[float, ...]] = []
+    monkeypatch.setattr(plain, "_raise_block", lambda high, box, _: entered.append((high, *box)))
+    u, v = place[0] / cell + cols / 2, place[1] / (1.25 * cell) + rows / 2
+    profile, origin = np.empty((SECTORS, RINGS)), np.array([*place, 1.0])
+    plain.highest_points(shape, *rest, origin, reach, profile)
+    cells, expected = reach / cell + 1.0, []
+    for row in range(0, rows, 4):
+        for col in range(0, cols, 4):
+            if row + 4 > v - cells and row <= v + cells and col + 4 > u - cells and col <= u + cells:
+                high = heights[row : row + 5, col : col + 5].max()
+                ends = (col - u, min(col + 4, cols) - u, row - v, min(row + 4, rows) - v)
+                expected.append((high, *ends))
+    assert np.array(entered) == pytest.approx(np.array(expected), abs=2e-3)
+    wider = (np.array(entered) - expected)[:, 1:] * (-1, 1, -1, 1)
+    assert (wider > 1e-4).all()  # so that rounding never costs a hit
+    assert (profile == -np.inf).all()
+
+
+@pytest.mark.parametrize(
+    ("shape", "reach", "levels", "level"),
+    [
+        ((65, 65), 1e9, 7, 2),
+        ((97, 1001), 1e9, 7, 2),  # 6000 blocks
+        ((97, 1002), 1e9, 7, 3),
+        ((1002, 97), 1e9, 7, 3),
+        ((1001, 1001), 1e9, 7, 4),
+        ((1001, 1001), 154.0, 7, 2),
+        ((1001, 1001), 156.0, 7, 3),
+        ((40_001, 40_001), 1e9, 7, 6),
+        ((40_001, 40_001), 1e9, 4, 3),
+        ((3, 3), 1e9, 2, 1),
+    ],
+)
+def test_blocks_are_as_fine_as_six_thousand_within_reach_allow(
+    shape: tuple[int, int], reach: float, levels: int, level: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = as_plain_python("harness.sensors.rays.horizon_kernel", monkeypatch)
+    assert plain._level(shape, reach, levels) == level
+
+
+def test_a_ray_is_clear_up_to_the_ring_in_which_it_comes_down_to_the_highest_point() -> None:
+    """Of a profile with one high part; the map's cells are 0.5 m and 0.25 m, its unit of height 2 m."""
+    rng, frame = np.random.default_rng(1), np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 0.5], [-1.0, 9.0, 0.0]])
+    origin, reach = np.array([5.0, 6.0, 7.0]), 200.0
+    height, outcomes = 0.5 * (7.0 - 3.0), set()
+    for _ in range(300):
+        sector, ring, high = rng.integers(SECTORS), rng.integers(RINGS), rng.uniform(-2.0, 4.0)
+        seen = (sector + rng.integers(2)) % SECTORS
+        slope = rng.choice([-1.0, 1.0]) * rng.uniform(0.0, 0.05)  # unit of height a cell
+        cells = aim(np.array((seen + rng.uniform(0.1, 0.9)) / 64))
+        ray = np.array([*cells, slope * np.hypot(*cells)]) / (2.0, 4.0, 0.5)
+        pace = np.hypot(*cells) / np.linalg.norm(ray)  # cells a metre
+        profile, clear = np.full((SECTORS, RINGS), -np.inf), np.empty(1)
+        profile[sector, ring] = high
+        ray /= np.linalg.norm(ray)
+        horizon_kernel.clear_ways(profile, frame, origin, ray[None], reach, clear)
+        lowest = height + slope * (OUTER[ring] if slope < 0.0 else INNER[ring])
+        met = seen == sector and lowest <= high and INNER[ring] <= reach * pace
+        comes_down = slope < 0.0 and OUTER[-2] <= reach * pace  # the last ring has no end
+        nearest = INNER[ring] if met else INNER[-1] if comes_down else np.inf
+        assert clear[0] == pytest.approx(nearest / pace), (sector, ring, seen, slope)
+        outcomes.add((seen == sector, met, slope < 0.0))
+    assert len(outcomes) == 6
 
 
 def test_a_single_peak_is_in_nobodys_way_unseen() -> None:
@@ -105,6 +231,12 @@ def test_a_peak_narrower_than_a_sector_is_in_the_way_of_its_own_sector() -> None
 def test_from_beside_the_map_or_under_the_ground_nothing_is_clear(place: tuple[float, ...]) -> None:
     clear, _ = ways(np.zeros((30, 30)), 0.2, np.array(place), ALL_AROUND)
     assert (clear == 0.0).all()
+
+
+def test_of_a_map_of_one_cell_nothing_is_known() -> None:
+    clear, found = ways(np.array([[0.0, 0.3], [0.2, 1.0]]), 4.0, np.array([0.5, 0.3, 2.0]), ALL_AROUND)
+    assert (clear == 0.0).all()
+    assert np.isfinite(found).any()
 
 
 def test_what_is_compiled_is_what_python_does(monkeypatch: pytest.MonkeyPatch) -> None:

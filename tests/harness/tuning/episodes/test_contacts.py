@@ -37,22 +37,22 @@ def test_a_point_belongs_to_the_nearest_edge(point: tuple[float, float, float], 
     assert _zone(point, ROVER_ZERO4WD) is side
 
 
-def post(*, height: float, yaw: float = 0.0) -> Obstacle:
-    """0.2 m x 0.4 m, a metre ahead of the origin."""
+def post(*, height: float, yaw: float = 0.0, level: float = 0.0) -> Obstacle:
+    """0.2 m x 0.4 m, a metre ahead of the origin, on ground of a level [m]."""
     return Obstacle(
         kind=ObstacleKind.HAZARD,
         shape="box",
         half_size=(0.1, 0.2, height / 2),
-        position=(1.0, 0.0, height / 2),
+        position=(1.0, 0.0, level + height / 2),
         quaternion=orientation(yaw),
     )
 
 
-def scanned(value: float) -> PlacedScan:
-    """A scan at the origin whose beam ahead (beam 0, for the lidar looks back) says `value`."""
+def scanned(value: float, level: float = 0.0) -> PlacedScan:
+    """A scan at the origin, or above, whose beam ahead (beam 0: the lidar looks back) says `value`."""
     ranges = np.full(640, np.inf, dtype=np.float32)
     ranges[0] = value
-    return PlacedScan(LaserScan(0, ranges), Pose(0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
+    return PlacedScan(LaserScan(0, ranges), Pose(0, (0.0, 0.0, level), (0.0, 0.0, 0.0, 1.0)))
 
 
 LIDAR = LEO.lidar_height - 0.02  # [m]: what is lower may pass below the lidar's plane
@@ -74,6 +74,8 @@ LIDAR = LEO.lidar_height - 0.02  # [m]: what is lower may pass below the lidar's
 def test_what_the_lidar_had_of_a_hazard(height: float, value: float, expected: Sight) -> None:
     assert _sight([scanned(math.inf), scanned(value)], post(height=height), LEO) is expected
     assert _sight([scanned(value), scanned(math.inf)], post(height=height), LEO) is expected
+    lifted = [scanned(value, level=7.0)]
+    assert _sight(lifted, post(height=height, level=7.0), LEO) is expected
 
 
 def test_without_a_scan_a_hazard_was_missed() -> None:

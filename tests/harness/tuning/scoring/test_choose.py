@@ -86,7 +86,7 @@ def test_a_value_is_scored_over_all_episodes_of_each_part_by_every_measure(
     )
 
 
-@pytest.mark.parametrize("stratum", [None])
+@pytest.mark.parametrize("stratum", [None, "terrain"])
 def test_episodes_are_resampled_within_their_strata_drivers_unless_told_otherwise(
     episodes: list[EpisodeRecord], stratum: Literal["driver", "terrain"] | None
 ) -> None:

@@ -11,10 +11,12 @@ from harness.tuning.scoring.alarms import DETECTORS, FOOTPRINT_CLEARANCE, NEARES
 from harness.tuning.scoring.collision import (
     UnseenContacts,
     ZoneRow,
+    _detector_study,
     study_collisions,
     unseen_contacts,
     zone_rows,
 )
+from harness.tuning.scoring.result import Candidate
 from harness.tuning.scoring.study import judgement, unreachable
 
 MakeRecord = Callable[..., EpisodeRecord]
@@ -99,6 +101,16 @@ def test_every_detector_is_judged_at_its_own_best_where_it_was_not_chosen(at: At
     assert study.detectors[0].lead_s == pytest.approx(0.0)
     assert study.detectors[0].scans["recall"].value == pytest.approx(20 / 60)
     assert study.contacts == 20
+
+
+def test_the_lead_is_the_median_over_the_contacts_that_are_found(make_record: MakeRecord) -> None:
+    records = []
+    for lead_s in (0.0, 0.1, 0.5):
+        ranges = [0.1 if 2.0 - lead_s <= scan / 20 <= 2.05 else 3.0 for scan in range(1, 81)]
+        records.append(make_record(ranges, contacts=[(2.0, 2.1), (3.5, 3.6)]))
+    at = Candidate(value=0.2, scores={})
+    study = _detector_study(NEAREST_RANGE, {Part.TRAIN: [], Part.TEST: records}, at)
+    assert study.lead_s == pytest.approx(0.1)
 
 
 def test_a_value_that_fails_on_unseen_episodes_is_not_written(at: AtDistance) -> None:

@@ -95,6 +95,23 @@ def test_the_area_under_the_curve_is_that_of_scikit_learn(make_record: MakeRecor
         assert auc.low < auc.value < auc.high
 
 
+def test_episodes_are_resampled_terrain_by_terrain(make_record: MakeRecord) -> None:
+    """Those of a terrain are alike here: whichever of them are drawn, all numbers stay as they are."""
+    of_terrains = {
+        "flat": [*seconds(10.0, SMOOTH, 20), *seconds(10.0, ROUGH, 5)],
+        "maze": [*seconds(11.0, SMOOTH, 5), *seconds(12.0, ROUGH, 20)],
+    }
+    records = [
+        make_record([], windows=windows, terrain=terrain, driver=("ram", "roam")[number % 2])
+        for terrain, windows in of_terrains.items()
+        for number in range(10)
+    ]
+    study = study_ground(both(records), SIGNALS[0])
+    scores = study.verdict.default.scores[Part.TEST]
+    for found in (study.auc[Part.TEST], scores["balanced accuracy"], scores["recall"]):
+        assert (found.low, found.high) == pytest.approx((found.value, found.value))
+
+
 @pytest.mark.parametrize(("rough", "smooth"), [(49, 60), (60, 49), (50, 50)])
 def test_fifty_seconds_of_each_class_are_needed(
     make_record: MakeRecord, rough: int, smooth: int

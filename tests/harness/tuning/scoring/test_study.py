@@ -1,23 +1,26 @@
 """What a study takes of a sweep, and what it says of it in sentences."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import pytest
 
-from harness.tuning.episodes.plan import Part, plan
+from harness.tuning.episodes.plan import Part, Planned, plan
 from harness.tuning.episodes.record import Ending, EpisodeRecord, Sight
 from harness.tuning.scoring.collision import CollisionStudy, DetectorStudy, UnseenContacts
 from harness.tuning.scoring.estimate import Estimate
 from harness.tuning.scoring.result import Candidate, Verdict
 from harness.tuning.scoring.study import (
     Driven,
+    RobotStudy,
     _driven,
     alternatives,
+    conclusions,
     judgement,
     scored_records,
     unreachable,
 )
+from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 MakeRecord = Callable[..., EpisodeRecord]
 
@@ -41,6 +44,29 @@ def test_what_diverged_is_counted_but_not_scored(make_record: MakeRecord) -> Non
     assert scored == {Part.TRAIN: [1.0, 3.0], Part.TEST: [2.0, 4.0, 6.0]}  # in their order
     assert driven.endings == {Ending.COMPLETE: 4, Ending.DIVERGED: 1, Ending.TIPPED_OVER: 1}
     assert (driven.seconds, driven.path_length) == (16.0, 16.0)
+
+
+def test_a_study_judges_every_threshold_of_its_robot_in_the_order_of_the_page(
+    small_sweep: tuple[Sequence[RobotStudy], Mapping[Planned, EpisodeRecord]],
+) -> None:
+    (leo, zero), records = small_sweep
+    assert [verdict.name for verdict in leo.verdicts] == [
+        *("collision_threshold", "near_returns_as_contact", "footprint_threshold"),
+        *("min_safe_clearance", "rough_terrain_threshold", "smoothness_threshold"),
+        "distance_threshold",
+    ]
+    for made, rover in ((leo, LEO), (zero, ROVER_ZERO4WD)):
+        own = [record for one, record in records.items() if one.config.robot == rover.name]
+        assert (made.robot, made.name) == (rover.name, rover.name)
+        assert made.driven.endings == {Ending.COMPLETE: len(own)}
+        assert made.driven.seconds == pytest.approx(sum(record.duration for record in own))
+        assert made.distance.possible_step == pytest.approx(rover.top_speed * 0.1)
+        assert made.clearance.overhang == pytest.approx(rover.footprint[1] - rover.lidar_x)
+        told = list(conclusions(made))
+        assert [line.partition(":")[0] for line in told[:7]] == [v.name for v in made.verdicts]
+        assert told[7] == unreachable(made.collision)
+        assert told[8:] == list(alternatives(made.collision))
+    assert len(leo.collision.detectors) == 4
 
 
 def test_what_was_driven_is_told_in_minutes_and_kilometres() -> None:
@@ -113,6 +139,13 @@ BETTER, CLOSER = "0.70 (0.65 to 0.80)", "0.70 (0.55 to 0.80)"
             (
                 f"{BEGIN} is a little worse than it could be for leo: F1 0.500 (0.400 to 0.600) against "
                 "0.700 (0.650 to 0.800) with 0.3 m on unseen seeds; the intervals do not overlap."
+            ),
+        ),
+        (
+            verdict(APART, Estimate(0.04, 0.03, 0.05)),
+            (
+                f"{BEGIN} is worse than it could be for leo: {WAS} against {BETTER} with 0.3 m on "
+                "unseen seeds; the intervals do not overlap."
             ),
         ),
         (

@@ -1,6 +1,8 @@
 """Where there is room for a body, against distances to boxes that numpy works out."""
 
 import math
+from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ from harness.world.obstacles import Obstacle, ObstacleKind, orientation, outline
 from harness.world.world import World
 
 WALL = Obstacle(ObstacleKind.HAZARD, "box", (1.0, 0.2, 0.5), (2.0, 1.0, 0.5), orientation(0.5))
-STONE = Obstacle(ObstacleKind.ROCK, "ellipsoid", (0.3, 0.3, 0.1), (-2.0, 0.0, 0.0))
+STONE = Obstacle(ObstacleKind.ROCK, "box", (0.3, 0.3, 0.1), (-2.0, 0.0, 0.0))
 
 
 def world(*obstacles: Obstacle) -> World:
@@ -30,25 +32,46 @@ def test_the_distance_from_a_wall_is_that_of_a_turned_box() -> None:
 
 
 @pytest.mark.parametrize(
-    ("point", "radius", "trouble"),
+    ("point", "radius", "trouble", "later"),
     [
-        ((2.0, 1.0), 0.1, "through hazard_1"),
-        ((2.0, 1.4), 0.25, "through hazard_1"),
-        ((2.0, 1.6), 0.25, None),
-        ((-2.0, 0.0), 0.25, None),  # over the rock
-        ((2.6, 0.0), 0.25, "off the map"),  # 3 m x 4 m, half a metre of it its edge
-        ((0.0, -3.6), 0.25, "off the map"),
-        ((math.nan, 0.0), 0.25, "off the map"),
+        ((2.0, 1.0), 0.1, "through hazard_1", (2.0, 1.1)),
+        ((2.0, 1.4), 0.25, "through hazard_1", (2.0, 1.0)),
+        ((2.6, 0.0), 0.25, "off the map", (9.0, 9.0)),
+        ((math.nan, 0.0), 0.25, "off the map", (9.0, 9.0)),
     ],
 )
-def test_hazards_and_the_edge_are_in_the_way(
-    point: tuple[float, float], radius: float, trouble: str | None
+def test_the_first_point_at_a_hazard_or_beyond_the_edge_is_told(
+    point: tuple[float, float], radius: float, trouble: str, later: tuple[float, float]
 ) -> None:
     room = Room(world(STONE, WALL))
-    found = room.trouble(np.array([(0.0, -1.0), point]), radius)
-    assert (found and found[0]) == trouble
-    if found:
-        np.testing.assert_array_equal(found[1], point)
+    free = [(0.0, -1.0), (2.0, 1.6), (-2.0, 0.0)]  # the last one on the rock
+    assert room.trouble(np.array(free), radius) is None
+    found = room.trouble(np.array([*free, point, later]), radius)
+    assert found is not None
+    assert found[0] == trouble
+    np.testing.assert_array_equal(found[1], point)
+
+
+def test_people_walk_on_the_map_to_half_a_metre_from_its_edge() -> None:
+    """6 m x 8 m around (10, -20)."""
+    room = Room(replace(world(), ground=Heightfield(np.zeros((81, 61)), 0.1, (10.0, -20.0))))
+    for x, y in product((7.5, 12.5), (-23.5, -16.5)):
+        assert room.trouble(np.array([(x, y)]), 1.0) is None
+        for off in ((x + math.copysign(0.01, x - 10.0), y), (x, y + math.copysign(0.01, y + 20.0))):
+            assert room.trouble(np.array([off]), 0.0) is not None
+
+
+def test_of_several_hazards_the_one_that_is_near_is_told() -> None:
+    posts = [Obstacle(ObstacleKind.HAZARD, "box", (0.1, 0.1, 0.5), (x, -1.0, 0.5)) for x in (-1, 0, 1)]
+    room = Room(world(*posts))
+    for index, post in enumerate(posts):
+        place = np.array([post.position[0], -0.75])  # 15 cm from it, 81 cm from the next
+        found = room.trouble(place[None], 0.2)
+        assert found is not None
+        assert found[0] == f"through hazard_{index}"
+        for aside in (np.array([0.0, 0.0]), np.array([0.0, -0.5])):  # behind it and in front
+            (wall,) = room.walls_near(place + aside, 0.2)
+            np.testing.assert_array_equal(wall, outline(post))
 
 
 def test_a_body_is_in_trouble_where_it_is_nearer_to_a_wall_than_its_radius() -> None:

@@ -69,6 +69,8 @@ def test_who_has_one_point_stands_and_points_that_are_one_cost_no_time() -> None
     assert (stands.x, stands.y, stands.yaw) == (1.0, 2.0, 0.0)
     twice = [(0.0, 0.0), (0.0, 0.0), (3.0, 0.0), (3.0, 0.0), (3.0, 4.0)]
     assert Route.at_speed(twice, 1.0).times == Route.at_speed(CORNER, 1.0).times
+    climbs = Route.at_speed([(0.0, 0.0, 0.0), (0.0, 0.0, 5.0), (3.0, 0.0, 5.0)], 1.0)
+    assert [climbs.place(time_s).x for time_s in (4.0, 6.0)] == [0.0, 1.0]
 
 
 @pytest.mark.parametrize(
@@ -86,14 +88,32 @@ def test_a_script_is_walked_at_its_own_times(loops: bool, time_s: float, x: floa
 
 
 def test_who_waits_looks_along_the_first_leg_that_leads_anywhere() -> None:
-    waits = timed((0.0, 2.0, 3.0), [(1.0, 2.0), (1.0, 2.0), (1.0, 5.0)], loops=False, delay=0.0, who="x")
-    assert waits.place(1.0).yaw == pytest.approx(math.pi / 2)
+    points = [(1.0, 2.0), (1.0, 2.0), (3.0, -1.0)]
+    waits = timed((0.0, 2.0, 3.0), points, loops=False, delay=0.0, who="x")
+    assert waits.place(1.0).yaw == pytest.approx(math.atan2(-3.0, 2.0))
+    points = [(0.0, 0.0), (3.0, 0.0), (3.0, 0.0), (3.0, 4.0)]
+    turns = timed((0.0, 1.0, 5.0, 6.0), points, loops=True, delay=0.0, who="x")
+    assert turns.place(3.0).yaw == pytest.approx(math.pi / 2)
+
+
+@pytest.mark.parametrize(("time_s", "x"), [(0.5, 0.5), (1.0, 5.0), (1.5, 5.5), (2.0, 9.0), (7.0, 9.0)])
+def test_who_is_at_two_points_at_one_time_jumps(time_s: float, x: float) -> None:
+    points = [(x, 2.0) for x in (0.0, 1.0, 5.0, 6.0, 9.0)]
+    route = timed((0.0, 1.0, 1.0, 2.0, 2.0), points, loops=False, delay=0.0, who="x")
+    assert (route.place(time_s).x, route.place(time_s).y) == (x, 2.0)
+
+
+def test_who_waits_at_the_end_looks_along_the_first_leg_again() -> None:
+    points = [(1.0, 2.0), (3.0, -1.0), (3.0, -1.0)]
+    waits = timed((0.0, 2.0, 3.0), points, loops=False, delay=0.0, who="x")
+    assert waits.place(9.0).yaw == pytest.approx(math.atan2(-3.0, 2.0))
 
 
 def test_a_route_begins_anew_unless_it_is_told_otherwise() -> None:
     assert Route((0.0, 1.0), ((0.0, 0.0), (1.0, 0.0))).place(1.5).x == pytest.approx(0.5)
 
 
-def test_times_that_do_not_ascend_are_refused() -> None:
-    with pytest.raises(UsageError, match="x: the times of its way points do not ascend"):
-        timed((0.0, 2.0, 1.0), CORNER, loops=True, delay=0.0, who="x")
+@pytest.mark.parametrize("times", [(0.0, 2.0, 1.0), (-0.1, 2.0, 3.0)])
+def test_times_that_do_not_ascend_are_refused(times: tuple[float, ...]) -> None:
+    with pytest.raises(UsageError, match="x: the times of its way points do not ascend from 0 on"):
+        timed(times, CORNER, loops=True, delay=0.0, who="x")

@@ -35,7 +35,14 @@ def test_roboterrains_files_are_read(file: str, name: str, first: tuple[float, .
 
 @pytest.mark.parametrize(
     ("stem", "name"),
-    [("inspect_linear", "linear"), ("island_triangle2_traject", "triangle2"), ("my_walk", "my_walk")],
+    [
+        ("inspect_linear", "linear"),
+        ("island_triangle2_traject", "triangle2"),
+        ("my_walk", "my_walk"),
+        ("moon_a_trajectory", "a"),
+        ("construct_flat_b_traject_2", "flat_b_2"),
+        ("my_trajectories", "my_trajectories"),
+    ],
 )
 def test_a_trajectory_is_called_as_its_topic(stem: str, name: str, tmp_path: Path) -> None:
     (told,) = read_told(written(tmp_path, f"<trajectory>{LINE}</trajectory>", f"{stem}.sdf"))
@@ -48,15 +55,18 @@ def test_the_actors_of_a_world_have_their_names_poses_and_times(tmp_path: Path) 
     )
     actors = f"<actor name='a'><pose>10 0 0 0 0 1.5707963267948966</pose>{script}</actor>"
     stands = "<actor name='b'><pose>7 8 9 0 0 0</pose></actor>"
-    a, b = read_told(written(tmp_path, f"<sdf><world><model/>{actors}{stands}</world></sdf>"))
+    point = "<waypoint><pose>1 2 3 0 0 0</pose></waypoint>"
+    bare = f"<actor name='c'><script><trajectory>{point}</trajectory></script></actor>"
+    a, b, c = read_told(written(tmp_path, f"<sdf><world><model/>{actors}{stands}{bare}</world></sdf>"))
     assert (a.name, a.times, a.loops, a.delay) == ("a", (1.5, 4.0), False, 2.0)
     assert np.array(a.points) == pytest.approx(np.array([[8.0, 1.0, 3.0], [5.0, 4.0, 6.0]]))
     assert (b.name, b.points, b.times, b.loops) == ("b", ((7.0, 8.0, 9.0),), (0.0,), True)
+    assert (c.points, c.times, c.loops, c.delay) == (((1.0, 2.0, 3.0),), (0.0,), True, 0.0)
 
 
 def test_an_actor_without_a_name_is_called_actor(tmp_path: Path) -> None:
-    (told,) = read_told(written(tmp_path, "<actor/>"))
-    assert told.name == "actor"
+    (told,) = read_told(written(tmp_path, "<actor><pose>1 2 3 0 0 0</pose></actor>"))
+    assert (told.name, told.points) == ("actor", ((1.0, 2.0, 3.0),))
 
 
 LAUGHS = '<!DOCTYPE t [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]><trajectory>&b;</trajectory>'

@@ -210,7 +210,7 @@ def test_sixteen_million_pixels_are_read_and_no_more() -> None:
 
 @pytest.mark.parametrize(
     ("nodata", "value", "missing"),
-    [("-9999", -9999.005, True), ("-9999", -9998.9, False), ("0", 0.0, True), ("0", 1e-3, False)],
+    [("-9999", -9999.005, True), ("-9999", -9998.98, False), ("0", 0.0, True), ("0", 1e-9, False)],
 )
 def test_no_data_is_what_the_tag_says_but_for_rounding(
     tmp_path: Path, nodata: str, value: float, *, missing: bool

@@ -98,8 +98,16 @@ def test_a_turned_grid_keeps_its_size_and_tells_its_angle(
     assert told == [f"+x is {degrees:.1f} deg north of its coordinates' east"] * bool(degrees)
 
 
-def test_rows_and_columns_aslant_are_refused(tmp_path: Path) -> None:
-    matrix = (1, 0.5, 0, 0, 0, -1, 0, 0, *(0,) * 7, 1)
+@pytest.mark.parametrize("pixel", [0.05, 1.0, 30.0])
+@pytest.mark.parametrize(("degrees", "valid"), [(0.4, True), (-0.4, True), (0.6, False), (-0.6, False)])
+def test_rows_and_columns_more_than_half_a_degree_aslant_are_refused(
+    tmp_path: Path, degrees: float, pixel: float, *, valid: bool
+) -> None:
+    cos, sin = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    matrix = (pixel, 2 * pixel * sin, 0, 0, 0, -2 * pixel * cos, 0, 0, *(0,) * 7, 1)
+    if valid:
+        assert read(tmp_path, matrix=matrix, keys=METRES).pixel == pytest.approx((pixel, 2 * pixel))
+        return
     with pytest.raises(UsageError, match="not at right angles"):
         read(tmp_path, matrix=matrix, keys=METRES)
 

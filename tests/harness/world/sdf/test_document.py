@@ -61,6 +61,12 @@ def test_poses_of_model_link_and_collision_nest(tmp_path: Path, version: str) ->
             Primitive("cylinder", (2.0, 1.5)),
         ),
         ("<plane><size>7 8</size></plane>", Plane((0.0, 0.0, 1.0), (7.0, 8.0))),
+        ("<plane/>", Plane((0.0, 0.0, 1.0), (1.0, 1.0))),
+        ("<mesh><uri>m.obj</uri></mesh>", MeshFile(Path("m.obj"), (1.0, 1.0, 1.0), "", False)),
+        (
+            "<heightmap><uri>m.obj</uri></heightmap>",
+            Relief(Path("m.obj"), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)),
+        ),
         (
             MESH,
             MeshFile(Path("m.obj"), (1.0, 1.0, 2.0), "s", True),
@@ -81,8 +87,8 @@ def test_every_shape_is_read(tmp_path: Path, geometry: str, shape: object) -> No
 def test_a_capsule_is_a_cylinder_between_two_balls(tmp_path: Path) -> None:
     capsule = "<geometry><capsule><radius>1</radius><length>4</length></capsule></geometry>"
     solids = read(tmp_path, model(link(collision=capsule))).solids
-    kinds = [getattr(solid.shape, "shape", "") for solid in solids]
-    assert kinds == ["cylinder", "ellipsoid", "ellipsoid"]
+    ball = Primitive("ellipsoid", (1.0, 1.0, 1.0))
+    assert [solid.shape for solid in solids] == [Primitive("cylinder", (1.0, 2.0)), ball, ball]
     assert [solid.pose[2, 3] for solid in solids] == [0.0, 2.0, -2.0]
 
 
@@ -156,6 +162,89 @@ def test_visuals_give_colours_and_nothing_to_collide_with(tmp_path: Path) -> Non
     assert [(s.name, s.color) for s in document.solids] == [("m::l::c", (1.0, 0.0, 0.0, 1.0))]
 
 
+@pytest.mark.parametrize(
+    ("materials", "color"),
+    [
+        (["<diffuse>0.1 0.2 0.3 0.4</diffuse>"], (0.1, 0.2, 0.3, 0.4)),
+        (["<diffuse>0.1 0.2 0.3</diffuse>"], (0.1, 0.2, 0.3, 1.0)),
+        (["<ambient>0.1 0.2 0.3</ambient><diffuse>1 0 0</diffuse>"], (1.0, 0.0, 0.0, 1.0)),
+        (["<ambient>0.1 0.2 0.3</ambient>"], (0.1, 0.2, 0.3, 1.0)),
+        (["", "<diffuse>0 0 1</diffuse>", "<diffuse>1 0 0</diffuse>"], (0.0, 0.0, 1.0, 1.0)),
+        (["<diffuse>1 0</diffuse>"], None),
+        ([], None),
+    ],
+)
+def test_the_first_colour_of_a_links_visuals_is_that_of_its_collisions(
+    materials: list[str], color: tuple[float, ...] | None, tmp_path: Path
+) -> None:
+    visuals = "".join(f"<visual name='v'><material>{text}</material></visual>" for text in materials)
+    (solid,) = read(tmp_path, model(link(visuals))).solids
+    assert solid.color == color
+
+
+def test_gravity_friction_and_names_have_the_defaults_of_sdf(tmp_path: Path) -> None:
+    bare = f"<model><link><collision>{BOX}</collision></link></model>"
+    alone = read_document(written(tmp_path, bare, "yard.sdf"), Resources())
+    assert (alone.name, alone.gravity, alone.movable) == ("yard", 9.8, ["model"])
+    assert [(s.name, s.friction, s.color) for s in alone.solids] == [
+        ("model::link::collision", None, None)
+    ]
+    moon = read(tmp_path, "<gravity>0 0 -1.62</gravity>" + model(link()))
+    assert moon.gravity == 1.62
+    slippery = BOX + "<surface><friction><ode><mu>0</mu></ode></friction></surface>"
+    assert [s.friction for s in read(tmp_path, model(link("", slippery))).solids] == [0.0]
+    plugins = "<plugin name='a'/><plugin filename='b'/><plugin/><plugin name='a'/>"
+    assert read(tmp_path, plugins + "<population/>").notes == (
+        "left out: <population>",
+        "plugins are not run: a, b, ?",
+    )
+    for upward in ("0 0 0", "0 0 9.8"):
+        with pytest.raises(UsageError, match="is not straight down"):
+            read(tmp_path, f"<gravity>{upward}</gravity>")
+
+
+def test_an_include_says_whether_its_model_is_static_and_a_model_says_it_of_those_within(
+    tmp_path: Path,
+) -> None:
+    written(tmp_path, model(link(), static=False), "free.sdf")
+    written(tmp_path, model(link()), "still.sdf")
+    include = "<include><uri>{}.sdf</uri><name>{}</name>{}</include>"
+    free, still = "<static>0</static>", "<static>true</static>"
+    body = (
+        include.format("free", "a", "")
+        + include.format("free", "b", still)
+        + include.format("still", "c", "")
+        + include.format("still", "d", free)
+        + model(include.format("free", "e", ""), "outer")
+        + model(include.format("free", "g", ""), "loose", static=False)
+    )
+    document = read(tmp_path, body)
+    assert document.movable == ["loose", "a", "d"]
+    assert len(document.solids) == 6
+
+
+def test_frames_of_joints_are_those_of_their_children_and_those_who_are_told_none_of_the_model(
+    tmp_path: Path,
+) -> None:
+    inner = (
+        link("<pose>1 0 0 0 0 0</pose>", name="k")
+        + "<joint name='j' type='fixed'><child>k</child><pose>0 2 0 0 0 0</pose></joint>"
+        + "<frame name='f'><pose relative_to='j'>0 0 3 0 0 0</pose></frame>"
+        + link("<pose relative_to='f'>0 0 0 0 0 0</pose>", name="l")
+    )
+    solids = read(tmp_path, model("<pose>10 0 0 0 0 0</pose>" + inner)).solids
+    assert [solid.pose[:3, 3].tolist() for solid in solids] == [[11, 0, 0], [11, 2, 3]]
+
+
+def test_more_collisions_than_anybody_draws_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "MOST_SOLIDS", 2)
+    assert len(read(tmp_path, model(link()) * 2).solids) == 2
+    with pytest.raises(UsageError, match="more than 2 collisions; take some out"):
+        read(tmp_path, model(link()) * 3)
+
+
 def test_actors_of_included_files_are_in_the_frame_of_the_include(tmp_path: Path) -> None:
     actor = "<actor name='{}'><pose>0 3 0 0 0 0</pose></actor>"
     box = f"<model name='box'>{link()}</model>"
@@ -217,6 +306,40 @@ def test_what_is_wrong_is_told_in_one_line(tmp_path: Path, body: str, told: str)
     assert "\n" not in str(raised.value)
 
 
+@pytest.mark.parametrize(
+    ("inner", "told"),
+    [
+        ("<frame name='f'>@</frame>", "pose of f '1 2 3' is not valid"),
+        ("<joint name='j' type='fixed'><child>l</child>@</joint>", "pose of j '1 2 3' is not valid"),
+        ("<link name='k'>@</link>", "pose of k '1 2 3' is not valid"),
+        (link("", f"@{BOX}"), "pose of m::l::c '1 2 3' is not valid"),
+        (link("", BOX.replace("2 4 6", "1e6 1 1")), "<size> of m::l::c '1e6 1 1' is not valid"),
+        (
+            link("", "<geometry><plane><normal>0 0 0</normal></plane></geometry>"),
+            "normal of m::l::c is 0",
+        ),
+        (
+            link("", "<geometry><heightmap><uri>m.obj</uri><size>1 2</size></heightmap></geometry>"),
+            "<size> of m::l::c '1 2' is not valid; give 3 finite numbers",
+        ),
+        (
+            link("", "<geometry><mesh><uri>m.obj</uri><scale>1 0 1</scale></mesh></geometry>"),
+            "<scale> of m::l::c is not valid; a factor is 0",
+        ),
+        (
+            link("", BOX + "<surface><friction><ode><mu>x</mu></ode></friction></surface>"),
+            "<mu> of m::l::c 'x' is not valid",
+        ),
+    ],
+)
+def test_a_number_that_is_not_valid_is_told_with_whose_it_is(
+    inner: str, told: str, tmp_path: Path
+) -> None:
+    (tmp_path / "m.obj").touch()
+    with pytest.raises(UsageError, match=told):
+        read(tmp_path, model(inner.replace("@", "<pose>1 2 3</pose>")))
+
+
 def test_a_model_alone_is_a_world_and_of_several_worlds_the_first_counts(tmp_path: Path) -> None:
     alone = read_document(written(tmp_path, f"<model name='m'>{link()}</model>"), Resources())
     assert [solid.name for solid in alone.solids] == ["m::l::c"]
@@ -235,3 +358,5 @@ def test_includes_that_double_themselves_are_bounded(
         written(tmp_path, f"<model name='m'>{twice if depth < 5 else link()}</model>", f"{depth}.sdf")
     with pytest.raises(UsageError, match="more than 60 includes"):
         read_document(tmp_path / "0.sdf", Resources())
+    monkeypatch.setattr(module, "MOST_INCLUDES", 62)  # 2 + 4 + 8 + 16 + 32
+    assert len(read_document(tmp_path / "0.sdf", Resources()).solids) == 32

@@ -59,5 +59,7 @@ def test_frames_in_a_circle_or_without_a_name_are_refused() -> None:
     frames.add("b", IDENTITY, "a")
     with pytest.raises(UsageError, match="told in a circle: a in b in a"):
         frames.find("a")
-    with pytest.raises(UsageError, match="frame 'c' does not exist; available: a, b"):
+    with pytest.raises(UsageError, match=r"frame 'c' does not exist; available: a, b$"):
         frames.find("c")
+    with pytest.raises(UsageError, match=r"frame 'c' does not exist; available: none$"):
+        Frames("world").find("c")

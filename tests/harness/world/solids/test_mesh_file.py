@@ -1,6 +1,7 @@
 """Meshes from files: units, axes, parts, and what is refused."""
 
 import hashlib
+import os
 import struct
 from pathlib import Path
 
@@ -36,6 +37,16 @@ def test_a_box_is_read_with_its_vertices_shared(tmp_path: Path, write: object) -
     assert digest == hashlib.sha256(path.read_bytes()).hexdigest()
 
 
+def test_a_file_is_decoded_once_and_again_when_it_has_been_written_anew(tmp_path: Path) -> None:
+    path = tmp_path / "a.obj"
+    for second, mesh in enumerate((BOX, box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))), start=1):
+        os.utime(write_obj(path, mesh), (second, second))
+        read, digest = read_mesh(path)
+        assert volume(read) == pytest.approx(volume(mesh))
+        assert digest == hashlib.sha256(path.read_bytes()).hexdigest()
+        assert read_mesh(path)[0] is read
+
+
 @pytest.mark.parametrize(
     ("up", "low", "high"),
     [
@@ -55,6 +66,8 @@ def test_collada_is_turned_upright_and_scaled_to_metres(
 
 def test_unit_and_axis_may_be_told_instead(tmp_path: Path) -> None:
     path = write_dae(tmp_path / "a.dae", BOX, "0.01", "Y_UP")
+    for unit, length in {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}.items():
+        assert np.ptp(read_mesh(path, unit=unit)[0].vertices[:, 0]) == pytest.approx(2.0 * length)
     mesh, _ = read_mesh(path, unit="mm", up="z")
     np.testing.assert_allclose(mesh.vertices.max(0), [0.002, 0.004, 0.0065], atol=1e-12)
 

@@ -1,9 +1,12 @@
 """Heightfields of meshes: cells, pits, small gaps, what is left over, and the error that is told."""
 
 import re
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 
 from harness.errors import UsageError
 from harness.world.solids.mesh_file import Mesh
@@ -48,6 +51,32 @@ def test_maps_that_cannot_be_driven_are_refused(
 ) -> None:
     with pytest.raises(UsageError, match=told):
         chosen_grid(bounds, cell)
+
+
+@settings(max_examples=40)
+@example(0.0, 22.9868098108107, 10.0, 10.0, 1.0)  # 10 m less a rounding
+@given(*[st.floats(-100.0, 100.0)] * 2, *[st.floats(10.0, 30.0)] * 2, st.floats(0.1, 2.0))
+def test_vertices_lie_within_the_bounds_around_their_middle_as_many_as_fit(
+    x: float, y: float, width: float, depth: float, cell: float
+) -> None:
+    grid = chosen_grid((x, x + width, y, y + depth), cell)
+    assert grid.cell == cell
+    assert grid.middle == pytest.approx((x + width / 2, y + depth / 2))
+    for length, count, first, low in (
+        (width, grid.columns, grid.x, x),
+        (depth, grid.rows, grid.y, y),
+    ):
+        assert length - cell < (count - 1) * cell <= length + 1e-4
+        assert low - 1e-4 <= first < low + cell / 2 + 1e-4
+
+
+@pytest.mark.parametrize(
+    ("side", "valid"), [(10.0, True), (9.99, False), (50_000.0, True), (50_001.0, False)]
+)
+def test_maps_of_ten_metres_to_fifty_kilometres_are_driven(side: float, *, valid: bool) -> None:
+    for bounds in ((0.0, side, 0.0, 20.0), (0.0, 20.0, 0.0, side)):
+        with nullcontext() if valid else pytest.raises(UsageError, match="can be driven"):
+            chosen_grid(bounds, None)
 
 
 def test_a_large_map_has_larger_cells_and_lies_where_the_mesh_is() -> None:

@@ -13,6 +13,7 @@ from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.analysis.metric import METRIC_COLUMNS, METRICS, other_metric
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
+from rover_metrics.log.session_record import COMPLETE, write_record
 
 Row = Callable[..., str]
 WriteLog = Callable[..., Path]
@@ -110,6 +111,8 @@ def test_rows_of_an_older_schema_are_left_out(write_log: WriteLog, row: Row) -> 
     log = read_log(write_log(lines=[*(row(i) for i in range(8)), *old]), [METRICS["CV"]])
     assert len(log) == 8
     assert "2 rows with fewer fields than the header (first on line 10): left out" in log.findings
+    half = read_log(write_log(lines=[row(0), row(1), *old]), [METRICS["CV"]])
+    assert list(half.stamps) == [100, 101]
 
 
 def test_a_last_line_cut_in_a_number_is_left_out(write_log: WriteLog, row: Row) -> None:
@@ -203,6 +206,16 @@ def test_spaces_wall_time_and_another_rate_are_told(write_log: WriteLog, row: Ro
     )
 
 
+def test_a_session_that_was_killed_is_read_with_a_finding_and_one_that_ended_without(
+    write_log: WriteLog,
+) -> None:
+    log = write_log()
+    write_record(log, None, {})
+    assert read_log(log).findings == ("the session has no end mark: it was killed, or is still running",)
+    write_record(log, COMPLETE, {})
+    assert read_log(log).findings == ()
+
+
 def test_a_byte_order_mark_and_carriage_returns_do_not_matter(
     write_log: WriteLog, tmp_path: Path
 ) -> None:
@@ -261,13 +274,16 @@ def test_pandas_does_not_warn_of_what_is_told_as_a_finding(write_log: WriteLog, 
 
 
 def test_pandas_is_given_whole_lines_of_about_as_much_as_it_asks_for() -> None:
-    text = _Narrow(io.StringIO("a,b\nc,d,e\nf\n"), 2)
-    assert [text.read(1), text.read(None), text.read(1)] == ["a,b\n", "c,d\nf\n", ""]
+    for rest in ((), (None,)):
+        text = _Narrow(io.StringIO("a,b\nc,d,e\nf\n"), 2)
+        assert [text.read(1), text.read(*rest), text.read(1)] == ["a,b\n", "c,d\nf\n", ""]
 
 
 def test_without_notes_a_row_is_short_if_its_last_column_is_missing(tmp_path: Path) -> None:
     path = tmp_path / "few.csv"
-    path.write_text("Timestamp,Current Velocity,Vertical Roughness\n1,2,3\n2,2\n2,2,3\n3,2,3\n")
+    path.write_text(
+        "Timestamp,Current Velocity,a,Vertical Roughness\n1,2,0,3\n2,2,0\n2,2,0,3\n3,2,0,3\n"
+    )
     log = read_log(path, [METRICS["CV"], METRICS["VR"]])
     assert list(log.stamps) == [1, 2, 3]
     assert log.findings == ("1 row with fewer fields than the header (line 3): left out",)

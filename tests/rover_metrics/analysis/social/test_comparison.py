@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from rover_metrics.analysis.social.comparison import Group, differences, make_group
-from rover_metrics.analysis.social.log import read_social_log
+from rover_metrics.analysis.social.log import SocialLog, read_social_log
 
 SOCIAL = Path(__file__).parents[5] / "shared/data/roboterrain/social"
 
@@ -54,6 +54,23 @@ def test_each_pair_is_tested_and_adjusted_metric_by_metric() -> None:
         welch = stats.ttest_ind(b, a, equal_var=False).confidence_interval(0.9)
         assert of_metric[0].windows.interval == pytest.approx((welch.low, welch.high))
     assert found[0].runs.n == (0, 0)
+
+
+def test_a_group_has_the_figures_and_windows_of_its_logs_for_the_goals_and_the_distance_asked() -> None:
+    apart = np.array([[0.3], [0.7], [2.0], [0.3]])
+    log = SocialLog(
+        *(Path("made"), ("ann",), np.arange(4.0), np.zeros((4, 2)), apart, apart[:, 0]),
+        np.array([0, 1, 2, 2]),
+    )
+    for goals, distance, windows, risk_s in (
+        *((2, 0.5, [[0.5, 1.5]], 2), (2, 1.0, [[1.0, 1.5]], 3)),
+        (1, 1.0, [[2.0, 2.0], [0.0, 1.0]], 3),
+    ):
+        group = make_group("g", [log], goals, distance)
+        assert group.windows.tolist() == windows
+        assert [figures.risk_s for figures in group.figures] == [risk_s]
+        assert group.of_runs("risk_s_per_goal").tolist() == [risk_s / 2]
+        assert group.of_windows("s_per_goal").tolist() == [seconds for _, seconds in windows]
 
 
 def test_one_window_a_group_is_not_tested() -> None:

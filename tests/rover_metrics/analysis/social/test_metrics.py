@@ -25,14 +25,21 @@ def made(
 def test_a_run_by_hand() -> None:
     nan = np.nan
     log = made(
-        [[2.0, 9.0], [0.5, 1.0], [0.4, 1.3], [1.2, nan], [0.449, 1.1], [nan, nan], [3.6, 3.7]],
+        [[2.0, 9.0], [0.5, 1.0], [0.4, 1.3], [1.2, nan], [0.449, 1.1], [nan, nan], [3.6, 1.19]],
         [3, 3, 4, 4, 4, 6, 6],
     )
     figures = run_figures(log)
     assert (figures.seconds, figures.goals, figures.risk_s) == (7, 3, 2)
-    assert figures.zone_s == {"intimate": 2, "personal": 1, "social": 2, "public": 1}
+    assert figures.zone_s == {"intimate": 2, "personal": 2, "social": 2, "public": 0}
+    assert run_figures(made([[3.6], [3.599], [0.45], [1.2]], [0] * 4)).zone_s == {
+        "intimate": 0,
+        "personal": 1,
+        "social": 2,
+        "public": 1,
+    }
     assert figures.min_distance == 0.4
-    assert figures.intrusions == 4  # each person twice; 1.2 m is outside
+    # Each person twice: 1.2 m is outside, and who was inside before and after being lost has not left.
+    assert figures.intrusions == 4
     assert figures.risk_s_per_goal == pytest.approx(2 / 3)
     assert figures.s_per_goal == pytest.approx(7 / 3)
     assert figures.min_time_to_collision == pytest.approx(0.5 / 1.5)

@@ -50,5 +50,9 @@ def test_metrics_of_fewer_logs_are_named_and_without_any_test_nothing_else_is_sa
     ]
     assert told(1, 2) == ["No test: it needs two logs or more in each group."]
     assert list(describe_power([], "log", 0.05)) == []
+    four = compare(
+        "OC", np.arange(4.0), np.arange(4.0), 0.95
+    )  # 2 / 70: not the first by Holm, but the second
+    assert list(describe_power([four, many], "log", 0.05)) == []
     on_the_edge = compare("OC", np.arange(3.0), np.arange(3.0), 0.9)
     assert list(describe_power([on_the_edge], "log", 1 - 0.9)) == []  # 2 / 20

@@ -1,0 +1,80 @@
+"""Recorded runs: what their values are called, what can be compared, and what a file keeps."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from harness.errors import UsageError
+from harness.scenario.baseline import (
+    Recorded,
+    check_comparable,
+    first_difference,
+    key_of,
+    write_baselines,
+)
+from harness.scenario.bound import Bound
+from tests.harness.scenario.conftest import MakeCases
+
+
+@pytest.mark.parametrize(
+    ("name", "bound", "key"),
+    [
+        ("truth.speed", Bound(over="mean", relative=0.1), "truth.speed mean"),
+        ("truth.speed", Bound(over="end", absolute=1, window=(5, 10)), "truth.speed end 5-10 s"),
+        ("topic./a.latency", Bound(over="p95", absolute=1, of="/in"), "topic./a.latency of /in p95"),
+    ],
+)
+def test_a_value_is_known_by_its_quantity_how_it_is_taken_and_when(
+    name: str, bound: Bound, key: str
+) -> None:
+    assert key_of(name, bound) == key
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "told"),
+    [
+        ({"a": 1}, {"a": 1}, None),
+        ({"a": 1, "b": 2}, {"a": 1, "b": 3}, "the baseline is of b 2, this run of 3; "),
+        ({"a": 1}, {}, "the baseline is of a 1, this run of the default; "),
+        ({}, {"a": 1}, "the baseline is of a the default, this run of 1; "),
+    ],
+)
+def test_runs_are_comparable_if_nothing_differs_in_either(
+    was: dict[str, int], now: dict[str, int], told: str | None
+) -> None:
+    if told is None:
+        check_comparable(Recorded(now), Recorded(was))
+        return
+    with pytest.raises(UsageError, match=f"^{told}if that is meant, record it anew"):
+        check_comparable(Recorded(now), Recorded(was))
+
+
+@pytest.mark.parametrize(
+    ("now", "told"),
+    [
+        (("t,x,y", "1,2,3", "4,5,6"), None),
+        (("t,x,y", "1,2,3", "4,7,8"), "row 2: x is 7, baseline 5"),
+        (("t,x,y", "1,2,", "4,5,6"), "row 1: y is nothing, baseline 3"),
+        (("t,x,y", "1,2,3", "4,5,6", "7,8,9"), "row 3: t is 7, baseline nothing"),
+        (("t,x", "1,2,3", "4,5,6"), "row 0: y is nothing, baseline y"),
+    ],
+)
+def test_the_first_cell_that_differs_is_told_with_both_values(
+    now: tuple[str, ...], told: str | None
+) -> None:
+    difference = first_difference(Recorded({}, log=now), Recorded({}, log=("t,x,y", "1,2,3", "4,5,6")))
+    assert difference == (told and f"same_bytes: {told}")
+
+
+def test_runs_are_written_beside_those_that_the_file_has(make_cases: MakeCases, tmp_path: Path) -> None:
+    one, two = make_cases("{truth.speed: {over: end, absolute: 1}}", "seeds: [1, 2]")
+    path = tmp_path / "two.baseline.json"
+    kept = {"two[9]": {"of": {"a": 9}, "values": {}, "log": []}}
+    path.write_text(json.dumps(kept | {"two[2]": kept["two[9]"]}))
+    recorded = [(one, Recorded({"a": 1}, {"v": 2.5}, ("x",))), (two, Recorded({"a": 2}))]
+    assert write_baselines(recorded) == [path]
+    assert json.loads(path.read_text()) == kept | {
+        "two[1]": {"of": {"a": 1}, "values": {"v": 2.5}, "log": ["x"]},
+        "two[2]": {"of": {"a": 2}, "values": {}, "log": []},
+    }

@@ -1,0 +1,85 @@
+"""Where drivers may wander between pits, and where a rover starts, against a search of all places."""
+
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis.extra.numpy import array_shapes, arrays
+
+from harness.errors import UsageError
+from harness.world.heightfield import Heightfield
+from harness.world.obstacles import Obstacle, ObstacleKind
+from harness.world.solids.assembly import _largest_rectangle, _room, _start
+from harness.world.solids.surface import Surface
+from harness.world.terrain_file import TerrainFile
+from harness.world.world import Start, World
+
+
+@settings(max_examples=40)
+@given(arrays(bool, array_shapes(min_dims=2, max_dims=2, max_side=5)))
+def test_no_rectangle_without_a_pit_is_larger(free: np.ndarray) -> None:
+    rows, columns = (range(count + 1) for count in free.shape)
+    areas = [
+        (bottom - top) * (right - left)
+        for top, bottom in combinations(rows, 2)
+        for left, right in combinations(columns, 2)
+        if free[top:bottom, left:right].all()
+    ]
+    top, bottom, left, right = _largest_rectangle(free)
+    if areas:
+        assert free[top:bottom, left:right].all()
+        assert (bottom - top) * (right - left) == max(areas)
+
+
+def surface(has_floor: np.ndarray, cell: float = 0.5) -> Surface:
+    ground = Heightfield(np.zeros(has_floor.shape), cell, (50.0, -20.0))
+    return Surface(ground, np.zeros(0, bool), has_floor)
+
+
+def test_the_room_of_drivers_is_measured_in_metres_where_the_map_lies() -> None:
+    has_floor = np.ones((25, 41), bool)  # x from 40 to 60 m, y from -26 to -14 m
+    assert _room(surface(has_floor)) is None
+    has_floor[:, 30] = False  # x = 55
+    assert _room(surface(has_floor)) == (40.0, 55.0, -26.0, -14.0)
+    has_floor[4] = False  # y = -24
+    assert _room(surface(has_floor)) == (40.0, 55.0, -23.0, -14.0)
+
+
+def start(
+    middle: tuple[float, float], *obstacles: Obstacle, floorless: float = 0.0, climb: float = 0.0
+) -> tuple[Start, list[str]]:
+    """On a map of 20 x 16 m that climbs, without a floor within a radius of its middle."""
+    y, x = np.mgrid[-8.0:8.01:0.25, -10.0:10.01:0.25]
+    ground = Heightfield(climb * x, 0.25, middle)
+    found = Surface(ground, np.zeros(0, bool), np.hypot(x, y) >= floorless)
+    notes = list[str]()
+    world = World("w", ground, obstacles, 0, None)
+    return _start(world, found, TerrainFile(path=Path("a.world"), step_limit=0.1), notes), notes
+
+
+def post(x: float, y: float, half: float = 0.5) -> Obstacle:
+    return Obstacle(ObstacleKind.HAZARD, "cylinder", (half, 1.0), (x, y, 0.0))
+
+
+@pytest.mark.parametrize("middle", [(0.0, 0.0), (3.0, -4.0), (100.0, 50.0)])
+def test_a_rover_starts_at_the_origin_if_that_is_on_the_map_else_in_its_middle(
+    middle: tuple[float, float],
+) -> None:
+    wanted = middle if middle[0] > 50.0 else (0.0, 0.0)
+    assert start(middle) == ((*wanted, 0.0), [])
+    beside, notes = start(middle, post(*wanted))
+    assert np.hypot(*np.subtract(beside[:2], wanted)) == pytest.approx(1.2, abs=0.2)  # 0.5 m + 0.7 m
+    told = f"starts at {beside[0]:g},{beside[1]:g}, the free and gentle place next to its middle"
+    assert (beside[2], notes) == (0.0, [told])
+    away, _ = start(middle, floorless=5.0)
+    assert 5.3 < np.hypot(*np.subtract(away[:2], middle)) < 8.0  # to cells of 0.25 m
+
+
+def test_a_start_is_no_steeper_than_fifteen_degrees() -> None:
+    assert start((0.0, 0.0), climb=np.tan(np.radians(14.9)))[0] == (0.0, 0.0, 0.0)
+    with pytest.raises(
+        UsageError, match=r"no place of 0\.7 m around that is free and no steeper than 15 deg"
+    ):
+        start((0.0, 0.0), climb=np.tan(np.radians(15.1)))

@@ -1,0 +1,194 @@
+"""What of solids is ground: planes, wide boxes and meshes, reliefs; how far the map reaches."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from harness.errors import UsageError
+from harness.world.solids.ground import Sorted, map_bounds, sorted_solids
+from harness.world.solids.mesh_file import Mesh
+from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief, Solid
+from tests.harness.world.solids.shapes import box, flat, write_obj
+
+UP = (0.0, 0.0, 1.0)
+
+
+def at(x: float, y: float, z: float, *turned: float) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = Rotation.from_euler("xyz", turned or (0, 0, 0)).as_matrix(), (x, y, z)
+    return pose
+
+
+def plane(pose: np.ndarray, normal: tuple[float, float, float] = UP, size: Any = (40.0, 30.0)) -> Solid:  # noqa: ANN401 - two numbers
+    return Solid("plane", Plane(normal, size), pose)
+
+
+def cube(pose: np.ndarray, *half_size: float) -> Solid:
+    return Solid("cube", Primitive("box", half_size), pose)
+
+
+def sort(*solids: Solid) -> tuple[Sorted, list[str]]:
+    notes = list[str]()
+    return sorted_solids(solids, notes), notes
+
+
+def test_of_level_planes_the_highest_counts_and_all_are_mapped_up_to_a_limit() -> None:
+    low, high, wide = (
+        plane(at(1.0, 2.0, 0.5), (0.0, 0.0, 7.0)),
+        plane(at(-9.0, 5.0, 1.5), size=(20.0, 4.0)),
+        plane(at(0.0, 0.0, 1.0), size=(1e4, 100.0)),
+    )
+    found, notes = sort(low, high, wide)
+    assert (found.plane, found.ground, notes) == (1.5, [], [])
+    assert found.mapped == [(-19, 21, -13, 17), (-19, 1, 3, 7), (-75, 75, -50, 50)]
+    assert map_bounds(found) == (-75.0, 75.0, -50.0, 50.0)
+
+
+def test_a_plane_reaches_five_metres_around_what_stands_on_it(tmp_path: Path) -> None:
+    path = write_obj(tmp_path / "m.obj", box((0, 0, 0), (2, 4, 6)))
+    pole = Solid("pole", Primitive("cylinder", (0.5, 2.0)), at(0.0, -30.0, 0.0, np.pi / 2, 0.0, 0.0))
+    found, _ = sort(
+        plane(at(0.0, 0.0, 0.0), size=(10.0, 10.0)),
+        cube(at(40.0, 0.0, 0.0), 1.0, 2.0, 3.0),
+        pole,
+        Solid("mesh", MeshFile(path), at(0.0, 50.0, 0.0)),
+    )
+    assert map_bounds(found) == pytest.approx((-6.0, 46.0, -37.0, 57.0))
+    assert [solid.name for solid in found.primitives] == ["cube", "pole"]
+    assert [solid.name for solid, _ in found.standing] == ["mesh"]
+
+
+LEANING = at(3.0, 4.0, 5.0, 0.0, -0.2, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("pose", "normal"),
+    [
+        (LEANING, UP),
+        (at(3.0, 4.0, 5.0), (0.0, -1.0, 2.0)),
+        (at(3.0, 4.0, 5.0, 0.0, 0.0, 1.0), (-1.0, 0.0, 2.0)),
+        (LEANING, (1.0, 2.0, 3.0)),
+        (LEANING, (0.3, -0.2, -0.1)),
+        (LEANING, (0.0, 0.0, -2.0)),
+    ],
+)
+def test_a_plane_that_leans_is_two_triangles_that_face_its_normal_40_m_along_x_and_30_along_y(
+    pose: np.ndarray, normal: tuple[float, float, float]
+) -> None:
+    """Its z is turned to the normal about the axis across both; by half a turn about x or y alike."""
+    ((mesh,), notes) = (found := sort(plane(pose, normal)))[0].ground, found[1]
+    expected = pose[:3, :3] @ normal / np.linalg.norm(normal)
+    axis = np.cross(UP, normal) if np.any(normal[:2]) else np.array([1.0, 0.0, 0.0])
+    angle = np.arccos(normal[2] / np.linalg.norm(normal))
+    turned = Rotation.from_rotvec(angle * axis / max(np.linalg.norm(axis), 1e-12)).as_matrix()
+    flat_again = (mesh.vertices - pose[:3, 3]) @ pose[:3, :3] @ turned
+    np.testing.assert_allclose(np.abs(flat_again), [[20.0, 15.0, 0.0]] * 4, atol=1e-9)
+    corners = mesh.corners
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    units = normals / np.linalg.norm(normals, axis=1)[:, None]
+    np.testing.assert_allclose(units, [expected] * 2, atol=1e-12)
+    assert np.linalg.norm(normals, axis=1).sum() / 2 == pytest.approx(40.0 * 30.0)
+    assert mesh.vertices.mean(axis=0) == pytest.approx(pose[:3, 3])
+    assert (found[0].plane, notes) == (None, [])
+
+
+def test_a_wide_box_is_ground_unless_another_has_twenty_times_its_area() -> None:
+    """What is narrower than 10 m never is; a twentieth of the largest still is."""
+    great, twentieth = cube(at(0.0, 0.0, 0.0), 50.0, 20.0, 1.0), cube(at(0.0, 0.0, 3.0), 10.0, 5.0, 1.0)
+    less, narrow = cube(at(0.0, 0.0, 3.0), 10.0, 4.99, 1.0), cube(at(0.0, 0.0, 9.0), 400.0, 4.9, 1.0)
+    for solids, ground in (
+        *(((great, twentieth), 2), ((great, less), 1), ((less, narrow), 0), ((twentieth, narrow), 1)),
+        ((cube(at(0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 5.0, 5.0, 1.0),), 1),
+        ((cube(at(0.0, 22.9868098108107, 0.0), 5.0, 5.0, 1.0),), 1),  # 10 m less a rounding
+        ((cube(at(0.0, 0.0, 0.0, 0.0, np.pi / 2, 0.0), 1.0, 5.0, 5.0),), 1),
+    ):
+        if not ground:
+            with pytest.raises(UsageError, match=r"\(the widest is 20 x 9\.98 m\)|has no ground"):
+                sort(*solids)
+            continue
+        found, _ = sort(*solids)
+        assert (len(found.ground), len(found.primitives)) == (ground, len(solids) - ground)
+        assert all(len(mesh.faces) == 12 for mesh in found.ground)
+        low, high = found.ground[0].vertices.min(axis=0), found.ground[0].vertices.max(axis=0)
+        size = np.ptp((solids[0].pose[:3, :3] @ _corners(solids[0])).T, axis=0)
+        assert high - low == pytest.approx(size)
+
+
+def _corners(solid: Solid) -> np.ndarray:
+    assert isinstance(solid.shape, Primitive)
+    x, y, z = solid.shape.half_size
+    return np.array([(a * x, b * y, c * z) for a in (-1, 1) for b in (-1, 1) for c in (-1, 1)]).T
+
+
+@pytest.mark.parametrize(
+    ("turned", "told"), [(False, []), (True, ["m: its triangles face down; turned over"])]
+)
+def test_a_sheet_that_faces_down_is_turned_over_and_told(
+    turned: bool, told: list[str], tmp_path: Path
+) -> None:
+    sheet = flat(1.0)
+    path = write_obj(
+        tmp_path / "m.obj", Mesh(sheet.vertices, sheet.faces[:, ::-1] if turned else sheet.faces)
+    )
+    found, notes = sort(Solid("m", MeshFile(path), at(0.0, 0.0, 2.0)))
+    (mesh,) = found.ground
+    assert (
+        np.cross(mesh.corners[:, 1] - mesh.corners[:, 0], mesh.corners[:, 2] - mesh.corners[:, 0])[:, 2]
+        > 0
+    ).all()
+    assert notes == told
+    assert mesh.vertices[:, 2].tolist() == [3.0] * 4
+    assert [*found.hashes] == [path]
+
+
+@pytest.mark.parametrize("centred", [False, True])
+def test_a_mesh_is_scaled_then_moved_and_a_part_may_be_centred_before(
+    centred: bool, tmp_path: Path
+) -> None:
+    path = write_obj(tmp_path / "m.obj", box((10.0, 20.0, 30.0), (8.0, 8.0, 2.0)))
+    found, _ = sort(Solid("m", MeshFile(path, (2.0, 3.0, 1.0), centred=centred), at(1.0, 2.0, 3.0)))
+    (mesh,) = found.ground
+    middle = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
+    assert middle == pytest.approx((1.0, 2.0, 3.0) if centred else (21.0, 62.0, 33.0))
+    assert np.ptp(mesh.vertices, axis=0) == pytest.approx((16.0, 24.0, 2.0))
+
+
+@pytest.mark.parametrize(
+    ("values", "height", "top"),
+    [
+        (np.full((9, 11), 255.0, np.float32), 2.0, 255.0),  # floats are metres
+        (np.full((9, 11), 255, np.uint8), 2.0, 2.0),
+        (np.full((9, 11), 51, np.uint8), 2.0, 0.4),
+        (np.full((9, 11), 256, np.uint16), 65_535.0, 256.0),
+        (np.full((9, 11), 65_535, np.uint16), 2.0, 2.0),
+    ],
+)
+def test_a_relief_is_as_high_as_its_values_tell(
+    values: np.ndarray, height: float, top: float, tmp_path: Path
+) -> None:
+    path = tmp_path / "h.npy"
+    np.save(path, values)
+    relief = Relief(path, (30.0, 24.0, height), (1.0, 2.0, 3.0))
+    found, _ = sort(Solid("h", relief, at(100.0, 0.0, 10.0)))
+    (mesh,) = found.ground
+    assert mesh.vertices[:, 2] == pytest.approx(top + 13.0)
+    assert map_bounds(found) == pytest.approx((86.0, 116.0, -10.0, 14.0))
+    assert len(mesh.faces) == 2 * 8 * 10
+
+
+def test_a_relief_without_all_of_its_values_is_refused_and_a_fine_one_is_sampled(tmp_path: Path) -> None:
+    path = tmp_path / "h.npy"
+    row, column = np.mgrid[0:9, 0:1025].astype(float)
+    np.save(path, 0.01 * column - 0.1 * row)
+    solid = Solid("h", Relief(path, (1024.0, 80.0, 1.0), (0.0, 0.0, 0.0)), at(0.0, 0.0, 0.0))
+    (mesh,) = sort(solid)[0].ground
+    assert len(mesh.vertices) == 9 * 513
+    x, y, z = mesh.vertices.T
+    inner = np.abs(x) < 510.0  # of the mean over three samples, but at the edge
+    assert z[inner] == pytest.approx((0.01 * (x + 512.0) - 0.1 * (40.0 - y) / 10.0)[inner])
+    np.save(path, np.where(column == 3, np.nan, 0.0))
+    with pytest.raises(UsageError, match=r"heightmap .*h\.npy: values are missing; fill them"):
+        sort(solid)
