@@ -33,7 +33,7 @@ def test_it_is_a_plugin_of_every_pytest_under_its_own_name() -> None:
 def test_scenarios_are_tests_if_they_are_asked_for(pytester: pytest.Pytester) -> None:
     for name, text in SCENARIOS.items():
         (pytester.path / f"{name}.scenario.yaml").write_text(HEAD + text)
-    words = ("-p", plugin.__name__, "-p", "no:randomly", "-p", "no:cacheprovider")
+    words = ("-p", plugin.__name__, "-p", "no:randomly", "-p", "no:xdist", "-p", "no:cacheprovider")
     assert pytester.inline_run(*words).ret == pytest.ExitCode.NO_TESTS_COLLECTED
     run = pytester.runpytest_inprocess(
         *words, "--rover", "-rA", "--junit-xml=out.xml", "--continue-on-collection-errors"
@@ -61,7 +61,16 @@ def test_scenarios_are_tests_if_they_are_asked_for(pytester: pytest.Pytester) ->
 
 def test_seeds_can_be_given_and_artefacts_sent_elsewhere(pytester: pytest.Pytester) -> None:
     (pytester.path / "bad.scenario.yaml").write_text(HEAD + SCENARIOS["bad"])
-    plugins = ("-p", plugin.__name__, "-p", "harness.testing.plugin", "-p", "no:randomly")
+    plugins = (
+        "-p",
+        plugin.__name__,
+        "-p",
+        "harness.testing.plugin",
+        "-p",
+        "no:randomly",
+        "-p",
+        "no:xdist",
+    )
     more = ("--rover", "--rover-seeds=2", "--rover-artifacts=kept", "-k", "bad[1]")
     pytester.runpytest_inprocess(*plugins, *more).assert_outcomes(failed=1, deselected=1)
     assert (pytester.path / "kept/bad[1]/run.html").is_file()
