@@ -1,3 +1,4 @@
+import gc
 import importlib
 import json
 import math
@@ -318,6 +319,25 @@ def test_an_environment_survives_pickling_and_its_spec_a_file(small: dict[str, A
     )
     env.close()
     env.close()
+
+
+def test_episodes_and_worlds_that_are_over_are_gone_at_once(make: Make) -> None:
+    # In a circle of references their models, megabytes each, would stay until it is looked for.
+    env = make(height_scan=True, depth=[4, 3], episodes_per_world=2)
+    env.reset(seed=1)
+    env.step(AHEAD)
+    gc.collect()
+    gc.set_debug(gc.DEBUG_SAVEALL)
+    try:
+        for _ in range(3):
+            env.reset()
+            env.step(AHEAD)
+        gc.collect()
+        found = {type(one).__module__.split(".")[0] for one in gc.garbage}
+    finally:
+        gc.set_debug(0)
+        gc.garbage.clear()
+    assert not found & {"harness", "mujoco", "numpy"}
 
 
 def test_one_number_is_the_size_or_height_of_a_map_or_a_range(make: Make) -> None:
