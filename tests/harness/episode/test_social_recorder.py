@@ -53,6 +53,11 @@ def test_a_goal_has_207_s_from_when_it_is_given(tmp_path: Path) -> None:
         log.take(batch(second, 0.0, *given))
         assert log.goals.failed == failed
     log.close()
+    first = SocialRecorder(("a_actor", "b_actor"), tmp_path / "first.csv", tmp_path)
+    for second, given, failed in ((1, (Place(9, 9, 0),), 0), (207, (), 0), (208, (), 1)):
+        first.take(batch(second, 0.0, *given))
+        assert first.goals.failed == failed
+    first.close()
 
 
 def test_a_goal_is_reached_at_its_place_and_failed_by_a_rover_on_its_side(tmp_path: Path) -> None:
@@ -62,11 +67,13 @@ def test_a_goal_is_reached_at_its_place_and_failed_by_a_rover_on_its_side(tmp_pa
     log.take(batch(1, 2.0, Place(2.0, 5.0, 0.0), y=5.1))
     assert (log.goals.reached, log.goals.failed) == (1, 0)
     log.take(batch(2, 2.0, Place(9.0, 5.0, 0.0), orientation=(half, 0.0, 0.0, half)))
-    log.take(batch(3, 2.0))
+    third = batch(3, 2.0)
+    log.take(replace(third, truth=replace(third.truth, time_ns=3_050_000_000)))  # a tick within it
     log.close()
     assert (log.goals.reached, log.goals.failed) == (1, 1)
     assert log.path is not None
     assert read_social_log(log.path).goals.tolist() == [0, 1, 1]
+    assert log.path.read_text().splitlines()[-1].startswith("3,3.00,2.00,0.00,")
 
 
 def test_rows_are_where_rover_and_people_are(tmp_path: Path) -> None:

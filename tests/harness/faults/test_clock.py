@@ -6,6 +6,7 @@ import pytest
 from harness.faults.clock import FaultyClock
 from harness.faults.spec import parse_faults
 from harness.sim_time import NANOSECONDS as SECOND
+from harness.sim_time import TICK_NS
 from tests.harness.faults.faulty_ticks import imus, sent, times
 
 
@@ -44,6 +45,7 @@ def test_stamps_go_on_while_the_clock_alone_fails_and_it_then_catches_up() -> No
     assert clock_times("clock:freeze@1+1", "clock:freeze@1.5+1")[98:251:25] == [0.99] * 7
     assert clock_times("clock:freeze@1+1", "clock:freeze@1.5+1")[249] == 2.5
     assert len(clock_times("clock:dropout@1+1")) == 300
+    assert [one.stamp_ns for one in sent("clock:dropout@1+1")] == [n * TICK_NS for n in range(1, 401)]
     assert len(clock_times("clock:dropout@1+1", "clock:dropout@1.5+1")) == 250
     assert len(clock_times("clock:dropout@1.5+1", "clock:dropout@1+1", "clock:dropout=1e-9")) == 250
 

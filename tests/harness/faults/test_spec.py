@@ -39,6 +39,11 @@ def test_start_and_length_are_the_nearest_nanoseconds() -> None:
         ("imu:jump@3", "imu has no fault 'jump'; available: dropout, .*nan"),
         ("clock:nan", "clock has no fault 'nan'; available: jump, reset"),
         ("scan:latency", "needs =S: seconds above 0"),
+        ("imu:stamp-shift", "needs =S: seconds, negative for back in time"),
+        ("imu:rate", "needs =HZ: a rate above 0"),
+        ("imu:stuck", "needs =X: a number, inf or nan"),
+        ("scan:beams", "needs =N: a whole number from 0"),
+        ("clock:speed", "needs =FACTOR: a factor above 0"),
         ("scan:freeze=3", "takes no value; leave out '=3'"),
         ("scan:dropout=1.5", "value '1.5' is not valid; give a share above 0 up to 1"),
         ("scan:dropout=nan", "value 'nan' is not valid"),
@@ -77,6 +82,8 @@ def test_help_names_every_sensor_and_fault() -> None:
     assert "  beams=N               only the first N ranges" in told
     own = {"beams": 1, "empty": 3, "jump": 1, "reset": 1, "dropout": 2, "nan": 1}
     assert {name: told.count(f"\n  {name}") for name in own} == own  # not among all sensors' ones
+    names = ", ".join(sensors())
+    assert told.splitlines()[0] == f"sensors: {names}; attitudes have those of values"
     headings = [line for line in told.splitlines() if line.endswith(":")]
     assert headings == ["each sensor:", "scan:", "pose:", "joint_states:", "clock:"]
 

@@ -34,9 +34,12 @@ def test_ticks_without_a_reading_are_no_readings() -> None:
     assert times(scans("scan:dropout@1.05+0.05", "scan:rate=5@1+1"))[98:102] == [0.99, 1.0, 1.2, 1.4]
 
 
-def test_readings_that_come_together_come_late_or_pass_together() -> None:
+def test_readings_that_come_together_come_late_pass_freeze_or_change_together() -> None:
     assert times(scans("scan:duplicate=2", "scan:latency=0.02"))[:4] == [0.01, 0.01, 0.02, 0.02]
     assert times(scans("scan:duplicate=2", "scan:rate=1"))[:4] == [0.01, 0.01, 1.0, 1.0]
+    assert times(scans("scan:duplicate=2", "scan:freeze"))[:4] == [0.01, 0.01, 0.02, 0.02]
+    shifted = times(scans("scan:latency=0.05@0+0.03", "scan:stamp-shift=1"))  # two come with another
+    assert sorted(shifted) == [n / 100 for n in range(101, 501)]
 
 
 def test_late_readings_come_in_order_with_their_own_stamps() -> None:

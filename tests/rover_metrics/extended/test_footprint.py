@@ -79,6 +79,12 @@ def test_a_return_in_the_notch_of_a_footprint_is_outside() -> None:
     assert scan.nearest([3.5]) == 0.0
 
 
+def test_a_far_return_may_be_the_nearest_to_a_long_footprint() -> None:
+    """Ahead of its nose, where it reaches twenty times as far from the lidar as aside."""
+    scan = FootprintClearance(Footprint.rectangle((-2.0, 2.0, -0.1, 0.1)), LidarPose(), [AHEAD, LEFT])
+    assert scan.nearest([2.1, 0.4]) == pytest.approx(0.1, abs=1e-6)
+
+
 def test_misses_and_faults_are_no_returns() -> None:
     scan = FootprintClearance(SQUARE, LIDAR, [0.0, 1.0, 2.0])
     assert scan.nearest([math.inf, math.nan, -math.inf]) == math.inf

@@ -14,6 +14,9 @@ def test_a_name_is_one_of_the_parameters_one_of_every_node_or_a_mistake() -> Non
         with pytest.raises(ParameterError, match="rough_terrain_threshold"):
             check_name(name, may_be_others=True)
     assert check_name("threshold", may_be_others=True) is False
+    for name, nearest in (("Gravity", "gravity"), ("use_sim_tim", "use_sim_time")):
+        with pytest.raises(ParameterError, match=rf"no parameter {name}; did you mean {nearest}\?"):
+            check_name(name, may_be_others=False)
 
 
 def test_the_defaults_that_ros_declares_are_those_of_the_settings() -> None:
@@ -27,5 +30,6 @@ def test_nothing_is_switched_on_but_what_is_published() -> None:
 
 def test_the_folder_of_logs_has_a_name() -> None:
     assert Settings().updated({"debug_mode": True, "nobodys": ""}).debug_mode
+    assert Settings().updated({"log_dir": " "}).log_dir == " "
     with pytest.raises(ParameterError, match="log_dir must be the path of a folder, not empty text"):
         Settings().updated({"log_dir": ""})

@@ -42,6 +42,13 @@ def test_ways_without_room_are_refused_with_the_place(text: str, told: str) -> N
     assert with_actors(BARE, parse_actors(["g=0,1.5/6,1.5"])).people[0].begin == (0.0, 1.5)
 
 
+def test_who_walks_off_is_told_where_people_walk() -> None:
+    oblong = replace(BARE, ground=Heightfield(np.zeros((81, 61)), 0.1, (10.0, -20.0)))
+    told = r"; on this one people walk at x from 7\.5 to 12\.5 m and y from -23\.5 to -16\.5 m$"
+    with pytest.raises(UsageError, match=told):
+        with_actors(oblong, parse_actors(["g=10,-20/0,0"]))
+
+
 def test_a_random_walk_is_straight_free_steady_and_the_names_own() -> None:
     words = ["a=random:speed=2,within=7,radius=0.9,height=2", "b=random:within=7,delay=20"]
     both = with_actors(BARE, parse_actors(words)).people
@@ -111,19 +118,25 @@ def test_after_a_restart_a_walk_is_the_same_whatever_was_seen_before() -> None:
     np.testing.assert_array_equal(walked(walker, 1.0, []), walked(new, 1.0, []))
 
 
-@pytest.mark.parametrize("wall", [True, False])
-def test_who_is_pushed_against_a_wall_or_to_the_edge_stands_there_and_goes_on_from_rest(
-    wall: bool,
+@pytest.mark.parametrize(
+    ("begin", "limit", "ahead"),
+    [
+        (2.4, 2.8 - 0.25, (1.0, 0.0)),  # the wall begins at 2.8 m
+        *((9.4, 9.5, ahead) for ahead in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))),
+    ],
+)
+def test_who_is_pushed_against_a_wall_or_to_an_edge_stands_there_and_goes_on_from_rest(
+    begin: float, limit: float, ahead: tuple[float, float]
 ) -> None:
-    """The edge is at 9.5 m; the wall begins at 2.8 m, and those who push are a crowd."""
-    begin, limit = (2.4, 2.8 - 0.25) if wall else (9.4, 9.5)
-    walker = heading_for((-5.0, 0.0), begin=(begin, 0.0))
-    pushed = walked(walker, 1.0, [(begin - 0.4, 0.0, 0.3)] * 9)
-    assert limit - 0.02 < pushed[-1, 0] <= limit
-    assert pushed[:, 0].max() <= limit
-    back = walker.walk(1.01, TICK_S, [])
-    acceleration = -1.0 / 0.5 - (50.0 * math.exp(-(limit - pushed[-1, 0]) / 0.2) if wall else 0.0)
-    assert back.x - pushed[-1, 0] == pytest.approx(max(acceleration * TICK_S, -1.3) * TICK_S, rel=1e-6)
+    x, y = ahead
+    walker = heading_for((-5.0 * x, -5.0 * y), begin=(begin * x, begin * y))
+    crowd = [((begin - 0.4) * x, (begin - 0.4) * y, 0.3)] * 9
+    way = walked(walker, 0.3, crowd) @ ahead
+    assert limit - 0.02 < way[-1] == way.max() <= limit
+    back = walker.walk(0.31, TICK_S, [])
+    acceleration = -1.0 / 0.5 - (50.0 * math.exp(-(limit - way[-1]) / 0.2) if limit < 9.0 else 0.0)
+    speed = max(acceleration * TICK_S, -1.3)
+    assert back.x * x + back.y * y - way[-1] == pytest.approx(speed * TICK_S, rel=1e-6)
 
 
 @pytest.mark.parametrize(("distance", "heads_for"), [(0.501, 1), (0.499, 2)])
@@ -310,9 +323,12 @@ def test_the_delay_that_is_told_comes_after_that_of_the_file(tmp_path: Path, loo
     loop = f"<loop>{str(loops).lower()}</loop>"
     script = f"<script>{loop}<delay_start>2</delay_start><trajectory>{points}</trajectory></script>"
     (file := tmp_path / "a.sdf").write_text(f"<actor name='a'>{script}</actor>")
-    way = with_actors(BARE, parse_actors([f"{file}:delay=1"])).people[0].way()
+    way = with_actors(BARE, parse_actors([f"{file}:delay=1,speed=2"])).people[0].way()
     assert isinstance(way, Route)
     assert [way.place(t).x for t in (2.9, 5.0, 8.0)] == pytest.approx([0.0, 2.0, 1.0 if loops else 4.0])
+    file.write_text(f"<actor name='a'>{script.replace(' 2 0 0 0 0', ' 0 0 0 0 0')}</actor>")
+    with pytest.raises(UsageError, match="actor 'a' walks through hazard_0"):
+        with_actors(BARE, parse_actors([str(file)]))
     backwards = script.replace("<time>0<", "<time>5<")
     file.write_text(f"<actor name='a'>{backwards}</actor>")
     with pytest.raises(UsageError, match=r"^actor 'a': the times of its way points"):

@@ -74,6 +74,13 @@ def test_of_several_hazards_the_one_that_is_near_is_told() -> None:
             np.testing.assert_array_equal(wall, outline(post))
 
 
+def test_of_hazards_that_may_be_in_the_way_each_is_looked_at() -> None:
+    posts = [Obstacle(ObstacleKind.HAZARD, "box", (0.1, 0.1, 0.5), (x, -1.0, 0.5)) for x in (-1, 0, 1)]
+    found = Room(world(*posts)).trouble(np.array([(-1.0, -0.5), (1.0, -0.8)]), 0.25)
+    assert found is not None
+    assert found[0] == "through hazard_2"
+
+
 def test_a_body_is_in_trouble_where_it_is_nearer_to_a_wall_than_its_radius() -> None:
     room, cos, sin = Room(world(WALL)), math.cos(0.5), math.sin(0.5)
     for x, y in np.random.default_rng(1).uniform((0.0, -0.5), (2.5, 2.5), (300, 2)).tolist():

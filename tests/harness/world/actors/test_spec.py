@@ -25,6 +25,7 @@ LINE = "<waypoint><time>0</time><pose>1 2 3 0 0 0</pose></waypoint>"
     [
         ("g=1,-2/.5,3e0", "g", "", ((1.0, -2.0), (0.5, 3.0)), Options(**DEFAULTS)),
         ("factor=+1.,-2e-1", "factor", "", ((1.0, -0.2),), Options()),
+        ("my_actor_2=1,2", "my_actor_2", "", ((1.0, 2.0),), Options()),
         ("g_actor=1,2:route=closed,push=1", "g", "", ((1.0, 2.0),), Options(route="closed", push=1)),
         ("random", "random", "random", None, Options()),
         ("Bo=random:speed=2,speed=3", "Bo", "random", None, Options(speed=3.0)),
@@ -112,6 +113,7 @@ def test_a_file_is_found_beside_the_scenario_that_names_it() -> None:
         ("9=random", "is not valid; give"),
         ("g=none.sdf", "none.sdf cannot be read"),
         ("g=random:speed=1=2", "speed '1=2' is not valid"),
+        ("g=random:delay=", "delay '' is not valid; give 0 to"),
         ("g=random:speed=nan", "speed 'nan' is not valid"),
         ("g=random:spead=1", "key 'spead' does not exist; did you mean 'speed'"),
         ("g=1,2:route=round", "route 'round' does not exist; available: mirror, closed$"),
@@ -144,8 +146,10 @@ def test_limits_belong_to_what_is_valid(form: str, low: float, high: float) -> N
 
 
 def test_names_are_different_and_people_not_too_many() -> None:
-    with pytest.raises(UsageError, match="two actors are called 'g'; give one another name"):
-        parse_actors(["g=1,2", "g_actor=random"])
+    for name in "gG":
+        with pytest.raises(UsageError, match=f"two actors are called '{name}'; give one another name"):
+            parse_actors([f"{name}=1,2", f"{name}_actor=random"])
+    assert len(parse_actors(["g=1,2", "G=1,2"])) == 2
     with pytest.raises(UsageError, match="101 actors are too many; give at most 100"):
         parse_actors([f"p{n}=random" for n in range(101)])
     assert len(parse_actors([f"p{n}=random:radius=0.5,height=1" for n in range(100)])) == 100
