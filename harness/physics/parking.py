@@ -25,18 +25,19 @@ class ParkingHold:
     Args:
         model: Freshly compiled; is changed in place.
         joints: Names of the wheel joints; each has a motor.
-        fleet: Those of the model's other rovers, all made before one of them holds; it joins them.
+        parked: The first wheels of the model's parked rovers, shared by all of them, who are made before
+            one of them holds; None for a rover that is alone.
 
     Attributes:
         held: Whether the rover is parked.
     """
 
     def __init__(
-        self, model: mujoco.MjModel, joints: tuple[str, ...], fleet: "list[ParkingHold] | None" = None
+        self, model: mujoco.MjModel, joints: tuple[str, ...], parked: set[str] | None = None
     ) -> None:
-        self._model = model
-        self._fleet = [] if fleet is None else fleet
-        self._fleet.append(self)
+        self._model, self._name = model, joints[0]
+        # Not the rovers themselves: in a circle their model would outlive them until it is looked for.
+        self._all_parked = set[str]() if parked is None else parked
         self._dofs = np.array([int(model.joint(name).dofadr[0]) for name in joints])
         own = model.dof_frictionloss[self._dofs]
         self._driving = (model.opt.impratio, own, model.dof_solimp[self._dofs])
@@ -48,9 +49,9 @@ class ParkingHold:
         """Parks the rover, or lets it drive."""
         if holds != self.held:
             self.held = holds
+            self._all_parked ^= {self._name}
             _, friction, solimp = self._parked if holds else self._driving
-            parked = any(one.held for one in self._fleet)
-            self._model.opt.impratio = (self._parked if parked else self._driving)[0]
+            self._model.opt.impratio = (self._parked if self._all_parked else self._driving)[0]
             self._model.dof_frictionloss[self._dofs] = friction
             self._model.dof_solimp[self._dofs] = solimp
 

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from harness.errors import Diverged, RunFailed
 from harness.physics.crowd import Crowd
-from harness.physics.parking import ParkingHold
 from harness.physics.rover import Rover, State
 from harness.physics.scene import Scene
 from harness.physics.start import spawn_pose
@@ -61,7 +60,7 @@ class Physics:
         self.steps_per_tick = TICK_NS // timestep_ns
         self.step_count = 0
         self.tick_sum = np.zeros(self.model.nsensordata)
-        parked = list[ParkingHold]()
+        parked = set[str]()
         self.rovers = tuple(
             Rover((scene, *scenes[:number], *scenes[number + 1 :]), self.data, parked)
             for number, scene in enumerate(scenes)

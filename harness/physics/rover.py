@@ -21,7 +21,7 @@ class Rover:
     Args:
         scenes: Of all rovers of the world, this one's first.
         data: Their state.
-        parked: The brakes of those made before.
+        parked: As ParkingHold has it.
 
     Attributes:
         scene: The rover in its world.
@@ -31,7 +31,7 @@ class Rover:
         parking: Its brake.
     """
 
-    def __init__(self, scenes: Sequence[Scene], data: mujoco.MjData, parked: list[ParkingHold]) -> None:
+    def __init__(self, scenes: Sequence[Scene], data: mujoco.MjData, parked: set[str]) -> None:
         self.scene = scene = scenes[0]
         model, self._geoms = scene.model, scene.geoms()
         self.contacts = ContactWatch(scenes, data)

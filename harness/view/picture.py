@@ -144,7 +144,7 @@ def _draw_picture(recordings: Sequence[Path], target: Path, *, lidar: bool) -> N
         view = best_view(studio.model, studio.data, states.path, yaw, studio.half_width, others)
         image = Image.fromarray(studio.image(-1, view)).reduce(SCALE)
     with whole_file(target) as part:
-        image.point(lambda value: value & KEPT_BITS).save(part, format="PNG", optimize=True)
+        image.point(lambda value: value & KEPT_BITS).save(part, format="PNG")
     _tell(1, 1)
 
 

@@ -102,7 +102,7 @@ def test_parameters_change_at_run_time_and_ctrl_c_ends_both_cleanly(tmp_path: Pa
     log_dir = tmp_path / "node"
     with ExitStack() as at_end:
         node = at_end.enter_context(started(metrics_node(log_dir), tmp_path))
-        words = ["--terrain", "maze", "--driver", "cmd_vel", "--duration", "36000"]
+        words = ["--terrain", "maze", "--driver", "cmd_vel", "--duration", "36000", "--rate", "8"]
         harness = at_end.enter_context(started([*HARNESS, *words], tmp_path))
         client = Client(at_end)
         client.wait(lambda: len(rows(log_dir)) >= 3)

@@ -21,18 +21,16 @@ Vector = tuple[float, float, float]
 
 
 def build_tree(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Returns (boxes, triangles) of triangles, shape (f, 3, 3), as cast_triangles takes them.
+    """Returns (boxes, triangles) of one triangle or more, shape (f, 3, 3), as cast_triangles takes them.
 
     At each node they are halved at the median of their middles, along the longest axis.
     """
     count = len(corners)
-    depth = max(0, math.ceil(math.log2(max(1, count) / LEAF)))
+    depth = max(0, math.ceil(math.log2(count / LEAF)))
     leaves = 1 << depth
     boxes = np.empty((2 * leaves - 1, 6))
     boxes[:, :3], boxes[:, 3:] = np.inf, -np.inf
     triangles = np.full((leaves * LEAF, 9), np.nan)
-    if not count:
-        return boxes, triangles
     order, sizes = _halved(corners.mean(axis=1), depth)
     held, starts = corners[order], np.cumsum(sizes) - sizes
     edges = [held[:, 0], held[:, 1] - held[:, 0], held[:, 2] - held[:, 0]]

@@ -1,3 +1,4 @@
+import gc
 import importlib
 import json
 import math
@@ -165,6 +166,7 @@ def test_starts_and_goals_are_drawn_around_and_variations_are_told(
             3.5,
         )  # where it came to
         assert info["start"].tolist() == [*ride.start]
+        assert ride.start[1] == info["goal"][1] == 1.0  # y, as it was drawn
         assert info["variation"] == vars(ride.variation)
     payloads, yaws = (
         [info["variation"]["payload"] for info in infos],
@@ -229,6 +231,9 @@ def test_a_step_is_driven_read_and_judged_and_its_failure_told(monkeypatch: pyte
     assert bare.reset(0)["difficulty"] == 0.0
     assert env.step(np.array([0.5, -1.5], np.float32))[0]["count"].tolist() == [1.0, 1.0]
     assert bare.rides[-1].work.mock_calls == [call.command(Twist(0.5, -1.5)), call.drive(), call.read()]
+    bare.reset()
+    env.step(np.array([0.1, 0.2]))
+    bare.rides[-1].command.assert_called_with(Twist(0.1, 0.2))  # as exactly as it was given
     bare.reset()
     for action, driven in (([50.0, -7.0], Twist(1.0, -2.0)), ([-3.0, 3.5], Twist(-1.0, 3.0))):
         env.step(np.array(action, np.float32))
@@ -314,6 +319,25 @@ def test_an_environment_survives_pickling_and_its_spec_a_file(small: dict[str, A
     )
     env.close()
     env.close()
+
+
+def test_episodes_and_worlds_that_are_over_are_gone_at_once(make: Make) -> None:
+    # In a circle of references their models, megabytes each, would stay until it is looked for.
+    env = make(height_scan=True, depth=[4, 3], episodes_per_world=2)
+    env.reset(seed=1)
+    env.step(AHEAD)
+    gc.collect()
+    gc.set_debug(gc.DEBUG_SAVEALL)
+    try:
+        for _ in range(3):
+            env.reset()
+            env.step(AHEAD)
+        gc.collect()
+        found = {type(one).__module__.split(".")[0] for one in gc.garbage}
+    finally:
+        gc.set_debug(0)
+        gc.garbage.clear()
+    assert not found & {"harness", "mujoco", "numpy"}
 
 
 def test_one_number_is_the_size_or_height_of_a_map_or_a_range(make: Make) -> None:

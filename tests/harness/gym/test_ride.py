@@ -9,6 +9,7 @@ from unittest.mock import Mock, patch
 import mujoco
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
@@ -162,8 +163,9 @@ def test_a_hundredth_with_contact_counts_once_however_many_parts_touch(flat_with
 def test_a_body_on_the_ground_is_a_scrape_and_tilt_is_told(flat_with_post: Course) -> None:
     ride = Ride(flat_with_post, (-2.0, 0.0, 0.0), PLAIN, 0)
     assert ride.upright == pytest.approx(1.0, abs=1e-3)
-    ride.simulation.data.qpos[2:7] = 0.3, np.cos(0.5), np.sin(0.5), 0.0, 0.0  # rolled by 1 rad
-    assert ride.upright == pytest.approx(np.cos(1.0))
+    for turn in Rotation.random(20, rng=np.random.default_rng(0)):
+        ride.simulation.data.qpos[3:7] = np.roll(turn.as_quat(), 1)
+        assert ride.upright == pytest.approx(turn.as_matrix()[2, 2])
     ride.simulation.data.qpos[2:7] = 0.35, 0.0, 1.0, 0.0, 0.0  # on its roof
     for _ in range(6):
         ride.advance(Twist())

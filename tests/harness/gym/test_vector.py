@@ -107,13 +107,14 @@ def test_ends_resets_and_infos_that_differ_are_as_in_gymnasiums_own(
     ours.close()
 
 
-@pytest.mark.parametrize(("count", "threads", "used"), [(3, 0, 3), (8, 0, 5), (8, 2, 2), (1, 4, 1)])
+@pytest.mark.parametrize(("count", "threads", "used"), [(3, 0, 3), (8, None, 5), (8, 2, 2), (1, 4, 1)])
 def test_no_more_threads_work_than_there_is_work_and_this_one_is_one_of_them(
-    monkeypatch: pytest.MonkeyPatch, count: int, threads: int, used: int
+    monkeypatch: pytest.MonkeyPatch, count: int, threads: int | None, used: int
 ) -> None:
     monkeypatch.setattr("harness.gym.vector.cpu_count", lambda: 5)
     monkeypatch.setattr("harness.gym.vector.ThreadPoolExecutor", pool := Mock())
-    envs = RoverVectorEnv(lambda **_: Counting(), num_envs=count, threads=threads)  # type: ignore[arg-type]
+    told = {} if threads is None else {"threads": threads}
+    envs = RoverVectorEnv(lambda **_: Counting(), num_envs=count, **told)  # type: ignore[arg-type]
     submit = pool.return_value.submit
     for some in (count, 1):
         done: list[int] = []

@@ -9,6 +9,7 @@ import pytest
 from harness.errors import Diverged, RunFailed
 from harness.physics.scene import build_scene, build_scenes
 from harness.physics.simulation import Simulation, simulations
+from harness.truth.wheels import Wheels
 from harness.world.berths import Member
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
@@ -107,6 +108,30 @@ def test_a_wall_is_touched_by_who_is_there_alone(pair: tuple[Simulation, Simulat
     assert "hazard" in kinds[0]
     assert kinds[1] == set()
     assert other.position[:2] == pytest.approx((0.8, 0.1), abs=0.05)
+
+
+def test_what_one_touches_is_not_told_of_the_other_that_touches_something_else_meanwhile(
+    pair: tuple[Simulation, Simulation],
+) -> None:
+    one, other = pair
+    one.pose[0], other.pose[:] = -0.3, (1.5, 1.5, 0.25, 0.0, 1.0, 0.0, 0.0)  # in the wall; on its roof
+    for _ in range(20):
+        one.tick()
+        told = [set(simulation.contacts.strongest) for simulation in pair]
+        if all(told):
+            break
+    assert told == [{"hazard"}, {"scrape"}]
+
+
+def test_the_slip_of_one_does_not_depend_on_where_the_other_is(
+    pair: tuple[Simulation, Simulation],
+) -> None:
+    one, other = pair
+    one.twist[:] = 0.1, 0.0, 0.0, 0.0, 0.0, 0.8
+    near = [wheel.slip for wheel in Wheels(one).motion()]
+    other.pose[:2] += 1.0
+    assert [wheel.slip for wheel in Wheels(one).motion()] == pytest.approx(near, abs=1e-9)
+    assert any(near)
 
 
 def test_a_reset_is_of_one_alone(pair: tuple[Simulation, Simulation]) -> None:

@@ -148,6 +148,10 @@ def test_a_bound_is_broken_just_where_plain_python_says_so(
         ({"absolute": 0.5}, 1.5, 1.0, None),
         ({"absolute": 0.5}, 1.6, 1.0, "q: at the end 1.6 m, baseline 1 m, allowed +- 0.5 m"),
         ({"absolute": 0.5, "relative": 1.0}, 1.9, 1.0, None),
+        (
+            *({"absolute": 0.1, "relative": 0.1}, -1.15, -1.0),
+            "q: at the end -1.15 m, baseline -1 m, allowed +- 0.1 m",
+        ),
         ({"absolute": 0.0}, 1.00001, 1.0, "q: at the end 1.00001 m, baseline 1 m, allowed +- 0 m"),
         ({"relative": 0.1}, NAN, None, None),
         ({"relative": 0.1}, NAN, 1.0, "q: at the end no value, baseline 1 m"),

@@ -32,6 +32,8 @@ def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
     words = "--seed 7 --only robot=leo --only difficulty=1.0"
     assert cases[3].command == f"python -m harness.scenario {shlex.quote(str(file))} {words}"
     assert cases[3].folder == Path(*tmp_path.parts[1:], "two[leo-1.0-7]")
+    spaced = replace(cases[3], path=Path("my runs/two.scenario.yaml")).command
+    assert shlex.split(spaced)[3:5] == ["my runs/two.scenario.yaml", "--seed"]
     outside = replace(cases[3], path=Path("../two.scenario.yaml"))
     assert outside.folder == Path("two[leo-1.0-7]")
     assert plan([file], [7], (("robot", "leo"), ("difficulty", "1.0"))) == [cases[3]]
@@ -41,9 +43,8 @@ def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
 
 
 def test_a_file_becomes_the_configuration_that_it_describes(make_cases: MakeCases) -> None:
-    events = (
-        '[{at: 0.5, command: [0.3, 0]}, {at: 1, reset: true}, {at: 1.5, fault: "scan:nan", for: 0.2}]'
-    )
+    fault = '{at: 1.2345678, fault: "scan:nan", for: 0.2}'
+    events = f"[{{at: 0.5, command: [0.3, 0]}}, {{at: 1, reset: true}}, {fault}]"
     more = f"driver: cmd_vel\nevents: {events}\nstart: [1, 2, 0.5]\nnoise: white\nlidar_beams: 8"
     more += "\ndatum: [1, 2, 3]"
     (case,) = make_cases(SPEED, more)
@@ -55,7 +56,7 @@ def test_a_file_becomes_the_configuration_that_it_describes(make_cases: MakeCase
         noise="white",
         lidar_beams=8,
         datum=(1.0, 2.0, 3.0),
-        faults=("scan:nan@1.5+0.2",),
+        faults=("scan:nan@1.2345678+0.2",),
         commands=((0.5, 0.3, 0.0),),
         resets=(1.0,),
     )

@@ -77,6 +77,14 @@ def test_every_quantity_of_the_truth_comes_from_its_own_value() -> None:
     assert [found[name] for name in expected] == pytest.approx([*expected.values()], nan_ok=True)
 
 
+def test_the_corners_of_six_wheels_are_the_first_and_the_last_of_each_side() -> None:
+    state = TruthState(0, True, False, False, 0.0, 0.0, 0.0, (0.1, 0.2, 0.3, 0.4, 0.5, 0.6), 0.0)
+    corners = [f"truth.slip.{end}_{side}" for side in ("left", "right") for end in ("front", "rear")]
+    watch = TruthSeries(corners)
+    watch.take(batch(1, state))
+    assert [float(watch.series()[name].values[0]) for name in corners] == [0.1, 0.3, 0.4, 0.6]
+
+
 def test_the_latest_state_and_tilt_hold_until_the_next() -> None:
     watch = TruthSeries(["truth.speed", "truth.tilt_deg"])
     state = TruthState(0, False, False, False, 0.0, 0.5, 0.0, (0.0,) * 4, 0.0)

@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS, RoverSpec
 from harness.truth.wheels import WheelMotion, Wheels, slip_ratio
-from harness.world.obstacles import Obstacle, ObstacleKind
 from tests.support.rovers import LEO
 
 BOTH = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
@@ -84,17 +83,6 @@ def test_turning_in_place_moves_the_wheels_of_each_side_by_half_the_track(
     x, y = np.array([(wheel.x, wheel.y) for wheel in wheels]).T
     assert y == pytest.approx(rover.track / 2 * np.array([1, 1, -1, -1]), abs=1e-3)
     assert x[[0, 2]] - x[[1, 3]] == pytest.approx(rover.wheelbase, abs=1e-3)
-
-
-def test_what_stands_about_does_not_move_the_point_that_a_rover_turns_about(
-    make_simulation: MakeSimulation,
-) -> None:
-    boulder = Obstacle(ObstacleKind.HAZARD, "box", (0.3, 0.3, 0.3), (1.5, 1.5, 0.3))
-    alone, beside = (
-        motion(make_simulation(obstacles=some), (-2.0, -2.0, 2.0, 2.0), angular=(0.0, 0.0, 0.8))
-        for some in ((), (boulder,))
-    )
-    assert slips(alone) == pytest.approx(slips(beside), abs=1e-6)
 
 
 @BOTH

@@ -151,6 +151,35 @@ def test_every_block_within_reach_is_entered_with_its_highest_vertex(
     assert (profile == -np.inf).all()
 
 
+def test_a_block_is_in_the_sectors_and_rings_between_its_corners(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Angles of a block lie between those of its corners, unless the origin is in it."""
+    plain, rng = (
+        as_plain_python("harness.sensors.rays.horizon_kernel", monkeypatch),
+        np.random.default_rng(4),
+    )
+    for reach in [3.0, 20.0, 300.0] * 30:
+        low_u, low_v = rng.uniform(-reach, reach, 2)
+        box = low_u, low_u + rng.uniform(0.5, 8.0), low_v, low_v + rng.uniform(0.5, 8.0)
+        profile = rng.choice([-np.inf, 5.0], (SECTORS, RINGS))
+        before = profile.copy()
+        plain._raise_block(1.0, box, profile)
+        u, v = (each.ravel() for each in np.meshgrid(box[:2], box[2:]))
+        nearest = np.hypot(*(max(low, -high, 0.0) for low, high in (box[:2], box[2:])))
+        rings = [np.searchsorted(OUTER, r, side="right") for r in (nearest, np.hypot(u, v).max())]
+        sectors = range(SECTORS)
+        if nearest > 0.0:
+            angle = np.where(v < 0.0, 3.0 + u / (abs(u) + abs(v)), 1.0 - u / (abs(u) + abs(v)))
+            angle -= 4.0 * ((angle.max() - angle.min() > 2.0) & (angle > 2.0))  # across the u axis
+            sectors = range(int(np.floor(angle.min() * 64)), int(np.floor(angle.max() * 64)) + 1)
+        expected = before.copy()
+        for sector in sectors:
+            part = expected[sector % SECTORS, rings[0] : rings[1] + 1]
+            part[:] = np.maximum(part, 1.0)
+        np.testing.assert_array_equal(profile, expected)
+
+
 @pytest.mark.parametrize(
     ("shape", "reach", "levels", "level"),
     [
@@ -176,11 +205,12 @@ def test_blocks_are_as_fine_as_six_thousand_within_reach_allow(
 def test_a_ray_is_clear_up_to_the_ring_in_which_it_comes_down_to_the_highest_point() -> None:
     """Of a profile with one high part; the map's cells are 0.5 m and 0.25 m, its unit of height 2 m."""
     rng, frame = np.random.default_rng(1), np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 0.5], [-1.0, 9.0, 0.0]])
-    origin, reach = np.array([5.0, 6.0, 7.0]), 200.0
+    origin = np.array([5.0, 6.0, 7.0])
     height, outcomes = 0.5 * (7.0 - 3.0), set()
     for _ in range(300):
         sector, ring, high = rng.integers(SECTORS), rng.integers(RINGS), rng.uniform(-2.0, 4.0)
         seen = (sector + rng.integers(2)) % SECTORS
+        reach = rng.choice([200.0, 20_000.0])  # the last ring begins at 3231 cells
         slope = rng.choice([-1.0, 1.0]) * rng.uniform(0.0, 0.05)  # unit of height a cell
         cells = aim(np.array((seen + rng.uniform(0.1, 0.9)) / 64))
         ray = np.array([*cells, slope * np.hypot(*cells)]) / (2.0, 4.0, 0.5)

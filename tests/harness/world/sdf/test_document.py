@@ -232,8 +232,13 @@ def test_frames_of_joints_are_those_of_their_children_and_those_who_are_told_non
         + "<frame name='f'><pose relative_to='j'>0 0 3 0 0 0</pose></frame>"
         + link("<pose relative_to='f'>0 0 0 0 0 0</pose>", name="l")
     )
+    inner += link(
+        f"<pose>5 5 5 0 0 {QUARTER}</pose>", f"<pose relative_to='f'>0 0 1 0 0 0</pose>{BOX}", "n"
+    )
     solids = read(tmp_path, model("<pose>10 0 0 0 0 0</pose>" + inner)).solids
-    assert [solid.pose[:3, 3].tolist() for solid in solids] == [[11, 0, 0], [11, 2, 3]]
+    places = [solid.pose[:3, 3].round(9).tolist() for solid in solids]
+    assert places == [[11, 0, 0], [11, 2, 3], [11, 2, 4]]
+    np.testing.assert_allclose(solids[-1].pose[:3, :3], np.eye(3), atol=1e-12)
 
 
 def test_more_collisions_than_anybody_draws_are_refused(
@@ -313,6 +318,7 @@ def test_what_is_wrong_is_told_in_one_line(tmp_path: Path, body: str, told: str)
         ("<joint name='j' type='fixed'><child>l</child>@</joint>", "pose of j '1 2 3' is not valid"),
         ("<link name='k'>@</link>", "pose of k '1 2 3' is not valid"),
         (link("", f"@{BOX}"), "pose of m::l::c '1 2 3' is not valid"),
+        (link("", "<geometry><box/></geometry>"), "<size> of m::l::c '' is not valid; give 3 finite"),
         (link("", BOX.replace("2 4 6", "1e6 1 1")), "<size> of m::l::c '1e6 1 1' is not valid"),
         (
             link("", "<geometry><plane><normal>0 0 0</normal></plane></geometry>"),

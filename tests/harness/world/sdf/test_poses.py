@@ -61,5 +61,8 @@ def test_frames_in_a_circle_or_without_a_name_are_refused() -> None:
         frames.find("a")
     with pytest.raises(UsageError, match=r"frame 'c' does not exist; available: a, b$"):
         frames.find("c")
+    for name in ("c::d", "::a", "a::"):
+        with pytest.raises(UsageError, match=f"frame '{name}' does not exist; available: a, b"):
+            frames.find(name)
     with pytest.raises(UsageError, match=r"frame 'c' does not exist; available: none$"):
         Frames("world").find("c")

@@ -38,6 +38,8 @@ def test_a_large_or_missing_file_is_refused(tmp_path: Path) -> None:
     assert read_xml(path, most_bytes=111).tag == "sdf"
     with pytest.raises(UsageError, match=r"cannot be read: No such file"):
         read_xml(tmp_path / "b.world")
+    with pytest.raises(UsageError, match=r"cannot be read: embedded null byte"):
+        read_xml(tmp_path / "b\0.world")
 
 
 def test_children_have_texts_flags_and_numbers(tmp_path: Path) -> None:

@@ -78,6 +78,13 @@ def test_a_folder_means_the_newest_file_that_its_config_names(tmp_path: Path) ->
     config = tmp_path / "model.config"
     config.write_text(f"<model>{lines}</model>")
     assert model_file(tmp_path) == tmp_path / "m6.sdf"
+    (tmp_path / "m10.sdf").touch()
+    for more, file in (
+        ("<sdf/><sdf version='1.99'/><sdf>none.sdf</sdf>", "m6.sdf"),
+        ("<sdf version='1.10'> m10.sdf </sdf>", "m10.sdf"),
+    ):
+        config.write_text(f"<model>{more}{lines}</model>")
+        assert model_file(tmp_path) == tmp_path / file
     config.write_text("<model><sdf>../secret.sdf</sdf></model>")
     with pytest.raises(Missing, match=r"there is no \.\./secret\.sdf beside it"):
         model_file(tmp_path)

@@ -112,6 +112,9 @@ def test_a_wide_box_is_ground_unless_another_has_twenty_times_its_area() -> None
         found, _ = sort(*solids)
         assert (len(found.ground), len(found.primitives)) == (ground, len(solids) - ground)
         assert all(len(mesh.faces) == 12 for mesh in found.ground)
+        assert isinstance(solids[0].shape, Primitive)
+        volume = np.linalg.det(found.ground[0].corners).sum() / 6.0  # of faces that all face out
+        assert volume == pytest.approx(8.0 * np.prod(solids[0].shape.half_size))
         low, high = found.ground[0].vertices.min(axis=0), found.ground[0].vertices.max(axis=0)
         size = np.ptp((solids[0].pose[:3, :3] @ _corners(solids[0])).T, axis=0)
         assert high - low == pytest.approx(size)

@@ -5,6 +5,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from scipy.spatial import Delaunay
 
 from harness.errors import UsageError
 from harness.world.heightfield import Heightfield
@@ -106,6 +107,21 @@ def test_a_structure_has_decks_hazards_and_a_ceiling_that_is_only_seen() -> None
     assert decks == pytest.approx([0.5, 0.9])
     (ceiling,) = (o for o in found if o.shape == "surface")
     assert (len(ceiling.faces), bottom(ceiling)) == (8, 2.5)
+
+
+def test_a_plate_with_a_notch_is_in_pieces_that_leave_it_open() -> None:
+    """An L of four triangles, 20 cm wide; each piece is a slab 2 cm deep below them."""
+    corners = [(0.0, 0.0), (0.6, 0.0), (0.6, 0.2), (0.2, 0.2), (0.2, 0.6), (0.0, 0.6), (0.0, 0.2)]
+    vertices = np.array([(x, y, 0.5) for x, y in corners])
+    plate = Mesh(vertices, np.array([(0, 1, 2), (0, 2, 6), (6, 3, 4), (6, 4, 5)]))
+    found = made(plate)
+    assert len(found) > 1
+    hulls = [Delaunay(np.array(one.corners) + one.position) for one in found]
+    for point, is_filled in (
+        *(((0.5, 0.1, 0.481), True), ((0.1, 0.5, 0.49), True), ((0.1, 0.1, 0.499), True)),
+        *(((0.35, 0.35, 0.49), False), ((0.5, 0.1, 0.501), False), ((0.5, 0.1, 0.479), False)),
+    ):
+        assert any(hull.find_simplex(point) >= 0 for hull in hulls) is is_filled, point
 
 
 def test_bodies_hang_together_by_their_vertices() -> None:
