@@ -1,6 +1,8 @@
 # The verbs of this project. `make run` and `make test` set everything up by themselves.
 BIN := .venv/bin
 READY := .venv/.ready
+# Says that all tests have been collected, which compiles them: else each process would, at the same time.
+COLLECTED := .venv/.collected
 # Processes of `make test`, on two cores: its tests wait, too; 0: its own only.
 JOBS ?= 4
 
@@ -9,7 +11,7 @@ JOBS ?= 4
 run: setup  ## a rover over rocky terrain, metrics logged to CSV
 	$(BIN)/python -m harness.run --terrain rocky $(ARGS)
 
-test: setup  ## the whole test suite, in random order
+test: setup $(COLLECTED)  ## the whole test suite, in random order
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --durations=20 $(ARGS)
 
 test-jazzy:  ## the suite of rover_metrics against ROS 2 Jazzy, on Python 3.10 where there is one
@@ -56,6 +58,10 @@ setup: $(READY)
 
 $(READY): pyproject.toml requirements.txt tools/build.txt tools/setup.sh
 	tools/setup.sh
+
+$(COLLECTED): $(READY)
+	-$(BIN)/python -m pytest --collect-only --quiet >/dev/null
+	touch $@
 
 clean:  ## removes the environment and everything that was built
 	rm -rf .venv build install log dist
