@@ -500,6 +500,7 @@ WRONG_RESETS = [
     ({"start": (1.0, 2.0)}, "reset: start (1.0, 2.0) is not valid; give 3 finite numbers"),
     ({"goal": ("a", "b")}, "reset: goal ('a', 'b') is not valid; give 2 finite numbers"),
     ({"goal": (math.nan, 0.0)}, "give 2 finite numbers"),
+    ({"goal": (1.0, 2.0, 3.0)}, "reset: goal (1.0, 2.0, 3.0) is not valid; give 2 finite numbers"),
     ({"start": 5}, "reset: start 5 is not valid; give 3 finite numbers"),
     ({"start": (5.0, 5.0, 0.0)}, "no rover can stand at start 5,5,0: it slid"),
     ({"start": (0.0, SIDE, 0.0)}, "is off the map or at its edge"),

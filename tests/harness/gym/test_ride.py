@@ -100,6 +100,18 @@ def test_where_it_stood_last_a_rover_settles_no_second_time_and_drives_as_it_did
     assert ends[4] != ends[1] != ends[0]
 
 
+def test_who_varies_settles_for_himself_but_not_for_being_late(flat_with_post: Course) -> None:
+    keys = []
+    for name in vars(PLAIN):
+        with patch.object(flat_with_post, "settled", side_effect=UsageError) as settled:
+            for variation in (PLAIN, Variation(**{name: 0.5})):
+                with suppress(UsageError):
+                    Ride(flat_with_post, FREE, variation, 0)
+        plain, varied = (call.args[1] for call in settled.call_args_list)
+        keys.append((name, plain == varied))
+    assert keys == [(name, name == "latency") for name in vars(PLAIN)]
+
+
 def test_late_readings_are_those_of_some_periods_before(flat_with_post: Course) -> None:
     prompt, late = (Ride(flat_with_post, FREE, Variation(latency=s), 0) for s in (0.0, 0.1))
     stamps = []

@@ -17,8 +17,10 @@ def test_the_page_is_the_one_that_the_environments_make(capsys: pytest.CaptureFi
         assert f"<!-- tables of {name} -->" in page
         assert f"## {name.removeprefix('RoverHarness/').removesuffix('-v0')}" in page
     assert tables.main([]) == 0
-    for line in capsys.readouterr().out.splitlines():
+    told = capsys.readouterr().out
+    for line in told.splitlines():
         assert line in page
+    assert tables.tables("options") in told
 
 
 def test_every_option_and_every_part_is_told_of_with_its_default() -> None:

@@ -150,6 +150,9 @@ def test_each_environment_is_made_drawn_and_masked_by_itself() -> None:
     assert options.keys() == {"reset_mask", "goal"}
     assert [env.reset.call_count for env in made] == [1, 2]
     assert made[1].reset.call_args == call(seed=8, options={"goal": 2})
+    envs._mode, envs._ended = AutoresetMode.DISABLED, np.ones(2, np.bool_)
+    envs.step(np.zeros((2, 2), np.float32))
+    assert [env.reset.call_count for env in made] == [1, 2]  # nobody is begun anew unasked
 
 
 @pytest.mark.parametrize(("name", "kind"), ENVIRONMENTS.items())
