@@ -132,7 +132,7 @@ def _resets(robot: str, env: Any, effort: Effort) -> list[tuple[str, ...]]:  # n
 
 def _memory(robot: str, env: Any, effort: Effort) -> tuple[str, ...]:  # noqa: ANN401
     """What worlds, episodes and steps add to the process once there have been some."""
-    seeds, count = itertools.count(1000), 10 * effort.rounds
+    seeds, count = itertools.count(1000), 10 * effort.rounds if effort.rounds > 1 else 1
 
     def drive(worlds: int) -> float:
         for seed in itertools.islice(seeds, worlds):
@@ -142,7 +142,7 @@ def _memory(robot: str, env: Any, effort: Effort) -> tuple[str, ...]:  # noqa: A
                 env.step(np.array([0.5, 0.2], np.float32))
         return resident(os.getpid())
 
-    begun = drive(4 * effort.rounds)
+    begun = drive(2 * count // 5 + 1)
     grown = (drive(count) - begun) / MEGABYTE
     what = f"memory after {count} worlds, {count * STEPS_A_WORLD:,} steps"
     return robot, what, "-", f"{grown:+.1f} MB", "< 5 MB"
