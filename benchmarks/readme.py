@@ -51,7 +51,7 @@ Written by `python -m benchmarks --write` and `make soak`: change benchmarks/rea
   environments of a vector all stand in the same world and do the same, so that their physics costs what
   that of one does. A step is 50 ms with 640 beams, IMU and odometry. Times are the processor's, for
   others may share the machine; only two threads are timed by the clock on the wall, beside one, and
-  beside them two that do nothing but `mj_step`: no vector can gain more on that machine.
+  beside them two that do nothing but steps of MuJoCo: no vector can gain more on that machine.
 - *Optional sensors*: a ray's cost is time of its core, that of the whole reading over its rays;
   `mj_multiRay` is asked for 200 of them. "As far as the busier core goes" is simulated time over the
   time on a core of the busier of the run's two processes: what a run does where each has a core.
