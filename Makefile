@@ -4,7 +4,7 @@ READY := .venv/.ready
 # Says that all tests have been collected, which compiles them: else each process would, at the same time.
 COLLECTED := .venv/.collected
 # Processes of `make test`, on two cores: its tests wait, too; 0: its own only.
-JOBS ?= 4
+JOBS ?= 3
 
 .PHONY: run test test-jazzy test-cluster mutants lint format bench soak docs dist lock audit clean setup
 

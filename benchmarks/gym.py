@@ -11,6 +11,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
+from operator import call
 from typing import Any
 from unittest.mock import patch
 
@@ -112,7 +113,7 @@ def _physics_on_two(
     def drive(threads: int) -> float:
         drives = [leaping(each) for each in (env, other)]
         with ThreadPoolExecutor(threads) as pool:
-            return timed(lambda: [done.result() for done in map(pool.submit, drives)])()
+            return timed(lambda: list(pool.map(call, drives)))()
 
     ways = {str(n): partial(drive, n) for n in (1, 2)}
     return _two_against_one(robot, "physics alone", 2 * len(periods), Rounds(ways, effort.rounds), "-")

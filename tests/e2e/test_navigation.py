@@ -20,6 +20,7 @@ from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
 from harness.interrupt import StopRequest
 from harness.robots import find_rover
+from harness.ros import session
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.session import run_through_ros
 from harness.world.occupancy import occupancy
@@ -43,6 +44,11 @@ class Client:
         self.start = self.node.create_publisher(PoseWithCovarianceStamped, "/initialpose", 1)
         self.goal = self.node.create_publisher(PoseStamped, "/goal_pose", 1)
         self.batches = 0
+
+    def is_heard_by(self, run: Any) -> None:  # noqa: ANN401 - of the session
+        """Waits until the run's first message will reach the client."""
+        (truth,) = (c for c in run.rovers[0].bridge.channels if c.topic == "/odom_ground_truth")
+        self.until(lambda: truth.publisher.get_subscription_count() > 0)
 
     def take(self, _: Batch) -> None:
         self.batches += 1
@@ -80,11 +86,20 @@ class Client:
 
 
 @pytest.mark.usefixtures("ros_domain")
-def test_a_client_gets_the_map_puts_the_rover_and_sends_it_to_a_goal(tmp_path: Path) -> None:
+def test_a_client_gets_the_map_puts_the_rover_and_sends_it_to_a_goal(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     config = EpisodeConfig(terrain="posts", driver="goal", duration=5.5, lidar_beams=45)
     options = RosOptions(log_dir=tmp_path, host_metrics=False)
+    drive = session._Run.drive
     with ExitStack() as at_end:
         client = Client(at_end)
+
+        def drive_once_heard(run: Any, *words: Any) -> Any:  # noqa: ANN401 - of the session
+            client.is_heard_by(run)
+            return drive(run, *words)
+
+        monkeypatch.setattr(session._Run, "drive", drive_once_heard)
         result = run_through_ros(config, options, StopRequest(), None, [client])
     assert result.failure is None
     assert (result.lost, result.truth.resets) == (0, 1)
