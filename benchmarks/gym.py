@@ -154,7 +154,7 @@ def _memory(robot: str, env: Any, effort: Effort) -> tuple[str, ...]:  # noqa: A
                 env.step(np.array([0.5, 0.2], np.float32))
         return resident(os.getpid())
 
-    begun = drive(2 * count // 5 + 1)
+    begun = drive(count)
     grown = (drive(count) - begun) / MEGABYTE
     what = f"memory after {count} worlds, {count * STEPS_A_WORLD:,} steps"
     return robot, what, "-", f"{grown:+.1f} MB", "< 5 MB"

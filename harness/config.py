@@ -16,6 +16,7 @@ from harness.drivers.goal_course import Area, check_area
 from harness.drivers.staged import StagedEncounter
 from harness.errors import UsageError, find_named
 from harness.faults.spec import parse_faults
+from harness.files import modified_ns
 from harness.frames.options import FrameOptions
 from harness.robots import find_rover
 from harness.sensors.base import period_ticks
@@ -199,7 +200,7 @@ class EpisodeConfig:
         if not is_terrain_file(self.terrain):
             return _world(self.terrain, self.seed, self.difficulty)
         file = self._terrain_file()
-        return _file_world(file, self.seed, file.path.stat().st_mtime_ns if file.path.exists() else 0)
+        return _file_world(file, self.seed, modified_ns(file.path))
 
     def _terrain_file(self) -> TerrainFile:
         return TerrainFile(

@@ -1,4 +1,4 @@
-"""Files that a command writes: found out before the run whether they can be, whole or not at all."""
+"""Files: whether one can be written, found out before the run; whole or not at all; when it was."""
 
 import tempfile
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 from harness.errors import HarnessError, UsageError
 from rover_metrics.log.files import whole_file
 
-__all__ = ["check_target", "whole_file", "write_whole"]
+__all__ = ["check_target", "modified_ns", "whole_file", "write_whole"]
 
 
 def write_whole(
@@ -50,3 +50,8 @@ def check_target(flag: str, target: Path, suffix: str = "") -> None:
     except OSError as error:
         message = f"{flag} {target} cannot be written: {error.strerror}; choose another place"
         raise UsageError(message) from error
+
+
+def modified_ns(path: Path) -> int:
+    """Returns when a file was last written [ns]; 0 if there is none. Caches ask, to read it anew."""
+    return path.stat().st_mtime_ns if path.exists() else 0

@@ -35,7 +35,7 @@ class Leap:
         self._controls = np.empty((1, steps, model.nu))
         self._states = np.empty((1, steps, self._begin.size))
         self._sensors = np.empty((1, steps, model.nsensordata))
-        self._commands, self._legs = np.empty((ticks, 0)), list[slice]()
+        self._legs: list[slice] = []
         # Views: of the ticks' controls, of their last states after the time, of their sensor values.
         self._ticks_controls = self._controls.reshape(ticks, -1, model.nu)
         moving = slice(1, 1 + model.nq + model.nv)
@@ -48,7 +48,8 @@ class Leap:
         Args:
             commands: Of each tick as `Simulation.command_wheels` takes them, shape (ticks, motors).
         """
-        self._commands, self._legs = commands, []
+        self._commands = commands
+        self._legs.clear()
         begin = 0
         for _, alike in groupby(map(any, commands[:, : self._simulation.driven].tolist())):
             end = begin + len(list(alike))

@@ -9,6 +9,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from harness.errors import UsageError
+from harness.files import modified_ns
 from harness.world.actors.route import LONGEST_ROUTE, Point
 from harness.world.sdf.document import Person, read_document
 from harness.world.sdf.poses import read_pose
@@ -48,7 +49,7 @@ def read_told(path: Path, folders: tuple[str, ...] = ()) -> tuple[Told, ...]:
     Raises:
         UsageError: It cannot be read, or nobody walks in it.
     """
-    return _read(path, folders, _modified_ns(path))
+    return _read(path, folders, modified_ns(path))
 
 
 def actors_of(path: Path, folders: tuple[str, ...]) -> tuple[Person, ...]:
@@ -61,11 +62,7 @@ def actors_of(path: Path, folders: tuple[str, ...]) -> tuple[Person, ...]:
     Raises:
         UsageError: It or what it includes is not valid.
     """
-    return _actors(path, folders, _modified_ns(path))
-
-
-def _modified_ns(path: Path) -> int:
-    return path.stat().st_mtime_ns if path.exists() else 0
+    return _actors(path, folders, modified_ns(path))
 
 
 @lru_cache(maxsize=32)  # asked several times a run, as is the other

@@ -158,6 +158,8 @@ def _upright(mesh: Mesh, solid: Solid, notes: list[str]) -> Mesh:
 
 
 def _add_plane(found: Sorted, solid: Solid, plane: Plane) -> None:
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415 - 0.1 s that named terrains save
+
     normal = np.array(plane.normal) / np.linalg.norm(plane.normal)
     height = float(solid.pose[2, 3])
     if (solid.pose[:3, :3] @ normal)[2] >= LEVEL:
@@ -167,18 +169,9 @@ def _add_plane(found: Sorted, solid: Solid, plane: Plane) -> None:
         found.mapped.append((x - half[0], x + half[0], y - half[1], y + half[1]))
         return
     signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * 0.5 * np.array(plane.size)
-    corners = signs @ _across(*normal.tolist())
+    turned, _ = Rotation.align_vectors(normal, (0.0, 0.0, 1.0))  # the shortest way, as Gazebo turns it
+    corners = signs @ turned.as_matrix()[:, :2].T
     found.ground.append(Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]])).moved(solid.pose))
-
-
-def _across(x: float, y: float, z: float) -> NDArray[np.float64]:
-    """Axes x and y of a plane whose z axis is turned straight to its unit normal, as Gazebo turns it."""
-    if 1.0 + z < 1e-12:
-        return np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
-    share = 1.0 / (1.0 + z)
-    return np.array(
-        [[1.0 - share * x * x, -share * x * y, -x], [-share * x * y, 1.0 - share * y * y, -y]]
-    )
 
 
 def _of_file(found: Sorted, solid: Solid, file: MeshFile, unit: str, up: str) -> Mesh:

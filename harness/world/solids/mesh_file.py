@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import UsageError, find_named
+from harness.files import modified_ns
 from harness.world.sdf.reader import parse_xml
 
 SUFFIXES = (".dae", ".obj", ".stl")
@@ -87,7 +88,7 @@ def read_mesh(path: Path, submesh: str = "", unit: str = "", up: str = "") -> tu
     Raises:
         UsageError: It is missing, too large, damaged or holds no triangles.
     """
-    return _read(path, path.stat().st_mtime_ns if path.exists() else 0, submesh, unit, up)
+    return _read(path, modified_ns(path), submesh, unit, up)
 
 
 @lru_cache(maxsize=8)  # a world names a file many times
