@@ -33,9 +33,9 @@ from harness.interrupt import Interrupted, Overdue, StopRequest
 from harness.run import main
 from harness.samples import Tick, Twist
 from harness.view.drawing import Drawing
-from tests.support.waiting import PATIENCE, wait_until
+from tests.support.waiting import PATIENCE, under_load, wait_until
 
-SOON = 1.0  # [s]: the promise; a machine with other work may need more for one of several ends
+SOON = 1.0  # [s]: the promise; one of several ends may take longer
 NO_HANG = 5.0  # [s]: far less than any patience of a run for DDS or a node
 ENDLESS = ["--terrain", "flat", "--driver", "spin", "--duration", "36000"]
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -117,7 +117,7 @@ def ended_by(number: signal.Signals, process: subprocess.Popen[str]) -> End:
     process.send_signal(number)
     told, _ = process.communicate(timeout=PATIENCE)
     after = time.monotonic() - began
-    wait_until(lambda: not session_members(process.pid), NO_HANG)
+    wait_until(lambda: not session_members(process.pid))
     return End(after, process.returncode, told)
 
 
@@ -133,7 +133,7 @@ def test_signal_ends_a_direct_run_even_if_it_is_much_slower_than_real_time(tmp_p
         wait_until(lambda: bool(list(tmp_path.glob("*.csv"))))
         end = ended_by(signal.SIGHUP, process)
     assert (end.code, "Traceback" in end.told) == (128 + signal.SIGHUP, False), end.told
-    assert end.after < NO_HANG
+    assert end.after < under_load(NO_HANG)
 
 
 def test_starts_and_stops_in_a_row_end_soon_silently_and_leave_rows_and_manifest(
@@ -152,8 +152,8 @@ def test_starts_and_stops_in_a_row_end_soon_silently_and_leave_rows_and_manifest
     assert [end.code for end in ends] == [128 + number_of(index) for index in range(STARTS)]
     assert not [end.told for end in ends if "Traceback" in end.told]
     assert not [end.left for end in ends if end.left]
-    assert sorted(end.after for end in ends)[STARTS // 2] < SOON
-    assert max(end.after for end in ends) < NO_HANG
+    assert sorted(end.after for end in ends)[STARTS // 2] < under_load(SOON)
+    assert max(end.after for end in ends) < under_load(NO_HANG)
     for index in DRIVING:
         assert " 0 lost" in ends[index].told
         (log,) = (tmp_path / str(index)).glob("*.csv")
@@ -181,7 +181,7 @@ def test_closed_terminal_ends_the_run_with_its_manifest(tmp_path: Path) -> None:
     began = time.monotonic()
     os.close(terminal)
     _, status = os.waitpid(pid, 0)
-    assert time.monotonic() - began < NO_HANG
+    assert time.monotonic() - began < under_load(NO_HANG)
     assert os.waitstatus_to_exitcode(status) == 128 + signal.SIGHUP
     assert b"real time" in shown, "the progress line was to be on the terminal"
     assert manifest(tmp_path)["outcome"] == {"status": "interrupted", "reason": "SIGHUP"}
@@ -369,7 +369,7 @@ def test_ctrl_c_ends_a_run_whose_node_has_stopped_answering(tmp_path: Path) -> N
         end = ended_by(signal.SIGINT, process)
     assert end.code == 128 + signal.SIGINT, end.told
     assert "Traceback" not in end.told
-    assert end.after < NO_HANG
+    assert end.after < under_load(NO_HANG)
     assert json.loads(summary.read_text())["outcome"]["status"] == "interrupted"
 
 
@@ -410,7 +410,7 @@ def one_start_and_stop(index: int, log_dir: Path, rng: random.Random) -> End:
         output.seek(0)
         code = os.waitstatus_to_exitcode(status)
         end = End(after, 128 - code if code < 0 else code, output.read().decode())
-    wait_until(lambda: not session_members(pid), NO_HANG)
+    wait_until(lambda: not session_members(pid))
     return replace(end, left=left_behind(memory, since))
 
 
