@@ -53,7 +53,7 @@ def test_a_goal_has_207_s_from_when_it_is_given(tmp_path: Path) -> None:
         for second in range(begin, 2 * begin, 100):
             log.take(batch(second, 0.0))
         for second, *given in ((50, Place(9.0, 9.0, 0.0)), (207,), (208,)):
-            log.take(batch(begin + second, 0.0, *given))  # type: ignore[arg-type]
+            log.take(batch(begin + second, 0.0, *given))
             assert log.goals.failed == (second == 208)
         log.close()
 

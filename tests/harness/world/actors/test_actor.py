@@ -172,9 +172,11 @@ def test_walls_in_sight_push_a_social_walker() -> None:
 
 
 def test_a_social_walker_looks_where_it_walks_from_five_centimetres_a_second_on() -> None:
-    walker = heading_for((-3.0, -4.0))  # 1 m/s in half a second: 0.02, 0.04, 0.06 m/s
-    yaws = [walker.walk(n * TICK_S, TICK_S, []).yaw for n in (1, 2, 3)]
-    assert yaws == pytest.approx([0.0, 0.0, math.atan2(-4.0, -3.0)])
+    walker, aside = heading_for((-3.0, -4.0)), (-1.0, 0.8, 0.3)
+    one, two, three = (walker.walk(n * TICK_S, TICK_S, [aside]) for n in (1, 2, 3))
+    x, y = three.x - two.x, three.y - two.y  # 2.1 m/s^2: 0.02, 0.04, 0.06 m/s
+    assert [one.yaw, two.yaw, three.yaw] == pytest.approx([0.0, 0.0, math.atan2(y, x)])
+    assert math.atan2(y, x) > math.atan2(-4.0, -3.0) + 0.1  # pushed off its way
 
 
 def test_who_strolls_after_a_delay_stands_at_the_begin_until_then() -> None:
@@ -253,7 +255,7 @@ def test_legs_are_a_metre_long_at_least_and_lead_to_the_first_point_that_is_draw
 
 def test_a_social_walker_is_as_fast_and_as_wide_as_it_is_told() -> None:
     """By its first step: 2 m/s within half a second, and Helbing's push of a body a metre away."""
-    walker = social("s=social:within=6,speed=2,radius=0.6")
+    walker = social("s=social:within=6,speed=2,radius=0.6,push=1")
     begin, alone = (walker.walk(TICK_S * n, TICK_S, []) for n in (0, 1))
     assert math.dist((begin.x, begin.y), (alone.x, alone.y)) == pytest.approx(4.0 * TICK_S**2)
     pushes = []
