@@ -50,7 +50,7 @@ def episodes(make_record: MakeRecord) -> list[EpisodeRecord]:
 @pytest.mark.parametrize(
     ("scores", "best"),
     [
-        ((0.0, 1.0, 3.0, 2.0, 1.0, 0.0), 0.3),
+        ((0.0, 1.0, 3.0, 2.999, 2.999, 0.0), 0.3),
         ((0.0, 1.0, 1.0, 1.0, 0.0, 0.0), 0.3),  # the middle of a plateau
         ((1.0, 1.0, 1.0, 1.0, 1.0, 0.0), 0.3),
         ((0.0, 2.0, 2.0, 0.0, 0.0, 0.0), 0.3),  # of an even number the upper of the middle two

@@ -73,7 +73,9 @@ def near_between(
     """Six seconds at 1 m/s with something 0.3 m away in the scans from first to last [s]."""
     scans = np.arange(1, 121) / 20
     ranges = np.where((scans > first - 0.01) & (scans < last + 0.01), 0.3, 3.0)
-    return make_record(ranges, contacts=contacts)
+    record = make_record(ranges, contacts=contacts)
+    record.scans["footprint"] = 0.0
+    return record
 
 
 @pytest.mark.usefixtures("stops")
@@ -128,10 +130,9 @@ def test_a_warning_counts_if_it_comes_in_time_and_a_contact_follows(
 def test_each_contact_and_each_warning_counts_for_itself(make_record: MakeRecord) -> None:
     scans = np.arange(1, 121) / 20
     warned = np.isin(np.round(scans), (1.0, 4.0)) & (scans % 1.0 < 0.3)
-    contacts = [
-        (start, start + 0.1) for start in (1.5, 1.8, 5.0)
-    ]  # two after the first, one after the other
+    contacts = [(start, start + 0.1) for start in (1.4, 1.5, 1.8, 5.0)]  # one after the other warning
     record = make_record(np.where(warned, 0.25, 3.0), contacts=contacts)
+    record.events["zone"][0] = Zone.SIDE
 
     counts = clearance._counts(STOP, [record], np.array([0.25, 0.5]))[:, 0, :4]
 

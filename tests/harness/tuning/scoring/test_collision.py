@@ -47,7 +47,7 @@ def test_it_finds_the_distance_that_separates_touching_from_passing(at: AtDistan
     ("footprint", "near", "switch", "threshold"),
     [
         (0.5, 1, True, None),  # only near returns tell the touch: no threshold adds to them
-        (0.1, 0, None, 0.15),  # the default of 0.05 m is too small, and nothing is too near
+        (0.09, 0, None, 0.15),  # the default of 0.05 m is too small, and nothing is too near
         (0.04, 0, None, None),  # the defaults tell everything
         (0.04, -1, None, None),  # and near returns, of what is passed, would only be false alarms
     ],
@@ -63,14 +63,17 @@ def test_near_returns_and_footprint_threshold_are_each_compared_with_their_defau
     for record in passing:
         record.scans["footprint"] = 0.6
         record.scans["footprint"][38:42] = 0.2
+        record.scans["nearest"][38:42] = 0.03
         record.scans["near_returns"][38:42] = near < 0
     switched, tuned = study_collisions(dict.fromkeys(Part, (*touching, *passing))).footprint
 
     assert (switched.name, switched.default.value) == ("near_returns_as_contact", False)
     assert (tuned.name, tuned.default.value, tuned.unit) == ("footprint_threshold", 0.05, "m")
     assert (switched.value, tuned.value) == (switch, threshold)
-    at_default = 1.0 if near > 0 or footprint < 0.05 else 0.0
-    assert tuned.default.scores[Part.TEST]["F1"].value == at_default
+    at_default = (float(footprint < 0.05), float(near > 0 or footprint < 0.05))
+    defaults = (one.default.scores[Part.TEST]["F1"].value for one in (switched, tuned))
+    assert tuple(defaults) == at_default
+    assert switched.note == tuned.note == "read with extended_columns:=true"
 
 
 def test_every_detector_is_judged_at_its_own_best_where_it_was_not_chosen(at: AtDistance) -> None:

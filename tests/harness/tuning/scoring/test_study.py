@@ -28,15 +28,15 @@ MakeRecord = Callable[..., EpisodeRecord]
 def test_what_diverged_is_counted_but_not_scored(make_record: MakeRecord) -> None:
     planned = plan(("leo",), 6, 0, 5.0)
     endings = [*[Ending.COMPLETE] * 4, Ending.DIVERGED, Ending.TIPPED_OVER]
-    records = {
+    of_another = replace(planned[0], config=replace(planned[0].config, robot="rover_zero4wd"))
+    records = {of_another: make_record([3.0])} | {
         planned[n]: replace(make_record([3.0] * 20 * (n + 1)), ending=endings[n])
         for n in range(5, -1, -1)
     }
 
     parts = scored_records("leo", records)
     scored = {part: [record.duration for record in parts[part]] for part in Part}
-    of_another = replace(planned[0], config=replace(planned[0].config, robot="rover_zero4wd"))
-    driven = _driven("leo", {of_another: make_record([3.0]), **records})
+    driven = _driven("leo", records)
 
     assert scored == {Part.TRAIN: [1.0, 3.0], Part.TEST: [2.0, 4.0, 6.0]}  # in their order
     assert driven.endings == {Ending.COMPLETE: 4, Ending.DIVERGED: 1, Ending.TIPPED_OVER: 1}
