@@ -67,7 +67,7 @@ def test_near_returns_and_footprint_threshold_are_each_compared_with_their_defau
         record.scans["near_returns"][38:42] = near < 0
     switched, tuned = study_collisions(dict.fromkeys(Part, (*touching, *passing))).footprint
 
-    assert (switched.name, switched.default.value) == ("near_returns_as_contact", False)
+    assert (switched.name, switched.default.value is False) == ("near_returns_as_contact", True)
     assert (tuned.name, tuned.default.value, tuned.unit) == ("footprint_threshold", 0.05, "m")
     assert (switched.value, tuned.value) == (switch, threshold)
     at_default = (float(footprint < 0.05), float(near > 0 or footprint < 0.05))
@@ -104,6 +104,7 @@ def test_every_detector_is_judged_at_its_own_best_where_it_was_not_chosen(at: At
     # Below 0.29 m the ranges come at the 40th scan, 2.0 s, in steps of 7 cm: 0 s before the contact.
     assert study.detectors[0].lead_s == pytest.approx(0.0)
     assert study.detectors[0].scans["recall"].value == pytest.approx(20 / 66)
+    assert study.detectors[0].events.scores[Part.TEST]["recall"].value == pytest.approx(20 / 22)
     told = {"default": 0} | dict.fromkeys(DETECTORS, 10)
     none = dict.fromkeys(told, 0)
     sides = (Zone.FRONT, 10, told), (Zone.SIDE, 10, told), (Zone.REAR, 0, none)
@@ -141,6 +142,7 @@ def test_too_few_contacts_support_no_value(at: AtDistance, touches: int) -> None
 
     assert study.verdict.value is None
     assert study.detectors == ()
+    assert {verdict.lack for verdict in study.footprint} == {study.verdict.lack}
     assert f"{touches} contacts with hazards in the train episodes" in judgement("r", study.verdict)
 
 
@@ -148,14 +150,14 @@ def test_contacts_that_the_lidar_saw_are_counted_by_side_and_detector_others_by_
     make_record: MakeRecord,
 ) -> None:
     """Of three contacts each only the first and, by the footprint, the second are told."""
-    near = [0.1 if n in {9, 10} else 3.0 for n in range(80)]
+    near = [0.1 if n in {9, 10} else 0.25 for n in range(80)]
     seen, mixed = (make_record(near, contacts=((0.5, 0.6), (2.0, 2.1), (3.5, 3.6))) for _ in range(2))
     seen.scans["footprint"][39] = 0.1
     seen.events["zone"] = (Zone.FRONT, Zone.FRONT, Zone.REAR)
     mixed.events["zone"] = (Zone.SIDE, Zone.REAR, Zone.FRONT)
     mixed.events["sight"] = (Sight.SEEN, Sight.TOO_LOW, Sight.MISSED)
     names = {"range": NEAREST_RANGE, "outline": FOOTPRINT_CLEARANCE}
-    detectors = {name: (DETECTORS[detector], 0.2) for name, detector in names.items()}
+    detectors = {name: (DETECTORS[detector], 0.25) for name, detector in names.items()}
 
     assert zone_rows([seen, mixed], detectors) == (
         ZoneRow(Zone.FRONT, 2, {"range": 1, "outline": 2}),

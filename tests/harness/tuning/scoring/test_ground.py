@@ -27,7 +27,7 @@ def test_it_finds_the_acceleration_that_separates_the_classes(make_record: MakeR
     smooth = [make_record([], windows=seconds(10.0, SMOOTH), terrain="flat") for _ in range(10)]
     study = study_ground(dict.fromkeys(Part, (*rough, *smooth)), SIGNALS[0])
 
-    assert study.verdict.name == "rough_terrain_threshold"
+    assert (study.verdict.name, study.verdict.unit) == ("rough_terrain_threshold", "m/s^2")
     assert study.verdict.value == pytest.approx((10.0 + 11.45) / 2, abs=0.026)  # middle of the best
     assert study.auc[Part.TEST].value == pytest.approx(1.0)
     assert study.what == "largest |a| of a second"

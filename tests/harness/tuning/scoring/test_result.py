@@ -80,5 +80,5 @@ def test_without_a_tuned_value_there_is_no_difference_to_show_and_nothing_is_pro
 
 def test_a_value_is_told_as_it_is_written() -> None:
     some = verdict(SOME, SOME, SOME)
-    assert some.told(candidate(0.30, SOME)) == "0.3 m"
+    assert some.told(candidate(0.250, SOME)) == "0.25 m"
     assert [some.told(candidate(value, SOME)) for value in (True, False)] == ["true", "false"]
