@@ -119,7 +119,7 @@ _precision, _recall = share(RIGHT, ALARMS), share(DETECTED, CONTACTS)
 
 def _event_f1(sums: Sums) -> NDArray[np.float64]:
     """The harmonic mean of precision (alarms) and recall (contacts); 0 if none is detected."""
-    precision, recall = np.nan_to_num(_precision(sums)), _recall(sums)
+    precision, recall = _precision(sums), _recall(sums)
     return np.where(
         precision + recall > 0, ratio(2 * precision * recall, precision + recall), 0 * recall
     )

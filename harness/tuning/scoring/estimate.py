@@ -60,7 +60,7 @@ def estimate(counts: Counts, measure: Measure, strata: Sequence[str]) -> Estimat
             keeps that too.
     """
     value = float(measure(counts.sum(axis=0)))
-    if math.isnan(value) or np.count_nonzero(counts.any(axis=1)) < FEWEST_EPISODES:
+    if np.count_nonzero(counts.any(axis=1)) < FEWEST_EPISODES:
         return Estimate(value)
     resampled = measure(_weights(tuple(strata)) @ counts)
     if np.isnan(resampled).any():

@@ -44,6 +44,9 @@ def test_stamps_go_on_while_the_clock_alone_fails_and_it_then_catches_up() -> No
         assert clock_times(spec)[-200:] == [n / 100 for n in range(201, 401)]
     assert clock_times("clock:freeze@1+1", "clock:freeze@1.5+1")[98:251:25] == [0.99] * 7
     assert clock_times("clock:freeze@1+1", "clock:freeze@1.5+1")[249] == 2.5
+    silent = "clock:dropout@1.2+0.2"  # what is not sent is not what is repeated
+    assert clock_times("clock:freeze@1+1", silent)[98:181:41] == [0.99, 0.99, 2.01]
+    assert times(imus("clock:freeze@1+1", "clock:jump=5@1.5"))[148:151] == [1.49, 6.5, 6.51]
     assert len(clock_times("clock:dropout@1+1")) == 300
     assert [one.stamp_ns for one in sent("clock:dropout@1+1")] == [n * TICK_NS for n in range(1, 401)]
     assert len(clock_times("clock:dropout@1+1", "clock:dropout@1.5+1")) == 250

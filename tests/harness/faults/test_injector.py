@@ -8,12 +8,7 @@ import pytest
 
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import faults_of, parse_faults, sensors
-from harness.samples import (
-    Imu,
-    LaserScan,
-    Tick,
-    TruthState,
-)
+from harness.samples import Imu, LaserScan, Tick, TruthState
 from harness.sensors import table
 from harness.sim_time import TICK_NS as TICK
 from tests.harness.faults.faulty_ticks import ROWS, imus, made, readings, said, sent, tick
@@ -30,13 +25,13 @@ def test_without_faults_a_tick_passes_as_it_is() -> None:
 def test_every_fault_of_every_sensor_changes_what_is_sent_in_its_time_and_nothing_before(
     sensor: str,
 ) -> None:
-    clean = [said(one) for one in sent(seconds=0.6)]
+    clean = [said(one) for one in sent(seconds=0.4)]
     for name, kind in faults_of(sensor).items():
         value = "" if kind.takes is None or kind.takes.default is not None else "=0.4"
         value = "=5" if name in ("beams", "rate") else value
-        faulty = [said(one) for one in sent(f"{sensor}:{name}{value}@0.3", seconds=0.6)]
-        assert faulty[:29] == clean[:29], name
-        assert faulty[29:] != clean[29:], name
+        faulty = [said(one) for one in sent(f"{sensor}:{name}{value}@0.2", seconds=0.4)]
+        assert faulty[:19] == clean[:19], name
+        assert faulty[19:] != clean[19:], name
 
 
 @pytest.mark.parametrize("sensor", SENSORS)

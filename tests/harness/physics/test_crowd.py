@@ -69,6 +69,7 @@ def two_boxes(*actors: str) -> tuple[Crowd, mujoco.MjData]:
         body = spec.worldbody.add_body(name=name, pos=(x, 0.0, 0.5))
         body.add_freejoint()
         body.add_geom(type=sphere, size=(0.9, 0.0, 0.0), contype=0, conaffinity=0)
+        body.add_geom(type=box, size=(0.1, 0.1, 0.1))  # another solid part, which nobody meets
         body.add_geom(name=name, type=box, size=(0.3, 0.2, 0.1))
     spec.worldbody.add_body(name="flag", mocap=True)  # another that is moved by hand
     for actor in world.people:
@@ -101,7 +102,9 @@ def test_a_social_walker_is_told_of_all_rovers_and_of_all_others(
     )
     data.qpos[:2], data.qpos[7:9] = (0.1, 0.2), (2.9, -0.3)
     del told[:]
+    monkeypatch.setattr(SocialWalker, "restart", restart := Mock())
     people.restart(5 * TICK_NS)
+    assert restart.call_count == 2  # both of them begin anew
     people.move(6 * TICK_NS)
     people.move(8 * TICK_NS)
     np.testing.assert_allclose(

@@ -23,8 +23,7 @@ from harness.tuning.scoring.alarms import (
 MakeRecord = Callable[..., EpisodeRecord]
 
 nearest_range = DETECTORS[NEAREST_RANGE]
-FAR, NEAR = 3.0, 0.18
-THRESHOLD = np.array([0.2])
+FAR, NEAR = 3.0, 0.1875
 
 
 def near_at(make_record: MakeRecord, *times: float, **more: object) -> EpisodeRecord:
@@ -49,12 +48,6 @@ def test_alarms_up_to_half_a_second_apart_are_one(
 
     ends = [[1.0, 1.25], [1.25 + gap_ms / 1e3] * 2] if expected == 2 else [[1.0, 1.75]]
     assert found == pytest.approx(np.array(ends))
-
-
-def test_the_threshold_is_strict_as_in_the_metrics(make_record: MakeRecord) -> None:
-    record = make_record([0.25] * 3)
-
-    assert alarms(record, nearest_range(record) < 0.25).shape == (0, 2)
 
 
 @pytest.mark.parametrize(
@@ -83,33 +76,22 @@ def test_contacts_found_and_alarms_that_are_right_are_counted_apart(make_record:
     record = near_at(make_record, 0.1, *long, 2.6, 3.9, contacts=[(1.0, 1.1), (1.4, 1.5), (2.1, 2.15)])
     other = near_at(make_record, 2.0)
 
-    counts = event_counts(nearest_range)([record, other], np.array([0.1, 0.2, 0.3]))
+    counts = event_counts(nearest_range)([record, other], np.array([NEAR, 0.2, FAR]))  # strict
 
     assert counts.shape == (3, 2, 5)
     assert counts[0].tolist() == [[3, 0, 0, 0, 0.004], [0, 0, 0, 0, 0.004]]
     assert counts[1].tolist() == [[3, 2, 4, 1, 0.004], [0, 0, 1, 0, 0.004]]
     assert counts[2].tolist() == counts[1].tolist()
-    measured = {name: float(measure(counts[1, 0])) for name, measure in EVENT_MEASURES.items()}
-    precision, recall = 1 / 4, 2 / 3
-    assert measured == pytest.approx(
-        {
-            "F1": 2 * precision * recall / (precision + recall),
-            "precision": precision,
-            "recall": recall,
-            "false alarms per km": 3 / 0.004,
-        }
-    )
-
-
-def test_f1_is_zero_if_nothing_is_found_and_undefined_without_contacts(
-    make_record: MakeRecord,
-) -> None:
-    missed = make_record([FAR] * 20, contacts=[(0.5, 0.6)])
-    none = make_record([FAR] * 20)
-
-    f1 = EVENT_MEASURES["F1"](event_counts(nearest_range)([missed, none], THRESHOLD)[0])
-
-    assert f1.tolist() == pytest.approx([0.0, np.nan], nan_ok=True)
+    nan = np.nan  # precision without alarms; recall, and so F1, without contacts
+    expected = {
+        "F1": [[0.0, nan], [2 / (4 / 1 + 3 / 2), nan]],  # the harmonic mean
+        "precision": [[nan, nan], [1 / 4, 0.0]],
+        "recall": [[0.0, nan], [2 / 3, nan]],
+        "false alarms per km": [[0.0, 0.0], [3 / 0.004, 1 / 0.004]],
+    }
+    assert list(EVENT_MEASURES) == list(expected)
+    for name, measure in EVENT_MEASURES.items():
+        np.testing.assert_allclose(measure(counts[:2]), expected[name], err_msg=name)
 
 
 def test_scans_are_scored_one_by_one_as_scikit_learn_does(make_record: MakeRecord) -> None:

@@ -20,10 +20,6 @@ STOP = Braking(speed=1.0, distance=0.1, time=0.2)  # at 5 m/s^2
 LATENCY = 0.1  # [s]: a scan and a control period at 20 Hz
 
 
-def both(records: Sequence[EpisodeRecord]) -> dict[Part, Sequence[EpisodeRecord]]:
-    return dict.fromkeys(Part, records)
-
-
 @pytest.mark.parametrize("rover", [LEO, ROVER_ZERO4WD])
 def test_a_stop_from_top_speed_takes_what_the_controller_allows(rover: RoverSpec) -> None:
     braking = measure_braking(rover, seed=0)
@@ -62,10 +58,7 @@ def test_a_warning_must_come_as_early_as_the_stopping_distance_takes(speed: floa
 
     assert STOP.needed_lead(speed) == pytest.approx(stopping_distance / speed)
     assert STOP.needed_lead(5.0) == STOP.needed_lead(1.0)  # faster it cannot be but downhill
-
-
-def test_the_stopping_distance_is_latency_and_braking_together() -> None:
-    assert Braking(speed=2.0, distance=0.3, time=9.0).stopping_distance == pytest.approx(0.5)
+    assert Braking(speed, distance=0.3, time=9.0).stopping_distance == pytest.approx(0.1 * speed + 0.3)
 
 
 @pytest.fixture
@@ -80,14 +73,16 @@ def near_between(
     """Six seconds at 1 m/s with something 0.3 m away in the scans from first to last [s]."""
     scans = np.arange(1, 121) / 20
     ranges = np.where((scans > first - 0.01) & (scans < last + 0.01), 0.3, 3.0)
-    return make_record(ranges, contacts=contacts)
+    record = make_record(ranges, contacts=contacts)
+    record.scans["footprint"] = 0.0
+    return record
 
 
 @pytest.mark.usefixtures("stops")
 def test_the_clearance_is_the_sum_of_its_parts_rounded_up(
     make_record: MakeRecord, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    records = both([near_between(make_record, 1.0, 2.0, [(2.0, 2.1)])] * 10)
+    records = dict.fromkeys(Part, [near_between(make_record, 1.0, 2.0, [(2.0, 2.1)])] * 10)
     study = study_clearance(records, LEO, seed=0)
 
     # 0.218 m to the bumper - 0.174 m to the lidar + 0.1 m latency + 0.1 m braking + 0.1 m margin
@@ -135,10 +130,9 @@ def test_a_warning_counts_if_it_comes_in_time_and_a_contact_follows(
 def test_each_contact_and_each_warning_counts_for_itself(make_record: MakeRecord) -> None:
     scans = np.arange(1, 121) / 20
     warned = np.isin(np.round(scans), (1.0, 4.0)) & (scans % 1.0 < 0.3)
-    contacts = [
-        (start, start + 0.1) for start in (1.5, 1.8, 5.0)
-    ]  # two after the first, one after the other
+    contacts = [(start, start + 0.1) for start in (1.4, 1.5, 1.8, 5.0)]  # one after the other warning
     record = make_record(np.where(warned, 0.25, 3.0), contacts=contacts)
+    record.events["zone"][0] = Zone.SIDE
 
     counts = clearance._counts(STOP, [record], np.array([0.25, 0.5]))[:, 0, :4]
 
@@ -180,23 +174,13 @@ def test_only_contacts_ahead_that_were_seen_while_moving_could_have_been_avoided
 
 
 @pytest.mark.usefixtures("stops")
-@pytest.mark.parametrize(
-    ("ahead", "lack"),
-    [
-        (5, None),
-        (
-            4,
-            (
-                "4 contacts ahead with hazards that the lidar saw in the test episodes; "
-                "5 are needed to check it"
-            ),
-        ),
-    ],
-)
-def test_five_contacts_ahead_are_needed_to_check_it(
-    make_record: MakeRecord, ahead: int, lack: str | None
-) -> None:
-    record = near_between(make_record, 1.0, 2.0, [(2.0, 2.1)])
+@pytest.mark.parametrize("ahead", [4, 5])
+def test_five_contacts_ahead_are_needed_to_check_it(make_record: MakeRecord, ahead: int) -> None:
+    record = near_between(make_record, 1.0, 2.0, [(2.0, 2.1), (2.0, 2.1)])
+    record.events["zone"][1] = Zone.SIDE
     records = {Part.TRAIN: [record], Part.TEST: [record] * ahead}
+    lack = (
+        "4 contacts ahead with hazards that the lidar saw in the test episodes; 5 are needed to check it"
+    )
 
-    assert study_clearance(records, LEO, seed=0).verdict.lack == lack
+    assert study_clearance(records, LEO, seed=0).verdict.lack == (lack if ahead == 4 else None)

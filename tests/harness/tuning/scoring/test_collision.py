@@ -1,6 +1,6 @@
 """collision_threshold: choosing and judging."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ from harness.tuning.scoring.collision import (
     zone_rows,
 )
 from harness.tuning.scoring.result import Candidate
-from harness.tuning.scoring.study import judgement, unreachable
+from harness.tuning.scoring.study import judgement
 
 MakeRecord = Callable[..., EpisodeRecord]
 AtDistance = Callable[..., list[EpisodeRecord]]
@@ -35,12 +35,8 @@ def at(make_record: MakeRecord) -> AtDistance:
     return make
 
 
-def both(records: Sequence[EpisodeRecord]) -> Mapping[Part, Sequence[EpisodeRecord]]:
-    return dict.fromkeys(Part, records)
-
-
 def test_it_finds_the_distance_that_separates_touching_from_passing(at: AtDistance) -> None:
-    study = study_collisions(both([*at(0.225, touches=True), *at(0.35, touches=False)]))
+    study = study_collisions(dict.fromkeys(Part, (*at(0.225, touches=True), *at(0.35, touches=False))))
 
     assert study.verdict.value == 0.29  # the middle of 0.23 to 0.35
     assert study.verdict.is_proven
@@ -51,7 +47,7 @@ def test_it_finds_the_distance_that_separates_touching_from_passing(at: AtDistan
     ("footprint", "near", "switch", "threshold"),
     [
         (0.5, 1, True, None),  # only near returns tell the touch: no threshold adds to them
-        (0.1, 0, None, 0.15),  # the default of 0.05 m is too small, and nothing is too near
+        (0.09, 0, None, 0.15),  # the default of 0.05 m is too small, and nothing is too near
         (0.04, 0, None, None),  # the defaults tell everything
         (0.04, -1, None, None),  # and near returns, of what is passed, would only be false alarms
     ],
@@ -67,19 +63,27 @@ def test_near_returns_and_footprint_threshold_are_each_compared_with_their_defau
     for record in passing:
         record.scans["footprint"] = 0.6
         record.scans["footprint"][38:42] = 0.2
+        record.scans["nearest"][38:42] = 0.03
         record.scans["near_returns"][38:42] = near < 0
-    switched, tuned = study_collisions(both([*touching, *passing])).footprint
+    switched, tuned = study_collisions(dict.fromkeys(Part, (*touching, *passing))).footprint
 
-    assert (switched.name, switched.default.value) == ("near_returns_as_contact", False)
+    assert (switched.name, switched.default.value is False) == ("near_returns_as_contact", True)
     assert (tuned.name, tuned.default.value, tuned.unit) == ("footprint_threshold", 0.05, "m")
     assert (switched.value, tuned.value) == (switch, threshold)
-    at_default = 1.0 if near > 0 or footprint < 0.05 else 0.0
-    assert tuned.default.scores[Part.TEST]["F1"].value == at_default
+    at_default = (float(footprint < 0.05), float(near > 0 or footprint < 0.05))
+    defaults = (one.default.scores[Part.TEST]["F1"].value for one in (switched, tuned))
+    assert tuple(defaults) == at_default
+    assert switched.note == tuned.note == "read with extended_columns:=true"
 
 
 def test_every_detector_is_judged_at_its_own_best_where_it_was_not_chosen(at: AtDistance) -> None:
     chosen_on = [*at(0.225, touches=True), *at(0.35, touches=False)]
-    checked_on = [*at(0.225, touches=True), *at(0.265, touches=True), *at(0.35, touches=False, count=5)]
+    checked_on = [
+        *at(0.225, touches=True),
+        *at(0.265, touches=True, zone=Zone.SIDE),
+        *at(0.35, touches=False, count=5),
+        *at(3.0, touches=True, count=2, sight=Sight.TOO_LOW),
+    ]
     for record in (*chosen_on, *checked_on):
         record.scans["footprint"] = record.scans["nearest"] / 2
     for record in checked_on[:10]:
@@ -99,8 +103,16 @@ def test_every_detector_is_judged_at_its_own_best_where_it_was_not_chosen(at: At
     assert study.default.lead_s is None
     # Below 0.29 m the ranges come at the 40th scan, 2.0 s, in steps of 7 cm: 0 s before the contact.
     assert study.detectors[0].lead_s == pytest.approx(0.0)
-    assert study.detectors[0].scans["recall"].value == pytest.approx(20 / 60)
-    assert study.contacts == 20
+    assert study.detectors[0].scans["recall"].value == pytest.approx(20 / 66)
+    assert study.detectors[0].events.scores[Part.TEST]["recall"].value == pytest.approx(20 / 22)
+    told = {"default": 0} | dict.fromkeys(DETECTORS, 10)
+    none = dict.fromkeys(told, 0)
+    sides = (Zone.FRONT, 10, told), (Zone.SIDE, 10, told), (Zone.REAR, 0, none)
+    assert study.zones == tuple(ZoneRow(*side) for side in sides)
+    assert {spot.sight: spot.contacts for spot in study.unseen_contacts if spot.contacts} == {
+        Sight.TOO_LOW: 2
+    }
+    assert study.contacts == 22
 
 
 def test_the_lead_is_the_median_over_the_contacts_that_are_found(make_record: MakeRecord) -> None:
@@ -126,76 +138,33 @@ def test_a_value_that_fails_on_unseen_episodes_is_not_written(at: AtDistance) ->
 @pytest.mark.parametrize("touches", [0, 9])
 def test_too_few_contacts_support_no_value(at: AtDistance, touches: int) -> None:
     records = [*at(0.225, touches=True, count=touches), *at(0.35, touches=False)]
-    study = study_collisions(both(records))
+    study = study_collisions(dict.fromkeys(Part, records))
 
     assert study.verdict.value is None
     assert study.detectors == ()
+    assert {verdict.lack for verdict in study.footprint} == {study.verdict.lack}
     assert f"{touches} contacts with hazards in the train episodes" in judgement("r", study.verdict)
 
 
-def test_contacts_that_the_lidar_cannot_know_of_are_their_own_line(at: AtDistance) -> None:
-    records = [
-        *at(0.22, touches=True, zone=Zone.SIDE),
-        *at(3.0, touches=True, count=5, sight=Sight.TOO_LOW),
-        *at(3.0, touches=True, count=2, sight=Sight.TOO_NEAR),
-    ]
-    study = study_collisions(both(records))
-
-    assert study.contacts == 17
-    assert {spot.sight: spot.contacts for spot in study.unseen_contacts if spot.contacts} == {
-        Sight.TOO_LOW: 5,
-        Sight.TOO_NEAR: 2,
-    }
-    assert "7 of 17 contacts (41 %)" in unreachable(study)
-    side = next(row for row in study.zones if row.zone is Zone.SIDE)
-    assert side.contacts == 10
-    assert side.detected["default"] == 0
-    assert side.detected["nearest range"] == 10
-
-
-CONTACTS = ((0.5, 0.6), (2.0, 2.1), (3.5, 3.6))
-
-
-@pytest.fixture
-def records(make_record: MakeRecord) -> list[EpisodeRecord]:
-    """Three contacts each; only the first and, by the footprint, the second are told."""
-    near = [0.1 if n in {9, 10} else 3.0 for n in range(80)]
-    seen = make_record(near, contacts=CONTACTS)
+def test_contacts_that_the_lidar_saw_are_counted_by_side_and_detector_others_by_reason(
+    make_record: MakeRecord,
+) -> None:
+    """Of three contacts each only the first and, by the footprint, the second are told."""
+    near = [0.1 if n in {9, 10} else 0.25 for n in range(80)]
+    seen, mixed = (make_record(near, contacts=((0.5, 0.6), (2.0, 2.1), (3.5, 3.6))) for _ in range(2))
     seen.scans["footprint"][39] = 0.1
     seen.events["zone"] = (Zone.FRONT, Zone.FRONT, Zone.REAR)
-    mixed = make_record(near, contacts=CONTACTS)
     mixed.events["zone"] = (Zone.SIDE, Zone.REAR, Zone.FRONT)
     mixed.events["sight"] = (Sight.SEEN, Sight.TOO_LOW, Sight.MISSED)
-    return [seen, mixed]
+    names = {"range": NEAREST_RANGE, "outline": FOOTPRINT_CLEARANCE}
+    detectors = {name: (DETECTORS[detector], 0.25) for name, detector in names.items()}
 
-
-def test_contacts_that_the_lidar_saw_are_counted_by_side_and_detector(
-    records: list[EpisodeRecord],
-) -> None:
-    detectors = {
-        "range": (DETECTORS[NEAREST_RANGE], 0.2),
-        "outline": (DETECTORS[FOOTPRINT_CLEARANCE], 0.2),
-    }
-
-    assert zone_rows(records, detectors) == (
+    assert zone_rows([seen, mixed], detectors) == (
         ZoneRow(Zone.FRONT, 2, {"range": 1, "outline": 2}),
         ZoneRow(Zone.SIDE, 1, {"range": 1, "outline": 1}),
         ZoneRow(Zone.REAR, 1, {"range": 0, "outline": 0}),
     )
-
-
-def test_contacts_that_it_did_not_see_are_counted_by_reason(records: list[EpisodeRecord]) -> None:
-    assert unseen_contacts(records) == (
-        UnseenContacts(Sight.TOO_LOW, 1),
-        UnseenContacts(Sight.TOO_NEAR, 0),
-        UnseenContacts(Sight.MISSED, 1),
-    )
-
-
-def test_without_episodes_there_are_no_contacts() -> None:
-    assert [row.contacts for row in zone_rows([], {"range": (DETECTORS[NEAREST_RANGE], 0.2)})] == [
-        0,
-        0,
-        0,
-    ]
-    assert [spot.contacts for spot in unseen_contacts([])] == [0, 0, 0]
+    reasons = (Sight.TOO_LOW, Sight.TOO_NEAR, Sight.MISSED)
+    assert unseen_contacts([seen, mixed]) == tuple(map(UnseenContacts, reasons, (1, 0, 1)))
+    assert zone_rows([], detectors) == tuple(ZoneRow(z, 0, dict.fromkeys(names, 0)) for z in Zone)
+    assert unseen_contacts([]) == tuple(UnseenContacts(reason, 0) for reason in reasons)

@@ -40,7 +40,7 @@ def test_the_step_threshold_is_above_every_possible_step(make_record: MakeRecord
 
 def test_a_step_as_long_as_the_threshold_is_refused_and_no_travel(make_record: MakeRecord) -> None:
     # Powers of two, so that no rounding is in the way.
-    windows = [*seconds(0.5, 0.5, 60), *seconds(0.25, 0.25, 20), *seconds(0.25, 9.0, 20)]
+    windows = [*seconds(0.5, 9.0, 60), *seconds(0.25, 0.25, 20), *seconds(0.25, 0.5, 20)]
     records = [make_record([], windows=windows)]
     study = study_distance(dict.fromkeys(Part, records), ROVER_ZERO4WD)
 
@@ -50,6 +50,9 @@ def test_a_step_as_long_as_the_threshold_is_refused_and_no_travel(make_record: M
     assert scores["false reject rate"].value == pytest.approx(0.6)
     assert scores["false accept rate"].value == pytest.approx(0.2)
     assert scores["balanced accuracy"].value == pytest.approx(0.6)
+    assert study.verdict.tuned is not None
+    assert study.verdict.tuned.value == 0.75  # of 0.51 to 0.99
+    assert study.verdict.note == "for poses at 50 Hz, four in a row of which may be lost"
 
 
 @pytest.mark.parametrize(

@@ -62,6 +62,7 @@ def test_it_is_proven_only_if_the_intervals_are_apart(
         (Estimate(0.01, 0.01, 0.01), 2),
         (Estimate(0.0086, 0.0068, 0.0108), 3),  # 0.987 to 0.996, not 0.99 to 1.00
         (Estimate(0.02, 0.0002, 0.04), 3),
+        (Estimate(0.005, -0.02, 0.03), 3),
         (Estimate(-0.02, -0.04, -0.0099), 3),
         (Estimate(0.0, -0.1, 0.1), 2),  # what is 0 is told as 0
         (Estimate(0.02), 2),
@@ -79,5 +80,5 @@ def test_without_a_tuned_value_there_is_no_difference_to_show_and_nothing_is_pro
 
 def test_a_value_is_told_as_it_is_written() -> None:
     some = verdict(SOME, SOME, SOME)
-    assert some.told(candidate(0.30, SOME)) == "0.3 m"
+    assert some.told(candidate(0.250, SOME)) == "0.25 m"
     assert [some.told(candidate(value, SOME)) for value in (True, False)] == ["true", "false"]

@@ -27,19 +27,16 @@ MakeRecord = Callable[..., EpisodeRecord]
 
 def test_what_diverged_is_counted_but_not_scored(make_record: MakeRecord) -> None:
     planned = plan(("leo",), 6, 0, 5.0)
-    records = {
-        episode: replace(make_record([3.0] * 20 * (episode.index + 1)), ending=ending)
-        for episode, ending in reversed(
-            list(
-                zip(planned, [*[Ending.COMPLETE] * 4, Ending.DIVERGED, Ending.TIPPED_OVER], strict=True)
-            )
-        )
+    endings = [*[Ending.COMPLETE] * 4, Ending.DIVERGED, Ending.TIPPED_OVER]
+    of_another = replace(planned[0], config=replace(planned[0].config, robot="rover_zero4wd"))
+    records = {of_another: make_record([3.0])} | {
+        planned[n]: replace(make_record([3.0] * 20 * (n + 1)), ending=endings[n])
+        for n in range(5, -1, -1)
     }
 
     parts = scored_records("leo", records)
     scored = {part: [record.duration for record in parts[part]] for part in Part}
-    of_another = replace(planned[0], config=replace(planned[0].config, robot="rover_zero4wd"))
-    driven = _driven("leo", {of_another: make_record([3.0]), **records})
+    driven = _driven("leo", records)
 
     assert scored == {Part.TRAIN: [1.0, 3.0], Part.TEST: [2.0, 4.0, 6.0]}  # in their order
     assert driven.endings == {Ending.COMPLETE: 4, Ending.DIVERGED: 1, Ending.TIPPED_OVER: 1}
@@ -79,9 +76,6 @@ def test_what_was_driven_is_told_in_minutes_and_kilometres() -> None:
 
 
 def verdict(tuned: Estimate | None, gain: Estimate, note: str = "") -> Verdict:
-    default = Estimate(0.5, 0.4, 0.6)
-    found = None if tuned is None else tuned
-
     def candidate(value: float, score: Estimate) -> Candidate:
         return Candidate(
             value=value, scores={Part.TRAIN: {"F1": Estimate(0.99)}, Part.TEST: {"F1": score}}
@@ -91,75 +85,47 @@ def verdict(tuned: Estimate | None, gain: Estimate, note: str = "") -> Verdict:
         name="collision_threshold",
         unit="m",
         measure="F1",
-        default=candidate(0.2, default),
-        tuned=None if found is None else candidate(0.3, found),
+        default=candidate(0.2, Estimate(0.5, 0.4, 0.6)),
+        tuned=None if tuned is None else candidate(0.3, tuned),
         gain={"F1": gain},
-        lack="no contacts" if found is None else None,
+        lack="no contacts" if tuned is None else None,
         note=note,
     )
 
 
-APART, OVERLAPPING = Estimate(0.7, 0.65, 0.8), Estimate(0.7, 0.55, 0.8)
-BEGIN = "collision_threshold: the default 0.2 m"
-WAS = "F1 0.50 (0.40 to 0.60)"
-BETTER, CLOSER = "0.70 (0.65 to 0.80)", "0.70 (0.55 to 0.80)"
+def test_a_default_stays_where_the_data_support_no_value() -> None:
+    assert judgement("leo", verdict(None, Estimate(0.0))) == (
+        "collision_threshold: the default 0.2 m stays for leo, because the data support no value: "
+        "no contacts."
+    )
+
+
+OVERLAP = "; the intervals overlap, but on the same"
 
 
 @pytest.mark.parametrize(
-    ("found", "said"),
+    ("low", "gain", "judged", "end"),
     [
-        (
-            verdict(None, Estimate(0.0)),
-            f"{BEGIN} stays for leo, because the data support no value: no contacts.",
-        ),
-        (
-            verdict(APART, Estimate(0.2, -0.1, 0.3), "a note"),
-            (
-                f"{BEGIN} stays for leo, for nothing better is proven: {WAS} against {BETTER} with "
-                "0.3 m (a note) on unseen seeds; on the same episodes the difference is "
-                "0.20 (-0.10 to 0.30)."
-            ),
-        ),
-        (
-            verdict(APART, Estimate(0.2, 0.05, 0.3)),
-            (
-                f"{BEGIN} is wrong for leo: {WAS} against {BETTER} with 0.3 m on unseen seeds; the "
-                "intervals do not overlap."
-            ),
-        ),
-        (
-            verdict(APART, Estimate(0.2, 0.049, 0.3)),
-            (
-                f"{BEGIN} is worse than it could be for leo: {WAS} against {BETTER} with 0.3 m on "
-                "unseen seeds; the intervals do not overlap."
-            ),
-        ),
-        (
-            verdict(APART, Estimate(0.02, 0.004, 0.049)),
-            (
-                f"{BEGIN} is a little worse than it could be for leo: F1 0.500 (0.400 to 0.600) against "
-                "0.700 (0.650 to 0.800) with 0.3 m on unseen seeds; the intervals do not overlap."
-            ),
-        ),
-        (
-            verdict(APART, Estimate(0.04, 0.03, 0.05)),
-            (
-                f"{BEGIN} is worse than it could be for leo: {WAS} against {BETTER} with 0.3 m on "
-                "unseen seeds; the intervals do not overlap."
-            ),
-        ),
-        (
-            verdict(OVERLAPPING, Estimate(0.2, 0.1, 0.3)),
-            (
-                f"{BEGIN} is worse than 0.3 m for leo: {WAS} against {CLOSER} with 0.3 m on unseen "
-                "seeds; the intervals overlap, but on the same episodes the difference is "
-                "0.20 (0.10 to 0.30)."
-            ),
-        ),
+        (0.65, (0.2, -0.1, 0.3), "stays for leo, for nothing better is proven", "; on the same"),
+        (0.65, (0.2, 0.05, 0.3), "is wrong for leo", ""),
+        (0.65, (0.2, 0.049, 0.3), "is worse than it could be for leo", ""),
+        (0.65, (0.02, 0.004, 0.049), "is a little worse than it could be for leo", ""),
+        (0.65, (0.04, 0.03, 0.05), "is worse than it could be for leo", ""),
+        (0.55, (0.2, 0.1, 0.3), "is worse than 0.3 m for leo", OVERLAP),
     ],
 )
-def test_a_verdict_in_a_sentence(found: Verdict, said: str) -> None:
-    assert judgement("leo", found) == said
+def test_a_verdict_in_a_sentence(low: float, gain: tuple[float, ...], judged: str, end: str) -> None:
+    digits = 3 if gain[1] == 0.004 else 2
+    default, tuned, difference = (
+        f"{value:.{digits}f} ({least:.{digits}f} to {most:.{digits}f})"
+        for value, least, most in ((0.5, 0.4, 0.6), (0.7, low, 0.8), gain)
+    )
+    end = f"{end} episodes the difference is {difference}." if end else "; the intervals do not overlap."
+    for note, told in (("", ""), ("a note", " (a note)")):
+        assert judgement("leo", verdict(Estimate(0.7, low, 0.8), Estimate(*gain), note)) == (
+            f"collision_threshold: the default 0.2 m {judged}: F1 {default} against {tuned} "
+            f"with 0.3 m{told} on unseen seeds{end}"
+        )
 
 
 def collision(
@@ -178,27 +144,16 @@ def collision(
     )
 
 
-@pytest.mark.parametrize(
-    ("study", "said"),
-    [
-        (collision(0), "No contact took place in the episodes that check."),
-        (
-            collision(7, UnseenContacts(Sight.MISSED, 0)),
-            "The lidar saw every one of the 7 hazards that were touched.",
-        ),
-        (
-            collision(
-                16, *map(UnseenContacts, (Sight.TOO_LOW, Sight.TOO_NEAR, Sight.MISSED), (3, 0, 1))
-            ),
-            (
-                "No threshold can tell 4 of 16 contacts (25 %), for the lidar did not see the hazard: "
-                "3 below the lidar, 1 out of its plane."
-            ),
-        ),
-    ],
-)
-def test_contacts_that_no_threshold_tells_in_a_sentence(study: CollisionStudy, said: str) -> None:
-    assert unreachable(study) == said
+def test_contacts_that_no_threshold_tells_in_a_sentence() -> None:
+    assert unreachable(collision(0)) == "No contact took place in the episodes that check."
+    assert unreachable(collision(7, UnseenContacts(Sight.MISSED, 0))) == (
+        "The lidar saw every one of the 7 hazards that were touched."
+    )
+    reasons = map(UnseenContacts, (Sight.TOO_LOW, Sight.TOO_NEAR, Sight.MISSED), (3, 0, 1))
+    assert unreachable(collision(16, *reasons)) == (
+        "No threshold can tell 4 of 16 contacts (25 %), for the lidar did not see the hazard: "
+        "3 below the lidar, 1 out of its plane."
+    )
 
 
 def test_what_the_other_detectors_buy_in_sentences() -> None:

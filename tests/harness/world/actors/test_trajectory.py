@@ -79,6 +79,7 @@ LAUGHS = '<!DOCTYPE t [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]><trajectory>&b;</tr
         ("<trajectory>", "it is not XML"),
         ("<sdf><world/></sdf>", "neither a <trajectory> nor an <actor>"),
         ("<trajectory/>", "0 way points; give 1 to"),
+        ("<trajectory><waypoint/></trajectory>", "way point '' is not valid; give 6"),
         (
             f"<trajectory>{POINT.format(0, '1 nan 3')}</trajectory>",
             "'1 nan 3 0 0 0' is not valid; give 6",
