@@ -14,7 +14,7 @@ from rover_metrics.timing.row_times import RowSchedule, RowTimes
 SECOND = 10**9
 PERIOD = 6  # of the model: small, so that every edge is met
 STARTS = st.integers(0, 2 * PERIOD)
-CLOCKS = st.lists(st.integers(0, 6 * PERIOD), max_size=40)
+CLOCKS = st.lists(st.integers(0, 6 * PERIOD), max_size=20)
 BACK, AHEAD = "the clock went back", "the clock leapt ahead"
 
 Event = int | str  # a timer that fires at that time, or what the clock did
@@ -50,7 +50,7 @@ def rows_of_the_rule(events: Sequence[Event], period: int) -> list[Event]:
     return written
 
 
-@given(st.lists(st.integers(0, 4 * PERIOD) | st.sampled_from([BACK, AHEAD]), max_size=40))
+@given(st.lists(st.integers(0, 4 * PERIOD) | st.sampled_from([BACK, AHEAD]), max_size=20))
 def test_rows_and_segments_are_those_of_the_rule(events: list[Event]) -> None:
     times = RowTimes(PERIOD)
     written = rows(times, events)
