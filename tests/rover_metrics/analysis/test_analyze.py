@@ -114,12 +114,7 @@ def test_no_plot_is_drawn_if_none_is_named(run: Run, write_log: WriteLog, tmp_pa
     [
         ([], "Share of the episode [%]"),
         (["-n", "none"], "Time since the episode began [s]"),
-        (["-n", "fixed_interval"], "Time since the episode began [s], means over 1 s"),
         (["--fixed-interval", "5"], "Time since the episode began [s], means over 5 s"),
-        (
-            ["-n", "fixed_interval", "--fixed-interval", "5"],
-            "Time since the episode began [s], means over 5 s",
-        ),
     ],
 )
 def test_the_time_axis_is_that_asked_for(
@@ -383,23 +378,7 @@ def test_no_name_of_a_log_escapes_the_folder_or_breaks_tables_and_plots(
     [
         ([], "required: LOG"),
         (["x", "-m", "XX"], "-m XX: choose from TC, CS, SM, TSR, OC, DT, CV, VORT, IM, RT, VR, all"),
-        (["x", "-p", "pie"], "'time_series', 'correlation', 'aggregate', 'comparison'"),
-        (["x", "-n", "log"], "'percentage', 'fixed_interval', 'none'"),
-        (["x", "--confidence-level", "95"], "between 0 and 1, such as 0.95"),
-        (["x", "--iqr-multiplier", "-1"], "not a number above 0"),
-        (["x", "--fixed-interval", "nan"], "not a number above 0"),
-        (["x", "--gap", "0"], "not a number above 0"),
-        (["x", "--gap", "inf"], "not a number above 0"),
-        (["x", "--confidence-level", "1"], "between 0 and 1"),
-        (["x", "--confidence-level", "0"], "between 0 and 1"),
-        (["x", "--group-names", "a", "b"], "--group-names has no effect without --versus"),
-        (["x", "--versus", "y", "--group-names", "a", "b\n"], "names that can be printed"),
-        (["x", "-n", "none", "--fixed-interval", "2"], "give -n fixed_interval"),
-        (["x", "--unit", "episode"], "no effect without --versus"),
-        (["x", "--versus", "x"], "is in both groups"),
-        (["x", "--versus", "y", "--group-names", "a", "a"], "two different names"),
         (["x", "--frobnicate"], "unrecognized arguments: --frobnicate"),
-        (["x", "--conf", "0.9"], "unrecognized arguments: --conf"),  # an option may get a sister
     ],
 )
 def test_wrong_arguments_are_told_in_one_line(run: Run, words: list[str], told: str) -> None:
