@@ -29,12 +29,6 @@ def log(tmp_path: Path) -> Path:
     return written.path
 
 
-def test_a_whole_log_is_read_without_findings(log: Path) -> None:
-    read = read_log(log)
-    assert read.stamps.tolist() == [7, 8, 9]
-    assert read.findings == ()
-
-
 def test_wherever_the_last_line_is_torn_only_rows_with_all_their_numbers_are_read(log: Path) -> None:
     data = log.read_bytes()
     start, notes = data[:-2].rindex(b"\n") + 1, data.rindex(b",") + 1
