@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ import pytest
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
 
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point, Pose, PoseArray
+from geometry_msgs.msg import PoseArray
 from nav_msgs.msg import Odometry
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
@@ -41,9 +41,7 @@ from rover_metrics.metrics_node import KEEPS_ORDER, MetricsNode
 from rover_metrics.ros.program import HAS_EVENTS_EXECUTOR
 from rover_metrics.session import MetricsSession
 from rover_metrics.topics import SENSORS, TRUTH, Source
-
-if TYPE_CHECKING:
-    from tests.rover_metrics.conftest import Rig
+from tests.rover_metrics.conftest import Rig
 
 # The rosidl wheels import an old lark, which imports a deprecated module of the standard library.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
@@ -61,7 +59,7 @@ TOPICS = {
 # Topics
 
 
-def test_messages_over_ros_give_the_row_of_the_same_samples_given_directly(rig: "Rig") -> None:
+def test_messages_over_ros_give_the_row_of_the_same_samples_given_directly(rig: Rig) -> None:
     node = rig.start()
     publishers = {topic: rig.publisher(kind, topic) for topic, kind in TOPICS.items()}
     direct = TraversalMetrics()
@@ -85,18 +83,18 @@ def test_messages_over_ros_give_the_row_of_the_same_samples_given_directly(rig: 
     assert node.reception.rejected == dict.fromkeys(node.received, 0)
 
 
-def test_topics_follow_the_namespace(rig: "Rig") -> None:
+def test_topics_follow_the_namespace(rig: Rig) -> None:
     node = rig.start("-r", "__ns:=/leo")
     assert set(node.received) == {f"/leo/{topic}" for topic in TOPICS}
     rig.publisher(Imu, "/leo/imu/data").publish(rig.imu((0.0, 0.0, 9.8), (0.0, 0.0, 0.0)))
     rig.spin_until(lambda: node.received["/leo/imu/data"] == 1)
 
 
-def test_topics_follow_a_remap(rig: "Rig") -> None:
+def test_topics_follow_a_remap(rig: Rig) -> None:
     assert "/front/scan" in rig.start("-r", "scan:=front/scan").received
 
 
-def test_pose_is_best_effort_newest_only_and_all_else_reliable(rig: "Rig") -> None:
+def test_pose_is_best_effort_newest_only_and_all_else_reliable(rig: Rig) -> None:
     node = rig.start()
     qos = {each.topic_name: each.qos_profile for each in node.subscriptions}
     for topic in TOPICS:
@@ -108,7 +106,7 @@ def test_pose_is_best_effort_newest_only_and_all_else_reliable(rig: "Rig") -> No
         assert profile.history == HistoryPolicy.KEEP_LAST
 
 
-def test_a_best_effort_pose_publisher_is_heard(rig: "Rig") -> None:
+def test_a_best_effort_pose_publisher_is_heard(rig: Rig) -> None:
     node = rig.start()
     best_effort = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
     publisher = rig.simulator.create_publisher(PoseArray, "rover/pose_array", best_effort)
@@ -121,7 +119,7 @@ def test_a_best_effort_pose_publisher_is_heard(rig: "Rig") -> None:
 
 
 def test_a_broken_sensor_does_not_flood_the_terminal(
-    rig: "Rig", capfd: pytest.CaptureFixture[str]
+    rig: Rig, capfd: pytest.CaptureFixture[str]
 ) -> None:
     node = rig.start()
     for _ in range(1000):
@@ -135,7 +133,7 @@ def test_a_broken_sensor_does_not_flood_the_terminal(
 # Rows
 
 
-def test_a_row_is_written_every_second_of_the_wall_clock(rig: "Rig") -> None:
+def test_a_row_is_written_every_second_of_the_wall_clock(rig: Rig) -> None:
     node = rig.start()
     began = time.time()
     rig.spin_until(lambda: node.rows == 2)
@@ -146,7 +144,7 @@ def test_a_row_is_written_every_second_of_the_wall_clock(rig: "Rig") -> None:
     assert len(node.log.path.read_bytes().splitlines()) == 3
 
 
-def test_with_sim_time_rows_follow_the_clock_topic(rig: "Rig") -> None:
+def test_with_sim_time_rows_follow_the_clock_topic(rig: Rig) -> None:
     node = rig.start(use_sim_time=True)
     clock = rig.publisher(Clock, "/clock")
     for second in (100, 101, 102, 103):
@@ -158,7 +156,7 @@ def test_with_sim_time_rows_follow_the_clock_topic(rig: "Rig") -> None:
     assert [line.split(",")[0] for line in lines] == ["100", "101", "102", "103"]
 
 
-def test_with_sim_time_no_row_is_written_while_the_clock_stands_still(rig: "Rig") -> None:
+def test_with_sim_time_no_row_is_written_while_the_clock_stands_still(rig: Rig) -> None:
     node = rig.start(use_sim_time=True)
     publisher = rig.publisher(LaserScan, "scan")
     until = time.monotonic() + 1.3
@@ -169,19 +167,19 @@ def test_with_sim_time_no_row_is_written_while_the_clock_stands_still(rig: "Rig"
     assert node.rows == 0
 
 
-def test_the_log_folder_is_told_at_the_start(rig: "Rig", capfd: pytest.CaptureFixture[str]) -> None:
+def test_the_log_folder_is_told_at_the_start(rig: Rig, capfd: pytest.CaptureFixture[str]) -> None:
     node = rig.start()
     assert node.log.path == rig.folder / "metrics_log_20250116_120457.csv"
     assert f"logging to: {rig.folder}/" in capfd.readouterr().err
 
 
-def test_a_log_folder_may_start_with_a_tilde(rig: "Rig", monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_log_folder_may_start_with_a_tilde(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", str(rig.folder))
     node = rig.start(log_dir="~/logs")
     assert node.log.path.parent == rig.folder / "logs"
 
 
-def test_destroying_the_node_closes_the_log(rig: "Rig") -> None:
+def test_destroying_the_node_closes_the_log(rig: Rig) -> None:
     node = rig.start()
     node.destroy_node()
     rig.nodes.remove(node)
@@ -192,7 +190,7 @@ def test_destroying_the_node_closes_the_log(rig: "Rig") -> None:
 # What the harness asks
 
 
-def test_the_received_service_tells_what_arrived_and_what_was_written(rig: "Rig") -> None:
+def test_the_received_service_tells_what_arrived_and_what_was_written(rig: Rig) -> None:
     node = rig.start()
     rig.publisher(LaserScan, "scan").publish(rig.scan(1.0))
     rig.spin_until(lambda: node.received["/scan"] == 1)
@@ -216,7 +214,7 @@ def test_the_received_service_tells_what_arrived_and_what_was_written(rig: "Rig"
     assert node.rows >= 1
 
 
-def test_a_simulator_tells_whether_it_waits_for_this_node(rig: "Rig") -> None:
+def test_a_simulator_tells_whether_it_waits_for_this_node(rig: Rig) -> None:
     node = rig.start()
     assert not node.in_lock_step
     client = rig.simulator.create_client(SetBool, "/metrics_node/lock_step")
@@ -231,7 +229,7 @@ def test_a_simulator_tells_whether_it_waits_for_this_node(rig: "Rig") -> None:
 @pytest.mark.skipif(not HAS_EVENTS_EXECUTOR, reason="no simulator waits for a node without it")
 @pytest.mark.parametrize("waits", [True, False])
 def test_in_lock_step_a_row_is_written_before_anything_that_came_after_its_time(
-    rig: "Rig", waits: bool
+    rig: Rig, waits: bool
 ) -> None:
     from rclpy.experimental import EventsExecutor  # noqa: PLC0415 - Humble has none
 
@@ -255,7 +253,7 @@ def test_in_lock_step_a_row_is_written_before_anything_that_came_after_its_time(
 # Parameters
 
 
-def test_every_parameter_is_described_and_some_have_default_range_and_unit(rig: "Rig") -> None:
+def test_every_parameter_is_described_and_some_have_default_range_and_unit(rig: Rig) -> None:
     """All of it without a node: ros/test_parameters.py."""
     node = rig.start()
     described = {name: node.describe_parameter(name) for name in PARAMETERS}
@@ -269,7 +267,7 @@ def test_every_parameter_is_described_and_some_have_default_range_and_unit(rig: 
     assert {name: node.get_parameter(name).value for name in defaults} == defaults
 
 
-def test_thresholds_of_the_launch_are_in_use(rig: "Rig") -> None:
+def test_thresholds_of_the_launch_are_in_use(rig: Rig) -> None:
     node = rig.start(collision_threshold=0.75, distance_threshold=2.0)
     assert node.metrics.thresholds == Thresholds(collision_threshold=0.75, distance_threshold=2.0)
 
@@ -288,7 +286,7 @@ def test_thresholds_of_the_launch_are_in_use(rig: "Rig") -> None:
     ],
 )
 def test_a_launch_with_a_value_that_is_not_valid_says_what_is(
-    rig: "Rig", name: str, value: object, valid: str
+    rig: Rig, name: str, value: object, valid: str
 ) -> None:
     with pytest.raises(ParameterError, match=rf"{name} must be .*{valid}"):
         rig.start(**{name: value})
@@ -297,13 +295,13 @@ def test_a_launch_with_a_value_that_is_not_valid_says_what_is(
 
 @pytest.mark.parametrize(("name", "meant"), [("sim_time", "use_sim_time"), ("fsinc", "fsync")])
 def test_a_launch_that_misspells_a_parameter_is_told_the_nearest(
-    rig: "Rig", name: str, meant: str
+    rig: Rig, name: str, meant: str
 ) -> None:
     with pytest.raises(ParameterError, match=rf"^there is no parameter {name}; did you mean {meant}\?$"):
         rig.start(**{name: True, "qos_overrides./scan.x": "y", "of_another_node": 3})
 
 
-def set_by_another(rig: "Rig", **values: object) -> Any:  # noqa: ANN401 - rclpy's messages have no types
+def set_by_another(rig: Rig, **values: object) -> Any:  # noqa: ANN401 - rclpy's messages have no types
     client = AsyncParameterClient(rig.simulator, "metrics_node")
     rig.spin_until(client.services_are_ready)
     future = client.set_parameters([Parameter(name, value=value) for name, value in values.items()])
@@ -312,7 +310,7 @@ def set_by_another(rig: "Rig", **values: object) -> Any:  # noqa: ANN401 - rclpy
     return outcome
 
 
-def test_a_threshold_changed_by_another_node_holds_for_the_next_message(rig: "Rig") -> None:
+def test_a_threshold_changed_by_another_node_holds_for_the_next_message(rig: Rig) -> None:
     node = rig.start()
     node.take(SCAN, rig.scan(0.5))
     assert set_by_another(rig, collision_threshold=1.0).successful
@@ -320,20 +318,20 @@ def test_a_threshold_changed_by_another_node_holds_for_the_next_message(rig: "Ri
     assert node.metrics.total_collisions == 1
 
 
-def test_another_node_that_sets_an_integer_is_told_to_write_a_point(rig: "Rig") -> None:
+def test_another_node_that_sets_an_integer_is_told_to_write_a_point(rig: Rig) -> None:
     rig.start()
     outcome = set_by_another(rig, collision_threshold=1)
     assert not outcome.successful
     assert "(1.0, not 1)" in outcome.reason
 
 
-def test_a_parameter_can_not_be_undeclared(rig: "Rig") -> None:
+def test_a_parameter_can_not_be_undeclared(rig: Rig) -> None:
     node = rig.start()
     assert not node.set_parameters_atomically([Parameter("debug_interval")]).successful
     assert node.get_parameter("debug_interval").value == 100
 
 
-def test_parameters_that_are_not_the_nodes_own_can_still_be_set(rig: "Rig") -> None:
+def test_parameters_that_are_not_the_nodes_own_can_still_be_set(rig: Rig) -> None:
     node = rig.start()
     assert node.set_parameters_atomically([Parameter("use_sim_time", value=True)]).successful
 
@@ -355,7 +353,7 @@ def test_parameters_that_are_not_the_nodes_own_can_still_be_set(rig: "Rig") -> N
     ],
 )
 def test_a_change_that_is_not_valid_is_rejected_with_the_reason(
-    rig: "Rig", name: str, value: object, reason: str
+    rig: Rig, name: str, value: object, reason: str
 ) -> None:
     node = rig.start()
     before = node.settings
@@ -366,7 +364,7 @@ def test_a_change_that_is_not_valid_is_rejected_with_the_reason(
     assert node.metrics.thresholds == before.thresholds
 
 
-def test_an_atomic_change_is_all_or_nothing(rig: "Rig") -> None:
+def test_an_atomic_change_is_all_or_nothing(rig: Rig) -> None:
     node = rig.start()
     outcome = node.set_parameters_atomically(
         [
@@ -385,7 +383,7 @@ def test_an_atomic_change_is_all_or_nothing(rig: "Rig") -> None:
 
 
 def test_debug_mode_reports_every_interval_of_each_topic(
-    rig: "Rig", capfd: pytest.CaptureFixture[str]
+    rig: Rig, capfd: pytest.CaptureFixture[str]
 ) -> None:
     node = rig.start(debug_mode=True, debug_interval=5)
     for count in range(11):
@@ -423,30 +421,16 @@ class Bench(MetricsNode):
         return {topic: dict(odd) for topic, odd in self.reception.remarks.items() if odd}
 
 
-def stamped(message: Any) -> Any:  # noqa: ANN401 - rclpy's messages have no types
-    message.header.stamp.sec, message.header.stamp.nanosec = 3, 5
-    return message
-
-
-def of_imu(x: float, y: float, z: float) -> Imu:
-    imu = Imu()
-    imu.linear_acceleration.x, imu.linear_acceleration.y, imu.linear_acceleration.z = x, y, z
-    return stamped(imu)
-
-
-def of_odometry(x: float) -> Odometry:
-    odometry = Odometry()
-    odometry.twist.twist.linear.x = x
-    return stamped(odometry)
-
-
-def of_pose(*positions: float) -> PoseArray:
-    poses = [Pose(position=Point(x=x)) for x in positions]
-    return stamped(PoseArray(poses=poses))
+STAMP = 3.000000005
+NO_POSES = PoseArray(header=Rig.pose(0.0, 0.0, 0.0, STAMP).header)
 
 
 def of_scan(*ranges: float) -> LaserScan:
-    return stamped(LaserScan(ranges=ranges, range_min=0.15, range_max=10.0))
+    return Rig.scan(*ranges, stamp=STAMP, limits=(0.15, 10.0))
+
+
+def of_odometry(x: float) -> Odometry:
+    return Rig.odometry(x, 0.0, 0.0, STAMP)
 
 
 @pytest.mark.parametrize("extended", [True, False])
@@ -455,8 +439,8 @@ def of_scan(*ranges: float) -> LaserScan:
     [
         (SCAN, of_scan(2.5, 1.0), False, None),
         (SCAN, of_scan(0.125, 11.0), False, rejections.BELOW_LIMIT),
-        (IMU, of_imu(math.nan, 0.0, 9.8), True, rejections.NOT_FINITE),
-        (POSE, of_pose(), True, rejections.NO_POSE),
+        (IMU, Rig.imu((math.nan, 0.0, 9.8), stamp=STAMP), True, rejections.NOT_FINITE),
+        (POSE, NO_POSES, True, rejections.NO_POSE),
         (ODOMETRY, of_odometry(0.5), False, None),
     ],
 )
@@ -503,11 +487,11 @@ def test_scans_and_poses_are_reported_with_what_they_came_to() -> None:
     bench = Bench()
     for x in (0.0, 0.25, 0.5):
         bench.take(SCAN, of_scan(0.125, 3.0))
-        bench.take(POSE, of_pose(x))
+        bench.take(POSE, Rig.pose(x, 0.0, 0.0, STAMP))
     bench.take(SCAN, of_scan(math.inf))
-    bench.take(IMU, of_imu(0.0, 0.0, 0.0))
+    bench.take(IMU, Rig.imu((0.0, 0.0, 0.0), stamp=STAMP))
     bench.take(ODOMETRY, of_odometry(0.0))
-    bench.take(POSE, of_pose())
+    bench.take(POSE, NO_POSES)
     assert bench.reported[-3:] == [
         "LIDAR: clearance 0.1250 m, total collisions 3",
         "Position update: distance 0.2500 m, total 0.5000 m",
@@ -517,7 +501,7 @@ def test_scans_and_poses_are_reported_with_what_they_came_to() -> None:
 
 
 def test_debug_mode_is_off_by_default_and_can_be_switched_while_running(
-    rig: "Rig", capfd: pytest.CaptureFixture[str]
+    rig: Rig, capfd: pytest.CaptureFixture[str]
 ) -> None:
     node = rig.start(debug_interval=1)
     node.take(SCAN, rig.scan(1.0))
@@ -543,7 +527,7 @@ def in_the_way_of(folder: Path) -> Iterator[None]:
 
 
 def test_a_removed_folder_costs_no_row_and_lost_rows_are_those_not_in_the_log(
-    rig: "Rig", capfd: pytest.CaptureFixture[str]
+    rig: Rig, capfd: pytest.CaptureFixture[str]
 ) -> None:
     node = rig.start(log_dir=str(rig.folder / "logs"))
     node.take(SCAN, rig.scan(0.1))
@@ -562,7 +546,7 @@ def test_a_removed_folder_costs_no_row_and_lost_rows_are_those_not_in_the_log(
 
 
 def test_rows_lost_at_the_end_are_told_and_make_the_session_a_failed_one(
-    rig: "Rig", capfd: pytest.CaptureFixture[str]
+    rig: Rig, capfd: pytest.CaptureFixture[str]
 ) -> None:
     node = rig.start(log_dir=str(rig.folder / "logs"))
     with in_the_way_of(rig.folder / "logs"):
@@ -576,7 +560,7 @@ def test_rows_lost_at_the_end_are_told_and_make_the_session_a_failed_one(
     assert "1 rows are lost so far" in capfd.readouterr().err
 
 
-def test_fsync_and_stale_after_are_taken_from_the_launch_and_can_be_changed(rig: "Rig") -> None:
+def test_fsync_and_stale_after_are_taken_from_the_launch_and_can_be_changed(rig: Rig) -> None:
     node = rig.start(fsync=True, stale_after=2.5, publish_metrics=False)
     assert node.log.fsync
     assert not node.publisher.enabled
