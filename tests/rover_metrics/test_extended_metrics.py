@@ -1,8 +1,7 @@
-"""The extended columns, from messages to cells."""
+"""The extended columns, from samples to cells."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,21 +18,19 @@ from rover_metrics.extended.metrics import EXTENDED_COLUMNS, EXTENDED_HEADER
 from rover_metrics.extended.settings import DEFAULT_EXTENDED, ExtendedSettings
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN
 from rover_metrics.extended.truth_columns import traversal_names
-from rover_metrics.session import MetricsSession
-from rover_metrics.topics import SENSORS, TRUTH
+from rover_metrics.session import MetricsSession, Remark
 
-SOURCES = {source.name: source for source in (*SENSORS, *TRUTH)}
 GRAVITY = 9.80665  # m/s^2, ISO 80000-3
 SQUARE = ExtendedSettings(footprint=Footprint.rectangle((-0.2, 0.2, -0.2, 0.2)))
 LEVEL = (0.001, 0.0, 0.0, math.sqrt(1 - 1e-6))  # but filled in
 WHEELS = ("Front Left", "Rear Left", "Front Right", "Rear Right")
 
-Quaternion = Sequence[float]
+Quaternion = tuple[float, float, float, float]
 Cells = dict[str, Any]
 
 
 class Feed:
-    """Gives messages to a session, as a replay does, and tells whether they were used."""
+    """Gives samples to a session and tells whether they were used."""
 
     def __init__(
         self, settings: ExtendedSettings = SQUARE, thresholds: Thresholds | None = None
@@ -44,56 +41,27 @@ class Feed:
         assert self.session.extended is not None
         self.extended = self.session.extended
 
-    def _take(self, topic: str, t: float = 0.0, **fields: Any) -> bool:  # noqa: ANN401
-        sec, nanosec = divmod(ns(t), 10**9)
-        header = SimpleNamespace(stamp=SimpleNamespace(sec=sec, nanosec=nanosec))
-        remark = SOURCES[topic].take(self.session, SimpleNamespace(header=header, **fields), ns(t))
-        return remark is None or not remark.left_out
-
     def scan(self, t: float, *ranges: float, first: float = 0.0, step: float = math.pi / 2) -> bool:
-        values = np.array(ranges, dtype=np.float32)
-        last = first + step * len(ranges)
-        return self._take(
-            SCAN.name,
-            t,
-            ranges=values,
-            angle_min=first,
-            angle_increment=step,
-            angle_max=last,
-            range_min=0.15,
-            range_max=10.0,
-        )
+        values, limits = np.array(ranges, dtype=np.float32), (0.15, 10.0)
+        return used(self.session.take_scan(ns(t), values, angles=(first, step), limits=limits))
 
     def imu(self, t: float, a: Vector3, orientation: Quaternion | None = LEVEL) -> bool:
-        covariance = np.zeros(9)
-        covariance[0] = -1.0 if orientation is None else 0.0
-        return self._take(
-            IMU.name,
-            t,
-            linear_acceleration=vector(*a),
-            angular_velocity=vector(0.1, 0.2, 0.3),
-            orientation=vector(*(orientation or LEVEL)),
-            orientation_covariance=covariance,
-        )
+        return used(self.session.take_imu(ns(t), a, (0.1, 0.2, 0.3), orientation))
 
-    def pose(self, t: float, *positions: Vector3) -> bool:
-        poses = [SimpleNamespace(position=vector(*position)) for position in positions]
-        return self._take(POSE.name, t, poses=poses)
+    def pose(self, t: float, position: Vector3 | None) -> bool:
+        return used(self.session.take_pose(ns(t), position))
 
-    def odometry(self, t: float, *velocity: float, topic: str = ODOMETRY.name) -> bool:
-        v = (*velocity, 0.0, 0.0)[:3]
-        twist = SimpleNamespace(linear=vector(*v), angular=vector(7.0, 8.0, 9.0))
-        return self._take(topic, t, twist=SimpleNamespace(twist=twist))
+    def odometry(self, t: float, x: float, y: float = 0.0, z: float = 0.0) -> bool:
+        return used(self.session.take_odometry(ns(t), (x, y, z)))
 
     def contact(self, *, touches: bool) -> bool:
-        return self._take("/rover/truth/contact", data=touches)
+        return used(self.session.take_contact(touches=touches))
 
-    def true_velocity(self, *velocity: float) -> bool:
-        return self.odometry(0.0, *velocity, topic="/odom_ground_truth")
+    def true_velocity(self, x: float, y: float = 0.0, z: float = 0.0) -> bool:
+        return used(self.session.take_true_velocity((x, y, z)))
 
-    def traversal(self, values: Sequence[float], label: str | None = None) -> bool:
-        layout = SimpleNamespace(dim=[] if label is None else [SimpleNamespace(label=label)])
-        return self._take("/rover/truth/traversal", data=values, layout=layout)
+    def traversal(self, values: Sequence[float], names: str = "") -> bool:
+        return used(self.session.take_traversal(values, names.split(",") if names else None))
 
     def row(self, t: float = 1.0, **kwargs: Any) -> Cells:  # noqa: ANN401
         row = self.session.row(ns(t), **kwargs)
@@ -104,8 +72,8 @@ def ns(seconds: float) -> int:
     return round(seconds * 1e9)
 
 
-def vector(*values: float) -> SimpleNamespace:
-    return SimpleNamespace(**dict(zip("xyzw", map(float, values), strict=False)))
+def used(remark: Remark | None) -> bool:
+    return remark is None or not remark.left_out
 
 
 def times(rate: float, start: float = 0.0, seconds: float = 1.0) -> Iterator[float]:
@@ -191,7 +159,7 @@ def drive(seed: int, feed: Feed) -> Iterator[tuple[History, Cells]]:
                 jump = 0.4 if rng.random() < 0.1 else 0.0
                 position = position + rng.normal((0.1, 0.05, 0.02), 0.05) + jump
                 shown = position * (math.nan if rng.random() < 0.05 else 1.0)
-                feed.pose(t, tuple(shown), (9.0, 9.0, 9.0))
+                feed.pose(t, tuple(shown))
                 history.note(POSE.title, t, shown)
             elif kind == "odometry":
                 v = rng.normal(0.0, 0.4, 3) * (math.inf if rng.random() < 0.05 else 1.0)
@@ -442,7 +410,7 @@ def test_the_lidars_pose_and_near_returns_are_used_as_they_are_set() -> None:
 def test_without_an_orientation_gravity_is_what_lasts(norm: float, unknown: Quaternion | None) -> None:
     """No orientation: said so, the message's default, and no unit quaternion."""
     if unknown is not None and unknown[0]:
-        unknown = [norm * value for value in unknown]
+        unknown = (norm * 0.6, 0.0, 0.0, norm * 0.8)
     feed = Feed()
     for t in times(20):
         feed.imu(t, (1.0, 2.0, 9.0), unknown)
@@ -513,7 +481,7 @@ def test_rejected_and_lost_messages_are_counted_for_each_topic() -> None:
         feed.scan(t, bad)
         for told in (feed.imu(t, (bad, 0.0, 9.8)), feed.odometry(t, bad)):
             assert told is not math.isnan(bad)
-        feed.pose(t, *([] if t > 0.9 else [(0.0, 0.0, 0.0)]))
+        feed.pose(t, None if t > 0.9 else (0.0, 0.0, 0.0))
     row = feed.row(1.0)
     assert [row[f"{topic} Rejected"] for topic in ("Scan", "IMU", "Pose", "Odometry")] == [0, 2, 2, 2]
     for t in (1.05, 1.10, 1.30, 1.35):
@@ -564,11 +532,11 @@ def test_true_speed_is_empty_while_nobody_fills_the_twist_in() -> None:
             "slip_front_left,slip_rear_left,slip_front_right,slip_rear_right,roughness",
             [1.0, -2.0, 3.0, 4.0, 5.0],
         ),
-        *((label, [9.0, 9.0, 9.0, 9.0, 9.0, 1.0, -2.0, 3.0, 4.0, 5.0]) for label in (None, "")),
+        ("", [9.0, 9.0, 9.0, 9.0, 9.0, 1.0, -2.0, 3.0, 4.0, 5.0]),
     ],
 )
 def test_slips_and_roughness_are_read_by_their_names_or_their_usual_places(
-    label: str | None, values: list[float]
+    label: str, values: list[float]
 ) -> None:
     feed = Feed()
     for factor in (0.1, 0.3):

@@ -422,6 +422,7 @@ class Bench(MetricsNode):
 
 
 STAMP = 3.000000005
+NO_TRUTH = rejections.NOT_FINITE_OR_OTHER
 NO_POSES = PoseArray(header=Rig.pose(0.0, 0.0, 0.0, STAMP).header)
 
 
@@ -435,52 +436,35 @@ def of_odometry(x: float) -> Odometry:
 
 @pytest.mark.parametrize("extended", [True, False])
 @pytest.mark.parametrize(
-    ("source", "message", "rejected", "remark"),
+    ("source", "messages", "rejected", "remarks"),
     [
-        (SCAN, of_scan(2.5, 1.0), False, None),
-        (SCAN, of_scan(0.125, 11.0), False, rejections.BELOW_LIMIT),
-        (IMU, Rig.imu((math.nan, 0.0, 9.8), stamp=STAMP), True, rejections.NOT_FINITE),
-        (POSE, NO_POSES, True, rejections.NO_POSE),
-        (ODOMETRY, of_odometry(0.5), False, None),
-    ],
-)
-def test_each_message_is_counted_once_and_named_if_something_is_odd(
-    source: Source, message: object, rejected: bool, remark: str | None, extended: bool
-) -> None:
-    bench, topic = Bench(extended=extended), f"/rover{source.name}"
-    bench.take(source, message)
-    assert bench.counts(bench.received) == {topic: 1}
-    assert bench.counts(bench.reception.rejected) == ({topic: 1} if rejected else {})
-    assert bench.remarks() == ({topic: {remark: 1}} if remark else {})
-    states = {state.topic: state for state in bench.reception.states()}
-    assert states[topic].stamp_ns == 3_000_000_005
-
-
-@pytest.mark.parametrize(
-    ("source", "good", "bad"),
-    [
-        (GROUND_TRUTH, of_odometry(0.5), of_odometry(math.nan)),
-        (CONTACT, Bool(data=True), None),
+        (SCAN, [of_scan(2.5, 1.0)], 0, {}),
+        (SCAN, [of_scan(0.125, 11.0)], 0, {rejections.BELOW_LIMIT: 1}),
+        (IMU, [Rig.imu((math.nan, 0.0, 9.8), stamp=STAMP)], 1, {rejections.NOT_FINITE: 1}),
+        (POSE, [NO_POSES], 1, {rejections.NO_POSE: 1}),
+        (ODOMETRY, [of_odometry(0.5)], 0, {}),
+        (GROUND_TRUTH, [of_odometry(0.5), of_odometry(math.nan)], 1, {NO_TRUTH: 1, STANDS_STILL: 1}),
+        (CONTACT, [Bool(data=True)], 0, {}),
         (
             TRUTH_VALUES,
-            Float64MultiArray(data=[0.0] * len(traversal_names(WHEELS))),
-            Float64MultiArray(data=[0.0]),
+            [Float64MultiArray(data=[0.0] * count) for count in (len(traversal_names(WHEELS)), 1)],
+            *(1, {NO_TRUTH: 1}),
         ),
     ],
 )
-def test_truth_is_counted_and_left_out_if_it_is_no_truth(
-    source: Source, good: object, bad: object | None
+def test_each_message_is_counted_once_and_named_if_something_is_odd(
+    source: Source, messages: list[Any], rejected: int, remarks: dict[str, int], extended: bool
 ) -> None:
-    bench, topic = Bench(), f"/rover{source.name}"
-    bench.take(source, good)
-    assert bench.counts(bench.received) == {topic: 1}
-    assert (bench.remarks(), bench.counts(bench.reception.rejected)) == ({}, {})
-    if bad is not None:
-        bench.take(source, bad)
-        assert bench.counts(bench.received) == {topic: 2}
-        assert bench.counts(bench.reception.rejected) == {topic: 1}
-        stands_still = {STANDS_STILL: 1} if source.has_stamp else {}
-        assert bench.remarks() == {topic: {rejections.NOT_FINITE_OR_OTHER: 1, **stands_still}}
+    bench, topic = Bench(extended=extended), f"/rover{source.name}"
+    for message in messages:
+        bench.take(source, message)
+    if source in TRUTH and not extended:  # which nobody asks
+        rejected, remarks = 0, {what: 1 for what in remarks if what == STANDS_STILL}
+    assert bench.counts(bench.received) == {topic: len(messages)}
+    assert bench.counts(bench.reception.rejected) == ({topic: rejected} if rejected else {})
+    assert bench.remarks() == ({topic: remarks} if remarks else {})
+    states = {state.topic: state for state in bench.reception.states()}
+    assert states[topic].stamp_ns == 3_000_000_005 * source.has_stamp
 
 
 def test_scans_and_poses_are_reported_with_what_they_came_to() -> None:

@@ -213,13 +213,9 @@ def test_every_kind_of_folder_gives_the_rows_of_its_samples(
     assert "compression_mode: message" in told or compression is not CompressionMode.MESSAGE
     metadata.write_text(told.replace("mode: message", "mode: MESSAGE"))  # as rosbag2 itself writes it
     assert replay(bag) == cells(expected_rows())
-
-
-@pytest.mark.parametrize("storage", StoragePlugin)
-def test_bare_storage_file_is_a_recording_too(tmp_path: Path, storage: StoragePlugin) -> None:
-    bag = write_folder(tmp_path / "bag", drive(), storage=storage)
-    (file,) = (path for path in bag.iterdir() if path.name != "metadata.yaml")
-    assert replay(file) == cells(expected_rows())
+    if compression is CompressionMode.NONE:
+        (file,) = set(bag.iterdir()) - {metadata}  # bare it is a recording too
+        assert replay(file) == cells(expected_rows())
 
 
 def test_split_recording_is_read_in_the_order_of_its_numbers(

@@ -56,12 +56,15 @@ def test_a_row_with_any_number_of_fields_too_many_is_left_out_alike(
 ) -> None:
     monkeypatch.setattr("rover_metrics.analysis.logs.parsing._CHUNK", chunk)
     lines = [*map(row, range(3)), row(3) + extra, *map(row, range(4, 7)), row(7, Notes='"a,b"')]
+    lines.append(row(8, Current_Velocity="fast"))
     for end in ("\n", ""):
         log = read_log(write_log(lines=lines, end=end))
-        assert list(log.stamps) == [100, 101, 102, 104, 105, 106, 107]
-        left_out, _ = log.findings  # and a gap
+        assert list(log.stamps) == [100, 101, 102, 104, 105, 106, 107, 108]
+        assert log.columns["Distance Traveled"].tolist() == [0.0, 0.5, 1.0, 2.0, 2.5, 3.0, 3.5, 4.0]
+        left_out, no_number, _ = log.findings  # and a gap
         told = "1 row with more fields than the header, so which is which is unclear (line 5): left out"
         assert left_out == told
+        assert no_number == "1 cell without a number in Current Velocity (line 10, 'fast'): left out"
 
 
 def test_a_column_asked_for_that_is_not_there_is_told(write_log: WriteLog) -> None:
@@ -321,18 +324,6 @@ def test_a_log_without_any_chosen_metric_is_refused(tmp_path: Path) -> None:
     path.write_text("Timestamp,Current Velocity\n1,2\n")
     with pytest.raises(UnreadableLog, match="no column for OC, VR"):
         read_log(path, [METRICS["OC"], METRICS["VR"]])
-
-
-def test_lines_are_counted_right_across_chunks(
-    write_log: WriteLog, row: Row, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("rover_metrics.analysis.logs.parsing._CHUNK", 7)
-    lines = [row(i) for i in range(50)]
-    lines[40] = row(40, Current_Velocity="fast")
-    log = read_log(write_log(lines=lines))
-    assert len(log) == 50
-    assert log.findings == ("1 cell without a number in Current Velocity (line 42, 'fast'): left out",)
-    assert log.columns["Distance Traveled"].tolist() == [0.5 * i for i in range(50)]
 
 
 def test_an_extended_log_reads_as_the_twelve_and_its_empty_cells_are_nothing_odd(
