@@ -337,6 +337,9 @@ def synced(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Path, int]]:
 def test_with_fsync_each_line_and_the_files_name_are_on_the_disk_before_the_next(
     tmp_path: Path, synced: list[tuple[Path, int]]
 ) -> None:
+    with CsvLog(tmp_path, STARTED) as log:  # which is not the default
+        log.write(ROW)
+        assert (log.fsync, synced) == (False, [])
     before = open_files()
     with CsvLog(tmp_path / "logs", STARTED, fsync=True) as log:
         assert synced == [(log.path, len(HEADER)), (log.path.parent, 0)]
@@ -355,15 +358,6 @@ def test_with_fsync_each_line_and_the_files_name_are_on_the_disk_before_the_next
         assert log.path.read_bytes() == HEADER + 5 * LINE
     assert synced == []
     assert open_files() == before
-
-
-def test_without_fsync_which_is_the_default_the_disk_is_not_waited_for(
-    tmp_path: Path, synced: list[tuple[Path, int]]
-) -> None:
-    with CsvLog(tmp_path, STARTED) as log:
-        log.write(ROW)
-        assert log.fsync is False
-    assert synced == []
 
 
 @pytest.mark.parametrize("confirmed", [0, 1])

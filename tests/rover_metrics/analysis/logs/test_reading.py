@@ -251,6 +251,7 @@ def test_a_byte_order_mark_and_carriage_returns_do_not_matter(
         ("# made by\n" + ",".join(COLUMNS) + "\n1\n", "not the header of a metrics log but '# made by'"),
         ("Time,Current Velocity\n1,2\n", "the header lacks Timestamp"),
         ("Timestamp,Notes\n1,2\n", "the header lacks any of Total Collisions, Current"),
+        ("Timestamp,Total Coll", "the header lacks any of Total Collisions, Current"),  # torn
         (
             "Timestamp,Current Velocity,Current Velocity\n1,2,3\n",
             "names Current Velocity more than once",
