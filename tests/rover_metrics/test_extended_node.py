@@ -101,22 +101,6 @@ def test_without_the_parameter_nothing_listens_to_the_truth_and_the_log_has_twel
     assert tuple(node.log.path.read_text().rstrip().split(",")) == COLUMNS
 
 
-def test_truth_that_nobody_publishes_is_not_missed_and_one_that_stops_is(
-    rig: "Rig", capfd: pytest.CaptureFixture[str]
-) -> None:
-    node = start(rig, stale_after=2.0)
-    reception = node.reception
-    for second in range(10):
-        reception.look(second * 10**9, 2 * 10**9)
-    told = capfd.readouterr().err
-    assert "/scan: nothing for 2 s" in told
-    assert "/rover/truth" not in told
-    node.take(CONTACT, Bool(data=False))
-    for second in range(10, 20):
-        reception.look(second * 10**9, 2 * 10**9)
-    assert "/rover/truth/contact: nothing for 2 s" in capfd.readouterr().err
-
-
 def test_the_footprint_can_be_set_and_changed_while_the_node_runs(rig: "Rig") -> None:
     node = start(rig)
     node.take(SCAN, rig.scan(0.5))

@@ -22,7 +22,7 @@ from geometry_msgs.msg import PoseArray
 from nav_msgs.msg import Odometry
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
-from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Bool, Float64MultiArray
@@ -92,18 +92,6 @@ def test_topics_follow_the_namespace(rig: Rig) -> None:
 
 def test_topics_follow_a_remap(rig: Rig) -> None:
     assert "/front/scan" in rig.start("-r", "scan:=front/scan").received
-
-
-def test_pose_is_best_effort_newest_only_and_all_else_reliable(rig: Rig) -> None:
-    node = rig.start()
-    qos = {each.topic_name: each.qos_profile for each in node.subscriptions}
-    for topic in TOPICS:
-        profile = qos[f"/{topic}"]
-        is_pose = topic == "rover/pose_array"
-        expected = ReliabilityPolicy.BEST_EFFORT if is_pose else ReliabilityPolicy.RELIABLE
-        assert profile.reliability == expected
-        assert profile.depth == (1 if is_pose else 10)
-        assert profile.history == HistoryPolicy.KEEP_LAST
 
 
 def test_a_best_effort_pose_publisher_is_heard(rig: Rig) -> None:

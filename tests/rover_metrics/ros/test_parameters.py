@@ -136,23 +136,6 @@ def test_a_value_of_the_launch_or_a_change_is_in_the_settings_and_nothing_else_i
     assert full.updated({}) == full
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "message"),
-    [
-        ("log_dir", "", "parameter log_dir must be the path of a folder, not empty text"),
-        ("collision_threshold", -1.0, "collision_threshold = -1.0 is not valid: it must be from 0.0"),
-        ("footprint_threshold", 101.0, "footprint_threshold = 101.0 is not valid"),
-        ("gravity", -1.0, "gravity = -1.0 is not valid: it must be from 0.0 to 100.0 m/s^2"),
-        ("footprint", [1.0], "footprint has 1 numbers"),
-        ("lidar_pose", [1.0], "lidar_pose has 1 numbers"),
-    ],
-)
-def test_a_change_that_is_not_valid_is_one_line(name: str, value: object, message: str) -> None:
-    with pytest.raises(ParameterError) as caught:
-        Settings().updated({"debug_mode": True, name: value})
-    assert str(caught.value).startswith(message)
-
-
 @pytest.mark.parametrize("name", DECLARED)
 def test_a_launch_with_a_wrong_name_or_type_is_told_the_constraint(name: str) -> None:
     wrong = InvalidParameterTypeException(Parameter(name, value="x"), "other")
