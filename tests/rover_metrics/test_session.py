@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from rover_metrics.core.metrics import Vector3
+from rover_metrics.core.row import COLUMNS
 from rover_metrics.health import rejections as faults
 from rover_metrics.session import MetricsSession, Remark
 
@@ -115,7 +116,8 @@ def test_every_component_reaches_its_metric_and_the_extended_ones_come_after() -
     jumped = Remark("step of distance_threshold or more, no travel", left_out=False)
     path = ((9.0, 8.0, 7.0), (9.02, 8.03, 7.06), (9.02, 8.03, 7.56), (9.02, 8.03, 7.56))
     assert [session.take_pose(0, position) for position in path] == [None, None, jumped, None]
-    assert MetricsSession().row(7_999_999_999).stamp_s == 7
+    twelve = MetricsSession()
+    assert (twelve.columns, twelve.row(7_999_999_999).stamp_s) == (COLUMNS, 7)
     row = session.metrics.row(0)
     assert (row.total_collisions, row.obstacle_clearance) == (1, 0.125)
     assert (row.smoothness_metric, row.vertical_roughness) == (13.0, 6.0)

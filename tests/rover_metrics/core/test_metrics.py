@@ -201,11 +201,12 @@ def test_ranges_count_as_a_message_would_carry_them_in_whatever_container_they_c
         for scan in scans:
             assert metrics.add_scan(container(scan))
         metrics.add_scan([0.2, 1 / 3])
-        assert [metrics.clearance, metrics.farthest] == np.float32([0.2, 1 / 3]).tolist()
+        assert [metrics.clearance, metrics.farthest] == np.array([0.2, 1 / 3], np.float32).tolist()
         rows.append(metrics.row(1))
     assert rows[0] == rows[1] == rows[2]
     nearest = [*scans[-99:].min(axis=1).astype(np.float64), np.float32(0.2)]
-    assert (rows[0].total_collisions, rows[0].obstacle_clearance) == (0, pytest.approx(np.mean(nearest)))
+    assert rows[0].total_collisions == 0
+    assert rows[0].obstacle_clearance == pytest.approx(np.mean(nearest))
 
 
 @pytest.mark.parametrize("bad", [NAN, INF, -INF])

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from rover_metrics.errors import ParameterError
-from rover_metrics.extended.settings import PARAMETERS, ExtendedSettings, Settings, check_name
+from rover_metrics.extended.settings import PARAMETERS, Settings, check_name
 
 
 def test_a_name_is_one_of_the_parameters_one_of_every_node_or_a_mistake() -> None:
@@ -33,10 +33,10 @@ def test_nothing_is_switched_on_but_what_is_published() -> None:
 @pytest.mark.parametrize("name", ["gravity", "footprint_threshold"])
 def test_a_number_of_the_extended_columns_is_from_0_to_100(name: str) -> None:
     for value in (0.0, 100.0):
-        assert getattr(ExtendedSettings(**{name: value}), name) == value
+        assert getattr(Settings().updated({name: value}).extended, name) == value
     for value in (-5e-324, math.nextafter(100.0, math.inf), math.nan):
         with pytest.raises(ParameterError, match=rf"{name} = {value} .* from 0\.0 to 100\.0 m"):
-            ExtendedSettings(**{name: value})
+            Settings().updated({name: value})
 
 
 def test_the_folder_of_logs_has_a_name() -> None:

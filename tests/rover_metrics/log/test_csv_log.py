@@ -403,8 +403,8 @@ def test_no_text_cell_starts_a_formula_and_negative_numbers_stay_numbers(
     assert cells[5] == "-1.5"
 
 
-@pytest.mark.parametrize("text", ["-5", "-1.5e3", "-1.50 m", "--1.5", "+1.5", "=1.5", "-.5", "-1."])
-def test_a_text_that_is_no_number_of_fixed_decimals_is_made_harmless(text: str) -> None:
-    assert harmless(text) == f"'{text}"
+def test_a_text_that_is_no_number_of_fixed_decimals_is_made_harmless() -> None:
+    for text in ("-5", "-1.5e3", "-1.50 m", "--1.5", "+1.5", "=1.5", "-.5", "-1."):
+        assert harmless(text) == f"'{text}"
     for cell in ("-1.50", "1.50", "nan", "x-1", "", -5, -1.5):
         assert harmless(cell) == cell

@@ -36,7 +36,7 @@ def test_the_published_figures_are_reproduced() -> None:
 def test_each_pair_is_tested_and_adjusted_metric_by_metric() -> None:
     rng = np.random.default_rng(0)
     values = {
-        name: shift + rng.exponential(1.0, (9, 2)) for name, shift in (("a", 0), ("b", 1), ("c", 5))
+        name: shift + rng.exponential(1.0, (8, 2)) for name, shift in (("a", 0), ("b", 1), ("c", 5))
     }
     runs = {
         name: tuple(RunFigures(10 * k + i, 1, k + i, None, {}, 0, None, 0) for i in range(4))
@@ -58,6 +58,7 @@ def test_each_pair_is_tested_and_adjusted_metric_by_metric() -> None:
         assert of_metric[0].cohens_d == pytest.approx((b.mean() - a.mean()) / pooled)
         welch = stats.ttest_ind(b, a, equal_var=False).confidence_interval(0.9)
         assert of_metric[0].windows.interval == pytest.approx((welch.low, welch.high))
+    assert {each.windows.test for each in found} == {"Mann-Whitney U"}  # of few windows too
     # Of the runs all of the one lie below all of the other, one split of 70 and its mirror.
     told = {(each.runs.n, each.runs.difference, round(each.runs.p_holm or 0, 9)) for each in found}
     holm = round(3 * 2 / 70, 9)

@@ -28,12 +28,14 @@ def test_both_forms_give_the_same(header: str, actors: tuple[str, ...], tmp_path
 def test_what_a_log_may_lack_and_what_is_left_out(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     bad = ["1,2", "1,x,1,1,0", "", "7", "8"]
-    path.write_text("\n".join(["time_s,d1_a,d2_b,goals,x", "1,2,,3,0", *bad, "2,nan,4,,0", "3,1,1"]))
+    path.write_text(
+        "\n".join(["time_s,d1_a,d2_b,goals,x", "1,2,,3,0", *bad, "2,nan,4,,0", "3,6,5,7,0", "3,1,1"])
+    )
     log = read_social_log(path)
-    np.testing.assert_array_equal(log.nearest, [2.0, 4.0])  # dmin is made of what is known
+    np.testing.assert_array_equal(log.nearest, [2.0, 4.0, 5.0])  # dmin is made of what is known
     assert np.isnan(log.position).all()
-    assert log.position.shape == (2, 2)
-    assert log.goals.tolist() == [3, 0]
+    assert log.position.shape == (3, 2)
+    assert log.goals.tolist() == [3, 0, 7]
     told = [f"line {number} is not 5 numbers and is left out" for number in (3, 4, 6)]
     assert list(log.findings) == [*told, "2 more lines are left out"]
 

@@ -65,8 +65,8 @@ def test_groups_comparisons_and_correlations_have_a_file_each(tmp_path: Path) ->
     assert list(tables) == ["logs.csv", "across.csv", "comparison.csv", "correlation.csv"]
     across, comparison = tables["across.csv"][0], tables["comparison.csv"][0]
     assert (across["group"], across["bootstrap_interval_low"]) == ("a", "")
-    names = ("code", "title", "n_first", "n_second", "means_first", "means_second")
-    names += ("interval_low", "interval_high", "paired", "p")
-    cells = ("CV", "Current velocity [m/s]", "3", "4", "0.1", "", "0.15", "0.375", "True", "")
-    assert tuple(comparison[name] for name in names) == cells
+    names = ["code", "title", "n_first", "n_second", "means_first", "means_second"]
+    names += ["interval_low", "interval_high", "paired", "p"]
+    cells = ["CV", "Current velocity [m/s]", "3", "4", "0.1", "", "0.15", "0.375", "True", ""]
+    assert [comparison[name] for name in names] == cells
     assert tables["correlation.csv"][0]["rho"] == "0.3"

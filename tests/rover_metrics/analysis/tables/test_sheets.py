@@ -17,8 +17,7 @@ from tests.support.results import LOG, RESULT, SPEED
 
 SHARE = Summary(60, 12.5, 9.0, interval=(6.0, 22.0))
 COMPARISON = Comparison(
-    *("CV", (3, 4), (0.1, 0.35), 0.25, (0.15, 0.375)),
-    *("exact permutation", 0.02, 0.03, 0.05, 1.234, -0.5),
+    "CV", (3, 4), (0.1, 0.35), 0.25, (0.15, 0.375), "exact permutation", 0.02, 0.03, 0.05, 1.234, -0.5
 )
 
 
