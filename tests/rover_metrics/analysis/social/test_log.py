@@ -15,13 +15,13 @@ OLD = "step,time_s,rx,ry,speed_mps,d1_linear,d2_diag,dmin,goals"
 @pytest.mark.parametrize(("header", "actors"), [(NEW, ("diag", "guide")), (OLD, ("linear", "diag"))])
 def test_both_forms_give_the_same(header: str, actors: tuple[str, ...], tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
-    path.write_text(f"{header}\n1,1.00,-2,3.5,nan,4,0.3,0.3,0\n2,2.00,-1,3,0.1,nan,5,5,2\n")
+    path.write_text(f"{header}\n1,1.00,-2,3.5,nan,4,0.3,0.25,0\n2,2.00,-1,3,0.1,nan,5,5,2\n")
     log = read_social_log(path)
     assert (log.actors, log.path, log.findings, len(log)) == (actors, path, (), 2)
     np.testing.assert_array_equal(log.time_s, [1.0, 2.0])
     np.testing.assert_array_equal(log.position, [[-2.0, 3.5], [-1.0, 3.0]])
     np.testing.assert_array_equal(log.distance, [[4.0, 0.3], [np.nan, 5.0]])
-    np.testing.assert_array_equal(log.nearest, [0.3, 5.0])
+    np.testing.assert_array_equal(log.nearest, [0.25, 5.0])  # as dmin has it
     assert log.goals.tolist() == [0, 2]
 
 
