@@ -28,23 +28,16 @@ TOLD = (
 )
 
 
-def test_without_ros_the_program_ends_with_two_after_one_line(
+def test_without_ros_a_program_ends_with_two_after_one_line_and_a_library_user_gets_an_import_error(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    end = missing_ros(NO_ROS, is_program=True)
+    end, error = missing_ros(NO_ROS, is_program=True), missing_ros(NO_ROS, is_program=False)
     assert isinstance(end, SystemExit)
     assert end.code == 2
-    assert capsys.readouterr() == ("", f"{TOLD}\n")
-
-
-def test_without_ros_a_library_user_is_given_an_import_error(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    error = missing_ros(NO_ROS, is_program=False)
     assert isinstance(error, MissingRosError)
     assert isinstance(error, ImportError)
     assert str(error) == TOLD
-    assert capsys.readouterr() == ("", "")
+    assert capsys.readouterr() == ("", f"{TOLD}\n")
 
 
 def test_every_known_mistake_can_be_caught_as_one_and_ends_a_program_with_two() -> None:

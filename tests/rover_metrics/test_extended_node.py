@@ -101,30 +101,6 @@ def test_without_the_parameter_nothing_listens_to_the_truth_and_the_log_has_twel
     assert tuple(node.log.path.read_text().rstrip().split(",")) == COLUMNS
 
 
-def test_truth_that_nobody_publishes_is_not_missed_and_one_that_stops_is(
-    rig: "Rig", capfd: pytest.CaptureFixture[str]
-) -> None:
-    node = start(rig, stale_after=2.0)
-    reception = node.reception
-    for second in range(10):
-        reception.look(second * 10**9, 2 * 10**9)
-    told = capfd.readouterr().err
-    assert "/scan: nothing for 2 s" in told
-    assert "/rover/truth" not in told
-    node.take(CONTACT, Bool(data=False))
-    for second in range(10, 20):
-        reception.look(second * 10**9, 2 * 10**9)
-    assert "/rover/truth/contact: nothing for 2 s" in capfd.readouterr().err
-
-
-def test_another_truth_is_counted_and_left_out(rig: "Rig", capfd: pytest.CaptureFixture[str]) -> None:
-    node = start(rig)
-    node.take(TRUTH_VALUES, Float64MultiArray(data=[1.0]))
-    assert node.reception.rejected["/rover/truth/traversal"] == 1
-    assert row(node)["True Roughness [m]"] == ""
-    assert "not the truth that harness.run publishes, left out" in capfd.readouterr().err
-
-
 def test_the_footprint_can_be_set_and_changed_while_the_node_runs(rig: "Rig") -> None:
     node = start(rig)
     node.take(SCAN, rig.scan(0.5))
@@ -151,14 +127,20 @@ def test_all_parameters_can_be_read_at_once_as_ros2_param_dump_does(rig: "Rig") 
     assert len(future.result().values) == len(names)
 
 
-def test_callbacks_serve_all_four_sensors_and_refuse_what_the_twelve_refuse(rig: "Rig") -> None:
+def test_callbacks_serve_every_topic_and_refuse_what_the_twelve_refuse_and_another_truth(
+    rig: "Rig", capfd: pytest.CaptureFixture[str]
+) -> None:
     node = start(rig)
     node.take(SCAN, LaserScan())
     node.take(IMU, rig.imu((float("nan"), 0.0, 0.0)))
     node.take(POSE, PoseArray())
     node.take(ODOMETRY, rig.odometry(float("inf"), 0.0, 0.0))
     node.take(GROUND_TRUTH, rig.odometry(float("nan"), 0.0, 0.0))
+    node.take(TRUTH_VALUES, Float64MultiArray(data=[1.0]))
     cells = row(node)
     rejected = {name: cells[f"{name} Rejected"] for name in ("Scan", "IMU", "Pose", "Odometry")}
     assert rejected == {"Scan": 0, "IMU": 1, "Pose": 1, "Odometry": 1}
-    assert node.reception.rejected["/odom_ground_truth"] == 1
+    assert cells["True Roughness [m]"] == ""
+    truth = ("/odom_ground_truth", "/rover/truth/traversal")
+    assert [node.reception.rejected[topic] for topic in truth] == [1, 1]
+    assert capfd.readouterr().err.count("not the truth that harness.run publishes, left out") == 2

@@ -24,7 +24,6 @@ TIMEOUT = 30.0  # seconds; reached only when a test fails
 UNMARKED = "the session has no end mark: it was killed, or is still running"
 PACKAGE = str(Path(rover_metrics.__file__).parents[1])
 COMMAND = [sys.executable, "-m", "rover_metrics.metrics_node"]
-INSTALLED = [sys.executable, "-m", "rover_metrics"]  # what the script metrics_node calls
 
 
 def environment(*paths: str) -> dict[str, str]:
@@ -34,24 +33,6 @@ def environment(*paths: str) -> dict[str, str]:
 @pytest.fixture
 def _ros() -> None:
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
-
-
-def refused(
-    tmp_path: Path, *args: str, env: dict[str, str] | None = None, command: list[str] = COMMAND
-) -> str:
-    """Run the program, which must refuse to start without a traceback; gives its last line."""
-    run = subprocess.run(
-        [*command, *args],
-        cwd=tmp_path,
-        env=env or environment(),
-        capture_output=True,
-        text=True,
-        timeout=TIMEOUT,
-        check=False,
-    )
-    assert run.returncode == 2, run.stderr
-    assert "Traceback" not in run.stderr
-    return run.stderr.splitlines()[-1]
 
 
 @contextmanager
@@ -172,28 +153,32 @@ def test_a_known_mistake_is_told_in_one_line(tmp_path: Path) -> None:
         assert told in line
 
 
-@pytest.mark.parametrize("command", [COMMAND, INSTALLED])
-def test_without_ros_the_program_says_how_to_get_it(tmp_path: Path, command: list[str]) -> None:
+def without_ros(tmp_path: Path, *words: str) -> "subprocess.CompletedProcess[str]":
     (tmp_path / "rclpy.py").write_text("raise ImportError(\"No module named 'rclpy'\")\n")
-    line = refused(tmp_path, env=environment(str(tmp_path)), command=command)
-    assert "No module named 'rclpy'" in line
-    assert "rover-harness[ros]" in line
-    assert "source /opt/ros" in line
+    return subprocess.run(
+        [sys.executable, *words],
+        cwd=tmp_path,
+        env=environment(str(tmp_path)),
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize("module", ["rover_metrics.metrics_node", "rover_metrics"])  # the script's
+def test_without_ros_the_program_says_how_to_get_it(tmp_path: Path, module: str) -> None:
+    run = without_ros(tmp_path, "-m", module)
+    assert run.returncode == 2
+    (line,) = run.stderr.splitlines()
+    for told in ("No module named 'rclpy'", "rover-harness[ros]", "source /opt/ros"):
+        assert told in line
 
 
 def test_without_ros_a_library_user_gets_an_import_error_to_catch(tmp_path: Path) -> None:
-    (tmp_path / "rclpy.py").write_text("raise ImportError(\"No module named 'rclpy'\")\n")
     caller = (
         "from rover_metrics.errors import MissingRosError\n"
         "try:\n    import rover_metrics.metrics_node\n"
         "except MissingRosError as error:\n    print(error.exit_code, error)\n"
     )
-    run = subprocess.run(
-        [sys.executable, "-c", caller],
-        env=environment(str(tmp_path)),
-        capture_output=True,
-        text=True,
-        timeout=TIMEOUT,
-        check=True,
-    )
-    assert run.stdout.startswith("2 metrics_node needs ROS 2")
+    assert without_ros(tmp_path, "-c", caller).stdout.startswith("2 metrics_node needs ROS 2")

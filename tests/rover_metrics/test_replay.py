@@ -4,6 +4,7 @@ import csv
 import subprocess
 import sys
 from collections.abc import Callable, Collection, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ STORE = get_typestore(Stores.LATEST)
 CLOCK = "/clock"
 TYPES = {source.name: source.message_type for source in SENSORS} | {CLOCK: "rosgraph_msgs/msg/Clock"}
 
+LEVEL = STORE.types["geometry_msgs/msg/Quaternion"](x=0.0, y=0.0, z=0.0, w=1.0)
 Recorded = tuple[str, int, bytes]  # topic, recorded time [ns], CDR
 
 
@@ -53,13 +55,9 @@ def vector(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Any:  # noqa: ANN4
     return make("geometry_msgs/msg/Vector3", x=x, y=y, z=z)
 
 
-def quaternion() -> Any:  # noqa: ANN401
-    return make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0)
-
-
 def pose(x: float, y: float = 0.0, z: float = 0.0) -> Any:  # noqa: ANN401
     point = make("geometry_msgs/msg/Point", x=x, y=y, z=z)
-    return make("geometry_msgs/msg/Pose", position=point, orientation=quaternion())
+    return make("geometry_msgs/msg/Pose", position=point, orientation=LEVEL)
 
 
 def scan_message(stamp_ns: int, nearest: float) -> bytes:
@@ -80,7 +78,7 @@ def imu_message(stamp_ns: int, z: float) -> bytes:
     return cdr(
         "sensor_msgs/msg/Imu",
         header=header(stamp_ns),
-        orientation=quaternion(),
+        orientation=LEVEL,
         angular_velocity=vector(0.1, -0.2, 0.3),
         linear_acceleration=vector(0.3, -3.0, z),
         orientation_covariance=np.zeros(9),
@@ -106,12 +104,14 @@ def odometry_message(stamp_ns: int, speed: float) -> bytes:
     )
 
 
-def clock_message(stamp_ns: int) -> bytes:
-    return cdr(TYPES[CLOCK], clock=header(stamp_ns).stamp)
-
-
 def drive(seconds: float = 4.5, offset_s: float = 0.0, *, clock: bool = True) -> list[Recorded]:
     """A drive at 10 Hz whose recorder's clock is ahead of the stamps by an offset."""
+    ahead = round(offset_s * NANOSECONDS)
+    return [(topic, t + ahead, data) for topic, t, data in driven(seconds) if clock or topic != CLOCK]
+
+
+@cache
+def driven(seconds: float) -> list[Recorded]:
     messages: list[Recorded] = []
     for tick in range(1, round(seconds * 10) + 1):
         t = tick * NANOSECONDS // 10
@@ -120,9 +120,9 @@ def drive(seconds: float = 4.5, offset_s: float = 0.0, *, clock: bool = True) ->
             "/imu/data": imu_message(t, 9.8 + tick % 7),
             "/rover/pose_array": pose_message(t, tick / 10),
             "/odometry/wheels": odometry_message(t, tick / 100),
-        } | ({CLOCK: clock_message(t)} if clock else {})
-        recorded = t + round(offset_s * NANOSECONDS)
-        messages += [(topic, recorded, data) for topic, data in samples.items()]
+            CLOCK: cdr(TYPES[CLOCK], clock=header(t).stamp),
+        }
+        messages += [(topic, t, data) for topic, data in samples.items()]
     return messages
 
 
@@ -213,13 +213,9 @@ def test_every_kind_of_folder_gives_the_rows_of_its_samples(
     assert "compression_mode: message" in told or compression is not CompressionMode.MESSAGE
     metadata.write_text(told.replace("mode: message", "mode: MESSAGE"))  # as rosbag2 itself writes it
     assert replay(bag) == cells(expected_rows())
-
-
-@pytest.mark.parametrize("storage", StoragePlugin)
-def test_bare_storage_file_is_a_recording_too(tmp_path: Path, storage: StoragePlugin) -> None:
-    bag = write_folder(tmp_path / "bag", drive(), storage=storage)
-    (file,) = (path for path in bag.iterdir() if path.name != "metadata.yaml")
-    assert replay(file) == cells(expected_rows())
+    if compression is CompressionMode.NONE:
+        (file,) = set(bag.iterdir()) - {metadata}  # bare it is a recording too
+        assert replay(file) == cells(expected_rows())
 
 
 def test_split_recording_is_read_in_the_order_of_its_numbers(

@@ -68,6 +68,11 @@ ACCELERATION, RATE = (1.0, 2.0, 3.0), (4.0, 5.0, 6.0)
             call.take_scan(STAMP_NS, RANGES, angles=(-3.0, 0.25), limits=(0.15, 10.0)),
         ),
         (IMU, imu(), call.take_imu(STAMP_NS, ACCELERATION, RATE, (0.1, 0.2, 0.3, 0.4))),
+        (
+            IMU,
+            imu(first_covariance=-0.5),  # wrong, but not the value
+            call.take_imu(STAMP_NS, ACCELERATION, RATE, (0.1, 0.2, 0.3, 0.4)),
+        ),
         # which says that there is no orientation
         (IMU, imu(first_covariance=-1.0), call.take_imu(STAMP_NS, ACCELERATION, RATE, None)),
         # the first is the rover's

@@ -40,8 +40,9 @@ PACKAGES = (
         "metrics",
         _modules(_METRICS, "core/* session topics"),
         _tests(
-            "rover_metrics/core rover_metrics/test_metrics_properties.py"
-            " rover_metrics/test_session.py rover_metrics/test_topics.py"
+            "rover_metrics/core rover_metrics/test_dictionary.py"
+            " rover_metrics/test_metrics_properties.py rover_metrics/test_session.py"
+            " rover_metrics/test_topics.py"
         ),
     ),
     Package(

@@ -24,6 +24,11 @@ def test_a_metric_is_named_by_code_or_column_and_counts_once(words: list[str], c
     assert [metric.code for metric in choose(words, [COLUMNS, HEADER])] == codes
 
 
+def test_what_the_codes_are_read_from_comes_before_another_column_of_that_name() -> None:
+    (metric,) = choose(["current velocity"], [["Current Velocity [km/h]", *COLUMNS]])
+    assert metric.code == "CV"
+
+
 @pytest.mark.parametrize(
     ("word", "told"),
     [

@@ -46,27 +46,47 @@ def test_short_options_are_options_of_their_own_joined_to_their_values_too() -> 
 
 
 @pytest.mark.parametrize(
-    ("words", "valid"),
+    ("words", "axis"),
     [
-        (["--versus", "b.csv", "--unit", "row"], "'log', 'episode'"),
-        (["--unit", "episode"], "--unit has no effect without --versus"),
-        (["--pair-by", "order"], "--pair-by has no effect without --versus"),
-        (
-            ["--versus", "b.csv", "--unit", "episode", "--pair-by", "order"],
-            "pairs logs; give --unit log",
-        ),
-        (
-            ["--versus", "b.csv", "--unit", "episode", "--pair-by", "seed"],
-            "pairs logs; give --unit log",
-        ),
-        (["--versus", "b.csv", "--pair-by", "name"], "'seed', 'order', 'none'"),
-        (["--versus", "b.csv", "--group-names", "x", "x"], "two different names"),
-        (["--confidence-level", "1"], "between 0 and 1"),
-        (["--iqr-multiplier", "0"], "above 0"),
-        (["--fixed-interval", "5", "-n", "none"], "no effect with -n none"),
+        ("", ("percentage", 1.0)),
+        ("-n none", ("none", 1.0)),
+        ("-n fixed_interval", ("fixed_interval", 1.0)),
+        ("--fixed-interval 5", ("fixed_interval", 5.0)),
     ],
 )
-def test_words_that_make_no_sense_are_one_line_that_says_what_does(words: list[str], valid: str) -> None:
+def test_a_fixed_interval_is_a_second_and_the_axis_of_who_gives_one(
+    words: str, axis: tuple[str, float]
+) -> None:
+    options = parse(["a.csv", *words.split()])
+    assert (options.normalize, options.fixed_interval) == axis
+
+
+@pytest.mark.parametrize(
+    ("words", "valid"),
+    [
+        ("-p pie", "'time_series', 'correlation', 'aggregate', 'comparison'"),
+        ("-n log", "'percentage', 'fixed_interval', 'none'"),
+        *((f"--confidence-level {p}", "between 0 and 1, such as 0.95") for p in ("95", "1", "0")),
+        *((f"--iqr-multiplier {k}", "not a number above 0") for k in ("-1", "0")),
+        *((f"--gap {s}", "not a number above 0") for s in ("0", "inf")),
+        ("--fixed-interval nan", "not a number above 0"),
+        ("--fixed-interval 5 -n none", "no effect with -n none; give -n fixed_interval"),
+        ("--unit episode", "--unit has no effect without --versus"),
+        ("--pair-by order", "--pair-by has no effect without --versus"),
+        ("--group-names a b", "--group-names has no effect without --versus"),
+        ("--versus a.csv", "is in both groups"),
+        ("--versus b.csv --unit row", "'log', 'episode'"),
+        *(
+            (f"--versus b.csv --unit episode --pair-by {by}", f"{by} pairs logs; give --unit log")
+            for by in ("seed", "order")
+        ),
+        ("--versus b.csv --pair-by name", "'seed', 'order', 'none'"),
+        ("--versus b.csv --group-names x x", "two different names"),
+        ("--versus b.csv --group-names x \x1b", "names that can be printed"),
+        ("--conf 0.9", "unrecognized arguments: --conf"),  # an option may get a sister
+    ],
+)
+def test_words_that_make_no_sense_are_one_line_that_says_what_does(words: str, valid: str) -> None:
     with pytest.raises(UsageError, match=valid) as told:
-        parse(["a.csv", *words])
+        parse(["a.csv", *words.split()])
     assert "\n" not in str(told.value)

@@ -99,6 +99,10 @@ def test_groups_are_summed_up_and_compared_by_the_means_of_their_logs(study: Stu
         assert (item.n, item.p, item.p_holm) == (known.n, known.p, p)
     (note,) = result.notes  # of 3 and 2 logs each p is 2 / 10 at least, of 3 and 3 logs 2 / 20
     assert "below 0.5 among 5 metrics, whatever they show: no difference can be told at 0.1." in note
+    ranked = analyse(replace(study, options=replace(study.options, ranked=True))).comparisons
+    sizes = {item.code: item.hedges_g or 0.0 for item in result.comparisons}
+    order = sorted(CODES, key=lambda code: -abs(sizes[code]))
+    assert [item.code for item in ranked] == order != sorted(CODES, key=lambda code: -sizes[code])
     alone = replace(study, groups=("a",), members=study.members[:3])
     assert analyse(alone).comparisons == ()
     paired = replace(study, pairs=((0, 2), (1, 0), (2, 1))).compared(METRICS["OC"])

@@ -39,10 +39,7 @@ ODD = {
 @pytest.fixture
 def result(real_logs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Any:  # noqa: ANN401
     logs = [str(path) for path in sorted(real_logs.glob("*.csv"))]
-    assert (
-        main([*logs, "-m", "TC", "DT", "RT", "VR", "-p", "aggregate", "--json", "-o", str(tmp_path)])
-        == 0
-    )
+    assert main([*logs, "-m", "TC", "DT", "RT", "VR", "-p", "--json", "-o", str(tmp_path)]) == 0
     return json.loads(capsys.readouterr().out)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from rover_metrics.core.parameter import ParameterInfo, parameter, parameters_of, require_ranges
+from rover_metrics.core.parameter import parameter, parameters_of, require_ranges
 from rover_metrics.errors import ParameterError
 
 
@@ -15,7 +15,7 @@ class Some:
 
     share: float = parameter(0.5, "a share", minimum=0.25, maximum=1.0)
     count: int = parameter(3, "a count", minimum=1, maximum=9, unit="m")
-    free: float = parameter(1.0, "any number")
+    free: float = parameter(1.0, "any number", example="1.5, not 2")
     corners: tuple[float, ...] | None = parameter(None, "corners", ros_default=(), valid="a list")
     is_on: bool = parameter(False, "a switch", read_only=True)
     other: float = math.nan
@@ -26,7 +26,7 @@ class Some:
     [
         ("share", 0.5, "a number with a decimal point (1.0, not 1) from 0.25 to 1.0"),
         ("count", 3, "an integer from 1 to 9 m"),
-        ("free", 1.0, "a number with a decimal point (1.0, not 1) from 0.0 to inf"),
+        ("free", 1.0, "a number with a decimal point (1.5, not 2) from 0.0 to inf"),
         ("corners", (), "a list"),
         ("is_on", False, "true or false, not 0 or 1"),
     ],
@@ -52,10 +52,3 @@ def test_numbers_outside_their_closed_range_are_refused_and_others_have_none() -
     ):
         with pytest.raises(ParameterError, match=told):
             require_ranges(some)
-
-
-def test_a_number_begins_at_0_unless_it_is_told_otherwise() -> None:
-    info = ParameterInfo(
-        default=1.0, description="a length", maximum=2.0, unit="m", example="1.5, not 2"
-    )
-    assert info.constraint == "a number with a decimal point (1.5, not 2) from 0.0 to 2.0 m"

@@ -1,5 +1,7 @@
 """What is refused before a node has a value, by names alone; nodes are in ros/test_parameters.py."""
 
+import math
+
 import pytest
 
 from rover_metrics.errors import ParameterError
@@ -26,6 +28,15 @@ def test_the_defaults_that_ros_declares_are_those_of_the_settings() -> None:
 def test_nothing_is_switched_on_but_what_is_published() -> None:
     switches = {name: info.default for name, info in PARAMETERS.items() if type(info.default) is bool}
     assert [name for name, is_on in switches.items() if is_on] == ["publish_metrics"]
+
+
+@pytest.mark.parametrize("name", ["gravity", "footprint_threshold"])
+def test_a_number_of_the_extended_columns_is_from_0_to_100(name: str) -> None:
+    for value in (0.0, 100.0):
+        assert getattr(Settings().updated({name: value}).extended, name) == value
+    for value in (-5e-324, math.nextafter(100.0, math.inf), math.nan):
+        with pytest.raises(ParameterError, match=rf"{name} = {value} .* from 0\.0 to 100\.0 m"):
+            Settings().updated({name: value})
 
 
 def test_the_folder_of_logs_has_a_name() -> None:

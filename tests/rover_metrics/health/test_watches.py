@@ -58,30 +58,6 @@ def test_begin_and_end_of_a_silence_are_those_of_the_rule(
         assert watch.is_silent is silent
 
 
-@pytest.mark.parametrize(
-    ("looks", "expected"),
-    [
-        ([(3, s) for s in range(6)], []),  # heard at 0, quiet for 4.999 s at most
-        ([(0, s) for s in range(9)], [Silence(BEGUN, 5.0)]),  # never heard
-        (
-            [(3, s) for s in range(100)] + [(4, 100), (5, 101)],
-            [Silence(BEGUN, 5.0), Silence(OVER, 100.0)],
-        ),
-        ([(s, s) for s in range(99)], []),
-        ([(9, 0), (9, 3), (1, 4), (2, 8)], []),  # a count that starts again
-        ([(1, 10), (1, 3610), (2, 3611)], []),  # a clock that jumps an hour
-        ([(1, 3600), (1, 0), (1, 1), (1, 2), (1, 3), (1, 4)], []),  # one that is reset
-    ],
-)
-def test_a_silence_of_five_seconds_is_told_once_and_so_is_its_end(
-    looks: list[tuple[int, float]], expected: list[Silence]
-) -> None:
-    watch = SilenceWatch()
-    limit = 5 * SECOND + (looks[-1] == (3, 5))
-    changes = [watch.look(count, round(now * SECOND), limit) for count, now in looks]
-    assert [change for change in changes if change is not None] == expected
-
-
 def after(watch: StampWatch, *intervals_ns: int) -> list[Finding | None]:
     """Give messages, each so long after the one before."""
     return [watch.take(watch.latest_ns + interval) for interval in intervals_ns]

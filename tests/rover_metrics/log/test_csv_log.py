@@ -50,18 +50,14 @@ def open_files() -> int:
     return sum(1 for _ in Path("/proc/self/fd").iterdir())
 
 
-def test_the_folder_is_created_and_the_name_tells_the_start(tmp_path: Path) -> None:
-    with CsvLog(tmp_path / "a/b", STARTED) as log:
-        assert log.path == tmp_path / "a/b/metrics_log_20250116_220457.csv"
-        assert log.path.read_bytes() == HEADER
-
-
-def test_a_relative_folder_gives_an_absolute_path(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("relative", [True, False])
+def test_the_folder_is_created_and_the_absolute_name_tells_the_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, relative: bool
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    with CsvLog("logs", STARTED) as log:
-        assert log.path == tmp_path / "logs/metrics_log_20250116_220457.csv"
+    with CsvLog("a/b" if relative else tmp_path / "a/b", STARTED) as log:
+        assert log.path == tmp_path / "a/b/metrics_log_20250116_220457.csv"
+        assert log.path.read_bytes() == HEADER
 
 
 def test_rows_are_in_the_file_at_once_with_carriage_returns(tmp_path: Path) -> None:
@@ -121,22 +117,17 @@ def test_closing_twice_is_fine_and_writing_after_it_is_an_error(tmp_path: Path) 
     assert log.rows == 0
 
 
-@pytest.mark.parametrize("below", ["", "deeper"])
-def test_a_file_in_place_of_the_folder_is_named_with_the_mend(tmp_path: Path, below: str) -> None:
-    folder = tmp_path / "logs"
-    folder.write_text("mine")
-    with pytest.raises(LogError) as caught:
-        CsvLog(folder / below, STARTED)
-    message = str(caught.value)
-    assert str(folder) in message
-    assert "remove it or choose another folder" in message
-    assert "\n" not in message
-    assert folder.read_text() == "mine"
-
-
-def test_a_folder_that_takes_no_files_is_named_with_the_mend() -> None:
-    with pytest.raises(LogError, match=r"/proc/1: .*choose another folder"):
-        CsvLog("/proc/1", STARTED)
+@pytest.mark.parametrize(
+    ("folder", "mend"), [("f", "remove it"), ("f/deeper", "remove it"), ("/proc/1", "another folder")]
+)
+def test_a_folder_that_cannot_be_or_takes_no_files_is_named_with_the_mend(
+    tmp_path: Path, folder: str, mend: str
+) -> None:
+    (tmp_path / "f").write_text("mine")
+    with pytest.raises(LogError, match=f"in {tmp_path / folder}: .*{mend}") as caught:
+        CsvLog(tmp_path / folder, STARTED)
+    assert "\n" not in str(caught.value)
+    assert (tmp_path / "f").read_text() == "mine"
 
 
 def test_wherever_a_row_is_torn_the_file_keeps_its_whole_lines_and_takes_the_row_again(
@@ -346,6 +337,9 @@ def synced(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Path, int]]:
 def test_with_fsync_each_line_and_the_files_name_are_on_the_disk_before_the_next(
     tmp_path: Path, synced: list[tuple[Path, int]]
 ) -> None:
+    with CsvLog(tmp_path, STARTED) as log:  # which is not the default
+        log.write(ROW)
+        assert (log.fsync, synced) == (False, [])
     before = open_files()
     with CsvLog(tmp_path / "logs", STARTED, fsync=True) as log:
         assert synced == [(log.path, len(HEADER)), (log.path.parent, 0)]
@@ -364,15 +358,6 @@ def test_with_fsync_each_line_and_the_files_name_are_on_the_disk_before_the_next
         assert log.path.read_bytes() == HEADER + 5 * LINE
     assert synced == []
     assert open_files() == before
-
-
-def test_without_fsync_which_is_the_default_the_disk_is_not_waited_for(
-    tmp_path: Path, synced: list[tuple[Path, int]]
-) -> None:
-    with CsvLog(tmp_path, STARTED) as log:
-        log.write(ROW)
-        assert log.fsync is False
-    assert synced == []
 
 
 @pytest.mark.parametrize("confirmed", [0, 1])
@@ -418,8 +403,8 @@ def test_no_text_cell_starts_a_formula_and_negative_numbers_stay_numbers(
     assert cells[5] == "-1.5"
 
 
-@pytest.mark.parametrize("text", ["-5", "-1.5e3", "-1.50 m", "--1.5", "+1.5", "=1.5", "-.5", "-1."])
-def test_a_text_that_is_no_number_of_fixed_decimals_is_made_harmless(text: str) -> None:
-    assert harmless(text) == f"'{text}"
+def test_a_text_that_is_no_number_of_fixed_decimals_is_made_harmless() -> None:
+    for text in ("-5", "-1.5e3", "-1.50 m", "--1.5", "+1.5", "=1.5", "-.5", "-1."):
+        assert harmless(text) == f"'{text}"
     for cell in ("-1.50", "1.50", "nan", "x-1", "", -5, -1.5):
         assert harmless(cell) == cell

@@ -1,5 +1,4 @@
 import json
-import tempfile
 import time
 from collections.abc import Iterator
 from datetime import datetime, timedelta
@@ -7,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import LogError
 from rover_metrics.log.session_record import (
-    COMPLETE,
     SessionEnd,
     SessionRecord,
     session_arguments,
@@ -75,8 +74,6 @@ def test_a_session_is_unmarked_until_it_ends_and_its_record_tells_the_rest(log: 
         "lost_rows": 0,
         "rows": 7,
     }
-    record.end(log, 3, {"rows": 8})  # once is enough
-    assert read(log)["rows"] == 7
 
 
 def test_a_record_can_be_read_by_everybody_and_by_people(log: Path) -> None:
@@ -103,6 +100,8 @@ def test_a_session_that_lost_rows_or_broke_has_failed_with_the_reason(
     assert record.failure is None
     record.failure = failure
     record.end(log, lost_rows, {})
+    record.end(log, 0, {"rows": 8})  # once is enough
+    assert "rows" not in read(log)
     assert read(log)["outcome"] == {"status": "failed", "reason": reason}
     assert read(log)["lost_rows"] == lost_rows
 
@@ -116,43 +115,11 @@ def test_a_record_that_cannot_be_written_is_told_and_costs_nothing(tmp_path: Pat
     ]
 
 
-def test_a_record_is_there_whole_or_not_at_all(log: Path) -> None:
-    write_record(log, None, {})
-    before = log.with_suffix(".json").read_bytes()
-    with pytest.raises(TypeError):
-        write_record(log, COMPLETE, {"bad": object()})
-    assert log.with_suffix(".json").read_bytes() == before
-    assert [path.name for path in log.parent.iterdir()] == [log.with_suffix(".json").name]
-
-
-def test_a_record_is_made_on_the_disk_on_which_it_stays(
-    log: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(tempfile, "tempdir", "/nowhere")
-    write_record(log, None, {})
-    assert session_end(log) is SessionEnd.UNMARKED
-
-
 def test_a_record_that_cannot_replace_what_stands_there_leaves_no_part_behind(log: Path) -> None:
     log.with_suffix(".json").mkdir()
     with pytest.raises(LogError, match="cannot write the session's record"):
         write_record(log, None, {})
     assert [path.name for path in log.parent.iterdir()] == [log.with_suffix(".json").name]
-
-
-@pytest.mark.parametrize("text", ["", "{", "[]", "7", '{"rows": 3}', "\x00\x00"])
-def test_a_record_of_something_else_tells_nothing(log: Path, text: str) -> None:
-    log.with_suffix(".json").write_text(text)
-    assert session_end(log) is SessionEnd.UNKNOWN
-
-
-@pytest.mark.parametrize("status", ["complete", "failed", "interrupted", None])
-def test_the_manifest_of_harness_run_marks_the_end_too(log: Path, status: str | None) -> None:
-    write_record(log, None, {})
-    outcome = {"status": status, "reason": None} if status else {}
-    manifest = {"mode": "ROS 2", "outcome": outcome, "rows": 30}
-    log.with_suffix(".json").write_text(json.dumps(manifest))
-    assert session_end(log) is SessionEnd.MARKED
 
 
 def test_the_outcome_of_the_real_manifest_is_the_one_that_is_looked_for(log: Path) -> None:
@@ -165,43 +132,34 @@ def test_the_outcome_of_the_real_manifest_is_the_one_that_is_looked_for(log: Pat
     assert session_end(log) is SessionEnd.MARKED
 
 
-@pytest.mark.parametrize(
-    ("record", "arguments"),
-    [
-        ('{"arguments": {"seed": 3}, "options": {"seed": 4}}', {"seed": 3}),
-        ('{"arguments": ["--seed"]}', {}),
-        ('{"outcome": null}', {}),
-        ("[]", {}),
-        ("{", {}),
-    ],
-)
-def test_arguments_are_those_of_a_run_of_the_harness_if_there_are_any(
-    tmp_path: Path, record: str, arguments: dict[str, object]
-) -> None:
-    (tmp_path / "log.json").write_text(record)
-    assert session_arguments(tmp_path / "log.csv") == arguments
-    assert session_arguments(tmp_path / "other.csv") == {}
+UNKNOWN, UNMARKED, MARKED = SessionEnd.UNKNOWN, SessionEnd.UNMARKED, SessionEnd.MARKED
 
 
 @pytest.mark.parametrize(
-    ("record", "collision"),
+    ("record", "end", "arguments", "collision"),
     [
-        ('{"thresholds": {"collision_threshold": 0.3, "of_another_version": 1.0}}', 0.3),
-        ('{"thresholds": {}}', 0.2),
-        ('{"thresholds": {"collision_threshold": -1.0}}', None),
-        ('{"thresholds": {"collision_threshold": "much"}}', None),
-        ('{"thresholds": {"collision_threshold": "0.75"}}', 0.75),
-        ('{"thresholds": {"collision_threshold": null}}', None),
-        ('{"thresholds": [1]}', None),
-        ('{"outcome": null}', None),
-        ("[]", None),
-        ("{", None),
+        *((text, UNKNOWN, {}, None) for text in ("", "{", "[]", "7", '{"log": 3}', "\x00\x00")),
+        ('{"outcome": null}', UNMARKED, {}, None),
+        ('{"outcome": {}, "mode": "ROS 2"}', MARKED, {}, None),
+        ('{"outcome": {"status": "interrupted", "reason": null}}', MARKED, {}, None),
+        ('{"arguments": {"seed": 3}, "options": {"seed": 4}}', UNKNOWN, {"seed": 3}, None),
+        ('{"arguments": ["--seed"]}', UNKNOWN, {}, None),
+        ('{"thresholds": {"collision_threshold": 0.3, "of_another_version": 1.0}}', UNKNOWN, {}, 0.3),
+        ('{"thresholds": {}}', UNKNOWN, {}, 0.2),
+        ('{"thresholds": {"collision_threshold": "0.75"}}', UNKNOWN, {}, 0.75),
+        *(
+            (f'{{"thresholds": {odd}}}', UNKNOWN, {}, None)
+            for odd in ("[1]", *(f'{{"collision_threshold": {value}}}' for value in ("-1", '"x"', "null")))
+        ),
     ],
 )
-def test_thresholds_are_read_from_the_record_as_far_as_they_make_sense(
-    tmp_path: Path, record: str, collision: float | None
+def test_thresholds_are_read_from_the_record_as_far_as_they_make_sense_and_so_is_all_else(
+    log: Path, record: str, end: SessionEnd, arguments: dict[str, object], collision: float | None
 ) -> None:
-    (tmp_path / "log.json").write_text(record)
-    told = session_thresholds(tmp_path / "log.csv")
-    assert (None if told is None else told.collision_threshold) == collision
-    assert session_thresholds(tmp_path / "other.csv") is None
+    log.with_suffix(".json").write_text(record)
+    told = session_thresholds(log)
+    assert told == (None if collision is None else Thresholds(collision_threshold=collision))
+    assert (session_end(log), session_arguments(log)) == (end, arguments)
+    other = log.parent / "other.csv"
+    assert (session_end(other), session_arguments(other)) == (UNKNOWN, {})
+    assert session_thresholds(other) is None

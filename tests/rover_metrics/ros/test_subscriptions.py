@@ -14,7 +14,6 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile
 from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Bool, Float64MultiArray
 
-from rover_metrics.errors import ParameterError
 from rover_metrics.health.reception import LOST, NOT_HEARD, Reception
 from rover_metrics.ros import subscriptions
 from rover_metrics.topics import SENSORS, TRUTH, Source
@@ -50,12 +49,6 @@ def test_the_change_that_the_report_names_makes_the_publisher_heard(rig: "Rig") 
     rig.publisher(LaserScan, "scan", BEST_EFFORT).publish(rig.scan(1.0, stamp=1.0))
     rig.spin_until(lambda: node.received["/scan"] == 1)
     assert not node.reception.remarks["/scan"]
-
-
-def test_a_reliability_that_does_not_exist_is_refused_with_the_valid_ones(rig: "Rig") -> None:
-    with pytest.raises(ParameterError, match="must be reliable or best_effort, as text"):
-        rig.start(**{RELIABILITY: "relyable"})
-    assert list(rig.folder.iterdir()) == []
 
 
 def test_the_reliability_parameter_is_described_and_fixed(rig: "Rig") -> None:

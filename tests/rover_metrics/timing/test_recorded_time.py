@@ -41,7 +41,7 @@ def test_each_full_second_of_a_recording_has_a_row_and_a_jump_has_one_and_a_line
     assert timer.jumps == (expected if jumps is None else jumps)
 
 
-@given(st.lists(st.integers(0, 12), min_size=1, max_size=40), st.integers(0, 8))
+@given(st.lists(st.integers(0, 12), min_size=1, max_size=15), st.integers(0, 8))
 def test_however_messages_come_the_rows_are_the_full_seconds_between_first_and_last(
     steps: list[int], start: int
 ) -> None:

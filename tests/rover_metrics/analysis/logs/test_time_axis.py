@@ -1,41 +1,33 @@
 import numpy as np
 import pytest
 
+from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.logs.time_axis import TimeAxis, on_grid
 
 STAMPS = np.array([100.0, 101.0, 102.0, 104.0])
 VALUES = np.array([1.0, 3.0, np.nan, 7.0])
+TENTHS = 0.1 * np.arange(50)
 
 
-def test_percentage_runs_from_0_to_100() -> None:
-    x, y = TimeAxis("percentage", 1.0).place(STAMPS, VALUES)
-    assert x.tolist() == [0, 25, 50, 100]
-    np.testing.assert_array_equal(y, VALUES)
-
-
-def test_a_fixed_interval_averages_and_leaves_empty_intervals_out() -> None:
-    x, y = TimeAxis("fixed_interval", 2.0).place(STAMPS, VALUES)
-    assert x.tolist() == [0, 4]
-    assert y.tolist() == [2, 7]
-    x, _ = TimeAxis("fixed_interval", 1e-9).place(STAMPS, VALUES)
-    assert x == pytest.approx([0, 1, 4])
-
-
-def test_tenths_of_a_second_fall_into_their_own_intervals() -> None:
-    stamps = np.array([5 + 0.1 * i for i in range(50)])
-    x, y = TimeAxis("fixed_interval", 0.1).place(stamps, np.arange(50.0))
-    assert x == pytest.approx(0.1 * np.arange(50))
-    assert y.tolist() == list(range(50))
-
-
-def test_none_keeps_the_rows_as_recorded() -> None:
-    x, y = TimeAxis("none", 1.0).place(STAMPS, VALUES)
-    assert x.tolist() == [0, 1, 2, 4]
-    np.testing.assert_array_equal(y, VALUES)
-
-
-def test_an_episode_of_one_row_has_a_place_too() -> None:
-    assert TimeAxis("percentage", 1.0).place(STAMPS[:1], VALUES[:1])[0].tolist() == [0]
+@pytest.mark.parametrize(
+    ("axis", "stamps", "values", "x", "y"),
+    [
+        (TimeAxis(), STAMPS, VALUES, [0, 25, 50, 100], VALUES),
+        (TimeAxis("none"), STAMPS, VALUES, [0, 1, 2, 4], VALUES),
+        (TimeAxis(), STAMPS[:1], VALUES[:1], [0], VALUES[:1]),  # a single row has a place too
+        # Means over intervals, and no empty ones; a row at the end of one is of the next.
+        (TimeAxis("fixed_interval", 2.0), STAMPS, VALUES, [0, 4], [2, 7]),
+        (TimeAxis("fixed_interval", 1e-9), STAMPS, VALUES, [0, 1, 4], [1, 3, 7]),
+        (TimeAxis("fixed_interval"), [7.0, 7.998, 8.0, 8.9], [0, 1, 2, 3], [0, 1], [0.5, 2.5]),
+        (TimeAxis("fixed_interval", 0.1), 5 + TENTHS, TENTHS, TENTHS, TENTHS),
+    ],
+)
+def test_the_rows_of_an_episode_stand_where_the_axis_has_them(
+    axis: TimeAxis, stamps: Floats, values: Floats, x: Floats, y: Floats
+) -> None:
+    at, means = axis.place(np.asarray(stamps, float), np.asarray(values, float))
+    np.testing.assert_allclose(at, x, atol=1e-12)
+    np.testing.assert_allclose(means, y, atol=1e-12)
 
 
 def test_a_grid_averages_dense_rows_and_bridges_sparse_ones_but_not_the_ends() -> None:
@@ -57,8 +49,3 @@ def test_labels_say_what_the_axis_shows() -> None:
     assert TimeAxis("fixed_interval", 0.5).label == (
         "Time since the episode began [s], means over 0.5 s"
     )
-
-
-def test_a_row_at_the_end_of_an_interval_is_of_the_next() -> None:
-    x, y = TimeAxis("fixed_interval").place(np.array([7.0, 7.998, 8.0, 8.9]), np.arange(4.0))
-    assert (x.tolist(), y.tolist()) == ([0, 1], [0.5, 2.5])

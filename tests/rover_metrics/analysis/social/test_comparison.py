@@ -8,6 +8,7 @@ from scipy import stats
 
 from rover_metrics.analysis.social.comparison import Group, differences, make_group
 from rover_metrics.analysis.social.log import SocialLog, read_social_log
+from rover_metrics.analysis.social.metrics import RunFigures
 
 SOCIAL = Path(__file__).parents[5] / "shared/data/roboterrain/social"
 
@@ -35,9 +36,13 @@ def test_the_published_figures_are_reproduced() -> None:
 def test_each_pair_is_tested_and_adjusted_metric_by_metric() -> None:
     rng = np.random.default_rng(0)
     values = {
-        name: shift + rng.exponential(1.0, (9, 2)) for name, shift in (("a", 0), ("b", 1), ("c", 5))
+        name: shift + rng.exponential(1.0, (8, 2)) for name, shift in (("a", 0), ("b", 1), ("c", 5))
     }
-    groups = {name: Group(name, (), (), windows) for name, windows in values.items()}
+    runs = {
+        name: tuple(RunFigures(10 * k + i, 1, k + i, None, {}, 0, None, 0) for i in range(4))
+        for k, name in zip((0, 10, 20), "abc", strict=True)
+    }
+    groups = {name: Group(name, (), runs[name], windows) for name, windows in values.items()}
     found = differences(groups, 0.9)
     pairs = [("a", "b"), ("a", "c"), ("b", "c")]
     assert [each.groups for each in found] == pairs * 2
@@ -53,7 +58,11 @@ def test_each_pair_is_tested_and_adjusted_metric_by_metric() -> None:
         assert of_metric[0].cohens_d == pytest.approx((b.mean() - a.mean()) / pooled)
         welch = stats.ttest_ind(b, a, equal_var=False).confidence_interval(0.9)
         assert of_metric[0].windows.interval == pytest.approx((welch.low, welch.high))
-    assert found[0].runs.n == (0, 0)
+    assert {each.windows.test for each in found} == {"Mann-Whitney U"}  # of few windows too
+    # Of the runs all of the one lie below all of the other, one split of 70 and its mirror.
+    told = {(each.runs.n, each.runs.difference, round(each.runs.p_holm or 0, 9)) for each in found}
+    holm = round(3 * 2 / 70, 9)
+    assert told == {((4, 4), k * gap, holm) for k in (1, 10) for gap in (10.0, 20.0)}
 
 
 def test_a_group_has_the_figures_and_windows_of_its_logs_for_the_goals_and_the_distance_asked() -> None:

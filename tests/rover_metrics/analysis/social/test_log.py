@@ -15,25 +15,27 @@ OLD = "step,time_s,rx,ry,speed_mps,d1_linear,d2_diag,dmin,goals"
 @pytest.mark.parametrize(("header", "actors"), [(NEW, ("diag", "guide")), (OLD, ("linear", "diag"))])
 def test_both_forms_give_the_same(header: str, actors: tuple[str, ...], tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
-    path.write_text(f"{header}\n1,1.00,-2,3.5,nan,4,0.3,0.3,0\n2,2.00,-1,3,0.1,nan,5,5,2\n")
+    path.write_text(f"{header}\n1,1.00,-2,3.5,nan,4,0.3,0.25,0\n2,2.00,-1,3,0.1,nan,5,5,2\n")
     log = read_social_log(path)
     assert (log.actors, log.path, log.findings, len(log)) == (actors, path, (), 2)
     np.testing.assert_array_equal(log.time_s, [1.0, 2.0])
     np.testing.assert_array_equal(log.position, [[-2.0, 3.5], [-1.0, 3.0]])
     np.testing.assert_array_equal(log.distance, [[4.0, 0.3], [np.nan, 5.0]])
-    np.testing.assert_array_equal(log.nearest, [0.3, 5.0])
+    np.testing.assert_array_equal(log.nearest, [0.25, 5.0])  # as dmin has it
     assert log.goals.tolist() == [0, 2]
 
 
 def test_what_a_log_may_lack_and_what_is_left_out(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     bad = ["1,2", "1,x,1,1,0", "", "7", "8"]
-    path.write_text("\n".join(["time_s,d1_a,d2_b,goals,x", "1,2,,3,0", *bad, "2,nan,4,,0", "3,1,1"]))
+    path.write_text(
+        "\n".join(["time_s,d1_a,d2_b,goals,x", "1,2,,3,0", *bad, "2,nan,4,,0", "3,6,5,7,0", "3,1,1"])
+    )
     log = read_social_log(path)
-    np.testing.assert_array_equal(log.nearest, [2.0, 4.0])  # dmin is made of what is known
+    np.testing.assert_array_equal(log.nearest, [2.0, 4.0, 5.0])  # dmin is made of what is known
     assert np.isnan(log.position).all()
-    assert log.position.shape == (2, 2)
-    assert log.goals.tolist() == [3, 0]
+    assert log.position.shape == (3, 2)
+    assert log.goals.tolist() == [3, 0, 7]
     told = [f"line {number} is not 5 numbers and is left out" for number in (3, 4, 6)]
     assert list(log.findings) == [*told, "2 more lines are left out"]
 

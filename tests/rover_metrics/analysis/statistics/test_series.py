@@ -20,25 +20,20 @@ MakeLog = Callable[..., Log]
 NAN = np.nan
 
 
+@pytest.mark.parametrize(
+    ("counter", "stamps", "rates", "mean"),
+    [
+        ([5, 6, 6, 10], [0, 1, 2, 6], [NAN, 60, 0, 60], 5 / 6 * 60),  # the total over the time
+        ([0, NAN, 4, 5], [0, 1, 2, 3], [NAN, NAN, 120, 60], 5 / 3 * 60),  # a gain is over what passed
+        ([0, 1, 0, 3], [10, 11, 0, 1], [NAN, 60, NAN, 180], 120),  # no rate reaches over a reset
+    ],
+)
 def test_a_counter_becomes_a_rate_per_minute_and_its_mean_the_total_over_the_time(
-    make_log: MakeLog,
+    make_log: MakeLog, counter: list[float], stamps: list[float], rates: list[float], mean: float
 ) -> None:
-    log = make_log({"Total Collisions": [5, 6, 6, 10]}, stamps=[0, 1, 2, 6])
-    series = metric_series(log, METRICS["TC"])
-    np.testing.assert_allclose(series.values, [NAN, 60, 0, 60])
-    assert series.mean() == pytest.approx((10 - 5) / 6 * 60)
-
-
-def test_a_missing_count_spreads_its_gain_over_the_time_that_passed(make_log: MakeLog) -> None:
-    log = make_log({"Distance Traveled": [0, NAN, 4, 5]})
-    series = metric_series(log, METRICS["DT"])
-    np.testing.assert_allclose(series.values, [NAN, NAN, 120, 60])
-    assert series.mean() == pytest.approx(5 / 3 * 60)
-
-
-def test_no_rate_reaches_from_one_episode_into_the_next(make_log: MakeLog) -> None:
-    log = make_log({"Total Collisions": [0, 1, 0, 3]}, stamps=[10, 11, 0, 1])
-    np.testing.assert_allclose(metric_series(log, METRICS["TC"]).values, [NAN, 60, NAN, 180])
+    series = metric_series(make_log({"Distance Traveled": counter}, stamps), METRICS["DT"])
+    np.testing.assert_allclose(series.values, rates)
+    assert series.mean() == pytest.approx(mean)
 
 
 def test_a_flag_becomes_percent_of_its_own_copy(make_log: MakeLog) -> None:
@@ -59,11 +54,16 @@ def test_a_mean_is_weighted_and_of_the_rows_asked_for() -> None:
     assert [list(part) for part in left.finite()] == [[0.0, 30.0], [2.0, 3.0]]
 
 
-def test_vort_is_the_velocity_of_rough_rows_only(make_log: MakeLog) -> None:
-    log = make_log({"Current Velocity": [1, 2, 3, 6], "Is Rough Terrain": [0, 1, NAN, 1]})
-    assert metric_series(log, METRICS["VORT"]).mean() == pytest.approx(4.0)
+def test_vort_is_the_velocity_of_rough_rows_unless_an_extended_log_says_it_itself(
+    make_log: MakeLog,
+) -> None:
+    columns = {"Current Velocity": [1, 2, 3, 6], "Is Rough Terrain": [0, 1, NAN, 1]}
+    log, own = make_log(columns), make_log({**columns, "VORT [m/s]": [0.5, NAN, 0.3, NAN]})
+    assert metric_series(log, METRICS["VORT"]).finite()[0].tolist() == [2.0, 6.0]
     assert metric_series(log, METRICS["CV"]).mean() == pytest.approx(3.0)
-    assert not make_log({"Current Velocity": [1, 2]}).has(METRICS["VORT"])
+    assert metric_series(own, METRICS["VORT"]).finite()[0].tolist() == [0.5, 0.3]
+    lacking = ({"Current Velocity": [1]}, {"Is Rough Terrain": [1]}, {"VORT [m/s]": [1]})
+    assert [make_log(each).has(METRICS["VORT"]) for each in lacking] == [False, False, True]
 
 
 def test_a_rate_per_metre_is_the_ratio_of_the_gains_and_needs_a_metre(make_log: MakeLog) -> None:
@@ -98,17 +98,6 @@ def test_episodes_begin_at_resets_gaps_and_falling_counters(
     assert list(episode_starts(np.array(stamps, float), [np.array(counter, float)])) == starts
 
 
-def test_an_extended_log_says_itself_what_the_velocity_over_rough_terrain_was(make_log: MakeLog) -> None:
-    columns = {
-        "Current Velocity": [9, 9, 9],
-        "Is Rough Terrain": [1, 1, 0],
-        "VORT [m/s]": [0.5, np.nan, 0.3],
-    }
-    series = metric_series(make_log(columns), METRICS["VORT"])
-    assert series.finite()[0].tolist() == [0.5, 0.3]
-    assert make_log({"VORT [m/s]": [0.5]}).has(METRICS["VORT"])
-
-
 def marked(values: list[float], multiplier: float = 1.5, kind: Kind = Kind.LEVEL) -> list[int]:
     series = Series(np.array(values, float), np.ones(len(values)))
     return np.flatnonzero(series.outliers(kind, multiplier)).tolist()
@@ -125,12 +114,8 @@ def test_an_outlier_lies_beyond_tukeys_fences(values: list[float], multiplier: f
     assert marked(values, multiplier) == (beyond if reach else [])
 
 
-@pytest.mark.parametrize(("multiplier", "expected"), [(0.5, []), (0.499, [0, 4])])
-def test_a_value_on_the_fence_is_inside(multiplier: float, expected: list[int]) -> None:
-    assert marked([0, 1, 2, 3, 4], multiplier) == expected
+def test_a_value_on_the_fence_flags_and_rare_events_are_no_outliers() -> None:
+    assert [marked([0, 1, 2, 3, 4], multiplier) for multiplier in (0.5, 0.499)] == [[], [0, 4]]
     assert DEFAULT_MULTIPLIER == 1.5  # Tukey's
-
-
-def test_neither_flags_nor_rare_events_are_outliers() -> None:
     assert marked([0, 100, 100, 100], 0.001, kind=Kind.FLAG) == []
     assert marked([0, 0, 0, 0, 0, 0, 0, 600], kind=Kind.COUNTER) == []

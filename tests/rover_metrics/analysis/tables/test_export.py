@@ -4,24 +4,14 @@ import csv
 from dataclasses import replace
 from pathlib import Path
 
-from rover_metrics.analysis.result import LogResult, Result
+from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.correlation import Correlation
-from rover_metrics.analysis.statistics.summary import Summary
 from rover_metrics.analysis.tables.export import write_csv
+from tests.support import results
 
-SPEED = Summary(60, 0.52, 21.4, 0.51, 0.08, 0.12, 0.93, (0.5, 0.54), None, 4)
-LOG = LogResult("=1+1", "x.csv", "a", 60, 59.0, 1, (), {"CV": SPEED}, {"CV": 1.75}, {"CV": 3}, ())
-RESULT = Result(
-    0.9,
-    outliers_removed=False,
-    iqr_multiplier=2.5,
-    unit="log",
-    groups=("a", "b"),
-    logs=(LOG,),
-    across={},
-    correlations=(),
-)
+LOG = replace(results.LOG, label="=1+1", group="a")
+RESULT = replace(results.RESULT, logs=(LOG,), groups=("a", "b"))
 
 
 def read(result: Result, folder: Path) -> dict[str, list[dict[str, str]]]:
@@ -51,8 +41,8 @@ def test_logs_are_one_row_a_metric_with_every_number(tmp_path: Path) -> None:
                 "maximum": "0.93",
                 "interval_low": "0.5",
                 "interval_high": "0.54",
-                "bootstrap_interval_low": "",
-                "bootstrap_interval_high": "",
+                "bootstrap_interval_low": "0.47",
+                "bootstrap_interval_high": "0.57",
                 "block_length": "4",
                 "outliers": "3",
                 "per_metre": "1.75",
@@ -67,22 +57,16 @@ def test_groups_comparisons_and_correlations_have_a_file_each(tmp_path: Path) ->
     result = replace(
         RESULT,
         logs=(LOG, LOG),
-        across={"a": {"CV": SPEED}},
+        across={"a": {"CV": replace(results.SPEED, bootstrap_interval=None)}},
         comparisons=(compared,),
         correlations=(pair,),
     )
     tables = read(result, tmp_path)
     assert list(tables) == ["logs.csv", "across.csv", "comparison.csv", "correlation.csv"]
-    assert tables["across.csv"][0]["group"] == "a"
-    comparison = tables["comparison.csv"][0]
-    assert [
-        comparison[name]
-        for name in ("code", "title", "n_first", "n_second", "means_first", "means_second")
-    ] == [*("CV", "Current velocity [m/s]", "3", "4", "0.1", "")]
-    assert [comparison[name] for name in ("interval_low", "interval_high", "paired", "p")] == [
-        "0.15",
-        "0.375",
-        "True",
-        "",
-    ]
+    across, comparison = tables["across.csv"][0], tables["comparison.csv"][0]
+    assert (across["group"], across["bootstrap_interval_low"]) == ("a", "")
+    names = ["code", "title", "n_first", "n_second", "means_first", "means_second"]
+    names += ["interval_low", "interval_high", "paired", "p"]
+    cells = ["CV", "Current velocity [m/s]", "3", "4", "0.1", "", "0.15", "0.375", "True", ""]
+    assert [comparison[name] for name in names] == cells
     assert tables["correlation.csv"][0]["rho"] == "0.3"

@@ -7,40 +7,17 @@ from dataclasses import replace
 import pytest
 from rich.console import Console, Group
 
-from rover_metrics.analysis.result import LogResult, Result
+from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.correlation import Correlation
 from rover_metrics.analysis.statistics.summary import Summary
 from rover_metrics.analysis.tables.sheets import number, probability
 from rover_metrics.analysis.tables.terminal import report
+from tests.support.results import LOG, RESULT, SPEED
 
-SPEED = Summary(60, 0.52, 21.4, 0.51, 0.08, 0.12, 0.93, (0.5, 0.54), (0.47, 0.57), 4)
 SHARE = Summary(60, 12.5, 9.0, interval=(6.0, 22.0))
-LOG = LogResult("[b]x", "x.csv", "all logs", 60, 59.0, 1, (), {"CV": SPEED}, {"CV": 1.75}, {"CV": 3}, ())
-RESULT = Result(
-    0.9,
-    outliers_removed=False,
-    iqr_multiplier=2.5,
-    unit="log",
-    groups=("all logs",),
-    logs=(LOG,),
-    across={},
-    correlations=(),
-)
-
-
 COMPARISON = Comparison(
-    "CV",
-    (3, 4),
-    (0.1, 0.35),
-    0.25,
-    (0.15, 0.375),
-    "exact permutation",
-    0.02,
-    0.03,
-    0.05,
-    1.234,
-    -0.5,
+    "CV", (3, 4), (0.1, 0.35), 0.25, (0.15, 0.375), "exact permutation", 0.02, 0.03, 0.05, 1.234, -0.5
 )
 
 
