@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -8,9 +9,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.config import EpisodeConfig
 from harness.drivers import sensed_by
-from harness.drivers.policy import BESIDE_LIDAR, Policy, write_policy
+from harness.drivers.policy import Policy, write_policy
 from harness.episode.episode import Episode
 from harness.errors import UsageError
 from harness.gym.point_nav import PointNavWeights
@@ -18,7 +18,7 @@ from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
 from harness.sensors.depth import DepthOptions
 from harness.sensors.ranging import RangeReading
 from harness.world.heightfield import Heightfield
-from tests.harness.gym.conftest import Make
+from tests.harness.gym.conftest import Make, MakeConfig
 
 ACTIONS = np.random.default_rng(3).uniform(-1.0, 1.0, (25, 2)).astype(np.float32)
 WEIGHTS = {"progress": 3.0, "reached": 7.0, "time": -0.5, "flipped": -9.0, "action_rate": -0.25}
@@ -222,17 +222,9 @@ def test_depth_is_what_mujocos_rays_meet_along_the_axis_of_a_camera_above_the_li
 
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
 def test_a_policy_drives_the_same_path_in_the_environment_and_as_driver(
-    make: Make, small: dict[str, Any], tmp_path: Path, robot: str
+    make: Make, config: MakeConfig, policy: Policy, tmp_path: Path, robot: str
 ) -> None:
-    rng, size = np.random.default_rng(1), BESIDE_LIDAR + small["lidar_beams"]
-    layers = tuple(
-        (
-            rng.normal(0.0, 0.2, shape).astype(np.float32),
-            rng.normal(0.0, 0.3, shape[1]).astype(np.float32),
-        )
-        for shape in ((size, 6), (6, 2))
-    )
-    path, policy, goal, seed = tmp_path / "small.npz", Policy(layers), (2.0, 1.0), 4
+    path, goal, seed = tmp_path / "small.npz", (2.0, 1.0), 4
     write_policy(path, policy)
     with pytest.raises(UsageError, match="made for other spaces: it takes 45 numbers, not 44"):
         policy.act({"lidar": np.zeros(44, np.float32)})
@@ -242,19 +234,10 @@ def test_a_policy_drives_the_same_path_in_the_environment_and_as_driver(
     for _ in range(15):
         seen, *_ = env.step(policy.act(seen))
         driven.append(env._ride.simulation.data.qpos.tolist())
-    config = EpisodeConfig(
-        terrain=small["terrain"],
-        terrain_size=(small["terrain_size"],) * 2,
-        robot=robot,
-        seed=seed,
-        duration=0.05 * 16,
-        noise="hardware",
-        lidar_beams=small["lidar_beams"],
-        driver=f"policy:{path}",
-        goals=((0.0, *goal, 0.0),),
-    )
-    episode = Episode(config)
+    run = config(robot=robot, seed=seed, duration=0.05 * 16, driver=f"policy:{path}")
+    run = replace(run, goals=((0.0, *goal, 0.0),))
+    episode = Episode(run)
     assert [episode.simulation.data.qpos.tolist() for _ in episode.batches()] == driven
     assert math.dist(driven[0][:2], driven[-1][:2]) > 0.02  # it does not just stand
-    plain = Episode(config, samples=sensed_by(config.driver))  # as a run without a log reads them
+    plain = Episode(run, samples=sensed_by(run.driver))  # as a run without a log reads them
     assert [plain.simulation.data.qpos.tolist() for _ in plain.batches()] == driven

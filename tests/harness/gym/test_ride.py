@@ -26,6 +26,7 @@ from harness.sim_time import NANOSECONDS
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
+from tests.harness.gym.conftest import MakeConfig
 
 START = 0.75, -0.5, 2.0
 FREE = -2.0, -1.0, 2.0
@@ -50,24 +51,14 @@ def flat_with_post() -> Course:
 
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
 def test_a_ride_reads_what_the_same_commands_of_an_episode_publish(
-    small: dict[str, Any], robot: str
+    config: MakeConfig, robot: str
 ) -> None:
-    size = small["terrain_size"], small["terrain_size"]
-    config = EpisodeConfig(
-        terrain=small["terrain"],
-        terrain_size=size,
-        robot=robot,
-        seed=3,
-        duration=0.05 * (1 + len(COMMANDS)),
-        driver="cmd_vel",
-        noise="hardware",
-        lidar_beams=64,
-        start=START,
-        commands=tuple((0.05 * (1 + n), *twist) for n, twist in enumerate(COMMANDS)),
-    )
+    run = config(robot=robot, seed=3, driver="cmd_vel", duration=0.05 * (1 + len(COMMANDS)))
+    ride = Ride(Course(run), START, PLAIN, run.seed)
+    commands = tuple((0.05 * n, *twist) for n, twist in enumerate(COMMANDS, 1))
+    episode = Episode(replace(run, start=START, commands=commands))
     published: dict[type, Any] = {}
-    ride = Ride(Course(replace(config, start=None)), START, PLAIN, config.seed)
-    for batch, command in zip(Episode(config).batches(), [*COMMANDS, (0.0, 0.0)], strict=True):
+    for batch, command in zip(episode.batches(), [*COMMANDS, (0.0, 0.0)], strict=True):
         published |= {type(sample): sample for tick in batch.ticks for sample in tick.samples}
         for kind in SENSED:
             assert repr(ride.readings[kind]) == repr(published[kind])
