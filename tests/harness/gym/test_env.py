@@ -320,8 +320,8 @@ def test_episodes_and_worlds_that_are_over_are_gone_at_once(make: Make) -> None:
 
 def test_what_worlds_from_files_leave_open_is_told_as_on_the_command_line() -> None:
     of_meshes = {"terrain_cell": 0.2, "mesh_unit": "cm", "mesh_up": "y", "rock_height": 0}
-    of_meshes |= {"resource_path": "models", "rock": "r*", "hazard": ["h", "i"]}
-    lists = {"resource_path": ("models",), "rock": ("r*",), "hazard": ("h", "i")}
+    of_meshes |= {"resource_path": "models", "rock": "r*", "hazard": "h*"}
+    lists = {"resource_path": ("models",), "rock": ("r*",), "hazard": ("h*",)}
     for file, given, told in (
         ("a.sdf", of_meshes, of_meshes | lists),
         ("a.npy", {"terrain_size": 12, "terrain_height": 2}, {"terrain_size": (12.0, 12.0)}),

@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 from unittest.mock import Mock
 
@@ -17,12 +18,13 @@ from harness.view.marks import add_marks
 from harness.world.heightfield import Heightfield
 from tests.harness.gym.conftest import Make
 
-GOAL = np.array([13, 199, 219])  # of GOAL_COLOR, 0..255
+QUICK = replace(picture.QUALITY, samples=0, shadow_map=256)  # without OpenGL's hardware a second each
 
 
 @pytest.fixture
 def drawing(make: Make, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
     monkeypatch.setattr("harness.physics.stage.SOIL_PIXELS", 64)  # the soil's grain takes a second
+    monkeypatch.setattr(picture, "QUALITY", QUICK)
     try:
         gl_context("a picture", 16, 16).free()
     except UsageError as error:
