@@ -187,7 +187,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             self._ladder.take(success=info["is_success"])
         if self.render_mode == "human":
             self.render()
-        terminated = bool(ending) and ending in self.terminal_endings
+        terminated = ending in self.terminal_endings
         info["ending"] = ending
         return self._fresh_observation(), reward, terminated, bool(ending) and not terminated, info
 

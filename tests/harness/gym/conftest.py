@@ -9,10 +9,13 @@ import numpy as np
 import pytest
 
 import harness.gym  # noqa: F401 - registers
+from harness.config import EpisodeConfig
+from harness.drivers.policy import BESIDE_LIDAR, Policy
 
 SIDE, VERTICES = 14.0, 57  # [m], a vertex every 25 cm
 
 Make = Callable[..., Any]
+MakeConfig = Callable[..., EpisodeConfig]
 
 
 @pytest.fixture(scope="session")
@@ -46,3 +49,19 @@ def make(small: dict[str, Any]) -> Make:
         return gymnasium.make(f"RoverHarness/{name}-v0", **{**small, **options}).unwrapped
 
     return made
+
+
+@pytest.fixture(scope="session")
+def config(small: dict[str, Any]) -> MakeConfig:
+    """Makes episodes of `harness.run` there, with noise."""
+    there = {name: small[name] for name in ("robot", "terrain", "lidar_beams")}
+    there |= {"terrain_size": (SIDE, SIDE), "noise": "hardware"}
+    return lambda **options: EpisodeConfig(**{**there, **options})
+
+
+@pytest.fixture(scope="session")
+def policy(small: dict[str, Any]) -> Policy:
+    """One of six hidden units that was never trained."""
+    rng, shapes = np.random.default_rng(1), ((BESIDE_LIDAR + small["lidar_beams"], 6), (6, 2))
+    weights = [(rng.normal(0.0, 0.2, shape), rng.normal(0.0, 0.3, shape[1])) for shape in shapes]
+    return Policy(tuple((w.astype(np.float32), b.astype(np.float32)) for w, b in weights))

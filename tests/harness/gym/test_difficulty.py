@@ -4,20 +4,10 @@ import pytest
 from harness.gym.difficulty import Ladder
 from harness.gym.options import Curriculum
 
-STEPS = Curriculum(step=0.3, window=4, success=0.75)
-
 
 def test_shares_of_a_curriculum_are_from_none_to_all() -> None:
     for share in (0.0, 1.0):
         Curriculum(step=share, success=share).check()
-
-
-def test_of_the_share_that_is_wanted_all_is_harder_and_half_is_not_yet_easier() -> None:
-    for successes, highest in ((2, 1.0), (1, 0.75), (0, 0.5)):  # of four, half are wanted
-        ladder = Ladder(Curriculum(step=0.25, window=4, success=0.5), (0.25, 1.0))
-        for success in [True] * 8 + [True] * successes + [False] * (4 - successes):
-            ladder.take(success=success)
-        assert ladder.highest == highest
 
 
 def test_without_a_curriculum_the_whole_range_is_drawn_from_whatever_succeeds() -> None:
@@ -29,18 +19,23 @@ def test_without_a_curriculum_the_whole_range_is_drawn_from_whatever_succeeds() 
 
 
 @pytest.mark.parametrize(
-    ("windows", "highest"),
+    ("share", "windows", "highest"),
     [
-        ([3], 0.5),  # three of four are enough
-        ([4, 4], 0.8),
-        ([4, 4, 4], 1.0),  # not beyond the range
-        ([4, 4, 2], 0.8),  # half of the wanted share is 1.5: it stays
-        ([4, 4, 1], 0.5),
-        ([0, 0], 0.2),  # not below it
+        (0.75, [3], 0.5),  # three of four are enough
+        (0.75, [4, 4], 0.8),
+        (0.75, [4, 4, 4], 0.9),  # not beyond the range
+        (0.75, [4, 4, 2], 0.8),  # half of the wanted share is 1.5: it stays
+        (0.75, [4, 4, 1], 0.5),
+        (0.75, [0, 0], 0.2),  # not below it
+        (0.5, [4, 2], 0.8),  # all that is wanted is harder
+        (0.5, [4, 4, 1], 0.8),  # half of it is not yet easier
+        (0.5, [4, 4, 0], 0.5),
     ],
 )
-def test_a_window_of_episodes_moves_the_upper_end(windows: list[int], highest: float) -> None:
-    ladder = Ladder(STEPS, (0.2, 1.0))
+def test_a_window_of_episodes_moves_the_upper_end(
+    share: float, windows: list[int], highest: float
+) -> None:
+    ladder = Ladder(Curriculum(step=0.3, window=4, success=share), (0.2, 0.9))
     for successes in windows:
         for episode in range(4):
             ladder.take(success=episode < successes)

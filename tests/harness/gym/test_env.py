@@ -15,14 +15,13 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.error import InvalidAction, ResetNeeded
-from gymnasium.utils.env_checker import check_env
 
 import harness.gym
 from harness.config import FILE_OPTIONS, EpisodeConfig
 from harness.errors import Diverged, RunFailed, UsageError
 from harness.gym import ENVIRONMENTS
 from harness.gym.env import RoverEnv
-from harness.gym.options import ONE_NUMBER, Curriculum, Options, Randomisation, parse_options
+from harness.gym.options import Curriculum, Options, Randomisation, parse_options
 from harness.samples import Twist
 from harness.sensors.depth import DepthOptions
 from harness.sim_time import NANOSECONDS
@@ -72,6 +71,10 @@ class Counted(RoverEnv[Options]):
         return 0.5 * self.steps, self.tell or failure, {"is_success": self.tell == "won"}
 
 
+def as_json(told: object) -> str:
+    return json.dumps(told, default=np.ndarray.tolist)
+
+
 class Bare:
     """An environment whose courses and rides have no physics."""
 
@@ -111,20 +114,14 @@ def test_worlds_come_from_the_seed_and_stay_for_their_episodes(monkeypatch: pyte
     assert worlds[:-1:2] == worlds[1::2]
     assert len({*worlds[::2]}) == len(worlds[::2]) == bare.course.call_count == 51
     assert worlds[0][1] == 5
-    made = [
-        (call.args[0].terrain, call.args[0].seed, call.args[0].difficulty)
-        for call in bare.course.mock_calls
-    ]
-    assert made == worlds[::2]
-    assert {call.args[1] for call in bare.course.mock_calls} == {Counted.camera}
+    configs, cameras = zip(*(call.args for call in bare.course.mock_calls), strict=True)
+    assert [(made.terrain, made.seed, made.difficulty) for made in configs] == worlds[::2]
+    assert {*cameras} == {Counted.camera}
     share = [terrain for terrain, _, _ in worlds[::2]].count("flat")
     assert 12 < share < 40
     assert len({tuple(worlds[n][0] for n in range(at, at + 20, 2)) for at in range(0, 80, 20)}) > 2
     difficulties = [difficulty for _, _, difficulty in worlds]
-    assert (min(difficulties), max(difficulties)) == (
-        pytest.approx(0.2, abs=0.03),
-        pytest.approx(0.6, abs=0.03),
-    )
+    assert [min(difficulties), max(difficulties)] == pytest.approx([0.2, 0.6], abs=0.03)
     noises = [ride.seed for ride in bare.rides]
     assert (noises[0], len({*noises})) == (5, len(noises))  # each episode has noise of its own
     assert 2**30 < max(noises) < 2**31
@@ -132,10 +129,7 @@ def test_worlds_come_from_the_seed_and_stay_for_their_episodes(monkeypatch: pyte
     again = Bare(monkeypatch, episodes_per_world=2, terrain=["flat", "gravel"], difficulty=(0.2, 0.6))
     for _ in range(2):  # a seed begins anew, wherever it comes
         for expected, seed in zip(infos[:3], (5, None, None), strict=True):
-            info = again.reset(seed)
-            assert {key: np.array(value).tolist() for key, value in info.items()} == {
-                key: np.array(value).tolist() for key, value in expected.items()
-            }
+            assert as_json(again.reset(seed)) == as_json(expected)
 
 
 def test_a_world_asked_for_by_any_of_its_properties_is_a_new_one(
@@ -160,25 +154,22 @@ def test_starts_and_goals_are_drawn_around_and_variations_are_told(
     drawn = bare.places.draw.call_args_list
     for info, ride, start, goal in zip(infos, bare.rides, drawn[::2], drawn[1::2], strict=True):
         assert start.args[1:] == ((0.0, 0.0), (0.0, math.inf), 3.5)
-        assert goal.args[1:] == (
-            (ride.start[0] + 0.125, ride.start[1]),
-            (1.0, 2.0),
-            3.5,
-        )  # where it came to
+        settled = ride.start[0] + 0.125, ride.start[1]
+        assert goal.args[1:] == (settled, (1.0, 2.0), 3.5)
         assert info["start"].tolist() == [*ride.start]
         assert ride.start[1] == info["goal"][1] == 1.0  # y, as it was drawn
         assert info["variation"] == vars(ride.variation)
-    payloads, yaws = (
-        [info["variation"]["payload"] for info in infos],
-        [ride.start[2] for ride in bare.rides],
-    )
-    assert (min(payloads), max(payloads)) == (pytest.approx(0.0, abs=0.2), pytest.approx(4.0, abs=0.2))
-    assert (min(yaws), max(yaws)) == (pytest.approx(-math.pi, abs=0.2), pytest.approx(math.pi, abs=0.2))
+    payloads = [info["variation"]["payload"] for info in infos]
+    yaws = [ride.start[2] for ride in bare.rides]
+    assert [min(payloads), max(payloads)] == pytest.approx([0.0, 4.0], abs=0.2)
+    assert [min(yaws), max(yaws)] == pytest.approx([-math.pi, math.pi], abs=0.2)
     assert bare.env.goal == tuple(infos[-1]["goal"])
     given: dict[str, Any] = {"start": [1, 2, 3], "goal": [4, 5]}
+    bare.places.draw.reset_mock()
     _, info = bare.env.reset(options=given)
     assert given == {"start": [1, 2, 3], "goal": [4, 5]}
     assert (bare.rides[-1].start, bare.env.goal) == ((1.0, 2.0, 3.0), (4.0, 5.0))
+    bare.places.draw.assert_not_called()
     still = Bare(monkeypatch, random_start=False)
     assert still.reset(0)["start"].tolist() == [7.0, 8.0, 9.0]  # where harness.run starts
 
@@ -216,19 +207,17 @@ def test_an_episode_has_the_steps_that_its_time_takes(
     for _ in range(2):
         bare.reset()
         told = [bare.env.step(AHEAD) for _ in range(steps)]
-        assert [(*step[2:4], step[4]["ending"]) for step in told[:-1]] == [(False, False, "")] * (
-            steps - 1
-        )
-        assert (*told[-1][2:4], told[-1][4]["ending"]) == (False, True, "time")
+        ends = [(*step[2:4], step[4]["ending"]) for step in told]
+        assert ends == [(False, False, "")] * (steps - 1) + [(False, True, "time")]
         assert [step[1] for step in told] == [0.5 * n for n in range(1, steps + 1)]
 
 
 def test_a_step_is_driven_read_and_judged_and_its_failure_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    bare = Bare(
-        monkeypatch, time_limit=0.1, difficulty=(0.0, 1.0), curriculum={"step": 0.5, "window": 1}
-    )
+    climbing = {"step": 0.5, "window": 1}
+    bare = Bare(monkeypatch, time_limit=0.1, difficulty=(0.0, 1.0), curriculum=climbing)
     env = bare.env
-    assert bare.reset(0)["difficulty"] == 0.0
+    seen, info = env.reset(seed=0)
+    assert (seen["count"].tolist(), info["difficulty"]) == ([1.0, 0.0], 0.0)
     assert env.step(np.array([0.5, -1.5], np.float32))[0]["count"].tolist() == [1.0, 1.0]
     assert bare.rides[-1].work.mock_calls == [call.command(Twist(0.5, -1.5)), call.drive(), call.read()]
     bare.reset()
@@ -284,25 +273,19 @@ def test_what_draws_is_closed_and_made_anew_and_a_window_shows_every_step(
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_gymnasiums_checker_has_nothing_to_say(make: Make, name: str) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        if name == "RoboTerrain":  # whose actions are metres a second and radians, as they are there
-            warnings.filterwarnings("ignore", ".*we recommend using a symmetric and normalized space")
-        check_env(make(name), skip_render_check=True)
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_stable_baselines3s_checker_has_nothing_to_say_either(make: Make, name: str) -> None:
+@pytest.mark.parametrize("checker", ["gymnasium.utils", "stable_baselines3.common"])
+def test_gymnasiums_checker_and_stable_baselines3s_have_nothing_to_say(
+    make: Make, checker: str, name: str
+) -> None:
     reason = "stable-baselines3 is not installed (examples/requirements-train.txt)"
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what its own imports say
-        checker = pytest.importorskip("stable_baselines3.common.env_checker", reason=reason)
+        check_env = pytest.importorskip(f"{checker}.env_checker", reason=reason).check_env
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        if name == "RoboTerrain":  # as above
-            warnings.filterwarnings("ignore", ".*We recommend you to use a symmetric and normalized")
-        checker.check_env(make(name), skip_render_check=True)
+        if name == "RoboTerrain":  # whose actions are metres a second and radians, as they are there
+            warnings.filterwarnings("ignore", "(?i).*we recommend .* a symmetric and normalized")
+        check_env(make(name), skip_render_check=True)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -311,12 +294,7 @@ def test_an_environment_survives_pickling_and_its_spec_a_file(small: dict[str, A
     assert env.spec is not None
     again = gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(env.spec.to_json()))
     seen = [e.reset(seed=4) for e in (env, again, pickle.loads(pickle.dumps(env.unwrapped)))]  # noqa: S301
-    assert json.dumps(seen[0], default=np.ndarray.tolist) == json.dumps(
-        seen[1], default=np.ndarray.tolist
-    )
-    assert json.dumps(seen[0], default=np.ndarray.tolist) == json.dumps(
-        seen[2], default=np.ndarray.tolist
-    )
+    assert as_json(seen[0]) == as_json(seen[1]) == as_json(seen[2])
     env.close()
     env.close()
 
@@ -340,23 +318,21 @@ def test_episodes_and_worlds_that_are_over_are_gone_at_once(make: Make) -> None:
     assert not found & {"harness", "mujoco", "numpy"}
 
 
-def test_one_number_is_the_size_or_height_of_a_map_or_a_range(make: Make) -> None:
-    options = make(terrain_size=12, terrain_height=2, goal_distance=3).options
-    assert options.goal_distance == (3.0, 3.0)
-    for terrain, size, height in ((options.terrain[0], (12.0, 12.0), 2.0), ("flat", None, None)):
-        config = options.episode(terrain, 0, 0.5)
-        assert (config.terrain_size, config.terrain_height) == (size, height)
-
-
 def test_what_worlds_from_files_leave_open_is_told_as_on_the_command_line() -> None:
-    given = {"terrain_cell": 0.2, "mesh_unit": "cm", "mesh_up": "y", "rock_height": 0}
-    given |= {"resource_path": "models", "rock": "r*", "hazard": ["h", "i"]}
-    options = parse_options(Options, {"terrain": ["a.sdf", "flat"], **given}, "here")
-    lists = {"resource_path": ("models",), "rock": ("r*",), "hazard": ("h", "i")}
-    config = options.episode("a.sdf", 0, 0.5)
-    assert {name: getattr(config, name) for name in given} == given | lists
-    assert options.episode("flat", 0, 0.5) == EpisodeConfig(terrain="flat")
-    assert set(FILE_OPTIONS) == {*given, "terrain_size", "terrain_height"}
+    of_meshes = {"terrain_cell": 0.2, "mesh_unit": "cm", "mesh_up": "y", "rock_height": 0}
+    of_meshes |= {"resource_path": "models", "rock": "r*", "hazard": "h*"}
+    lists = {"resource_path": ("models",), "rock": ("r*",), "hazard": ("h*",)}
+    for file, given, told in (
+        ("a.sdf", of_meshes, of_meshes | lists),
+        ("a.npy", {"terrain_size": 12, "terrain_height": 2}, {"terrain_size": (12.0, 12.0)}),
+        ("a.npy", {"terrain_size": (12, 10), "terrain_height": [2]}, {"terrain_size": (12.0, 10.0)}),
+    ):
+        options = parse_options(Options, {"terrain": [file, "flat"], **given}, "here")
+        known: dict[str, Any] = {**given, **told, "terrain": file, "seed": 3}
+        known |= {"terrain_height": 2.0} if file == "a.npy" else {}
+        assert options.episode(file, 3, 0.9) == EpisodeConfig(**known)  # it has no difficulty
+        assert options.episode("flat", 3, 0.9) == EpisodeConfig(terrain="flat", seed=3, difficulty=0.9)
+    assert set(FILE_OPTIONS) == {*of_meshes, "terrain_size", "terrain_height"}
     with pytest.raises(UsageError, match="mesh unit 'league' does not exist; available: m, "):
         parse_options(Options, {"terrain": "a.sdf", "mesh_unit": "league"}, "here")
 
@@ -398,58 +374,51 @@ def test_start_and_goal_can_be_given(make: Make) -> None:
     assert info["world_seed"] == 0  # no other world for another goal
 
 
+NOT_ABOVE_0 = "is not valid; give two numbers above 0, the lower first"
 WRONG_OPTIONS = [
     ({"terrain": "mars"}, "terrain 'mars' does not exist; available: flat, "),
+    ({"terrain": ["flat", "mars"]}, "terrain 'mars' does not exist; available: flat, "),
     ({"terrain": []}, "terrain [] is empty; name at least one"),
     ({"robot": "curiosity"}, "robot 'curiosity' does not exist"),
     ({"colour": 1}, "PointNavEnv: key 'colour' does not exist; valid: robot, terrain"),
     ({"difficulty": (0.8, 0.2)}, "difficulty 0.8 to 0.2 is not valid; give two numbers from 0 up"),
     ({"difficulty": 1.5}, "difficulty 1.5 is not valid; give 0 to 1"),
+    ({"difficulty": [0.5, 1.5]}, "difficulty 1.5 is not valid; give 0 to 1"),
     ({"difficulty": "hard"}, "difficulty = 'hard' is not valid; give a list of 2"),
     ({"noise": "loud"}, "noise preset 'loud' does not exist"),
-    (
-        {"randomisation": {"mass": (-1.0, 1.0)}},
-        "randomisation: mass -1 to 1 is not valid; give two numbers above 0",
-    ),
-    ({"randomisation": {"latency": (0.0, math.inf)}}, "latency 0 to inf is not valid"),
+    ({"randomisation": Randomisation}, "is not valid"),
     (
         {"randomisation": {"gravity": (1.0, 1.0)}},
-        "randomisation: key 'gravity' does not exist; valid: friction",
+        "randomisation: key 'gravity' does not exist; valid: f",
     ),
+    *(
+        ({"randomisation": {name: (low, 1.0)}}, f"randomisation: {name} {low:g} to 1 {message}")
+        for names, low, message in (
+            ("friction mass motor_strength", 0.0, NOT_ABOVE_0),
+            ("payload latency", -1.0, NOT_ABOVE_0.replace("above 0", "from 0 up")),
+        )
+        for name in names.split()
+    ),
+    ({"randomisation": {"latency": (0.0, math.inf)}}, "latency 0 to inf is not valid"),
     ({"curriculum": {"step": 2.0}}, "curriculum: step 2 is not valid; give 0 to 1"),
     ({"curriculum": {"window": 0}}, "curriculum: window 0 is not valid"),
     ({"curriculum": {"success": -0.5}}, "curriculum: success -0.5 is not valid; give 0 to 1"),
-    ({"difficulty": [0.5, 1.5]}, "difficulty 1.5 is not valid; give 0 to 1"),
-    ({"terrain": ["flat", "mars"]}, "terrain 'mars' does not exist; available: flat, "),
-    ({"depth": (4, 4, 4)}, "depth [4, 4, 4] is not valid; give width and height in pixels"),
     ({"hazard_budget": math.inf}, "hazard_budget inf is not valid; give a number above 0"),
-    ({"goal_radius": 0}, "goal_radius 0 is not valid; give a number above 0"),
-    ({"goal_radius": math.inf}, "goal_radius inf is not valid; give a number above 0"),
+    *(
+        ({"goal_radius": radius}, f"goal_radius {radius:g} is not valid; give a number above 0")
+        for radius in (-1.0, 0.0, math.inf)
+    ),
     *(
         ({name: [1.0, 2.0]}, f"{name} [1.0, 2.0] is not valid; give 1 at most")
         for name in ("terrain_height", "terrain_cell", "rock_height")
     ),
-    *(
-        (
-            {"randomisation": {name: (0.0, 1.0)}},
-            f"randomisation: {name} 0 to 1 is not valid; give two numbers above 0",
-        )
-        for name in ("friction", "mass", "motor_strength")
-    ),
-    *(
-        (
-            {"randomisation": {name: (-1.0, 1.0)}},
-            f"randomisation: {name} -1 to 1 is not valid; give two numbers from 0 up",
-        )
-        for name in ("payload", "latency")
-    ),
+    ({"terrain_size": [1.0, 2.0, 3.0]}, "terrain_size [1.0, 2.0, 3.0] is not valid; give 2 at most"),
     ({"episodes_per_world": 0}, "episodes_per_world 0 is not valid; give 1 or more"),
-    ({"goal_distance": 0}, "goal_distance 0 to 0 is not valid; give two numbers above 0"),
+    ({"goal_distance": 0}, f"goal_distance 0 to 0 {NOT_ABOVE_0}"),
     ({"time_limit": 0.003}, "duration 0.003 s is not valid"),
     ({"depth": (4,)}, "depth [4] is not valid; give width and height in pixels"),
+    ({"depth": (4, 4, 4)}, "depth [4, 4, 4] is not valid; give width and height in pixels"),
     ({"depth": (0, 4)}, "an image of 0 x 4 pixels is not valid; give 1 or more"),
-    ({"goal_radius": -1.0}, "goal_radius -1 is not valid; give a number above 0"),
-    ({"terrain_size": [1.0, 2.0, 3.0]}, "terrain_size [1.0, 2.0, 3.0] is not valid; give 2 at most"),
     ({"render_mode": ""}, "render_mode '' does not exist; available: rgb_array, human"),
     ({"render_mode": "ascii"}, "render_mode 'ascii' does not exist; available: rgb_array, human"),
 ]
@@ -461,30 +430,16 @@ def test_limits_themselves_are_valid_and_given_as_json_has_them() -> None:
         "goal_distance": [2, 2],
         "randomisation": {"payload": [0, 0], "latency": [0.0, 0.0], "mass": [1e-3, 1e-3]},
         "curriculum": Curriculum(step=1.0, window=1, success=0.0),
-        "terrain": "a.npy",
-        "terrain_size": (12, 10),
-        "noise": "hardware",
-        "robot": "rover_zero4wd",
-        "lidar_beams": 64,
     }
-    options = parse_options(Options, given, "here")
+    of_runs: dict[str, Any] = {"noise": "hardware", "robot": "rover_zero4wd", "lidar_beams": 64}
+    options = parse_options(Options, given | of_runs, "here")
     assert (options.difficulty, options.goal_distance) == ((1.0, 1.0), (2.0, 2.0))
+    assert parse_options(Options, {"goal_distance": 2}, "here").goal_distance == (2.0, 2.0)
     assert options.randomisation == Randomisation(payload=(0.0, 0.0), mass=(1e-3, 1e-3))
     assert options.curriculum == given["curriculum"]
-    assert options.episode("a.npy", 3, 0.9) == EpisodeConfig(  # a file has no difficulty
-        terrain="a.npy",
-        terrain_size=(12.0, 10.0),
-        noise="hardware",
-        robot="rover_zero4wd",
-        lidar_beams=64,
-        seed=3,
-    )
     assert options.episode("flat", 3, 0.9) == EpisodeConfig(
-        terrain="flat", difficulty=0.9, noise="hardware", robot="rover_zero4wd", lidar_beams=64, seed=3
+        terrain="flat", seed=3, difficulty=0.9, **of_runs
     )
-    for name in ("terrain_height", "terrain_cell", "rock_height", "resource_path", "rock", "hazard"):
-        value: object = 0.5 if name in ONE_NUMBER else "x"
-        assert getattr(parse_options(Options, {name: value}, "here"), name) == (value,)
 
 
 @pytest.mark.parametrize(("options", "message"), WRONG_OPTIONS)

@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 from unittest.mock import Mock
 
@@ -17,12 +18,13 @@ from harness.view.marks import add_marks
 from harness.world.heightfield import Heightfield
 from tests.harness.gym.conftest import Make
 
-GOAL = np.array([13, 199, 219])  # of GOAL_COLOR, 0..255
+QUICK = replace(picture.QUALITY, samples=0, shadow_map=256)  # without OpenGL's hardware a second each
 
 
 @pytest.fixture
 def drawing(make: Make, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
     monkeypatch.setattr("harness.physics.stage.SOIL_PIXELS", 64)  # the soil's grain takes a second
+    monkeypatch.setattr(picture, "QUALITY", QUICK)
     try:
         gl_context("a picture", 16, 16).free()
     except UsageError as error:
@@ -58,15 +60,10 @@ def test_an_image_shows_the_rover_in_the_middle_and_the_goal(
     assert position.tolist() == env._shown.qpos[:3].tolist()
     assert lit.call_args.args[1:] == (position, chase_view(position, yaw).azimuth)
     (_, (post,), _), _ = marked.call_args
-    above, down, model = (
-        np.array([0.5, 4.0, 3.0]),
-        np.array([0.0, 0.0, -1.0]),
-        env._ride.simulation.model,
-    )
+    above, down, model = np.array([0.5, 4.0, 3.0]), np.array([0.0, 0.0, -1.0]), env._course.scene.model
     depth = mujoco.mj_ray(model, env._shown, above, down, None, 1, -1, np.zeros(1, np.int32), None)
-    assert post.position == pytest.approx(
-        [0.5, 4.0, 3.0 - depth + 0.6], abs=1e-6
-    )  # it stands on the ground
+    on_the_ground = [0.5, 4.0, 3.0 - depth + 0.6]
+    assert post.position == pytest.approx(on_the_ground, abs=1e-6)
     env.reset(options={"goal": (-6.0, 0.0)})  # behind the camera
     assert not is_blueish(env.render()).any()
     env.close()

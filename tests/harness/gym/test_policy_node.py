@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
 
-import numpy as np
 import pytest
 
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
@@ -17,14 +16,13 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, LaserScan
 
 from harness import samples
-from harness.config import EpisodeConfig
-from harness.drivers.policy import BESIDE_LIDAR, Policy, write_policy
+from harness.drivers.policy import Policy, write_policy
 from harness.gym import policy_node
 from harness.gym.policy_node import PolicyNode, main
 from harness.robots import find_rover
 from harness.testing import Trial
 from rover_metrics.ros.guarded_node import GuardedNode
-from tests.harness.gym.conftest import Make
+from tests.harness.gym.conftest import Make, MakeConfig
 
 GOAL, PERIODS = (2.0, 1.0), 16
 STAMP_NS = 3_250_000_000
@@ -57,7 +55,7 @@ class Heard:
         messages["odometry/wheels"] = Odometry()
         for message in messages.values():
             message.header.stamp.sec, message.header.stamp.nanosec = divmod(ns, 10**9)
-        messages["scan"].ranges = [1.5, math.inf, -math.inf, 2.5][:beams]
+        messages["scan"].ranges = [1.5, math.inf, -math.inf, 2.5, 3.5][:beams]
         imu = messages["imu/data"]
         imu.angular_velocity.x, imu.angular_velocity.y, imu.angular_velocity.z = 0.1, 0.2, 0.3
         force = imu.linear_acceleration
@@ -128,45 +126,32 @@ def test_each_scan_is_answered_once_and_none_without_a_goal_or_a_reading(
     assert asked.call_count == 0
     heard.goal(3.0, -4.0)
     heard.goal(math.nan, 1.0)
-    for ns in (STAMP_NS, STAMP_NS, STAMP_NS + 50_000_000, 50_000_000):  # the last of the next run
+    scans = (STAMP_NS, 1), (STAMP_NS, 0), (STAMP_NS + 50_000_000, 1), (50_000_000, 1)  # a run, another
+    for ns, answers in scans:
+        asked.reset_mock()
         heard.hear(ns=ns)
-    assert [call.args[1] for call in asked.call_args_list] == [(3.0, -4.0)] * 3
+        assert [call.args[1] for call in asked.call_args_list] == [(3.0, -4.0)] * answers
     assert heard.sent.publish.call_count == 3
     assert not heard.log.error.called
-    heard.hear(ns=STAMP_NS + 10**8, beams=3)
-    assert asked.call_count == 3  # the last scan that it can read was answered
-    (told,), limits = heard.log.error.call_args
-    assert told == "the policy is for 4 beams, /scan has 3: no answer"
-    assert limits == {"throttle_duration_sec": 5.0}
+    for beams in (3, 5):
+        heard.hear(ns=STAMP_NS + 10**8, beams=beams)
+        assert asked.call_count == 1  # the last scan that it can read was answered
+        told = f"the policy is for 4 beams, /scan has {beams}: no answer"
+        heard.log.error.assert_called_with(told, throttle_duration_sec=5.0)
 
 
 def test_through_dds_the_node_drives_the_path_of_the_environment(
-    make: Make, small: dict[str, Any]
+    make: Make, config: MakeConfig, policy: Policy
 ) -> None:
-    rng, size = np.random.default_rng(1), BESIDE_LIDAR + small["lidar_beams"]
-    layers = tuple(
-        (rng.normal(0.0, 0.2, shape).astype("f4"), rng.normal(0.0, 0.3, shape[1]).astype("f4"))
-        for shape in ((size, 6), (6, 2))
-    )
-    policy = Policy(layers)
     env = make(noise="hardware", random_start=False)
     seen, _ = env.reset(seed=4, options={"goal": GOAL})
     driven = []
     for _ in range(PERIODS):
         seen, *_ = env.step(policy.act(seen))
         driven.append(env._ride.simulation.position)
-    config = EpisodeConfig(
-        terrain=small["terrain"],
-        terrain_size=(small["terrain_size"],) * 2,
-        robot=small["robot"],
-        seed=4,
-        duration=2.0,
-        noise="hardware",
-        lidar_beams=small["lidar_beams"],
-        driver="cmd_vel",
-    )
-    with Trial(config) as trial:
-        node = trial.host(lambda: PolicyNode(policy, find_rover(small["robot"]), GOAL))
+    run = config(seed=4, duration=2.0, driver="cmd_vel")
+    with Trial(run) as trial:
+        node = trial.host(lambda: PolicyNode(policy, find_rover(run.robot), GOAL))
         assert node.get_fully_qualified_name() == "/policy"
         poses = trial.collect(PoseArray, "rover/pose_array")
         trial.step(0.05 * (1 + PERIODS))
@@ -198,13 +183,13 @@ def test_through_dds_the_node_drives_the_path_of_the_environment(
 def test_what_is_not_valid_is_told_in_a_line(
     words: list[str],
     told: str,
+    policy: Policy,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    layer = np.zeros((BESIDE_LIDAR + 8, 2), np.float32), np.zeros(2, np.float32)
-    write_policy(Path("small.npz"), Policy((layer,)))
+    write_policy(Path("small.npz"), policy)
     try:
         code: object = main(words)
     except SystemExit as ended:  # argparse's way
@@ -217,19 +202,18 @@ def test_what_is_not_valid_is_told_in_a_line(
 
 @pytest.mark.parametrize("end", [None, KeyboardInterrupt, ExternalShutdownException])
 def test_it_drives_the_rover_to_the_goal_that_it_is_told_until_it_is_stopped(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, end: type[BaseException] | None
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, policy: Policy, end: type[BaseException] | None
 ) -> None:
     node, spin, init = Mock(), Mock(side_effect=end), Mock(return_value=nullcontext())
     monkeypatch.setattr(policy_node, "PolicyNode", node)
     monkeypatch.setattr(policy_node, "rclpy", Mock(init=init, spin=spin))
-    layer = np.zeros((BESIDE_LIDAR + 8, 2), np.float32), np.zeros(2, np.float32)
-    write_policy(tmp_path / "small.npz", Policy((layer,)))
+    write_policy(tmp_path / "small.npz", policy)
     ros_args = ["--ros-args", "-p", "use_sim_time:=true"]
     words = [str(tmp_path / "small.npz"), "--goal", "3,-1", "--robot", "rover_zero4wd", *ros_args]
     assert main(words) == 0
     init.assert_called_once_with(args=ros_args)
-    policy, rover, goal = node.call_args.args
-    assert (policy.beams, rover, goal) == (8, find_rover("rover_zero4wd"), (3.0, -1.0))
+    read, *told = node.call_args.args
+    assert (read.beams, *told) == (policy.beams, find_rover("rover_zero4wd"), (3.0, -1.0))
     spin.assert_called_once_with(node.return_value)
     monkeypatch.setattr("sys.argv", ["policy_node", *words[:1]])
     assert main() == 0
