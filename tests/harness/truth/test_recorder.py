@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from harness.physics.contacts import Touch
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS
-from harness.samples import ContactKind, TruthState
+from harness.samples import TruthState
 from harness.truth.recorder import TruthRecorder
 from harness.truth.traversal import ContactEvent, Truth
 from harness.truth.wheels import WheelMotion
@@ -210,42 +210,6 @@ def test_upside_down_is_180_degrees_even_if_rounding_says_more(
     stand_in.pose[3:] = 0.0, x, y, 0.0
     recorder.observe()
     assert recorder.truth().largest_tilt == math.pi
-
-
-def test_a_state_tells_the_path_so_far_the_forward_speed_and_what_was_touched(
-    recorder: TruthRecorder, stand_in: StandIn
-) -> None:
-    for position in ((3.0, 4.0, 0.0), (3.0, 4.0, 12.0), (0.0, 0.0, 0.0)):
-        stand_in.position, stand_in.velocity = position, (0.4, 0.1, -0.2)
-        recorder.observe()
-    state = recorder.state()
-    assert (state.path_length, state.speed) == (5.0 + 12.0 + 13.0, 0.4)
-    assert (state.hazard_contact, state.rock_contact, state.scrape) == (False, False, False)
-    assert state.contact_force == 0.0
-    touch = Touch(5.0, 1, 2, [0.0] * 3, [0.0] * 3 + [1.0] + [0.0] * 3)
-    stand_in.contacts.strongest = {"rock": touch, "scrape": touch}
-    recorder.observe()
-    state = recorder.state()
-    assert (state.hazard_contact, state.rock_contact, state.scrape) == (False, True, True)
-    assert state.contact_force == 0.0, "that of a hazard"
-
-
-def test_each_kind_of_contact_is_counted_by_itself(recorder: TruthRecorder, stand_in: StandIn) -> None:
-    touch = Touch(5.0, 1, 2, [0.0] * 3, [0.0] * 3 + [1.0] + [0.0] * 3)
-    kinds: tuple[ContactKind, ...] = ("hazard", "rock", "rock", "scrape", "scrape", "scrape")
-    for place, kind in enumerate(kinds, start=1):
-        for tick in range(place):
-            stand_in.time_ns = 1_000_000_000 * place + tick * TICK_NS
-            stand_in.contacts.strongest = {kind: touch}
-            recorder.observe()
-        state = recorder.state() if place in (1, 6) else None
-        if state is not None:
-            assert (state.hazard_contact, state.scrape) == (place == 1, place == 6)
-            assert state.contact_force == (5.0 if place == 1 else 0.0)
-    truth = recorder.truth()
-    assert (truth.hazard_contacts, truth.rock_contacts, truth.scrapes) == (1, 2, 3)
-    seconds = (truth.hazard_contact_s, truth.rock_contact_s, truth.scrape_s)
-    assert seconds == pytest.approx((0.01, 0.02 + 0.03, 0.04 + 0.05 + 0.06))
 
 
 def test_the_way_back_to_the_start_is_no_path_and_ends_every_contact(
