@@ -34,7 +34,7 @@ RUN: Any = {
 }
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def ticks() -> tuple[Tick, ...]:
     """Of one second with a barometer that says 7 from 0.5 s on, and never anything in between."""
     config = EpisodeConfig(**RUN)
