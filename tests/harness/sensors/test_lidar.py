@@ -208,19 +208,6 @@ def test_scan_runs_counter_clockwise_from_ahead() -> None:
     assert np.nanargmin(ranges) == 90  # 90 degrees to the left
 
 
-def test_moved_obstacle_is_seen_where_it_is_now() -> None:
-    world = terrain_spec(np.zeros((3, 3)), 10.0)
-    add_rover(world, 0.5)
-    walker = world.worldbody.add_body(name="walker", mocap=True, pos=[3.0, 0.0, 0.5])
-    walker.add_geom(type=BOX, size=[0.5] * 3, group=1)
-    model, data = compiled(world)
-    lidar = Lidar(model, LidarSpec())
-    assert lidar.scan(data)[0] == pytest.approx(2.5)
-    data.mocap_pos[0, 0] = 5.0
-    mujoco.mj_kinematics(model, data)
-    assert lidar.scan(data)[0] == pytest.approx(4.5)
-
-
 def test_scans_are_arrays_of_their_own_and_repeat_to_the_bit() -> None:
     model, data = flat_scene((2.0, 0.5, 1.0))
     lidar = Lidar(model, LidarSpec())

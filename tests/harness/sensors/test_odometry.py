@@ -87,23 +87,6 @@ def test_an_arc_is_a_polygon_in_the_circle_whose_sides_leave_at_half_the_turn(
     assert (reading.twist.linear, reading.twist.angular) == expected
 
 
-@BOTH
-def test_a_hundred_revolutions_are_a_hundred_circumferences_in_steps_of_any_size(
-    rover: RoverSpec, bench: MakeBench
-) -> None:
-    rig = bench(rover)
-    total = 100 * rig.resolution
-    done, step = 0.0, 0.4
-    while done < total:
-        step = min(1.7 * step, 333.3, total - done)
-        done += step
-        rig.turn_by(*[step] * 4)
-        reading = rig.odometry.read()
-    assert pose(reading) == pytest.approx((100 * math.tau * rig.radius, 0.0, 0.0), abs=rig.count)
-    rig.turn_by(*[-total] * 4)
-    assert pose(rig.odometry.read()) == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
-
-
 def test_an_encoder_counts_what_is_full_and_below_zero_downwards(bench: MakeBench) -> None:
     rig = bench(LEO)
     for angle, count in [(0.001, 0), (0.999, 0), (1.001, 1), (-0.001, -1), (-0.999, -1), (-1.001, -2)]:

@@ -274,26 +274,18 @@ def path_lengths(drive: Drive) -> list[float]:
     return lengths
 
 
-def test_path_and_place_are_those_of_the_model_frame(drive: Drive) -> None:
-    assert drive.truth.time_ns == drive.ticks[-1].end_ns == 250 * TICK_NS
-    assert drive.truth.path_length == pytest.approx(path_lengths(drive)[-1])
-    assert drive.truth.position == pytest.approx(drive.ticks[-1].position)
-
-
-def test_seconds_in_contact_are_the_ticks_with_a_contact_of_that_kind(drive: Drive) -> None:
-    truth = drive.truth
+def test_the_totals_are_those_of_the_whole_drive(drive: Drive) -> None:
+    truth, tilts = drive.truth, [tick.tilt for tick in drive.ticks]
+    assert truth.time_ns == drive.ticks[-1].end_ns == 250 * TICK_NS
+    assert truth.path_length == pytest.approx(path_lengths(drive)[-1])
+    assert truth.position == pytest.approx(drive.ticks[-1].position)
+    assert max(tilts) > max(tilts[-20:]) + 0.1
+    assert (truth.largest_tilt, truth.tipped_over) == (pytest.approx(max(tilts), abs=1e-6), True)
     told = (truth.hazard_contact_s, truth.rock_contact_s, truth.scrape_s)
     counted = [sum(bool(tick.touches[kind]) for tick in drive.ticks) for kind in KINDS]
     assert min(counted) > 5
     assert len(set(counted)) == 3
     assert told == pytest.approx([0.01 * count for count in counted])
-
-
-def test_the_largest_tilt_is_that_of_the_whole_drive(drive: Drive) -> None:
-    tilts = [tick.tilt for tick in drive.ticks]
-    assert max(tilts) > max(tilts[-20:]) + 0.1
-    assert drive.truth.largest_tilt == pytest.approx(max(tilts), abs=1e-6)
-    assert drive.truth.tipped_over
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -308,7 +300,7 @@ def test_an_event_lasts_from_its_first_contact_to_its_last_and_names_the_stronge
         else:
             expected.append([tick])
     told = sorted((e for e in drive.events if e.kind == kind), key=lambda event: event.start_ns)
-    assert len(told) == len(expected)
+    assert len(told) == len(expected) == {"hazard": 2}.get(kind, len(expected)) > 0
     truth = drive.truth
     begun = dict(zip(KINDS, (truth.hazard_contacts, truth.rock_contacts, truth.scrapes), strict=True))
     assert begun[kind] == len(expected)
@@ -318,12 +310,6 @@ def test_an_event_lasts_from_its_first_contact_to_its_last_and_names_the_stronge
         assert event.force == pytest.approx(strongest.force)
         assert (event.part, event.other) == (strongest.part, strongest.other)
         assert event.point == pytest.approx(strongest.point, abs=1e-9)
-
-
-def test_the_wall_was_hit_twice(drive: Drive) -> None:
-    hits = [event for event in drive.events if event.kind == "hazard"]
-    assert [event.other for event in hits] == ["hazard_0", "hazard_0"]
-    assert all(event.point[0] > 0.2 for event in hits), "the front of the rover"
 
 
 def test_each_state_tells_of_its_own_fifty_milliseconds(drive: Drive) -> None:
