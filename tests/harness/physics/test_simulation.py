@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -224,7 +225,9 @@ def test_a_rover_is_given_five_seconds_to_settle_and_is_held_after_one(
 
 
 @pytest.mark.parametrize("robot", ROVERS)
-def test_a_rover_that_is_put_elsewhere_stands_there_on_the_ground_with_its_heading(robot: str) -> None:
+def test_a_rover_that_is_put_elsewhere_stands_there_on_the_ground_with_its_heading(
+    robot: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     world = EpisodeConfig(terrain="rolling", seed=2).world()
     simulation = Simulation(build_scene(world, ROVERS[robot], 0.0025), 2_500_000)
     rest = simulation.position[2] - world.ground.height_at(*simulation.position[:2])
@@ -233,11 +236,11 @@ def test_a_rover_that_is_put_elsewhere_stands_there_on_the_ground_with_its_headi
         simulation.tick()
     steps, settle, fast = simulation.step_count, simulation.physics.settle, []
 
-    def settling(rovers: object) -> None:
+    def settling(rovers: Any) -> None:  # noqa: ANN401 - as it was asked for
         fast.append(simulation.data.qvel.any())
-        settle(rovers)  # type: ignore[arg-type]  # as it was asked for
+        settle(rovers)
 
-    simulation.physics.settle = settling  # type: ignore[method-assign]
+    monkeypatch.setattr(simulation.physics, "settle", settling)
     simulation.put(3.0, -4.0, 2.0)
     assert fast == [False], "it is let down from rest"
     x, y, z = simulation.position

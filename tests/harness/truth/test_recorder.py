@@ -280,7 +280,8 @@ def test_the_totals_are_those_of_the_whole_drive(drive: Drive) -> None:
     assert truth.path_length == pytest.approx(path_lengths(drive)[-1])
     assert truth.position == pytest.approx(drive.ticks[-1].position)
     assert max(tilts) > max(tilts[-20:]) + 0.1
-    assert (truth.largest_tilt, truth.tipped_over) == (pytest.approx(max(tilts), abs=1e-6), True)
+    assert truth.largest_tilt == pytest.approx(max(tilts), abs=1e-6)
+    assert truth.tipped_over
     told = (truth.hazard_contact_s, truth.rock_contact_s, truth.scrape_s)
     counted = [sum(bool(tick.touches[kind]) for tick in drive.ticks) for kind in KINDS]
     assert min(counted) > 5
