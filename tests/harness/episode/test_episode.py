@@ -12,6 +12,7 @@ from harness.config import EpisodeConfig
 from harness.drivers import Observation
 from harness.episode.episode import Episode, goal_course, installed
 from harness.errors import RunFailed, UsageError
+from harness.frames.options import FrameOptions
 from harness.robots import ROVERS, RoverSpec
 from harness.samples import (
     ActorPoses,
@@ -24,9 +25,11 @@ from harness.samples import (
     Pose,
     Sample,
     Tick,
+    Transforms,
     TruthState,
     Twist,
 )
+from harness.sensors.barometer import Pressure
 from harness.sensors.gnss import GnssOptions
 from harness.sensors.noise import HARDWARE
 from harness.world.obstacles import ObstacleKind
@@ -115,7 +118,6 @@ def test_cmd_vel_driver_stands_until_commanded_and_from_the_timeout_on(
     timeout: float | None, shortest: float, longest: float
 ) -> None:
     episode = Episode(config(driver="cmd_vel", duration=3.0, cmd_vel_timeout=timeout))
-    assert episode.description is None
     path = []
     for index, batch in enumerate(episode.batches()):
         path.append(batch.truth.path_length)
@@ -392,6 +394,17 @@ def test_what_drivers_want_is_made_drivable_and_commands_are_taken_as_they_are(
     assert [(twist.angular, rover) for twist, rover in asked] == [(0.0, LEO)]
 
 
+@pytest.mark.parametrize("sensors", [(), ("barometer",)])
+@pytest.mark.parametrize("frames", [None, FrameOptions()])
+def test_optional_sensors_and_transforms_are_among_the_samples_where_they_are_asked_for(
+    sensors: tuple[str, ...], frames: FrameOptions | None
+) -> None:
+    episode = Episode(config(sensors=sensors, duration=0.1), frames)
+    told = {type(s) for batch in episode.batches() for tick in batch.ticks for s in tick.samples}
+    assert (Pressure in told, Transforms in told) == (bool(sensors), frames is not None)
+    assert (episode.description is None) == (frames is None)
+
+
 def test_people_are_told_of_only_where_somebody_wants_to_know() -> None:
     told = config(actors=("g=3,0/3,4",), duration=0.1)
     for wanted, expected in ((None, True), ({ActorPoses}, True), ({Imu}, False)):
@@ -480,6 +493,7 @@ def test_invalid_value_is_refused_with_what_is_valid(changes: dict[str, object],
     if "off the map" in message:  # is told before anything is built
         with pytest.raises(UsageError, match=message):
             config(**changes).check_world()
+    config(terrain="posts", driver="ram").check_world()
 
 
 def test_the_wheels_get_faster_from_tick_to_tick_as_the_controller_of_the_rover_lets_them() -> None:

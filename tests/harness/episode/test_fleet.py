@@ -114,7 +114,9 @@ def test_where_there_is_no_room_the_mend_names_the_rover(monkeypatch: pytest.Mon
 def test_a_rover_whose_place_is_taken_is_put_beside_who_stands_there() -> None:
     """The other stands on; people walk on; both are seen to touch nothing."""
     shared = replace(FLAT, duration=0.3, lidar_beams=2, driver="straight", actors=("g=9,0/9,4",))
-    one, other = fleet_of(fleet_of_words(("leo:a", "rover_zero4wd:b,x=3,y=0,driver=spin"), shared))
+    one, other = fleet_of(
+        fleet_of_words(("leo:a,x=-2,y=3", "rover_zero4wd:b,x=3,y=0,driver=spin"), shared)
+    )
     batches = together((one, other))
     next(batches)
     there = one.simulation.position
