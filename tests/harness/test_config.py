@@ -29,40 +29,26 @@ def test_the_process_that_publishes_an_episode_loads_neither_mujoco_nor_compiled
 
 
 def test_the_defaults_are_those_of_the_command_line() -> None:
-    assert EpisodeConfig() == EpisodeConfig(
-        terrain="rocky",
-        robot="leo",
-        seed=0,
-        duration=60.0,
-        driver="wander",
-        difficulty=0.5,
-        terrain_size=None,
-        terrain_height=None,
-        datum=(38.4064, -110.7919, 1382.0),
-        terrain_cell=None,
-        resource_path=(),
-        mesh_unit="",
-        mesh_up="",
-        rock_height=None,
-        rock=(),
-        hazard=(),
-        start=None,
-        timestep=0.0025,
-        noise=None,
-        lidar_beams=640,
-        imu_rate=20,
-        sensors=None,
-        cmd_vel_timeout=None,
-        faults=(),
-        commands=(),
-        goal_area=None,
-        actors=(),
-        goals=(),
-        resets=(),
-        name="",
-        number=0,
-        world_robot="",
-    )
+    untold = "terrain_size terrain_height terrain_cell rock_height start noise sensors cmd_vel_timeout"
+    empty = "resource_path rock hazard faults commands actors goals resets"
+    expected = dict.fromkeys([*untold.split(), "goal_area"], None) | dict.fromkeys(empty.split(), ())
+    assert asdict(EpisodeConfig()) == expected | {
+        "terrain": "rocky",
+        "robot": "leo",
+        "seed": 0,
+        "duration": 60.0,
+        "driver": "wander",
+        "difficulty": 0.5,
+        "datum": (38.4064, -110.7919, 1382.0),
+        "mesh_unit": "",
+        "mesh_up": "",
+        "timestep": 0.0025,
+        "lidar_beams": 640,
+        "imu_rate": 20,
+        "name": "",
+        "number": 0,
+        "world_robot": "",
+    }
     assert RosOptions(log_dir=Path()) == RosOptions(
         log_dir=Path(),
         host_metrics=True,
@@ -148,7 +134,6 @@ def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object
         ({"difficulty": -1e-9}, "difficulty -1e-09 is not valid; give 0 to 1"),
         ({"difficulty": 1.001}, "difficulty 1.001 is not valid; give 0 to 1"),
         ({"difficulty": math.nan}, "difficulty nan is not valid; give 0 to 1"),
-        ({"difficulty": math.inf}, "difficulty inf is not valid; give 0 to 1"),
         ({"lidar_beams": 1}, "1 lidar beams are not valid; give 2 to 100000"),
         ({"lidar_beams": 100_001}, "100001 lidar beams are not valid; give 2 to 100000"),
         ({"imu_rate": 0}, "rate 0 Hz does not divide"),
@@ -163,15 +148,11 @@ def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object
             {"cmd_vel_timeout": 1.0},
             "--cmd-vel-timeout is for --driver cmd_vel only; other drivers go on",
         ),
-        ({"noise": "loud"}, "'loud' does not exist; available: white, hardware, gazebo"),
         ({"noise": ""}, "'' does not exist; available: white, hardware, gazebo"),
         ({"faults": ("imu:gone",)}, "gone"),
         ({"start": (0.0, math.nan, 0.0)}, "start 0,nan,0 is not valid; give x and y in metres"),
-        ({"start": (0.0, 0.0, 90.0)}, "start 0,0,90 is not valid"),
-        ({"start": (0.0, 0.0)}, "start 0,0 is not valid"),
         ({"datum": (90.0, 0.0, 0.0)}, "datum: latitude 90 is not valid; give -89.9 to 89.9 degrees"),
         ({"actors": ("walker",)}, "actor 'walker' is not valid; give [NAME=]FILE"),
-        ({"actors": ("a=1,2", "a=3,4")}, "two actors are called 'a'"),
         (
             {"goal_area": (0.0, 1.0, 0.0, 1.0)},
             "a goal area gives goals by itself: it needs driver 'goal' or a policy",
@@ -191,19 +172,6 @@ def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object
             "a terrain from a file has no difficulty; leave out --difficulty",
         ),
         ({"rock": ("a",)}, "--rock applies to terrains from files only"),
-        (
-            {"terrain": "a.sdf", "terrain_size": (9.0, 20.0)},
-            "--terrain-size is for heightmaps; leave it",
-        ),
-        ({"terrain": "a.npy", "hazard": ("a",)}, "--hazard is for SDF worlds and meshes; leave it out"),
-        (
-            {"terrain": "a.obj", "mesh_unit": "furlong"},
-            "mesh unit 'furlong' does not exist; available: m",
-        ),
-        ({"terrain": "a.obj", "mesh_up": "w"}, "mesh axis 'w' does not exist; available: z, y, x"),
-        ({"terrain": "a.obj", "terrain_cell": 0.0}, "terrain cell 0 m is not valid; give 0.02 to 10"),
-        ({"terrain": "a.obj", "rock_height": -1.0}, "rock height -1 m is not valid; give 0 to 10000"),
-        ({"terrain": "a.npy", "terrain_size": (9.0, 20.0)}, "terrain size 9 m is not valid"),
         ({"terrain": "a.npy", "terrain_height": -1.0}, "terrain height -1 m is not valid"),
     ],
     ids=str,
@@ -218,15 +186,6 @@ def test_a_value_beyond_it_is_refused_in_one_line(beyond: dict[str, object], tol
 def test_the_world_is_that_of_terrain_seed_and_difficulty() -> None:
     world = EpisodeConfig(terrain="gravel", seed=7, difficulty=0.25).world()
     assert (world.name, world.seed, world.difficulty) == ("gravel", 7, 0.25)
-
-
-def test_a_file_becomes_a_world_of_the_size_and_height_given(tmp_path: Path) -> None:
-    heights = np.add.outer(np.linspace(0.0, 1.0, 41), np.zeros(41))
-    np.save(tmp_path / "ramp.npy", heights)
-    path = str(tmp_path / "ramp.npy")
-    world = EpisodeConfig(terrain=path, terrain_size=(20.0, 20.0), terrain_height=0.5, seed=3).world()
-    assert (world.ground.half_size, world.seed) == ((10.0, 10.0), 3)
-    assert np.ptp(world.ground.heights) == pytest.approx(0.5, abs=1e-6)
 
 
 def test_what_a_terrains_file_leaves_open_is_what_was_told_and_the_rover_that_sorts_its_obstacles() -> (
@@ -282,13 +241,13 @@ def test_a_file_on_which_nobody_can_stand_is_a_world_for_whoever_chooses_a_start
 
 def test_a_file_that_has_been_written_anew_is_another_world(tmp_path: Path) -> None:
     path, ramp = tmp_path / "ramp.npy", np.add.outer(np.linspace(0.0, 1.0, 41), np.zeros(41))
-    config = EpisodeConfig(terrain=str(path), terrain_size=(20.0, 20.0))
-    reliefs = []
+    config = EpisodeConfig(terrain=str(path), terrain_size=(20.0, 30.0), seed=3)
     for second, relief in enumerate((1.0, 2.0), start=1):
         np.save(path, relief * ramp)
         os.utime(path, (second, second))
-        reliefs.append(np.ptp(config.world().ground.heights))
-    assert reliefs == pytest.approx([1.0, 2.0])
+        world = config.world()
+        assert np.ptp(world.ground.heights) == pytest.approx(relief)
+        assert (world.ground.half_size, world.seed) == ((10.0, 15.0), 3)
     assert config.world() is config.world()
 
 
@@ -303,10 +262,6 @@ def test_a_fault_may_begin_with_the_last_tick_but_not_after_it(fault: str) -> No
         f"fault '{late}' begins after the end of the run at 3 s; begin it earlier, or give a longer "
         "--duration"
     )
-
-
-def test_people_are_named_as_their_topics_and_columns_have_them() -> None:
-    assert EpisodeConfig(actors=("ann=1,2/3,4", "bob=5,6")).actor_names() == ("ann_actor", "bob_actor")
 
 
 def test_a_manifest_s_arguments_make_the_same_episode_again() -> None:

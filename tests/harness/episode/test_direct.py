@@ -168,12 +168,6 @@ def test_every_tick_waits_for_its_time(run: Run, monkeypatch: pytest.MonkeyPatch
     assert waits == [TICK_NS * n for n in range(1, 201)]
 
 
-def test_the_seed_of_the_run_is_that_of_its_faults(run: Run) -> None:
-    rng = np.random.default_rng(np.random.SeedSequence(4, spawn_key=(11, 0)))
-    expected = int((rng.random(40) >= 0.5).sum())
-    assert run(seed=4, faults=("imu:dropout=0.5",)).topics["/imu/data"].published == expected
-
-
 def test_a_stop_ends_the_run_after_the_batch_in_hand(run: Run) -> None:
     stop = StopRequest()
 

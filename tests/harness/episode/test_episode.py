@@ -2,17 +2,17 @@ import hashlib
 import math
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 from typing import Any, ClassVar
+from unittest.mock import Mock
 
-import mujoco
 import numpy as np
 import pytest
 
 from harness.config import EpisodeConfig
 from harness.drivers import Observation
-from harness.episode.episode import Episode, goal_course
+from harness.episode.episode import Episode, goal_course, installed
 from harness.errors import RunFailed, UsageError
+from harness.frames.options import FrameOptions
 from harness.robots import ROVERS, RoverSpec
 from harness.samples import (
     ActorPoses,
@@ -25,19 +25,27 @@ from harness.samples import (
     Pose,
     Sample,
     Tick,
+    Transforms,
     TruthState,
     Twist,
 )
-from harness.sensors.lidar import LidarSensor
+from harness.sensors.barometer import Pressure
+from harness.sensors.gnss import GnssOptions
+from harness.sensors.noise import HARDWARE
 from harness.world.obstacles import ObstacleKind
 from harness.world.world import terrain_hash
-from tests.support.rovers import LEO, ROVER_ZERO4WD
+from tests.support.rovers import LEO
 
 SECOND = 1_000_000_000
 
 
 def config(**changes: object) -> EpisodeConfig:
-    values: dict[str, object] = {"terrain": "flat", "driver": "straight", "duration": 1.0}
+    values: dict[str, object] = {
+        "terrain": "flat",
+        "driver": "straight",
+        "duration": 1.0,
+        "lidar_beams": 8,
+    }
     return EpisodeConfig(**{**values, **changes})  # type: ignore[arg-type]  # a table of keywords
 
 
@@ -60,52 +68,23 @@ def digest(episode_config: EpisodeConfig) -> str:
     return state.hexdigest()
 
 
-def test_clock_ticks_every_ten_milliseconds_from_the_first_to_the_end() -> None:
-    stamps = [tick.stamp_ns for tick in ticks(config())]
-    assert stamps == [10_000_000 * n for n in range(1, 101)]
-
-
 @pytest.mark.parametrize("robot", ROVERS)
-def test_sensors_keep_the_rates_of_the_topic_table(robot: str) -> None:
-    odometry_rate = ROVERS[robot].odometry_rate
-    counts = {
-        LaserScan: 20,
-        Imu: 20,
-        Pose: 50,
-        Odometry: odometry_rate,
-        GroundTruth: 50,
-        JointStates: 50,
-    }
-    seen = [type(s) for tick in ticks(config(robot=robot)) for s in tick.samples]
-    assert {kind: seen.count(kind) for kind in counts} == counts
-
-
-def test_every_sample_carries_the_stamp_of_its_tick() -> None:
-    assert all(s.stamp_ns == tick.stamp_ns for tick in ticks(config()) for s in tick.samples)
-
-
-def test_imu_rate_is_an_option() -> None:
-    assert len(samples(config(imu_rate=100), Imu)) == 100
-
-
-def test_number_of_beams_is_an_option() -> None:
-    scan = samples(config(lidar_beams=90), LaserScan)[0]
-    assert isinstance(scan, LaserScan)
-    assert scan.ranges.shape == (90,)
+def test_each_tick_of_10_ms_has_the_samples_that_are_due_in_publishing_order(robot: str) -> None:
+    """At the rates of docs/topics.md, in batches of control periods, the last of what is left."""
+    periods = {LaserScan: 5, Imu: 1, Pose: 2, Odometry: 100 // ROVERS[robot].odometry_rate}
+    periods |= {GroundTruth: 2, JointStates: 2, TruthState: 5}
+    batches = [b.ticks for b in Episode(config(robot=robot, imu_rate=100, duration=0.52)).batches()]
+    assert [len(batch) for batch in batches] == [5] * 10 + [2]
+    for number, tick in enumerate((tick for batch in batches for tick in batch), 1):
+        assert tick.stamp_ns == 10_000_000 * number
+        due = [(kind, tick.stamp_ns) for kind, period in periods.items() if number % period == 0]
+        assert [(type(sample), sample.stamp_ns) for sample in tick.samples] == due
 
 
 def test_same_seed_gives_the_same_samples_and_another_seed_does_not() -> None:
-    rocky = {"terrain": "rocky", "driver": "wander", "duration": 1.0, "lidar_beams": 60}
-    assert digest(config(**rocky, seed=5)) == digest(config(**rocky, seed=5))
-    assert digest(config(**rocky, seed=5)) != digest(config(**rocky, seed=6))
-
-
-def test_noise_changes_scan_and_imu_and_is_seeded() -> None:
-    quick = {"duration": 0.3, "lidar_beams": 60}
-    clean, noisy = digest(config(**quick)), digest(config(**quick, noise="white"))
-    assert clean != noisy
-    assert noisy == digest(config(**quick, noise="white"))
-    assert noisy != digest(config(**quick, noise="white", seed=1))
+    rocky = {"terrain": "rocky", "driver": "wander", "duration": 0.5, "lidar_beams": 60}
+    told = [digest(config(**rocky, seed=seed)) for seed in (5, 5, 6)]
+    assert told[0] == told[1] != told[2]
 
 
 @pytest.mark.parametrize("robot", ROVERS)
@@ -119,41 +98,19 @@ def test_rover_starts_settled_so_that_no_drop_pollutes_the_first_samples(robot: 
 
 @pytest.mark.parametrize("robot", ROVERS)
 def test_straight_drive_moves_ahead_and_truth_follows_the_pose(robot: str) -> None:
-    episode = Episode(config(robot=robot, duration=4.0))
-    *_, last = episode.batches()
+    *_, last = Episode(config(robot=robot, duration=2.0)).batches()
     x, y, _ = last.truth.position
-    assert x > 0.9
+    assert x > 0.4
     assert abs(y) < 0.05
-    assert last.truth.path_length == pytest.approx(x, rel=0.02)
-    assert last.truth.time_ns == 4 * SECOND
-
-
-def test_odometry_of_rover_zero_believes_a_smaller_wheel_than_it_has() -> None:
-    odometry = samples(config(robot="rover_zero4wd", duration=4.0), Odometry)[-1]
-    truth = samples(config(robot="rover_zero4wd", duration=4.0), GroundTruth)[-1]
-    assert isinstance(odometry, Odometry)
-    assert isinstance(truth, GroundTruth)
-    expected = ROVER_ZERO4WD.wheel_radius / ROVER_ZERO4WD.controller_radius
-    assert truth.linear_velocity[0] / odometry.twist.linear == pytest.approx(expected, rel=0.02)
-
-
-def test_odometry_twist_is_quantised_by_the_encoder() -> None:
-    readings = [
-        s.twist.linear for s in samples(config(duration=2.0), Odometry) if isinstance(s, Odometry)
-    ]
-    step = math.tau * LEO.controller_radius / LEO.encoder_ticks * LEO.odometry_rate / 4
-    counts = np.array(readings) / step
-    np.testing.assert_allclose(counts, np.round(counts), atol=1e-6)
+    assert last.truth.path_length == pytest.approx(x, rel=0.03)
+    assert last.truth.time_ns == 2 * SECOND
 
 
 def test_spin_turns_left_in_place() -> None:
-    truth = [
-        s
-        for s in samples(config(driver="spin", duration=2.0), GroundTruth)
-        if isinstance(s, GroundTruth)
-    ]
-    assert truth[-1].yaw > 0.3
-    assert math.hypot(truth[-1].x, truth[-1].y) < 0.1
+    truth = samples(config(driver="spin", duration=2.0), GroundTruth)[-1]
+    assert isinstance(truth, GroundTruth)
+    assert truth.yaw > 0.3
+    assert math.hypot(truth.x, truth.y) < 0.1
 
 
 @pytest.mark.parametrize(("timeout", "shortest", "longest"), [(None, 0.4, 0.7), (0.5, 0.1, 0.2)])
@@ -161,7 +118,6 @@ def test_cmd_vel_driver_stands_until_commanded_and_from_the_timeout_on(
     timeout: float | None, shortest: float, longest: float
 ) -> None:
     episode = Episode(config(driver="cmd_vel", duration=3.0, cmd_vel_timeout=timeout))
-    assert episode.description is None
     path = []
     for index, batch in enumerate(episode.batches()):
         path.append(batch.truth.path_length)
@@ -211,8 +167,8 @@ def test_people_begin_anew_with_a_reset_and_walk_on_when_the_rover_is_put_elsewh
 
 
 def test_goals_in_an_area_follow_each_other_and_are_told_with_their_batch() -> None:
-    area = (0.6, 1.4, -0.4, 0.4)
-    episode = Episode(config(driver="goal", duration=9.0, goal_area=area))
+    area = (0.6, 1.0, -0.2, 0.2)
+    episode = Episode(config(driver="goal", duration=6.0, goal_area=area))
     goals: list[tuple[Place, tuple[float, float]]] = []
     before = (0.0, 0.0)
     for batch in episode.batches():
@@ -241,15 +197,15 @@ def test_a_planned_goal_is_what_the_driver_heads_for() -> None:
 
 @pytest.mark.parametrize("robot", ROVERS)
 def test_after_a_reset_the_rover_drives_as_it_did_at_first(robot: str) -> None:
-    episode = Episode(config(robot=robot, terrain="rocky", driver="wander", duration=2.1, seed=3))
+    episode = Episode(config(robot=robot, terrain="rocky", driver="wander", duration=1.1, seed=3))
     batches = []
     for batch in episode.batches():
         batches.append(batch)
-        if len(batches) == 21:
+        if len(batches) == 11:
             episode.reset()
-    first, second = batches[:21], batches[21:]
-    offset_ns = 21 * 50_000_000
-    assert [t.stamp_ns for b in batches for t in b.ticks] == [10_000_000 * n for n in range(1, 211)]
+    first, second = batches[:11], batches[11:]
+    offset_ns = 11 * 50_000_000
+    assert [t.stamp_ns for b in batches for t in b.ticks] == [10_000_000 * n for n in range(1, 111)]
     for before, after in zip(first, second, strict=True):
         assert after.truth.position == before.truth.position
         for kind in (LaserScan, Imu):  # of the same phase at both times
@@ -265,11 +221,11 @@ def test_after_a_reset_the_rover_drives_as_it_did_at_first(robot: str) -> None:
 def test_odometry_does_not_see_a_reset(robot: str) -> None:
     driven = {}
     for resets in (False, True):
-        episode = Episode(config(robot=robot, duration=2.1))
+        episode = Episode(config(robot=robot, duration=1.5))
         readings = []
         for index, batch in enumerate(episode.batches()):
             readings += [s for t in batch.ticks for s in t.samples if isinstance(s, Odometry)]
-            if resets and index == 20:
+            if resets and index == 14:
                 episode.reset()
         assert all(0.0 <= b.x - a.x < 0.03 for a, b in pairwise(readings))
         driven[resets] = readings
@@ -292,7 +248,7 @@ def test_an_imu_window_that_a_reset_cuts_short_holds_what_came_after_it() -> Non
 
 def on_its_roof(**changes: object) -> Episode:
     """A rover that begins to scrape the ground with its body."""
-    episode = Episode(config(driver="cmd_vel", lidar_beams=8, **changes))
+    episode = Episode(config(driver="cmd_vel", **changes))
     episode.simulation.data.qpos[2:7] = 0.5, 0.0, 1.0, 0.0, 0.0
     return episode
 
@@ -329,19 +285,6 @@ def test_a_run_that_fails_gives_its_last_ticks_and_events_first() -> None:
     assert (len(last.events), last.open_events) == (1, ())
     with pytest.raises(RunFailed, match="left"):
         next(batches)
-
-
-def test_batches_are_control_periods_and_the_last_may_be_shorter() -> None:
-    lengths = [len(batch.ticks) for batch in Episode(config(duration=0.12, lidar_beams=8)).batches()]
-    assert lengths == [5, 5, 2]
-
-
-def test_a_ticks_samples_come_in_publishing_order_with_the_truth_last() -> None:
-    told = ticks(config(duration=0.1, lidar_beams=8))
-    order = [LaserScan, Imu, Pose, Odometry, GroundTruth, JointStates, TruthState]
-    assert [type(sample) for sample in told[9].samples] == order
-    assert [[type(s) for s in told[n].samples] for n in (0, 1)] == [[], [Pose, GroundTruth, JointStates]]
-    assert [type(s) for s in told[4].samples] == [LaserScan, Imu, Odometry, TruthState]
 
 
 class Spy:
@@ -390,6 +333,20 @@ def test_driver_scan_noise_and_imu_noise_draw_from_streams_of_their_own(spied: l
 
 
 @pytest.mark.parametrize("number", [0, 2])
+def test_an_optional_sensor_has_a_stream_of_its_name_its_frames_mount_and_the_runs_noise(
+    number: int,
+) -> None:
+    told, scene, frames = config(seed=6, number=number, noise="hardware"), Mock(), Mock()
+    options = GnssOptions(name="up", frame="mast")
+    made = installed(told, frames, scene, options)
+    stream = np.random.SeedSequence(told.own_seed, spawn_key=(12, *b"up"))
+    assert made.rng.random() == np.random.default_rng(stream).random()
+    assert (made.options, made.mount, made.noise) == (options, frames.mount.return_value, HARDWARE)
+    frames.mount.assert_called_once_with("mast", scene.model, scene.prefix)
+    assert installed(replace(told, noise=None), frames, scene, options).noise is None
+
+
+@pytest.mark.parametrize("number", [0, 2])
 def test_goals_in_an_area_are_drawn_from_a_stream_of_their_own(
     number: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -429,7 +386,7 @@ def test_what_drivers_want_is_made_drivable_and_commands_are_taken_as_they_are(
     monkeypatch.setattr("harness.episode.episode.drivable", halved)
     drives = []
     for driver in ("straight", "cmd_vel"):
-        episode = Episode(config(driver=driver, lidar_beams=8, duration=0.05))
+        episode = Episode(config(driver=driver, duration=0.05))
         episode.command(Twist(0.3, 0.0))
         list(episode.batches())
         drives.append(bool(episode.simulation.data.ctrl.any()))
@@ -437,8 +394,19 @@ def test_what_drivers_want_is_made_drivable_and_commands_are_taken_as_they_are(
     assert [(twist.angular, rover) for twist, rover in asked] == [(0.0, LEO)]
 
 
+@pytest.mark.parametrize("sensors", [(), ("barometer",)])
+@pytest.mark.parametrize("frames", [None, FrameOptions()])
+def test_optional_sensors_and_transforms_are_among_the_samples_where_they_are_asked_for(
+    sensors: tuple[str, ...], frames: FrameOptions | None
+) -> None:
+    episode = Episode(config(sensors=sensors, duration=0.1), frames)
+    told = {type(s) for batch in episode.batches() for tick in batch.ticks for s in tick.samples}
+    assert (Pressure in told, Transforms in told) == (bool(sensors), frames is not None)
+    assert (episode.description is None) == (frames is None)
+
+
 def test_people_are_told_of_only_where_somebody_wants_to_know() -> None:
-    told = config(actors=("g=3,0/3,4",), duration=0.1, lidar_beams=8)
+    told = config(actors=("g=3,0/3,4",), duration=0.1)
     for wanted, expected in ((None, True), ({ActorPoses}, True), ({Imu}, False)):
         batches = list(Episode(told, samples=wanted).batches())
         samples_of = [type(s) for batch in batches for tick in batch.ticks for s in tick.samples]
@@ -446,7 +414,7 @@ def test_people_are_told_of_only_where_somebody_wants_to_know() -> None:
 
 
 def test_a_driver_sees_where_the_rover_is_and_the_last_scan_as_it_was_sent(spied: list[Spy]) -> None:
-    episode = Episode(config(terrain="rocky", noise="white", duration=0.3, lidar_beams=8))
+    episode = Episode(config(terrain="rocky", noise="white", duration=0.3))
     batches, where = episode.batches(), []
     for index in range(6):
         where.append((*episode.simulation.position[:2], episode.simulation.yaw))
@@ -457,7 +425,7 @@ def test_a_driver_sees_where_the_rover_is_and_the_last_scan_as_it_was_sent(spied
     context, world = first.given[0], episode.config.world()
     assert (context.rover, context.half_size) == (LEO, world.ground.half_size)
     assert context.obstacles == world.obstacles
-    assert context.bearings.shape == (8,)
+    assert context.bearings.shape == first.seen[1].ranges.shape == (8,)
     seen = [*first.seen, *second.seen]
     assert [o.time_ns for o in seen] == [0, 50_000_000, 100_000_000] * 2
     assert [(o.x, o.y, o.yaw) for o in seen] == where
@@ -468,7 +436,7 @@ def test_a_driver_sees_where_the_rover_is_and_the_last_scan_as_it_was_sent(spied
 
 
 def test_a_driver_is_told_of_a_hazard_only_while_something_touches_it(spied: list[Spy]) -> None:
-    episode = Episode(config(duration=0.3, lidar_beams=8))
+    episode = Episode(config(duration=0.3))
     batches, sums = episode.batches(), episode.simulation.summed
     for kind in ("rock_contact", "scrape_contact_rover", "hazard_contact"):
         next(batches)
@@ -478,22 +446,8 @@ def test_a_driver_is_told_of_a_hazard_only_while_something_touches_it(spied: lis
     assert [o.touches_hazard for o in spied[0].seen] == [False, False, False, True]
 
 
-def test_a_scan_is_taken_from_where_the_rover_is_now() -> None:
-    simulation = Episode(config(lidar_beams=8, duration=0.1)).simulation
-
-    class Mast:
-        def scan(self, data: mujoco.MjData) -> np.ndarray:
-            return np.array(data.body("rover").xpos - data.qpos[:3])
-
-    simulation.data.qvel[0] = 0.5
-    simulation.tick()
-    scan = LidarSensor(simulation, Mast(), 5).read()  # type: ignore[arg-type]  # a stand-in
-    assert scan.stamp_ns == 10_000_000
-    assert scan.ranges == pytest.approx(np.zeros(3), abs=1e-12)
-
-
 def test_an_episode_says_what_it_is_made_of() -> None:
-    made, world = Episode(config(terrain="rocky", lidar_beams=8)), config(terrain="rocky").world()
+    made, world = Episode(config(terrain="rocky")), config(terrain="rocky").world()
     info = made.info
     assert info.terrain_hash == terrain_hash(world)
     assert info.model_hash == hashlib.sha256(LEO.model_path.read_bytes()).hexdigest()
@@ -514,31 +468,15 @@ def test_an_episode_begins_where_it_is_told_and_comes_back_there() -> None:
 
 
 def test_an_episode_that_begins_inside_an_obstacle_is_refused_by_its_name() -> None:
-    rocks = config(terrain="rocky", lidar_beams=8)
+    rocks = config(terrain="rocky")
     x, y, _ = next(o for o in rocks.world().obstacles if o.kind is ObstacleKind.HAZARD).position
     with pytest.raises(UsageError, match=r"is inside hazard_0; choose another --start"):
         Episode(replace(rocks, start=(x, y, 0.0)))
 
 
-def test_divergence_is_reported_with_time_and_state(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    episode = Episode(config())
-    batches = episode.batches()
-    next(batches)
-    episode.simulation.data.qvel[0] = math.nan
-    with pytest.raises(RunFailed, match=r"diverged at t = 0\.06 s .*position .*velocity .*--timestep"):
-        list(batches)
-    assert not list(tmp_path.iterdir()), "MuJoCo left its log behind"
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"terrain": "moon"}, "terrain 'moon' does not exist; available: flat, "),
-        ({"robot": "r2d2"}, "robot 'r2d2' does not exist; available: leo, rover_zero4wd"),
-        ({"driver": "drunk"}, "driver 'drunk' does not exist; available: wander, "),
         (
             {"driver": "ram"},
             "driver 'ram' on flat: it drives into hazards head on, and none .*: rocky, posts, maze",
@@ -546,22 +484,7 @@ def test_divergence_is_reported_with_time_and_state(
         ({"start": (25.0, 0.0, 0.0)}, "start 25,0 is off the map"),
         ({"terrain": "maze", "start": (10.1, 3.0, 0.0)}, "start 10.1,3,0 is inside hazard_"),
         ({"terrain": "marsyard", "start": (-14.0, -2.0, 0.0)}, "no rover can stand at start -14,-2,0"),
-        ({"duration": -1.0}, "duration -1 s is not valid"),
-        ({"duration": math.nan}, "duration nan s is not valid"),
-        ({"duration": math.inf}, "duration inf s is not valid"),
-        ({"duration": 0.009}, "duration 0.009 s is not valid; give 0.01 s or more"),
-        ({"duration": 0.015}, "duration 0.015 s is refused.*10 ms; nearest valid: 0.01 or 0.02"),
-        ({"duration": 3600.001}, "duration 3600.001 s .*nearest valid: 3600 or 3600.01"),
-        ({"seed": -1}, "seed -1 is not valid"),
-        ({"difficulty": 1.5}, "difficulty 1.5 is not valid; give 0 to 1"),
-        ({"difficulty": math.nan}, "difficulty nan is not valid"),
-        ({"timestep": 0.003}, "must divide the 10 ms clock tick; nearest valid: 0.0025 or 0.002"),
-        ({"timestep": 0.01}, "above 5 ms .*nearest valid: 0.005 or 0.0025"),
-        ({"timestep": 1e-6}, "give 0.0001 or more; nearest valid: 0.0001 or "),
-        ({"timestep": math.nan}, "timestep nan s is refused"),
-        ({"timestep": 0.0}, "timestep 0 s is refused"),
-        ({"imu_rate": 30}, "30 Hz does not divide .* nearest valid: 25 or 20|20 or 25"),
-        ({"lidar_beams": 1}, "1 lidar beams are not valid; give 2 to 100000"),
+        ({"timestep": 0.003}, "timestep 0.003 s is refused"),
     ],
 )
 def test_invalid_value_is_refused_with_what_is_valid(changes: dict[str, object], message: str) -> None:
@@ -570,6 +493,7 @@ def test_invalid_value_is_refused_with_what_is_valid(changes: dict[str, object],
     if "off the map" in message:  # is told before anything is built
         with pytest.raises(UsageError, match=message):
             config(**changes).check_world()
+    config(terrain="posts", driver="ram").check_world()
 
 
 def test_the_wheels_get_faster_from_tick_to_tick_as_the_controller_of_the_rover_lets_them() -> None:

@@ -9,10 +9,9 @@ import pytest
 from harness.config import EpisodeConfig
 from harness.episode.episode import fleet_of, together
 from harness.episode.fleet import MOST_ROVERS, fleet_of_words, scenery
-from harness.episode.loop import injector
 from harness.errors import UsageError
 from harness.robots import find_rover
-from harness.samples import ActorPoses, Place, Tick, TruthState
+from harness.samples import ActorPoses, Place, TruthState
 from harness.world.berths import GAP
 from tests.support.rovers import LEO
 
@@ -115,7 +114,9 @@ def test_where_there_is_no_room_the_mend_names_the_rover(monkeypatch: pytest.Mon
 def test_a_rover_whose_place_is_taken_is_put_beside_who_stands_there() -> None:
     """The other stands on; people walk on; both are seen to touch nothing."""
     shared = replace(FLAT, duration=0.3, lidar_beams=2, driver="straight", actors=("g=9,0/9,4",))
-    one, other = fleet_of(fleet_of_words(("leo:a", "rover_zero4wd:b,x=3,y=0,driver=spin"), shared))
+    one, other = fleet_of(
+        fleet_of_words(("leo:a,x=-2,y=3", "rover_zero4wd:b,x=3,y=0,driver=spin"), shared)
+    )
     batches = together((one, other))
     next(batches)
     there = one.simulation.position
@@ -132,12 +133,3 @@ def test_a_rover_whose_place_is_taken_is_put_beside_who_stands_there() -> None:
             assert not any(s.hazard_contact for s in samples if isinstance(s, TruthState))
             people = [s for s in samples if isinstance(s, ActorPoses)]
             assert all(s.position[0][1] == pytest.approx(s.stamp_ns / 1e9, abs=0.02) for s in people)
-
-
-def test_a_fault_of_the_clock_is_the_same_for_all_and_one_of_a_sensor_is_not() -> None:
-    shared = replace(FLAT, faults=("clock:dropout=0.5", "imu:dropout=0.5"))
-    fleet = fleet_of_words(("leo:a", "leo:b,x=2,y=0"), shared)
-    ticks = [Tick(n * 10_000_000, ()) for n in range(1, 200)]
-    told = [[faults.corrupt(tick).tells_time for tick in ticks] for faults in map(injector, fleet)]
-    assert told[0] == told[1]
-    assert 50 < sum(told[0]) < 150

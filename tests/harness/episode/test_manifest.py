@@ -38,6 +38,10 @@ def test_written_manifest_is_valid_json_with_infinities_as_null(tmp_path: Path) 
     assert read["versions"]["mujoco"]
     assert session_thresholds(tmp_path / "run.csv") == DEFAULT_THRESHOLDS
     assert [path.name for path in tmp_path.iterdir()] == ["run.json"]
+    write_manifest(
+        result(along=TruthAlong(path=((0.0, 0.0, 0.1), (0.4, 0.0, 0.1)))), tmp_path / "a.json"
+    )
+    assert "[ 0.4, 0.0, 0.1 ]" in (tmp_path / "a.json").read_text(), "a point of the path takes one line"
 
 
 def test_a_heightmap_has_no_difficulty() -> None:
@@ -45,37 +49,6 @@ def test_a_heightmap_has_no_difficulty() -> None:
     assert named["arguments"]["difficulty"] == 0.5
     assert "difficulty" not in file["arguments"]
     assert EpisodeConfig(**file["arguments"]) == EpisodeConfig(terrain="a.npy")
-
-
-def test_truth_tells_what_happened_where_and_how_hard(tmp_path: Path) -> None:
-    point = (0.2, 0.1, 0.05)
-    event = ContactEvent("hazard", 1_500_000_000, 1_520_000_000, "wheel_FL", "hazard_3", 41.5, point)
-    along = TruthAlong(
-        events=(event,),
-        event_count=7,
-        path=((0.0, 0.0, 0.1), (0.4, 0.0, 0.1)),
-        roughness_p50=0.002,
-        roughness_p95=0.01,
-    )
-    write_manifest(result(along=along), tmp_path / "run.json")
-    text = (tmp_path / "run.json").read_text()
-    truth = json.loads(text)["truth"]
-    assert truth["events"] == [
-        {
-            "kind": "hazard",
-            "start_s": 1.5,
-            "end_s": 1.52,
-            "part": "wheel_FL",
-            "other": "hazard_3",
-            "force_n": 41.5,
-            "point": [0.2, 0.1, 0.05],
-        }
-    ]
-    assert truth["event_count"] == 7
-    assert (truth["path_period_s"], truth["path"]) == (1.0, [[0.0, 0.0, 0.1], [0.4, 0.0, 0.1]])
-    assert "[ 0.4, 0.0, 0.1 ]" in text, "a point of the path takes one line"
-    assert truth["roughness"] == {"p50": 0.002, "p95": 0.01}
-    assert truth["mean_speed"] == pytest.approx(0.4)
 
 
 def test_the_nodes_own_account_and_other_files_are_named() -> None:
@@ -104,9 +77,18 @@ def test_outcome_says_how_the_run_ended(
 
 
 def test_every_figure_of_a_run_stands_in_its_manifest() -> None:
+    point = (0.2, 0.1, 0.05)
+    event = ContactEvent("hazard", 1_500_000_000, 1_520_000_000, "wheel_FL", "hazard_3", 41.5, point)
     truth = Truth(2_000_000_000, 0.8, (1.0, 2.0, 3.0), 4, 5, 6, 0.4, 0.5, 0.6, 0.7, (0.1, 0.2, 0.3, 0.4))
     told = manifest(
         result(
+            along=TruthAlong(
+                events=(event,),
+                event_count=7,
+                path=((0.0, 0.0, 0.1), (0.4, 0.0, 0.1)),
+                path_period_s=2.0,
+                roughness_p50=0.002,
+            ),
             truth=replace(truth, largest_tilt=1.5, tipped_over=True, resets=8),
             info=EpisodeInfo(
                 "model", "terrain", 3, (40.0, 30.0), (1.0, 2.0, 0.5), ("cut",), (("a.sdf", "hash"),)
@@ -151,11 +133,21 @@ def test_every_figure_of_a_run_stands_in_its_manifest() -> None:
         "wheel_slip": [0.1, 0.2, 0.3, 0.4],
         "largest_tilt": 1.5,
         "tipped_over": True,
-        "event_count": 0,
-        "events": [],
-        "path": [],
-        "path_period_s": 1.0,
-        "roughness": {"p50": None, "p95": None},
+        "event_count": 7,
+        "events": [
+            {
+                "kind": "hazard",
+                "start_s": 1.5,
+                "end_s": 1.52,
+                "part": "wheel_FL",
+                "other": "hazard_3",
+                "force_n": 41.5,
+                "point": [0.2, 0.1, 0.05],
+            }
+        ],
+        "path": [[0.0, 0.0, 0.1], [0.4, 0.0, 0.1]],
+        "path_period_s": 2.0,
+        "roughness": {"p50": 0.002, "p95": None},
     }
     assert told["truth"] == expected
     assert manifest(result(truth=replace(truth, path_length=math.inf)))["truth"]["path_length"] is None

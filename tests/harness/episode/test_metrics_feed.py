@@ -63,20 +63,20 @@ def test_a_node_is_told_the_footprint_and_the_pose_of_the_lidar(
 
 SAMPLES: tuple[Sample, ...] = (
     LaserScan(5, RANGES),
-    Imu(5, ATTITUDE, (1.0, 2.0, 3.0), (4.0, 5.0, 6.0)),
+    Imu(5, ATTITUDE, (1.0, -2.0, 3.0), (4.0, 5.0, -6.0)),
     Pose(5, (1.0, 2.0, 3.0), ATTITUDE),
-    Odometry(5, 1.0, 2.0, 3.0, Twist(0.4, 0.7)),
-    GroundTruth(5, 1.0, 2.0, 3.0, (4.0, 5.0, 6.0), (7.0, 8.0, 9.0)),
+    Odometry(5, 1.0, 2.0, 3.0, Twist(-0.4, 0.7)),
+    GroundTruth(5, 1.0, 2.0, 3.0, (-4.0, 5.0, 6.0), (7.0, 8.0, 9.0)),
     TruthState(5, True, False, True, 11.0, 12.0, 13.0, (0.1, 0.2, 0.3, 0.4), 14.0),
     JointStates(5, (1.0,), (2.0,), (3.0,)),
 )
 SCAN_ANGLES = (float(np.float32(-3.14159)), float(np.float32(2 * 3.14159 / 4)))  # as messages have them
 CALLS: tuple[list[Any], ...] = (
     [call.take_scan(5, RANGES, angles=SCAN_ANGLES)],
-    [call.take_imu(5, (4.0, 5.0, 6.0), (1.0, 2.0, 3.0), ATTITUDE)],
+    [call.take_imu(5, (4.0, 5.0, -6.0), (1.0, -2.0, 3.0), ATTITUDE)],
     [call.take_pose(5, (1.0, 2.0, 3.0))],
-    [call.take_odometry(5, (0.4, 0.0, 0.0))],
-    [call.take_true_velocity((4.0, 5.0, 6.0))],
+    [call.take_odometry(5, (-0.4, 0.0, 0.0))],
+    [call.take_true_velocity((-4.0, 5.0, 6.0))],
     [
         call.take_contact(touches=True),
         call.take_traversal((11.0, False, True, 12.0, 13.0, 0.1, 0.2, 0.3, 0.4, 14.0)),

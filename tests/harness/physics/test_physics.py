@@ -97,19 +97,6 @@ def test_who_drives_into_another_touches_a_hazard_and_so_does_the_other(
     assert other.contacts.name_of(touch.part) == one.contacts.name_of(touch.part).removeprefix("b/")
 
 
-def test_a_wall_is_touched_by_who_is_there_alone(pair: tuple[Simulation, Simulation]) -> None:
-    one, other = pair
-    one.command_wheels(np.full(4, -8.0))
-    kinds: list[set[str]] = [set(), set()]
-    for _ in range(90):
-        one.tick()
-        for found, simulation in zip(kinds, pair, strict=True):
-            found.update(simulation.contacts.strongest)
-    assert "hazard" in kinds[0]
-    assert kinds[1] == set()
-    assert other.position[:2] == pytest.approx((0.8, 0.1), abs=0.05)
-
-
 def test_what_one_touches_is_not_told_of_the_other_that_touches_something_else_meanwhile(
     pair: tuple[Simulation, Simulation],
 ) -> None:

@@ -19,7 +19,10 @@ from harness.sensors.table import SensorRow, Topic
 class EyeOptions(SensorOptions):
     """Of a made-up sensor."""
 
-    presets: ClassVar[Mapping[str, Mapping[str, object]]] = {"fine": {"pixels": 9, "rate": 50}}
+    presets: ClassVar[Mapping[str, Mapping[str, object]]] = {
+        "fine": {"pixels": 9, "rate": 50},
+        "coarse": {"pixels": 2},
+    }
 
     preset: str = ""
     pixels: int = 1
@@ -88,12 +91,15 @@ def test_the_topic_of_a_sensor_that_has_one_is_what_it_is_told() -> None:
         (("eye=fine",), {"eye": 9}),
         (("left=fine",), {"left": 9}),
         (("right=fine",), {"right": 4}),  # what it is told itself wins
+        (("coarse",), {"coarse": 2}),
+        (("coarse=fine",), {"coarse": 9}),
     ],
 )
 def test_those_of_rover_yaml_are_carried_unless_others_are_asked_for(
     asked: tuple[str, ...] | None, names: dict[str, int]
 ) -> None:
-    rows = carried(asked, LEFT, RIGHT)
+    coarse = [{"kind": "eye", "name": "coarse", "preset": "coarse"}] if asked else []
+    rows = carried(asked, LEFT, RIGHT, *coarse)
     assert {name: getattr(row.given, "pixels", None) for name, row in rows.items()} == names
 
 
@@ -106,7 +112,7 @@ def test_those_of_rover_yaml_are_carried_unless_others_are_asked_for(
             {"kind": "eye", "pixel": 3},
             r"sensors, 'eye': key 'pixel' does not exist; valid: name, parent",
         ),
-        ({"kind": "eye", "preset": "x"}, r"preset 'x' does not exist; available: fine"),
+        ({"kind": "eye", "preset": "x"}, r"preset 'x' does not exist; available: fine, coarse"),
         ({"kind": "nose", "preset": "x"}, r"key 'preset' does not exist"),
         ({"kind": "eye", "rate": 33}, r"'eye': rate 33 Hz does not divide .* nearest valid: 20 or 25"),
         ({"kind": "eye", "rate": 0}, r"rate 0 Hz does not divide"),

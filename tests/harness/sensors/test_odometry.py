@@ -87,45 +87,11 @@ def test_an_arc_is_a_polygon_in_the_circle_whose_sides_leave_at_half_the_turn(
     assert (reading.twist.linear, reading.twist.angular) == expected
 
 
-@BOTH
-def test_a_hundred_revolutions_are_a_hundred_circumferences_in_steps_of_any_size(
-    rover: RoverSpec, bench: MakeBench
-) -> None:
-    rig = bench(rover)
-    total = 100 * rig.resolution
-    done, step = 0.0, 0.4
-    while done < total:
-        step = min(1.7 * step, 333.3, total - done)
-        done += step
-        rig.turn_by(*[step] * 4)
-        reading = rig.odometry.read()
-    assert pose(reading) == pytest.approx((100 * math.tau * rig.radius, 0.0, 0.0), abs=rig.count)
-    rig.turn_by(*[-total] * 4)
-    assert pose(rig.odometry.read()) == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
-
-
-@BOTH
-def test_wheels_that_had_turned_before_and_stand_still_are_no_way(
-    rover: RoverSpec, bench: MakeBench
-) -> None:
-    reading = bench(rover).odometry.read()
-    assert (pose(reading), reading.twist.linear, reading.twist.angular) == ((0.0, 0.0, 0.0), 0.0, 0.0)
-
-
 def test_an_encoder_counts_what_is_full_and_below_zero_downwards(bench: MakeBench) -> None:
     rig = bench(LEO)
     for angle, count in [(0.001, 0), (0.999, 0), (1.001, 1), (-0.001, -1), (-0.999, -1), (-1.001, -2)]:
         rig.turn_to(angle - 0.5, angle + 9.5, angle + 19.5, angle + 29.5)
         assert rig.odometry._encoders() == [count, count + 10, count + 20, count + 30]
-
-
-def test_half_a_count_is_seen_when_the_next_is_full_and_then_once(bench: MakeBench) -> None:
-    rig = bench(LEO)
-    ways = []
-    for _ in range(4):
-        rig.turn_by(*[0.45] * 4)  # from 0.5 to 0.95, 1.4, 1.85, 2.3
-        ways.append(rig.odometry.read().x / rig.count)
-    assert ways == pytest.approx([0.0, 1.0, 1.0, 2.0])
 
 
 def test_wheels_put_elsewhere_are_taken_for_unmoved_time_after_time(bench: MakeBench) -> None:

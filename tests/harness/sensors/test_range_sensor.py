@@ -8,7 +8,6 @@ import pytest
 
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
-from harness.errors import UsageError
 from harness.robots import RoverSpec, find_rover
 from harness.sensors import choice
 from harness.sensors.depth import DepthOptions
@@ -81,10 +80,15 @@ def test_a_wall_ahead_has_the_same_depth_in_the_whole_image(make_simulation: Mak
 def test_the_same_seed_gives_the_same_readings_whatever_else_is_carried(
     monkeypatch: pytest.MonkeyPatch, noise: str | None
 ) -> None:
+    """And two of a kind at one place differ by their errors alone."""
     own = SMALL | {"name": "top", "rate": 20}
     alone = readings(monkeypatch, own, noise=noise)
-    among = [r for r in readings(monkeypatch, SMALL, own, noise=noise) if r.sensor == "top"]
+    both = readings(monkeypatch, SMALL, own, noise=noise)
+    among = [reading for reading in both if reading.sensor == "top"]
     assert [r.ranges.tobytes() for r in alone] == [r.ranges.tobytes() for r in among]
+    other = next(reading for reading in both if reading.sensor == "lidar3d")
+    (beside,) = (reading for reading in among if reading.stamp_ns == other.stamp_ns)
+    assert (beside.ranges.tobytes() == other.ranges.tobytes()) == (noise is None)
     exact = readings(monkeypatch, own)
     seen = np.isfinite(alone[0].ranges) & np.isfinite(exact[0].ranges)
     apart = alone[0].ranges[seen] - exact[0].ranges[seen]
@@ -105,29 +109,3 @@ def test_all_else_is_the_same_with_optional_sensors_and_without() -> None:
 def test_noise_of_its_own_stands_before_that_of_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     (reading, _) = readings(monkeypatch, SMALL | {"noise": {"dropout": 1.0}}, noise="white")
     assert (reading.ranges == np.inf).all()
-
-
-@pytest.mark.parametrize(
-    ("entry", "message"),
-    [
-        ({"fov": 0.0}, r"fov 0 rad is not valid; give more than 0 and less than pi"),
-        ({"width": 0}, r"an image of 0 x 120 pixels is not valid"),
-        ({"width": 20_000, "height": 20_000}, r"400,000,000 rays a reading are not valid"),
-        ({"noise": {"white": -1.0}}, r"noise is not valid; give white and step of 0 m or more"),
-        ({"noise": {"wight": 1.0}}, r"noise: key 'wight' does not exist; valid: white, step, dropout"),
-        ({"preset": "kinect"}, r"preset 'kinect' does not exist; available: small, roboterrain"),
-    ],
-)
-def test_what_cannot_be_a_camera_is_told(entry: dict[str, Any], message: str) -> None:
-    rover = replace(find_rover("leo"), sensors=({"kind": "depth"} | entry,))
-    with pytest.raises(UsageError, match=rf"models/leo/rover\.yaml: sensors, 'depth'.*{message}"):
-        choice.chosen(rover, None)
-
-
-@pytest.mark.parametrize("noise", [None, "white"])
-def test_two_of_a_kind_at_one_place_differ_by_their_errors_alone(
-    monkeypatch: pytest.MonkeyPatch, noise: str | None
-) -> None:
-    one, other, *_ = readings(monkeypatch, SMALL, SMALL | {"name": "top"}, noise=noise)
-    assert one.stamp_ns == other.stamp_ns
-    assert (one.ranges.tobytes() == other.ranges.tobytes()) == (noise is None)

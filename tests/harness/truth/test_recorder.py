@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from harness.physics.contacts import Touch
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS
-from harness.samples import ContactKind, TruthState
+from harness.samples import TruthState
 from harness.truth.recorder import TruthRecorder
 from harness.truth.traversal import ContactEvent, Truth
 from harness.truth.wheels import WheelMotion
@@ -212,42 +212,6 @@ def test_upside_down_is_180_degrees_even_if_rounding_says_more(
     assert recorder.truth().largest_tilt == math.pi
 
 
-def test_a_state_tells_the_path_so_far_the_forward_speed_and_what_was_touched(
-    recorder: TruthRecorder, stand_in: StandIn
-) -> None:
-    for position in ((3.0, 4.0, 0.0), (3.0, 4.0, 12.0), (0.0, 0.0, 0.0)):
-        stand_in.position, stand_in.velocity = position, (0.4, 0.1, -0.2)
-        recorder.observe()
-    state = recorder.state()
-    assert (state.path_length, state.speed) == (5.0 + 12.0 + 13.0, 0.4)
-    assert (state.hazard_contact, state.rock_contact, state.scrape) == (False, False, False)
-    assert state.contact_force == 0.0
-    touch = Touch(5.0, 1, 2, [0.0] * 3, [0.0] * 3 + [1.0] + [0.0] * 3)
-    stand_in.contacts.strongest = {"rock": touch, "scrape": touch}
-    recorder.observe()
-    state = recorder.state()
-    assert (state.hazard_contact, state.rock_contact, state.scrape) == (False, True, True)
-    assert state.contact_force == 0.0, "that of a hazard"
-
-
-def test_each_kind_of_contact_is_counted_by_itself(recorder: TruthRecorder, stand_in: StandIn) -> None:
-    touch = Touch(5.0, 1, 2, [0.0] * 3, [0.0] * 3 + [1.0] + [0.0] * 3)
-    kinds: tuple[ContactKind, ...] = ("hazard", "rock", "rock", "scrape", "scrape", "scrape")
-    for place, kind in enumerate(kinds, start=1):
-        for tick in range(place):
-            stand_in.time_ns = 1_000_000_000 * place + tick * TICK_NS
-            stand_in.contacts.strongest = {kind: touch}
-            recorder.observe()
-        state = recorder.state() if place in (1, 6) else None
-        if state is not None:
-            assert (state.hazard_contact, state.scrape) == (place == 1, place == 6)
-            assert state.contact_force == (5.0 if place == 1 else 0.0)
-    truth = recorder.truth()
-    assert (truth.hazard_contacts, truth.rock_contacts, truth.scrapes) == (1, 2, 3)
-    seconds = (truth.hazard_contact_s, truth.rock_contact_s, truth.scrape_s)
-    assert seconds == pytest.approx((0.01, 0.02 + 0.03, 0.04 + 0.05 + 0.06))
-
-
 def test_the_way_back_to_the_start_is_no_path_and_ends_every_contact(
     recorder: TruthRecorder, stand_in: StandIn
 ) -> None:
@@ -310,26 +274,19 @@ def path_lengths(drive: Drive) -> list[float]:
     return lengths
 
 
-def test_path_and_place_are_those_of_the_model_frame(drive: Drive) -> None:
-    assert drive.truth.time_ns == drive.ticks[-1].end_ns == 250 * TICK_NS
-    assert drive.truth.path_length == pytest.approx(path_lengths(drive)[-1])
-    assert drive.truth.position == pytest.approx(drive.ticks[-1].position)
-
-
-def test_seconds_in_contact_are_the_ticks_with_a_contact_of_that_kind(drive: Drive) -> None:
-    truth = drive.truth
+def test_the_totals_are_those_of_the_whole_drive(drive: Drive) -> None:
+    truth, tilts = drive.truth, [tick.tilt for tick in drive.ticks]
+    assert truth.time_ns == drive.ticks[-1].end_ns == 250 * TICK_NS
+    assert truth.path_length == pytest.approx(path_lengths(drive)[-1])
+    assert truth.position == pytest.approx(drive.ticks[-1].position)
+    assert max(tilts) > max(tilts[-20:]) + 0.1
+    assert truth.largest_tilt == pytest.approx(max(tilts), abs=1e-6)
+    assert truth.tipped_over
     told = (truth.hazard_contact_s, truth.rock_contact_s, truth.scrape_s)
     counted = [sum(bool(tick.touches[kind]) for tick in drive.ticks) for kind in KINDS]
     assert min(counted) > 5
     assert len(set(counted)) == 3
     assert told == pytest.approx([0.01 * count for count in counted])
-
-
-def test_the_largest_tilt_is_that_of_the_whole_drive(drive: Drive) -> None:
-    tilts = [tick.tilt for tick in drive.ticks]
-    assert max(tilts) > max(tilts[-20:]) + 0.1
-    assert drive.truth.largest_tilt == pytest.approx(max(tilts), abs=1e-6)
-    assert drive.truth.tipped_over
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -344,7 +301,7 @@ def test_an_event_lasts_from_its_first_contact_to_its_last_and_names_the_stronge
         else:
             expected.append([tick])
     told = sorted((e for e in drive.events if e.kind == kind), key=lambda event: event.start_ns)
-    assert len(told) == len(expected)
+    assert len(told) == len(expected) == {"hazard": 2}.get(kind, len(expected)) > 0
     truth = drive.truth
     begun = dict(zip(KINDS, (truth.hazard_contacts, truth.rock_contacts, truth.scrapes), strict=True))
     assert begun[kind] == len(expected)
@@ -354,12 +311,6 @@ def test_an_event_lasts_from_its_first_contact_to_its_last_and_names_the_stronge
         assert event.force == pytest.approx(strongest.force)
         assert (event.part, event.other) == (strongest.part, strongest.other)
         assert event.point == pytest.approx(strongest.point, abs=1e-9)
-
-
-def test_the_wall_was_hit_twice(drive: Drive) -> None:
-    hits = [event for event in drive.events if event.kind == "hazard"]
-    assert [event.other for event in hits] == ["hazard_0", "hazard_0"]
-    assert all(event.point[0] > 0.2 for event in hits), "the front of the rover"
 
 
 def test_each_state_tells_of_its_own_fifty_milliseconds(drive: Drive) -> None:

@@ -39,8 +39,8 @@ def slips(wheels: list[WheelMotion]) -> list[float]:
 
 
 @BOTH
-@pytest.mark.parametrize("climb", [0.0, 20.0, -35.0, 89.0], ids="{} deg".format)
-@pytest.mark.parametrize("slip", [-0.5, 0.0, 0.3], ids="slip {}".format)
+@pytest.mark.parametrize("climb", [0.0, -35.0, 89.0], ids="{} deg".format)
+@pytest.mark.parametrize("slip", [-0.5, 0.3], ids="slip {}".format)
 def test_what_climbs_moves_as_far_along_the_slope_as_its_wheels_roll(
     rover: RoverSpec, climb: float, slip: float, simulate: MakeSimulation
 ) -> None:
@@ -65,24 +65,6 @@ def test_a_wheel_in_the_air_slips_fully_and_one_that_is_dragged_fully_the_other_
     assert slips(dragged) == pytest.approx(
         [-1.0, -1.0, -1.0, 1 - 0.5 / (9.0 * RADIUS[rover.name])], abs=1e-3
     )
-
-
-@BOTH
-def test_turning_in_place_moves_the_wheels_of_each_side_by_half_the_track(
-    rover: RoverSpec, simulate: MakeSimulation
-) -> None:
-    yaw_rate, rim = 0.8, 0.25
-    wheel_speed = rim / RADIUS[rover.name]
-    wheels = motion(
-        simulate(rover),
-        (-wheel_speed, -wheel_speed, wheel_speed, wheel_speed),
-        angular=(0.0, 0.0, yaw_rate),
-    )
-    slip = 1 - yaw_rate * rover.track / 2 / rim
-    assert slips(wheels) == pytest.approx([-slip, -slip, slip, slip], abs=2e-3)
-    x, y = np.array([(wheel.x, wheel.y) for wheel in wheels]).T
-    assert y == pytest.approx(rover.track / 2 * np.array([1, 1, -1, -1]), abs=1e-3)
-    assert x[[0, 2]] - x[[1, 3]] == pytest.approx(rover.wheelbase, abs=1e-3)
 
 
 @BOTH

@@ -6,6 +6,7 @@ import pytest
 from numpy.typing import NDArray
 
 from harness.sensors.rays.bundle import RayBundle, Surroundings
+from tests.harness.sensors.mujoco_rays import meets
 from tests.harness.sensors.test_lidar import (
     Scene,
     add_random_obstacles,
@@ -30,14 +31,10 @@ def pose_of(scene: Scene) -> Array:
 def multi_ray(scene: Scene, directions: Array) -> tuple[Array, NDArray[np.bool_]]:
     """MuJoCo's distances, and which of them are to obstacles."""
     model, data = scene
-    pose, n = pose_of(scene), len(directions)
-    hit, distances, groups = np.empty(n, np.int32), np.empty(n), np.array([1, 1, 0, 0, 0, 0], np.uint8)
-    vectors = (directions @ pose[1:].T).ravel()
-    mujoco.mj_multiRay(
-        model, data, pose[0], vectors, groups, 1, -1, hit, distances, None, n, mujoco.mjMAXVAL
-    )
-    distances[(distances < 0.0) | (distances > RANGE_MAX)] = np.inf
-    return distances, np.isfinite(distances) & (model.geom_group[hit] == 1)
+    pose = pose_of(scene)
+    geoms, distances = meets(model, data, pose[0], directions @ pose[1:].T, (0, 1))
+    distances[distances > RANGE_MAX] = np.inf
+    return distances, np.isfinite(distances) & (model.geom_group[geoms] == 1)
 
 
 def spread(rng: np.random.Generator, n: int, flatness: float) -> Array:

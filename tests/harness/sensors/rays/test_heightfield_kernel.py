@@ -93,49 +93,19 @@ def assert_same_hits(ours: Array, theirs: Array) -> None:
 def test_random_rays_meet_mujoco(shape: tuple[int, int], steepness: float) -> None:
     # Origins above, on all sides of, inside and below the solid; many rays leave the map, if they may.
     rng = np.random.default_rng([*shape, int(100 * steepness)])
-    for relief, cell in itertools.product((0.02, 0.2, 1.0), (0.05, 0.25)):
+    for relief, cell in itertools.product((0.0, 0.02, 0.2, 1.0), (0.05, 0.25)):
         heights = relief * rng.normal(size=shape)
         center = (float(rng.normal()), float(rng.normal()))
         scene = terrain_model(heights, cell, center)
         rays = heightfield_arrays(scene[0])
         size = np.array([cell * shape[1], cell * shape[0], np.ptp(heights) + BASE])
-        for _ in range(4):
+        for _ in range(3):
             origin = np.array([*center, 0.0]) + rng.uniform(-0.9, 0.9, 3) * size
             directions = random_directions(rng, 40, steepness)
             hits = mujoco_cast(scene, origin, directions)
             for reach in (FAR, float(rng.uniform(0.1, 0.7) * size[0])):
                 within = np.where(hits <= reach, hits, np.inf)
                 assert_same_hits(cast(rays, origin, directions, reach), within)
-
-
-def test_rays_from_below_the_surface_meet_mujoco() -> None:
-    rng = np.random.default_rng(1)
-    scene = terrain_model(rng.normal(size=(17, 17)), 0.25)
-    rays = heightfield_arrays(scene[0])
-    low = float(scene[0].geom_pos[0, 2])
-    for depth in (0.01, 0.2, 0.4, -0.1, -0.4, -BASE - 0.1):  # within the hills, the base, below it
-        origin = np.array([*rng.uniform(-1.8, 1.8, 2), low + depth])
-        directions = random_directions(rng, 100, 1.0)
-        assert_same_hits(cast(rays, origin, directions), mujoco_cast(scene, origin, directions))
-
-
-def test_side_wall_is_hit_from_outside_and_from_within() -> None:
-    model, _ = terrain_model(np.array([[0.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]]), 1.0)
-    rays = heightfield_arrays(model)
-    toward = np.array([[0.0, 1.0, 0.0]])
-    assert cast(rays, np.array([0.0, -3.0, 0.5]), toward) == pytest.approx(2.0)
-    assert cast(rays, np.array([0.0, 0.0, 0.5]), toward) == pytest.approx(1.0)
-    assert cast(rays, np.array([0.9, -3.0, 0.5]), toward) == np.inf  # the wall is lower there
-
-
-def test_vertical_rays_read_the_height_everywhere() -> None:
-    rng = np.random.default_rng(2)
-    heights = stepped_heights(rng, 9)
-    rays = heightfield_arrays(terrain_model(heights, 0.25)[0])
-    down = np.array([[0.0, 0.0, -1.0]])
-    for row, col in itertools.product(range(9), repeat=2):
-        origin = np.array([0.25 * col - 1.0, 0.25 * row - 1.0, 3.0])
-        assert cast(rays, origin, down)[0] == 3.0 - heights[row, col]
 
 
 def test_rays_along_grid_lines_and_through_vertices_never_leak() -> None:
@@ -187,7 +157,7 @@ def test_grazing_rays_meet_mujoco() -> None:
             assert_same_hits(cast(rays, origin, directions), mujoco_cast(scene, origin, directions))
 
 
-def test_origin_on_the_surface_is_at_zero_range() -> None:
+def test_from_above_a_ray_reads_the_height_and_on_the_surface_nothing() -> None:
     rng = np.random.default_rng(5)
     heights = stepped_heights(rng, 9)
     scene = terrain_model(heights, 0.25)
@@ -200,16 +170,9 @@ def test_origin_on_the_surface_is_at_zero_range() -> None:
         directions = random_directions(rng, 8, 1.0)
         assert (cast(rays, origin, directions) == 0.0).all()
         assert_same_hits(cast(rays, origin, directions), mujoco_cast(scene, origin, directions))
-
-
-def test_flat_terrain_meets_mujoco() -> None:
-    rng = np.random.default_rng(6)
-    scene = terrain_model(np.full((9, 9), 2.0), 0.25)
-    rays = heightfield_arrays(scene[0])
-    for _ in range(20):
-        origin = np.array([*rng.uniform(-1.5, 1.5, 2), 2.0 + rng.uniform(-0.6, 0.3)])
-        directions = random_directions(rng, 40, 0.5)
-        assert_same_hits(cast(rays, origin, directions), mujoco_cast(scene, origin, directions))
+        for place, height in ((origin, z), ((0.25 * col - 1.0, 0.25 * row - 1.0), near)):
+            above = np.array([*place[:2], 3.0])
+            assert cast(rays, above, np.array([[0.0, 0.0, -1.0]])) == 3.0 - height
 
 
 def test_skipping_blocks_changes_no_bit() -> None:
@@ -254,18 +217,9 @@ def test_as_plain_python_the_walk_meets_mujoco_too_and_the_compiled_walk_to_the_
                 ours = cast(rays, origin, directions, kernel=plain)
                 assert ours.tobytes() == cast(rays, origin, directions).tobytes()
                 assert_same_hits(ours, mujoco_cast(scene, origin, directions))
-    flat = heightfield_arrays(terrain_model(np.zeros((3, 3)), 1.0)[0])
-    ranges = np.array([np.inf, 0.4, 0.6])
-    down = np.tile([0.0, 0.0, -1.0], (3, 1))
-    plain(*flat, np.array([0.3, 0.2, 0.5]), down, np.zeros(3), 10.0, ranges)
-    assert ranges == pytest.approx([0.5, 0.4, 0.5])
 
 
-@pytest.mark.parametrize("way", ["compiled", "plain"])
-def test_rays_along_the_axes_meet_mujoco_over_and_beside_the_map(
-    way: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    plain = as_plain_python("harness.sensors.rays.heightfield_kernel", monkeypatch).cast_rays
+def test_rays_along_the_axes_meet_mujoco_over_and_beside_the_map() -> None:
     heights = np.array([[0.0, 0.3, 0.1], [0.2, 0.05, 0.4], [0.6, 0.15, 0.25]])
     scene = terrain_model(heights, 1.0, oblong=1.25)
     oblique = unit(np.array([[1.0, 0.4, -0.3], [-0.3, 1.0, 0.2], [-1.0, -0.7, -0.5], [0.6, -1.0, -0.1]]))
@@ -276,7 +230,7 @@ def test_rays_along_the_axes_meet_mujoco_over_and_beside_the_map(
     ):
         origin = np.array(place)
         rays = heightfield_arrays(scene[0])
-        ours = cast(rays, origin, directions, kernel=plain if way == "plain" else cast_rays)
+        ours = cast(rays, origin, directions)
         assert_same_hits(ours, mujoco_cast(scene, origin, directions))
         hits += np.isfinite(ours).tolist()
     assert min(sum(hits), len(hits) - sum(hits)) > 60

@@ -86,32 +86,6 @@ def test_no_ray_is_told_to_be_clear_farther_than_it_goes_and_most_are_nearly_as_
     assert np.mean(walked) > 0.8
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_a_peak_is_entered_into_the_parts_that_its_block_touches_and_no_others(seed: int) -> None:
-    """A block of 4 cells: a part that is told to be high has a point near, one that holds it is."""
-    rng, n = np.random.default_rng(seed), 65
-    heights, (row, col) = np.zeros((n, n)), rng.integers(1, n - 1, 2)
-    heights[row, col] = 1.0
-    terrain = heightfield_arrays(terrain_spec(heights, 0.25).compile())
-    profile, (u, v) = np.empty((SECTORS, RINGS)), rng.uniform(5.0, 59.0, 2)
-    origin = np.array([0.25 * u - 8.0, 0.25 * v - 8.0, 3.0])
-    horizon_kernel.highest_points(heights.shape, *terrain[1:], origin, RANGE_MAX, profile)
-    assert set(profile.ravel().tolist()) <= {-np.inf, 0.0, 1.0}
-    sectors = aim((np.arange(SECTORS)[:, None] + np.linspace(0.01, 0.99, 5)) / 64)
-    sectors /= np.linalg.norm(sectors, axis=-1, keepdims=True)
-    radii = np.linspace(INNER[:-1], OUTER[:-1], 9).T  # the last ring begins off the map
-    points = radii[None, :, None, :, None] * sectors[:, None, :, None, :]  # sector, ring, angle, radius
-    away = np.hypot(*np.moveaxis(points - (col - u, row - v), -1, 0))
-    high = profile[:, :-1] == 1.0
-    assert (away.min(axis=(2, 3))[high] < 9.0).all()
-    angles, peak = np.arange(0.0, 4.0, 1e-4), np.array([col - u, row - v])
-    ways = aim(angles)
-    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
-    sector = int(angles[(ways @ peak).argmax()] * 64)
-    assert profile[sector, np.searchsorted(OUTER, np.linalg.norm(peak), side="right")] == 1.0
-    assert np.isfinite(profile[:, 0]).all()
-
-
 @pytest.mark.parametrize(
     ("shape", "cell", "place", "reach"),
     [
@@ -226,22 +200,6 @@ def test_a_ray_is_clear_up_to_the_ring_in_which_it_comes_down_to_the_highest_poi
         assert clear[0] == pytest.approx(nearest / pace), (sector, ring, seen, slope)
         outcomes.add((seen == sector, met, slope < 0.0))
     assert len(outcomes) == 6
-
-
-def test_a_single_peak_is_in_nobodys_way_unseen() -> None:
-    rng, n, cell = np.random.default_rng(6), 65, 0.1
-    for _ in range(30):
-        heights, (row, col) = np.zeros((n, n)), rng.integers(2, n - 2, 2)
-        heights[row, col] = 2.0
-        peak = (np.array([col, row]) - (n - 1) / 2) * cell
-        targets = np.column_stack([peak + cell * rng.uniform(-0.5, 0.5, (40, 2)), np.full(40, 0.6)])
-        origin = np.append(rng.uniform(-3.0, 3.0, 2), 0.5)
-        if np.hypot(*(peak - origin[:2])) < 3 * cell:
-            continue
-        directions = (targets - origin) / np.linalg.norm(targets - origin, axis=1, keepdims=True)
-        clear, found = ways(heights, cell, origin, directions)
-        assert (clear <= found).all()
-        assert np.isfinite(found).mean() > 0.5
 
 
 def test_a_peak_narrower_than_a_sector_is_in_the_way_of_its_own_sector() -> None:
