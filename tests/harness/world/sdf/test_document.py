@@ -108,7 +108,7 @@ def test_frames_place_links_models_and_collisions(tmp_path: Path) -> None:
         + link(pose(A, "j"), name="m")
         + link(pose(D), pose(C, "k") + BOX, "n")
         + link(pose(D), pose(C, "__model__") + BOX, "o")
-        + model(pose(B) + link(pose(C)), "in")
+        + model(pose(B) + link(pose(C), pose(D, "__model__") + BOX), "in")
     )
     body = (
         f"<frame name='f'>{pose(A)}</frame><frame name='h' attached_to='f'>{pose(B, 'world')}</frame>"
@@ -121,7 +121,7 @@ def test_frames_place_links_models_and_collisions(tmp_path: Path) -> None:
         ("one::l::c", a @ b @ c @ d),
         ("two::l::c", b @ c),
         *(("three::k::c", a @ b), ("three::l::c", a @ b @ c @ a), ("three::m::c", a @ b @ d @ a)),
-        *(("three::n::c", a @ b @ c), ("three::o::c", a @ c), ("three::in::l::c", a @ b @ c)),
+        *(("three::n::c", a @ b @ c), ("three::o::c", a @ c), ("three::in::l::c", a @ b @ d)),
         ("four::l::c", a @ b @ c @ d),
     ]
     assert_placed(read(tmp_path, body), expected)
@@ -163,8 +163,9 @@ def test_what_cannot_be_had_is_named_once_and_the_rest_is_read(tmp_path: Path) -
     door = model("<joint name='j' type='revolute'/>" + link(), "door")
     ball = model("<joint name='j' type='fixed'/>" + link(), "ball", static=False)
     plugin = "<plugin name='wind' filename='x'/>"
+    empty = model(link(collision=geometry("empty")), "empty")
     bare = model("<link name='l'><collision name='c'/></link>", "bare")
-    body = fuel * 2 + model(gone + odd) * 2 + arm + door + ball + plugin * 2 + bare + "<road/>"
+    body = fuel * 2 + model(gone + odd) * 2 + arm + door + ball + plugin * 2 + empty + bare + "<road/>"
     document = read(tmp_path, body)
     assert [solid.name for solid in document.solids] == ["door::l::c", "ball::l::c"]
     assert [re.sub("^left out: |; .*", "", note) for note in document.notes] == [

@@ -1,7 +1,9 @@
 """Meshes from files: units, axes, parts, and what is refused."""
 
 import hashlib
+import math
 import os
+import re
 import struct
 from pathlib import Path
 
@@ -47,6 +49,7 @@ def test_a_file_is_decoded_once_and_again_when_it_has_been_written_anew(tmp_path
         assert read_mesh(path)[0] is read
 
 
+@pytest.mark.parametrize("prefix", ["", "c:"])
 @pytest.mark.parametrize(
     ("up", "low", "high"),
     [
@@ -56,9 +59,13 @@ def test_a_file_is_decoded_once_and_again_when_it_has_been_written_anew(tmp_path
     ],
 )
 def test_collada_is_turned_upright_and_scaled_to_metres(
-    tmp_path: Path, up: str, low: list[float], high: list[float]
+    tmp_path: Path, up: str, low: list[float], high: list[float], prefix: str
 ) -> None:
-    mesh, _ = read_mesh(write_dae(tmp_path / "a.dae", BOX, "0.01", up))
+    path = write_dae(tmp_path / "a.dae", BOX, "0.01", up)
+    path.write_text(re.sub(r"(</?)(?=\w)", rf"\1{prefix}", path.read_text()))
+    if prefix:
+        path.write_text(path.read_text().replace("xmlns=", "xmlns:c="))
+    mesh, _ = read_mesh(path)
     np.testing.assert_allclose(mesh.vertices.min(0), 0.01 * np.array(low), atol=1e-9)
     np.testing.assert_allclose(mesh.vertices.max(0), 0.01 * np.array(high), atol=1e-9)
     assert volume(mesh) == pytest.approx(48.0e-6)
@@ -99,6 +106,7 @@ def test_triangles_are_joined_at_the_same_corners_and_those_without_area_are_dro
         ("a.fbx", b"x", "readable are .dae, .obj, .stl"),
         ("a.obj", b"", "it holds no triangles|damaged or cut short"),
         ("a.obj", b"v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n", "1 of its vertices are NaN or infinite"),
+        ("a.stl", bytes(80) + struct.pack("<I12fH", 1, *[math.inf] * 12, 0), "its vertices are NaN"),
         ("a.stl", b"solid x\nfacet", "damaged or cut short|no triangles"),
         ("a.dae", b"<COLLADA/>", "damaged or cut short"),
         ("a.dae", b"<!DOCTYPE a [<!ENTITY b 'c'>]><COLLADA/>", "declares a document type"),

@@ -106,6 +106,10 @@ def test_beyond_the_outline_and_in_holes_there_are_pits_and_small_gaps_are_fille
         f"{filled} of the map filled from its surroundings: small gaps",
         f"{pits} of the map has no surface: a pit there, 2 m below the lowest point",
     ]
+    for part, told in ((small, "small gaps"), (outside, "below the lowest point")):
+        notes.clear()
+        surface_of(mesh.part(~part), grid, None, notes)
+        assert [note.endswith(told) for note in notes] == [True, False]
 
 
 def test_what_reaches_above_the_floor_is_left_over_and_what_is_buried_is_not() -> None:
