@@ -15,23 +15,26 @@ def pose_of(text: str, attributes: str = "") -> NDArray[np.float64]:
     return read_pose(fromstring(f"<a><pose {attributes}>{text}</pose></a>"), "a")[0]  # noqa: S314 - ours
 
 
-def test_angles_are_about_fixed_axes_x_then_y_then_z() -> None:
-    pose = pose_of("1 2 3 0.1 -0.2 0.3")
-    np.testing.assert_allclose(pose[:3, :3], Rotation.from_euler("xyz", [0.1, -0.2, 0.3]).as_matrix())
+@pytest.mark.parametrize(
+    ("turn", "attributes", "rotation"),
+    [
+        ("0.1 -0.2 0.3", "", Rotation.from_euler("xyz", [0.1, -0.2, 0.3])),  # about fixed axes
+        ("10 20 30", "degrees='true'", Rotation.from_euler("xyz", [10, 20, 30], degrees=True)),
+        ("10 20 30", "degrees='1'", Rotation.from_euler("xyz", [10, 20, 30], degrees=True)),
+        ("0.1 0.2 0.3", "degrees='false'", Rotation.from_euler("xyz", [0.1, 0.2, 0.3])),
+        ("0.2 -0.4 0.6 1.6", "rotation_format='quat_xyzw'", Rotation.from_quat([0.2, -0.4, 0.6, 1.6])),
+    ],
+)
+def test_a_pose_is_a_place_and_angles_or_a_quaternion(
+    turn: str, attributes: str, rotation: Rotation
+) -> None:
+    pose = pose_of(f"1 2 3 {turn}", attributes)
+    np.testing.assert_allclose(pose[:3, :3], rotation.as_matrix(), atol=1e-15)
     np.testing.assert_array_equal(pose[:, 3], [1, 2, 3, 1])
     np.testing.assert_allclose(inverse(pose), np.linalg.inv(pose), atol=1e-15)
 
 
-@pytest.mark.parametrize("flag", ["true", "1"])
-def test_angles_may_be_degrees_or_a_quaternion(flag: str) -> None:
-    np.testing.assert_allclose(
-        pose_of("0 0 0 10 20 30", f'degrees="{flag}"')[:3, :3],
-        Rotation.from_euler("xyz", [10, 20, 30], degrees=True).as_matrix(),
-    )
-    np.testing.assert_allclose(
-        pose_of("0 0 0 0.2 -0.4 0.6 1.6", 'rotation_format="quat_xyzw"')[:3, :3],
-        Rotation.from_quat([0.2, -0.4, 0.6, 1.6]).as_matrix(),
-    )
+def test_a_quaternion_of_zeros_is_refused() -> None:
     with pytest.raises(UsageError, match="quaternion is 0"):
         pose_of("0 0 0 0 0 0 0", 'rotation_format="quat_xyzw"')
 
