@@ -158,6 +158,8 @@ def test_includes_take_another_name_and_pose_and_find_their_own_files(tmp_path: 
 
 def test_what_cannot_be_had_is_named_once_and_the_rest_is_read(tmp_path: Path) -> None:
     fuel = "<include><uri>https://fuel.gazebosim.org/1.0/rock</uri></include>"
+    written(tmp_path, model(link(), "kept"), "kept.sdf")
+    kept = "<include><uri>kept.sdf</uri></include>"
     gone = link(collision=geometry("mesh", "<uri>file:///home/x/m.dae</uri>"))
     odd = link(collision=geometry("polyline"))
     arm = model("<joint name='j' type='revolute'/>" + link(), "arm", static=False)
@@ -166,9 +168,20 @@ def test_what_cannot_be_had_is_named_once_and_the_rest_is_read(tmp_path: Path) -
     plugin = "<plugin name='wind' filename='x'/>"
     empty = model(link(collision=geometry("empty")), "empty")
     bare = model("<link name='l'><collision name='c'/></link>", "bare")
-    body = fuel * 2 + model(gone + odd) * 2 + arm + door + ball + plugin * 2 + empty + bare + "<road/>"
+    body = (
+        fuel * 2
+        + kept
+        + model(gone + odd) * 2
+        + arm
+        + door
+        + ball
+        + plugin * 2
+        + empty
+        + bare
+        + "<road/>"
+    )
     document = read(tmp_path, body)
-    assert [solid.name for solid in document.solids] == ["door::l::c", "ball::l::c"]
+    assert [solid.name for solid in document.solids] == ["door::l::c", "ball::l::c", "kept::l::c"]
     assert [re.sub("^left out: |; .*", "", note) for note in document.notes] == [
         "<road>",
         "https://fuel.gazebosim.org/1.0/rock: nothing is fetched",
@@ -235,7 +248,9 @@ def test_actors_of_included_files_are_in_the_frame_of_the_include(tmp_path: Path
     actor = "<actor name='{}'><pose>0 3 0 0 0 0</pose></actor>"
     box = f"<model name='box'>{link()}</model>"
     written(tmp_path, actor.format("lone"), "lone.sdf")
-    written(tmp_path, f"<world name='w'>{actor.format('worldly')}{box}</world>", "inner.world")
+    arm = f"<model name='arm'><joint name='j' type='revolute'/>{link()}</model>"
+    worldly = actor.format("worldly") + box.replace("<link", "<pose relative_to='world'/><link") + arm
+    written(tmp_path, f"<world name='w'>{worldly}</world>", "inner.world")
     written(tmp_path, f"<model name='box'>{link()}{actor.format('nested')}</model>", "model.sdf")
     written(tmp_path, box + actor.format("beside"), "beside.sdf")
     include = "<include><uri>{}</uri>{}<pose degrees='1'>{} 0 1 0 0 90</pose></include>"
@@ -260,7 +275,10 @@ def test_actors_of_included_files_are_in_the_frame_of_the_include(tmp_path: Path
     }
     np.testing.assert_allclose(document.actors[1].pose[:3, 0], [0.0, 1.0, 0.0], atol=1e-12)
     assert [solid.pose[0, 3] for solid in document.solids] == [41.0, 30.0, 50.0]
-    assert document.notes == ("not static, but nothing moves here: w::box, sdf::box",)
+    assert document.notes == (
+        "left out: model 'w::arm': it has joints that move",
+        "not static, but nothing moves here: w::box, sdf::box",
+    )
 
 
 def wrong(inner: str) -> str:

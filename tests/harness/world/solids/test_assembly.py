@@ -67,11 +67,17 @@ def post(x: float, y: float, half: float = 0.5) -> Obstacle:
     return Obstacle(ObstacleKind.HAZARD, "cylinder", (half, 1.0), (x, y, 0.0))
 
 
-@pytest.mark.parametrize("middle", [(0.0, 0.0), (3.0, -4.0), (100.0, 50.0)])
+@pytest.mark.parametrize(
+    ("middle", "is_on_map"),
+    [
+        *(((0.0, 0.0), True), ((3.0, -4.0), True), ((100.0, 50.0), False)),
+        *(((9.6, 0.0), False), ((0.0, 7.6), False)),  # less than half a metre from its edge
+    ],
+)
 def test_a_rover_starts_at_the_origin_if_that_is_on_the_map_else_in_its_middle(
-    middle: tuple[float, float],
+    middle: tuple[float, float], is_on_map: bool
 ) -> None:
-    wanted = middle if middle[0] > 50.0 else (0.0, 0.0)
+    wanted = (0.0, 0.0) if is_on_map else middle
     assert start(middle) == ((*wanted, 0.0), [])
     beside, notes = start(middle, post(*wanted))
     assert np.hypot(*np.subtract(beside[:2], wanted)) == pytest.approx(1.2, abs=0.2)  # 0.5 m + 0.7 m

@@ -51,6 +51,12 @@ def tube(length: float, bend: float) -> Mesh:
     return both(extruded(np.stack([x, y, z], axis=-1)))
 
 
+TWO_CONES = Mesh(  # upon each other, of three sides
+    np.array([(0, 0, 1.2), (0, 0, 0.2), (0.3, 0, 0.7), (-0.2, 0.3, 0.7), (-0.2, -0.3, 0.7)]),
+    np.array([(0, 2, 3), (0, 3, 4), (0, 4, 2), (1, 3, 2), (1, 4, 3), (1, 2, 4)]),
+)
+
+
 @pytest.mark.parametrize(
     ("mesh", "found"),
     [
@@ -62,6 +68,7 @@ def tube(length: float, bend: float) -> Mesh:
         (box((0, 0, -0.5), (3, 3, 1.008)), {}),
         (box((50, 0, 0.5), (1, 1, 1)), {}),  # off the map
         (tube(2.0, 0.0), {"HAZARD convex": 1}),
+        (TWO_CONES, {"HAZARD convex": 1}),
     ],
 )
 def test_a_convex_body_is_one_obstacle(mesh: Mesh, found: dict[str, int]) -> None:
