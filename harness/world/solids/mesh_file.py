@@ -132,8 +132,8 @@ def _check_count(triangles: int) -> None:
 def _told(data: bytes) -> tuple[float, str]:
     """What the asset of a COLLADA file says: length of its unit [m], axis that is up."""
     asset = {
-        element.tag.rpartition("}")[2]: element
-        for element in next((e for e in parse_xml(data) if e.tag.rpartition("}")[2] == "asset"), ())
+        element.tag.rpartition(":")[2]: element
+        for element in next((e for e in parse_xml(data) if e.tag.rpartition(":")[2] == "asset"), ())
     }
     up = (asset["up_axis"].text or "") if "up_axis" in asset else "Y_UP"  # COLLADA's default
     text = asset["unit"].get("meter", "1") if "unit" in asset else "1"
@@ -159,13 +159,13 @@ def _loaded(data: bytes, kind: str) -> dict[str, Mesh]:
             scene = trimesh.load_scene(
                 io.BytesIO(data), file_type=kind, process=False, skip_materials=True
             )
-        parts = {}
-        for node in scene.graph.nodes_geometry:
-            pose, name = scene.graph[node]
-            geometry = scene.geometry[name]
-            if isinstance(geometry, trimesh.Trimesh):
-                mesh = Mesh(np.asarray(geometry.vertices), np.asarray(geometry.faces))
-                parts[str(node)] = mesh.moved(np.asarray(pose))
+            parts = {}
+            for node in scene.graph.nodes_geometry:
+                pose, name = scene.graph[node]
+                geometry = scene.geometry[name]
+                if isinstance(geometry, trimesh.Trimesh):
+                    mesh = Mesh(np.asarray(geometry.vertices), np.asarray(geometry.faces))
+                    parts[str(node)] = mesh.moved(np.asarray(pose))
     except Exception as error:  # decoders raise anything at all over a damaged file
         reason = " ".join(str(error).split())[:120] or type(error).__name__
         raise UsageError(f"it is damaged or cut short: {reason}") from error

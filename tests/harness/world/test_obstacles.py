@@ -15,7 +15,6 @@ from harness.world.obstacles import (
     bottom,
     convex,
     half_extent,
-    orientation,
     outline,
     place,
     rotation_matrix,
@@ -23,6 +22,8 @@ from harness.world.obstacles import (
     top,
 )
 from harness.world.obstacles import surface as seen_only
+
+Points = NDArray[np.float64]
 
 
 def test_scattered_points_keep_their_distance_from_each_other_spawn_and_edge() -> None:
@@ -32,20 +33,12 @@ def test_scattered_points_keep_their_distance_from_each_other_spawn_and_edge() -
     assert gaps[~np.eye(80, dtype=bool)].min() >= 1.2
     assert np.hypot(*points.T).min() >= 2.0
     assert 8.0 < np.abs(points).max() <= 9.0
-
-
-def test_scatter_fills_all_four_quadrants() -> None:
-    points = scatter(np.random.default_rng(1), 80, reach=9.0, spacing=0.5, keep_out=1.0)
-    quadrants = {(x > 0, y > 0) for x, y in points.tolist()}
-    assert len(quadrants) == 4
+    assert len(np.unique(points > 0.0, axis=0)) == 4
 
 
 def test_scatter_gives_up_where_there_is_no_room() -> None:
     points = scatter(np.random.default_rng(1), 50, reach=1.0, spacing=1.0, keep_out=0.5)
     assert 1 <= len(points) < 10
-
-
-def test_scatter_of_nothing_is_an_empty_list_of_points() -> None:
     assert scatter(np.random.default_rng(1), 0, reach=1.0, spacing=1.0, keep_out=0.5).shape == (0, 2)
 
 
@@ -57,41 +50,9 @@ def test_a_placed_form_stands_on_the_ground_sunk_turned_and_tilted_as_told(kind:
     obstacle = place(form, ground, 1.0, -1.0)
     assert obstacle.position == pytest.approx((1.0, -1.0, 1.8 + 0.5 - 0.2))
     assert (obstacle.kind, obstacle.shape, obstacle.half_size) == (kind, "cylinder", (0.1, 0.5))
+    assert place(replace(form, yaw=0.0, tilt=0.0), ground, 1.0, -1.0).quaternion == (1.0, 0.0, 0.0, 0.0)
     turn = Rotation.from_euler("ZX", (0.7, 0.3))  # about z, then about its own x
     assert obstacle.quaternion == pytest.approx(turn.as_quat(scalar_first=True))
-
-
-def test_what_is_upright_is_not_turned() -> None:
-    assert orientation(0.0) == (1.0, 0.0, 0.0, 0.0)
-
-
-@pytest.mark.parametrize(
-    ("shape", "half_size", "area"),
-    [
-        ("box", (2.0, 1.0, 0.5), 8.0),
-        ("ellipsoid", (2.0, 1.0, 0.5), math.tau),
-        ("cylinder", (1.0, 3.0), math.pi),
-    ],
-)
-def test_outline_of_a_turned_obstacle_has_its_area(
-    shape: str, half_size: tuple[float, ...], area: float
-) -> None:
-    obstacle = Obstacle(
-        kind=ObstacleKind.HAZARD,
-        shape=shape,  # type: ignore[arg-type]  # one of the literals above
-        half_size=half_size,
-        position=(5.0, -3.0, 0.0),
-        quaternion=orientation(0.7),
-    )
-    points = outline(obstacle)
-    x, y = points.T
-    assert 0.5 * abs(np.dot(x, np.roll(y, 1)) - np.dot(y, np.roll(x, 1))) == pytest.approx(
-        area, rel=0.05
-    )
-    assert points.max(axis=0) + points.min(axis=0) == pytest.approx([10.0, -6.0], abs=0.05)
-
-
-Points = NDArray[np.float64]
 
 
 HALF: dict[Shape, tuple[float, ...]] = {
@@ -106,7 +67,7 @@ def surface(shape: Shape, half: tuple[float, ...]) -> Points:
     if shape == "box":
         corners = np.stack(np.meshgrid(*[(-1, 1)] * 3), -1).reshape(-1, 3)
         return np.asarray(corners * half)
-    turn, tilt = np.meshgrid(np.linspace(0, math.tau, 721), np.linspace(0, math.pi, 361))
+    turn, tilt = np.meshgrid(np.linspace(0, math.tau, 361), np.linspace(0, math.pi, 181))
     if shape == "cylinder":
         edge = turn[0]
         ring = np.column_stack([half[0] * np.cos(edge), half[0] * np.sin(edge)])

@@ -1,4 +1,4 @@
-from dataclasses import FrozenInstanceError, dataclass
+from dataclasses import FrozenInstanceError, astuple, dataclass
 
 import numpy as np
 import pytest
@@ -23,20 +23,14 @@ class Noise(Terrain):
         return self.height * rng.standard_normal(x.shape) - 0.0
 
 
-def test_difficulty_one_half_is_the_default() -> None:
-    assert Noise.at_difficulty(0.5) == Noise()
-
-
 def test_difficulty_moves_parameters_from_easiest_through_default_to_hardest() -> None:
-    heights = [Noise.at_difficulty(d).height for d in (0.0, 0.25, 0.5, 0.75, 1.0)]
-    assert heights == pytest.approx([0.1, 0.3, 0.5, 1.25, 2.0])
-    assert Noise.at_difficulty(1.0).size == 12.0
-
-
-def test_whole_numbers_stay_whole() -> None:
-    stones = Noise.at_difficulty(0.58).stones  # 4.8
-    assert stones == 5
-    assert isinstance(stones, int)
+    made = [astuple(Noise.at_difficulty(difficulty)) for difficulty in (0.0, 0.25, 0.5, 0.58, 0.75, 1.0)]
+    size, cell, height, stones, rocks = zip(*made, strict=True)
+    assert made[2] == astuple(Noise())
+    assert {*size, *cell} == {12.0, 0.1}
+    assert height == pytest.approx((0.1, 0.3, 0.5, 0.74, 1.25, 2.0))
+    assert (stones, rocks) == ((1, 2, 4, 5, 6, 9), (0, 0, 0, 0, 2, 3))  # whole, the nearest
+    assert {type(count) for count in (*stones, *rocks)} == {int}
 
 
 def test_a_description_tells_parameters_with_range_and_unit() -> None:

@@ -1,5 +1,6 @@
 """What is valid beside which kind of file; limits are those of docs/worlds.md."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +40,12 @@ def test_an_option_is_for_one_kind_of_file_and_told_beside_another(
 @pytest.mark.parametrize(
     ("path", "name", "good", "bad"),
     [
-        (MAP, "size", [(10.0, 20.0), (50_000.0, 10.0)], [(9.9, 20.0), (20.0, 50_001.0)]),
+        (
+            MAP,
+            "size",
+            [(10.0, 20.0), (50_000.0, 10.0)],
+            [(9.9, 20.0), (20.0, 50_001.0), (20.0, math.nan)],
+        ),
         (MAP, "relief", [0.0, 10_000.0], [-0.1, 10_001.0]),
         (MESH, "cell", [0.02, 10.0], [0.019, 10.1]),
         (MESH, "rock_height", [0.0, 10_000.0], [-0.1, 10_001.0]),
@@ -69,5 +75,5 @@ def test_a_file_is_known_by_its_suffix_its_folder_or_that_it_is_there(
     monkeypatch.chdir(tmp_path)
     (tmp_path / "hill").touch()
     (tmp_path / "flat").touch()  # a terrain's name is the terrain's all the same
-    names = ("a.PNG", "a.sdf", "a.obj", "b/a", "hill", "flat", "hole")
+    names = ("a.PNG", "a.sdf", "a.OBJ", "b/a", "hill", "flat", "hole")
     assert [is_terrain_file(name) for name in names] == [True] * 5 + [False] * 2

@@ -44,20 +44,20 @@ def turned(degrees: float, column: float, row: float) -> tuple[float, ...]:
     return (cos * column, sin * row, 0, 100, sin * column, -cos * row, 0, 200, *(0,) * 7, 1)
 
 
-def test_pixel_scale_and_tie_point_are_read_without_geokeys(tmp_path: Path) -> None:
-    raster = read(tmp_path, scale=(0.2, 0.3, 0.0), tie=(1.0, 2.0, 0.0, 500.0, 900.0, 0.0))
-    assert raster.pixel == (0.2, 0.3)
-    assert raster.in_metres
+@pytest.mark.parametrize("depth", [0.3, -0.3])  # a negative one is a size all the same, as for GDAL
+@pytest.mark.parametrize("kind", [np.float32, np.uint16])
+def test_pixel_scale_and_tie_point_are_read_without_geokeys(
+    tmp_path: Path, depth: float, kind: type
+) -> None:
+    tie = (1.0, 2.0, 0.0, 500.0, 900.0, 0.0)
+    raster = read(tmp_path, scale=(0.2, depth, 0.0), tie=tie, values=VALUES.astype(kind))
+    assert (raster.pixel, raster.in_metres) == ((0.2, 0.3), True)
     np.testing.assert_array_equal(raster.values, VALUES)
     assert raster.notes == (
         "names no coordinate system: its pixels are taken to be metres",
         # 10 x 9 pixels; the corner of pixel 1,2 is at 500,900
         "its middle, the origin, is 500.8, 899.25 in its coordinates",
     )
-
-
-def test_whole_numbers_of_such_a_file_are_metres(tmp_path: Path) -> None:
-    assert read(tmp_path, scale=(1, 1, 0), values=VALUES.astype(np.uint16)).in_metres
 
 
 def test_where_the_pixel_is_a_point_the_tie_point_is_its_middle(tmp_path: Path) -> None:
@@ -110,12 +110,6 @@ def test_rows_and_columns_more_than_half_a_degree_aslant_are_refused(
         return
     with pytest.raises(UsageError, match="not at right angles"):
         read(tmp_path, matrix=matrix, keys=METRES)
-
-
-def test_a_negative_scale_is_a_size_as_for_gdal(tmp_path: Path) -> None:
-    raster = read(tmp_path, scale=(0.2, -0.3, 0), keys=METRES)
-    assert raster.pixel == (0.2, 0.3)
-    np.testing.assert_array_equal(raster.values, VALUES)
 
 
 @pytest.mark.parametrize(

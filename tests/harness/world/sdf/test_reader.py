@@ -30,7 +30,9 @@ def test_what_is_no_plain_xml_is_refused_in_one_line(tmp_path: Path, text: str, 
     assert "\n" not in str(raised.value)
 
 
-def test_a_large_or_missing_file_is_refused(tmp_path: Path) -> None:
+def test_a_large_or_missing_file_is_refused_and_a_hundred_elements_in_each_other_are_read(
+    tmp_path: Path,
+) -> None:
     path = tmp_path / "a.world"
     path.write_text("<sdf>" + " " * 100 + "</sdf>")
     with pytest.raises(UsageError, match="too large"):
@@ -40,6 +42,8 @@ def test_a_large_or_missing_file_is_refused(tmp_path: Path) -> None:
         read_xml(tmp_path / "b.world")
     with pytest.raises(UsageError, match=r"cannot be read: embedded null byte"):
         read_xml(tmp_path / "b\0.world")
+    path.write_text("<a>" * 99 + "<b/><c/>" + "</a>" * 99)
+    assert [element.tag for element in read_xml(path).iter()] == ["a"] * 99 + ["b", "c"]
 
 
 def test_children_have_texts_flags_and_numbers(tmp_path: Path) -> None:

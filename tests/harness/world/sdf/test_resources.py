@@ -28,6 +28,7 @@ def tree(tmp_path: Path) -> Path:
     [
         ("model://pkg/meshes/m.dae", "pkg/meshes/m.dae"),
         ("package://pkg/meshes/m.dae", "pkg/meshes/m.dae"),
+        ("model:///pkg/meshes/m.dae", "pkg/meshes/m.dae"),
         ("file://../meshes/m.dae", "pkg/meshes/m.dae"),
         ("meshes/m.dae", "pkg/meshes/m.dae"),
         ("model://pkg/meshes/m%2Edae", "pkg/meshes/m.dae"),
@@ -54,40 +55,51 @@ def test_what_cannot_be_had_is_named_with_the_reason(tree: Path, uri: str, told:
         Resources().find(uri, tree / "pkg/worlds/a.world")
 
 
-def test_folders_are_named_by_the_option_then_by_the_environment(
+def test_folders_are_looked_in_by_the_option_then_by_the_environment_then_beside_the_world(
     tree: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     world = tree / "pkg/worlds/a.world"
-    assert Resources((tree / "else",)).find("model://other/b.obj", world) == tree / "else/other/b.obj"
-    for name in VARIABLES:
-        monkeypatch.setenv(name, f"/nowhere:{tree / 'else'}")
-        assert Resources().find("model://other/b.obj", world).is_file()
-        monkeypatch.delenv(name)
+    folders = [*(tree / name for name in ("option", *VARIABLES)), world.parent]
+    for folder in folders:
+        (folder / "other").mkdir(parents=True)
+        (folder / "other/b.obj").touch()
+    for name, folder in zip(VARIABLES, folders[1:], strict=False):
+        monkeypatch.setenv(name, f":/nowhere:{folder}")
+    resources = Resources(folders[:1])
+    for folder in folders:
+        found = resources.find("model://other/b.obj", world)
+        assert found == folder / "other/b.obj"
+        found.unlink()
     with pytest.raises(UsageError, match=r"--resource-path .*nowhere is not a folder"):
         Resources((tree / "nowhere",))
 
 
 def test_a_folder_means_the_newest_file_that_its_config_names(tmp_path: Path) -> None:
+    folder = tmp_path / "thing"
+    folder.mkdir()
     with pytest.raises(Missing, match=r"neither model\.config nor model\.sdf"):
-        model_file(tmp_path)
-    (tmp_path / "model.sdf").touch()
-    assert model_file(tmp_path) == tmp_path / "model.sdf"
+        model_file(folder)
+    (folder / "model.sdf").touch()
+    assert model_file(folder) == folder / "model.sdf"
     for version in ("4", "6"):
-        (tmp_path / f"m{version}.sdf").touch()
+        (folder / f"m{version}.sdf").touch()
     lines = "".join(f"<sdf version='1.{v}'>m{v}.sdf</sdf>" for v in ("4", "6"))
-    config = tmp_path / "model.config"
+    config = folder / "model.config"
     config.write_text(f"<model>{lines}</model>")
-    assert model_file(tmp_path) == tmp_path / "m6.sdf"
-    (tmp_path / "m10.sdf").touch()
+    assert model_file(folder) == folder / "m6.sdf"
+    (folder / "m10.sdf").touch()
     for more, file in (
         ("<sdf/><sdf version='1.99'/><sdf>none.sdf</sdf>", "m6.sdf"),
         ("<sdf version='1.10'> m10.sdf </sdf>", "m10.sdf"),
     ):
         config.write_text(f"<model>{more}{lines}</model>")
-        assert model_file(tmp_path) == tmp_path / file
-    config.write_text("<model><sdf>../secret.sdf</sdf></model>")
-    with pytest.raises(Missing, match=r"there is no \.\./secret\.sdf beside it"):
-        model_file(tmp_path)
-    config.write_text("<model/>")
-    with pytest.raises(Missing, match="names no <sdf>"):
-        model_file(tmp_path)
+        assert model_file(folder) == folder / file
+    (tmp_path / "secret.sdf").touch()
+    for text, told in (
+        ("<sdf>../secret.sdf</sdf>", r"there is no \.\./secret\.sdf beside it"),
+        ("<sdf>none.sdf</sdf>", r"there is no none\.sdf beside it"),
+        ("", "names no <sdf>"),
+    ):
+        config.write_text(f"<model>{text}</model>")
+        with pytest.raises(Missing, match=told):
+            model_file(folder)

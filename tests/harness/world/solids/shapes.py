@@ -35,19 +35,8 @@ def flat(height: float = 0.0, half_x: float = 10.0, half_y: float = 10.0) -> Mes
 
 def box(middle: tuple[float, float, float], size: tuple[float, float, float]) -> Mesh:
     """A closed box whose triangles face out: sides by hand, so that no code under test makes them."""
-    x, y, z = 0.5 * np.array(size)
-    corners = np.array(
-        [
-            [-x, -y, -z],
-            [x, -y, -z],
-            [x, y, -z],
-            [-x, y, -z],
-            [-x, -y, z],
-            [x, -y, z],
-            [x, y, z],
-            [-x, y, z],
-        ]
-    )
+    around = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    corners = 0.5 * np.array(size) * [(x, y, z) for z in (-1, 1) for x, y in around]
     quads = ((3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
     faces = [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))]
     return Mesh(corners + middle, np.array(faces))

@@ -48,11 +48,15 @@ def test_the_room_of_drivers_is_measured_in_metres_where_the_map_lies() -> None:
 
 
 def start(
-    middle: tuple[float, float], *obstacles: Obstacle, floorless: float = 0.0, climb: float = 0.0
+    middle: tuple[float, float],
+    *obstacles: Obstacle,
+    floorless: float = 0.0,
+    climb: float = 0.0,
+    cell: float = 0.25,
 ) -> tuple[Start, list[str]]:
     """On a map of 20 x 16 m that climbs, without a floor within a radius of its middle."""
-    y, x = np.mgrid[-8.0:8.01:0.25, -10.0:10.01:0.25]
-    ground = Heightfield(climb * x, 0.25, middle)
+    y, x = np.mgrid[-8.0 : 8.0 + cell / 2 : cell, -10.0 : 10.0 + cell / 2 : cell]
+    ground = Heightfield(climb * x, cell, middle)
     found = Surface(ground, np.zeros(0, bool), np.hypot(x, y) >= floorless)
     notes = list[str]()
     world = World("w", ground, obstacles, 0, None)
@@ -63,11 +67,17 @@ def post(x: float, y: float, half: float = 0.5) -> Obstacle:
     return Obstacle(ObstacleKind.HAZARD, "cylinder", (half, 1.0), (x, y, 0.0))
 
 
-@pytest.mark.parametrize("middle", [(0.0, 0.0), (3.0, -4.0), (100.0, 50.0)])
+@pytest.mark.parametrize(
+    ("middle", "is_on_map"),
+    [
+        *(((0.0, 0.0), True), ((3.0, -4.0), True), ((100.0, 50.0), False)),
+        *(((9.6, 0.0), False), ((0.0, 7.6), False)),  # less than half a metre from its edge
+    ],
+)
 def test_a_rover_starts_at_the_origin_if_that_is_on_the_map_else_in_its_middle(
-    middle: tuple[float, float],
+    middle: tuple[float, float], is_on_map: bool
 ) -> None:
-    wanted = middle if middle[0] > 50.0 else (0.0, 0.0)
+    wanted = (0.0, 0.0) if is_on_map else middle
     assert start(middle) == ((*wanted, 0.0), [])
     beside, notes = start(middle, post(*wanted))
     assert np.hypot(*np.subtract(beside[:2], wanted)) == pytest.approx(1.2, abs=0.2)  # 0.5 m + 0.7 m
@@ -75,6 +85,9 @@ def test_a_rover_starts_at_the_origin_if_that_is_on_the_map_else_in_its_middle(
     assert (beside[2], notes) == (0.0, [told])
     away, _ = start(middle, floorless=5.0)
     assert 5.3 < np.hypot(*np.subtract(away[:2], middle)) < 8.0  # to cells of 0.25 m
+    fine, _ = start(middle, floorless=1.0, cell=0.061)  # the map ends within a cell of 0.1 m
+    off = max(1.7, np.hypot(*np.subtract(wanted, middle)))
+    assert np.hypot(*np.subtract(fine[:2], middle)) == pytest.approx(off, abs=0.15)
 
 
 def test_a_start_is_no_steeper_than_fifteen_degrees() -> None:

@@ -1,7 +1,9 @@
 """Meshes from files: units, axes, parts, and what is refused."""
 
 import hashlib
+import math
 import os
+import re
 import struct
 from pathlib import Path
 
@@ -47,6 +49,7 @@ def test_a_file_is_decoded_once_and_again_when_it_has_been_written_anew(tmp_path
         assert read_mesh(path)[0] is read
 
 
+@pytest.mark.parametrize("prefix", ["", "c:"])
 @pytest.mark.parametrize(
     ("up", "low", "high"),
     [
@@ -56,9 +59,13 @@ def test_a_file_is_decoded_once_and_again_when_it_has_been_written_anew(tmp_path
     ],
 )
 def test_collada_is_turned_upright_and_scaled_to_metres(
-    tmp_path: Path, up: str, low: list[float], high: list[float]
+    tmp_path: Path, up: str, low: list[float], high: list[float], prefix: str
 ) -> None:
-    mesh, _ = read_mesh(write_dae(tmp_path / "a.dae", BOX, "0.01", up))
+    path = write_dae(tmp_path / "a.dae", BOX, "0.01", up)
+    path.write_text(re.sub(r"(</?)(?=\w)", rf"\1{prefix}", path.read_text()))
+    if prefix:
+        path.write_text(path.read_text().replace("xmlns=", "xmlns:c="))
+    mesh, _ = read_mesh(path)
     np.testing.assert_allclose(mesh.vertices.min(0), 0.01 * np.array(low), atol=1e-9)
     np.testing.assert_allclose(mesh.vertices.max(0), 0.01 * np.array(high), atol=1e-9)
     assert volume(mesh) == pytest.approx(48.0e-6)
@@ -87,8 +94,9 @@ def test_mirrored_meshes_are_turned_inside_out_so_that_they_still_face_out() -> 
 def test_triangles_are_joined_at_the_same_corners_and_those_without_area_are_dropped() -> None:
     mesh = joined([BOX, BOX.moved(np.eye(4) + np.array([[0, 0, 0, 2.0]] + [[0] * 4] * 3))])
     assert (len(mesh.vertices), len(mesh.faces)) == (12, 24)
-    thin = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 1e-7]]), np.array([[0, 1, 2]]))
-    assert not len(joined([thin]).faces)
+    for third in (0.0, 1.0):  # where the first corner is, or the second
+        thin = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [third, 0, 1e-7]]), np.array([[0, 1, 2]]))
+        assert not len(joined([thin]).faces)
     assert not len(joined([]).faces)
 
 
@@ -98,8 +106,9 @@ def test_triangles_are_joined_at_the_same_corners_and_those_without_area_are_dro
         ("a.fbx", b"x", "readable are .dae, .obj, .stl"),
         ("a.obj", b"", "it holds no triangles|damaged or cut short"),
         ("a.obj", b"v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n", "1 of its vertices are NaN or infinite"),
+        ("a.stl", bytes(80) + struct.pack("<I12fH", 1, *[math.inf] * 12, 0), "its vertices are NaN"),
         ("a.stl", b"solid x\nfacet", "damaged or cut short|no triangles"),
-        ("a.dae", b"<COLLADA/>", "damaged or cut short"),
+        ("a.dae", b"<COLLADA/>", "damaged or cut short: .+ .+"),  # the reason in words
         ("a.dae", b"<!DOCTYPE a [<!ENTITY b 'c'>]><COLLADA/>", "declares a document type"),
         ("a.dae", b"<COLLADA><asset><unit meter='-1'/></asset></COLLADA>", "unit of -1 m is not valid"),
         ("a.dae", b"<COLLADA><asset><unit meter='x'/></asset></COLLADA>", "unit of x m is not valid"),
@@ -120,11 +129,11 @@ def test_too_many_triangles_and_missing_files_are_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(mesh_file, "MOST_TRIANGLES", 11)
-    for path in (write_obj(tmp_path / "a.obj", BOX), write_stl(tmp_path / "a.stl", BOX)):
-        with pytest.raises(
-            UsageError, match=r"it has 12 triangles; at most 11 are read: simplify it first"
-        ):
+    for write in (write_dae, write_obj, write_stl):
+        path = write(tmp_path / f"a.{write.__name__[-3:]}", BOX)
+        with pytest.raises(UsageError, match=r"it has 12 triangles; at most 11 are read: simplify it"):
             read_mesh(path)
+        monkeypatch.setattr(mesh_file, "_loaded", None)  # those of the others are counted before
     monkeypatch.setattr(mesh_file, "MOST_BYTES", 100)
     with pytest.raises(UsageError, match="larger than 0 MiB; simplify"):
         read_mesh(tmp_path / "a.stl")

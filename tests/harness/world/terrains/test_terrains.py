@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.world.heightfield import Heightfield
 from harness.world.obstacles import ObstacleKind
 from harness.world.statistics import slopes
 from harness.world.terrain import SPAWN_CLEARANCE, SPAWN_RADIUS, Terrain
@@ -18,8 +19,8 @@ from harness.world.world import World, build_world, terrain_hash
 from tests.support.terrain_statistics import TerrainStatistics, measure
 
 PAGE = Path(__file__).parents[4] / "docs/terrains.md"
-SEEDS = (0, 1, 2, 123)
-GALLERY = (Path(__file__).parents[4] / "docs/terrains.md").read_text()
+SEEDS = (0, 1, 123)
+GALLERY = PAGE.read_text()
 ROUNDING = 1e-6  # heights are whole micrometres
 ALL = pytest.mark.parametrize("name", TERRAINS)
 DIFFICULTIES = pytest.mark.parametrize("difficulty", [0.0, 0.5, 1.0])
@@ -97,13 +98,18 @@ def test_the_spawn_is_gentle(name: str, difficulty: float) -> None:
 @pytest.mark.parametrize(
     "name", [n for n, t in TERRAINS.items() if t.obstacles is not Terrain.obstacles]
 )
-@DIFFICULTIES
 def test_no_obstacle_stands_near_the_spawn(
-    name: str, difficulty: float, spawn_distances: Callable[[World], list[float]]
+    name: str, spawn_distances: Callable[[World], list[float]]
 ) -> None:
-    for seed in SEEDS if difficulty == 1.0 else SEEDS[:2]:  # the more stand, the nearer
-        distances = spawn_distances(world_of(name, seed, difficulty))
-        assert min(distances) >= SPAWN_CLEARANCE == 1.5
+    """On a map so small that some must stand as near as they may."""
+    small, terrain = Heightfield(np.zeros((121, 121)), 0.1), TERRAINS[name].at_difficulty(0.0)
+    worlds = [
+        World(name, small, terrain.obstacles(small, np.random.default_rng(seed)), seed, 0.0)
+        for seed in range(30)
+    ]
+    nearest = min(min(spawn_distances(world)) for world in worlds)
+    assert SPAWN_CLEARANCE == 1.5 <= nearest
+    assert nearest < 1.6 or name == "maze"
 
 
 @ALL
@@ -135,7 +141,7 @@ def test_the_page_tells_its_summary_values_and_promise(name: str) -> None:
     assert terrain.name == name
     assert 10 < len(terrain.summary) < 80
     assert terrain.describe().startswith("size ")
-    lines = PAGE.read_text().partition(f"\n## {name}\n\n")[2].splitlines()
+    lines = GALLERY.partition(f"\n## {name}\n\n")[2].splitlines()
     assert lines[0].casefold() == (
         f"{terrain.summary}. Default (easiest..hardest): {terrain.describe()}.".casefold()
     )
