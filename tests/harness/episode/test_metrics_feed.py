@@ -51,6 +51,7 @@ def test_a_node_is_told_the_footprint_and_the_pose_of_the_lidar(
     assert sorted(corners) == expected
     assert told["lidar_pose"] == [lidar_x, 0.0, math.pi]
     assert settings.gravity == 9.8
+    assert extended_settings(rover, 1.62).gravity == 1.62
     assert settings.footprint is not None
     assert [list(corner) for corner in settings.footprint.corners] == corners
     words = parameter_words(extended_parameters(settings))

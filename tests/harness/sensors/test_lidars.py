@@ -124,6 +124,7 @@ def test_what_cannot_be_is_told(kind: Any, values: dict[str, Any], message: str)
         kind(name="x", **values).check()
 
 
-def test_a_single_ring_has_no_span_of_elevations() -> None:
+def test_a_single_ring_has_no_span_of_elevations_and_two_beams_are_a_lidar() -> None:
+    PLANAR(name="two", beams=2).check()
     CloudLidarOptions(name="one", rings=1, lowest=0.1, highest=0.1).check()
     CloudLidarOptions(name="one", elevations=(0.1,)).check()

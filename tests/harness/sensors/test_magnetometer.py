@@ -65,7 +65,9 @@ def test_noise_hardware_means_that_chip() -> None:
 @pytest.mark.parametrize(
     "field", [(1e-6,), (1e-6, 2e-6, 3.0), (-3.0, 0.0, 0.0), (0.0, float("nan"), 0.0)]
 )
-def test_a_field_in_other_units_is_refused(field: tuple[float, ...]) -> None:
+def test_a_field_in_other_units_is_refused_and_a_name_that_is_none(field: tuple[float, ...]) -> None:
+    with pytest.raises(UsageError, match=r"name '2' is not valid"):
+        MagnetometerOptions(name="2").check()
     with pytest.raises(UsageError, match=r"give east, north and up in tesla, each within 0\.001, e"):
         MagnetometerOptions(name="compass", field=field).check()
 
