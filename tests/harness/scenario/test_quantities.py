@@ -12,6 +12,7 @@ from harness.scenario.quantities import check_name, names
         ("log.Obstacle Clearance", None),
         ("log.Scan Rate [Hz]", None),
         ("truth.sped", "quantity 'truth.sped' does not exist; did you mean 'truth.speed'?"),
+        ("log.Timestamp", "quantity 'log.Timestamp' does not exist"),
         ("log.Notes", "quantity 'log.Notes' does not exist"),
         ("x", f"quantity 'x' does not exist; available: {', '.join(names())}"),
     ],

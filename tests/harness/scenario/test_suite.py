@@ -176,6 +176,7 @@ def test_runs_become_a_verdict_an_exit_code_and_junit(
     assert verdict.rate == good / 4
     assert verdict.interval == pytest.approx(wilson(good, 4))
     assert exit_code(verdicts) == code
+    assert exit_code([*verdicts, *verdicts_of(outcomes(make_cases(SPEED, name="one"), "e"))]) == 2
     assert (verdict.outcome is Outcome.PASSED) == (code == 0)
     root = ET.fromstring(junit_of(verdicts))  # noqa: S314 - our own
     (suite,) = root.findall("testsuite")
