@@ -70,21 +70,23 @@ def test_a_file_becomes_the_configuration_that_it_describes(
     )
     hill = case.path.parent / "hill.npy"
     np.save(hill, np.zeros((40, 40)))
-    text = case.path.read_text().replace("flat", "hill.npy")
-    case.path.write_text(f"{text}terrain_size: [40, 40]\n")
+    text = case.path.read_text()
+    of_cell = text.replace("terrain: flat", "matrix: {terrain: [hill.npy]}")
+    case.path.write_text(f"{of_cell}terrain_size: [40, 40]\n")
     (case,) = plan([case.path])
     assert case.config.terrain == str(hill)
     (case.path.parent / "models").mkdir()
     values = {"terrain_cell": 0.2, "mesh_unit": "cm", "mesh_up": "y", "rock_height": 0.0}
     values |= {"resource_path": ["models", "elsewhere"], "rock": ["r*"], "hazard": ["h", "i"]}
     lines = [f"{name}: {json.dumps(value)}\n" for name, value in values.items()]
-    case.path.write_text(text.replace("hill.npy", "a.world") + "".join(lines))
+    text = text.replace("flat", "a.world")
+    case.path.write_text(text + "".join(lines))
     assert set(FILE_OPTIONS) == {*values, "terrain_size", "terrain_height"}
     (case,) = plan([case.path])
     values["resource_path"] = [str(case.path.parent / "models"), "elsewhere"]
     for name, value in values.items():
         assert getattr(case.config, name) == (tuple(value) if isinstance(value, list) else value)
-    case.path.write_text(f"{text}mesh_up: down\n".replace("hill.npy", "a.world"))
+    case.path.write_text(f"{text}mesh_up: down\n")
     with pytest.raises(UsageError, match="mesh axis 'down' does not exist; available: z, y, x"):
         plan([case.path])
     params = cases_with(
