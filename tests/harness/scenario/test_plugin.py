@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 import tomllib
 
-from harness.scenario import plugin
+# Loaded here: pytester forgets what a run within loads, and numpy cannot be loaded twice.
+from harness.scenario import attempt, junit, plugin  # noqa: F401
 
 pytest_plugins = ["pytester"]
 pytestmark = pytest.mark.usefixtures("driven")
