@@ -82,7 +82,7 @@ def test_age_is_on_the_clock_of_the_listeners_and_times_are_since_the_start() ->
 
 
 def test_a_field_has_the_time_of_its_message_for_each_of_its_numbers() -> None:
-    made = Arrivals(["values"])
+    made = Arrivals(["header.stamp.sec", "values"])
     for time_ns, values in ((10**9, (1.0, 2.0)), (2 * 10**9, ()), (3 * 10**9, (np.inf,))):
         made.take(message(0, *values), time_ns, time_ns)
     field = series("values", {"/a": made})
