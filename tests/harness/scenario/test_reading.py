@@ -26,148 +26,106 @@ def read(text: str, folder: Path) -> object:
     return read_scenario(path)
 
 
+FILES = [
+    ("about: [", ":1:9: not valid YAML: expected the node content, but found '<stream end>'"),
+    ("about: a\nabout: b\n", ':2:1: not valid YAML: found duplicate key "about" with value "b"'),
+    ("[1, 2]", ": it must hold keys with values, beginning with 'about:'"),
+    ("\0", ": not valid YAML: "),
+    (HEAD, ": the key 'expect' is missing"),
+    (HEAD + "pass_rate: {min: 1, q: 1}\n", ": the key 'expect' is missing"),
+    (HEAD + "expect: {}\n", ":3:1: expect is empty; give one or more"),
+]
+PARTS = [
+    ("sed: 4", ":4:1: key 'sed' does not exist; did you mean 'seed'?"),
+    ("seed: -1", ":4:1: seed = -1 is not valid: input should be greater than or"),
+    ("seed: '1'", ':4:1: seed = "1" is not valid: input should be a valid integer'),
+    ("seed: 2020-01-01", ':4:1: seed = "2020-01-01" is not valid: input should'),
+    (f"seed: {'x' * 58}", f':4:1: seed = "{"x" * 58}" is not valid: '),
+    (f"seed: {'x' * 59}", f':4:1: seed = "{"x" * 56}... is not valid: '),
+    ("seed: 1\nseeds: 2", ":4:1: seed: give one of seed and seeds"),
+    ("seeds: []", ":4:1: seeds is empty; give one or more"),
+    ("start: [1, 2]", ":4:1: start has too few values"),
+    ("robot: leo\nmatrix: {robot: [leo]}", ":4:1: robot: give one of robot and matrix: robot"),
+    ("events:\n- {at: 3}", ":5:3: events.0: an event needs one of the keys fault, command, reset"),
+    ("events: [3]", ":4:10: events.0: an event needs one of the keys fault, command, reset"),
+    ("events: [{at: 3, command: [1, 0], reset: true}]", ":4:35: key 'reset' does not exist"),
+    ("events: [{at: 1, pause: 0}]", ":4:18: events.0.pause = 0 is not valid: input should be greater"),
+    (
+        "events:\n- {at: 3, fault: scan:nan, four: 2}",
+        ":5:28: key 'four' does not exist; did you mean 'for'?",
+    ),
+    (
+        "events:\n- {at: 10, reset: true}",
+        ":5:3: events.0: an event at 10 s is after the run of 10 s",
+    ),
+    (
+        "events:\n- {at: 0, command: [1, 0]}",
+        ":5:3: events.0: commands need 'driver: cmd_vel'; others drive by themselves",
+    ),
+    (
+        "driver: cmd_vel\nevents:\n- {at: 0, command: [.inf, 0]}",
+        ":6:21: events.0.command.0 = Infinity is not valid: input should be a finite number",
+    ),
+    (
+        "events:\n- {at: 1, pause: 2}",
+        ":5:3: events.0: without nodes nobody would notice a pause; it needs 'launch:' or",
+    ),
+    ("launch: [a b, 'c \"d']", ":4:15: launch.1: No closing quotation"),
+    (
+        "launch: [{command: a, wait_for: node}]",
+        ":4:23: launch.0.wait_for: 'node' is no full name of a topic or a node; give one such as",
+    ),
+    ("launch: [{comand: a}]", ":4:11: key 'comand' does not exist; did you mean 'command'?"),
+    ("launch: [[]]", ":4:10: launch.0 is empty; give one or more"),
+    (
+        "pass_rate: {min: 1.5}",
+        ":4:13: pass_rate.min = 1.5 is not valid: input should be less than or equal to 1",
+    ),
+]
+BOUNDS = [  # where no other place is told, the quantity's own
+    ("truth.sped: {min: 0}", "quantity 'truth.sped' does not exist; did you mean 'truth.speed'?"),
+    ("truth.speed: {mix: 0}", ":4:17: key 'mix' does not exist; did you mean 'min'?"),
+    ("truth.speed: {}", "nothing is expected; give min, max, or relative"),
+    ("truth.speed: {min: 2, max: 1}", "min 2 is above max 1: no value can be right"),
+    *(
+        (f"truth.speed: {{min: 2, {half}}}", "'over: share' and 'share: 0 to 1' belong together")
+        for half in ("over: share", "share: 0.5")
+    ),
+    (
+        "truth.speed: {min: 2, over: often}",
+        ":4:25: expect.truth.speed.over = \"often\" is not valid: input should be 'always'",
+    ),
+    (
+        "truth.speed:\n  - {min: 2}\n  - {min: 0, window: [5, 5]}",
+        ":6:5: expect.truth.speed.1: window [5.0, 5.0] does not begin before it ends",
+    ),
+    ("truth.speed: {min: 0, window: [5, 11]}", "a window to 11 s ends after the run of 10 s"),
+    *(
+        (
+            f"truth.speed: {{{limit}: 0, relative: 0.1, over: end}}",
+            "limits and a tolerance about the baseline are two bounds",
+        )
+        for limit in ("min", "max")
+    ),
+    ("truth.speed: {absolute: 0}", "a baseline holds one value; give over: end, mean, p95"),
+    ("truth.goal_s: {max: 1}", "it needs a goal, e.g. goal: {at: [5, 0]}"),
+    ("topic./scan.rat: {min: 1}", "/scan: field 'rat' does not exist; available: header,"),
+    ("topic./scan.latency: {max: 1}", "a latency needs the topic of the input, e.g. of: /scan"),
+    ("topic./scan.rate: {max: 1, of: /imu}", "'of' belongs to the latency of a topic"),
+    ("topic./scan.count: {max: 1, over: mean}", "a count is one number; leave out 'over: mean'"),
+]
+
+
+def _at_its_quantity(bound: str, told: str) -> str:
+    return told if told.startswith(":") else f":4:3: expect.{bound.partition(':')[0]}: {told}"
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("about: [", ":1:9: not valid YAML: expected the node content, but found '<stream end>'"),
-        ("about: a\nabout: b\n", ':2:1: not valid YAML: found duplicate key "about" with value "b"'),
-        ("[1, 2]", ": it must hold keys with values, beginning with 'about:'"),
-        ("\0", ": not valid YAML: "),
-        (HEAD, ": the key 'expect' is missing"),
-        (HEAD + "expect: {}\n", ":3:1: expect is empty; give one or more"),
-        (HEAD + EXPECT + "sed: 4\n", ":4:1: key 'sed' does not exist; did you mean 'seed'?"),
-        (HEAD + EXPECT + "seed: -1\n", ":4:1: seed = -1 is not valid: input should be greater than or"),
-        (
-            HEAD + EXPECT + "seed: '1'\n",
-            ':4:1: seed = "1" is not valid: input should be a valid integer',
-        ),
-        (HEAD + EXPECT + "seed: 2020-01-01\n", ':4:1: seed = "2020-01-01" is not valid: input should'),
-        (HEAD + EXPECT + f"seed: {'x' * 58}\n", f':4:1: seed = "{"x" * 58}" is not valid: '),
-        (HEAD + EXPECT + f"seed: {'x' * 59}\n", f':4:1: seed = "{"x" * 56}... is not valid: '),
-        (HEAD + EXPECT + "seed: 1\nseeds: 2\n", ":4:1: seed: give one of seed and seeds"),
-        (HEAD + EXPECT + "seeds: []\n", ":4:1: seeds is empty; give one or more"),
-        (HEAD + EXPECT + "start: [1, 2]\n", ":4:1: start has too few values"),
-        (
-            HEAD + EXPECT + "robot: leo\nmatrix: {robot: [leo]}\n",
-            ":4:1: robot: give one of robot and matrix: robot",
-        ),
-        (
-            HEAD + "expect:\n  truth.sped: {min: 0}\n",
-            ":4:3: expect.truth.sped: quantity 'truth.sped' does not exist; did you mean 'truth.speed'?",
-        ),
-        (
-            HEAD + "expect:\n  truth.speed: {mix: 0}\n",
-            ":4:17: key 'mix' does not exist; did you mean 'min'?",
-        ),
-        (
-            HEAD + "expect:\n  truth.speed: {}\n",
-            ":4:3: expect.truth.speed: nothing is expected; give min, max, or relative",
-        ),
-        (
-            HEAD + "expect:\n  truth.speed: {min: 2, max: 1}\n",
-            ":4:3: expect.truth.speed: min 2 is above max 1: no value can be right",
-        ),
-        (
-            HEAD + "expect:\n  truth.speed: {min: 2, over: share}\n",
-            ":4:3: expect.truth.speed: 'over: share' and 'share: 0 to 1' belong together",
-        ),
-        (
-            HEAD + "expect:\n  truth.speed: {min: 2, share: 0.5}\n",
-            ":4:3: expect.truth.speed: 'over: share' and 'share: 0 to 1' belong together",
-        ),
-        (
-            HEAD + "expect:\n  truth.speed: {min: 2, over: often}\n",
-            ":4:25: expect.truth.speed.over = \"often\" is not valid: input should be 'always'",
-        ),
-        (
-            HEAD + "expect:\n  truth.speed:\n  - {min: 2}\n  - {min: 0, window: [5, 5]}\n",
-            ":6:5: expect.truth.speed.1: window [5.0, 5.0] does not begin before it ends",
-        ),
-        (
-            HEAD + "expect:\n  truth.speed: {min: 0, window: [5, 11]}\n",
-            ":4:3: expect.truth.speed: a window to 11 s ends after the run of 10 s",
-        ),
-        (
-            HEAD + "expect:\n  truth.speed: {min: 0, relative: 0.1, over: end}\n",
-            ":4:3: expect.truth.speed: limits and a tolerance about the baseline are two bounds",
-        ),
-        (
-            HEAD + "expect:\n  truth.speed: {max: 0, relative: 0.1, over: end}\n",
-            ":4:3: expect.truth.speed: limits and a tolerance about the baseline are two bounds",
-        ),
-        (
-            HEAD + "expect:\n  truth.speed: {absolute: 0.1}\n",
-            ":4:3: expect.truth.speed: a baseline holds one value; give over: end, mean, p95",
-        ),
-        (
-            HEAD + "expect:\n  truth.goal_s: {max: 1}\n",
-            ":4:3: expect.truth.goal_s: it needs a goal, e.g. goal: {at: [5, 0]}",
-        ),
-        (
-            HEAD + EXPECT + "events:\n- {at: 3}\n",
-            ":5:3: events.0: an event needs one of the keys fault, command, reset",
-        ),
-        (
-            HEAD + EXPECT + "events: [3]\n",
-            ":4:10: events.0: an event needs one of the keys fault, command, reset",
-        ),
-        (
-            HEAD + EXPECT + "events:\n- {at: 3, command: [1, 0], reset: true}\n",
-            ":5:28: key 'reset' does not exist",
-        ),
-        (
-            HEAD + EXPECT + "events:\n- {at: 3, fault: scan:nan, four: 2}\n",
-            ":5:28: key 'four' does not exist; did you mean 'for'?",
-        ),
-        (
-            HEAD + EXPECT + "events:\n- {at: 10, reset: true}\n",
-            ":5:3: events.0: an event at 10 s is after the run of 10 s",
-        ),
-        (
-            HEAD + EXPECT + "events:\n- {at: 0, command: [1, 0]}\n",
-            ":5:3: events.0: commands need 'driver: cmd_vel'; others drive by themselves",
-        ),
-        (
-            HEAD + EXPECT + "driver: cmd_vel\nevents:\n- {at: 0, command: [.inf, 0]}\n",
-            ":6:21: events.0.command.0 = Infinity is not valid: input should be a finite number",
-        ),
-        (
-            HEAD + EXPECT + "events:\n- {at: 1, pause: 2}\n",
-            ":5:3: events.0: without nodes nobody would notice a pause; it needs 'launch:' or",
-        ),
-        (
-            HEAD + EXPECT + "launch: [a b, 'c \"d']\n",
-            ":4:15: launch.1: No closing quotation",
-        ),
-        (
-            HEAD + EXPECT + "launch: [{command: a, wait_for: node}]\n",
-            ":4:23: launch.0.wait_for: 'node' is no full name of a topic or a node; give one such as",
-        ),
-        (
-            HEAD + EXPECT + "launch: [{comand: a}]\n",
-            ":4:11: key 'comand' does not exist; did you mean 'command'?",
-        ),
-        (HEAD + EXPECT + "launch: [[]]\n", ":4:10: launch.0 is empty; give one or more"),
-        (
-            HEAD + "expect:\n  topic./scan.rat: {min: 1}\n",
-            ":4:3: expect.topic./scan.rat: /scan: field 'rat' does not exist; available: header,",
-        ),
-        (
-            HEAD + "expect:\n  topic./scan.latency: {max: 1}\n",
-            ":4:3: expect.topic./scan.latency: a latency needs the topic of the input, e.g. of: /scan",
-        ),
-        (
-            HEAD + "expect:\n  topic./scan.rate: {max: 1, of: /imu}\n",
-            ":4:3: expect.topic./scan.rate: 'of' belongs to the latency of a topic",
-        ),
-        (
-            HEAD + "expect:\n  topic./scan.count: {max: 1, over: mean}\n",
-            ":4:3: expect.topic./scan.count: a count is one number; leave out 'over: mean'",
-        ),
-        (
-            HEAD + EXPECT + "pass_rate: {min: 1.5}\n",
-            ":4:13: pass_rate.min = 1.5 is not valid: input should be less than or equal to 1",
-        ),
+        *FILES,
+        *((f"{HEAD}{EXPECT}{part}\n", told) for part, told in PARTS),
+        *((f"{HEAD}expect:\n  {bound}\n", _at_its_quantity(bound, told)) for bound, told in BOUNDS),
     ],
 )
 def test_a_mistake_is_told_where_it_stands(text: str, told: str, tmp_path: Path) -> None:

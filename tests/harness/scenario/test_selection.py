@@ -42,11 +42,18 @@ def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
         plan([file], None, (("robot", "mole"),))
 
 
-def test_a_file_becomes_the_configuration_that_it_describes(make_cases: MakeCases) -> None:
+def test_a_file_becomes_the_configuration_that_it_describes(
+    make_cases: MakeCases, tmp_path: Path
+) -> None:
+    cases = make_cases(SPEED, "matrix: {driver: [goal, straight]}\ngoal: {at: [3, 4], yaw: 1}")
+    assert [case.config.goals for case in cases] == [((0.0, 3.0, 4.0, 1.0),), ()]
     fault = '{at: 1.2345678, fault: "scan:nan", for: 0.2}'
     events = f"[{{at: 0.5, command: [0.3, 0]}}, {{at: 1, reset: true}}, {fault}]"
     more = f"driver: cmd_vel\nevents: {events}\nstart: [1, 2, 0.5]\nnoise: white\nlidar_beams: 8"
-    more += "\ndatum: [1, 2, 3]"
+    more += "\ndatum: [1, 2, 3]\nactors: ['p=walk.sdf:delay=1', random]"
+    walk = "<waypoint><time>1</time><pose>1 0 0 0 0 0</pose></waypoint>"
+    walk = f"<actor name='a'><script><trajectory id='0'>{walk}</trajectory></script></actor>"
+    (tmp_path / "walk.sdf").write_text(walk)
     (case,) = make_cases(SPEED, more)
     assert case.config == EpisodeConfig(
         terrain="flat",
@@ -59,28 +66,27 @@ def test_a_file_becomes_the_configuration_that_it_describes(make_cases: MakeCase
         faults=("scan:nan@1.2345678+0.2",),
         commands=((0.5, 0.3, 0.0),),
         resets=(1.0,),
+        actors=(f"p={tmp_path / 'walk.sdf'}:delay=1", "random"),
     )
-    (case,) = make_cases(SPEED, "driver: goal\ngoal: {at: [3, 4], yaw: 1}")
-    assert case.config.goals == ((0.0, 3.0, 4.0, 1.0),)
-    (case,) = make_cases(SPEED, "driver: straight\ngoal: {at: [3, 4], yaw: 1}")
-    assert case.config.goals == ()
     hill = case.path.parent / "hill.npy"
     np.save(hill, np.zeros((40, 40)))
-    text = case.path.read_text().replace("flat", "hill.npy")
-    case.path.write_text(f"{text}terrain_size: [40, 40]\n")
+    text = case.path.read_text()
+    of_cell = text.replace("terrain: flat", "matrix: {terrain: [hill.npy]}")
+    case.path.write_text(f"{of_cell}terrain_size: [40, 40]\n")
     (case,) = plan([case.path])
     assert case.config.terrain == str(hill)
     (case.path.parent / "models").mkdir()
     values = {"terrain_cell": 0.2, "mesh_unit": "cm", "mesh_up": "y", "rock_height": 0.0}
     values |= {"resource_path": ["models", "elsewhere"], "rock": ["r*"], "hazard": ["h", "i"]}
     lines = [f"{name}: {json.dumps(value)}\n" for name, value in values.items()]
-    case.path.write_text(text.replace("hill.npy", "a.world") + "".join(lines))
+    text = text.replace("flat", "a.world")
+    case.path.write_text(text + "".join(lines))
     assert set(FILE_OPTIONS) == {*values, "terrain_size", "terrain_height"}
     (case,) = plan([case.path])
     values["resource_path"] = [str(case.path.parent / "models"), "elsewhere"]
     for name, value in values.items():
         assert getattr(case.config, name) == (tuple(value) if isinstance(value, list) else value)
-    case.path.write_text(f"{text}mesh_up: down\n".replace("hill.npy", "a.world"))
+    case.path.write_text(f"{text}mesh_up: down\n")
     with pytest.raises(UsageError, match="mesh axis 'down' does not exist; available: z, y, x"):
         plan([case.path])
     params = cases_with(

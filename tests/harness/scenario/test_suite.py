@@ -172,7 +172,10 @@ def test_runs_become_a_verdict_an_exit_code_and_junit(
     letters: str, more: str, good: int, code: int, junit: tuple[int, ...], make_cases: MakeCases
 ) -> None:
     cases = make_cases(SPEED, f"matrix: {{robot: [leo, rover_zero4wd]}}\nseeds: 2\n{more}")
-    (verdict,) = verdicts = verdicts_of(outcomes(cases, letters))
+    attempts, other = outcomes(cases, letters), outcomes(make_cases(SPEED, name="other"), "e")
+    (verdict,) = verdicts = verdicts_of(attempts)
+    mixed = verdicts_of([attempts[0], *other, *attempts[1:]])
+    assert (mixed[0], exit_code(mixed)) == (verdict, 2)
     assert verdict.rate == good / 4
     assert verdict.interval == pytest.approx(wilson(good, 4))
     assert exit_code(verdicts) == code
