@@ -435,7 +435,7 @@ def test_a_legend_is_as_wide_as_the_figure(names: list[str], columns: int) -> No
     assert legend_columns(names) == columns
 
 
-@pytest.mark.parametrize("version", [(3, 5, 1), (3, 6, 3), mpl.__version_info__])
+@pytest.mark.parametrize("version", [(3, 6, 3), mpl.__version_info__])
 @pytest.mark.parametrize("logs", [1, 12])
 def test_a_legend_stands_between_the_axes_and_the_edge_of_the_figure(
     study: Study, monkeypatch: pytest.MonkeyPatch, logs: int, version: tuple[int, int, int]
