@@ -84,10 +84,10 @@ def test_the_code_of_the_page_runs_and_gives_the_bytes_of_the_command(
     first, samples, metrics = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
     assert len(list(filter(None, first.splitlines()))) <= 15
     names: dict[str, object] = {}
-    exec(first.replace("duration=20.0", "duration=4.0"), names)  # noqa: S102 - ours
+    exec(first.replace("duration=20.0", "duration=2.0"), names)  # noqa: S102 - ours
     assert (tmp_path / "clearance.png").read_bytes().startswith(b"\x89PNG")
     names["plt"].close(names["figure"])  # type: ignore[attr-defined]
-    words = ["--direct", "--robot", "leo", "--terrain", "rocky", "--seed", "0", "--duration", "4"]
+    words = ["--direct", "--robot", "leo", "--terrain", "rocky", "--seed", "0", "--duration", "2"]
     assert main([*words, "--log-dir", "command"]) == 0
     (ours,), (theirs,) = (list((tmp_path / place).glob("*.csv")) for place in ("logs", "command"))
     assert ours.read_bytes() == theirs.read_bytes()

@@ -18,6 +18,19 @@ from tests.support.complaint import complaint
 
 SMALLEST = replace(QUICK, seconds=1.0, maps=1)
 SHORT = [name for name, benchmark in BENCHMARKS.items() if not benchmark.takes_minutes]
+IN_ROS = {"runs", "lockstep", "sensors", "start"}
+LESS = {  # of what only repeats
+    "lockstep.ELSEWHERE": {"two": 2},
+    "lockstep.TARGETS": {"one, in this process": "-", "two": "-"},
+    "obstacles.COUNTS": (0, 10),
+    "runs.ROVERS": ("leo",),
+    "sensors.TARGETS": {"depth": ("-", "-")},
+    "sensors._run": lambda *_: (1.0, 1.0),  # that of "runs"
+    "start.WAYS": {"--direct": ("--direct",)},
+    "start.IMPORTS": "import harness",
+    "tuning.ROVERS": ("leo",),
+    "tuning.TARGETS": {1: "-"},
+}
 
 
 @pytest.mark.usefixtures("ros_domain")
@@ -25,15 +38,12 @@ SHORT = [name for name, benchmark in BENCHMARKS.items() if not benchmark.takes_m
 def test_every_benchmark_measures_something(
     name: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("benchmarks.__main__.QUICK", SMALLEST)
-    monkeypatch.setattr("benchmarks.start.WAYS", {"--direct": ("--direct",)})
-    monkeypatch.setattr("benchmarks.tuning.ROVERS", ("leo",))
-    if name == "sensors":  # its runs are those of "runs"
-        sensors = pytest.importorskip("benchmarks.sensors", reason="needs ROS 2")
-        monkeypatch.setattr(sensors, "TARGETS", {"depth": ("-", "-")})
-        monkeypatch.setattr(sensors, "_run", lambda *_: (1.0, 1.0))
-    if name in {"runs", "lockstep", "start"}:
+    if name in IN_ROS:
         pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
+    monkeypatch.setattr("benchmarks.__main__.QUICK", SMALLEST)
+    for place, less in LESS.items():
+        if place.startswith(f"{name}."):
+            monkeypatch.setattr(f"benchmarks.{place}", less)
     assert main(["--quick", name]) == 0
     told = capfd.readouterr().out
     assert "skipped: No module named 'rclpy'" not in told

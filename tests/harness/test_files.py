@@ -13,6 +13,7 @@ from harness.files import check_target
         ("folder.mp4", r"--video .*folder\.mp4 is a folder; name a file"),
         ("absent/run.mp4", r"--video .*: there is no folder .*absent; create it first"),
         ("/proc/run.mp4", r"--video /proc/run\.mp4 cannot be written: [A-Z].*; choose another place"),
+        ("a" * 300 + ".mp4", r"--video .* cannot be written: File name too long"),
     ],
 )
 def test_a_target_that_cannot_be_written_is_refused(name: str, message: str, tmp_path: Path) -> None:

@@ -15,6 +15,8 @@ ROOT = Path(__file__).parents[2]
 FOLDERS = ("harness", "rover_metrics", "benchmarks", "tools", "examples")
 UNPICKLING = ("pickle", "cPickle", "_pickle", "dill", "cloudpickle", "marshal", "shelve")
 CALLS = ("eval", "exec", "compile", "__import__")
+KINDS = (ast.Import, ast.ImportFrom, ast.Call)
+OPTIONS = ("shell", "allow_pickle", "typ")
 METHODS = {  # of these modules, whatever they are called there
     "os": ("system", "popen"),
     "yaml": ("load", "load_all", "unsafe_load", "full_load"),
@@ -36,14 +38,14 @@ EXCEPTIONS = {
 
 def harms(source: str) -> list[str]:
     """What of the forbidden a source does."""
-    tree = ast.parse(source)
+    nodes = [node for node in ast.walk(ast.parse(source)) if isinstance(node, KINDS)]
     names = {
         alias.asname or alias.name: alias.name
-        for node in ast.walk(tree)
+        for node in nodes
         if isinstance(node, ast.Import)
         for alias in node.names
     }
-    return [harm for node in ast.walk(tree) for harm in _of(node, names)]
+    return [harm for node in nodes for harm in _of(node, names)]
 
 
 def _of(node: ast.AST, names: dict[str, str]) -> Iterator[str]:
@@ -63,7 +65,8 @@ def _unpickles(module: str) -> bool:
 
 
 def _calls(call: ast.Call, names: dict[str, str]) -> Iterator[str]:
-    given = {keyword.arg: ast.unparse(keyword.value) for keyword in call.keywords}
+    named = [keyword for keyword in call.keywords if keyword.arg in OPTIONS]
+    given = {keyword.arg: ast.unparse(keyword.value) for keyword in named}
     if given.get("shell", "False") != "False":
         yield "shell"
     if given.get("allow_pickle", "False") != "False":

@@ -8,7 +8,7 @@ from collections import Counter
 
 from tools.mutants import survivors
 from tools.mutants.journal import Outcome
-from tools.mutants.mutations import Mutant, mutants_of
+from tools.mutants.mutant import Mutant
 from tools.mutants.scope import ROOT, SOURCES, TESTS, Package, changed_since
 from tools.mutants.survivors import LISTED, Key, Score
 from tools.mutants.trial import Trial
@@ -31,6 +31,8 @@ def main() -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
+    from tools.mutants.mutations import mutants_of  # noqa: PLC0415 - libcst takes long to load
+
     files = _files(options)
     known = {entry.key for entry in survivors.listed(LISTED)}
     every = {file: mutants_of(file, (ROOT / file).read_text()) for file in files}

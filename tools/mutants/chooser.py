@@ -6,7 +6,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable
 from pathlib import Path
 
-from tools.mutants.mutations import Mutant
+from tools.mutants.mutant import Mutant
 from tools.mutants.session import Trace
 
 SLOW = 3.0  # [s]; a slower test comes last

@@ -4,7 +4,7 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from tools.mutants.mutations import Mutant
+from tools.mutants.mutant import Mutant
 
 
 @dataclass(frozen=True)

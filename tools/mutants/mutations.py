@@ -7,7 +7,6 @@ with a space in it, decorators, type aliases.
 import hashlib
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar
 
@@ -15,6 +14,8 @@ import libcst as cst
 import libcst.matchers as m
 from libcst.metadata import CodeRange, MetadataWrapper, WhitespaceInclusivePositionProvider
 from mutmut.mutation import mutators
+
+from tools.mutants.mutant import Mutant
 
 A_PLACE, A_LINE = 1, 3  # mutations at most; which, decides a hash of the code
 
@@ -38,39 +39,6 @@ _NAMES = {
 _CLASSES = re.compile(r"\(((list|tuple|set|dict|int|float|str|[A-Z]\w+[a-z]\w*)(, |\)))+$")
 
 Mutated = tuple[cst.CSTNode, str]  # what is replaced, and by what
-
-
-@dataclass(frozen=True)
-class Mutant:
-    """One small change of one module.
-
-    Attributes:
-        file: From the root.
-        function: Qualified name of what it is in; empty at the module's level.
-        start, end: What is replaced, in characters from the beginning.
-        new: What replaces it.
-        line: The lines that it changes, in one.
-        becomes: What they become.
-        number: Number of the first of these lines.
-    """
-
-    file: str
-    function: str
-    start: int
-    end: int
-    new: str
-    line: str
-    becomes: str
-    number: int
-
-    @property
-    def key(self) -> tuple[str, str, str, str]:
-        """What it is, wherever in the file it stands."""
-        return self.file, self.function, self.line, self.becomes
-
-    def apply(self, source: str) -> str:
-        """The module with the change."""
-        return source[: self.start] + self.new + source[self.end :]
 
 
 def mutants_of(file: str, source: str) -> list[Mutant]:

@@ -9,7 +9,7 @@ from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 
-from tools.mutants.mutations import Mutant
+from tools.mutants.mutant import Mutant
 
 Functions = dict[tuple[str, str, int], list[FunctionType]]
 

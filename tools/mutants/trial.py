@@ -25,7 +25,7 @@ import coverage
 from tools.mutants.chooser import Chooser, Timed
 from tools.mutants.forks import in_forks
 from tools.mutants.journal import Journal, Outcome
-from tools.mutants.mutations import Mutant
+from tools.mutants.mutant import Mutant
 from tools.mutants.session import DIED, Session, Trace
 from tools.mutants.swap import Importer, functions_of, swap
 

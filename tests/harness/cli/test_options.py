@@ -85,6 +85,8 @@ def test_every_word_about_the_episode_reaches_it() -> None:
         ("--log-dir logs", "ros.log_dir", Path("logs")),
         ("--direct", "direct", True),
         ("--extended", "settings.extended_columns", True),
+        ("--extended --direct", "direct", True),
+        ("--direct --driver goal --goal-area 0,1,0,1", "direct", True),
         ("--report a.html", "report", Path("a.html")),
         ("--summary a.json", "summary", Path("a.json")),
         ("--picture a.png", "picture", Path("a.png")),
@@ -166,28 +168,6 @@ def test_what_needs_ros_is_refused_without_it_alone(words: str, flag: str) -> No
         parse_run(["--direct", *words.split()])
 
 
-def test_a_goal_area_lets_a_driver_to_goals_do_without_ros() -> None:
-    assert parsed("--direct --driver goal --goal-area 0,1,0,1").direct
-
-
-def test_a_social_log_is_of_a_run_with_people() -> None:
-    with pytest.raises(UsageError, match="--social-log is of a run with people; add --actor SPEC"):
-        parse_run(["--social-log", "s.csv"])
-
-
-def test_overwrite_is_for_the_recording_alone() -> None:
-    with pytest.raises(UsageError, match="--overwrite is for the file of --record; name one"):
-        parse_run(["--overwrite"])
-
-
-def test_extended_columns_need_the_hosted_node() -> None:
-    with pytest.raises(UsageError, match="start yours with"):
-        parse_run(["--extended", "--no-metrics"])
-    parsed("--extended --direct")
-    with pytest.raises(UsageError, match="--ros-args needs ROS"):
-        parse_run(["--direct", "--ros-args", "--"])
-
-
 def test_extended_columns_know_the_gravity_of_the_world(tmp_path: Path) -> None:
     box = "<geometry><box><size>20 20 1</size></box></geometry>"
     link = f"<link name='l'><collision name='c'>{box}</collision></link>"
@@ -253,16 +233,23 @@ def test_several_rovers_have_a_folder_pages_and_parameters_each() -> None:
     assert alone.parameters == ({},)
 
 
+TWO = "--terrain flat --rover leo:a"
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        ("--namespace n", "--namespace is for a single rover: name each as --rover ROBOT:NAME"),
-        ("--robot rover_zero4wd", "--robot is for a single rover: give --rover rover_zero4wd beside"),
-        ("--actor g=1,1 --social-log a.csv", "--social-log is for a single rover: each --rover has its"),
-        ("--direct --rover leo:b,driver=cmd_vel,x=2,y=0", "--driver cmd_vel needs ROS"),
-        ("--direct --rover leo:b,driver=goal,x=2,y=0", "--driver goal without --goal-area needs ROS"),
+        ("--social-log s.csv", "--social-log is of a run with people; add --actor SPEC"),
+        ("--overwrite", "--overwrite is for the file of --record; name one"),
+        ("--extended --no-metrics", "start yours with"),
+        ("--direct --ros-args --", "--ros-args needs ROS"),
+        (f"{TWO} --namespace n", "--namespace is for a single rover: name each as --rover ROBOT:NAME"),
+        (f"{TWO} --robot rover_zero4wd", "is for a single rover: give --rover rover_zero4wd beside"),
+        (f"{TWO} --actor g=1,1 --social-log a.csv", "--social-log is for a single rover: each --rover"),
+        (f"{TWO} --direct --rover leo:b,driver=cmd_vel,x=2,y=0", "--driver cmd_vel needs ROS"),
+        (f"{TWO} --direct --rover leo:b,driver=goal,x=2,y=0", "goal without --goal-area needs ROS"),
     ],
 )
-def test_what_makes_no_sense_with_several_rovers_is_refused(words: str, told: str) -> None:
+def test_what_makes_no_sense_together_is_refused(words: str, told: str) -> None:
     with pytest.raises(UsageError, match=told):
-        parsed(f"--terrain flat --rover leo:a {words}")
+        parsed(words)

@@ -35,7 +35,13 @@ MakeDice = Callable[..., np.random.Generator]
 
 def driven(driver: str, *, robot: str = "rover_zero4wd", seed: int = 3, duration: float = 16.0) -> Truth:
     config = EpisodeConfig(
-        terrain="posts", robot=robot, driver=driver, seed=seed, duration=duration, lidar_beams=2
+        terrain="posts",
+        robot=robot,
+        driver=driver,
+        seed=seed,
+        duration=duration,
+        lidar_beams=2,
+        timestep=0.005,
     )
     truth = Truth()
     for batch in Episode(config).batches():

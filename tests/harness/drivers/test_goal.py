@@ -43,7 +43,9 @@ def test_at_the_goal_it_turns_to_the_goals_heading_the_short_way(yaw: float, rat
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
 def test_it_reaches_goals_among_obstacles_by_its_lidar(robot: str) -> None:
     episode = Episode(
-        EpisodeConfig(terrain="posts", robot=robot, driver="goal", duration=60.0, lidar_beams=90)
+        EpisodeConfig(
+            terrain="posts", robot=robot, driver="goal", duration=60.0, lidar_beams=90, timestep=0.005
+        )
     )
     goals, reached = [Place(3.0, 1.0, 1.5), Place(0.5, 2.5, -2.0)], 0
     episode.head_for(goals[0])

@@ -26,18 +26,16 @@ def drives(monkeypatch: pytest.MonkeyPatch, *checks: Check) -> list[tuple[str, i
     return calls
 
 
-def test_all_rovers_are_driven_by_default_and_a_pass_is_exit_code_0(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize(
+    ("words", "driven"),
+    [("", [("leo", 0), ("rover_zero4wd", 0)]), ("--robot leo --seed 7", [("leo", 7)])],
+)
+def test_all_rovers_are_driven_unless_one_is_chosen_and_a_pass_is_exit_code_0(
+    words: str, driven: list[tuple[str, int]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     calls = drives(monkeypatch, GOOD)
-    assert validate.main([]) == 0
-    assert calls == [("leo", 0), ("rover_zero4wd", 0)]
-
-
-def test_one_rover_can_be_chosen_with_its_seed(monkeypatch: pytest.MonkeyPatch) -> None:
-    calls = drives(monkeypatch, GOOD)
-    assert validate.main(["--robot", "leo", "--seed", "7"]) == 0
-    assert calls == [("leo", 7)]
+    assert validate.main(words.split()) == 0
+    assert calls == driven
 
 
 def test_a_miss_is_named_and_is_exit_code_1(

@@ -2,7 +2,6 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -18,30 +17,16 @@ from tests.harness.view.recorded import CONFIG
 RUN = ["--direct", "--terrain", "flat", "--duration", "1"]
 
 
-# Smooth edges and sharp shadows take most of a picture's time.
+# Smooth edges, sharp shadows and many frames take most of the time.
 COARSE = """
 import sys
 from dataclasses import replace
 from harness.view import picture
-picture.QUALITY = replace(picture.QUALITY, samples=0, shadow_map=1024)
+picture.QUALITY = replace(picture.QUALITY, samples=0, shadow_map=512)
+picture.VIDEO_QUALITY = replace(picture.VIDEO_QUALITY, samples=0, shadow_map=512)
+picture.MOST_FRAMES = 2
 sys.exit(picture.main())
 """
-
-
-@cache
-def working_environment() -> dict[str, str] | str:
-    """The environment in which something can be drawn here, or the reason why nothing can."""
-    try:
-        return drawing._working_environment("")
-    except UsageError as error:
-        return str(error)
-
-
-@pytest.fixture
-def _opengl(monkeypatch: pytest.MonkeyPatch) -> None:
-    if isinstance(found := working_environment(), str):
-        pytest.skip(found)
-    monkeypatch.setattr(drawing, "_working_environment", lambda _: found)
 
 
 @pytest.mark.parametrize(
@@ -50,9 +35,6 @@ def _opengl(monkeypatch: pytest.MonkeyPatch) -> None:
         (["--picture", "a.jpg"], "--picture 'a.jpg': name a file that ends in .png"),
         (["--picture", ""], "name a file that ends in .png"),
         (["--video", "a.avi"], "--video 'a.avi': name a file that ends in .mp4"),
-        (["--picture", "/nowhere/a.png"], "there is no folder /nowhere; create it first"),
-        (["--picture", "/proc/a.png"], "--picture /proc/a.png cannot be written: "),
-        (["--picture", "a" * 300 + ".png"], "File name too long"),
         (["--picture-lidar"], "--picture-lidar needs --picture or --video"),
     ],
 )
@@ -64,14 +46,6 @@ def test_impossible_picture_is_refused_before_the_run(
     assert expected in complaint
     assert complaint.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
-
-
-def test_folder_named_like_a_picture_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "a.png").mkdir()
-    assert main([*RUN, "--picture", str(tmp_path / "a.png")]) == 2
-    assert "is a folder; name a file" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -128,34 +102,16 @@ def test_missing_opengl_is_one_line_that_names_the_packages_and_only_pictures_ne
     assert len(list(logs.glob("*.csv"))) == 1
 
 
-@pytest.mark.usefixtures("_opengl")
-def test_run_draws_its_picture_and_its_bytes_stay_the_same(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(drawing, "PROGRAM", (sys.executable, "-c", COARSE))
-    words = ["--direct", "--terrain", "posts", "--driver", "straight", "--duration", "6", "--log-dir"]
-    assert main([*words, str(tmp_path / "plain")]) == 0
-    picture = tmp_path / "a.png"
-    flags = ["--picture", str(picture), "--picture-lidar"]
-    assert main([*words, str(tmp_path / "drawn"), *flags]) == 0
-    (plain,), (drawn,) = ((tmp_path / name).glob("*.csv") for name in ("plain", "drawn"))
-    assert plain.read_bytes() == drawn.read_bytes()
-    with Image.open(picture) as image:
-        assert image.size == (1280, 640)
-        pixels = np.asarray(image).astype(int)
-    red, green, blue = pixels.transpose(2, 0, 1)
-    assert 80 < pixels.mean() < 180
-    assert ((blue > 180) & (green > 150) & (red < 90)).sum() > 500  # the path
-    assert ((red > 200) & (green < 90)).sum() > 50  # the lidar's hits
-
-
-@pytest.mark.usefixtures("_opengl")
-def test_run_draws_its_video_with_a_caption_and_tells_how_far_it_is(
+def test_run_draws_its_picture_and_its_video_and_tells_how_far_it_is_and_its_bytes_stay_the_same(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     av = pytest.importorskip("av", reason="the extra [video] is not installed")
-    video = tmp_path / "a.mp4"
-    words = ["--direct", "--terrain", "flat", "--duration", "0.12", "--log-dir", str(tmp_path)]
+    try:
+        found = drawing._working_environment("")
+    except UsageError as error:
+        pytest.skip(str(error))
+    monkeypatch.setattr(drawing, "_working_environment", lambda _: found)
+    monkeypatch.setattr(drawing, "PROGRAM", (sys.executable, "-c", COARSE))
     shown: list[tuple[int, int]] = []
     finish = Drawing.finish
 
@@ -164,11 +120,23 @@ def test_run_draws_its_video_with_a_caption_and_tells_how_far_it_is(
         return finish(one, lambda done, total: shown.append((done, total)))
 
     monkeypatch.setattr(Drawing, "finish", told)
-    assert main([*words, "--video", str(video)]) == 0
-    assert shown == [(0, 3), (1, 3), (2, 3), (3, 3)]
+    words = ["--direct", "--terrain", "posts", "--driver", "straight", "--duration", "4", "--log-dir"]
+    assert main([*words, str(tmp_path / "plain")]) == 0
+    picture, video = tmp_path / "a.png", tmp_path / "a.mp4"
+    flags = ["--picture", str(picture), "--picture-lidar", "--video", str(video)]
+    assert main([*words, str(tmp_path / "drawn"), *flags]) == 0
+    (plain,), (drawn,) = ((tmp_path / name).glob("*.csv") for name in ("plain", "drawn"))
+    assert plain.read_bytes() == drawn.read_bytes()
+    assert shown == [(0, 1), (1, 1), (0, 2), (1, 2), (2, 2)]
+    with Image.open(picture) as image:
+        assert image.size == (1280, 640)
+        pixels = np.asarray(image).astype(int)
+    red, green, blue = pixels.transpose(2, 0, 1)
+    assert 80 < pixels.mean() < 180
+    assert ((blue > 180) & (green > 150) & (red < 90)).sum() > 500  # the path
+    assert ((red > 200) & (green < 90)).sum() > 50  # the lidar's hits
     with av.open(str(video)) as container:
         frames = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
-    assert len(frames) == 3
-    assert frames[0].shape == (480, 960, 3)
+    assert [frame.shape for frame in frames] == [(480, 960, 3)] * 2
     assert 60 < np.mean(frames[-1]) < 200
     assert (frames[-1][435:465, 20:220] > 190).all(axis=2).sum() > 100  # white text in the corner

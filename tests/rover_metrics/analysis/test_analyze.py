@@ -2,7 +2,7 @@
 
 import csv
 import json
-import os
+import runpy
 import subprocess
 import sys
 from collections.abc import Callable
@@ -14,11 +14,11 @@ import pytest
 from matplotlib.figure import Figure
 
 from rover_metrics.analyze import main
-from tests.support.dependencies import hide
 
 Row = Callable[..., str]
 WriteLog = Callable[..., Path]
 Run = Callable[..., tuple[int, str, str]]
+LIBRARIES = {"matplotlib", "numpy", "pandas", "rich", "scipy"}
 
 
 @pytest.fixture
@@ -410,20 +410,19 @@ def test_the_command_needs_no_ros_and_ends_quietly_when_its_reader_leaves(
     assert program.stderr == ""
 
 
-@pytest.mark.parametrize("missing", ["matplotlib", "numpy", "pandas", "rich", "scipy"])
-def test_without_one_of_its_libraries_it_says_what_to_install(missing: str, tmp_path: Path) -> None:
-    needed = {"matplotlib", "numpy", "pandas", "rich", "scipy"}
-    hide({missing}, tmp_path)
-    program = subprocess.run(
-        [sys.executable, "-m", "rover_metrics.analyze", "--help"],
-        env={**os.environ, "PYTHONPATH": str(tmp_path)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert (program.returncode, program.stdout) == (2, "")
-    (line,) = program.stderr.splitlines()
-    told, _, reason = line.partition(" (")
+@pytest.mark.parametrize("missing", sorted(LIBRARIES))
+def test_without_one_of_its_libraries_it_says_what_to_install(
+    missing: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in list(sys.modules):
+        if name.partition(".")[0] in {missing, "rover_metrics"}:
+            monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, missing, None)
+    with pytest.raises(SystemExit, match=r"^2$"):
+        runpy.run_module("rover_metrics.analyze", run_name="__main__")
+    out, told = capsys.readouterr()
+    told, _, reason = told.partition(" (")
+    assert out == ""
     assert told.startswith("analyze needs five libraries: pip install ")
-    assert set(told.partition("pip install ")[2].split()) == needed
-    assert f"No module named '{missing}" in reason
+    assert set(told.partition("pip install ")[2].split()) == LIBRARIES
+    assert missing in reason
