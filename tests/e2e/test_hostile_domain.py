@@ -194,7 +194,9 @@ def test_broken_messages_and_requests_neither_end_nor_bloat_a_program_nor_cost_a
     run = [*RUN, "--rate", "2", "--extended", "--log-dir", str(hosted), "--lidar-beams", "8"]
     with ExitStack() as at_end:
         programs = [
-            at_end.enter_context(ForkedProgram("rover_metrics.metrics_node", node, tmp_path / "alone.txt")),
+            at_end.enter_context(
+                ForkedProgram("rover_metrics.metrics_node", node, tmp_path / "alone.txt")
+            ),
             at_end.enter_context(ForkedProgram("harness.run", run, tmp_path / "hosted.txt")),
         ]
         enemy = Enemy(at_end)
