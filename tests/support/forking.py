@@ -10,6 +10,7 @@ import os
 import signal
 import subprocess
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from multiprocessing import forkserver, util
 from multiprocessing.connection import Connection
 from multiprocessing.context import ForkServerContext
@@ -60,9 +61,14 @@ class ForkedProgram:
     ) -> None:
         context = ForkedSimulations().get_context("spawn")
         ready, remote = context.Pipe(duplex=False)
-        environment = dict(os.environ if env is None else env)
-        stage = (remote, str(said), environment, str(cwd or Path.cwd()))
-        self._process = context.Process(target=_begin, args=(program, [*words], *stage))
+        inherited = _Inherited(
+            environment=dict(os.environ if env is None else env),
+            folder=str(cwd or Path.cwd()),
+            cores=os.sched_getaffinity(0),
+        )
+        self._process = context.Process(
+            target=_begin, args=(program, [*words], str(said), inherited, remote)
+        )
         self._process.start()
         remote.close()
         ready.recv()  # else a signal would meet an interpreter that is no program yet
@@ -112,23 +118,32 @@ class ForkedProgram:
         self.send_signal(signal.SIGKILL)
 
 
+@dataclass(frozen=True)
+class _Inherited:
+    """What a program has from whoever starts it, not from the fork server."""
+
+    environment: dict[str, str]
+    folder: str
+    cores: set[int]
+
+
 def _begin(
     program: str | Callable[[list[str]], int],
     words: list[str],
-    ready: Connection,
     said: str,
-    environment: dict[str, str],
-    folder: str,
+    inherited: _Inherited,
+    ready: Connection,
 ) -> None:
     os.setsid()
     output = os.open(said, os.O_RDWR | os.O_CREAT | os.O_TRUNC)  # a terminal is now this session's
     for number in (1, 2):
         os.dup2(output, number)
     os.environ.clear()
-    os.environ.update(environment)
-    os.chdir(folder)
+    os.environ.update(inherited.environment)
+    os.chdir(inherited.folder)
+    os.sched_setaffinity(0, inherited.cores)
     main = importlib.import_module(program).main if isinstance(program, str) else program
-    importlib.import_module("harness.episode.stream").multiprocessing = _Fork()
+    vars(importlib.import_module("harness.episode.stream"))["multiprocessing"] = _Fork()
     if isinstance(program, str) and program.startswith("harness."):
         importlib.import_module("harness.cli.edge").begin_program(program)
     ready.send(None)
