@@ -168,7 +168,12 @@ class _Fork:
         self, *, target: Callable[..., None], args: tuple[Any, ...], daemon: bool
     ) -> BaseProcess:
         def simulate(*args: Any) -> None:  # noqa: ANN401 - whatever is simulated
-            self._near.close()  # a spawned child has only its own end: it learns when the other is gone
+            # As in a spawned child: only its own end, or it would not learn that the other is gone,
+            # and no handler of the program's.
+            self._near.close()
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            for number in (signal.SIGTERM, signal.SIGHUP):
+                signal.signal(number, signal.SIG_DFL)
             target(*args)
 
         return self._context.Process(target=simulate, args=args, daemon=daemon)
