@@ -10,7 +10,7 @@ import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -97,7 +97,6 @@ def ended_by(number: signal.Signals, program: ForkedProgram, *, group: bool = Fa
     code = program.wait(PATIENCE)
     after = time.monotonic() - began
     wait_until(lambda: not session_members(program.pid))
-    code = 128 - code if code < 0 else code
     return End(after, code, program.said.read_text(), left_behind(memory, since))
 
 
@@ -342,5 +341,6 @@ def started_and_stopped(index: int, log_dir: Path, rng: random.Random) -> End:
             wait_until(lambda: rows(log_dir) > 2)
         else:
             select.select([], [], [], rng.uniform(0.0, 0.25 if way else 1.5))
-        # The group is there once the run drives.
-        return ended_by(number_of(index), program, group=index in DRIVING)
+        # The group is there once the run drives; a run that still loads ends as any program does.
+        end = ended_by(number_of(index), program, group=index in DRIVING)
+    return replace(end, code=-end.code + 128) if end.code < 0 and index not in DRIVING else end
