@@ -150,11 +150,12 @@ def test_closed_terminal_ends_the_run_with_its_manifest(tmp_path: Path) -> None:
             shown += os.read(terminal, 65536)
         return rows(tmp_path) > 2
 
-    wait_until(read_on)
-    began = time.monotonic()
-    os.close(terminal)
-    assert program.wait(PATIENCE) == 128 + signal.SIGHUP
-    assert time.monotonic() - began < under_load(NO_HANG)
+    with program:
+        wait_until(read_on)
+        began = time.monotonic()
+        os.close(terminal)
+        assert program.wait(PATIENCE) == 128 + signal.SIGHUP
+        assert time.monotonic() - began < under_load(NO_HANG)
     assert b"real time" in shown, "the progress line was to be on the terminal"
     assert manifest(tmp_path)["outcome"] == {"status": "interrupted", "reason": "SIGHUP"}
 
