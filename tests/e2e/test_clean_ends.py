@@ -1,9 +1,5 @@
-"""However a run ends: soon, without a trace on the terminal, and leaving nothing behind.
+"""However a run ends: soon, without a trace on the terminal, and leaving nothing behind."""
 
-Started as a program, this file starts and stops 12 runs in a row and tells how as JSON.
-"""
-
-import gc
 import json
 import os
 import pty
@@ -11,12 +7,9 @@ import random
 import re
 import select
 import signal
-import subprocess
-import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -33,6 +26,7 @@ from harness.interrupt import Interrupted, Overdue, StopRequest
 from harness.run import main
 from harness.samples import Tick, Twist
 from harness.view.drawing import Drawing
+from tests.support.forking import ForkedProgram
 from tests.support.waiting import PATIENCE, under_load, wait_until
 
 SOON = 1.0  # [s]: the promise; one of several ends may take longer
@@ -55,26 +49,10 @@ class End:
     left: tuple[str, ...] = ()
 
 
-def environment(domain: int = 0) -> dict[str, str]:
-    return {**os.environ, "ROS_DOMAIN_ID": os.environ.get("ROS_DOMAIN_ID", str(domain))}
-
-
-@contextmanager
-def started(log_dir: Path, *words: str) -> Iterator[subprocess.Popen[str]]:
-    """A run in a session of its own that is gone afterwards."""
-    command = [sys.executable, "-m", "harness.run", *ENDLESS, "--log-dir", str(log_dir), *words]
-    with subprocess.Popen(
-        command,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        start_new_session=True,
-        env=environment(),
-    ) as process:
-        try:
-            yield process
-        finally:
-            process.kill()
+def started(log_dir: Path, *words: str) -> ForkedProgram:
+    """A run that does not end by itself."""
+    all_words = [*ENDLESS, "--log-dir", str(log_dir), *words]
+    return ForkedProgram("harness.run", all_words, log_dir.with_suffix(".txt"))
 
 
 def rows(log_dir: Path) -> int:
@@ -111,14 +89,15 @@ def left_behind(memory: set[str], since: float) -> tuple[str, ...]:
     return tuple(path for path in there if Path(path).exists())
 
 
-def ended_by(number: signal.Signals, process: subprocess.Popen[str]) -> End:
-    """Sends a signal and waits for the end."""
+def ended_by(number: signal.Signals, program: ForkedProgram, *, group: bool = False) -> End:
+    """Sends a signal, as a terminal does to the whole group if there is one, and waits for the end."""
+    since, memory = time.time(), shared_memory(program.pid)
     began = time.monotonic()
-    process.send_signal(number)
-    told, _ = process.communicate(timeout=PATIENCE)
+    (os.killpg if group else os.kill)(program.pid, number)
+    code = program.wait(PATIENCE)
     after = time.monotonic() - began
-    wait_until(lambda: not session_members(process.pid))
-    return End(after, process.returncode, told)
+    wait_until(lambda: not session_members(program.pid))
+    return End(after, code, program.said.read_text(), left_behind(memory, since))
 
 
 def manifest(log_dir: Path) -> dict[str, Any]:
@@ -129,26 +108,20 @@ def manifest(log_dir: Path) -> dict[str, Any]:
 
 
 def test_signal_ends_a_direct_run_even_if_it_is_much_slower_than_real_time(tmp_path: Path) -> None:
-    with started(tmp_path, "--direct", "--rate", "0.01") as process:
-        wait_until(lambda: bool(list(tmp_path.glob("*.csv"))))
-        end = ended_by(signal.SIGHUP, process)
+    with started(tmp_path / "logs", "--direct", "--rate", "0.01") as program:
+        wait_until(lambda: bool(list(tmp_path.glob("logs/*.csv"))))
+        end = ended_by(signal.SIGHUP, program)
     assert (end.code, "Traceback" in end.told) == (128 + signal.SIGHUP, False), end.told
     assert end.after < under_load(NO_HANG)
 
 
+@pytest.mark.usefixtures("ros_domain")
 def test_starts_and_stops_in_a_row_end_soon_silently_and_leave_rows_and_manifest(
-    ros_domain: int, tmp_path: Path
+    tmp_path: Path,
 ) -> None:
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
-    told = subprocess.run(
-        [sys.executable, __file__, str(tmp_path)],
-        env=environment(ros_domain) | {"PYTHONPATH": os.pathsep.join(sys.path)},
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=300,
-    )
-    ends = [End(**values) for values in json.loads(told.stdout)]
+    rng = random.Random(0)  # noqa: S311 - no secret
+    ends = [started_and_stopped(index, tmp_path / str(index), rng) for index in range(STARTS)]
     assert [end.code for end in ends] == [128 + number_of(index) for index in range(STARTS)]
     assert not [end.told for end in ends if "Traceback" in end.told]
     assert not [end.left for end in ends if end.left]
@@ -164,10 +137,10 @@ def test_starts_and_stops_in_a_row_end_soon_silently_and_leave_rows_and_manifest
 
 
 def test_closed_terminal_ends_the_run_with_its_manifest(tmp_path: Path) -> None:
-    pid, terminal = pty.fork()
-    if pid == 0:
-        words = ["-m", "harness.run", *ENDLESS, "--direct", "--rate", "20", "--log-dir", str(tmp_path)]
-        os.execv(sys.executable, [sys.executable, *words])  # noqa: S606 - it needs the terminal
+    terminal, other_side = pty.openpty()
+    words = [*ENDLESS, "--direct", "--rate", "20", "--log-dir", str(tmp_path)]
+    program = ForkedProgram("harness.run", words, os.ttyname(other_side))
+    os.close(other_side)
     os.set_blocking(terminal, False)
     shown = b""
 
@@ -177,12 +150,12 @@ def test_closed_terminal_ends_the_run_with_its_manifest(tmp_path: Path) -> None:
             shown += os.read(terminal, 65536)
         return rows(tmp_path) > 2
 
-    wait_until(read_on)
-    began = time.monotonic()
-    os.close(terminal)
-    _, status = os.waitpid(pid, 0)
-    assert time.monotonic() - began < under_load(NO_HANG)
-    assert os.waitstatus_to_exitcode(status) == 128 + signal.SIGHUP
+    with program:
+        wait_until(read_on)
+        began = time.monotonic()
+        os.close(terminal)
+        assert program.wait(PATIENCE) == 128 + signal.SIGHUP
+        assert time.monotonic() - began < under_load(NO_HANG)
     assert b"real time" in shown, "the progress line was to be on the terminal"
     assert manifest(tmp_path)["outcome"] == {"status": "interrupted", "reason": "SIGHUP"}
 
@@ -289,33 +262,22 @@ def crash(self: Wander, observation: Observation) -> Twist:  # noqa: ARG001 - a 
     return Twist()
 
 
-CRASHING = f"""
-import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})
-from harness.drivers import Wander
-import test_clean_ends
-Wander.command = test_clean_ends.crash
-if __name__ == "__main__":
-    from harness.run import main
-    sys.exit(main(sys.argv[1:]))
-"""
 CRASH = ["--terrain", "flat", "--duration", "36000", "--log-dir"]
+
+
+def crashing(words: list[str]) -> int:
+    """harness.run with a driver that has a bug."""
+    Wander.command = crash  # type: ignore[method-assign]
+    return main(words)
 
 
 @pytest.mark.usefixtures("ros_domain")
 def test_bug_in_a_driver_shows_its_trace_keeps_the_rows_and_does_not_hang(tmp_path: Path) -> None:
-    script = tmp_path / "crashing.py"
-    script.write_text(CRASHING)
-    done = subprocess.run(
-        [sys.executable, str(script), *CRASH, str(tmp_path)],
-        env=environment() | {"PYTHONPATH": os.pathsep.join(sys.path)},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
-    assert done.returncode == 1
-    assert "ZeroDivisionError: the driver fell asleep" in done.stderr
-    assert "in crash" in done.stderr
+    with ForkedProgram(crashing, [*CRASH, str(tmp_path)], tmp_path / "said.txt") as program:
+        told = program.finished(PATIENCE)
+    assert program.returncode == 1
+    assert "ZeroDivisionError: the driver fell asleep" in told
+    assert "in crash" in told
     assert rows(tmp_path) == 1
 
 
@@ -354,19 +316,15 @@ def test_rclpy_shut_down_from_outside_fails_the_run_with_one_line(
 @pytest.mark.usefixtures("ros_domain")
 def test_ctrl_c_ends_a_run_whose_node_has_stopped_answering(tmp_path: Path) -> None:
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
-    node = [sys.executable, "-m", "rover_metrics.metrics_node", "--ros-args"]
-    node += ["-p", "use_sim_time:=true", "-p", f"log_dir:={tmp_path / 'node'}"]
+    words = ["--ros-args", "-p", "use_sim_time:=true", "-p", f"log_dir:={tmp_path / 'node'}"]
     summary = tmp_path / "summary.json"
     with ExitStack() as at_end:
-        silent = at_end.enter_context(
-            subprocess.Popen(node, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        )
-        at_end.callback(silent.kill)
-        words = ("--no-metrics", "--wait-for", "/metrics_node", "--summary", str(summary))
-        process = at_end.enter_context(started(tmp_path / "run", *words))
+        silent = at_end.enter_context(ForkedProgram("rover_metrics.metrics_node", words))
+        for_it = ("--no-metrics", "--wait-for", "/metrics_node", "--summary", str(summary))
+        run = at_end.enter_context(started(tmp_path / "run", *for_it))
         wait_until(lambda: rows(tmp_path / "node") > 1)
         silent.send_signal(signal.SIGSTOP)
-        end = ended_by(signal.SIGINT, process)
+        end = ended_by(signal.SIGINT, run)
     assert end.code == 128 + signal.SIGINT, end.told
     assert "Traceback" not in end.told
     assert end.after < under_load(NO_HANG)
@@ -377,42 +335,13 @@ def number_of(index: int) -> signal.Signals:
     return SIGNALS[index % len(SIGNALS)]
 
 
-def start_and_stop(log_dir: Path) -> list[dict[str, object]]:
-    """Forks run after run from this process, which has all loaded, and stops each."""
-    import harness.episode.direct  # noqa: PLC0415 - loaded once, for all: forked BLAS hangs as it ends
-    import harness.ros.session  # noqa: F401, PLC0415 - needs rclpy
-
-    gc.freeze()  # else each fork copies the whole heap as it ends
-    rng = random.Random(0)  # noqa: S311 - no secret
-    return [vars(one_start_and_stop(index, log_dir / str(index), rng)) for index in range(STARTS)]
-
-
-def one_start_and_stop(index: int, log_dir: Path, rng: random.Random) -> End:
-    since, way = time.time(), [] if index in THROUGH_ROS else ["--direct"]
-    with tempfile.TemporaryFile("w+b") as output:
-        pid = os.fork()
-        if pid == 0:
-            os.setsid()
-            signal.signal(signal.SIGINT, signal.SIG_DFL)  # as harness.run does while it loads
-            os.dup2(output.fileno(), 1)
-            os.dup2(output.fileno(), 2)
-            sys.exit(main([*ENDLESS, *way, "--log-dir", str(log_dir)]))
+def started_and_stopped(index: int, log_dir: Path, rng: random.Random) -> End:
+    way = [] if index in THROUGH_ROS else ["--direct"]
+    with started(log_dir, *way) as program:
         if index in DRIVING:
             wait_until(lambda: rows(log_dir) > 2)
         else:
             select.select([], [], [], rng.uniform(0.0, 0.25 if way else 1.5))
-        memory = shared_memory(pid)
-        began = time.monotonic()
-        # A terminal sends it to the whole group, which is there once the run drives.
-        (os.killpg if index in DRIVING else os.kill)(pid, number_of(index))
-        _, status = os.waitpid(pid, 0)
-        after = time.monotonic() - began
-        output.seek(0)
-        code = os.waitstatus_to_exitcode(status)
-        end = End(after, 128 - code if code < 0 else code, output.read().decode())
-    wait_until(lambda: not session_members(pid))
-    return replace(end, left=left_behind(memory, since))
-
-
-if __name__ == "__main__":
-    json.dump(start_and_stop(Path(sys.argv[1])), sys.stdout)
+        # The group is there once the run drives; a run that still loads ends as any program does.
+        end = ended_by(number_of(index), program, group=index in DRIVING)
+    return replace(end, code=-end.code + 128) if end.code < 0 and index not in DRIVING else end

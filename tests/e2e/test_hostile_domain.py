@@ -6,16 +6,15 @@ import json
 import math
 import random
 import signal
-import subprocess
-import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.support.forking import ForkedProgram
 from tests.support.waiting import PATIENCE
 
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
@@ -51,9 +50,9 @@ VALUES = (
     ParameterValue(type=9, string_array_value=["", "x"]),
 )
 ALONE, HOSTED, HARNESS = "/alone/metrics_node", "/metrics_node", "/harness"
-NODE = ["-m", "rover_metrics.metrics_node", "--ros-args", "-p", "use_sim_time:=true"]
+NODE = ["--ros-args", "-p", "use_sim_time:=true"]
 APART = ["-p", "extended_columns:=true", "-r", "__ns:=/alone", "-r", "/clock:=/alone/clock"]
-RUN = ["-m", "harness.run", "--terrain", "flat", "--driver", "spin", "--duration", "36000"]
+RUN = ["--terrain", "flat", "--driver", "spin", "--duration", "36000"]
 
 
 class Enemy:
@@ -175,24 +174,11 @@ class Enemy:
         self.ask(ListParameters, f"{node}/list_parameters", prefixes=[name], depth=2**64 - 1)
 
 
-@contextmanager
-def started(arguments: list[str], log_dir: Path, **options: Any) -> Iterator[subprocess.Popen[str]]:  # noqa: ANN401
-    """A program that is gone afterwards; what it says goes into a file, which no one need empty."""
-    with (
-        log_dir.with_suffix(".txt").open("w") as said,
-        subprocess.Popen([sys.executable, *arguments], stdout=said, stderr=said, **options) as process,
-    ):
-        try:
-            yield process
-        finally:
-            process.kill()
-
-
 def rows(folder: Path) -> int:
     return sum(len(path.read_bytes().splitlines()) - 1 for path in folder.glob("*.csv"))
 
 
-def footprint(process: subprocess.Popen[str]) -> tuple[int, int]:
+def footprint(process: ForkedProgram) -> tuple[int, int]:
     """Memory [kB] and open files of a process."""
     status = Path(f"/proc/{process.pid}/status").read_text()
     (line,) = [line for line in status.splitlines() if line.startswith("VmRSS")]
@@ -208,8 +194,10 @@ def test_broken_messages_and_requests_neither_end_nor_bloat_a_program_nor_cost_a
     run = [*RUN, "--rate", "2", "--extended", "--log-dir", str(hosted), "--lidar-beams", "8"]
     with ExitStack() as at_end:
         programs = [
-            at_end.enter_context(started(node, alone)),
-            at_end.enter_context(started(run, hosted)),
+            at_end.enter_context(
+                ForkedProgram("rover_metrics.metrics_node", node, tmp_path / "alone.txt")
+            ),
+            at_end.enter_context(ForkedProgram("harness.run", run, tmp_path / "hosted.txt")),
         ]
         enemy = Enemy(at_end)
         enemy.wait(lambda: rows(hosted) > 0)  # a run that finds strangers at its start is refused
@@ -227,7 +215,7 @@ def test_broken_messages_and_requests_neither_end_nor_bloat_a_program_nor_cost_a
         for process in programs:
             process.send_signal(signal.SIGINT)
         codes = [process.wait(PATIENCE) for process in programs]
-    said = [folder.with_suffix(".txt").read_text() for folder in (alone, hosted)]
+    said = [process.said.read_text() for process in programs]
     assert codes == [0, 130], said
     assert "Traceback" not in "".join(said)
     assert "0 lost" in said[1]

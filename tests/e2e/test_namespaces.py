@@ -1,17 +1,16 @@
 """Rovers in namespaces: one alone, and two at once in one domain, each with a clock of its own."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from harness.run import main
+from tests.support.forking import ForkedProgram
+from tests.support.waiting import PATIENCE
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 pytestmark = pytest.mark.usefixtures("ros_domain")
 
-TIMEOUT = 60.0
 QUICK = ["--terrain", "flat", "--duration", "3", "--seed", "3"]
 
 
@@ -42,12 +41,8 @@ def test_a_rover_in_a_namespace_logs_the_same_rows(alone: bytes, tmp_path: Path)
 def test_two_rovers_at_once_with_a_clock_each_do_not_disturb_each_other(
     alone: bytes, tmp_path: Path
 ) -> None:
-    other = [sys.executable, "-m", "harness.run", *in_namespace("rover2", tmp_path / "rover2")]
-    with subprocess.Popen(other, stdout=subprocess.DEVNULL) as process:
-        try:
-            assert main(in_namespace("rover1", tmp_path / "rover1")) == 0
-            assert process.wait(TIMEOUT) == 0
-        finally:
-            process.kill()
+    with ForkedProgram("harness.run", in_namespace("rover2", tmp_path / "rover2")) as other:
+        assert main(in_namespace("rover1", tmp_path / "rover1")) == 0
+        assert other.wait(PATIENCE) == 0
     for name in ("rover1", "rover2"):
         assert only_log(tmp_path / name) == alone

@@ -3,8 +3,6 @@
 import csv
 import json
 import math
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +15,7 @@ from scipy.spatial.transform import Rotation
 from harness.run import main as run
 from rover_metrics.replay import main as replay
 from tests.support.complaint import complaint
+from tests.support.forking import ForkedProgram
 from tests.support.layouts import foxglove_paths, look_up, plotjuggler_paths
 from tests.support.waiting import wait_until
 
@@ -158,13 +157,9 @@ def test_killed_run_leaves_a_recording_that_replays_to_its_rows(
 ) -> None:
     bag = tmp_path / "killed.mcap"
     words = ["--terrain", "flat", "--duration", "36000", "--lidar-beams", "8", "--record", str(bag)]
-    command = [sys.executable, "-m", "harness.run", *words, "--log-dir", str(tmp_path / "live")]
-    with subprocess.Popen(command, cwd=tmp_path) as process:
-        try:
-            wait_until(lambda: process.poll() is not None or lines(tmp_path / "live") > 6)
-            assert process.poll() is None, "the run ended"
-        finally:
-            process.kill()
+    with ForkedProgram("harness.run", [*words, "--log-dir", str(tmp_path / "live")]) as program:
+        wait_until(lambda: program.poll() is not None or lines(tmp_path / "live") > 6)
+        assert program.poll() is None, "the run ended"
     (log,) = (tmp_path / "live").glob("*.csv")
     live = rows(log)
     output = tmp_path / "replayed.csv"

@@ -4,9 +4,10 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -24,10 +25,30 @@ from benchmarks.soak.scenarios import (
     starved,
     stopped_node,
 )
+from tests.support.forking import ForkedProgram
 from tests.support.once import made_once
 
 WORLD = ("--terrain", "flat", "--timestep", "0.005", "--lidar-beams", "90")  # light ones
 PLAN = Plan(long=15, stopped=3, many=1, starved=2, nodes=2, fault_every=1, world=WORLD)
+
+
+class ForkedPrograms:
+    """Stands where the soak looks for `subprocess`: it starts the same programs, loaded already."""
+
+    DEVNULL, TimeoutExpired = subprocess.DEVNULL, subprocess.TimeoutExpired
+
+    @staticmethod
+    def Popen(command: Sequence[str], *, stdout: Any, stderr: Any) -> Any:  # noqa: ANN401, N802
+        if [*command[:2]] != [sys.executable, "-m"]:
+            return subprocess.Popen(command, stdout=stdout, stderr=stderr)
+        return ForkedProgram(command[2], command[3:], getattr(stdout, "name", os.devnull))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _forked() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("benchmarks.soak.drive.subprocess", ForkedPrograms)
+        yield
 
 
 @pytest.fixture(scope="module")

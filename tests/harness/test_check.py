@@ -55,6 +55,7 @@ def test_check_passes_here_through_ros_and_leaves_no_file(
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    monkeypatch.setattr("harness.episode.fingerprint.multiprocessing", ForkedSimulations())
     assert main(QUICK) == 0
     told = capfd.readouterr()
     assert told.out.count("equal") == 3

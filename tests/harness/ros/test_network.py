@@ -2,12 +2,10 @@
 
 import os
 import re
-import signal
 import socket
-import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from ipaddress import IPv4Address, IPv6Address, ip_address
@@ -24,7 +22,8 @@ from harness.ros.network import (
     USERS_OWN,
     local_settings,
 )
-from tests.support.waiting import PATIENCE
+from tests.support.forking import ForkedProgram
+from tests.support.waiting import wait_until
 
 READING = 0.3  # [s]: a listener reads at once
 LOCALHOST = {RANGE: "LOCALHOST"}
@@ -91,30 +90,15 @@ def parsed(address: str) -> IPv4Address | IPv6Address:
     return ip_address(b"".join(word[:: 1 if sys.byteorder == "big" else -1] for word in words))
 
 
-def poll_until(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < deadline, "the condition did not come true"
-        time.sleep(0.02)
-
-
 @contextmanager
 def run(log_dir: Path, **settings: str) -> Iterator[int]:
     """A run that drives; gives its process number."""
     words = ["--terrain", "flat", "--duration", "36000", "--rate", "5", "--log-dir", str(log_dir)]
     ours = {PROFILE_VARIABLE, FORMER_VARIABLE, RANGE}
     environment = {name: value for name, value in os.environ.items() if name not in ours} | settings
-    with subprocess.Popen(
-        [sys.executable, "-m", "harness.run", *words],
-        env=environment,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    ) as process:
-        try:
-            poll_until(lambda: any(log.read_bytes().count(b"\n") > 1 for log in log_dir.glob("*.csv")))
-            yield process.pid
-        finally:
-            process.send_signal(signal.SIGINT)
+    with ForkedProgram("harness.run", words, env=environment) as program:
+        wait_until(lambda: any(log.read_bytes().count(b"\n") > 1 for log in log_dir.glob("*.csv")))
+        yield program.pid
 
 
 def is_heard(process: int, listener: Socket) -> bool:

@@ -1,0 +1,13 @@
+"""Loaded once by the fork server: what its children, simulations and programs, then need not load."""
+
+import contextlib
+import gc
+from importlib import import_module
+
+for _module in ("harness.episode.episode", "harness.episode.direct", "harness.run"):
+    import_module(_module)
+with contextlib.suppress(ImportError):  # without ROS there is less to load
+    import_module("harness.ros.session")
+    import_module("rover_metrics.metrics_node")
+
+gc.freeze()  # else each child would copy the whole heap as it ends
