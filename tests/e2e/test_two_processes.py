@@ -13,15 +13,13 @@ from pathlib import Path
 import pytest
 
 from harness.run import main
-from tests.support.forking import ForkedProgram
 from tests.support.waiting import PATIENCE
 
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 METRICS_NODE = [sys.executable, "-m", "rover_metrics.metrics_node"]
 SCRIPT = Path(sys.executable).with_name("metrics_node")
-FOR_IT = ("--no-metrics", "--wait-for", "/metrics_node")
-HARNESS = [sys.executable, "-m", "harness.run", *FOR_IT]
+HARNESS = [sys.executable, "-m", "harness.run", "--no-metrics", "--wait-for", "/metrics_node"]
 
 
 @contextmanager
@@ -103,14 +101,9 @@ def test_lock_step_across_processes_writes_the_same_csv_as_without_ros(tmp_path:
 def test_parameters_change_at_run_time_and_ctrl_c_ends_both_cleanly(tmp_path: Path) -> None:
     log_dir = tmp_path / "node"
     with ExitStack() as at_end:
-        node_words = ["--ros-args", "-p", "use_sim_time:=true", "-p", f"log_dir:={log_dir}"]
-        node = at_end.enter_context(
-            ForkedProgram("rover_metrics.metrics_node", node_words, tmp_path / "node.txt", cwd=tmp_path)
-        )
+        node = at_end.enter_context(started(metrics_node(log_dir), tmp_path))
         words = ["--terrain", "maze", "--driver", "cmd_vel", "--duration", "36000", "--rate", "8"]
-        harness = at_end.enter_context(
-            ForkedProgram("harness.run", [*FOR_IT, *words], tmp_path / "run.txt", cwd=tmp_path)
-        )
+        harness = at_end.enter_context(started([*HARNESS, *words], tmp_path))
         client = Client(at_end)
         client.wait(lambda: len(rows(log_dir)) >= 3)
         assert rows(log_dir)[-1]["Total Collisions"] == "0"
@@ -122,10 +115,10 @@ def test_parameters_change_at_run_time_and_ctrl_c_ends_both_cleanly(tmp_path: Pa
         client.wait(lambda: int(rows(log_dir)[-1]["Total Collisions"]) > 0)
 
         harness.send_signal(signal.SIGINT)
-        told = harness.finished(PATIENCE)
+        told = finished(harness)
         assert harness.returncode == 130, told
         node.send_signal(signal.SIGINT)
-        said = node.finished(PATIENCE)
+        said = finished(node)
         assert node.returncode == 0, said
     assert "Traceback" not in told + said
     assert "0 lost" in told

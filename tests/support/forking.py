@@ -1,7 +1,7 @@
 """Simulations and programs forked from a process that has imported all they need: imports take 2 s.
 
 They share nothing with the tests' process, so they do what spawned ones do. `python -m` itself is what
-a few tests start.
+tests/e2e/test_two_processes.py starts, lets drive and stops with Ctrl-C.
 """
 
 import importlib
