@@ -29,7 +29,7 @@ def tree(tmp_path: Path) -> Path:
         ("model://pkg/meshes/m.dae", "pkg/meshes/m.dae"),
         ("package://pkg/meshes/m.dae", "pkg/meshes/m.dae"),
         ("model:///pkg/meshes/m.dae", "pkg/meshes/m.dae"),
-        ("file://../meshes/m.dae", "pkg/meshes/m.dae"),
+        ("FILE://../meshes/m.dae", "pkg/meshes/m.dae"),
         ("meshes/m.dae", "pkg/meshes/m.dae"),
         ("model://pkg/meshes/m%2Edae", "pkg/meshes/m.dae"),
     ],
@@ -79,22 +79,17 @@ def test_a_folder_means_the_newest_file_that_its_config_names(tmp_path: Path) ->
     folder.mkdir()
     with pytest.raises(Missing, match=r"neither model\.config nor model\.sdf"):
         model_file(folder)
-    (folder / "model.sdf").touch()
+    for name in ("thing/model", "thing/m4", "thing/m6", "thing/m10", "secret"):
+        (tmp_path / f"{name}.sdf").touch()
     assert model_file(folder) == folder / "model.sdf"
-    for version in ("4", "6"):
-        (folder / f"m{version}.sdf").touch()
-    lines = "".join(f"<sdf version='1.{v}'>m{v}.sdf</sdf>" for v in ("4", "6"))
     config = folder / "model.config"
-    config.write_text(f"<model>{lines}</model>")
-    assert model_file(folder) == folder / "m6.sdf"
-    (folder / "m10.sdf").touch()
     for more, file in (
         ("<sdf/><sdf version='1.99'/><sdf>none.sdf</sdf>", "m6.sdf"),
         ("<sdf version='1.10'> m10.sdf </sdf>", "m10.sdf"),
     ):
-        config.write_text(f"<model>{more}{lines}</model>")
+        lines = more + "".join(f"<sdf version='1.{v}'>m{v}.sdf</sdf>" for v in ("4", "6"))
+        config.write_text(f"<model>{lines}</model>")
         assert model_file(folder) == folder / file
-    (tmp_path / "secret.sdf").touch()
     for text, told in (
         ("<sdf>../secret.sdf</sdf>", r"there is no \.\./secret\.sdf beside it"),
         ("<sdf>none.sdf</sdf>", r"there is no none\.sdf beside it"),

@@ -85,6 +85,8 @@ def test_a_rover_starts_at_the_origin_if_that_is_on_the_map_else_in_its_middle(
     assert (beside[2], notes) == (0.0, [told])
     away, _ = start(middle, floorless=5.0)
     assert 5.3 < np.hypot(*np.subtract(away[:2], middle)) < 8.0  # to cells of 0.25 m
+    coarse, _ = start(middle, post(*wanted), cell=2.0)  # looked at no finer than the heights are
+    assert (np.subtract(coarse[:2], middle) % 2.0).tolist() == [1.0, 1.0]
     fine, _ = start(middle, floorless=1.0, cell=0.061)  # the map ends within a cell of 0.1 m
     off = max(1.7, np.hypot(*np.subtract(wanted, middle)))
     assert np.hypot(*np.subtract(fine[:2], middle)) == pytest.approx(off, abs=0.15)

@@ -12,15 +12,9 @@ from harness.errors import UsageError
 from harness.world.solids.ground import Sorted, map_bounds, sorted_solids
 from harness.world.solids.mesh_file import Mesh
 from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief, Solid
-from tests.harness.world.solids.shapes import box, flat, write_obj
+from tests.harness.world.solids.shapes import at, box, flat, write_mesh
 
 UP = (0.0, 0.0, 1.0)
-
-
-def at(x: float, y: float, z: float, *turned: float) -> np.ndarray:
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = Rotation.from_euler("xyz", turned or (0, 0, 0)).as_matrix(), (x, y, z)
-    return pose
 
 
 def plane(pose: np.ndarray, normal: tuple[float, float, float] = UP, size: Any = (40.0, 30.0)) -> Solid:  # noqa: ANN401 - two numbers
@@ -53,7 +47,7 @@ def test_of_level_planes_the_highest_counts_and_all_are_mapped_up_to_a_limit() -
 
 
 def test_a_plane_reaches_five_metres_around_what_stands_on_it(tmp_path: Path) -> None:
-    path = write_obj(tmp_path / "m.obj", box((0, 0, 0), (2, 4, 6)))
+    path = write_mesh(tmp_path / "m.obj", box((0, 0, 0), (2, 4, 6)))
     pole = Solid("pole", Primitive("cylinder", (0.5, 2.0)), at(0.0, -30.0, 0.0))
     beam = Solid("beam", pole.shape, at(-20.0, 0.0, 0.0, 0.0, np.pi / 2, 0.0))
     found, _ = sort(
@@ -126,9 +120,10 @@ def test_a_wide_box_is_ground_unless_another_has_twenty_times_its_area() -> None
 def test_a_sheet_that_faces_down_is_turned_over_and_told(turned: bool, tmp_path: Path) -> None:
     sheet = flat(1.0)
     faces = sheet.faces[:, ::-1] if turned else sheet.faces
-    path = write_obj(tmp_path / "m.obj", Mesh(sheet.vertices, faces))
-    found, notes = sort(Solid("m", MeshFile(path), at(0.0, 0.0, 2.0)))
-    (made,) = map(body_of, found.ground)
+    path = write_mesh(tmp_path / "m.obj", Mesh(sheet.vertices, faces))
+    great = cube(at(0.0, 0.0, 9.0), 50.0, 40.0, 1.0)  # twenty times its area, seen from above
+    found, notes = sort(great, Solid("m", MeshFile(path), at(0.0, 0.0, 2.0)))
+    _, made = map(body_of, found.ground)
     assert made.face_normals.tolist() == [[0.0, 0.0, 1.0]] * 2
     assert made.vertices[:, 2].tolist() == [3.0] * 4
     assert notes == ["m: its triangles face down; turned over"] * turned
@@ -141,7 +136,7 @@ def test_a_mesh_is_scaled_then_moved_and_a_part_may_be_centred_before(
 ) -> None:
     block = box((10.0, 20.0, 30.0), (8.0, 8.0, 2.0))
     block.vertices[0] += 1.0  # the middle is not the mean of the corners
-    path = write_obj(tmp_path / "m.obj", block)
+    path = write_mesh(tmp_path / "m.obj", block)
     found, notes = sort(Solid("m", MeshFile(path, (2.0, 3.0, 1.0), centred=centred), at(1.0, 2.0, 3.0)))
     (mesh,) = found.ground
     middle = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))

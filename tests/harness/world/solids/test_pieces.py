@@ -98,8 +98,9 @@ def test_a_bent_pipe_becomes_few_pieces_that_stay_near_it() -> None:
 
 
 def bridge() -> Mesh:
-    """A body of one piece: two decks at different heights, joined by a wall, a vault and its flap."""
-    floor = [[(x, y, z) for y in (-1.0, 1.0)] for x, z in ((-4, 0.5), (0, 0.5), (0, 0.9), (4, 0.9))]
+    """A body of one piece: two decks joined by a wall, a kerb, a vault and its flap."""
+    side = ((-4, 0.42), (-4, 0.5), (0, 0.5), (0, 0.9), (4, 0.9))
+    floor = [[(x, y, z) for y in (-1.0, 1.0)] for x, z in side]
     vault = [(1.3, 0.8), (1.0, 2.5), (0.5, 2.8), (0.0, 2.9), (-0.5, 2.8), (-1.0, 2.5), (-1.0, 0.9)]
     roof = [[(x, y, z) for y, z in vault] for x in (0.0, 4.0)]
     return both(extruded(np.array(floor)), extruded(np.array(roof)))
@@ -107,7 +108,7 @@ def bridge() -> Mesh:
 
 def test_a_structure_has_decks_hazards_and_a_ceiling_that_is_only_seen() -> None:
     found = made(bridge())
-    assert names(found) == {"DECK convex": 2, "HAZARD convex": 3, "DECK surface": 1}
+    assert names(found) == {"DECK convex": 2, "ROCK convex": 1, "HAZARD convex": 3, "DECK surface": 1}
     decks = sorted(top(o) for o in found if o.kind is ObstacleKind.DECK and o.shape == "convex")
     assert decks == pytest.approx([0.5, 0.9])
     (ceiling,) = (o for o in found if o.shape == "surface")
