@@ -138,17 +138,20 @@ def test_includes_take_another_name_and_pose_and_find_their_own_files(tmp_path: 
         + include.format(f"<name>other</name><placement_frame>q</placement_frame>{pose(D)}")
         + model(pose(A) + include.format(pose(C)), "outer")
         + model(pose(C, "own") + link(), "beside")  # the first of that name
+        + model(pose(A, "other::p") + link(), "upon")
     )
     document = read(tmp_path, body)
     expected = [
         ("outer::own::l::c", a @ c @ np.linalg.inv(b)),
         ("beside::l::c", a @ np.linalg.inv(b) @ c),
+        ("upon::l::c", d @ np.linalg.inv(c) @ b @ a),
         ("own::l::c", a @ np.linalg.inv(b)),
         ("own::l::c", d @ np.linalg.inv(b)),
         ("other::l::c", d @ np.linalg.inv(c)),
     ]
     assert_placed(document, expected)
-    assert [s.shape == MeshFile(folder / "m.obj") for s in document.solids] == [True, False, *[True] * 3]
+    meshes = [solid.shape == MeshFile(folder / "m.obj") for solid in document.solids]
+    assert meshes == [True, False, False, True, True, True]
     assert document.files == [tmp_path / "a.world", *[folder / "model.sdf"] * 4]
     assert document.notes == ()
 
@@ -280,6 +283,8 @@ def wrong(inner: str) -> str:
         (GRAVITY.format("0 0 nan"), "gravity '0 0 nan' is not valid"),
         ("<world><include><uri>a.world</uri></include></world>", "includes itself: a.world -> a.world"),
         (wrong("<pose relative_to='x'/>"), "frame 'x' does not exist"),
+        ("<world><include><uri>b.sdf</uri></include></world>", "a.world -> b.sdf -> c.sdf -> b.sdf"),
+        (wrong("<pose rotation_format='quat_xyzw'>1 2 3 0 0 0 0</pose>"), "m .* its quaternion is 0"),
         (wrong(BAD + link()), "pose of m '1 2 3' is not valid"),
         (wrong(f"<frame name='f'>{BAD}</frame>"), "pose of f '1 2 3' is not valid"),
         (wrong(f"<joint name='j'><child>l</child>{BAD}</joint>"), "pose of j '1 2 3' is not valid"),
@@ -289,10 +294,6 @@ def wrong(inner: str) -> str:
         (wrong(link("", BOX.replace("4", "0"))), "<size> of m::l::c '2 0 6' .* give metres above 0"),
         (wrong(link("", BOX.replace("4", "1e6"))), "<size> of m::l::c '2 1e6 6' is not valid"),
         (wrong(link("", geometry("plane", "<normal>0 0 0</normal>"))), "normal of m::l::c is 0"),
-        (
-            wrong(link("", geometry("heightmap", "<uri>m.obj</uri><size>1 2</size>"))),
-            "<size> of m::l::c '1 2' is not valid; give 3 finite numbers",
-        ),
         (
             wrong(link("", geometry("mesh", "<uri>m.obj</uri><scale>1 0 1</scale>"))),
             "<scale> of m::l::c is not valid; a factor is 0",
@@ -304,6 +305,8 @@ def test_what_is_wrong_is_told_in_one_line_with_whose_it_is(
     tmp_path: Path, body: str, told: str
 ) -> None:
     (tmp_path / "m.obj").touch()
+    for name, other in ("bc", "cb"):
+        written(tmp_path, model(f"<include><uri>{other}.sdf</uri></include>"), f"{name}.sdf")
     with pytest.raises(UsageError, match=told) as raised:
         read_file(tmp_path, body)
     assert "\n" not in str(raised.value)

@@ -34,11 +34,6 @@ def test_a_pose_is_a_place_and_angles_or_a_quaternion(
     np.testing.assert_allclose(inverse(pose), np.linalg.inv(pose), atol=1e-15)
 
 
-def test_a_quaternion_of_zeros_is_refused() -> None:
-    with pytest.raises(UsageError, match="quaternion is 0"):
-        pose_of("0 0 0 0 0 0 0", 'rotation_format="quat_xyzw"')
-
-
 def test_frames_in_a_circle_or_without_a_name_are_refused() -> None:
     frames = Frames("world")
     frames.add("a", IDENTITY, "b")

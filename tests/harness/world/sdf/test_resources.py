@@ -28,7 +28,7 @@ def tree(tmp_path: Path) -> Path:
     [
         ("model://pkg/meshes/m.dae", "pkg/meshes/m.dae"),
         ("package://pkg/meshes/m.dae", "pkg/meshes/m.dae"),
-        ("model:///pkg/meshes/m.dae", "pkg/meshes/m.dae"),
+        ("model:////pkg/meshes/m.dae", "pkg/meshes/m.dae"),
         ("FILE://../meshes/m.dae", "pkg/meshes/m.dae"),
         ("meshes/m.dae", "pkg/meshes/m.dae"),
         ("model://pkg/meshes/m%2Edae", "pkg/meshes/m.dae"),
@@ -53,6 +53,8 @@ def test_files_are_found_beside_a_world_and_two_folders_up(tree: Path, uri: str,
 def test_what_cannot_be_had_is_named_with_the_reason(tree: Path, uri: str, told: str) -> None:
     with pytest.raises(Missing, match=told):
         Resources().find(uri, tree / "pkg/worlds/a.world")
+    with pytest.raises(Missing, match="not found; name the folder"):  # / is none that is looked in
+        Resources().find(f"model:/{tree}/else/other/b.obj", Path("/nowhere/a.world"))
 
 
 def test_folders_are_looked_in_by_the_option_then_by_the_environment_then_beside_the_world(

@@ -60,7 +60,8 @@ def start(
     found = Surface(ground, np.zeros(0, bool), np.hypot(x, y) >= floorless)
     notes = list[str]()
     world = World("w", ground, obstacles, 0, None)
-    return _start(world, found, TerrainFile(path=Path("a.world"), step_limit=0.1), notes), notes
+    file = TerrainFile(path=Path("a.world"), clearance=0.0, step_limit=0.1)
+    return _start(world, found, file, notes), notes
 
 
 def post(x: float, y: float, half: float = 0.5) -> Obstacle:
@@ -79,6 +80,8 @@ def test_a_rover_starts_at_the_origin_if_that_is_on_the_map_else_in_its_middle(
 ) -> None:
     wanted = (0.0, 0.0) if is_on_map else middle
     assert start(middle) == ((*wanted, 0.0), [])
+    kerb = Obstacle(ObstacleKind.ROCK, "cylinder", (0.5, 0.05), (*wanted, 0.0))
+    assert start(middle, kerb) == ((*wanted, 0.0), [])
     beside, notes = start(middle, post(*wanted))
     assert np.hypot(*np.subtract(beside[:2], wanted)) == pytest.approx(1.2, abs=0.2)  # 0.5 m + 0.7 m
     told = f"starts at {beside[0]:g},{beside[1]:g}, the free and gentle place next to its middle"

@@ -49,8 +49,8 @@ def test_a_file_is_decoded_once_and_again_when_it_has_been_written_anew(tmp_path
     [
         ("<unit meter='0.01'/><up_axis>Z_UP</up_axis>", 0.01, [0, 0, 0.5], [2, 4, 6.5]),
         ("<unit meter='2'/><up_axis> y_up </up_axis>", 2.0, [0, -6.5, 0], [2, -0.5, 4]),
-        ("<up_axis>X_UP</up_axis>", 1.0, [-4, -6.5, 0], [0, -0.5, 2]),  # y runs left, z away
-        ("<unit meter='0.5'/>", 0.5, [0, -6.5, 0], [2, -0.5, 4]),  # Y_UP
+        ("<unit/><up_axis>X_UP</up_axis>", 1.0, [-4, -6.5, 0], [0, -0.5, 2]),  # y runs left, z away
+        ("", 1.0, [0, -6.5, 0], [2, -0.5, 4]),  # Y_UP
     ],
 )
 def test_collada_is_turned_upright_and_scaled_to_metres(

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
 
 from harness.errors import UsageError
 from harness.world.solids.mesh_file import Mesh
-from harness.world.solids.surface import chosen_grid, slopes_up, surface_of
+from harness.world.solids.surface import chosen_grid, surface_of
 from tests.harness.world.solids.shapes import at, both, box, flat, sheet
 
 
@@ -54,16 +53,6 @@ def test_maps_of_ten_metres_to_fifty_kilometres_are_driven_in_cells_that_are_not
         assert grid.cell == pytest.approx(cell or max(0.1, np.sqrt(width * depth) / 1499))
 
 
-def test_the_upward_part_of_a_normal_is_that_of_the_turn_whatever_the_triangles_size() -> None:
-    turns = Rotation.random(20, rng=np.random.default_rng(0)).as_matrix()
-    sizes = np.geomspace(0.01, 100.0, 20)[:, None, None]
-    corners = (
-        sizes * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]) @ turns.swapaxes(1, 2)
-    )
-    assert slopes_up(corners) == pytest.approx(turns[:, 2, 2])
-    assert slopes_up(np.ones((1, 3, 3))).tolist() == [0.0]
-
-
 @settings(max_examples=40)
 @example(0.0, 22.9868098108107, 10.0, 10.0, 1.0)  # 10 m less a rounding
 @given(*[st.floats(-100.0, 100.0)] * 2, *[st.floats(10.0, 30.0)] * 2, st.floats(0.1, 2.0))
@@ -99,6 +88,7 @@ def test_beyond_the_outline_and_in_holes_there_are_pits_and_small_gaps_are_fille
     assert at(4.0, 0.0) == at(3.8, 5.4) == at(-8.0, 8.0) == at(10.0, 0.4) == pytest.approx(-3.0)
     assert at(8.0, 8.0) == pytest.approx(0.8)
     assert (~surface.has_floor).sum() == 6 + 9 * 9 + 7 + 25 * 25 + 2
+    assert float(re.findall(r"by ([\d.e-]+) m at most", notes[-1])[0]) < 1e-5  # not of what is filled
     filled, pits = f"{6 / 101**2:.2%}", f"{(81 + 7 + 625 + 2) / 101**2:.1%}"
     assert notes[:-1] == [
         "2 holes without any surface, the largest of 3.24 m2: pits",
@@ -115,17 +105,19 @@ def test_what_reaches_above_the_floor_is_left_over_and_what_is_buried_is_not() -
     """A corner of the block is between vertices: no heightfield shows it, nor is its error told."""
     corner = at(7.44 - np.sqrt(2.0), 6.05, 0.2, 0.0, 0.0, np.pi / 4)
     block, buried = box((0, 0, 0), (2, 2, 1)).moved(corner), box((-6, -6, -1), (1, 1, 1))
-    mesh = both(flat(0.0), box((0, 0, 2.0), (4, 4, 0.5)), block, buried)
+    posts = [box((6.05, y, 0), (0.06, 0.06, 2 * top)) for y, top in ((-6.05, 0.06), (-3.05, 0.04))]
+    mesh = both(flat(0.0), box((0, 0, 2.0), (4, 4, 0.5)), block, buried, *posts)
     notes: list[str] = []
     surface = surface_of(mesh, chosen_grid((-10.0, 10.0, -10.0, 10.0), 0.1), None, notes)
-    assert notes[0].startswith("heights differ from the mesh by 0 m at most")  # of what is shown
+    assert notes[0].startswith("heights differ from the mesh by 0.04 m at most")  # of what is shown
     assert surface.ground.height_at(0.0, 0.0) == 0.0
     assert surface.ground.height_at(6.0, 6.0) == pytest.approx(0.7)  # too low to pass under: solid
     left = mesh.corners[surface.left_over]
-    np.testing.assert_allclose(
-        [left.min(axis=(0, 1)), left.max(axis=(0, 1))], [[-2, -2, 1.75], [2, 2, 2.25]]
-    )
-    assert len(left) == 12
+    is_post = left[:, :, 1].max(axis=1) < -6.0  # but for its end below
+    bounds = [(part.min(axis=(0, 1)), part.max(axis=(0, 1))) for part in (left[is_post], left[~is_post])]
+    expected = [[(6.02, -6.08, -0.06), (6.08, -6.02, 0.06)], [(-2, -2, 1.75), (2, 2, 2.25)]]
+    np.testing.assert_allclose(bounds, expected)
+    assert (is_post.sum(), len(left)) == (10, 22)
 
 
 def test_a_mesh_that_faces_down_alone_is_refused() -> None:
