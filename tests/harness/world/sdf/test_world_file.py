@@ -48,7 +48,7 @@ def test_boxes_on_a_plane_are_rocks_and_hazards_by_their_height(tmp_path: Path) 
     (tmp_path / "gone.sdf").write_text(f"<sdf>{cube('gone', '3 3 -0.1 0 0 0')}</sdf>")
     red = "<visual name='v'><material><diffuse>1 0 0 1</diffuse></material></visual>"
     body = (
-        "<gravity>0 0 -1.62</gravity><actor name='ann'/><actor name='ben'/>"
+        "<gravity>0 0 -1.62</gravity><actor name='ann'/><actor name='ben'/><road/>"
         + solid("ground", PLANE, "1 2 0.5 0 0 0", mu=0.0)
         + cube("low", "5 0 0.1 0 0 0")
         + cube("high", "0 0 0.2 0 0 0")
@@ -65,6 +65,7 @@ def test_boxes_on_a_plane_are_rocks_and_hazards_by_their_height(tmp_path: Path) 
     assert world.ground.bounds() == (-19.0, 21.0, -13.0, 17.0)
     assert np.unique(world.ground.heights).tolist() == [0.5]
     assert world.notes == (
+        "left out: <road>",
         "actors: ann, ben",
         "40 m along x, 30 m along y, 401 x 301 heights 0.1 m apart, relief 0 m, middle at 1,2",
         "2 solids lie in the ground or off the map: left out",
