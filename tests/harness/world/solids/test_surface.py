@@ -115,7 +115,7 @@ def test_what_reaches_above_the_floor_is_left_over_and_what_is_buried_is_not() -
     left = mesh.corners[surface.left_over]
     is_post = left[:, :, 1].max(axis=1) < -6.0  # but for its end below
     bounds = [(part.min(axis=(0, 1)), part.max(axis=(0, 1))) for part in (left[is_post], left[~is_post])]
-    expected = [[(6.02, -6.08, -0.06), (6.08, -6.02, 0.06)], [(-2, -2, 1.75), (2, 2, 2.25)]]
+    expected = [[(6.02, -6.08, -0.06), (6.08, -6.02, 0.06)], [(-2.0, -2.0, 1.75), (2.0, 2.0, 2.25)]]
     np.testing.assert_allclose(bounds, expected)
     assert (is_post.sum(), len(left)) == (10, 22)
 
