@@ -163,10 +163,11 @@ def test_a_relief_is_as_high_as_its_values_tell(
     np.save(path, values)
     relief = Relief(path, (30.0, 24.0, height), (1.0, 2.0, 3.0))
     found, _ = sort(Solid("h", relief, at(100.0, 0.0, 10.0)))
-    (mesh,) = found.ground
-    assert mesh.vertices[:, 2] == pytest.approx(top + 13.0)
+    (made,) = map(body_of, found.ground)
+    assert made.vertices[:, 2] == pytest.approx(top + 13.0)
     assert map_bounds(found) == pytest.approx((86.0, 116.0, -10.0, 14.0))
-    assert len(mesh.faces) == 2 * 8 * 10
+    assert made.face_normals.tolist() == [[0.0, 0.0, 1.0]] * (2 * 8 * 10)
+    assert (made.area, made.edges_unique_length.max()) == pytest.approx((30.0 * 24.0, np.hypot(3, 3)))
 
 
 def test_a_relief_without_all_of_its_values_is_refused_and_a_fine_one_is_sampled(tmp_path: Path) -> None:
