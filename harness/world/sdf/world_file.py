@@ -38,7 +38,6 @@ def _of_document(document: Document, file: TerrainFile, seed: int) -> World:
     notes = [*document.notes]
     if document.actors:
         notes.append(f"actors: {', '.join(person.name for person in document.actors)}")
-    # The unit and the axis are of a mesh alone: the meshes of a world are as Gazebo takes them.
     world = assembled(file.path.name, document.solids, file, seed, notes)
     files = ((str(path), _hash(path)) for path in dict.fromkeys(document.files))
     return replace(world, gravity=document.gravity, files=(*files, *world.files))

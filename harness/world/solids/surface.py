@@ -118,7 +118,7 @@ def _closed(heights: Field, grid: Grid, notes: list[str]) -> Field:
     areas[0] = 0.0
     edge = np.concatenate([names[0], names[-1], names[:, 0], names[:, -1]])
     is_pit = areas > LARGEST_GAP
-    is_pit[edge] = edge.any()
+    is_pit[edge] = True
     is_pit[0] = False
     holes = np.setdiff1d(np.flatnonzero(is_pit), edge)
     pit = is_pit[names]

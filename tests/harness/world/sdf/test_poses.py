@@ -1,6 +1,6 @@
 """SDF's poses and frames, against scipy's rotations and poses written out by hand."""
 
-from xml.etree.ElementTree import Element, fromstring
+from xml.etree.ElementTree import fromstring
 
 import numpy as np
 import pytest
@@ -34,45 +34,14 @@ def test_a_pose_is_a_place_and_angles_or_a_quaternion(
     np.testing.assert_allclose(inverse(pose), np.linalg.inv(pose), atol=1e-15)
 
 
-def test_a_quaternion_of_zeros_is_refused() -> None:
-    with pytest.raises(UsageError, match="quaternion is 0"):
-        pose_of("0 0 0 0 0 0 0", 'rotation_format="quat_xyzw"')
-
-
-def test_without_a_pose_it_is_the_parents_and_frame_of_old_files_means_nothing() -> None:
-    assert read_pose(Element("a"), "a") == (IDENTITY, "")
-    pose, reference = read_pose(fromstring("<a><pose frame='elsewhere'/></a>"), "a")  # noqa: S314 - ours
-    assert (pose.tolist(), reference) == (np.eye(4).tolist(), "")
-
-
-def test_frames_are_found_through_others_in_any_order_and_in_nested_models() -> None:
-    frames, inner, innermost = Frames("world"), Frames("__model__"), Frames("__model__")
-    a, b, c, d = (pose_of(f"{n} 1 0 {n} 1 2") for n in range(1, 5))
-    frames.add("b", b, "a")
-    frames.add("a", a)
-    inner.add("link", c)
-    inner.add("m", d, "link")
-    innermost.add("k", b)
-    inner.nest("m", innermost)
-    frames.nest("b", inner)
-    for name, expected in {
-        "b::m::k": a @ b @ c @ d @ b,
-        "b::link": a @ b @ c,
-        "world": np.eye(4),
-    }.items():
-        np.testing.assert_allclose(frames.find(name), expected, atol=1e-12, err_msg=name)
-
-
 def test_frames_in_a_circle_or_without_a_name_are_refused() -> None:
     frames = Frames("world")
     frames.add("a", IDENTITY, "b")
     frames.add("b", IDENTITY, "a")
     with pytest.raises(UsageError, match="told in a circle: a in b in a"):
         frames.find("a")
-    with pytest.raises(UsageError, match=r"frame 'c' does not exist; available: a, b$"):
-        frames.find("c")
-    for name in ("c::d", "::a", "a::"):
-        with pytest.raises(UsageError, match=f"frame '{name}' does not exist; available: a, b"):
+    for name in ("c", "c::d", "::a", "a::"):
+        with pytest.raises(UsageError, match=f"frame '{name}' does not exist; available: a, b$"):
             frames.find(name)
     with pytest.raises(UsageError, match=r"frame 'c' does not exist; available: none$"):
         Frames("world").find("c")

@@ -28,8 +28,8 @@ def tree(tmp_path: Path) -> Path:
     [
         ("model://pkg/meshes/m.dae", "pkg/meshes/m.dae"),
         ("package://pkg/meshes/m.dae", "pkg/meshes/m.dae"),
-        ("model:///pkg/meshes/m.dae", "pkg/meshes/m.dae"),
-        ("file://../meshes/m.dae", "pkg/meshes/m.dae"),
+        ("model:////pkg/meshes/m.dae", "pkg/meshes/m.dae"),
+        ("FILE://../meshes/m.dae", "pkg/meshes/m.dae"),
         ("meshes/m.dae", "pkg/meshes/m.dae"),
         ("model://pkg/meshes/m%2Edae", "pkg/meshes/m.dae"),
     ],
@@ -53,6 +53,8 @@ def test_files_are_found_beside_a_world_and_two_folders_up(tree: Path, uri: str,
 def test_what_cannot_be_had_is_named_with_the_reason(tree: Path, uri: str, told: str) -> None:
     with pytest.raises(Missing, match=told):
         Resources().find(uri, tree / "pkg/worlds/a.world")
+    with pytest.raises(Missing, match="not found; name the folder"):  # / is none that is looked in
+        Resources().find(f"model:/{tree}/else/other/b.obj", Path("/nowhere/a.world"))
 
 
 def test_folders_are_looked_in_by_the_option_then_by_the_environment_then_beside_the_world(
@@ -79,22 +81,17 @@ def test_a_folder_means_the_newest_file_that_its_config_names(tmp_path: Path) ->
     folder.mkdir()
     with pytest.raises(Missing, match=r"neither model\.config nor model\.sdf"):
         model_file(folder)
-    (folder / "model.sdf").touch()
+    for name in ("thing/model", "thing/m4", "thing/m6", "thing/m10", "secret"):
+        (tmp_path / f"{name}.sdf").touch()
     assert model_file(folder) == folder / "model.sdf"
-    for version in ("4", "6"):
-        (folder / f"m{version}.sdf").touch()
-    lines = "".join(f"<sdf version='1.{v}'>m{v}.sdf</sdf>" for v in ("4", "6"))
     config = folder / "model.config"
-    config.write_text(f"<model>{lines}</model>")
-    assert model_file(folder) == folder / "m6.sdf"
-    (folder / "m10.sdf").touch()
     for more, file in (
         ("<sdf/><sdf version='1.99'/><sdf>none.sdf</sdf>", "m6.sdf"),
         ("<sdf version='1.10'> m10.sdf </sdf>", "m10.sdf"),
     ):
-        config.write_text(f"<model>{more}{lines}</model>")
+        lines = more + "".join(f"<sdf version='1.{v}'>m{v}.sdf</sdf>" for v in ("4", "6"))
+        config.write_text(f"<model>{lines}</model>")
         assert model_file(folder) == folder / file
-    (tmp_path / "secret.sdf").touch()
     for text, told in (
         ("<sdf>../secret.sdf</sdf>", r"there is no \.\./secret\.sdf beside it"),
         ("<sdf>none.sdf</sdf>", r"there is no none\.sdf beside it"),

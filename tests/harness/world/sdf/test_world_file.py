@@ -2,21 +2,17 @@
 
 import hashlib
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from harness.errors import UsageError
 from harness.world.files import file_world
 from harness.world.obstacles import ObstacleKind, top
-from harness.world.occupancy import OccupancyMap, occupancy
-from harness.world.solids import assembly
 from harness.world.solids.assembly import BUILT
-from harness.world.terrain_file import TerrainFile
+from harness.world.terrain_file import MIDDLE, TerrainFile
 from harness.world.world import World
-from tests.harness.world.solids.shapes import both, box, flat, sheet, write_dae, write_obj
+from tests.harness.world.solids.shapes import both, box, flat, sheet, write_dae, write_mesh
 
 WORLDS = Path(__file__).parents[5] / "shared/data/roboterrain/worlds"
 needs_worlds = pytest.mark.skipif(not WORLDS.is_dir(), reason=f"there is no {WORLDS}")
@@ -37,7 +33,7 @@ def cube(name: str, pose: str, size: str = "1 1 1") -> str:
 
 
 def world_of(folder: Path, body: str, **options: object) -> World:
-    path = folder / "a.world"
+    path = folder / "a.World"
     path.write_text(f"<sdf version='1.9'><world name='w'>{body}</world></sdf>")
     return file_world(TerrainFile(path=path, **options), 7)  # type: ignore[arg-type]  # its own
 
@@ -47,43 +43,53 @@ def kinds(world: World) -> list[str]:
 
 
 def test_boxes_on_a_plane_are_rocks_and_hazards_by_their_height(tmp_path: Path) -> None:
-    write_obj(tmp_path / "b.obj", box((0, 0, 0), (1, 1, 1)))
+    for name in "ab":
+        write_mesh(tmp_path / f"{name}.obj", box((0, 0, 0), (1, 1, 1)))
+    (tmp_path / "gone.sdf").write_text(f"<sdf>{cube('gone', '3 3 -0.1 0 0 0')}</sdf>")
     red = "<visual name='v'><material><diffuse>1 0 0 1</diffuse></material></visual>"
     body = (
-        "<gravity>0 0 -1.62</gravity>"
-        + solid("ground", PLANE, "1 2 0.5 0 0 0", mu=0.3)
+        "<gravity>0 0 -1.62</gravity><actor name='ann'/><actor name='ben'/><road/>"
+        + solid("ground", PLANE, "1 2 0.5 0 0 0", mu=0.0)
         + cube("low", "5 0 0.1 0 0 0")
         + cube("high", "0 0 0.2 0 0 0")
-        + cube("gone", "3 3 -0.1 0 0 0")
+        + "<include><uri>gone.sdf</uri></include>" * 2
         + cube("above", "5 0 1.5 0 0 0")
         + solid("mesh", "<mesh><uri>b.obj</uri></mesh>", "-9 0 0.5 0 0 0", looks=red)
+        + solid("deep", "<mesh><uri>a.obj</uri></mesh>", "0 0 -5 0 0 0")
     )
     world = world_of(tmp_path, body)
     assert kinds(world) == ["ROCK", "HAZARD", "HAZARD", "HAZARD"]
     built = [BUILT[obstacle.kind] for obstacle in world.obstacles[:3]]
     assert [obstacle.color for obstacle in world.obstacles] == [*built, (1.0, 0.0, 0.0, 1.0)]
-    assert (world.gravity, world.friction, world.seed, world.difficulty) == (1.62, 0.3, 7, None)
+    assert (world.gravity, world.friction, world.seed, world.difficulty) == (1.62, 0.0, 7, None)
     assert world.ground.bounds() == (-19.0, 21.0, -13.0, 17.0)
     assert np.unique(world.ground.heights).tolist() == [0.5]
     assert world.notes == (
+        "left out: <road>",
+        "actors: ann, ben",
         "40 m along x, 30 m along y, 401 x 301 heights 0.1 m apart, relief 0 m, middle at 1,2",
-        "1 solids lie in the ground or off the map: left out",
+        "2 solids lie in the ground or off the map: left out",
         "1 rocks (no higher than 0.1 m above the ground), 3 hazards, 0 facets of decks",
         f"starts at {world.start[0]:g},{world.start[1]:g}, the free and gentle place next to its middle",
     )
     x, y, _ = world.start
     assert 1.0 < np.hypot(x, y) < 2.5  # beside the box on 0,0
-    paths = (tmp_path / "a.world", tmp_path / "b.obj")
-    digests = [hashlib.sha256(path.read_bytes()).hexdigest() for path in paths]
-    assert world.files == tuple(zip(map(str, paths), digests, strict=True))
+    paths = (tmp_path / name for name in ("a.World", "gone.sdf", "a.obj", "b.obj"))
+    assert world.files == tuple((str(p), hashlib.sha256(p.read_bytes()).hexdigest()) for p in paths)
 
 
 def test_options_override_what_is_a_rock_and_what_a_hazard(tmp_path: Path) -> None:
-    body = solid("ground", PLANE)
-    body += "".join(cube(name, f"{x} 0 0 0 0 0") for name, x in (("a1", 5), ("a2", 8), ("b", 11)))
-    assert kinds(world_of(tmp_path, body, rock_height=0.5)) == ["ROCK"] * 3
-    named = world_of(tmp_path, body, rocks=("a?",), hazards=("a2::l::c",))
-    assert kinds(named) == ["ROCK", "HAZARD", "HAZARD"]
+    """A platform above the ground and a block on it are too thick for decks, however high rocks are."""
+    write_mesh(
+        tmp_path / "m.obj", both(flat(), box((0, 0, 2.5), (12, 12, 1)), box((0, 0, 6), (2, 2, 1)))
+    )
+    body = solid("ground", PLANE) + solid("m", "<mesh><uri>m.obj</uri></mesh>")
+    body += "".join(cube(name, f"{x} 0 0 0 0 0") for name, x in (("a1", 0), ("a2", 8), ("b", 11)))
+    every = world_of(tmp_path, body, cell=0.5, rock_height=9.0)
+    assert (kinds(every), every.start == MIDDLE) == (["ROCK"] * 5, False)
+    options = {"rocks": ("a?", "m"), "hazards": ("a2::l::c",), "needs_start": False}
+    named = world_of(tmp_path, body, cell=0.5, **options)
+    assert (kinds(named), named.start) == (["ROCK", *["HAZARD"] * 3, "ROCK"], MIDDLE)
 
 
 def test_a_bridge_in_a_mesh_is_driven_on_and_under(tmp_path: Path) -> None:
@@ -98,52 +104,26 @@ def test_a_bridge_in_a_mesh_is_driven_on_and_under(tmp_path: Path) -> None:
     assert world.ground.middle == pytest.approx((100.0, 50.0))
     assert world.ground.height_at(105.0, 55.0) == pytest.approx(1.0, abs=0.01)
     assert world.start == (100.0, 50.0, 0.0)
-    assert [Path(name).name for name, _ in world.files] == ["a.world", "m.dae"]
+    assert [Path(name).name for name, _ in world.files] == ["a.World", "m.dae"]
 
 
 def test_a_mesh_alone_is_a_terrain_and_takes_unit_and_axis(tmp_path: Path) -> None:
-    ground = sheet(lambda x, _: 0.1 * x, 8.0, 6.0)
-    path = write_obj(tmp_path / "t.obj", ground)
+    ground = both(sheet(lambda x, _: 0.1 * x, 8.0, 6.0), box((0, 0, 1), (1, 1, 1)))
+    path = write_mesh(tmp_path / "t.obj", ground)
     world = file_world(TerrainFile(path=path, cell=0.5), 0)
-    assert (world.ground.cell, world.ground.half_size, world.obstacles) == (0.5, (8.0, 6.0), ())
+    assert (world.name, world.ground.cell, world.friction) == ("t.obj", 0.5, None)
+    assert world.ground.half_size == (8.0, 6.0)
+    assert [obstacle.color for obstacle in world.obstacles] == [BUILT[ObstacleKind.HAZARD]]
     turned = ground.moved(
         np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]]), (1000.0,) * 3
     )
-    path = write_obj(tmp_path / "u.obj", turned)
+    path = write_mesh(tmp_path / "u.obj", turned)
     again = file_world(TerrainFile(path=path, cell=0.5, mesh_unit="mm", mesh_up="y"), 0)
     np.testing.assert_allclose(again.ground.heights, world.ground.heights, atol=1e-6)
 
 
-def test_a_map_of_kilometres_is_looked_at_no_finer_than_its_heights(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked: list[float] = []
-
-    def noted(*args: Any) -> OccupancyMap:  # noqa: ANN401 - as the real one's
-        asked.append(args[3])
-        return occupancy(*args)
-
-    monkeypatch.setattr(assembly, "occupancy", noted)
-    sheet = "v -1500 -1500 0\nv 1500 -1500 0\nv 1500 1500 0\nv -1500 1500 0\nf 1 2 3\nf 1 3 4\n"
-    (tmp_path / "wide.obj").write_text(sheet)
-    world = file_world(TerrainFile(path=tmp_path / "wide.obj", cell=10.0), seed=7)
-    assert (asked, world.ground.heights.shape, world.start) == ([10.0], (301, 301), (0.0, 0.0, 0.0))
-
-
-def test_a_heightmap_of_a_world_keeps_its_north_and_its_heights(tmp_path: Path) -> None:
-    """Row 0 of the picture is the north edge; 255 is the height that <size> tells."""
-    values = np.zeros((17, 17), np.uint8)
-    values[0, :], values[:, 0] = 255, 51
-    Image.fromarray(values).save(tmp_path / "h.png")
-    height = "<heightmap><uri>h.png</uri><size>32 32 2</size><pos>4 0 1</pos></heightmap>"
-    ground = world_of(tmp_path, solid("h", height), cell=0.5).ground
-    assert ground.middle == (4.0, 0.0)
-    for x, y, z in ((10.0, 16.0, 3.0), (-12.0, 0.0, 1.4), (10.0, 0.0, 1.0), (10.0, 15.0, 2.0)):
-        assert ground.height_at(x, y) == pytest.approx(z, abs=1e-6), (x, y)
-
-
 def test_visits_keep_to_the_largest_room_without_pits(tmp_path: Path) -> None:
-    path = write_obj(tmp_path / "t.obj", both(flat(0.0, 15.0, 10.0), flat(0.0, 6.0, 15.0)))
+    path = write_mesh(tmp_path / "t.obj", both(flat(0.0, 15.0, 10.0), flat(0.0, 6.0, 15.0)))
     world = file_world(TerrainFile(path=path), 0)
     assert world.ground.half_size == pytest.approx((15.0, 15.0), abs=0.1)
     middle, half = world.roaming
@@ -161,11 +141,11 @@ def test_visits_keep_to_the_largest_room_without_pits(tmp_path: Path) -> None:
     ],
 )
 def test_worlds_that_cannot_be_driven_are_refused(tmp_path: Path, body: str, told: str) -> None:
-    write_obj(tmp_path / "m.obj", box((0, 0, 0), (2, 3, 4)))
+    write_mesh(tmp_path / "m.obj", box((0, 0, 0), (2, 3, 4)))
     (tmp_path / "n.obj").write_text("v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n")
     with pytest.raises(UsageError, match=told) as raised:
         world_of(tmp_path, body)
-    assert str(raised.value).count("a.world") == 1
+    assert str(raised.value).count("a.World") == 1
     assert "\n" not in str(raised.value)
 
 
@@ -183,11 +163,3 @@ def test_the_inspection_world_is_met_to_a_decimetre() -> None:
     assert middle_x + half_x < 31.0
     assert middle_y + half_y < 31.0
     assert min(half_x, half_y) > 28.0
-
-
-@needs_worlds
-def test_the_maze_is_forty_walls_on_a_plane() -> None:
-    world = file_world(TerrainFile(path=WORLDS / "maze.sdf", cell=0.5), 0)
-    assert kinds(world) == ["HAZARD"] * 40
-    assert np.ptp(world.ground.heights) == 0.0
-    assert any("plugins are not run" in note for note in world.notes)

@@ -4,7 +4,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from harness.world.solids.mesh_file import Mesh, joined
 
@@ -46,20 +48,26 @@ def both(*meshes: Mesh) -> Mesh:
     return joined([*meshes])
 
 
-def write_obj(path: Path, mesh: Mesh) -> Path:
-    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in mesh.vertices.tolist()]
-    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in mesh.faces.tolist()]
-    path.write_text("\n".join(lines) + "\n")
+def at(x: float, y: float, z: float, *turned: float) -> Array:
+    """T_world_thing of a place [m] and angles about fixed x, y, z [rad]."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = Rotation.from_euler("xyz", turned or (0, 0, 0)).as_matrix(), (x, y, z)
+    return pose
+
+
+def write_mesh(path: Path, mesh: Mesh) -> Path:
+    """An OBJ or STL file, by its name."""
+    trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(path)
     return path
 
 
-def write_dae(path: Path, mesh: Mesh, unit: str = "1", up: str = "Z_UP") -> Path:
+def write_dae(path: Path, mesh: Mesh, asset: str = "<up_axis>Z_UP</up_axis>") -> Path:
     points = " ".join(f"{value:.9g}" for value in mesh.vertices.ravel().tolist())
     indices = " ".join(map(str, mesh.faces.ravel().tolist()))
     axes = "".join(f"<param name='{name}' type='float'/>" for name in "XYZ")
     path.write_text(
         "<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>"
-        f"<asset><unit meter='{unit}'/><up_axis>{up}</up_axis></asset>"
+        f"<asset>{asset}</asset>"
         "<library_geometries><geometry id='g'><mesh>"
         f"<source id='p'><float_array id='a' count='{mesh.vertices.size}'>{points}</float_array>"
         f"<technique_common><accessor source='#a' count='{len(mesh.vertices)}' stride='3'>{axes}"

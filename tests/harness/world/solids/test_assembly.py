@@ -60,7 +60,8 @@ def start(
     found = Surface(ground, np.zeros(0, bool), np.hypot(x, y) >= floorless)
     notes = list[str]()
     world = World("w", ground, obstacles, 0, None)
-    return _start(world, found, TerrainFile(path=Path("a.world"), step_limit=0.1), notes), notes
+    file = TerrainFile(path=Path("a.world"), clearance=0.0, step_limit=0.1)
+    return _start(world, found, file, notes), notes
 
 
 def post(x: float, y: float, half: float = 0.5) -> Obstacle:
@@ -79,12 +80,16 @@ def test_a_rover_starts_at_the_origin_if_that_is_on_the_map_else_in_its_middle(
 ) -> None:
     wanted = (0.0, 0.0) if is_on_map else middle
     assert start(middle) == ((*wanted, 0.0), [])
+    kerb = Obstacle(ObstacleKind.ROCK, "cylinder", (0.5, 0.05), (*wanted, 0.0))
+    assert start(middle, kerb) == ((*wanted, 0.0), [])
     beside, notes = start(middle, post(*wanted))
     assert np.hypot(*np.subtract(beside[:2], wanted)) == pytest.approx(1.2, abs=0.2)  # 0.5 m + 0.7 m
     told = f"starts at {beside[0]:g},{beside[1]:g}, the free and gentle place next to its middle"
     assert (beside[2], notes) == (0.0, [told])
     away, _ = start(middle, floorless=5.0)
     assert 5.3 < np.hypot(*np.subtract(away[:2], middle)) < 8.0  # to cells of 0.25 m
+    coarse, _ = start(middle, post(*wanted), cell=2.0)  # looked at no finer than the heights are
+    assert (np.subtract(coarse[:2], middle) % 2.0).tolist() == [1.0, 1.0]
     fine, _ = start(middle, floorless=1.0, cell=0.061)  # the map ends within a cell of 0.1 m
     off = max(1.7, np.hypot(*np.subtract(wanted, middle)))
     assert np.hypot(*np.subtract(fine[:2], middle)) == pytest.approx(off, abs=0.15)

@@ -32,6 +32,7 @@ def downwards(mesh: Mesh) -> Mesh:
         (both(flat(0.0), flat(2.0)), 0.5, 2.0),  # over a plane, it is a hill
         (both(flat(0.5), flat(3.0)), 0.0, 0.5),  # a hill under a ceiling
         (box((0, 0, 2.0), (6, 6, 1)), 0.0, 0.0),  # a bridge over a plane
+        (both(flat(0.5), flat(2.0)), 0.5, 0.5),  # ground at the plane's height is not the plane
         (flat(-3.0), 0.5, 0.5),
         (downwards(flat(2.0)), 0.0, 0.0),
         (downwards(flat(0.5)), 0.0, 0.0),

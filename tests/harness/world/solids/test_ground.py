@@ -12,15 +12,9 @@ from harness.errors import UsageError
 from harness.world.solids.ground import Sorted, map_bounds, sorted_solids
 from harness.world.solids.mesh_file import Mesh
 from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief, Solid
-from tests.harness.world.solids.shapes import box, flat, write_obj
+from tests.harness.world.solids.shapes import at, box, flat, write_mesh
 
 UP = (0.0, 0.0, 1.0)
-
-
-def at(x: float, y: float, z: float, *turned: float) -> np.ndarray:
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = Rotation.from_euler("xyz", turned or (0, 0, 0)).as_matrix(), (x, y, z)
-    return pose
 
 
 def plane(pose: np.ndarray, normal: tuple[float, float, float] = UP, size: Any = (40.0, 30.0)) -> Solid:  # noqa: ANN401 - two numbers
@@ -53,7 +47,7 @@ def test_of_level_planes_the_highest_counts_and_all_are_mapped_up_to_a_limit() -
 
 
 def test_a_plane_reaches_five_metres_around_what_stands_on_it(tmp_path: Path) -> None:
-    path = write_obj(tmp_path / "m.obj", box((0, 0, 0), (2, 4, 6)))
+    path = write_mesh(tmp_path / "m.obj", box((0, 0, 0), (2, 4, 6)))
     pole = Solid("pole", Primitive("cylinder", (0.5, 2.0)), at(0.0, -30.0, 0.0))
     beam = Solid("beam", pole.shape, at(-20.0, 0.0, 0.0, 0.0, np.pi / 2, 0.0))
     found, _ = sort(
@@ -102,9 +96,10 @@ def test_a_plane_that_leans_is_two_triangles_that_face_its_normal_40_m_along_x_a
 def test_a_wide_box_is_ground_unless_another_has_twenty_times_its_area() -> None:
     """What is narrower than 10 m never is; a twentieth of the largest still is."""
     great, twentieth = cube(at(0.0, 0.0, 0.0), 50.0, 20.0, 1.0), cube(at(0.0, 0.0, 3.0), 10.0, 5.0, 1.0)
+    greater = cube(at(0.0, 0.0, 0.0), 50.0, 20.01, 1.0)
     less, narrow = cube(at(0.0, 0.0, 3.0), 10.0, 4.99, 1.0), cube(at(0.0, 0.0, 9.0), 400.0, 4.9, 1.0)
     for solids, ground in (
-        *(((great, twentieth), 2), ((great, less), 1), ((less, narrow), 0), ((twentieth, narrow), 1)),
+        *(((great, twentieth), 2), ((greater, twentieth), 1), ((less, narrow), 0)),
         ((cube(at(0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 5.0, 5.0, 1.0),), 1),
         ((cube(at(0.0, 22.9868098108107, 0.0), 5.0, 5.0, 1.0),), 1),  # 10 m less a rounding
         ((cube(at(0.0, 0.0, 0.0, 0.0, np.pi / 2, 0.0), 1.0, 5.0, 5.0),), 1),
@@ -126,9 +121,10 @@ def test_a_wide_box_is_ground_unless_another_has_twenty_times_its_area() -> None
 def test_a_sheet_that_faces_down_is_turned_over_and_told(turned: bool, tmp_path: Path) -> None:
     sheet = flat(1.0)
     faces = sheet.faces[:, ::-1] if turned else sheet.faces
-    path = write_obj(tmp_path / "m.obj", Mesh(sheet.vertices, faces))
-    found, notes = sort(Solid("m", MeshFile(path), at(0.0, 0.0, 2.0)))
-    (made,) = map(body_of, found.ground)
+    path = write_mesh(tmp_path / "m.obj", Mesh(sheet.vertices, faces))
+    great = cube(at(0.0, 0.0, 9.0), 50.0, 40.0, 1.0)  # twenty times its area, seen from above
+    found, notes = sort(great, Solid("m", MeshFile(path), at(0.0, 0.0, 2.0)))
+    _, made = map(body_of, found.ground)
     assert made.face_normals.tolist() == [[0.0, 0.0, 1.0]] * 2
     assert made.vertices[:, 2].tolist() == [3.0] * 4
     assert notes == ["m: its triangles face down; turned over"] * turned
@@ -141,7 +137,7 @@ def test_a_mesh_is_scaled_then_moved_and_a_part_may_be_centred_before(
 ) -> None:
     block = box((10.0, 20.0, 30.0), (8.0, 8.0, 2.0))
     block.vertices[0] += 1.0  # the middle is not the mean of the corners
-    path = write_obj(tmp_path / "m.obj", block)
+    path = write_mesh(tmp_path / "m.obj", block)
     found, notes = sort(Solid("m", MeshFile(path, (2.0, 3.0, 1.0), centred=centred), at(1.0, 2.0, 3.0)))
     (mesh,) = found.ground
     middle = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
@@ -167,10 +163,11 @@ def test_a_relief_is_as_high_as_its_values_tell(
     np.save(path, values)
     relief = Relief(path, (30.0, 24.0, height), (1.0, 2.0, 3.0))
     found, _ = sort(Solid("h", relief, at(100.0, 0.0, 10.0)))
-    (mesh,) = found.ground
-    assert mesh.vertices[:, 2] == pytest.approx(top + 13.0)
+    (made,) = map(body_of, found.ground)
+    assert made.vertices[:, 2] == pytest.approx(top + 13.0)
     assert map_bounds(found) == pytest.approx((86.0, 116.0, -10.0, 14.0))
-    assert len(mesh.faces) == 2 * 8 * 10
+    assert made.face_normals.tolist() == [[0.0, 0.0, 1.0]] * (2 * 8 * 10)
+    assert (made.area, made.edges_unique_length.max()) == pytest.approx((30.0 * 24.0, np.hypot(3, 3)))
 
 
 def test_a_relief_without_all_of_its_values_is_refused_and_a_fine_one_is_sampled(tmp_path: Path) -> None:

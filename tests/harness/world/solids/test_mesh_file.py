@@ -13,25 +13,19 @@ import pytest
 from harness.errors import UsageError
 from harness.world.solids import mesh_file
 from harness.world.solids.mesh_file import Mesh, joined, read_mesh
-from tests.harness.world.solids.shapes import box, write_dae, write_obj
+from tests.harness.world.solids.shapes import box, write_dae, write_mesh
 
 BOX = box((1.0, 2.0, 3.0), (2.0, 4.0, 6.0))
 LOW, HIGH = [0.0, 0.0, 0.0], [2.0, 4.0, 6.0]
-
-
-def write_stl(path: Path, mesh: Mesh) -> Path:
-    records = [struct.pack("<12fH", 0, 0, 0, *c.ravel().tolist(), 0) for c in mesh.corners]
-    path.write_bytes(bytes(80) + struct.pack("<I", len(records)) + b"".join(records))
-    return path
 
 
 def volume(mesh: Mesh) -> float:
     return float(np.linalg.det(mesh.corners).sum() / 6.0)
 
 
-@pytest.mark.parametrize("write", [write_stl, write_obj])
-def test_a_box_is_read_with_its_vertices_shared(tmp_path: Path, write: object) -> None:
-    path = write(tmp_path / ("a.stl" if write is write_stl else "a.obj"), BOX)  # type: ignore[operator]
+@pytest.mark.parametrize("name", ["a.stl", "a.OBJ"])
+def test_a_box_is_read_with_its_vertices_shared(tmp_path: Path, name: str) -> None:
+    path = write_mesh(tmp_path / name, BOX)
     mesh, digest = read_mesh(path)
     assert (len(mesh.vertices), len(mesh.faces)) == (8, 12)
     np.testing.assert_allclose([mesh.vertices.min(0), mesh.vertices.max(0)], [LOW, HIGH])
@@ -42,7 +36,7 @@ def test_a_box_is_read_with_its_vertices_shared(tmp_path: Path, write: object) -
 def test_a_file_is_decoded_once_and_again_when_it_has_been_written_anew(tmp_path: Path) -> None:
     path = tmp_path / "a.obj"
     for second, mesh in enumerate((BOX, box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))), start=1):
-        os.utime(write_obj(path, mesh), (second, second))
+        os.utime(write_mesh(path, mesh), (second, second))
         read, digest = read_mesh(path)
         assert volume(read) == pytest.approx(volume(mesh))
         assert digest == hashlib.sha256(path.read_bytes()).hexdigest()
@@ -51,36 +45,44 @@ def test_a_file_is_decoded_once_and_again_when_it_has_been_written_anew(tmp_path
 
 @pytest.mark.parametrize("prefix", ["", "c:"])
 @pytest.mark.parametrize(
-    ("up", "low", "high"),
+    ("asset", "unit", "low", "high"),
     [
-        ("Z_UP", [0, 0, 0.5], [2, 4, 6.5]),
-        ("Y_UP", [0, -6.5, 0], [2, -0.5, 4]),
-        ("X_UP", [-4, -6.5, 0], [0, -0.5, 2]),  # the file's y runs left, its z away from the viewer
+        ("<unit meter='0.01'/><up_axis>Z_UP</up_axis>", 0.01, [0, 0, 0.5], [2, 4, 6.5]),
+        ("<unit meter='2'/><up_axis> y_up </up_axis>", 2.0, [0, -6.5, 0], [2, -0.5, 4]),
+        ("<unit/><up_axis>X_UP</up_axis>", 1.0, [-4, -6.5, 0], [0, -0.5, 2]),  # y runs left, z away
+        ("", 1.0, [0, -6.5, 0], [2, -0.5, 4]),  # Y_UP
     ],
 )
 def test_collada_is_turned_upright_and_scaled_to_metres(
-    tmp_path: Path, up: str, low: list[float], high: list[float], prefix: str
+    tmp_path: Path, asset: str, unit: float, low: list[float], high: list[float], prefix: str
 ) -> None:
-    path = write_dae(tmp_path / "a.dae", BOX, "0.01", up)
-    path.write_text(re.sub(r"(</?)(?=\w)", rf"\1{prefix}", path.read_text()))
-    if prefix:
-        path.write_text(path.read_text().replace("xmlns=", "xmlns:c="))
+    text = write_dae(path := tmp_path / "a.DAE", BOX, asset).read_text()
+    path.write_text(
+        re.sub(r"(</?)(?=\w)", rf"\1{prefix}", text).replace("xmlns=", f"xmlns{':c' * bool(prefix)}=")
+    )
     mesh, _ = read_mesh(path)
-    np.testing.assert_allclose(mesh.vertices.min(0), 0.01 * np.array(low), atol=1e-9)
-    np.testing.assert_allclose(mesh.vertices.max(0), 0.01 * np.array(high), atol=1e-9)
-    assert volume(mesh) == pytest.approx(48.0e-6)
+    bounds = np.array([mesh.vertices.min(0), mesh.vertices.max(0)])
+    np.testing.assert_allclose(bounds / unit, [low, high], atol=1e-7)
+    assert volume(mesh) == pytest.approx(48.0 * unit**3)
 
 
 def test_unit_and_axis_may_be_told_instead(tmp_path: Path) -> None:
-    path = write_dae(tmp_path / "a.dae", BOX, "0.01", "Y_UP")
+    path = write_dae(tmp_path / "a.dae", BOX, "<unit meter='0.01'/>")
     for unit, length in {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254}.items():
         assert np.ptp(read_mesh(path, unit=unit)[0].vertices[:, 0]) == pytest.approx(2.0 * length)
     mesh, _ = read_mesh(path, unit="mm", up="z")
     np.testing.assert_allclose(mesh.vertices.max(0), [0.002, 0.004, 0.0065], atol=1e-12)
 
 
-def test_a_part_is_found_by_its_name(tmp_path: Path) -> None:
+def test_a_part_is_found_by_its_name_and_a_shape_that_stands_in_two_places_is_there_twice(
+    tmp_path: Path,
+) -> None:
     path = write_dae(tmp_path / "a.dae", BOX)
+    (node,) = re.findall("<node .*</node>", path.read_text())
+    other = node.replace("'n'", "'o'").replace("0 0 0.5", "9 0 0")
+    path.write_text(path.read_text().replace(node, node + other))
+    both = read_mesh(path)[0]
+    assert (len(both.faces), both.vertices[:, 0].max()) == (24, 11.0)
     assert len(read_mesh(path, submesh="g")[0].faces) == 12
     with pytest.raises(UsageError, match="its part 'm' does not exist; available: g"):
         read_mesh(path, submesh="m")
@@ -129,8 +131,8 @@ def test_too_many_triangles_and_missing_files_are_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(mesh_file, "MOST_TRIANGLES", 11)
-    for write in (write_dae, write_obj, write_stl):
-        path = write(tmp_path / f"a.{write.__name__[-3:]}", BOX)
+    for name, write in (("a.dae", write_dae), ("a.obj", write_mesh), ("a.stl", write_mesh)):
+        path = write(tmp_path / name, BOX)
         with pytest.raises(UsageError, match=r"it has 12 triangles; at most 11 are read: simplify it"):
             read_mesh(path)
         monkeypatch.setattr(mesh_file, "_loaded", None)  # those of the others are counted before

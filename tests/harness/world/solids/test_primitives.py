@@ -10,6 +10,7 @@ from harness.world.heightfield import Heightfield
 from harness.world.obstacles import ObstacleKind, Shape
 from harness.world.solids.primitives import obstacle_of
 from harness.world.solids.solid import Primitive, Solid
+from tests.harness.world.solids.shapes import at
 
 SLOPE = 0.5  # along x
 HEIGHTS = SLOPE * np.tile(np.arange(-20.0, 21.0), (21, 1)) * 0.5
@@ -24,9 +25,7 @@ def solid(
     half_size: tuple[float, ...] = (0.5, 0.5, 0.2),
     turned: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> Solid:
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = Rotation.from_euler("xyz", turned).as_matrix(), position
-    return Solid("s", Primitive(shape, half_size), pose, color=RED)  # type: ignore[arg-type]
+    return Solid("s", Primitive(shape, half_size), at(*position, *turned), color=RED)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
