@@ -2,6 +2,7 @@ import math
 import os
 import re
 import shutil
+import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -23,8 +24,6 @@ from harness.config import EpisodeConfig
 from harness.errors import RunFailed, UsageError
 from harness.ros.network import reserved_domain
 from harness.testing import Trial
-from tests.support.forking import ForkedProgram
-from tests.support.waiting import PATIENCE
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -311,16 +310,18 @@ def test_it(name, start_trial):
 def test_worked_example_passes_as_a_user_runs_it(tmp_path: Path) -> None:
     copy = shutil.copytree(EXAMPLES, tmp_path / "examples", ignore=shutil.ignore_patterns("__pycache__"))
     (copy / "test_failing.py").write_text(FAILING)
-    words = ["-q", "-p", "no:cacheprovider", str(copy), "--rover-artifacts", str(tmp_path / "kept")]
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(copy)]
+    command += ["--rover-artifacts", str(tmp_path / "kept")]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    with ForkedProgram("pytest", words, tmp_path / "said.txt", env=environment, cwd=tmp_path) as program:
-        told = program.finished(PATIENCE)
-    assert program.returncode == 1, told
-    assert "1 failed, 5 passed" in told
+    done = subprocess.run(
+        command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False, timeout=120
+    )
+    assert done.returncode == 1, done.stdout
+    assert "1 failed, 5 passed" in done.stdout
     (folder,) = (tmp_path / "kept").iterdir()
     assert folder.name.endswith("test_failing.py_test_it_a_b")
     page, recording = folder / "trial.html", folder / "trial.mcap"
-    assert f"- rover trial -\nkept: {page}\nkept: {recording}\n" in re.sub("-+", "-", told)
+    assert f"- rover trial -\nkept: {page}\nkept: {recording}\n" in re.sub("-+", "-", done.stdout)
     assert "AssertionError: 0.2 s &lt; 0" in page.read_text()
     with AnyReader([recording]) as bag:
         counts = {c.topic: c.msgcount for c in bag.connections}
