@@ -272,6 +272,8 @@ def test_kinds_of_mutations(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "return a * b, 'keyX'" in made
     assert texts("a = 1\n") == {"a = 0", "a = 2"}
     assert texts("for a in b:\n    continue\n") >= {"break"}
+    assert "a = b == (d, c)" in texts("a = b == (c, d)\n")
+    assert "a = b not in (d, c)" not in texts("a = b not in (c, d)\n"), "a membership has no order"
 
 
 def test_same_code_gives_the_same_mutants_few_on_a_line_wherever_it_stands() -> None:

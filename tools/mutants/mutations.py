@@ -12,7 +12,12 @@ from typing import Any, ClassVar
 
 import libcst as cst
 import libcst.matchers as m
-from libcst.metadata import CodeRange, MetadataWrapper, WhitespaceInclusivePositionProvider
+from libcst.metadata import (
+    CodeRange,
+    MetadataWrapper,
+    ParentNodeProvider,
+    WhitespaceInclusivePositionProvider,
+)
 from mutmut.mutation import mutators
 
 from tools.mutants.mutant import Mutant
@@ -209,7 +214,7 @@ _OPERATORS = (_by_mutmut, _number, _string, _name, _opposite, _dropped, _swapped
 class _Finder(cst.CSTVisitor):
     """Walks a module; `found` holds function, start, end and replacement of each mutation."""
 
-    METADATA_DEPENDENCIES = (WhitespaceInclusivePositionProvider,)
+    METADATA_DEPENDENCIES = (ParentNodeProvider, WhitespaceInclusivePositionProvider)
     UNMUTATED: ClassVar = (
         *(cst.Annotation, cst.Decorator, cst.Import, cst.ImportFrom, cst.Raise, cst.Assert),
         *(cst.Del, cst.FormattedStringText),
@@ -228,6 +233,8 @@ class _Finder(cst.CSTVisitor):
             return False
         candidates: dict[tuple[int, int], set[str]] = {}
         for operator in _OPERATORS:
+            if operator is _swapped and self._is_looked_through(node):
+                continue  # a membership has no order
             for target, new in operator(node):
                 candidates.setdefault(self._span(target), set()).add(new)
         for (start, end), texts in candidates.items():
@@ -244,6 +251,11 @@ class _Finder(cst.CSTVisitor):
         """Leaves a function or class."""
         if isinstance(original_node, cst.FunctionDef | cst.ClassDef) and self._names:
             self._names.pop()
+
+    def _is_looked_through(self, node: cst.CSTNode) -> bool:
+        parent = self.get_metadata(ParentNodeProvider, node, None)
+        operator = parent.operator if isinstance(parent, cst.ComparisonTarget) else None
+        return isinstance(operator, cst.In | cst.NotIn)
 
     def _span(self, node: cst.CSTNode) -> tuple[int, int]:
         place = self.get_metadata(WhitespaceInclusivePositionProvider, node)

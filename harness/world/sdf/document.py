@@ -49,7 +49,6 @@ class Document:
         includes: How many there were.
     """
 
-    name: str = ""
     gravity: float = 9.8
     solids: list[Solid] = field(default_factory=list)
     actors: list[Person] = field(default_factory=list)
@@ -129,7 +128,6 @@ class _Reading:
         root = self._root(path)
         world = root.find("world")
         place = _Place(IDENTITY, (), (path.resolve(),))
-        self._document.name = (world if world is not None else root).get("name") or path.stem
         if world is None:
             world = root
             if not any(root.find(tag) is not None for tag in ("model", "actor", "include")):
@@ -183,7 +181,7 @@ class _Reading:
     def _model(self, call: "_Call", frames: Frames, place: _Place) -> None:
         is_static = place.is_static or call.is_static
         if not is_static and call.model.tag == "model":
-            joints = {joint.get("type", "") for joint in call.model.findall("joint")}
+            joints = {joint.get("type") for joint in call.model.findall("joint")}
             if joints - {"fixed"}:
                 self._left_out(f"model '{'::'.join(place.names)}': it has joints that move")
                 return

@@ -38,7 +38,6 @@ def parse_xml(data: bytes) -> Element:
         UsageError: It is too deep, declares a document type, or is no XML.
     """
     parser, builder, depth = expat.ParserCreate(), TreeBuilder(), 0
-    parser.buffer_text = True
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         nonlocal depth

@@ -4,10 +4,9 @@ import hashlib
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from harness.errors import UsageError
 from harness.world.sdf.document import Document, read_document
+from harness.world.sdf.poses import IDENTITY
 from harness.world.sdf.resources import Resources
 from harness.world.solids.assembly import assembled
 from harness.world.solids.solid import MeshFile, Solid
@@ -25,7 +24,7 @@ def solid_world(file: TerrainFile, seed: int) -> World:
     try:
         if file.path.suffix.lower() in WORLDS:
             return _of_document(read_document(file.path, resources), file, seed)
-        solid = Solid(file.path.stem, MeshFile(file.path), np.eye(4))
+        solid = Solid(file.path.stem, MeshFile(file.path), IDENTITY)
         return assembled(file.path.name, [solid], file, seed, [])
     except UsageError as error:
         told = str(error)

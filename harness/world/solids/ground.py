@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from harness.errors import UsageError
 from harness.world.heightfield import resampled
 from harness.world.heightmap.raster import read_raster
-from harness.world.solids.mesh_file import Mesh, read_mesh
+from harness.world.solids.mesh_file import Mesh, areas_and_normals, read_mesh
 from harness.world.solids.pieces import bodies
 from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief, Solid
-from harness.world.solids.surface import ROUNDING, SMALLEST_SIDE, Bounds, slopes_up
+from harness.world.solids.surface import ROUNDING, SMALLEST_SIDE, Bounds
 
 SMALLEST_SHARE = 0.05  # of the largest ground's area
 LEVEL = 0.9999  # upward part of the normal of a plane without end
@@ -137,9 +137,9 @@ def _corners(solid: Solid) -> NDArray[np.float64]:
 
 def _area(mesh: Mesh) -> float:
     """Seen from above or below, whichever is more [m2]."""
-    one, other = (mesh.corners[:, corner] - mesh.corners[:, 0] for corner in (1, 2))
-    areas = 0.5 * (one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
-    return max(float(areas[areas > 0.0].sum()), float(-areas[areas < 0.0].sum()))
+    areas, normals = areas_and_normals(mesh.corners)
+    seen = areas * normals[:, 2]
+    return max(float(seen[seen > 0.0].sum()), float(-seen[seen < 0.0].sum()))
 
 
 def _is_wide(mesh: Mesh) -> bool:
@@ -148,10 +148,9 @@ def _is_wide(mesh: Mesh) -> bool:
 
 def _upright(mesh: Mesh, solid: Solid, notes: list[str]) -> Mesh:
     """A sheet whose normals point down is turned over."""
-    upward = slopes_up(mesh.corners)
-    one, other = (mesh.corners[:, corner] - mesh.corners[:, 0] for corner in (1, 2))
-    areas = 0.5 * np.linalg.norm(np.cross(one, other), axis=1)
-    if -(areas * upward)[upward < 0.0].sum() <= 2.0 * (areas * upward)[upward > 0.0].sum():
+    areas, normals = areas_and_normals(mesh.corners)
+    seen = areas * normals[:, 2]
+    if -seen[seen < 0.0].sum() <= 2.0 * seen[seen > 0.0].sum():
         return mesh
     notes.append(f"{solid.name}: its triangles face down; turned over")
     return Mesh(mesh.vertices, mesh.faces[:, ::-1])

@@ -62,6 +62,17 @@ class Mesh:
         return Mesh(self.vertices[is_used], (np.cumsum(is_used) - 1)[faces])
 
 
+def areas_and_normals(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Returns areas [m2], shape (f,), and unit normals, shape (f, 3), of triangles.
+
+    Args:
+        corners: Shape (f, 3, 3), counter-clockwise. The normal of a triangle without area is 0.
+    """
+    doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(doubled, axis=1)
+    return 0.5 * lengths, doubled / np.maximum(lengths, 1e-300)[:, None]
+
+
 def joined(meshes: "list[Mesh]") -> Mesh:
     """Returns all triangles as one mesh; corners at the same place, to 10 um, become one vertex."""
     if not meshes:
@@ -96,7 +107,7 @@ def _read(path: Path, _modified_ns: int, submesh: str, unit: str, up: str) -> tu
     try:
         data = _bytes(path)
         scale, axis = _told(data) if path.suffix.lower() == ".dae" else (1.0, "z")
-        parts = _loaded(data, path.suffix.lower().lstrip("."))
+        parts = _loaded(data, path.suffix.lower())
         mesh = joined([find_named("its part", submesh, parts)] if submesh else [*parts.values()])
         _check(mesh)
     except UsageError as error:

@@ -23,7 +23,7 @@ from harness.world.heightfield import Field, Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, convex, surface
 from harness.world.occupancy import HEADROOM
 from harness.world.solids.kinds import Kind
-from harness.world.solids.mesh_file import SIMPLER, Mesh
+from harness.world.solids.mesh_file import SIMPLER, Mesh, areas_and_normals
 from harness.world.solids.surface import SAMPLES, on_map
 
 THICKNESS = 0.02  # [m]
@@ -94,7 +94,7 @@ def _rise(points: NDArray[np.float64], ground: Heightfield) -> float:
 
 
 def _pieces(body: Mesh, kind: ObstacleKind, clearance: float, ground: Heightfield) -> Iterator[Obstacle]:
-    areas, normals = _areas(body)
+    areas, normals = areas_and_normals(body.corners)
     is_gentle = normals[:, 2] >= math.cos(STEEPEST)
     is_structure = areas[is_gentle].sum() >= STANDING_AREA
     whole = _own_hull(body, areas)
@@ -110,7 +110,11 @@ def _pieces(body: Mesh, kind: ObstacleKind, clearance: float, ground: Heightfiel
     chosen = areas > SMALLEST_AREA
     is_ceiling = chosen & _is_ceiling(body, normals, ground)
     ceiling = body.part(is_ceiling)
-    if is_structure and len(ceiling.faces) >= FEWEST and _slab(ceiling, *_areas(ceiling)) is None:
+    if (
+        is_structure
+        and len(ceiling.faces) >= FEWEST
+        and _slab(ceiling, areas[is_ceiling], normals[is_ceiling]) is None
+    ):
         yield surface(ObstacleKind.DECK, ceiling.vertices, ceiling.faces)
         chosen &= ~is_ceiling
     for value in np.unique(kinds[chosen]).tolist():
@@ -219,11 +223,3 @@ def _slab(part: Mesh, areas: Field, normals: Points) -> Points | None:
             return None
         corners = corners[outline.vertices]
     return np.concatenate([corners, corners - THICKNESS * normal])
-
-
-def _areas(mesh: Mesh) -> tuple[Field, Points]:
-    """Areas [m2] and unit normals of the triangles."""
-    one, other = (mesh.corners[:, corner] - mesh.corners[:, 0] for corner in (1, 2))
-    doubled = np.cross(one, other)
-    lengths = np.linalg.norm(doubled, axis=1)
-    return 0.5 * lengths, doubled / np.maximum(lengths, 1e-300)[:, None]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from harness.errors import UsageError
 from harness.world.heightfield import Field, Heightfield, filled
 from harness.world.solids.columns import Crossings, Grid, crossings, floors
-from harness.world.solids.mesh_file import Mesh
+from harness.world.solids.mesh_file import Mesh, areas_and_normals
 from harness.world.terrain import HEIGHT_DECIMALS
 
 CELL = 0.1  # [m], as the named terrains have
@@ -115,7 +115,6 @@ def _closed(heights: Field, grid: Grid, notes: list[str]) -> Field:
         return heights
     names, _ = label(missing)
     areas = np.bincount(names.ravel()) * grid.cell**2
-    areas[0] = 0.0
     edge = np.concatenate([names[0], names[-1], names[:, 0], names[:, -1]])
     is_pit = areas > LARGEST_GAP
     is_pit[edge] = True
@@ -146,7 +145,7 @@ def _left_over(mesh: Mesh, found: Crossings, heights: Field, grid: Grid) -> NDAr
     left_over = np.zeros(len(mesh.faces), np.bool_)
     left_over[found.triangle[found.height > heights.ravel()[found.vertex] + TOLERANCE]] = True
     points = SAMPLES @ mesh.corners  # (f, 7, 3)
-    around = maximum_filter(heights, 3, mode="nearest")
+    around = maximum_filter(heights, 3)
     column, row = (
         np.rint((points[..., axis] - start) / grid.cell).astype(int).clip(0, count - 1)
         for axis, start, count in ((0, grid.x, grid.columns), (1, grid.y, grid.rows))
@@ -155,20 +154,13 @@ def _left_over(mesh: Mesh, found: Crossings, heights: Field, grid: Grid) -> NDAr
     return left_over
 
 
-def slopes_up(corners: NDArray[np.float64]) -> Field:
-    """Returns the upward part of the unit normals of triangles, shape (f,); 0 of those without area."""
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    lengths = np.linalg.norm(normals, axis=1)
-    return np.asarray(normals[:, 2] / np.maximum(lengths, 1e-300))
-
-
 def _tell_error(
     corners: NDArray[np.float64], ground: Heightfield, has_floor: NDArray[np.bool_], notes: list[str]
 ) -> None:
     """Compares heights at the triangles' samples, but for cells next to an edge, which none can show."""
     from scipy.ndimage import maximum_filter  # noqa: PLC0415 - as above
 
-    gentle = corners[slopes_up(corners) > math.cos(STEEPEST_MEASURED)]
+    gentle = corners[areas_and_normals(corners)[1][:, 2] > math.cos(STEEPEST_MEASURED)]
     points = (SAMPLES @ gentle).reshape(-1, 3)
     points = points[on_map(points, ground)]
     low = (points[:, :2] - ground.bounds()[::2]) / ground.cell

@@ -113,6 +113,11 @@ def test_triangles_are_joined_at_the_same_corners_and_those_without_area_are_dro
         ("a.dae", b"<COLLADA/>", "damaged or cut short: .+ .+"),  # the reason in words
         ("a.dae", b"<!DOCTYPE a [<!ENTITY b 'c'>]><COLLADA/>", "declares a document type"),
         ("a.dae", b"<COLLADA><asset><unit meter='-1'/></asset></COLLADA>", "unit of -1 m is not valid"),
+        (
+            "a.dae",
+            b"<COLLADA><asset><unit meter='1e6'/></asset></COLLADA>",
+            "unit of 1e6 m is",
+        ),
         ("a.dae", b"<COLLADA><asset><unit meter='x'/></asset></COLLADA>", "unit of x m is not valid"),
         ("a.dae", b"<COLLADA><asset><up_axis>W_UP</up_axis></asset></COLLADA>", "up_axis 'W_UP' is not"),
     ],
