@@ -31,6 +31,7 @@ FILES = [
     ("about: a\nabout: b\n", ':2:1: not valid YAML: found duplicate key "about" with value "b"'),
     ("[1, 2]", ": it must hold keys with values, beginning with 'about:'"),
     ("\0", ": not valid YAML: "),
+    ("about: 2026-13-01", ": not valid YAML: month must be in 1..12"),
     (HEAD, ": the key 'expect' is missing"),
     (HEAD + "pass_rate: {min: 1, q: 1}\n", ": the key 'expect' is missing"),
     (HEAD + "expect: {}\n", ":3:1: expect is empty; give one or more"),

@@ -100,13 +100,13 @@ def test_a_file_becomes_the_configuration_that_it_describes(
         make_cases(SPEED, "robot: mole")
 
 
-def test_a_rover_is_the_folder_beside_the_scenario_unless_it_has_the_name_of_one_that_ships(
+def test_a_folder_beside_the_scenario_is_a_rover_unless_one_that_ships_is_called_so_and_no_terrain(
     make_cases: MakeCases, tmp_path: Path
 ) -> None:
-    for name in ("mole", "leo"):
+    for name in ("mole", "leo", "flat"):
         (tmp_path / name).symlink_to(MODELS_DIR / "rover_zero4wd")
-    cases = make_cases(SPEED, "matrix: {robot: [mole, leo]}")
-    assert [case.config.robot for case in cases] == [str(tmp_path / "mole"), "leo"]
+    runs = [case.config for case in make_cases(SPEED, "matrix: {robot: [mole, leo]}")]
+    assert [(run.robot, run.terrain) for run in runs] == [(f"{tmp_path}/mole", "flat"), ("leo", "flat")]
 
 
 def test_a_failure_is_expected_of_the_runs_that_have_all_that_it_names(make_cases: MakeCases) -> None:
