@@ -136,13 +136,14 @@ def test_includes_take_another_name_and_pose_and_find_their_own_files(tmp_path: 
         include.format("")
         + include.format(pose(D))  # which has the same name
         + include.format(f"<name>other</name><placement_frame>q</placement_frame>{pose(D)}")
-        + model(pose(A) + include.format(pose(C)), "outer")
+        + model(pose(A, "twin::p") + include.format(pose(C)), "outer")  # of the first twin
+        + "".join(model(f"<frame name='p'>{pose(there)}</frame>", "twin") for there in (D, B))
         + model(pose(C, "own") + link(), "beside")  # the first of that name
         + model(pose(A, "other::p") + link(), "upon")
     )
     document = read(tmp_path, body)
     expected = [
-        ("outer::own::l::c", a @ c @ np.linalg.inv(b)),
+        ("outer::own::l::c", d @ a @ c @ np.linalg.inv(b)),
         ("beside::l::c", a @ np.linalg.inv(b) @ c),
         ("upon::l::c", d @ np.linalg.inv(c) @ b @ a),
         ("own::l::c", a @ np.linalg.inv(b)),
@@ -240,6 +241,7 @@ def test_actors_of_included_files_are_in_the_frame_of_the_include(tmp_path: Path
     written(tmp_path, f"<world name='w'>{worldly}</world>", "inner.world")
     written(tmp_path, f"<model name='box'>{link()}{actor.format('nested')}</model>", "model.sdf")
     written(tmp_path, box + actor.format("beside"), "beside.sdf")
+    written(tmp_path, actor.format("one") + actor.format("other"), "two.sdf")
     include = "<include><uri>{}</uri>{}<pose degrees='1'>{} 0 1 0 0 90</pose></include>"
     body = (
         f"<frame name='f'><pose>100 0 0 0 0 0</pose></frame>{actor.format('own')}"
@@ -247,7 +249,7 @@ def test_actors_of_included_files_are_in_the_frame_of_the_include(tmp_path: Path
         + include.format("lone.sdf", "", 20).replace("<pose", "<pose relative_to='f'")
         + include.format("inner.world", "", 30)
         + model(include.format("model.sdf", "", 40) + "<pose>1 0 0 0 0 0</pose>", "outer")
-        + include.format("beside.sdf", "", 50)
+        + "".join(include.format(f"{name}.sdf", "", x) for name, x in (("beside", 50), ("two", 60)))
     )
     document = read(tmp_path, body)
     found = {p.name: (*p.pose[:3, 3].round(9).tolist(), p.file.name) for p in document.actors}
@@ -259,6 +261,7 @@ def test_actors_of_included_files_are_in_the_frame_of_the_include(tmp_path: Path
         "worldly": (27, 0, 1, "inner.world"),
         "nested": (38, 0, 1, "model.sdf"),
         "beside": (47, 0, 1, "beside.sdf"),
+        **dict.fromkeys(("one", "other"), (57, 0, 1, "two.sdf")),
     }
     np.testing.assert_allclose(document.actors[1].pose[:3, 0], [0.0, 1.0, 0.0], atol=1e-12)
     assert [solid.pose[0, 3] for solid in document.solids] == [41.0, 30.0, 50.0]

@@ -22,7 +22,7 @@ def downwards(mesh: Mesh) -> Mesh:
     [
         (flat(1.5), None, 1.5),
         (both(flat(0.0), box((0, 0, 2.0), (6, 6, 1))), None, 0.0),  # a bridge: one passes under it
-        (both(flat(0.0), box((0, 0, 1.0), (6, 6, 1))), None, 1.5),  # too low to pass under
+        (both(flat(0.0), box((0, 0, 1), (6, 6, 1)), box((0, 0, 4), (6, 6, 1))), None, 1.5),  # too low
         (both(flat(0.0), box((0, 0, 1.5), (6, 6, 1))), None, 0.0),  # just the headroom
         (both(flat(0.0), box((0, 0, 0.4), (6, 6, 1.0))), None, 0.9),  # in the ground: solid
         (both(flat(0.0), box((0, 0, 1.5), (6, 6, 4.0))), None, 0.0),  # sticks out far: stands on it

@@ -13,7 +13,7 @@ import pytest
 from harness.errors import UsageError
 from harness.world.solids import mesh_file
 from harness.world.solids.mesh_file import Mesh, joined, read_mesh
-from tests.harness.world.solids.shapes import box, write_dae, write_mesh
+from tests.harness.world.solids.shapes import at, box, write_dae, write_mesh
 
 BOX = box((1.0, 2.0, 3.0), (2.0, 4.0, 6.0))
 LOW, HIGH = [0.0, 0.0, 0.0], [2.0, 4.0, 6.0]
@@ -88,9 +88,15 @@ def test_a_part_is_found_by_its_name_and_a_shape_that_stands_in_two_places_is_th
         read_mesh(path, submesh="m")
 
 
-def test_mirrored_meshes_are_turned_inside_out_so_that_they_still_face_out() -> None:
-    for scale, turned in (((1.0, 1.0, -2.0), np.eye(4)), ((1.0, 1.0, 2.0), np.diag([1.0, -1, 1, 1]))):
-        assert volume(BOX.moved(turned, scale)) == pytest.approx(96.0)
+def test_meshes_are_scaled_along_their_own_axes_and_mirrored_ones_still_face_out() -> None:
+    for scale, turned, low, high in (
+        ((1.0, 1.0, -2.0), np.eye(4), (0, 0, -12), (2, 4, 0)),
+        ((1.0, 1.0, 2.0), np.diag([1.0, -1, 1, 1]), (0, -4, 0), (2, 0, 12)),
+        ((1.0, 2.0, 1.0), at(5.0, 0, 0, 0, 0, 0.5 * math.pi), (-3, 0, 0), (5, 2, 6)),
+    ):
+        mesh = BOX.moved(turned, scale)
+        assert volume(mesh) == pytest.approx(96.0)
+        np.testing.assert_allclose([mesh.vertices.min(0), mesh.vertices.max(0)], [low, high], atol=1e-9)
 
 
 def test_triangles_are_joined_at_the_same_corners_and_those_without_area_are_dropped() -> None:

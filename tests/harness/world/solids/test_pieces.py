@@ -13,7 +13,7 @@ from harness.world.obstacles import Obstacle, ObstacleKind, bottom, top
 from harness.world.solids import pieces
 from harness.world.solids.mesh_file import Mesh
 from harness.world.solids.pieces import bodies, obstacles_of
-from tests.harness.world.solids.shapes import both, box
+from tests.harness.world.solids.shapes import at, both, box
 
 HEIGHTS = np.zeros((41, 41))
 HEIGHTS[25:31, 19:22] = 2.0  # a hill around x = 0, y = 4
@@ -51,6 +51,11 @@ def tube(length: float, bend: float) -> Mesh:
     return both(extruded(np.stack([x, y, z], axis=-1)))
 
 
+def strip(side: tuple[tuple[float, float], ...], *across: float) -> Mesh:
+    """Quads from one x, z to the next, from one y to another."""
+    return extruded(np.array([[(x, y, z) for y in across] for x, z in side]))
+
+
 TWO_CONES = Mesh(  # upon each other, of three sides
     np.array([(0, 0, 1.2), (0, 0, 0.2), (0.3, 0, 0.7), (-0.2, 0.3, 0.7), (-0.2, -0.3, 0.7)]),
     np.array([(0, 2, 3), (0, 3, 4), (0, 4, 2), (1, 3, 2), (1, 4, 3), (1, 2, 4)]),
@@ -67,6 +72,7 @@ TWO_CONES = Mesh(  # upon each other, of three sides
         (box((0, 0, -0.5), (3, 3, 0.992)), {}),  # flush with the ground
         (box((0, 0, -0.5), (3, 3, 1.008)), {}),
         (box((50, 0, 0.5), (1, 1, 1)), {}),  # off the map
+        (strip(((-4, 0.08), (0, 2.08)), 3.9, 4.1), {"ROCK convex": 1}),  # up the hill: 8 cm above both
         (tube(2.0, 0.0), {"HAZARD convex": 1}),
         (TWO_CONES, {"HAZARD convex": 1}),
     ],
@@ -92,19 +98,19 @@ def test_a_bent_pipe_becomes_few_pieces_that_stay_near_it() -> None:
 def bridge() -> Mesh:
     """A body of one piece: two decks joined by a wall, a kerb, a vault and its flap."""
     side = ((-4, 0.42), (-4, 0.5), (0, 0.5), (0, 0.9), (4, 0.9))
-    floor = [[(x, y, z) for y in (-1.0, 1.0)] for x, z in side]
     vault = [(1.3, 0.8), (1.0, 2.5), (0.5, 2.8), (0.0, 2.9), (-0.5, 2.8), (-1.0, 2.5), (-1.0, 0.9)]
     roof = [[(x, y, z) for y, z in vault] for x in (0.0, 4.0)]
-    return both(extruded(np.array(floor)), extruded(np.array(roof)))
+    return both(strip(side, -1.0, 1.0), extruded(np.array(roof)))
 
 
 def test_a_structure_has_decks_hazards_and_a_ceiling_that_is_only_seen() -> None:
-    found = made(bridge())
+    lower = Heightfield(HEIGHTS - 3.0, 0.5)
+    found = obstacles_of(bridge().moved(at(0.0, 0.0, -3.0)), lower, kind_of, CLEARANCE)
     assert names(found) == {"DECK convex": 2, "ROCK convex": 1, "HAZARD convex": 3, "DECK surface": 1}
     decks = sorted(top(o) for o in found if o.kind is ObstacleKind.DECK and o.shape == "convex")
-    assert decks == pytest.approx([0.5, 0.9])
+    assert decks == pytest.approx([-2.5, -2.1])
     (ceiling,) = (o for o in found if o.shape == "surface")
-    assert (len(ceiling.faces), bottom(ceiling)) == (8, 2.5)
+    assert (len(ceiling.faces), bottom(ceiling)) == pytest.approx((8, -0.5))
 
 
 def test_a_corner_of_two_walls_is_two_pieces_by_where_they_face() -> None:
@@ -118,9 +124,9 @@ def test_a_corner_of_two_walls_is_two_pieces_by_where_they_face() -> None:
     ]
 
 
-def test_a_roof_whose_ridge_is_ten_centimetres_high_is_two_decks_of_a_square_metre() -> None:
-    sides = [[(x, y, z) for y in (-1.0, 0.0)] for x, z in ((0.0, 0.5), (1.0, 0.6), (2.0, 0.5))]
-    assert names(made(extruded(np.array(sides)))) == {"DECK convex": 2}
+def test_a_roof_whose_ridge_is_ten_or_thirty_centimetres_high_is_two_decks_of_a_square_metre() -> None:
+    for ridge in (0.6, 0.8):
+        assert names(made(strip(((0, 0.5), (1, ridge), (2, 0.5)), -1.0, 0.0))) == {"DECK convex": 2}
 
 
 def test_a_plate_with_a_notch_is_in_pieces_that_leave_it_open() -> None:
