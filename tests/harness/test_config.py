@@ -165,14 +165,18 @@ def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object
         ({"robot": "r2d2"}, "robot 'r2d2' does not exist"),
         ({"driver": "drunk"}, "driver 'drunk' does not exist"),
         ({"terrain": "moon"}, "terrain 'moon' does not exist; available: flat, slope, rolling, gravel"),
-        ({"terrain_size": (20.0, 20.0)}, "--terrain-size applies to terrains from files only"),
-        ({"terrain_height": 0.0}, "--terrain-height applies to terrains from files only"),
         (
             {"terrain": "a.npy", "difficulty": 0.6},
             "a terrain from a file has no difficulty; leave out --difficulty",
         ),
-        ({"rock": ("a",)}, "--rock applies to terrains from files only"),
         ({"terrain": "a.npy", "terrain_height": -1.0}, "terrain height -1 m is not valid"),
+        *(
+            ({option.replace("-", "_"): 0.0}, f"--{option} applies to terrains from files only")
+            for option in (
+                *("terrain-size", "terrain-height", "terrain-cell", "resource-path", "mesh-unit"),
+                *("mesh-up", "rock-height", "rock", "hazard"),
+            )
+        ),
     ],
     ids=str,
 )
@@ -183,14 +187,11 @@ def test_a_value_beyond_it_is_refused_in_one_line(beyond: dict[str, object], tol
     assert "\n" not in str(refusal.value)
 
 
-def test_the_world_is_that_of_terrain_seed_and_difficulty() -> None:
-    world = EpisodeConfig(terrain="gravel", seed=7, difficulty=0.25).world()
-    assert (world.name, world.seed, world.difficulty) == ("gravel", 7, 0.25)
-
-
-def test_what_a_terrains_file_leaves_open_is_what_was_told_and_the_rover_that_sorts_its_obstacles() -> (
-    None
-):
+def test_what_a_terrains_file_leaves_open_is_what_was_told_and_the_rover_that_sorts_its_obstacles(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rovers = {"leo": replace(LEO, step_limit=0.04), "rover_zero4wd": ROVER_ZERO4WD}
+    monkeypatch.setattr("harness.config.find_rover", rovers.__getitem__)
     told = EpisodeConfig(
         terrain="a.sdf",
         robot="rover_zero4wd",
@@ -218,7 +219,7 @@ def test_what_a_terrains_file_leaves_open_is_what_was_told_and_the_rover_that_so
         rocks=("r",),
         hazards=("h",),
         clearance=LEO.clearance,
-        step_limit=LEO.step_limit,
+        step_limit=0.04,
     )
     assert told._terrain_file() == expected
     own = replace(told, world_robot="", start=(0.0, 0.0, 0.0))._terrain_file()
@@ -228,7 +229,7 @@ def test_what_a_terrains_file_leaves_open_is_what_was_told_and_the_rover_that_so
         clearance=ROVER_ZERO4WD.clearance,
         step_limit=ROVER_ZERO4WD.step_limit,
     )
-    assert (own.clearance, own.step_limit) != (expected.clearance, expected.step_limit)
+    assert own.clearance != expected.clearance
 
 
 def test_a_file_on_which_nobody_can_stand_is_a_world_for_whoever_chooses_a_start(tmp_path: Path) -> None:
@@ -273,7 +274,7 @@ def test_a_manifest_s_arguments_make_the_same_episode_again() -> None:
     assert hash(again) == hash(config)
 
 
-def test_gravity_is_that_of_a_world_that_tells_one_else_of_the_rover(tmp_path: Path) -> None:
+def test_gravity_and_people_are_those_of_a_world_that_tells_of_them(tmp_path: Path) -> None:
     moon = tmp_path / "moon.sdf"
     ground = "<collision name='c'><geometry><plane><size>20 20</size></plane></geometry></collision>"
     way = "".join(
@@ -289,9 +290,16 @@ def test_gravity_is_that_of_a_world_that_tells_one_else_of_the_rover(tmp_path: P
     assert people == ("ann_actor", "bob_actor"), "first those of the world"
     assert EpisodeConfig(terrain=str(moon)).gravity() == 1.62
     assert EpisodeConfig(terrain="flat").gravity() == 9.8
+    EpisodeConfig(terrain=str(moon)).check_world()
+    off = tmp_path / "off.sdf"
+    off.write_text(moon.read_text().replace("<pose>2 0", "<pose>99 0"))
+    with pytest.raises(UsageError, match="ann"):
+        EpisodeConfig(terrain=str(off)).check_world()
 
 
-def test_the_start_changes_nothing_else_of_the_world() -> None:
-    given, world = (EpisodeConfig(terrain="posts", start=s).world() for s in ((3.0, -4.0, 1.0), None))
+def test_the_world_is_that_of_terrain_seed_and_difficulty_and_the_start_changes_nothing_else() -> None:
+    told = EpisodeConfig(terrain="gravel", seed=7, difficulty=0.25)
+    given, world = (replace(told, start=start).world() for start in ((3.0, -4.0, 1.0), None))
+    assert (world.name, world.seed, world.difficulty) == ("gravel", 7, 0.25)
     assert (given.start, world.start) == ((3.0, -4.0, 1.0), (0.0, 0.0, 0.0))
     assert terrain_hash(given) == terrain_hash(world)

@@ -51,7 +51,7 @@ def test_every_timestep_that_divides_the_tick_is_accepted(parts: int) -> None:
     ("seconds", "reason", "nearest"),
     [
         (0.003, "it must divide the 10 ms clock tick", "0.0025 or 0.002"),
-        (0.0049, "it must divide the 10 ms clock tick", "0.005 or 0.0025"),
+        (0.004, "it must divide the 10 ms clock tick", "0.005 or 0.0025"),
         (0.0001000001, "", ""),  # within half a nanosecond
         (0.000101, "it must divide the 10 ms clock tick", "0.0001 or 0.000125"),
         (0.000099999, "give 0.0001 or more", "0.0001 or 0.000125"),

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from harness.config import EpisodeConfig
-from harness.drivers import Observation
-from harness.episode.episode import Episode, goal_course, installed
+from harness.drivers import Observation, find_driver
+from harness.episode.episode import Episode, fleet_of, goal_course, installed
 from harness.errors import RunFailed, UsageError
 from harness.frames.options import FrameOptions
 from harness.robots import ROVERS, RoverSpec
@@ -384,13 +384,14 @@ def test_what_drivers_want_is_made_drivable_and_commands_are_taken_as_they_are(
         return Twist(0.0, 0.0)
 
     monkeypatch.setattr("harness.episode.episode.drivable", halved)
+    monkeypatch.setattr("harness.episode.episode.PolicyDriver", find_driver("spin"))
     drives = []
-    for driver in ("straight", "cmd_vel"):
+    for driver in ("straight", "cmd_vel", "spin"):
         episode = Episode(config(driver=driver, duration=0.05))
         episode.command(Twist(0.3, 0.0))
         list(episode.batches())
         drives.append(bool(episode.simulation.data.ctrl.any()))
-    assert drives == [False, True]
+    assert drives == [False, True, True]
     assert [(twist.angular, rover) for twist, rover in asked] == [(0.0, LEO)]
 
 
@@ -414,7 +415,9 @@ def test_people_are_told_of_only_where_somebody_wants_to_know() -> None:
 
 
 def test_a_driver_sees_where_the_rover_is_and_the_last_scan_as_it_was_sent(spied: list[Spy]) -> None:
-    episode = Episode(config(terrain="rocky", noise="white", duration=0.3))
+    told = config(terrain="rocky", noise="white", duration=0.3)
+    world = replace(told.world(), room=(-3.0, 9.0, -5.0, 3.0))
+    (episode,) = fleet_of((told,), world=world)
     batches, where = episode.batches(), []
     for index in range(6):
         where.append((*episode.simulation.position[:2], episode.simulation.yaw))
@@ -422,8 +425,8 @@ def test_a_driver_sees_where_the_rover_is_and_the_last_scan_as_it_was_sent(spied
         if index == 2:
             episode.reset()
     _, first, second = spied
-    context, world = first.given[0], episode.config.world()
-    assert (context.rover, context.half_size) == (LEO, world.ground.half_size)
+    context = first.given[0]
+    assert (context.rover, context.middle, context.half_size) == (LEO, (3.0, -1.0), (6.0, 4.0))
     assert context.obstacles == world.obstacles
     assert context.bearings.shape == first.seen[1].ranges.shape == (8,)
     seen = [*first.seen, *second.seen]

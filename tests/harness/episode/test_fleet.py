@@ -62,13 +62,6 @@ def test_who_has_no_start_stands_beside_the_first_and_nobody_touches() -> None:
     assert fleet == fleet_of_words(words, FLAT)
 
 
-def test_the_world_is_the_first_ones_whoever_sees_it() -> None:
-    """What of a file is a rock depends on a rover's clearance."""
-    one, other = fleet_of_words(("rover_zero4wd:a", "leo:b,x=2,y=2"), FLAT)
-    assert other._terrain_file().clearance == find_rover("rover_zero4wd").clearance
-    assert other._terrain_file().clearance == one._terrain_file().clearance
-
-
 def test_the_first_ones_randomness_is_that_of_a_single_run_and_all_differ() -> None:
     fleet = fleet_of_words(("leo:x", "leo:y,x=2,y=0", "leo:z,x=4,y=0"), replace(FLAT, seed=7))
     seeds = [each.own_seed for each in fleet]
@@ -92,13 +85,14 @@ def test_the_first_ones_randomness_is_that_of_a_single_run_and_all_differ() -> N
         (("leo,x=q,y=1",), "x 'q' is no number; give metres"),
         (("leo", "leo,x=nan,y=0"), "start nan,0,0 is not valid"),
         (("leo", "leo,fault=clock:freeze@1"), "there is one clock for all; give its faults as --fault"),
+        (("leo", "leo,x=2,y=2,driver=ram"), "driver 'ram' on flat: it drives into hazards"),
         (("leo", "leo,driver=fly"), "driver 'fly' does not exist; available: wander"),
         (("leo",) * (MOST_ROVERS + 1), "17 rovers are too many for a world; give 16 at most"),
     ],
 )
 def test_a_mistake_is_told_in_a_line_that_says_what_is_valid(words: tuple[str, ...], told: str) -> None:
     with pytest.raises(UsageError) as refused:
-        fleet_of_words(words, FLAT)
+        fleet_of(fleet_of_words(words, FLAT))
     assert told in str(refused.value)
     assert "\n" not in str(refused.value)
 
@@ -121,9 +115,9 @@ def test_a_rover_whose_place_is_taken_is_put_beside_who_stands_there() -> None:
     next(batches)
     there = one.simulation.position
     other.reset(Place(*there[:2], 1.0))
-    x, y, _ = other.simulation.position
-    apart = LEO.reach + find_rover("rover_zero4wd").reach + GAP
-    assert math.dist((x, y), there[:2]) == pytest.approx(apart, abs=0.05)
+    apart = LEO.reach + find_rover("rover_zero4wd").reach + GAP  # to the left of the heading
+    left = there[0] - apart * math.sin(1.0), there[1] + apart * math.cos(1.0), 1.0
+    assert (*other.simulation.position[:2], other.simulation.yaw) == pytest.approx(left, abs=0.02)
     assert one.simulation.position == there
     other.reset()
     assert other.simulation.position[:2] == pytest.approx((3.0, 0.0), abs=0.02)

@@ -37,8 +37,9 @@ def test_cells_of_a_row_are_those_of_its_columns_and_there_are_none_without_a_ro
     assert (told["Notes"], told["True Speed"]) == ("late", 0.4123)
 
 
-def test_a_run_that_never_began_has_no_speeds() -> None:
-    result = RunResult(config=EpisodeConfig(), mode="direct")
+@pytest.mark.parametrize("wall_s", [0.0, 1.5])
+def test_a_run_that_never_began_or_failed_in_its_first_tick_has_no_speeds(wall_s: float) -> None:
+    result = RunResult(config=EpisodeConfig(), mode="direct", wall_s=wall_s)
     assert (result.real_time_factor, result.mean_speed, result.messages, result.lost) == (0, 0, 0, 0)
 
 
