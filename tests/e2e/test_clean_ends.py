@@ -26,7 +26,7 @@ from harness.interrupt import Interrupted, Overdue, StopRequest
 from harness.run import main
 from harness.samples import Tick, Twist
 from harness.view.drawing import Drawing
-from tests.support.forking import ForkedProgram
+from tests.support.forked_program import ForkedProgram
 from tests.support.waiting import PATIENCE, under_load, wait_until
 
 SOON = 1.0  # [s]: the promise; one of several ends may take longer

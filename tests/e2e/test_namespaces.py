@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from harness.run import main
-from tests.support.forking import ForkedProgram
+from tests.support.forked_program import ForkedProgram
 from tests.support.waiting import PATIENCE
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")

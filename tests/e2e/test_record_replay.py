@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from harness.run import main as run
 from rover_metrics.replay import main as replay
 from tests.support.complaint import complaint
-from tests.support.forking import ForkedProgram
+from tests.support.forked_program import ForkedProgram
 from tests.support.layouts import foxglove_paths, look_up, plotjuggler_paths
 from tests.support.waiting import wait_until
 

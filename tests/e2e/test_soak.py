@@ -25,7 +25,7 @@ from benchmarks.soak.scenarios import (
     starved,
     stopped_node,
 )
-from tests.support.forking import ForkedProgram
+from tests.support.forked_program import ForkedProgram
 from tests.support.once import made_once
 
 WORLD = ("--terrain", "flat", "--timestep", "0.005", "--lidar-beams", "90")  # light ones

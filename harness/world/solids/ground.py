@@ -137,9 +137,14 @@ def _corners(solid: Solid) -> NDArray[np.float64]:
 
 def _area(mesh: Mesh) -> float:
     """Seen from above or below, whichever is more [m2]."""
-    areas, normals = areas_and_normals(mesh.corners)
-    seen = areas * normals[:, 2]
+    seen = _seen(mesh)
     return max(float(seen[seen > 0.0].sum()), float(-seen[seen < 0.0].sum()))
+
+
+def _seen(mesh: Mesh) -> NDArray[np.float64]:
+    """Areas of the triangles seen from above [m2], shape (f,); negative where they face down."""
+    areas, normals = areas_and_normals(mesh.corners)
+    return areas * normals[:, 2]
 
 
 def _is_wide(mesh: Mesh) -> bool:
@@ -148,8 +153,7 @@ def _is_wide(mesh: Mesh) -> bool:
 
 def _upright(mesh: Mesh, solid: Solid, notes: list[str]) -> Mesh:
     """A sheet whose normals point down is turned over."""
-    areas, normals = areas_and_normals(mesh.corners)
-    seen = areas * normals[:, 2]
+    seen = _seen(mesh)
     if -seen[seen < 0.0].sum() <= 2.0 * seen[seen > 0.0].sum():
         return mesh
     notes.append(f"{solid.name}: its triangles face down; turned over")

@@ -160,7 +160,8 @@ def _tell_error(
     """Compares heights at the triangles' samples, but for cells next to an edge, which none can show."""
     from scipy.ndimage import maximum_filter  # noqa: PLC0415 - as above
 
-    gentle = corners[areas_and_normals(corners)[1][:, 2] > math.cos(STEEPEST_MEASURED)]
+    _, normals = areas_and_normals(corners)
+    gentle = corners[normals[:, 2] > math.cos(STEEPEST_MEASURED)]
     points = (SAMPLES @ gentle).reshape(-1, 3)
     points = points[on_map(points, ground)]
     low = (points[:, :2] - ground.bounds()[::2]) / ground.cell

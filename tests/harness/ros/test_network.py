@@ -22,7 +22,7 @@ from harness.ros.network import (
     USERS_OWN,
     local_settings,
 )
-from tests.support.forking import ForkedProgram
+from tests.support.forked_program import ForkedProgram
 from tests.support.waiting import wait_until
 
 READING = 0.3  # [s]: a listener reads at once

@@ -48,10 +48,14 @@ SHOWN = cells_in(MODELS_DIR / "README.md")
 
 def measured(rover: RoverSpec) -> list[Check]:
     """The checks with seed 0; what is searched for is tried where it was found last time first."""
-    found = (cells[2] for cells in SHOWN[rover.name] if re.match("highest|kerb|slope climbed", cells[0]))
+    found = (
+        cells[2]
+        for cells in SHOWN.get(rover.name, ())
+        if re.match("highest|kerb|slope climbed", cells[0])
+    )
 
     def search(passes: Callable[[float], bool], low: float, high: float, step: float) -> float:
-        last = round(float(next(found).split()[0]) / step)
+        last = round(float(next(found, "-1").split()[0]) / step)
         if low <= last * step < high and passes(last * step) and not passes((last + 1) * step):
             return last * step
         return rig.largest_passing(passes, low, high, step)

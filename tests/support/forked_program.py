@@ -1,0 +1,159 @@
+"""Programs forked from a process that has imported all they need: an interpreter alone takes 1.3 s.
+
+They share nothing with the tests' process, so they do what programs of `python -m` do, which
+tests/e2e/test_two_processes.py starts, lets drive and stops with Ctrl-C.
+"""
+
+import importlib
+import multiprocessing
+import os
+import signal
+import subprocess
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Any, Self
+
+from tests.support.forking import ForkedSimulations
+
+
+class ForkedProgram:
+    """As `subprocess.Popen` of `python -m PROGRAM WORDS...` in a session of its own, gone when left.
+
+    Args:
+        program: The module, or a function that takes the words and returns an exit code.
+        words: Its arguments.
+        said: File for what it says, or a terminal, which becomes its own.
+        env: Its environment; as it is here if None.
+        cwd: Its current folder; as it is here if None.
+    """
+
+    def __init__(
+        self,
+        program: str | Callable[[list[str]], int],
+        words: Sequence[str],
+        said: Path | str = os.devnull,
+        *,
+        env: Mapping[str, str] | None = None,
+        cwd: Path | None = None,
+    ) -> None:
+        context = ForkedSimulations().get_context("spawn")
+        ready, remote = context.Pipe(duplex=False)
+        inherited = _Inherited(
+            environment=dict(os.environ if env is None else env),
+            folder=str(cwd or Path.cwd()),
+            cores=os.sched_getaffinity(0),
+        )
+        self._process = context.Process(
+            target=_begin, args=(program, [*words], str(said), inherited, remote)
+        )
+        self._process.start()
+        remote.close()
+        ready.recv()  # else a signal would meet an interpreter that is no program yet
+        ready.close()
+        assert self._process.pid is not None
+        self.said, self.pid = Path(said), self._process.pid
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.kill()
+        self._process.join()
+
+    @property
+    def returncode(self) -> int | None:
+        """None as long as it runs."""
+        return self._process.exitcode
+
+    def poll(self) -> int | None:
+        """The exit code, if it has ended."""
+        return self.returncode
+
+    def wait(self, timeout: float | None = None) -> int:
+        """The exit code, once it has ended."""
+        self._process.join(timeout)
+        if self.returncode is None:
+            raise subprocess.TimeoutExpired(str(self.pid), timeout or 0.0)
+        return self.returncode
+
+    def finished(self, timeout: float) -> str:
+        """All that it has said, once it has ended."""
+        self.wait(timeout)
+        return self.said.read_text()
+
+    def send_signal(self, number: int) -> None:
+        """To this process alone, if it runs."""
+        if self.returncode is None:
+            os.kill(self.pid, number)
+
+    def terminate(self) -> None:
+        """Asks it to end."""
+        self.send_signal(signal.SIGTERM)
+
+    def kill(self) -> None:
+        """Makes it end."""
+        self.send_signal(signal.SIGKILL)
+
+
+@dataclass(frozen=True)
+class _Inherited:
+    """What a program has from whoever starts it, not from the fork server."""
+
+    environment: dict[str, str]
+    folder: str
+    cores: set[int]
+
+
+def _begin(
+    program: str | Callable[[list[str]], int],
+    words: list[str],
+    said: str,
+    inherited: _Inherited,
+    ready: Connection,
+) -> None:
+    os.setsid()
+    output = os.open(said, os.O_RDWR | os.O_CREAT | os.O_TRUNC)  # a terminal is now this session's
+    for number in (1, 2):
+        os.dup2(output, number)
+    os.environ.clear()
+    os.environ.update(inherited.environment)
+    os.chdir(inherited.folder)
+    os.sched_setaffinity(0, inherited.cores)
+    main = importlib.import_module(program).main if isinstance(program, str) else program
+    vars(importlib.import_module("harness.episode.stream"))["multiprocessing"] = _Fork()
+    if isinstance(program, str) and program.startswith("harness."):
+        importlib.import_module("harness.cli.edge").begin_program(program)
+    ready.send(None)
+    ready.close()
+    raise SystemExit(main(words))
+
+
+class _Fork:
+    """Stands where a forked program looks for `multiprocessing`: its simulation is its own child."""
+
+    def __init__(self) -> None:
+        self._context = multiprocessing.get_context("fork")
+
+    def get_context(self, _: str) -> Self:
+        return self
+
+    def Pipe(self) -> tuple[Any, Any]:  # noqa: N802 - as the one it stands for
+        self._near, remote = self._context.Pipe()
+        return self._near, remote
+
+    def Process(  # noqa: N802 - as the one it stands for
+        self, *, target: Callable[..., None], args: tuple[Any, ...], daemon: bool
+    ) -> BaseProcess:
+        def simulate(*args: Any) -> None:  # noqa: ANN401 - whatever is simulated
+            # As in a spawned child: only its own end, or it would not learn that the other is gone,
+            # and no handler of the program's.
+            self._near.close()
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            for number in (signal.SIGTERM, signal.SIGHUP):
+                signal.signal(number, signal.SIG_DFL)
+            target(*args)
+
+        return self._context.Process(target=simulate, args=args, daemon=daemon)
