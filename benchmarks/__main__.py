@@ -14,8 +14,8 @@ from benchmarks.own_domain import own_domain
 from benchmarks.readme import README, conditions, write_readme
 from benchmarks.registry import BENCHMARKS, Benchmark
 from benchmarks.show import printable
-from harness.errors import HarnessError
-from harness.interrupt import StopRequest
+from harness.base.errors import HarnessError
+from harness.base.interrupt import StopRequest
 from rover_metrics.errors import OneLineParser
 
 

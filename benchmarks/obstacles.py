@@ -7,8 +7,8 @@ import numpy as np
 
 from benchmarks.measuring import Effort, Rounds, Table, timed
 from benchmarks.scenes import TIMESTEP, scene_on_hills
+from harness.base.sim_time import NANOSECONDS
 from harness.physics.simulation import Simulation
-from harness.sim_time import NANOSECONDS
 
 COUNTS = (0, 10, 100, 1000)
 MAP_SIZE, CELL, HILL_HEIGHT = 40.0, 0.1, 0.2  # [m]: gentle enough to be driven over

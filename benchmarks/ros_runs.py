@@ -7,9 +7,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from harness.base.interrupt import Interrupted, StopRequest
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.result import RunResult
-from harness.interrupt import Interrupted, StopRequest
 from harness.ros.session import run_through_ros
 
 QUIET = ("--ros-args", "--log-level", "warn")

@@ -11,7 +11,7 @@ from harness.scenario.attempt import attempt
 from harness.scenario.case import Case
 from harness.scenario.selection import plan
 from harness.scenario.suite import run_all
-from harness.tuning.backend.local import LocalBackend
+from harness.tune.backend.local import LocalBackend
 
 
 class _Way(NamedTuple):

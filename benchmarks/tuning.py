@@ -6,10 +6,10 @@ from tempfile import TemporaryDirectory
 
 from benchmarks.measuring import Effort, Rounds, Table, timed
 from harness.robots import ROVERS
-from harness.tuning.backend import backend_of
-from harness.tuning.episodes.plan import plan
-from harness.tuning.episodes.store import Store
-from harness.tuning.episodes.sweep import sweep
+from harness.tune.backend import backend_of
+from harness.tune.episodes.plan import plan
+from harness.tune.episodes.store import Store
+from harness.tune.episodes.sweep import sweep
 
 MOST_WORLDS, ROUNDS = 8, 3
 TARGETS = {1: "-", 2: ">= 1.8"}

@@ -18,9 +18,9 @@ import gymnasium
 import numpy as np
 
 import harness.gym  # noqa: F401 - registers
+from harness.base.errors import HarnessError
 from harness.drivers.base import CONTROL_PERIOD
 from harness.drivers.policy import BESIDE_LIDAR, Policy, read_policy
-from harness.errors import HarnessError
 from harness.scenario.verdict import wilson
 
 ID, UNSEEN = "RoverHarness/PointNav-v0", 1_000_000  # the first seed; learning begins with small ones

@@ -7,12 +7,12 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from harness.base.errors import HarnessError, RunFailed, UsageError
     from harness.config import EpisodeConfig
     from harness.episode.batch import Batch
     from harness.episode.episode import Episode
     from harness.episode.result import RunResult
     from harness.episode.run import run_episode
-    from harness.errors import HarnessError, RunFailed, UsageError
 
 __version__ = "0.1.0"
 __all__ = [
@@ -29,10 +29,10 @@ _PLACES = {
     "Batch": "harness.episode.batch",
     "Episode": "harness.episode.episode",
     "EpisodeConfig": "harness.config",
-    "HarnessError": "harness.errors",
-    "RunFailed": "harness.errors",
+    "HarnessError": "harness.base.errors",
+    "RunFailed": "harness.base.errors",
     "RunResult": "harness.episode.result",
-    "UsageError": "harness.errors",
+    "UsageError": "harness.base.errors",
     "run_episode": "harness.episode.run",
 }
 

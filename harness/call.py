@@ -17,8 +17,8 @@ from harness.cli.edge import begin_program, run_program
 if __name__ == "__main__":
     begin_program("harness.call")
 
-from harness.errors import INSTALL_ROS, RunFailed, UsageError
-from harness.interrupt import StopRequest
+from harness.base.errors import INSTALL_ROS, RunFailed, UsageError
+from harness.base.interrupt import StopRequest
 from rover_metrics.errors import OneLineParser
 
 if TYPE_CHECKING:

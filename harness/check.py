@@ -22,11 +22,11 @@ from rich.console import Console
 from rich.table import Column, Table
 from rich.text import Text
 
+from harness.base.errors import INSTALL_ROS, UsageError
+from harness.base.interrupt import StopRequest
 from harness.config import EpisodeConfig
 from harness.episode.direct import run_direct
 from harness.episode.fingerprint import Fingerprint, direct_in_fresh_process, fingerprint
-from harness.errors import INSTALL_ROS, UsageError
-from harness.interrupt import StopRequest
 from harness.robots import ROVERS
 from harness.sensors.noise import DEFAULT_PRESET
 from rover_metrics.errors import OneLineParser

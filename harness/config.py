@@ -10,13 +10,20 @@ from pathlib import Path
 
 import numpy as np
 
+from harness.base.errors import UsageError, find_named
+from harness.base.files import modified_ns
+from harness.base.sim_time import (
+    DEFAULT_TIMESTEP_NS,
+    NANOSECONDS,
+    TICK_NS,
+    check_duration,
+    parse_timestep,
+)
 from harness.drivers import find_driver, takes_goals
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.drivers.goal_course import Area, check_area
 from harness.drivers.staged import StagedEncounter
-from harness.errors import UsageError, find_named
 from harness.faults.spec import parse_faults
-from harness.files import modified_ns
 from harness.frames.options import FrameOptions
 from harness.robots import find_rover
 from harness.sensors.base import period_ticks
@@ -24,7 +31,6 @@ from harness.sensors.choice import chosen
 from harness.sensors.geodesy import DEFAULT_DATUM, Datum
 from harness.sensors.noise import PRESETS
 from harness.sensors.table import SensorRow
-from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, check_duration, parse_timestep
 from harness.world.actors.actor import with_actors
 from harness.world.actors.spec import ActorSpec, of_terrain, parse_actors
 from harness.world.files import file_world

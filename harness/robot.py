@@ -4,7 +4,7 @@
     python -m harness.robot check my_rover --picture my_rover.png
     python -m harness.robot schema > rover.schema.json
 
-Parses, calls, prints; the work is in harness.robots.urdf and harness.validation.checkup.
+Parses, calls, prints; the work is in harness.robots.urdf and harness.validate.checkup.
 """
 
 import argparse
@@ -32,9 +32,9 @@ from harness.episode.episode import Episode
 from harness.robots import find_rover
 from harness.robots.schema import schema
 from harness.robots.urdf.folder import Written, write_folder
-from harness.validation.check import Check
-from harness.validation.checkup import check_up
-from harness.validation.suite import cells_of
+from harness.validate.check import Check
+from harness.validate.checkup import check_up
+from harness.validate.suite import cells_of
 from rover_metrics.errors import OneLineParser
 
 SHOWN = 3.0  # [s] of driving in a picture

@@ -18,15 +18,15 @@ if __name__ == "__main__":
 
 from rich.console import Console
 
+from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
+from harness.base.files import check_target, write_whole
+from harness.base.interrupt import HANGUP, StopRequest
 from harness.cli.console import RunProgress, counted, print_choices, print_summary
 from harness.cli.options import RunOptions, parse_run
 from harness.episode.loop import Observer
 from harness.episode.manifest import write_manifest
 from harness.episode.result import RoverRun, RunAll, RunResult
 from harness.episode.social_recorder import SocialRecorder
-from harness.errors import INSTALL_ROS, HarnessError, UsageError
-from harness.files import check_target, write_whole
-from harness.interrupt import HANGUP, StopRequest
 from harness.report.recorder import RunRecorder, Stretch
 from harness.robots import robot_name
 from harness.sensors.camera.backend import keep_opengl_out

@@ -24,8 +24,8 @@ if __name__ == "__main__":
 from rich.console import Console
 from rich.live import Live
 
-from harness.errors import INSTALL_ROS, UsageError
-from harness.interrupt import Overdue, StopRequest
+from harness.base.errors import INSTALL_ROS, UsageError
+from harness.base.interrupt import Overdue, StopRequest
 from rover_metrics.errors import OneLineParser
 
 if TYPE_CHECKING:

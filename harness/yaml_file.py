@@ -10,7 +10,7 @@ from pathlib import Path
 from types import MappingProxyType, UnionType
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 
 T = TypeVar("T")
 NAMES = {

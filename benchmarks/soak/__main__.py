@@ -18,8 +18,8 @@ from benchmarks.show import printable
 from benchmarks.soak.outcome import COLUMNS, Outcome
 from benchmarks.soak.plan import FULL, QUICK, Plan
 from benchmarks.soak.scenarios import SCENARIOS, Reference
-from harness.errors import HarnessError, RunFailed
-from harness.interrupt import StopRequest
+from harness.base.errors import HarnessError, RunFailed
+from harness.base.interrupt import StopRequest
 from rover_metrics.errors import OneLineParser
 
 

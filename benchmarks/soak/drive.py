@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any
 
-from harness.errors import RunFailed
+from harness.base.errors import RunFailed
 
 HARNESS = (sys.executable, "-m", "harness.run")
 GLANCE = 0.1  # [s] between two looks

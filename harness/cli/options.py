@@ -6,12 +6,12 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
+from harness.base.errors import UsageError
 from harness.cli.run_parser import run_parser
 from harness.config import CMD_VEL, EpisodeConfig, RosOptions
 from harness.drivers import takes_goals
 from harness.episode.fleet import fleet_of_words
 from harness.episode.metrics_feed import extended_parameters, extended_settings, parameter_words
-from harness.errors import UsageError
 from harness.frames.options import FrameOptions
 from harness.robots import find_rover
 from harness.world.actors.spec import of_terrain

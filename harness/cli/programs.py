@@ -17,11 +17,11 @@ def start(module: str) -> int:
 
 
 run = partial(start, "harness.run")
-tune = partial(start, "harness.tune")
+tune = partial(start, "harness.tune.__main__")
 scenario = partial(start, "harness.scenario.__main__")
 check = partial(start, "harness.check")
 robot = partial(start, "harness.robot")
-validate = partial(start, "harness.validate")
+validate = partial(start, "harness.validate.__main__")
 topics = partial(start, "harness.topics")
 call = partial(start, "harness.call")
 policy = partial(start, "harness.gym.policy_node")

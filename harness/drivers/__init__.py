@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
+from harness.base.errors import find_named
 from harness.drivers.base import Driver, DriverContext, Observation
 from harness.drivers.encounters import Graze, PassBy, Ram, ReverseInto, Swing
 from harness.drivers.goal import Goal
 from harness.drivers.policy import PREFIX, PolicyDriver, driver_of, read_policy
 from harness.drivers.scripted import CmdVel, Figure8, Spin, Straight
 from harness.drivers.wander import Roam, Wander
-from harness.errors import find_named
 from harness.samples import Sample
 
 __all__ = [

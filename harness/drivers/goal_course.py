@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.samples import Place, Quaternion
 from harness.world.actors.room import Room
 from rover_metrics.core.goals import GoalAccount

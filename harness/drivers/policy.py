@@ -15,9 +15,9 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.errors import UsageError, find_named
 from harness.drivers import point_nav
 from harness.drivers.base import DriverContext, Observation
-from harness.errors import UsageError, find_named
 from harness.robots import RoverSpec
 from harness.samples import LIDAR_RANGE_MAX, Sample, Twist
 

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
+from harness.base.errors import UsageError
 from harness.drivers.base import CONTROL_PERIOD, DriverContext, Observation
-from harness.errors import UsageError
 from harness.samples import Sample, Twist
 from harness.world.obstacles import Obstacle, ObstacleKind, half_extent
 from harness.world.terrains import WITH_HAZARDS

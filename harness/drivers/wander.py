@@ -10,9 +10,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.sim_time import NANOSECONDS
 from harness.drivers.base import DriverContext, Observation
 from harness.samples import LaserScan, Sample, Twist
-from harness.sim_time import NANOSECONDS
 
 GOAL_DISTANCE = (4.0, 10.0)  # [m] from where the rover is
 GOAL_REACHED = 0.6  # [m]

@@ -12,6 +12,8 @@ from datetime import datetime
 from pathlib import Path
 from typing import Self
 
+from harness.base.errors import RunFailed, UsageError
+from harness.base.interrupt import StopRequest
 from harness.config import EpisodeConfig, RosOptions
 from harness.drivers import sensed_by
 from harness.episode.batch import Batch
@@ -19,9 +21,7 @@ from harness.episode.episode import Episode, fleet_of, together
 from harness.episode.loop import Lane, Observer, Pacer, drive, drive_all, injector
 from harness.episode.metrics_feed import DirectMetrics
 from harness.episode.result import RoverRun, RunAccount, RunResult, Show, TopicCount, cells_of
-from harness.errors import RunFailed, UsageError
 from harness.faults.injector import FaultInjector
-from harness.interrupt import StopRequest
 from harness.samples import Sample, Tick
 from harness.sensors.lidar_spec import LidarSpec
 from rover_metrics.errors import LogError

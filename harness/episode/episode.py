@@ -12,13 +12,14 @@ from operator import itemgetter
 
 import numpy as np
 
+from harness.base.errors import RunFailed
+from harness.base.sim_time import NANOSECONDS, TICK_NS, parse_timestep
 from harness.config import TICKS_PER_CONTROL, EpisodeConfig
 from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, PolicyDriver, find_driver
 from harness.drivers.goal_course import GoalCourse
 from harness.drivers.steered import drivable
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.fleet import scenery
-from harness.errors import RunFailed
 from harness.frames.options import FrameOptions
 from harness.frames.rover_frames import RoverFrames, rover_frames
 from harness.frames.transforms import describe
@@ -36,7 +37,6 @@ from harness.sensors.noise import PRESETS, SensorNoise
 from harness.sensors.optional import Installation, SensorOptions
 from harness.sensors.people import PeopleSensor
 from harness.sensors.suite import SensorSuite
-from harness.sim_time import NANOSECONDS, TICK_NS, parse_timestep
 from harness.truth.recorder import TruthRecorder
 from harness.world.actors.room import Room
 from harness.world.berths import berth, overlaps

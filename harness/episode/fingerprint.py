@@ -15,12 +15,12 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from harness.base.errors import RunFailed
+from harness.base.interrupt import Interrupted, StopRequest
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
 from harness.episode.direct import run_direct
 from harness.episode.result import Run
-from harness.errors import RunFailed
-from harness.interrupt import Interrupted, StopRequest
 from harness.samples import Transforms
 
 

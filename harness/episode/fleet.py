@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from harness.base.errors import UsageError
 from harness.config import CMD_VEL, EpisodeConfig
 from harness.drivers import takes_goals
-from harness.errors import UsageError
 from harness.faults.clock import CLOCK
 from harness.robots import find_rover, robot_name
 from harness.world.berths import Member, berth

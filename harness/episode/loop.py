@@ -9,13 +9,13 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from harness.base.interrupt import StopRequest
+from harness.base.sim_time import NANOSECONDS
 from harness.config import EpisodeConfig
 from harness.episode.batch import Batch
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
-from harness.interrupt import StopRequest
 from harness.samples import Tick
-from harness.sim_time import NANOSECONDS
 
 Sink = Callable[[Tick, Tick], None]  # takes a tick of the episode, and what listeners get of it
 

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from harness import __version__
+from harness.base.errors import UsageError
+from harness.base.files import write_whole
+from harness.base.sim_time import NANOSECONDS
 from harness.config import EpisodeConfig
 from harness.episode.result import RunResult
-from harness.errors import UsageError
-from harness.files import write_whole
-from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import ContactEvent
 from harness.world.terrain_file import is_terrain_file
 from rover_metrics.log.files import json_safe

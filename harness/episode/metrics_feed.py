@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from harness.base.sim_time import NANOSECONDS
 from harness.robots import RoverSpec
 from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState
 from harness.sensors import table
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sim_time import NANOSECONDS
 from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.log.csv_log import CsvLog

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from harness.base.sim_time import NANOSECONDS
 from harness.config import EpisodeConfig
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.loop import Observer
 from harness.episode.truth_account import TruthAccount, TruthAlong
-from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import Truth
 from rover_metrics.core.row import Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds

@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from harness.base.interrupt import StopRequest
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.direct import DEFAULT_SETTINGS, run_direct
 from harness.episode.loop import Observer
 from harness.episode.manifest import write_manifest
 from harness.episode.result import RunResult
-from harness.interrupt import StopRequest
 from rover_metrics.extended.settings import Settings
 
 

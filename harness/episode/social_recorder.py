@@ -3,10 +3,10 @@
 from datetime import datetime
 from pathlib import Path
 
+from harness.base.errors import RunFailed, UsageError
+from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
-from harness.errors import RunFailed, UsageError
 from harness.samples import ActorPoses, Pose, Quaternion
-from harness.sim_time import NANOSECONDS
 from rover_metrics.core.goals import GoalAccount
 from rover_metrics.errors import LogError
 from rover_metrics.log.csv_log import CsvLog

@@ -17,13 +17,13 @@ from collections.abc import Iterator, Sequence
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
+from harness.base.errors import HarnessError, RunFailed
+from harness.base.interrupt import held_back
 from harness.config import CMD_VEL, EpisodeConfig
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch, EpisodeInfo
-from harness.errors import HarnessError, RunFailed
 from harness.frames.options import FrameOptions
 from harness.frames.tree import Description
-from harness.interrupt import held_back
 from harness.samples import Place, Twist
 from harness.world.terrain_file import is_terrain_file
 from harness.world.world import World

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.samples import TruthState, Vector3
-from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import ContactEvent
 
 MOST_EVENTS = 1000

@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from harness.base.sim_time import NANOSECONDS
 from harness.faults.base import Fault
-from harness.sim_time import NANOSECONDS
 
 CLOCK = "clock"
 LATEST_NS = (2**31 - 1) * NANOSECONDS  # a stamp's seconds have 31 bits

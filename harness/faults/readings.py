@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.sim_time import NANOSECONDS
 from harness.faults.base import Effect, Fault, Readings, SensorAct
 from harness.samples import JointStates, LaserScan, Pose, Sample, Twist
 from harness.sensors import table
-from harness.sim_time import NANOSECONDS
 
 SPIKE_SHARE = 0.1
 

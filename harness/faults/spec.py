@@ -9,13 +9,13 @@ from collections.abc import Iterable
 from functools import cache
 from typing import Any
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
+from harness.base.sim_time import NANOSECONDS
 from harness.faults.base import LONGEST, Fault, Kind
 from harness.faults.clock import CLOCK
 from harness.faults.kinds import OF_SENSORS, OF_THE_CLOCK
 from harness.sensors import table
 from harness.sensors.table import ATTITUDE, SensorRow
-from harness.sim_time import NANOSECONDS
 
 FORM = "SENSOR:FAULT[=VALUE][@START[+LENGTH]]"
 _SPEC = re.compile(

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from harness.base.sim_time import NANOSECONDS
 from harness.faults.base import Effect, Fault, Readings, SensorAct
 from harness.samples import Sample
-from harness.sim_time import NANOSECONDS
 
 
 def frozen(merge: Callable[[Sample, Sample], Sample]) -> SensorAct:

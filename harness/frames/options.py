@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 
 GROUND_TRUTH, WHEELS, NONE = "ground_truth", "wheels", "none"
 ODOM_SOURCES = (GROUND_TRUTH, WHEELS, NONE)

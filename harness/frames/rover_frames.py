@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.frames.tree import Edge, check_tree
 from harness.robots import FrameRow, RoverSpec
 from harness.robots.measures import frame_name

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.samples import Quaternion, Vector3
 
 ODOM, MAP = "odom", "map"

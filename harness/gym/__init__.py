@@ -10,7 +10,7 @@ docs/gym.md has a section for each: spaces, reward, endings, options.
 import sys
 from functools import partial
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 
 try:
     import gymnasium

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from harness.base.sim_time import parse_timestep
 from harness.config import TICKS_PER_CONTROL, EpisodeConfig
 from harness.drivers.base import CONTROL_PERIOD
 from harness.episode.episode import installed
@@ -22,7 +23,6 @@ from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.range_sensor import RangeSensor
-from harness.sim_time import parse_timestep
 from harness.world.world import Start, starting_at
 
 if TYPE_CHECKING:

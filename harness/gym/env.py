@@ -16,8 +16,8 @@ from gymnasium.error import InvalidAction, ResetNeeded
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
+from harness.base.errors import Diverged, RunFailed, UsageError, unknown
 from harness.drivers.base import CONTROL_PERIOD
-from harness.errors import Diverged, RunFailed, UsageError, unknown
 from harness.gym.course import Course, draw_variation
 from harness.gym.difficulty import Ladder
 from harness.gym.observation import Limits, Observation, Part

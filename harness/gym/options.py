@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, is_dataclass
 from typing import TypeVar
 
+from harness.base.errors import UsageError
+from harness.base.sim_time import check_duration
 from harness.config import FILE_OPTIONS, LIDAR_BEAMS, EpisodeConfig
-from harness.errors import UsageError
-from harness.sim_time import check_duration
 from harness.world.terrain_file import is_terrain_file
 from harness.world.world import DEFAULT_DIFFICULTY
 from harness.yaml_file import fill

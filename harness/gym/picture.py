@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.gym.course import Course
 from harness.physics.opengl import Canvas, gl_context
 from harness.physics.scene import build_scene

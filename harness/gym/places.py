@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.gym.options import Range
 from harness.robots import RoverSpec
 from harness.world.occupancy import FREE, occupancy

@@ -19,7 +19,7 @@ from rover_metrics.errors import OneLineParser, begin_program, run_program
 if __name__ == "__main__":
     begin_program("harness.gym.policy_node")
 
-from harness.errors import INSTALL_ROS, UsageError
+from harness.base.errors import INSTALL_ROS, UsageError
 
 try:
     import rclpy

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.config import IMU_RATE, TICKS_PER_CONTROL
 from harness.episode.episode import sensor_noise
 from harness.gym.course import Course, Variation
@@ -18,7 +19,6 @@ from harness.physics.scene import HAZARD_CONTACT, SCRAPE_CONTACT
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
 from harness.sensors.ranging import RangeReading
 from harness.sensors.suite import SensorSuite
-from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.world.world import Start
 
 SENSED = (LaserScan, Imu, Pose, Odometry)

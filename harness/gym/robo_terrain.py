@@ -13,9 +13,9 @@ from typing import ClassVar
 import numpy as np
 from gymnasium import spaces
 
+from harness.base.errors import UsageError
 from harness.drivers.base import CONTROL_PERIOD
 from harness.drivers.point_nav import Point, attitude, latest, visible, way_to
-from harness.errors import UsageError
 from harness.gym.env import Info, RoverEnv
 from harness.gym.observation import Part, space_of
 from harness.gym.options import Options, Range

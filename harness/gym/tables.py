@@ -19,7 +19,7 @@ if __name__ == "__main__":
 
 from gymnasium import spaces
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.gym import ENVIRONMENTS
 from harness.gym.options import Options
 

@@ -20,7 +20,7 @@ from gymnasium.vector.utils import batch_space
 from joblib import cpu_count
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.gym.env import Action, Info, RoverEnv
 from harness.gym.observation import Observation
 

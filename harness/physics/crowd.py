@@ -10,10 +10,10 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
+from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.physics.contacts import ContactWatch, Touch
 from harness.physics.scene import Scene
 from harness.samples import Place, Vector3
-from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.world.actors.walker import SocialWalker
 
 REACH = 0.1  # [m] beyond bounding discs within which a touch is looked for

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import INSTALL_OPENGL, UsageError
+from harness.base.errors import INSTALL_OPENGL, UsageError
 
 CONTEXTS = ("mujoco.egl", "mujoco.osmesa", "mujoco.cgl", "mujoco.glfw")  # in the order they are tried
 

@@ -11,12 +11,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import Diverged, RunFailed
+from harness.base.errors import Diverged, RunFailed
+from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.physics.crowd import Crowd
 from harness.physics.rover import Rover, State
 from harness.physics.scene import Scene
 from harness.physics.start import spawn_pose
-from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.world.world import EDGE_MARGIN, Start
 
 SETTLE_LIMIT_NS = 5 * NANOSECONDS

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.physics.scene import OBSTACLE_GROUP, Scene
 from harness.world.world import Start
 

@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from harness.base.sim_time import NANOSECONDS
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch
 from harness.samples import ActorPoses, Imu, LaserScan, PlacedScan, Pose, Vector3
-from harness.sim_time import NANOSECONDS
 
 BATCHES_PER_STRETCH = 2  # at first: 0.1 s
 FEWEST_STRETCHES = 1500  # of a long run, and twice as many at most

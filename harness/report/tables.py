@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from harness.base.sim_time import NANOSECONDS
 from harness.episode.result import RunResult
 from harness.page.figure import DASH, MINUS, TIMES, spelled
 from harness.report.encounters import Encounter
 from harness.report.log import Log, describe, meetings
 from harness.report.recorder import Stretch
-from harness.sim_time import NANOSECONDS
 from harness.world.actors.actor import Actor
 from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
 

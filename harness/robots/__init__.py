@@ -8,7 +8,7 @@ conventions of those that ship and the source of every number, docs/robots.md wh
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.robots.reading import MODELS_DIR, read_rover
 from harness.robots.spec import Drive, FrameRow, Mount, RoverSpec
 

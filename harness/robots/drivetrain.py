@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError, unknown
+from harness.base.errors import UsageError, unknown
 from harness.robots.model import COLLIDING_GROUP, compiled_alone, extent
 from harness.robots.spec import Drive, RoverSpec
 

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.robots.drivetrain import Drivetrain
 from harness.robots.model import COLLIDING_GROUP, extent
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.robots.spec import Mount, RoverSpec
 
 SEEN_GROUP, COLLIDING_GROUP, UNSEEN_GROUP = 2, 3, 4

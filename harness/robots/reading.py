@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.robots.mjcf import told_by_mjcf
 from harness.robots.spec import DRIVES, GIVEN, MAY_BE_ZERO, TOLD, Drive, RoverSpec
 from harness.yaml_file import fill, read_mapping

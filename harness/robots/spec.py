@@ -104,7 +104,7 @@ class RoverSpec:
         frames: Of /tf and the URDF; harness.frames adds those of the model that are not named here.
         lidar: Where the lidar is, if the model has no site `lidar`; likewise `imu`.
         slope_limit: Steepest slope that it climbs; `step_limit` is the highest step.
-        expected: What harness.validation.check reads.
+        expected: What harness.validate.check reads.
         sensors: Those that it carries beside the usual ones, each as rover.yaml has it.
     """
 

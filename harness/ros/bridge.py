@@ -17,7 +17,8 @@ from rclpy.context import Context
 from rosgraph_msgs.msg import Clock
 
 from harness import samples
-from harness.errors import UsageError
+from harness.base.errors import UsageError
+from harness.base.sim_time import NANOSECONDS
 from harness.frames.tree import ODOM, Description
 from harness.robots import RoverSpec
 from harness.ros import messages
@@ -28,7 +29,6 @@ from harness.ros.frames import FrameTopics
 from harness.sensors.choice import chosen
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.table import SensorRow, Topic
-from harness.sim_time import NANOSECONDS
 from rover_metrics.ros.guarded_node import GuardedNode
 
 PERSON = "geometry_msgs/msg/Pose"  # RoboTerrain's plugin tells no stamp

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from rclpy.logging import get_logger
 from sensor_msgs.msg import CameraInfo, Image
 
+from harness.base.sim_time import NANOSECONDS
 from harness.config import EpisodeConfig
 from harness.episode.fleet import scenery
 from harness.ros.channel import Fill
@@ -17,7 +18,6 @@ from harness.samples import Sample
 from harness.sensors.camera.lens import Lens
 from harness.sensors.camera.painter import CameraPainter
 from harness.sensors.camera.sensor import CameraOptions, CameraState
-from harness.sim_time import NANOSECONDS
 
 Draw = Callable[[CameraState], NDArray[np.uint8] | None]  # None: there is no OpenGL
 ENCODING, CHANNELS = "rgb8", 3

@@ -7,7 +7,7 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.ros.foreign_type import forget_missing_definition, message_type
 from harness.sensors.table import Topic
 from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE

@@ -16,7 +16,7 @@ from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.ros.network import stay_local
 from rover_metrics.ros.arguments import refusal
 

@@ -10,10 +10,10 @@ from functools import partial
 
 from std_srvs.srv import SetBool, Trigger
 
-from harness.interrupt import StopRequest
+from harness.base.interrupt import StopRequest
+from harness.base.sim_time import NANOSECONDS
 from harness.ros.bridge import Bridge
 from harness.ros.context import SPIN_TIMEOUT
-from harness.sim_time import NANOSECONDS
 
 Reset = Callable[[], int | None]
 

@@ -12,14 +12,14 @@ from typing import Any
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from harness.errors import RunFailed
+from harness.base.errors import RunFailed
+from harness.base.sim_time import NANOSECONDS
 from harness.frames.tree import ODOM, Description, Edge
 from harness.ros.channel import open_channel
 from harness.ros.foreign_type import FAST_DDS, forget_missing_definition, message_type
 from harness.samples import Transforms
 from harness.sensors.message_types import typestore
 from harness.sensors.table import SENSORS, Topic
-from harness.sim_time import NANOSECONDS
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 

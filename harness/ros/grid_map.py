@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from harness.base.sim_time import NANOSECONDS
 from harness.frames.tree import ODOM
 from harness.ros.channel import Fill
 from harness.sensors.height_scan import HeightScan, HeightScanOptions
 from harness.sensors.message_types import GRID_MAP, typestore
-from harness.sim_time import NANOSECONDS
 
 LAYER = "elevation"
 

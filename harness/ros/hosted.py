@@ -9,8 +9,8 @@ from types import MappingProxyType
 from rclpy.context import Context
 from rclpy.parameter import Parameter
 
+from harness.base.errors import RunFailed, UsageError
 from harness.episode.result import TopicCount
-from harness.errors import RunFailed, UsageError
 from harness.ros.bridge import SECOND_PUBLISHER, Bridge
 from harness.ros.channel import Channel
 from harness.ros.context import SPIN_TIMEOUT, spin_until, timer_is_due

@@ -14,10 +14,10 @@ from dataclasses import dataclass, field
 
 from rclpy.task import Future
 
+from harness.base.sim_time import NANOSECONDS
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
 from harness.ros.remote import RemoteNode, wait_for_answers
-from harness.sim_time import NANOSECONDS
 
 CLOCKS = 5  # of /clock that may wait for a node; its queue holds ten
 UNKNOWN = "_NODE_NAME_UNKNOWN_"  # of a reader whose node the graph does not know (yet)

@@ -28,6 +28,7 @@ from sensor_msgs.msg import (
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
 from harness import samples
+from harness.base.sim_time import NANOSECONDS
 from harness.robots import RoverSpec
 from harness.ros import ranging
 from harness.ros.camera import Draw, camera_info_fill, image_fill
@@ -41,7 +42,6 @@ from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions
 from harness.sensors.optional import SensorOptions
 from harness.sensors.table import SensorRow, Topic
-from harness.sim_time import NANOSECONDS
 from rover_metrics.extended.truth_columns import traversal_names
 
 GROUND_TRUTH_POSE_VARIANCE = 0.01  # on the diagonal, as RoboTerrain's PoseConverterNode says

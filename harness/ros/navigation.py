@@ -15,6 +15,7 @@ from typing import Any
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid
 
+from harness.base.sim_time import NANOSECONDS
 from harness.config import EpisodeConfig
 from harness.drivers import takes_goals
 from harness.episode.stream import RoverOrders
@@ -23,7 +24,6 @@ from harness.ros.bridge import Bridge
 from harness.ros.channel import open_channel
 from harness.samples import Place
 from harness.sensors.table import Topic
-from harness.sim_time import NANOSECONDS
 from harness.world.occupancy import OccupancyMap, occupancy
 from harness.world.world import EDGE_MARGIN
 

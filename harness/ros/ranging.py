@@ -10,13 +10,13 @@ from array import array
 import numpy as np
 from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2, PointField
 
+from harness.base.sim_time import NANOSECONDS
 from harness.ros.camera import lens_info
 from harness.ros.channel import Fill
 from harness.sensors.camera.lens import Pinhole
 from harness.sensors.depth import DepthOptions
 from harness.sensors.lidars import AS_NAN, CloudLidarOptions, PlanarLidarOptions
 from harness.sensors.ranging import RangeReading
-from harness.sim_time import NANOSECONDS
 
 # Reflectivities in percent, estimates: dry soil, rock. Neither range nor angle changes them.
 ON_GROUND, ON_OBSTACLE = 25.0, 50.0

@@ -23,12 +23,12 @@ from rclpy.serialization import serialize_message
 from rclpy.subscription import Subscription
 
 from harness import __version__
-from harness.errors import RunFailed, UsageError
-from harness.files import check_target
+from harness.base.errors import RunFailed, UsageError
+from harness.base.files import check_target
+from harness.base.sim_time import NANOSECONDS
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel, Message
 from harness.sensors.message_types import typestore
-from harness.sim_time import NANOSECONDS
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
 CHUNK_SIZE = 1024 * 1024  # [B]

@@ -18,8 +18,8 @@ from rclpy.executors import Executor
 from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
+from harness.base.errors import RunFailed, UsageError
 from harness.episode.result import TopicCount
-from harness.errors import RunFailed, UsageError
 from harness.ros.bridge import Bridge
 from harness.ros.context import spin_until
 from rover_metrics.metrics_node import KEEPS_ORDER

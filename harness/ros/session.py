@@ -12,12 +12,13 @@ from functools import partial
 
 from rclpy.executors import ExternalShutdownException
 
+from harness.base.errors import RunFailed
+from harness.base.interrupt import GRACE, Overdue, StopRequest
+from harness.base.sim_time import NANOSECONDS
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.loop import Lane, Observer, Pacer, drive_all
 from harness.episode.result import RoverRun, RunAccount, RunResult, Show
 from harness.episode.stream import EpisodeProcess
-from harness.errors import RunFailed
-from harness.interrupt import GRACE, Overdue, StopRequest
 from harness.ros.bridge import SECOND_PUBLISHER
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.controls import Controls
@@ -27,7 +28,6 @@ from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, counted_by
 from harness.ros.rover_nodes import RoverNodes
 from harness.samples import Tick
-from harness.sim_time import NANOSECONDS
 
 LOOK_PERIOD_NS = NANOSECONDS // 10  # of simulation time, for publishers that have turned up
 

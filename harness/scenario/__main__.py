@@ -17,16 +17,16 @@ if __name__ == "__main__":
 
 from rich.console import Console
 
+from harness.base.errors import UsageError
+from harness.base.files import check_target
+from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
-from harness.errors import UsageError
-from harness.files import check_target
-from harness.interrupt import StopRequest
 from harness.scenario.baseline import write_baselines
 from harness.scenario.selection import Selected, find_files, plan
 from harness.scenario.suite import run_all
 from harness.scenario.told import tell
 from harness.scenario.verdict import Verdict, exit_code, verdicts_of
-from harness.tuning.backend import BACKENDS, backend_of
+from harness.tune.backend import BACKENDS, backend_of
 from rover_metrics.errors import OneLineParser
 
 OUT = Path("scenario_runs")

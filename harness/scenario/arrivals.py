@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import unknown
+from harness.base.errors import unknown
+from harness.base.sim_time import NANOSECONDS
 from harness.scenario.series import Series
 from harness.scenario.topic import MEASURES, TopicQuantity
 from harness.sensors.message_types import numbers_at
-from harness.sim_time import NANOSECONDS
 from rover_metrics.topics import stamp_ns
 
 SAMPLED_NS = NANOSECONDS // 20  # between two values of a rate

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
+from harness.base.interrupt import Interrupted, StopRequest
 from harness.config import RosOptions
 from harness.episode.direct import run_direct, run_unlogged
-from harness.errors import INSTALL_ROS, HarnessError, UsageError
-from harness.interrupt import Interrupted, StopRequest
 from harness.scenario.baseline import Recorded
 from harness.scenario.case import Case
 from harness.scenario.evidence import keep_evidence

@@ -10,10 +10,10 @@ from typing import Any
 import mujoco
 
 from harness import __version__
+from harness.base.errors import UsageError
+from harness.base.files import write_whole
 from harness.config import EpisodeConfig
 from harness.episode.result import RunResult
-from harness.errors import UsageError
-from harness.files import write_whole
 from harness.scenario.bound import Bound
 from harness.scenario.case import Case, scenario_name
 from harness.scenario.judge import value_of

@@ -8,9 +8,9 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+from harness.base.errors import UsageError
 from harness.config import FILE_OPTIONS, EpisodeConfig
 from harness.drivers import takes_goals
-from harness.errors import UsageError
 from harness.robots import ROVERS
 from harness.scenario.events import CommandEvent, FaultEvent, ResetEvent
 from harness.scenario.spec import ExpectedFailure, Scenario

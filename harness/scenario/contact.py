@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
+from harness.base.sim_time import NANOSECONDS
 from harness.scenario.judge import Breach
 from harness.scenario.quantities import QUANTITIES, SAMPLED
-from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import ContactEvent
 
 _CORNERS = {

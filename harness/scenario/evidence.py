@@ -5,9 +5,9 @@ from dataclasses import replace
 from pathlib import Path
 from shutil import copy2, rmtree
 
+from harness.base.files import write_whole
 from harness.episode.manifest import write_manifest
 from harness.episode.result import RunResult
-from harness.files import write_whole
 from harness.report.recorder import RunRecorder
 
 PAGE, RECORDING = "run.html", ".mcap"

@@ -9,7 +9,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.ros.bridge import Bridge
 from harness.ros.commands import RCLError
 from harness.ros.foreign_type import forget_missing_definition

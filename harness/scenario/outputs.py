@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from harness.files import write_whole
+from harness.base.files import write_whole
 from harness.scenario.comparison import comparisons_of
 from harness.scenario.junit import write_junit
 from harness.scenario.page.page import render

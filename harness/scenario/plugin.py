@@ -38,7 +38,7 @@ class ScenarioFile(pytest.File):
 
     def collect(self) -> "Iterator[ScenarioRun]":
         """Yields a test a run; one for all where a share of them may fail."""
-        from harness.errors import UsageError  # noqa: PLC0415 - see above
+        from harness.base.errors import UsageError  # noqa: PLC0415 - see above
         from harness.scenario.selection import plan  # noqa: PLC0415
 
         count, here = self.config.getoption("rover_seeds"), self.config.invocation_params.dir

@@ -7,7 +7,7 @@ from functools import partial
 from operator import attrgetter
 from typing import NamedTuple
 
-from harness.errors import unknown
+from harness.base.errors import unknown
 from harness.report.log import NOTES_COLUMN, TIME_COLUMN
 from harness.samples import ContactKind, TruthState
 from harness.scenario.topic import TOPIC, check_topic

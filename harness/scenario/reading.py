@@ -11,7 +11,7 @@ from pydantic_core import ErrorDetails
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
-from harness.errors import UsageError, unknown
+from harness.base.errors import UsageError, unknown
 from harness.scenario import bound, events, spec
 from harness.scenario.launch import Launch
 from harness.scenario.spec import Scenario

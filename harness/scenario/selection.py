@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.scenario.case import Case, cases_of
 from harness.scenario.reading import SUFFIX, read_scenario
 

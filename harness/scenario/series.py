@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.samples import Pose, Sample, TruthState, Vector3
 from harness.scenario.quantities import NO_VALUE, QUANTITIES, Moment
-from harness.sim_time import NANOSECONDS
 
 SAMPLES: set[type[Sample]] = {Pose, TruthState}  # that quantities of the truth are made of
 STILL = TruthState(0, False, False, False, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0, 0.0), 0.0)

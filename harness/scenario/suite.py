@@ -5,12 +5,12 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from harness.interrupt import Interrupted
+from harness.base.interrupt import Interrupted
 from harness.scenario.attempt import SCRATCH, Attempt, attempt
 from harness.scenario.case import Case
 from harness.scenario.progress import Progress
-from harness.tuning.backend import Backend
-from harness.tuning.backend.work_off import work_off
+from harness.tune.backend import Backend
+from harness.tune.backend.work_off import work_off
 
 KEPT = "the same command with --resume goes on with the rest"
 

@@ -19,10 +19,11 @@ from typing import Self
 import rclpy
 from rclpy.logging import LoggingSeverity
 
+from harness.base.errors import HarnessError, RunFailed, UsageError
+from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.episode.direct import LoggedRun
 from harness.episode.result import RunResult, TopicCount
-from harness.errors import HarnessError, RunFailed, UsageError
 from harness.ros.context import spin_until, spin_until_quiet
 from harness.ros.remote import DISCOVERY_PATIENCE, counted_by
 from harness.samples import Tick
@@ -35,7 +36,6 @@ from harness.scenario.selection import plan
 from harness.scenario.series import Series
 from harness.scenario.topic import TopicQuantity, topic_quantity
 from harness.scenario.watch import Findings, Watch
-from harness.sim_time import NANOSECONDS
 from harness.testing.evidence import Recording
 from harness.testing.nodes import START_PATIENCE
 from harness.testing.subject import Subject

@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
+from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.samples import Sample
-from harness.sim_time import NANOSECONDS, TICK_NS
 
 if TYPE_CHECKING:  # whoever only checks a rate does without MuJoCo
     from harness.physics.simulation import Simulation

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from harness.errors import UsageError, find_named
+from harness.base.errors import UsageError, find_named
 from harness.robots import RoverSpec
 from harness.sensors import table
 from harness.sensors.table import SensorRow

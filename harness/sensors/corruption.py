@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.sim_time import NANOSECONDS
 from harness.samples import Vector3
-from harness.sim_time import NANOSECONDS
 
 
 @dataclass(frozen=True, kw_only=True)

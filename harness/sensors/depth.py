@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.robots import FrameRow, RoverSpec
 from harness.samples import Vector3
 from harness.sensors.ranging import RangeOptions

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.samples import Vector3
 
 # Dipole terms g10, g11, h11 of the World Magnetic Model 2025 (NOAA NCEI, epoch 2025.0) [T], and the

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError, find_named
+from harness.base.errors import UsageError, find_named
 from harness.robots import FrameRow, RoverSpec
 from harness.samples import plain_value
 from harness.sensors.optional import Installation, OptionalSensor, SensorOptions

@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.sensors.ranging import RangeOptions, check_span
 
 DEGREE = math.pi / 180.0

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.samples import Vector3, plain_value
 from harness.sensors.chip import NO_ERRORS, ChipOptions, ChipSensor
 from harness.sensors.corruption import AxisErrors

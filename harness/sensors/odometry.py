@@ -10,11 +10,11 @@ import math
 
 import numpy as np
 
+from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.physics.ackermann import curvature_of
 from harness.physics.simulation import Simulation
 from harness.samples import Odometry, Twist
 from harness.sensors.base import Sensor
-from harness.sim_time import NANOSECONDS, TICK_NS
 
 
 class WheelOdometry(Sensor):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.robots import FrameRow, RoverSpec
 from harness.samples import Vector3
 from harness.sensors.base import Sensor, period_ticks

@@ -12,8 +12,8 @@ from dataclasses import fields
 from inspect import cleandoc
 from pathlib import Path
 
-from harness.errors import UsageError
-from harness.files import write_whole
+from harness.base.errors import UsageError
+from harness.base.files import write_whole
 from harness.sensors.choice import by_default, kinds
 from harness.sensors.optional import SensorOptions
 from harness.sensors.table import SensorRow

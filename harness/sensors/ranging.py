@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.samples import plain_value
 from harness.sensors.corruption import RangeErrors
 from harness.sensors.optional import SensorOptions

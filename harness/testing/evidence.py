@@ -6,11 +6,11 @@ import time
 from contextlib import ExitStack
 from pathlib import Path
 
+from harness.base.errors import HarnessError
+from harness.base.files import write_whole
 from harness.config import EpisodeConfig
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.result import RunAccount, RunResult, TopicCount
-from harness.errors import HarnessError
-from harness.files import write_whole
 from harness.report.recorder import RunRecorder
 from harness.ros.bridge import Bridge
 from harness.ros.recorder import Recorder

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from rclpy.executors import Executor
 
-from harness.errors import HarnessError
+from harness.base.errors import HarnessError
 from harness.ros.bridge import Bridge
 from harness.ros.context import spin_until
 from harness.ros.remote import DISCOVERY_PATIENCE

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
 
-from harness.errors import RunFailed, UsageError
+from harness.base.errors import RunFailed, UsageError
 
 EXIT_PATIENCE = 5.0  # [s] for a process to leave after SIGINT before it is killed
 LAST_LINES, LAST_BYTES = 8, 4096  # of what it said, for whoever reads why it ended

@@ -12,11 +12,12 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
+from harness.base.errors import UsageError
+from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.config import EpisodeConfig
 from harness.episode.batch import Batch, later
 from harness.episode.episode import Episode
 from harness.episode.loop import drive as drive_loop
-from harness.errors import UsageError
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.frames.options import FrameOptions
@@ -27,7 +28,6 @@ from harness.ros.context import make_executor
 from harness.ros.network import reserved_domain, stay_local
 from harness.samples import GroundTruth, Tick, Twist
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.testing.evidence import Evidence
 from harness.testing.nodes import Nodes
 from harness.testing.process import Programs

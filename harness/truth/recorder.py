@@ -7,9 +7,9 @@ is missed.
 import math
 from functools import cached_property
 
+from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.physics.simulation import Simulation
 from harness.samples import ContactKind, TruthState
-from harness.sim_time import NANOSECONDS, TICK_NS
 from harness.truth.contact_events import ContactEvents
 from harness.truth.traversal import Truth
 from harness.truth.wheels import Wheels

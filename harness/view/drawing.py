@@ -11,10 +11,10 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing
 from pathlib import Path
 
+from harness.base.errors import INSTALL_OPENGL, HarnessError, UsageError
+from harness.base.files import check_target
 from harness.config import EpisodeConfig
 from harness.episode.loop import Observer
-from harness.errors import INSTALL_OPENGL, HarnessError, UsageError
-from harness.files import check_target
 from harness.sensors.camera.backend import backends
 from harness.view.states import StateWriter
 

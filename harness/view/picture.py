@@ -21,9 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from harness.base.errors import HarnessError
+from harness.base.files import whole_file
 from harness.episode.fleet import scenery
-from harness.errors import HarnessError
-from harness.files import whole_file
 from harness.physics.scene import build_scenes
 from harness.physics.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
 from harness.sensors.lidar import Lidar

@@ -14,12 +14,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.base.errors import UsageError
+from harness.base.sim_time import NANOSECONDS
 from harness.config import FILE_OPTIONS, EpisodeConfig
 from harness.episode.batch import Batch
-from harness.errors import UsageError
 from harness.robots import find_rover
 from harness.samples import ActorPoses, JointStates, Pose
-from harness.sim_time import NANOSECONDS
 
 PERIOD_NS = 40_000_000  # 25 states a second, as a video shows them
 POSE_SIZE, PERSON_SIZE = 7, 4

@@ -4,7 +4,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.solids.mesh_file import SUFFIXES as MESHES
 from harness.world.solids.mesh_file import UNITS, UP
 from harness.world.terrains import TERRAINS

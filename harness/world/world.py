@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle
 from harness.world.terrains import TERRAINS

@@ -17,12 +17,12 @@ from typing import Any
 
 import pytest
 
+from harness.base.interrupt import Interrupted, Overdue, StopRequest
 from harness.config import EpisodeConfig
 from harness.drivers.base import Observation
 from harness.drivers.wander import Wander
 from harness.episode.batch import Batch
 from harness.episode.loop import Observer
-from harness.interrupt import Interrupted, Overdue, StopRequest
 from harness.run import main
 from harness.samples import Tick, Twist
 from harness.view.drawing import Drawing

@@ -12,11 +12,11 @@ import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
+from harness.base.interrupt import StopRequest
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
 from harness.frames.options import FrameOptions
 from harness.frames.tree import Edge
-from harness.interrupt import StopRequest
 from harness.robots import find_rover
 from harness.ros.frames import transforms_bytes
 from harness.ros.network import reserved_domain

@@ -16,9 +16,9 @@ from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from harness.base.interrupt import StopRequest
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
-from harness.interrupt import StopRequest
 from harness.robots import find_rover
 from harness.ros import session
 from harness.ros.context import make_executor, ros_context, spin_until

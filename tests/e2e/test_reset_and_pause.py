@@ -22,11 +22,11 @@ from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from std_srvs.srv import SetBool, Trigger
 
+from harness.base.interrupt import StopRequest
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
 from harness.episode.result import RunResult
 from harness.episode.stream import AHEAD
-from harness.interrupt import StopRequest
 from harness.ros import session
 from harness.ros.context import make_executor, spin_until
 from harness.ros.session import run_through_ros

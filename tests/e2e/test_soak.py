@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from harness.errors import RunFailed
+from harness.base.errors import RunFailed
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 

@@ -29,12 +29,12 @@ from rosbags.highlevel import AnyReader
 from std_srvs.srv import SetBool, Trigger
 
 from harness import robots
+from harness.base.interrupt import StopRequest
 from harness.config import RosOptions
 from harness.episode.batch import Batch
 from harness.episode.loop import Pacer
 from harness.episode.result import RunResult
 from harness.episode.stream import RoverOrders
-from harness.interrupt import StopRequest
 from harness.robots import ROVERS
 from harness.ros.bridge import Bridge
 from harness.ros.context import spin_until

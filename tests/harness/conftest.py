@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from harness.base.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS
 from harness.physics.scene import Scene, build_scene
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS, RoverSpec
 from harness.robots.urdf.folder import write_folder
-from harness.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS
 from harness.world.actors.actor import with_actors
 from harness.world.actors.spec import parse_actors
 from harness.world.heightfield import Heightfield

@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 from harness import check
+from harness.base.errors import UsageError
+from harness.base.interrupt import StopRequest
 from harness.check import _judged, main
 from harness.config import EpisodeConfig
 from harness.episode.direct import run_direct
@@ -19,8 +21,6 @@ from harness.episode.fingerprint import (
     direct_in_fresh_process,
     fingerprint,
 )
-from harness.errors import UsageError
-from harness.interrupt import StopRequest
 from harness.sensors.noise import DEFAULT_PRESET
 from tests.support.complaint import complaint
 from tests.support.forking import ForkedSimulations

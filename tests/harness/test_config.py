@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.base.errors import UsageError
 from harness.config import TICKS_PER_CONTROL, EpisodeConfig, RosOptions
-from harness.errors import UsageError
 from harness.frames.options import FrameOptions
 from harness.world.terrain_file import TerrainFile
 from harness.world.world import terrain_hash

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from harness.interrupt import StopRequest
+from harness.base.interrupt import StopRequest
 from harness.topics import _watch, main
 from tests.support.complaint import complaint
 

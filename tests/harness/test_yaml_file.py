@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.yaml_file import fill, read_mapping
 
 

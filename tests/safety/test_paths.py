@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import HarnessError
-from harness.files import whole_file
+from harness.base.errors import HarnessError
+from harness.base.files import whole_file
 from harness.run import main as run
 from rover_metrics import analyze
 from rover_metrics.bag.bag_reader import Bag

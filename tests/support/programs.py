@@ -7,11 +7,13 @@ import tomllib
 
 from benchmarks import __main__ as benchmarks
 from benchmarks.soak import __main__ as soak
-from harness import call, check, robot, topics, tune, validate
+from harness import call, check, robot, topics
 from harness.cli import programs
 from harness.cli.run_parser import run_parser
 from harness.gym import policy_node
 from harness.scenario import __main__ as scenario
+from harness.tune import __main__ as tune
+from harness.validate import __main__ as validate
 from rover_metrics import dictionary, social
 from rover_metrics.analysis import options as analyze
 from rover_metrics.bag import options as replay

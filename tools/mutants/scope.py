@@ -134,7 +134,7 @@ PACKAGES = (
     Package(
         "tuning scores",
         _modules(f"{_HARNESS}/tuning", "scoring/* episodes/contacts"),
-        _tests("harness/tuning/scoring harness/tuning/episodes"),
+        _tests("harness/tune/scoring harness/tune/episodes"),
     ),
 )
 

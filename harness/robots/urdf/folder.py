@@ -9,7 +9,7 @@ from xml.sax.saxutils import quoteattr
 
 import mujoco
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.robots.model import compiled, free_root, show_what_collides, sort_geoms
 from harness.robots.reading import read_rover
 from harness.robots.schema import schema

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError, unknown
+from harness.base.errors import UsageError, unknown
 from harness.robots.model import extent
 
 ALONG = 0.9  # cosine of the angle to y of an axle, to z of a steering axis

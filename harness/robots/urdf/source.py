@@ -13,7 +13,7 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 
 READABLE = (".stl", ".obj", ".msh")
 MOST_BYTES = 20_000_000

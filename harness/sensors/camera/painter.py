@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import HarnessError, UsageError
-from harness.interrupt import held_back
+from harness.base.errors import HarnessError, UsageError
+from harness.base.interrupt import held_back
 from harness.sensors.camera.backend import backends, keep_opengl_out
 from harness.sensors.camera.sensor import CameraOptions, CameraState
 

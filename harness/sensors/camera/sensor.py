@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError, find_named
+from harness.base.errors import UsageError, find_named
 from harness.robots import FrameRow, RoverSpec
 from harness.samples import Quaternion, Vector3, plain_value
 from harness.sensors.camera.lens import LENSES, Lens

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.actors.room import Room, along
 from harness.world.actors.route import Route, timed
 from harness.world.actors.spec import ActorSpec

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Self
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.samples import Place
 
 TURN_S = 0.1  # [s]

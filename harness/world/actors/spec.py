@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from harness.errors import UsageError, unknown
+from harness.base.errors import UsageError, unknown
 from harness.world.actors.trajectory import SUFFIXES, Told, actors_of, read_told
 
 FORM = "give [NAME=]FILE.sdf, NAME=X,Y/X,Y/..., NAME=random or NAME=social, and :KEY=VALUE,... behind it"

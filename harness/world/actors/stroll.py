@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.samples import Place
 from harness.world.actors.room import Room
 from harness.world.actors.route import Route

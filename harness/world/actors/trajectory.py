@@ -8,8 +8,8 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from harness.errors import UsageError
-from harness.files import modified_ns
+from harness.base.errors import UsageError
+from harness.base.files import modified_ns
 from harness.world.actors.route import LONGEST_ROUTE, Point
 from harness.world.sdf.document import Person, read_document
 from harness.world.sdf.poses import read_pose

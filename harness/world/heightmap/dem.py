@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.heightfield import Field, Heightfield, filled, resampled
 from harness.world.heightmap.raster import Raster, read_raster
 from harness.world.statistics import slopes

@@ -13,7 +13,7 @@ import tifffile
 from numpy.typing import NDArray
 from PIL import Image
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 
 DEFLATE = (8, 32946)  # TIFF's numbers of compressions
 BY_LIBTIFF = (5, 32773, 34925, 50000)  # LZW, PackBits, LZMA, Zstandard

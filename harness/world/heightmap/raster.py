@@ -14,7 +14,7 @@ import numpy as np
 import tifffile
 from PIL import Image
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.heightfield import Field
 from harness.world.heightmap.geotiff import SIZE_UNKNOWN, read_grid
 from harness.world.heightmap.packed import READABLE, unpacked

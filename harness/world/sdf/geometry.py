@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.sdf.poses import IDENTITY, Transform, transform
 from harness.world.sdf.reader import is_true, numbers, text_of
 from harness.world.sdf.resources import Missing, Resources

@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.sdf.reader import is_true, numbers
 
 Transform = NDArray[np.float64]  # shape (4, 4): T_parent_child

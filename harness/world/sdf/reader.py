@@ -5,7 +5,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 
 MOST_BYTES = 64 * 2**20
 DEEPEST = 100  # elements within elements

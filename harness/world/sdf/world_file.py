@@ -4,7 +4,7 @@ import hashlib
 from dataclasses import replace
 from pathlib import Path
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.sdf.document import Document, read_document
 from harness.world.sdf.poses import IDENTITY
 from harness.world.sdf.resources import Resources

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.occupancy import FREE, occupancy
 from harness.world.solids.ground import Sorted, map_bounds, sorted_solids

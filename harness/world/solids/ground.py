@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.heightfield import resampled
 from harness.world.heightmap.raster import read_raster
 from harness.world.solids.mesh_file import Mesh, areas_and_normals, read_mesh

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from fnmatch import fnmatchcase
 
-from harness.errors import UsageError, unknown
+from harness.base.errors import UsageError, unknown
 from harness.world.obstacles import ObstacleKind
 from harness.world.terrain_file import TerrainFile
 

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError, find_named
-from harness.files import modified_ns
+from harness.base.errors import UsageError, find_named
+from harness.base.files import modified_ns
 from harness.world.sdf.reader import parse_xml
 
 SUFFIXES = (".dae", ".obj", ".stl")

@@ -18,7 +18,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.heightfield import Field, Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, convex, surface
 from harness.world.occupancy import HEADROOM

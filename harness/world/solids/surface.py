@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.heightfield import Field, Heightfield, filled
 from harness.world.solids.columns import Crossings, Grid, crossings, floors
 from harness.world.solids.mesh_file import Mesh, areas_and_normals

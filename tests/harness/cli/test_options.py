@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from harness.base.errors import UsageError
 from harness.cli.options import RunOptions, parse_run
 from harness.cli.run_parser import DEFAULT_LOG_DIR
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.metrics_feed import extended_parameters, extended_settings, parameter_words
-from harness.errors import UsageError
 from harness.robots import RoverSpec
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.extended.settings import Settings

@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from harness.base.errors import UsageError
 from harness.config import EpisodeConfig
 from harness.drivers import find_driver
 from harness.drivers.base import DriverContext, Observation
 from harness.drivers.staged import Meeting, StagedEncounter
 from harness.episode.episode import Episode
-from harness.errors import UsageError
 from harness.robots import ROVERS, RoverSpec
 from harness.samples import Twist
 from harness.truth.traversal import Truth

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from harness.base.errors import UsageError
 from harness.drivers.goal_course import GoalCourse, check_area
-from harness.errors import UsageError
 from harness.world.actors.room import Room
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.base.errors import UsageError
 from harness.config import EpisodeConfig
 from harness.drivers import DriverContext, Observation, find_driver, sensed_by, takes_goals
 from harness.drivers.point_nav import SENSED, commanded
 from harness.drivers.policy import BESIDE_LIDAR, Policy, read_policy, write_policy
-from harness.errors import UsageError
 from harness.robots import find_rover
 from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from harness.base.errors import UsageError
 from harness.drivers import DRIVERS, CmdVel, DriverContext, Observation, find_driver
-from harness.errors import UsageError
 from harness.robots import RoverSpec
 from harness.samples import Twist
 from tests.support.rovers import LEO, ROVER_ZERO4WD

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from harness.base.errors import RunFailed, UsageError
+from harness.base.interrupt import StopRequest
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode import direct
 from harness.episode import result as results
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.result import RunResult
-from harness.errors import RunFailed, UsageError
-from harness.interrupt import StopRequest
 from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState, Twist
 from harness.truth.traversal import ContactEvent, Truth
 from rover_metrics.extended.settings import Settings

@@ -8,10 +8,10 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
+from harness.base.errors import RunFailed, UsageError
 from harness.config import EpisodeConfig
 from harness.drivers import Observation, find_driver
 from harness.episode.episode import Episode, fleet_of, goal_course, installed
-from harness.errors import RunFailed, UsageError
 from harness.frames.options import FrameOptions
 from harness.robots import ROVERS, RoverSpec
 from harness.samples import (

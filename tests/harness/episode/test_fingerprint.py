@@ -9,13 +9,13 @@ from functools import partial
 import numpy as np
 import pytest
 
+from harness.base.errors import RunFailed
+from harness.base.interrupt import Interrupted, StopRequest
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
 from harness.episode.fingerprint import Fingerprint, StreamHash, fingerprint
 from harness.episode.loop import Observer
 from harness.episode.result import RunResult, TopicCount
-from harness.errors import RunFailed
-from harness.interrupt import Interrupted, StopRequest
 from harness.samples import LaserScan, Pose, Tick
 from harness.truth.traversal import ContactEvent, Truth
 

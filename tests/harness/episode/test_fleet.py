@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from harness.base.errors import UsageError
 from harness.config import EpisodeConfig
 from harness.episode.episode import fleet_of, together
 from harness.episode.fleet import MOST_ROVERS, fleet_of_words, scenery
-from harness.errors import UsageError
 from harness.robots import find_rover
 from harness.samples import ActorPoses, Place, TruthState
 from harness.world.berths import GAP

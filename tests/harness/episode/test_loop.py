@@ -6,13 +6,13 @@ from typing import Any
 
 import pytest
 
+from harness.base.interrupt import StopRequest
 from harness.config import EpisodeConfig
 from harness.episode import loop
 from harness.episode.batch import Batch
 from harness.episode.loop import Lane, Pacer, drive, drive_all, injector
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
-from harness.interrupt import StopRequest
 from harness.samples import Pose, Tick
 from harness.truth.traversal import ContactEvent, Truth
 

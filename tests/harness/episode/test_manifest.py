@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from harness.base.errors import UsageError
 from harness.config import EpisodeConfig
 from harness.episode.batch import EpisodeInfo
 from harness.episode.manifest import manifest, write_manifest
 from harness.episode.result import RunResult, TopicCount
 from harness.episode.truth_account import TruthAlong
-from harness.errors import UsageError
 from harness.truth.traversal import ContactEvent, Truth
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 from rover_metrics.log.session_record import session_thresholds

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from harness.base.errors import RunFailed, UsageError
 from harness.config import EpisodeConfig
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.social_recorder import SocialRecorder
-from harness.errors import RunFailed, UsageError
 from harness.samples import ActorPoses, Place, Pose, Quaternion, Tick
 from harness.truth.traversal import Truth
 from rover_metrics.analysis.social.log import read_social_log

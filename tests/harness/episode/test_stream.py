@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.base.errors import RunFailed, UsageError
 from harness.config import EpisodeConfig
 from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.stream import EpisodeProcess
-from harness.errors import RunFailed, UsageError
 from harness.samples import LaserScan, Place, Pose, Twist
 
 

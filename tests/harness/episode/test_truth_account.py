@@ -2,10 +2,10 @@ import math
 
 import pytest
 
+from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.episode.truth_account import TruthAccount
 from harness.samples import Pose, Tick, TruthState
-from harness.sim_time import NANOSECONDS
 from harness.truth.traversal import ContactEvent, Truth
 
 MOST_POINTS, MOST_EVENTS = 10, 8

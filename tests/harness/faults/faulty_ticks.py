@@ -6,6 +6,8 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
+from harness.base.sim_time import NANOSECONDS as SECOND
+from harness.base.sim_time import TICK_NS as TICK
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import parse_faults
 from harness.samples import (
@@ -24,8 +26,6 @@ from harness.samples import (
 )
 from harness.sensors.choice import by_default
 from harness.sensors.table import SensorRow
-from harness.sim_time import NANOSECONDS as SECOND
-from harness.sim_time import TICK_NS as TICK
 
 ROWS = by_default()
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from harness.base.sim_time import NANOSECONDS as SECOND
+from harness.base.sim_time import TICK_NS
 from harness.faults.clock import FaultyClock
 from harness.faults.spec import parse_faults
-from harness.sim_time import NANOSECONDS as SECOND
-from harness.sim_time import TICK_NS
 from tests.harness.faults.faulty_ticks import imus, sent, times
 
 

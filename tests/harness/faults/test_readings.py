@@ -6,6 +6,8 @@ from dataclasses import astuple
 import numpy as np
 import pytest
 
+from harness.base.sim_time import NANOSECONDS as SECOND
+from harness.base.sim_time import TICK_NS as TICK
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import faults_of, parse_faults, sensors
 from harness.samples import (
@@ -19,8 +21,6 @@ from harness.samples import (
     Tick,
     Twist,
 )
-from harness.sim_time import NANOSECONDS as SECOND
-from harness.sim_time import TICK_NS as TICK
 from tests.harness.faults.faulty_ticks import UPRIGHT, imus, readings, scans, sent, times
 
 

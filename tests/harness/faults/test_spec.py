@@ -4,11 +4,11 @@ import math
 
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
+from harness.base.sim_time import NANOSECONDS as SECOND
 from harness.faults.base import Fault
 from harness.faults.spec import describe_faults, faults_of, parse_faults, sensors
 from harness.sensors import table
-from harness.sim_time import NANOSECONDS as SECOND
 
 
 def test_spec_says_sensor_fault_value_start_and_length() -> None:

@@ -1,7 +1,7 @@
 """Faults that remember earlier readings."""
 
+from harness.base.sim_time import NANOSECONDS as SECOND
 from harness.samples import LaserScan
-from harness.sim_time import NANOSECONDS as SECOND
 from tests.harness.faults.faulty_ticks import scans, sent, times
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.frames.rover_frames import rover_frames
 from harness.robots import MODELS_DIR, FrameRow, RoverSpec
 from tests.harness.frames.made_rover import made_rover

@@ -17,14 +17,14 @@ import pytest
 from gymnasium.error import InvalidAction, ResetNeeded
 
 import harness.gym
+from harness.base.errors import Diverged, RunFailed, UsageError
+from harness.base.sim_time import NANOSECONDS
 from harness.config import FILE_OPTIONS, EpisodeConfig
-from harness.errors import Diverged, RunFailed, UsageError
 from harness.gym import ENVIRONMENTS
 from harness.gym.env import RoverEnv
 from harness.gym.options import Curriculum, Options, Randomisation, parse_options
 from harness.samples import Twist
 from harness.sensors.depth import DepthOptions
-from harness.sim_time import NANOSECONDS
 from harness.world.world import terrain_hash
 from tests.harness.gym.conftest import SIDE, Make
 

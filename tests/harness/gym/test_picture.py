@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.gym import picture
 from harness.physics import opengl
 from harness.physics.opengl import gl_context

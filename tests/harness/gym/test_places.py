@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.gym.places import Places
 from harness.robots import find_rover
 from harness.world.heightfield import Heightfield

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from harness.base.errors import UsageError
 from harness.drivers import sensed_by
 from harness.drivers.policy import Policy, write_policy
 from harness.episode.episode import Episode
-from harness.errors import UsageError
 from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
 from harness.sensors.depth import DepthOptions
 from harness.sensors.ranging import RangeReading

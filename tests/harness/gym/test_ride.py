@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from harness.base.errors import RunFailed, UsageError
+from harness.base.sim_time import NANOSECONDS
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
-from harness.errors import RunFailed, UsageError
 from harness.gym.course import Course, Variation, _vary, draw_variation
 from harness.gym.options import Randomisation
 from harness.gym.ride import SENSED, Ride
@@ -22,7 +23,6 @@ from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
 from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.ranging import RangeReading
-from harness.sim_time import NANOSECONDS
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World

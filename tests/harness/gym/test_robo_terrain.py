@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.gym import ENVIRONMENTS
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
 from tests.harness.gym.conftest import Make

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.gym import ENVIRONMENTS, tables
 
 PAGE = Path(__file__).parents[3] / "docs/gym.md"

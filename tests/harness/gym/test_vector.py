@@ -8,7 +8,7 @@ import pytest
 from gymnasium.error import InvalidAction, ResetNeeded
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.gym import ENVIRONMENTS
 from harness.gym.vector import RoverVectorEnv
 

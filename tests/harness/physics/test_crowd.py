@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from harness.base.sim_time import TICK_NS
 from harness.physics.contacts import Touch
 from harness.physics.crowd import Crowd
 from harness.physics.scene import Scene
@@ -16,7 +17,6 @@ from harness.robots import ROVERS
 from harness.samples import Place
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
-from harness.sim_time import TICK_NS
 from harness.world.actors.actor import with_actors
 from harness.world.actors.spec import parse_actors
 from harness.world.actors.walker import SocialWalker

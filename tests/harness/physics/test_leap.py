@@ -2,7 +2,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from harness.errors import Diverged, RunFailed
+from harness.base.errors import Diverged, RunFailed
 from harness.physics.leap import Leap
 from harness.physics.scene import HAZARD_CONTACT
 from harness.physics.simulation import Simulation

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.physics import opengl
 from harness.physics.opengl import gl_context
 

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from harness.errors import Diverged, RunFailed
+from harness.base.errors import Diverged, RunFailed
 from harness.physics.scene import build_scene, build_scenes
 from harness.physics.simulation import Simulation, simulations
 from harness.truth.wheels import Wheels

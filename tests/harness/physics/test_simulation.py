@@ -13,13 +13,13 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from harness.base.errors import Diverged, RunFailed
+from harness.base.sim_time import NANOSECONDS
 from harness.config import EpisodeConfig
-from harness.errors import Diverged, RunFailed
 from harness.physics.contacts import Touch
 from harness.physics.scene import build_scene
 from harness.physics.simulation import Simulation
 from harness.robots import ROVERS
-from harness.sim_time import NANOSECONDS
 
 TICK_NS = 10_000_000
 SPEEDS = np.array([1.0, 2.0, 3.0, 4.0])  # [rad/s] of the wheels, all different

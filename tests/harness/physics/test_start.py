@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.physics.scene import Scene, build_scene
 from harness.physics.simulation import Simulation
 from harness.physics.start import DROP_HEIGHT, check_room, check_start, spawn_pose

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.base.interrupt import StopRequest
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode.direct import run_direct
 from harness.episode.result import RunResult, TopicCount
-from harness.interrupt import StopRequest
 from harness.page.figure import MINUS, TIMES
 from harness.report.content import content, render
 from harness.report.recorder import RunRecorder

@@ -6,7 +6,7 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.robots import ROVERS, RoverSpec, read_rover
 from harness.robots.model import read_model
 from tests.support.rovers import LEO

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.robots import MODELS_DIR, RoverSpec, find_rover, read_rover, robot_name
 from harness.robots.reading import model_hash
 

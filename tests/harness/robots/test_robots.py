@@ -3,7 +3,7 @@
 import mujoco
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.robots import ROVERS, RoverSpec, find_rover
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 

@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.ros.bridge import Bridge
 from harness.samples import Imu, Pose, Tick
 

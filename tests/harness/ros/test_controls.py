@@ -9,7 +9,7 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from std_srvs.srv import SetBool, Trigger
 
-from harness.interrupt import StopRequest
+from harness.base.interrupt import StopRequest
 from harness.ros import controls
 from harness.ros.controls import Controls
 

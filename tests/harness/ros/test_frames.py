@@ -11,7 +11,7 @@ from tests.support.waiting import PATIENCE
 
 rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
-from harness.errors import RunFailed
+from harness.base.errors import RunFailed
 from harness.frames.tree import Description, Edge
 from harness.ros import frames
 from harness.ros.bridge import Bridge

@@ -15,8 +15,8 @@ from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu as ImuMessage
 
+from harness.base.errors import RunFailed, UsageError
 from harness.episode.result import TopicCount
-from harness.errors import RunFailed, UsageError
 from harness.ros import hosted
 from harness.ros.bridge import Bridge
 from harness.ros.context import make_executor, spin_until

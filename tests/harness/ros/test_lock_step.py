@@ -7,8 +7,8 @@ import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
+from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.ros.lock_step import CLOCKS, RemoteNodes
-from harness.sim_time import NANOSECONDS, TICK_NS
 from rover_metrics.metrics_node import KEEPS_ORDER
 from rover_metrics.ros.guarded_node import CLOCK_QOS
 from tests.support.remote_nodes import Rig

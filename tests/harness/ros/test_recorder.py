@@ -23,7 +23,7 @@ from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import LaserScan
 
 from harness import __version__, samples
-from harness.errors import RunFailed, UsageError
+from harness.base.errors import RunFailed, UsageError
 from harness.frames.tree import Description
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge

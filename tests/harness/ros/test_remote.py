@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
-from harness.errors import RunFailed, UsageError
+from harness.base.errors import RunFailed, UsageError
 from harness.ros.remote import wait_for_answers
 from tests.support.remote_nodes import Rig
 

@@ -16,12 +16,12 @@ import numpy as np
 import pytest
 
 from harness import __version__
+from harness.base.errors import RunFailed, UsageError
+from harness.base.interrupt import Interrupted, StopRequest
 from harness.config import EpisodeConfig, RosOptions
 from harness.episode import direct
 from harness.episode.episode import Episode
 from harness.episode.result import RunResult
-from harness.errors import RunFailed, UsageError
-from harness.interrupt import Interrupted, StopRequest
 from harness.samples import LaserScan, Sample
 from harness.scenario.attempt import Attempt, attempt
 from harness.scenario.baseline import write_baselines

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.scenario.bound import Bound
 from harness.scenario.launch import launch_of
 from harness.scenario.reading import read_scenario

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.base.errors import UsageError
 from harness.config import FILE_OPTIONS, EpisodeConfig
-from harness.errors import UsageError
 from harness.robots import MODELS_DIR
 from harness.scenario.selection import find_files, plan
 from tests.harness.scenario.conftest import MakeCases, cases_with

@@ -12,9 +12,9 @@ import pytest
 from rich.console import Console
 
 from harness import __version__
+from harness.base.errors import RunFailed
+from harness.base.interrupt import Interrupted
 from harness.config import EpisodeConfig
-from harness.errors import RunFailed
-from harness.interrupt import Interrupted
 from harness.scenario.__main__ import main
 from harness.scenario.attempt import Attempt
 from harness.scenario.case import Case
@@ -22,7 +22,7 @@ from harness.scenario.junit import junit_of, properties_of
 from harness.scenario.suite import run_all
 from harness.scenario.told import tell
 from harness.scenario.verdict import Outcome, exit_code, verdicts_of
-from harness.tuning.backend import Backend, WorkerLost
+from harness.tune.backend import Backend, WorkerLost
 from tests.harness.scenario.conftest import MakeCases, cases_with
 
 SPEED = "{truth.speed: {min: 0}}"

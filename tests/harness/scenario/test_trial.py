@@ -17,8 +17,8 @@ from rosbags.highlevel import AnyReader
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool
 
+from harness.base.errors import RunFailed, UsageError
 from harness.episode.batch import Batch
-from harness.errors import RunFailed, UsageError
 from harness.samples import Imu
 from harness.scenario.attempt import Attempt, attempt
 from harness.scenario.bound import Bound

@@ -1,6 +1,6 @@
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.sensors.base import period_ticks
 
 

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.robots import RoverSpec, find_rover
 from harness.samples import Pose
 from harness.sensors import table

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.sensors.depth import DepthOptions
 from tests.support.rovers import LEO
 

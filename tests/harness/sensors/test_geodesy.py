@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.sensors.geodesy import DEFAULT_DATUM, Datum
 
 A, F = 6_378_137.0, 1 / 298.257223563  # WGS-84

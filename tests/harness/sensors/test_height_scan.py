@@ -11,9 +11,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from harness.base.errors import UsageError
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
-from harness.errors import UsageError
 from harness.physics.scene import build_scene
 from harness.physics.simulation import Simulation
 from harness.sensors.height_scan import HeightScan, HeightScanOptions, HeightScanSensor

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.robots import find_rover
 from harness.sensors.choice import chosen
 from harness.sensors.lidars import CloudLidarOptions, PlanarLidarOptions

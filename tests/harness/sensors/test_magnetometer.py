@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.sensors.geodesy import DEFAULT_DATUM, Datum
 from harness.sensors.magnetometer import MagnetometerOptions, MagnetometerSensor
 from harness.sensors.noise import HARDWARE

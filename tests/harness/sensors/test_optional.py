@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.robots import FrameRow
 from harness.sensors.optional import SensorOptions
 from tests.support.rovers import LEO

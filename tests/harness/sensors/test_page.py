@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.frames.rover_frames import rover_frames
 from harness.robots import find_rover
 from harness.sensors.choice import chosen, kinds

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.sensors.corruption import RangeErrors
 from harness.sensors.ranging import RangeOptions, check_span
 

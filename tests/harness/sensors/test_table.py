@@ -8,9 +8,9 @@ from unittest.mock import Mock
 
 import pytest
 
+from harness.base.errors import UsageError
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
-from harness.errors import UsageError
 from harness.faults.injector import FaultInjector
 from harness.faults.spec import describe_faults, parse_faults
 from harness.frames.options import FrameOptions

@@ -11,7 +11,7 @@ import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
-from harness.errors import RunFailed, UsageError
+from harness.base.errors import RunFailed, UsageError
 from harness.testing.process import BECOME, LAST_LINES, Process, Programs
 from tests.support.waiting import wait_until
 

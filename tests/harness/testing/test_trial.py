@@ -20,8 +20,8 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Float64
 
+from harness.base.errors import RunFailed, UsageError
 from harness.config import EpisodeConfig
-from harness.errors import RunFailed, UsageError
 from harness.ros.network import reserved_domain
 from harness.testing import Trial
 

@@ -1,6 +1,6 @@
+from harness.base.sim_time import TICK_NS
 from harness.physics.contacts import Touch
 from harness.samples import ContactKind
-from harness.sim_time import TICK_NS
 from harness.truth.contact_events import EVENT_GAP_NS, ContactEvents
 
 GAP_TICKS = EVENT_GAP_NS // TICK_NS

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.run import main
 from harness.view import drawing
 from harness.view.drawing import Drawing, DrawingFailed

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.base.errors import UsageError
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
-from harness.errors import UsageError
 from harness.view.states import States, StateWriter, read_states
 from tests.harness.view.recorded import CONFIG, recorded
 from tests.support.rovers import LEO

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.terrain_file import TerrainFile, is_terrain_file
 
 MAP, WORLD, MESH = (Path(f"a{suffix}") for suffix in (".TIF", ".world", ".stl"))

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from harness import robot as command
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.frames.rover_frames import rover_frames
 from harness.robots import RoverSpec
 from harness.robots.model import read_model

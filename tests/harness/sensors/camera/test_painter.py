@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.sensors.camera import painter
 from harness.sensors.camera.painter import CameraPainter
 from harness.sensors.camera.sensor import CameraState

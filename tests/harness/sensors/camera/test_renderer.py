@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, maximum_filter, sobel
 from scipy.spatial.transform import Rotation
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.physics.opengl import gl_context
 from harness.physics.scene import build_scene, build_scenes
 from harness.robots import RoverSpec

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.robots import find_rover
 from harness.sensors.camera.sensor import VISIBLE_STATE, CameraOptions, CameraSensor
 from harness.sensors.choice import chosen

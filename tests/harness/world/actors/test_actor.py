@@ -8,7 +8,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.actors.actor import with_actors
 from harness.world.actors.room import Room
 from harness.world.actors.route import Route

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.actors.route import Route, timed
 
 CORNER = [(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)]

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
+from harness.base.errors import UsageError
 from harness.config import EpisodeConfig
-from harness.errors import UsageError
 from harness.world.actors.spec import Options, beside, of_terrain, parse_actors
 
 

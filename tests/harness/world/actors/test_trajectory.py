@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.actors.trajectory import read_told
 
 DATA = Path(__file__).parents[5] / "shared/data/roboterrain/trajectories"

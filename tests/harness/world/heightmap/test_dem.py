@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy.ndimage import map_coordinates, uniform_filter1d
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.files import file_world
 from harness.world.heightfield import filled, resampled
 from harness.world.heightmap import raster as raster_module

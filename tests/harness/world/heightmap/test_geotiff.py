@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import tifffile
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.heightmap.raster import Raster, read_raster
 
 PIXEL_SCALE, TIE_POINTS, TRANSFORMATION, GEO_KEYS = 33550, 33922, 34264, 34735

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import tifffile
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.heightmap.packed import READABLE, _by_libtiff, _inflated, unpacked
 
 

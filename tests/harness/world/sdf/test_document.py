@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.sdf import document as module
 from harness.world.sdf.document import Document, read_document
 from harness.world.sdf.resources import Resources

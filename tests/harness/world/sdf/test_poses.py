@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.sdf.poses import IDENTITY, Frames, inverse, read_pose
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.sdf.resources import VARIABLES, Missing, Resources, model_file
 
 

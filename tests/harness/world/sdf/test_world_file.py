@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.files import file_world
 from harness.world.obstacles import ObstacleKind, top
 from harness.world.solids.assembly import BUILT

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.solids.ground import Sorted, map_bounds, sorted_solids
 from harness.world.solids.mesh_file import Mesh
 from harness.world.solids.solid import MeshFile, Plane, Primitive, Relief, Solid

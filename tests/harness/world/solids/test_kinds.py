@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.obstacles import ObstacleKind
 from harness.world.solids.kinds import Kinds
 from harness.world.terrain_file import TerrainFile

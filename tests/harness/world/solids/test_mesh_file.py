@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.solids import mesh_file
 from harness.world.solids.mesh_file import Mesh, joined, read_mesh
 from tests.harness.world.solids.shapes import at, box, write_dae, write_mesh

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, bottom, top
 from harness.world.solids import pieces

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from harness.errors import UsageError
+from harness.base.errors import UsageError
 from harness.world.solids.mesh_file import Mesh
 from harness.world.solids.surface import chosen_grid, surface_of
 from tests.harness.world.solids.shapes import at, both, box, flat, sheet

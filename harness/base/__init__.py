@@ -1,0 +1,1 @@
+"""What every station stands on: errors, simulation time, files, signals."""

@@ -1,0 +1,65 @@
+"""Simulation time: whole nanoseconds, the clock tick, and the physics steps that divide it.
+
+Free of MuJoCo: whoever only counts ticks need not load it.
+"""
+
+import math
+
+from harness.base.errors import UsageError
+
+NANOSECONDS = 1_000_000_000
+TICK_NS = 10_000_000  # /clock at 100 Hz
+SMALLEST_TIMESTEP_NS, LARGEST_TIMESTEP_NS = 100_000, 5_000_000
+DEFAULT_TIMESTEP_NS = 2_500_000
+
+
+def check_duration(seconds: float) -> None:
+    """Checks that an episode can last that long.
+
+    Raises:
+        UsageError: It is no whole number of clock ticks, or none at all; the message names what is.
+    """
+    shortest = TICK_NS / NANOSECONDS
+    if not (math.isfinite(seconds) and round(seconds * NANOSECONDS) >= TICK_NS):
+        raise UsageError(f"duration {seconds:g} s is not valid; give {shortest:g} s or more")
+    below, rest_ns = divmod(round(seconds * NANOSECONDS), TICK_NS)
+    if rest_ns:
+        raise UsageError(
+            f"duration {seconds:.9g} s is refused: it must be whole clock ticks of 10 ms; "
+            f"nearest valid: {below * shortest:.9g} or {(below + 1) * shortest:.9g}"
+        )
+
+
+def parse_timestep(seconds: float) -> int:
+    """Converts a timestep to nanoseconds.
+
+    Raises:
+        UsageError: It does not divide the 10 ms tick, is too large for the contact model, or too small
+            to get anywhere; the message names the nearest valid values.
+    """
+    nanoseconds = round(seconds * NANOSECONDS) if math.isfinite(seconds) else 0
+    in_limits = SMALLEST_TIMESTEP_NS <= nanoseconds <= LARGEST_TIMESTEP_NS
+    if in_limits and TICK_NS % nanoseconds == 0:
+        return nanoseconds
+    raise UsageError(
+        f"timestep {seconds:g} s is refused: {_why_not(nanoseconds)}; "
+        f"nearest valid: {_nearest_timesteps(nanoseconds)}"
+    )
+
+
+def _why_not(timestep_ns: int) -> str:
+    if timestep_ns > LARGEST_TIMESTEP_NS:
+        return (
+            "above 5 ms the wheels' contacts (time constant 20 ms) are sampled too coarsely: "
+            "they chatter and shake the IMU"
+        )
+    if timestep_ns < SMALLEST_TIMESTEP_NS:
+        return "give 0.0001 or more"
+    return "it must divide the 10 ms clock tick"
+
+
+def _nearest_timesteps(timestep_ns: int) -> str:
+    parts = range(TICK_NS // LARGEST_TIMESTEP_NS, TICK_NS // SMALLEST_TIMESTEP_NS + 1)
+    valid = [TICK_NS // n for n in parts if TICK_NS % n == 0]
+    nearest = sorted(valid, key=lambda v: abs(v - timestep_ns))[:2]
+    return " or ".join(f"{v / NANOSECONDS:g}" for v in nearest)

@@ -1,0 +1,117 @@
+"""Command: compute a rover's metric thresholds from drives whose truth is known; say how good they are.
+
+    python -m harness.tune --robot leo --robot rover_zero4wd --episodes 64 --jobs 2 --out tuning/
+
+Parses, calls, prints; the work is in harness.tune.
+"""
+
+import argparse
+import shlex
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from harness.cli.edge import begin_program, run_program
+
+if __name__ == "__main__":
+    begin_program("harness.tune")
+
+from rich.console import Console
+
+from harness.base.interrupt import Interrupted, StopRequest
+from harness.cli.console import counted
+from harness.robots import ROVERS, find_rover
+from harness.tune.backend import BACKENDS, backend_of
+from harness.tune.episodes.plan import plan
+from harness.tune.episodes.store import Store
+from harness.tune.episodes.sweep import sweep
+from harness.tune.output import print_studies, write_results
+from harness.tune.scoring.study import study
+from rover_metrics.errors import OneLineParser
+
+EPISODES, DURATION, OUT = 64, 90.0, Path("tuning")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command; returns its exit code: 1 where the data do not support a threshold."""
+    options = _parser().parse_args(arguments)
+    return run_program("harness.tune", lambda: _interruptible(options))
+
+
+def _interruptible(options: argparse.Namespace) -> int:
+    try:
+        with StopRequest():
+            return _tune(options, Console())
+    except Interrupted as error:
+        error.args = (f"{error}; the same command goes on with the episodes in {options.out}",)
+        raise
+
+
+def _tune(options: argparse.Namespace, console: Console) -> int:
+    robots = options.robot or list(ROVERS)
+    for robot in robots:
+        find_rover(robot)
+    planned = plan(robots, options.episodes, options.seed, options.duration, options.driver)
+    with backend_of(options.backend, options.address, options.jobs) as backend:
+        store = Store(options.out, planned)
+        with counted(console, f"driving {options.duration:g} s episodes") as show:
+            records = sweep(planned, store, backend, lambda done: show(done, len(planned)))
+    studies = []
+    for robot in robots:
+        with console.status(f"scoring the thresholds of {robot}"):
+            studies.append(study(robot, records, options.seed))
+    print_studies(console, studies)
+    with console.status("drawing the page"):
+        for path in write_results(options.out, studies, records, _command(robots, options)):
+            console.print(f"written: {path}", soft_wrap=True, highlight=False)
+    verdicts = [(each.name, verdict) for each in studies for verdict in each.verdicts]
+    lacks = [(robot, verdict) for robot, verdict in verdicts if verdict.lack is not None]
+    for robot, verdict in lacks:
+        print(f"harness.tune: {robot}: no value for {verdict.name}, {verdict.lack}", file=sys.stderr)
+    return 1 if lacks else 0
+
+
+def _command(robots: Sequence[str], options: argparse.Namespace) -> str:
+    """What makes these files, without what does not change them."""
+    named = " ".join(f"--robot {robot}" for robot in robots)
+    driver = f" --driver {shlex.quote(options.driver)}" if options.driver else ""
+    return (
+        f"python -m harness.tune {named} --episodes {options.episodes} "
+        f"--duration {options.duration:g} --seed {options.seed}{driver}"
+    )
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = OneLineParser(
+        prog="python -m harness.tune",
+        description="Drives rovers into, past and far from hazards over all kinds of ground, scores the "
+        "thresholds of metrics_node against the truth, and writes a parameter file per rover.",
+        epilog="An interrupted sweep goes on where it was: give the same command again.",
+    )
+    parser.add_argument(
+        "--robot",
+        action="append",
+        metavar="NAME|FOLDER",
+        help=f"{', '.join(ROVERS)}, or a folder (docs/robots.md); repeatable; default: all that ship",
+    )
+    parser.add_argument(
+        "--episodes", type=int, default=EPISODES, metavar="N", help="worlds; each robot drives in all"
+    )
+    parser.add_argument(
+        "--duration", type=float, default=DURATION, metavar="S", help="simulated seconds of each episode"
+    )
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the worlds and drives")
+    about = "who drives where none is to meet hazards, e.g. policy:FILE.npz; default: roam and wander"
+    parser.add_argument("--driver", default="", metavar="NAME", help=about)
+    parser.add_argument("--jobs", type=int, metavar="N", help="processes; default: one per CPU")
+    parser.add_argument(
+        "--backend", default="local", metavar="NAME", help=f"who drives: {', '.join(BACKENDS)}"
+    )
+    parser.add_argument("--address", metavar="URL", help="of the Ray or Dask cluster")
+    about = "folder for episodes and results"
+    parser.add_argument("--out", type=Path, default=OUT, metavar="DIR", help=about)
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,164 @@
+"""Tables of scores with their intervals."""
+
+import math
+
+from harness.page.figure import DASH, MINUS, spelled
+from harness.tune.episodes.plan import Part
+from harness.tune.page.subject import chosen
+from harness.tune.scoring.collision import CollisionStudy
+from harness.tune.scoring.estimate import FEWEST_DIGITS, Estimate, digits_for
+from harness.tune.scoring.ground import GroundStudy
+from harness.tune.scoring.result import Candidate, Verdict
+from harness.tune.scoring.study import RobotStudy
+
+Table = list[tuple[str, ...]]  # the head, then rows that their first cell names; one may end early
+
+
+def thresholds(study: RobotStudy) -> Table:
+    """Returns every threshold with the measure that judges it."""
+    heads = (f"{name}{part}" for name in ("default", "tuned") for part in ("", ", train", ", test"))
+    rows = (
+        (
+            verdict.name,
+            verdict.measure,
+            *_candidate(verdict, verdict.default),
+            *_candidate(verdict, verdict.tuned),
+            _text(verdict.gain[verdict.measure], verdict.digits, "+") if verdict.tuned else DASH,
+            _standing(verdict),
+        )
+        for verdict in study.verdicts
+    )
+    return [("Threshold", "Score", *heads, "gain", "verdict"), *rows]
+
+
+def _candidate(verdict: Verdict, candidate: Candidate | None) -> tuple[str, str, str]:
+    if candidate is None:
+        return DASH, DASH, DASH
+    train, test = (_text(candidate.scores[part][verdict.measure], verdict.digits) for part in Part)
+    return spelled(verdict.told(candidate)), train, test
+
+
+def _standing(verdict: Verdict) -> str:
+    """Whether the tuned value is better."""
+    if verdict.tuned is None:
+        return f"default stays: {verdict.lack}"
+    if verdict.value is None:
+        return "default stays: nothing better is proven"
+    return "better: intervals apart" if verdict.is_proven else "better on the same episodes"
+
+
+def measures(verdict: Verdict) -> Table:
+    """Returns every measure of one threshold."""
+    columns = {  # by what stands above it: scores and the sign of positive ones
+        f"{name} {candidate.value:g}, {part}": (scores, "")
+        for name, candidate in (("default", verdict.default), (chosen(verdict), verdict.tuned))
+        if candidate is not None
+        for part, scores in candidate.scores.items()
+    }
+    if verdict.tuned is not None:
+        columns["gain, test"] = verdict.gain, "+"
+    rows = (
+        (name, *(_text(scores[name], digits, sign) for scores, sign in columns.values()))
+        for name in verdict.default.scores[Part.TEST]
+        for digits in [digits_for(verdict.gain[name]) if verdict.gain else FEWEST_DIGITS]
+    )
+    return [("Measure", *columns), *rows]
+
+
+def detectors(study: CollisionStudy) -> Table:
+    """Returns the scores of each detector on the test episodes."""
+    measures = ("F1", "precision", "recall")
+    head = ("Detector", "below", *measures, "false alarms per km", "median lead", "F1 of single scans")
+    rows = (
+        (
+            prefix + told.name,
+            _unbroken(f"{told.events.value:g} m"),
+            *(_text(told.events.scores[Part.TEST][name]) for name in measures),
+            _text(told.events.scores[Part.TEST]["false alarms per km"], 1),
+            DASH if told.lead_s is None else f"{told.lead_s:.2f} s",
+            _text(told.scans["F1"]),
+        )
+        for prefix, told in (("default: ", study.default), *(("", one) for one in study.detectors))
+    )
+    return [head, *rows]
+
+
+def zones(study: CollisionStudy) -> Table:
+    """Returns how many contacts of each side are detected; rows of their own for the others."""
+    values = {"default": study.default.events.value}
+    values |= {told.name: told.events.value for told in study.detectors}
+    names = [f"{name}, {value:g} m" for name, value in values.items()] if study.zones else []
+    seen = (
+        (
+            f"{row.zone}, seen",
+            str(row.contacts),
+            *(_share(n, row.contacts) for n in row.detected.values()),
+        )
+        for row in study.zones
+    )
+    unseen = ((f"not seen: {one.sight}", str(one.contacts)) for one in study.unseen_contacts)
+    return [("Contact", "number", *names), *seen, *unseen]
+
+
+def speeds(study: GroundStudy) -> Table:
+    """Returns how the best value and the separation shift with speed, over all episodes."""
+    unit = spelled(study.verdict.unit)
+    rows = (
+        (
+            f"{at.speeds[0]:g} to {at.speeds[1]:g} m/s",
+            str(at.windows),
+            str(at.rough),
+            DASH if at.auc is None else f"{at.auc:.2f}",
+            DASH if at.best is None else f"{at.best:g} {unit}",
+        )
+        for at in study.speed_bins
+    )
+    return [("Speed", "values", "rough", "AUC", "best value"), *rows]
+
+
+def clearance(study: RobotStudy) -> Table:
+    """Returns the sum that makes the safe clearance."""
+    parts, verdict, stop = study.clearance, study.clearance.verdict, study.clearance.braking
+    driven_on = stop.stopping_distance - stop.distance
+    lengths = (
+        ("from the lidar to the front end", parts.overhang),
+        (f"driven at {stop.speed:.2f} m/s before a command answers a scan", driven_on),
+        (f"braking from there, measured ({stop.time:.2f} s)", stop.distance),
+        ("margin", parts.margin),
+        ("sum", parts.overhang + stop.stopping_distance + parts.margin),
+    )
+    rounded = [] if verdict.tuned is None else [("rounded up", f"{verdict.tuned.value:g} m")]
+    rows = [(name, f"{length:.3f} m") for name, length in lengths]
+    return [("Part", "length"), *rows, *rounded, ("default", f"{verdict.default.value:g} m")]
+
+
+def driven(study: RobotStudy) -> Table:
+    """Returns what was driven."""
+    what = study.driven
+    return [
+        ("What", "how much"),
+        *((f"episodes: {ending}", str(number)) for ending, number in sorted(what.endings.items())),
+        ("scored time", f"{what.seconds:.0f} s"),
+        ("scored path", f"{what.path_length / 1000:.3f} km"),
+        ("contacts with hazards, test", str(study.collision.contacts)),
+    ]
+
+
+def _text(score: Estimate, digits: int = FEWEST_DIGITS, sign: str = "") -> str:
+    """A score with its interval, short enough for a cell; `sign` is "+" where positive ones have one."""
+    if math.isnan(score.value):
+        return DASH
+    value, low, high = (
+        DASH if number is None else f"{number:{sign}.{digits}f}".replace("-", MINUS)
+        for number in (score.value, score.low, score.high)
+    )
+    return f"{value} {_unbroken('(no interval)' if score.low is None else f'({low} to {high})')}"
+
+
+def _share(part: int, whole: int) -> str:
+    return _unbroken(f"{part} ({100 * part / whole:.0f} %)") if whole else str(part)
+
+
+def _unbroken(text: str) -> str:
+    """Text that stays on one line."""
+    return text.replace(" ", "\N{NO-BREAK SPACE}")

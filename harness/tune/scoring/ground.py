@@ -1,0 +1,141 @@
+"""rough_terrain_threshold and smoothness_threshold: telling rough ground from smooth, and at what speed.
+
+The simulator knows how rough the ground under the wheels is; the metrics only feel it through the IMU.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.metrics import roc_auc_score
+
+from harness.tune.episodes.plan import Part
+from harness.tune.episodes.record import EpisodeRecord
+from harness.tune.scoring.choose import Records, Scoring, judged
+from harness.tune.scoring.estimate import (
+    Counts,
+    Estimate,
+    Measure,
+    Sums,
+    confusion,
+    estimate,
+    recall,
+    specificity,
+)
+from harness.tune.scoring.imu_events import ROUGH, ImuEvents, Signal
+from harness.tune.scoring.result import Verdict
+
+FEWEST_WINDOWS = 50  # seconds of each class and part: fewer do not support a threshold
+FEWEST_IN_BIN = 20  # of each class
+SPEED_BINS = ((0.05, 0.2), (0.2, 0.4), (0.4, 0.6), (0.6, 2.0))  # [m/s]
+GRID = np.round(np.arange(9.8, 30.0, 0.05), 2)  # from gravity up
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeedBin:
+    """How a signal separates the classes at one speed.
+
+    Attributes:
+        speeds: From, to [m/s].
+        windows: How many seconds; `rough` of them are.
+        auc: Area under the ROC curve; None with too little of a class, as is `best`.
+        best: Threshold with the highest balanced accuracy there.
+    """
+
+    speeds: tuple[float, float]
+    windows: int
+    rough: int
+    auc: float | None
+    best: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class GroundStudy:
+    """One of the two thresholds for one robot.
+
+    Attributes:
+        verdict: On it.
+        what: The signal, as the page names it.
+        auc: Area under the ROC curve by part.
+        speed_bins: Over all episodes.
+    """
+
+    verdict: Verdict
+    what: str
+    auc: dict[Part, Estimate]
+    speed_bins: tuple[SpeedBin, ...]
+
+
+def study_ground(records: Records, signal: Signal) -> GroundStudy:
+    """Judges the default of the signal's threshold and chooses a better value, if there is one."""
+
+    def count(some: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -> Counts:
+        return counts_of([signal.imu_events(record) for record in some], thresholds)
+
+    scoring = Scoring(count, MEASURES, "balanced accuracy", GRID, "terrain")
+    verdict = judged(signal.parameter, scoring, records, lack=_lack(records, signal))
+    everything = ImuEvents.joined([signal.imu_events(one) for some in records.values() for one in some])
+    return GroundStudy(
+        verdict=verdict,
+        what=signal.what,
+        auc={part: _auc(count(some, GRID), some) for part, some in records.items()},
+        speed_bins=tuple(_speed_bin(speeds, everything.within(*speeds)) for speeds in SPEED_BINS),
+    )
+
+
+def counts_of(episodes: Sequence[ImuEvents], thresholds: NDArray[np.float64]) -> Counts:
+    """Returns counts of `confusion` at every threshold, above which ground is called rough."""
+    return confusion([(-one.signal, one.rough) for one in episodes], -thresholds)
+
+
+def balanced_accuracy(sums: Sums) -> NDArray[np.float64]:
+    """Returns the mean of both rates, where a miss costs as much as a false alarm, whatever is rarer."""
+    return (recall(sums) + specificity(sums)) / 2
+
+
+MEASURES: dict[str, Measure] = {
+    "balanced accuracy": balanced_accuracy,
+    "recall": recall,
+    "specificity": specificity,
+}
+
+
+def _auc(counts: Counts, records: Sequence[EpisodeRecord]) -> Estimate:
+    """Area under the ROC curve over the thresholds of the first axis, by trapezoids."""
+    thresholds, episodes, kinds = counts.shape
+    flat = np.moveaxis(counts, 0, 1).reshape(episodes, -1)
+
+    def area(sums: Sums) -> NDArray[np.float64]:
+        at = sums.reshape(*sums.shape[:-1], thresholds, kinds)
+        ends = [(0, 0)] * (at.ndim - 2) + [(1, 1)]
+        hits, misses = (
+            np.pad(rate, ends, constant_values=((1.0, 0.0),))
+            for rate in (recall(at), 1.0 - specificity(at))
+        )
+        return np.asarray(-np.trapezoid(hits, misses, axis=-1))
+
+    return estimate(flat, area, [record.terrain for record in records])
+
+
+def _lack(records: Records, signal: Signal) -> str | None:
+    """Why the data support no value, or None."""
+    for part, some in records.items():
+        each = np.concatenate([signal.imu_events(record).rough for record in some])
+        rough, smooth = np.count_nonzero(each), np.count_nonzero(~each)
+        if min(rough, smooth) < FEWEST_WINDOWS:
+            return (
+                f"{rough} s on rough ground (over {ROUGH * 1e3:g} mm RMS) and {smooth} s on smooth in "
+                f"the {part} episodes; {FEWEST_WINDOWS} s of each are needed"
+            )
+    return None
+
+
+def _speed_bin(speeds: tuple[float, float], events: ImuEvents) -> SpeedBin:
+    windows, rough = len(events.rough), int(np.count_nonzero(events.rough))
+    auc = best = None
+    if min(rough, windows - rough) >= FEWEST_IN_BIN:
+        scores = balanced_accuracy(counts_of([events], GRID)[:, 0])
+        auc = float(roc_auc_score(events.rough, events.signal))
+        best = float(GRID[int(np.argmax(scores))])
+    return SpeedBin(speeds=speeds, windows=windows, rough=rough, auc=auc, best=best)

@@ -1,0 +1,112 @@
+"""On a level floor: the IMU at rest, speed, stopping distance, yaw ratio, calm while turning."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from harness.robots import RoverSpec
+from harness.sensors.base import HIGHEST_RATE
+from harness.validate.check import Check, Span, around, at_most, expected_of
+from harness.validate.grounds import floor
+from harness.validate.rig import TICK, Rig
+
+CRUISE, TOP = 0.5, 1.0  # [m/s] commanded
+ACCELERATING, MEASURING, TURNING = 0.8, 1.0, 4.0  # [s]
+IMU_RATE = 20  # [Hz]
+REST_BEFORE, REST = 1.0, 2.0  # [s]
+YAW_RATE, ARC_SPEED = 1.0, 0.3  # [rad/s], [m/s] commanded
+
+
+def rest_checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    """Yields what the IMU reads at rest: gravity, and nothing that varies."""
+    rig = Rig(rover, floor(seed))
+    rig.run(REST_BEFORE)
+    readings = rig.imu_readings(IMU_RATE, REST)
+    force = np.linalg.norm([reading.linear_acceleration for reading in readings], axis=1)
+    rate = np.linalg.norm([reading.angular_velocity for reading in readings], axis=1)
+    gravity = around(rover.gravity, 0.005, "S: gravity of RoboTerrain's worlds, noise off")
+    yield Check("IMU at rest, |a|", "m/s2", gravity, float(force.mean()), digits=4)
+    still = at_most(1e-3, "S: no noise in RoboTerrain's sensors")
+    yield Check("IMU at rest, sd of |a|", "m/s2", still, float(force.std()), digits=4)
+    yield Check("IMU at rest, largest |w|", "rad/s", still, float(rate.max()), digits=4)
+
+
+def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    """Everything that a level floor can tell of driving."""
+    yield from _speeds(rover, seed)
+    yield _stopping(rover, seed)
+    yield from _turning(rover, seed)
+
+
+def _speeds(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    expected, rig = expected_of(rover), Rig(rover, floor(seed))
+    slow, source = expected.speed_ratio, expected.speed_ratio.source
+    for commanded, span in (
+        (0.1, Span(0.1 * slow.low, 0.1 * slow.high, source)),
+        (0.3, Span(0.3 * slow.low, 0.3 * slow.high, source)),
+        (CRUISE, expected.at_half),
+        (TOP, expected.at_top),
+    ):
+        speed = straight_speed(rig, commanded)
+        yield Check(f"speed at {commanded:g} m/s commanded", "m/s", span, speed, digits=4)
+
+
+def straight_speed(rig: Rig, commanded: float) -> float:
+    """Returns the ground speed [m/s] once the commanded speed has been reached."""
+    rig.command(commanded)
+    rig.run(ACCELERATING)
+    start = rig.stance
+    rig.run(MEASURING)
+    end = rig.stance
+    return math.hypot(end.ahead - start.ahead, end.aside - start.aside) / MEASURING
+
+
+def _stopping(rover: RoverSpec, seed: int) -> Check:
+    rig = Rig(rover, floor(seed))
+    speed = straight_speed(rig, CRUISE)
+    start = rig.stance.ahead
+    rig.command(0.0)
+    rig.run(MEASURING)
+    braking = speed**2 / (2 * rover.linear_acceleration)
+    span = Span(
+        braking - speed * TICK,
+        braking + 2 * speed * TICK,
+        f"D: v^2 / 2a, a = {rover.linear_acceleration:g} m/s2 (SDF), and a tick or two",
+    )
+    distance = rig.stance.ahead - start
+    return Check(f"stopping distance from {CRUISE:g} m/s commanded", "m", span, distance, digits=4)
+
+
+def _turning(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    rig = Rig(rover, floor(seed))
+    if rover.steers:
+        follows = around(1.0, 0.1, "D: steered wheels roll about one centre; E: slip to 10 %")
+        yield Check(
+            "yaw ratio in a curve, 0.3 m/s", "", follows, _yaw_ratio(rig, ARC_SPEED, _curve(rover))
+        )
+        return
+    in_place = _yaw_ratio(rig, 0.0)
+    yield Check("yaw ratio in place, 1 rad/s commanded", "", expected_of(rover).yaw_ratio, in_place)
+    vertical = [imu.linear_acceleration[2] for imu in rig.imu_readings(HIGHEST_RATE, TURNING)]
+    calm = at_most(0.3, "facts: no contact chatter, which no real rover has")
+    yield Check("sd of az turning in place, IMU at 100 Hz", "m/s2", calm, float(np.std(vertical)))
+    constant = Span(
+        0.9 * in_place,
+        1.1 * in_place,
+        "D: in place +-10 %, as centres of rotation hardly move (Mandow et al. 2007)",
+    )
+    yield Check("yaw ratio in an arc, 0.3 m/s", "", constant, _yaw_ratio(rig, ARC_SPEED))
+
+
+def _curve(rover: RoverSpec) -> float:
+    """The yaw rate of half the tightest curve, at the speed of arcs [rad/s]."""
+    return 0.5 * ARC_SPEED / rover.tightest_turn
+
+
+def _yaw_ratio(rig: Rig, speed: float, yaw_rate: float = YAW_RATE) -> float:
+    rig.command(speed, yaw_rate)
+    rig.run(MEASURING)
+    start = rig.stance.yaw
+    rig.run(TURNING)
+    return (rig.stance.yaw - start) / (yaw_rate * TURNING)

@@ -1,0 +1,114 @@
+"""Wheel odometry over a square: what it tells against the truth.
+
+The rover drives by its true heading and stops before each turn. A skid-steer's wheels turn further
+than the rover, so odometry believes the turns to be 1 / yaw ratio too wide.
+"""
+
+import cmath
+import math
+from collections.abc import Callable, Iterator
+
+from harness.robots import RoverSpec
+from harness.sensors.base import period_ticks
+from harness.sensors.odometry import WheelOdometry
+from harness.validate.check import Check, Span, around, expected_of
+from harness.validate.grounds import floor
+from harness.validate.rig import TICK, Rig
+
+SIDE, SPEED, YAW_RATE = 2.0, 0.4, 1.0  # [m], [m/s], [rad/s]
+CORNER = math.pi / 2
+PAUSE, PATIENCE = 0.5, 20.0  # [s]
+
+
+class Journey:
+    """What odometry has told and what was true; an observer of a rig.
+
+    Attributes:
+        told_path: Distance along the heading [m]; `true_path` likewise.
+        told_yaw: Turned so far, full turns counted [rad]; `true_yaw` likewise.
+        told_place: Position relative to the start, x + iy [m]; `true_place` likewise.
+    """
+
+    def __init__(self, rig: Rig) -> None:
+        self._rig = rig
+        self._period_ticks = period_ticks(rig.rover.odometry_rate)
+        self._odometry = WheelOdometry(rig.simulation, self._period_ticks)
+        self._start = self._last = rig.stance
+        self._ticks = 0
+        self.told_path = self.true_path = self.told_yaw = self.true_yaw = 0.0
+        self.told_place = self.true_place = 0j
+
+    def observe(self) -> None:
+        """Follows one tick."""
+        last, now = self._last, self._rig.stance
+        moved = complex(now.ahead - last.ahead, now.aside - last.aside)
+        self.true_path += (moved * cmath.exp(1j * (self._rig.heading - last.yaw))).real
+        self.true_yaw = now.yaw - self._start.yaw
+        self.true_place = complex(now.ahead - self._start.ahead, now.aside - self._start.aside)
+        self._last = now
+        self._ticks += 1
+        if self._ticks % self._period_ticks == 0:
+            reading, period = self._odometry.read(), self._period_ticks * TICK
+            self.told_path += reading.twist.linear * period
+            self.told_yaw += reading.twist.angular * period
+            self.told_place = complex(reading.x, reading.y)
+
+
+def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    """Yaw, path and place told, against the truth; of a rover that steers, in a circle."""
+    if rover.steers:
+        yield from _circle(rover, seed)
+        return
+    journey = _drive_square(Rig(rover, floor(seed)))
+    ratio = expected_of(rover).yaw_ratio
+    wide = Span(
+        1 / ratio.high, 1 / ratio.low if ratio.tells else math.inf, f"D: 1 / yaw ratio; {ratio.source}"
+    )
+    widening = journey.told_yaw / (journey.true_yaw or math.nan)
+    yield Check("odometry over a square, yaw told / true", "", wide, widening, digits=2)
+    believed = rover.controller_radius / rover.wheel_radius
+    rolling = Span(believed, 1.03 * believed, "S: believed / true wheel radius; D: sink, slip to 3 %")
+    stretch = journey.told_path / journey.true_path
+    yield Check("odometry over a square, path told / true", "", rolling, stretch)
+    told = _open_polygon(journey.told_path / 4, journey.told_yaw / 4)
+    true = _open_polygon(journey.true_path / 4, journey.true_yaw / 4)
+    span = around(abs(told - true), 0.3, "D: ends of the polygons with the told and the true corners")
+    off = abs(journey.told_place - journey.true_place)
+    yield Check("odometry over a square, error of place", "m", span, off, digits=2)
+
+
+def _circle(rover: RoverSpec, seed: int) -> Iterator[Check]:
+    rig = Rig(rover, floor(seed))
+    journey = Journey(rig)
+    rig.observers.append(journey.observe)
+    rate = 0.5 * SPEED / rover.tightest_turn
+    _drive(rig, SPEED, rate, lambda: journey.true_yaw, math.tau)
+    span = around(1.0, 0.1, "D: steered wheels roll about one centre; E: slip to 10 %")
+    turned = journey.told_yaw / journey.true_yaw if journey.true_yaw else math.nan
+    yield Check("odometry in a circle, yaw told / true", "", span, turned, digits=2)
+    rolled = journey.told_path / journey.true_path if journey.true_path else math.nan
+    yield Check("odometry in a circle, path told / true", "", span, rolled)
+
+
+def _drive_square(rig: Rig) -> Journey:
+    journey = Journey(rig)
+    rig.observers.append(journey.observe)
+    braking = YAW_RATE / (2 * rig.rover.angular_acceleration)  # [s] of the yaw rate's mean
+    for corner in range(1, 5):
+        _drive(rig, SPEED, 0.0, lambda: journey.true_path, journey.true_path + SIDE)
+        # Stops early by the angle that braking takes.
+        _drive(rig, 0.0, YAW_RATE, lambda: journey.true_yaw + braking * rig.yaw_rate, corner * CORNER)
+    return journey
+
+
+def _drive(rig: Rig, speed: float, yaw_rate: float, done: Callable[[], float], goal: float) -> None:
+    """Drives until so much is done, then stops."""
+    rig.command(speed, yaw_rate)
+    rig.run_until(lambda: done() >= goal, PATIENCE)
+    rig.command()
+    rig.run(PAUSE)
+
+
+def _open_polygon(side: float, corner: float) -> complex:
+    """End of four sides [m] that meet at that corner [rad]."""
+    return sum((side * cmath.exp(1j * corner * k) for k in range(4)), 0j)

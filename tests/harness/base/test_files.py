@@ -1,0 +1,39 @@
+from pathlib import Path
+
+import pytest
+
+from harness.base.errors import UsageError
+from harness.base.files import check_target
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("run.mp3", r"--video '.*run\.mp3': name a file that ends in \.mp4"),
+        ("folder.mp4", r"--video .*folder\.mp4 is a folder; name a file"),
+        ("absent/run.mp4", r"--video .*: there is no folder .*absent; create it first"),
+        ("/proc/run.mp4", r"--video /proc/run\.mp4 cannot be written: [A-Z].*; choose another place"),
+        ("a" * 300 + ".mp4", r"--video .* cannot be written: File name too long"),
+    ],
+)
+def test_a_target_that_cannot_be_written_is_refused(name: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "folder.mp4").mkdir()
+    with pytest.raises(UsageError, match=message):
+        check_target("--video", tmp_path / name, ".mp4")
+
+
+@pytest.mark.parametrize("name", ["run.mp4", "RUN.MP4"])
+def test_a_target_that_can_be_written_is_not_touched(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text("old")
+    check_target("--video", tmp_path / name, ".mp4")
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+    assert (tmp_path / name).read_text() == "old"
+
+
+def test_a_target_may_have_any_name_where_none_is_asked_for(tmp_path: Path) -> None:
+    check_target("--summary", tmp_path / "run")
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(UsageError, match=r"--summary .* is a folder; name a file"):
+        check_target("--summary", tmp_path)
+    with pytest.raises(UsageError, match=r"there is no folder .*; create it first"):
+        check_target("--summary", tmp_path / "absent" / "run.json")

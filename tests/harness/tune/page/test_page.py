@@ -1,0 +1,172 @@
+"""The report of a tuning: what stands on it, without a browser."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from html import unescape
+from html.parser import HTMLParser
+from importlib.resources import files
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from harness.tune.episodes.plan import Part
+from harness.tune.page.contact_figures import FALSE_ALARMS, frontier
+from harness.tune.page.ground_figures import ground_figures
+from harness.tune.page.page import render
+from harness.tune.page.subject import Subject, levels, mark
+from harness.tune.page.tables import _text
+from harness.tune.parameter_file import parameter_file
+from harness.tune.scoring.estimate import Estimate
+from harness.tune.scoring.imu_events import SIGNALS
+from harness.tune.scoring.study import scored_records
+
+if TYPE_CHECKING:
+    from tests.harness.tune.conftest import Sweep
+
+
+@pytest.fixture(scope="module")
+def page(small_page: str) -> str:
+    """The page without plotly."""
+    bundle = files("harness.page").joinpath("assets", "plotly-basic.min.js")
+    return small_page.replace(bundle.read_text(encoding="utf-8"), "")
+
+
+@pytest.fixture
+def command(page: str) -> str:
+    """What the page says that it was made with."""
+    return unescape(re.findall(r"<pre tabindex=\"0\">([^<]*)</pre>", page)[0])
+
+
+class Outline(HTMLParser):
+    """Levels of the headings, and whether all that is opened is closed."""
+
+    VOID = ("meta", "link")
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.levels: list[int] = []
+        self.open: list[str] = []
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, _: list[tuple[str, str | None]]) -> None:
+        if re.fullmatch("h[1-6]", tag):
+            self.levels.append(int(tag[1]))
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+def cells_of(page: str, threshold: str) -> list[str]:
+    """The cells of the first row of a threshold."""
+    row = page[page.index(f'<th scope="row">{threshold}</th>') :].partition("</tr>")[0]
+    return re.findall(r"<td[^>]*>([^<]*)</td>", row)
+
+
+def test_headings_are_in_order_and_every_tag_is_closed(page: str) -> None:
+    outline = Outline(page)
+    assert outline.open == []
+    assert outline.levels.count(1) == 1
+    assert all(later <= earlier + 1 for earlier, later in pairwise(outline.levels))
+
+
+def test_page_refers_to_nothing_outside_itself(page: str) -> None:
+    assert not re.search(r"https?://|(src|href)=\"(?!data:|#)", page)
+    for target in re.findall(r'href="#([^"]+)"', page):
+        assert f'id="{target}"' in page
+    (policy,) = re.findall(r'Content-Security-Policy" content="([^"]+)"', page)
+    assert policy.startswith("default-src &#39;none&#39;; script-src &#39;sha256-")
+
+
+def test_same_arguments_give_the_same_bytes_and_not_too_many(
+    small_page: str, small_sweep: "Sweep", command: str
+) -> None:
+    assert render(*small_sweep, command) == small_page
+    assert len(small_page.encode()) < 3_000_000
+
+
+def test_a_threshold_is_told_with_its_scores_on_both_parts(page: str, small_sweep: "Sweep") -> None:
+    verdict = small_sweep[0][0].collision.verdict
+    assert verdict.tuned is not None
+    measure, default, *scores, standing = cells_of(page, "collision_threshold")
+    assert (measure, default, standing) == ("F1", "0.2 m", "better: intervals apart")
+    told = [score.replace("\N{NO-BREAK SPACE}", " ") for score in scores]
+    assert told[2] == f"{verdict.tuned.value:g} m"
+    assert told[4] == verdict.tuned.scores[Part.TEST]["F1"].text()
+    assert told[5].startswith("+")
+
+
+def test_a_threshold_without_support_says_why(page: str) -> None:
+    second = page[page.index('<th scope="row">distance_threshold</th>') :]
+    assert cells_of(second, "collision_threshold")[-1].startswith(
+        "default stays: 0 contacts with hazards in the train episodes"
+    )
+    assert "No contact with a hazard in the test episodes, so there is no curve." in page
+    assert "The test episodes have ground of one class only, so there is no figure." in page
+
+
+def test_parameter_files_stand_on_the_page_as_they_are(
+    page: str, small_sweep: "Sweep", command: str
+) -> None:
+    texts = re.findall(r"<pre id=\"file-\w+\"[^>]*>([^<]*)</pre>", page)
+    assert [unescape(text) for text in texts] == [
+        parameter_file(study, command) for study in small_sweep[0]
+    ]
+
+
+def test_the_command_is_text_and_never_markup(page: str) -> None:
+    assert "<b>" not in page
+    assert page.count("&lt;b&gt;tuning") == 3  # both files and the way to repeat it
+
+
+def test_the_method_takes_five_sentences(page: str) -> None:
+    (method,) = re.findall(r'<ol class="sentences">(.*?)</ol>', page, re.DOTALL)
+    sentences = re.findall(r"<li>(.*?)</li>", method, re.DOTALL)
+    assert [sentence.count(". ") for sentence in sentences] == [0] * 5
+    assert all(sentence.endswith(".") for sentence in sentences)
+
+
+@pytest.mark.parametrize(
+    ("score", "expected"),
+    [
+        (Estimate(-0.25, -0.5, 0.125), "\N{MINUS SIGN}0.25 (\N{MINUS SIGN}0.50 to +0.12)"),
+        (Estimate(0.5), "+0.50 (no interval)"),
+        (Estimate(float("nan")), "\N{EN DASH}"),
+    ],
+)
+def test_a_gain_has_a_sign_and_its_interval(score: Estimate, expected: str) -> None:
+    assert _text(score, sign="+").replace("\N{NO-BREAK SPACE}", " ") == expected
+
+
+def test_a_frontier_has_the_highest_recall_for_each_price() -> None:
+    scores: Mapping[str, np.ndarray] = {
+        FALSE_ALARMS: np.array([0.0, 5.0, 2.0, 5.0, 9.0, 4.0]),
+        "recall": np.array([0.1, 0.6, 0.4, 0.7, 0.7, 0.2]),
+    }
+    price, recall = frontier(scores)
+    assert price.tolist() == [0.0, 2.0, 5.0]
+    assert recall.tolist() == [0.1, 0.4, 0.7]
+
+
+def test_an_open_mark_shows_in_its_colour() -> None:
+    assert mark("", 0.0, 0.0, tuned="--metric")["marker"]["color"] == "--metric"
+
+
+def test_only_a_value_that_is_proven_is_called_tuned(small_sweep: "Sweep") -> None:
+    proven = small_sweep[0][0].collision.verdict
+    doubtful = replace(proven, gain={"F1": Estimate(0.1, -0.1, 0.3)})
+    assert [shape["name"] for shape in levels(proven)][1].startswith("tuned 0.")
+    assert [shape["name"] for shape in levels(doubtful)][1].startswith("chosen (not proven) 0.")
+
+
+@pytest.mark.parametrize("number", range(len(SIGNALS)))
+def test_each_class_of_ground_adds_up_to_all_of_it(number: int, small_sweep: "Sweep") -> None:
+    studies, records = small_sweep
+    leo, signal = Subject(studies[0], scored_records("leo", records)), SIGNALS[number]
+    plot = ground_figures(leo)[f"{signal.parameter}-classes"]
+    assert not isinstance(plot, str)
+    assert [sum(trace["y"]) for trace in plot.figure["data"]] == pytest.approx([100.0, 100.0], abs=0.01)

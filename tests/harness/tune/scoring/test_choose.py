@@ -1,0 +1,141 @@
+"""Which value of a threshold is chosen, and how it is judged beside the default."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Literal
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from harness.tune.episodes.plan import Part
+from harness.tune.episodes.record import EpisodeRecord
+from harness.tune.scoring.choose import Scoring, judged
+from harness.tune.scoring.estimate import Sums, estimate
+from rover_metrics.core.thresholds import THRESHOLD_INFO
+
+MakeRecord = Callable[..., EpisodeRecord]
+
+PARAMETER = "collision_threshold"
+DEFAULT = THRESHOLD_INFO[PARAMETER].default
+GRID = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+NAN = float("nan")
+
+
+def mean(sums: Sums) -> NDArray[np.float64]:
+    return np.asarray(sums[..., 0] / sums[..., 1])
+
+
+def scoring(scores: Sequence[float]) -> Scoring:
+    """One in which a value of the grid has this score in an episode, plus the episode's own path."""
+    table = dict(zip(GRID.tolist(), scores, strict=True))
+
+    def count(records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -> NDArray[np.float64]:
+        rows = [[(table[t] + r.path_length, 1.0) for r in records] for t in thresholds.tolist()]
+        return np.array(rows)
+
+    measures = {"doubled": lambda sums: 2 * mean(sums), "mean": mean}
+    return Scoring(count, measures, "mean", GRID)
+
+
+@pytest.fixture
+def episodes(make_record: MakeRecord) -> list[EpisodeRecord]:
+    """Ten of 0.05 to 0.5 m by two drivers on two terrains."""
+    return [
+        make_record([3.0] * n, driver=("ram", "roam")[n % 2], terrain=("flat", "maze")[n % 3 == 0])
+        for n in range(1, 11)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("scores", "best"),
+    [
+        ((0.0, 1.0, 3.0, 2.999, 2.999, 0.0), 0.3),
+        ((0.0, 1.0, 1.0, 1.0, 0.0, 0.0), 0.3),  # the middle of a plateau
+        ((1.0, 1.0, 1.0, 1.0, 1.0, 0.0), 0.3),
+        ((0.0, 2.0, 2.0, 0.0, 0.0, 0.0), 0.3),  # of an even number the upper of the middle two
+        ((2.0, 0.0, 0.0, 0.0, 2.0, 2.0), 0.5),  # of plateaus apart likewise
+        ((NAN, 1.0, 2.0, NAN, 0.0, NAN), 0.3),  # what is undefined is not best
+        ((-3.0, -2.0, -1.0, -2.0, -3.0, -4.0), 0.3),
+    ],
+)
+def test_the_best_value_is_the_middle_of_those_with_the_highest_score(
+    episodes: list[EpisodeRecord], scores: tuple[float, ...], best: float
+) -> None:
+    assert scoring(scores).best(episodes) == best
+
+
+def test_a_value_is_scored_over_all_episodes_of_each_part_by_every_measure(
+    episodes: list[EpisodeRecord],
+) -> None:
+    some = {Part.TRAIN: episodes[:4], Part.TEST: episodes}
+    candidate = scoring((0.0, 1.0, 2.0, 3.0, 4.0, 5.0)).candidate(some, 0.4)
+
+    values = {
+        (part, name): score.value
+        for part, scores in candidate.scores.items()
+        for name, score in scores.items()
+    }
+    assert candidate.value == 0.4
+    assert values == pytest.approx(
+        {
+            (Part.TRAIN, "mean"): 3.125,
+            (Part.TRAIN, "doubled"): 6.25,
+            (Part.TEST, "mean"): 3.275,
+            (Part.TEST, "doubled"): 6.55,
+        }
+    )
+
+
+@pytest.mark.parametrize("stratum", [None, "terrain"])
+def test_episodes_are_resampled_within_their_strata_drivers_unless_told_otherwise(
+    episodes: list[EpisodeRecord], stratum: Literal["driver", "terrain"] | None
+) -> None:
+    plain = scoring((0.0,) * 6)
+    chosen = plain if stratum is None else Scoring(plain.count, plain.measures, "mean", GRID, stratum)
+    labels = [(e.terrain if stratum == "terrain" else e.driver) for e in episodes]
+    counts = np.array([(e.path_length, 1.0) for e in episodes])
+
+    assert chosen.scores(episodes, 0.1)["mean"] == estimate(counts, mean, labels)
+
+
+def test_the_gain_is_tuned_minus_default_on_the_same_resampled_episodes(
+    episodes: list[EpisodeRecord],
+) -> None:
+    gain = scoring((0.0, 1.0, 2.0, 3.5, 4.0, 5.0)).gain(episodes, (0.4, 0.2))
+
+    for name, expected in (("mean", 2.5), ("doubled", 5.0)):  # every episode gains as much
+        assert (gain[name].value, gain[name].low, gain[name].high) == pytest.approx((expected,) * 3)
+
+
+def test_a_value_is_chosen_on_one_part_and_judged_against_the_default_on_the_other(
+    episodes: list[EpisodeRecord],
+) -> None:
+    one, other = scoring((0.0, 1.0, 2.0, 0.0, 0.0, 0.0)), scoring((0.0, 3.0, 0.0, 0.0, 9.0, 0.0))
+
+    def count(records: Sequence[EpisodeRecord], thresholds: NDArray[np.float64]) -> NDArray[np.float64]:
+        return (one if len(records) < 9 else other).count(records, thresholds)
+
+    some = {Part.TRAIN: episodes[:8], Part.TEST: episodes}
+    judge = partial(judged, PARAMETER, Scoring(count, one.measures, "mean", GRID), some, lack=None)
+    verdict = judge(note="a note")
+
+    assert (verdict.name, verdict.unit, verdict.measure) == (PARAMETER, "m", "mean")
+    assert (verdict.note, verdict.lack) == ("a note", None)
+    assert verdict.default.value == DEFAULT == 0.2
+    assert verdict.tuned is not None
+    assert verdict.tuned.value == 0.3  # best of the training half
+    assert verdict.gain["mean"].value == pytest.approx(-3.0)  # but worse on the test half
+    assert verdict.value is None
+    told = judge(value=0.5)  # found by other means
+    assert [told.value, told.gain["mean"].value] == pytest.approx([0.5, 6.0])
+
+
+def test_without_support_only_the_default_is_scored(episodes: list[EpisodeRecord]) -> None:
+    some = dict.fromkeys(Part, episodes)
+    verdict = judged(PARAMETER, scoring((0.0, 1.0, 2.0, 0.0, 0.0, 0.0)), some, lack="too few", value=0.3)
+
+    assert (verdict.tuned, verdict.value, verdict.lack) == (None, None, "too few")
+    assert (verdict.name, verdict.unit, verdict.measure) == (PARAMETER, "m", "mean")
+    assert verdict.default.scores[Part.TEST]["mean"].value == pytest.approx(1.275)
+    assert not verdict.is_proven

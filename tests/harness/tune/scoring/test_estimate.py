@@ -1,0 +1,107 @@
+"""Numbers with their uncertainty."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from harness.tune.scoring.estimate import Estimate, _weights, estimate, ratio
+
+
+def share(sums: NDArray[np.float64]) -> NDArray[np.float64]:
+    return ratio(sums[..., 0], sums[..., 1])
+
+
+def counts(rng: np.random.Generator, episodes: int) -> NDArray[np.float64]:
+    tries = np.full(episodes, 10.0)
+    return np.column_stack([rng.binomial(10, 0.7, size=episodes), tries])
+
+
+def test_the_interval_covers_the_truth_about_as_often_as_it_says() -> None:
+    rng = np.random.default_rng(5)
+    strata = ["a"] * 4 + ["b"] * 4 + ["c"] * 4  # small ones, as in a plan
+
+    estimates = [estimate(counts(rng, 12), share, strata) for _ in range(100)]
+    covered = [e.low is not None and e.high is not None and e.low <= 0.7 <= e.high for e in estimates]
+
+    assert 0.86 <= np.mean(covered) <= 1.0  # a percentile interval of 12 episodes is a bit narrow
+
+
+@pytest.mark.parametrize(
+    ("strata", "groups"),
+    [
+        (["a"] * 40, [range(40)]),
+        (["a"] * 2 + ["b"] * 2 + ["c"] * 36, [range(2), range(2, 4), range(4, 40)]),
+        (["a"] * 30 + list("bcdefghijk"), [range(30), range(30, 40)]),  # single ones are one stratum
+        (["a"] * 15 + ["b"] * 24 + ["c"], [range(15), range(15, 40)]),  # a lone one joins the largest
+        (["a"] * 24 + ["b"] * 15 + ["c"], [[*range(24), 39], range(24, 39)]),
+    ],
+)
+def test_a_sum_has_the_standard_error_of_a_stratified_sample(
+    strata: list[str], groups: list[range]
+) -> None:
+    """The variance of a total is the sum of n_h s_h^2 over the strata; the interval is normal."""
+    rng = np.random.default_rng(3)
+    values = rng.normal(5.0, 1.0, 40)
+    values[list(groups[0])] -= 20.0
+    values[list(groups[-1])] += 20.0  # strata differ: a wrong grouping widens the interval
+    values[39] += 9.0
+
+    found = estimate(values[:, None], lambda sums: sums[..., 0], strata)
+
+    assert found.low is not None
+    assert found.high is not None
+    members = [values[list(group)] for group in groups]
+    error = math.sqrt(sum(len(group) * group.var(ddof=1) for group in members))
+    assert found.value == pytest.approx(values.sum())
+    assert found.high - found.low == pytest.approx(2 * norm.ppf(0.975) * error, rel=0.045)
+    assert (found.high + found.low) / 2 == pytest.approx(found.value, abs=0.25 * error)
+
+
+def test_the_same_counts_give_the_same_interval() -> None:
+    values = counts(np.random.default_rng(0), 20)
+    first = estimate(values, share, ["a"] * 20)
+    _weights.cache_clear()
+
+    assert estimate(values, share, ["a"] * 20) == first
+
+
+@pytest.mark.parametrize(("episodes", "has_interval"), [(7, False), (8, True)])
+def test_fewer_than_eight_episodes_with_counts_give_no_interval(
+    episodes: int, *, has_interval: bool
+) -> None:
+    values = np.zeros((20, 2))
+    values[:episodes] = (0.0, 1.0)
+
+    found = estimate(values, share, ["a"] * 20)
+
+    assert found == (Estimate(0.0, 0.0, 0.0) if has_interval else Estimate(0.0))
+
+
+def test_what_is_undefined_in_a_resample_has_no_interval() -> None:
+    values = np.tile((1.0, 0.0), (20, 1))
+    values[0, 1] = 1.0  # only one episode has what it is divided by
+
+    assert estimate(values, share, ["a"] * 20) == Estimate(20.0)
+
+
+def test_a_ratio_is_undefined_without_a_whole_and_so_is_nothing_to_count() -> None:
+    part, whole = np.array([1.0, 0.0, 2.0]), np.array([4.0, 0.0, 0.0])
+
+    assert ratio(part, whole).tolist() == pytest.approx([0.25, math.nan, math.nan], nan_ok=True)
+    assert estimate(np.zeros((20, 2)), share, ["a"] * 20).text() == "undefined"
+
+
+@pytest.mark.parametrize(
+    ("found", "digits", "text"),
+    [
+        (Estimate(0.934, 0.876, 0.965), 2, "0.93 (0.88 to 0.96)"),
+        (Estimate(0.934, 0.876, 0.965), 1, "0.9 (0.9 to 1.0)"),
+        (Estimate(0.934), 2, "0.93 (too few episodes for an interval)"),
+        (Estimate(math.nan, 0.1, 0.2), 2, "undefined"),
+    ],
+)
+def test_an_estimate_is_told_with_its_interval(found: Estimate, digits: int, text: str) -> None:
+    assert found.text(digits) == text

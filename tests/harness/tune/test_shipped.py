@@ -1,0 +1,86 @@
+"""The parameter files that are shipped: what the command in their header gives.
+
+`tests/data/sweep` keeps the episodes of that command, for driving them takes minutes; some of them are
+driven again for a few seconds, so that neither the simulator nor the scoring can change unnoticed.
+Make both anew with the command, `--out tests/data/sweep`, and copy the YAML files.
+"""
+
+import shlex
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.config import EpisodeConfig
+from harness.tune import __main__ as tune
+from harness.tune.episodes import sweep
+from harness.tune.episodes.plan import Planned, plan
+from harness.tune.episodes.record import EpisodeRecord
+from harness.tune.episodes.store import decode
+from harness.tune.episodes.sweep import drive
+
+ROOT = Path(__file__).parents[3]
+SWEEP, CONFIG = ROOT / "tests" / "data" / "sweep", ROOT / "rover_metrics" / "config"
+ROBOTS = ("leo", "rover_zero4wd")
+DRIVEN_AGAIN, SECONDS = (2, 9), 8  # a Leo that rams, a rover_zero4wd that grazes
+
+
+def command_in(path: Path) -> list[str]:
+    """The arguments in a file's header."""
+    line = next(line for line in path.read_text().splitlines() if line.startswith("# Made by: "))
+    return shlex.split(line.removeprefix("# Made by: python -m harness.tune").partition("(")[0])
+
+
+def test_the_shipped_files_are_what_their_command_gives(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(SWEEP, tmp_path, dirs_exist_ok=True)
+    monkeypatch.setattr(sweep, "drive", _not_to_be_driven)
+    monkeypatch.setattr("harness.tune.output.render", lambda *_: "")  # the page takes half of the time
+    for robot in ROBOTS:
+        (tmp_path / f"{robot}.yaml").unlink(missing_ok=True)
+
+    exit_code = tune.main([*command_in(CONFIG / "leo.yaml"), "--jobs", "1", "--out", str(tmp_path)])
+
+    assert exit_code == 0
+    for robot in ROBOTS:
+        assert (tmp_path / f"{robot}.yaml").read_text() == (CONFIG / f"{robot}.yaml").read_text()
+
+
+@pytest.mark.parametrize("index", DRIVEN_AGAIN)
+def test_the_episodes_are_what_the_simulator_gives(index: int) -> None:
+    planned = _shipped_plan()[index]
+    kept = decode((SWEEP / "episodes" / f"{planned.name}.npz").read_bytes())
+
+    again = drive(_for_seconds(planned.config))
+
+    _assert_same_start(again, kept)
+
+
+def _not_to_be_driven(config: EpisodeConfig) -> EpisodeRecord:
+    pytest.fail(f"not kept: {config}")
+
+
+def _shipped_plan() -> tuple[Planned, ...]:
+    options = tune._parser().parse_args(command_in(CONFIG / "leo.yaml"))
+    return plan(options.robot, options.episodes, options.seed, options.duration)
+
+
+def _for_seconds(config: EpisodeConfig) -> EpisodeConfig:
+    return EpisodeConfig(**(vars(config) | {"duration": float(SECONDS)}))
+
+
+def _assert_same_start(again: EpisodeRecord, kept: EpisodeRecord) -> None:
+    """Equal up to what processors differ in."""
+    assert len(again.scans) == SECONDS * 20
+    for column in ("stamp_ms", "contact", "near_returns"):
+        np.testing.assert_array_equal(again.scans[column], kept.scans[column][: len(again.scans)])
+    for column in ("nearest", "footprint", "speed"):
+        np.testing.assert_allclose(
+            again.scans[column], kept.scans[column][: len(again.scans)], atol=2e-3, err_msg=column
+        )
+    for column in ("peak_acceleration", "roughness", "largest_stride"):
+        np.testing.assert_allclose(
+            again.windows[column], kept.windows[column][:SECONDS], rtol=1e-2, atol=1e-4, err_msg=column
+        )

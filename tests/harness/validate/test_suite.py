@@ -1,0 +1,200 @@
+"""The rovers pass, rovers that were tampered with do not, and tables show it."""
+
+import io
+import re
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import mujoco
+import pytest
+from rich.console import Console
+
+from harness.base.errors import UsageError
+from harness.physics.scene import Scene
+from harness.physics.simulation import Simulation
+from harness.robots import MODELS_DIR, ROVERS, RoverSpec
+from harness.validate import climbing, driving, rig, stability
+from harness.validate.check import Check, Span
+from harness.validate.suite import (
+    BEGIN,
+    END,
+    Manoeuvres,
+    as_markdown,
+    print_table,
+    validate,
+    write_between_markers,
+)
+from tests.support.once import made_once
+from tests.support.rovers import LEO
+
+Tampering = Callable[[mujoco.MjModel], None]
+NUMBER = re.compile(r"\d+(?:\.(\d+))?")
+
+
+def cells_in(path: Path) -> dict[str, list[list[str]]]:
+    """The rows of the tables between the markers, by rover."""
+    rows: dict[str, list[list[str]]] = {}
+    for line in path.read_text(encoding="utf-8").split(BEGIN)[1].split(END)[0].splitlines():
+        if line.startswith("### "):
+            rows[line.removeprefix("### ")] = []
+        elif line.startswith("| "):
+            rows[next(reversed(rows))].append(line.strip("| ").split(" | "))
+    return rows
+
+
+SHOWN = cells_in(MODELS_DIR / "README.md")
+
+
+def measured(rover: RoverSpec) -> list[Check]:
+    """The checks with seed 0; what is searched for is tried where it was found last time first."""
+    found = (
+        cells[2]
+        for cells in SHOWN.get(rover.name, ())
+        if re.match("highest|kerb|slope climbed", cells[0])
+    )
+
+    def search(passes: Callable[[float], bool], low: float, high: float, step: float) -> float:
+        last = round(float(next(found, "-1").split()[0]) / step)
+        if low <= last * step < high and passes(last * step) and not passes((last + 1) * step):
+            return last * step
+        return rig.largest_passing(passes, low, high, step)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(climbing, "largest_passing", search)
+        return validate(rover, seed=0)
+
+
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Check]]:
+    """The checks of each rover, by its name."""
+    return {
+        name: made_once(tmp_path_factory, f"validated_{name}", partial(measured, rover))
+        for name, rover in ROVERS.items()
+    }
+
+
+@pytest.mark.parametrize("robot", ROVERS)
+def test_every_check_of_the_suite_passes_is_named_once_and_has_its_source(
+    robot: str, driven: dict[str, list[Check]]
+) -> None:
+    assert [check for check in driven[robot] if not (check.passed and check.expected.source)] == []
+    names = [check.quantity for check in driven[robot]]
+    assert len(set(names)) == len(names)
+
+
+def test_the_same_seed_measures_the_same_to_the_last_bit(driven: dict[str, list[Check]]) -> None:
+    again = {check.quantity: check.measured for check in climbing.rocker_checks(LEO, 0)}
+    first = {check.quantity: check.measured for check in driven[LEO.name]}
+    assert again == {name: first[name] for name in again}
+
+
+def wheels(model: mujoco.MjModel) -> list[int]:
+    return [g for g in range(model.ngeom) if model.geom(g).name.startswith("wheel_")]
+
+
+def slippery(model: mujoco.MjModel) -> None:
+    model.geom_friction[wheels(model), 0] = 0.6
+
+
+def hard_contacts(model: mujoco.MjModel) -> None:
+    model.geom_solimp[wheels(model)] = (0.9, 0.95, 0.001, 0.5, 2)
+
+
+def weak_servos(model: mujoco.MjModel) -> None:
+    model.actuator_gainprm[:, 0] = 4.0
+    model.actuator_biasprm[:, 2] = -4.0
+
+
+def stiff_rockers(model: mujoco.MjModel) -> None:
+    model.jnt_range[model.joint("rocker_L_joint").id] = (-0.1, 0.1)
+
+
+def low_belly(model: mujoco.MjModel) -> None:
+    model.geom_pos[model.geom("body_chassis").id, 2] -= 0.02
+
+
+def moon(model: mujoco.MjModel) -> None:
+    model.opt.gravity[2] = -1.62
+
+
+@pytest.mark.parametrize(
+    ("tampering", "manoeuvres", "missed"),
+    [
+        (slippery, stability.checks, "slope held, nose up"),
+        (hard_contacts, driving.checks, "sd of az turning in place, IMU at 100 Hz"),
+        (weak_servos, driving.checks, "speed at 0.5 m/s commanded"),
+        (stiff_rockers, climbing.rocker_checks, "rocker angle at its stops"),
+        (low_belly, climbing.passage_checks, "highest rock that passes below the underside"),
+        (moon, driving.rest_checks, "IMU at rest, |a|"),
+    ],
+)
+def test_a_rover_that_was_tampered_with_is_found_out(
+    tampering: Tampering, manoeuvres: Manoeuvres, missed: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def tampered(scene: Scene, timestep_ns: int) -> Simulation:
+        tampering(scene.model)
+        return Simulation(scene, timestep_ns)
+
+    monkeypatch.setattr(rig, "Simulation", tampered)
+    rover: RoverSpec = LEO
+    check = next(check for check in manoeuvres(rover, 0) if check.quantity == missed)
+    assert not check.passed
+
+
+GOOD = Check("|a| at rest", "m/s2", Span(9.795, 9.805, "S: gravity"), 9.8)
+BAD = Check("speed", "m/s", Span(0.49, 0.50, "S: recorded"), 0.42, digits=2)
+
+
+def test_the_readme_tells_what_the_suite_expects_and_measures(
+    driven: dict[str, list[Check]], tmp_path: Path
+) -> None:
+    """Words are the same; numbers differ by what processors may differ in."""
+    fresh = tmp_path / "README.md"
+    fresh.write_text(f"{BEGIN}\n{as_markdown(driven)}\n{END}", encoding="utf-8")
+    again = cells_in(fresh)
+
+    assert list(SHOWN) == list(again) == list(driven)
+    for robot, rows in again.items():
+        assert len(SHOWN[robot]) == len(rows), "run python -m harness.validate --write"
+        for old, new in zip(SHOWN[robot], rows, strict=True):
+            assert [NUMBER.sub("#", cell) for cell in old] == [NUMBER.sub("#", cell) for cell in new]
+            for column, (one, other) in enumerate(zip(old, new, strict=True)):
+                for theirs, ours in zip(NUMBER.finditer(one), NUMBER.finditer(other), strict=True):
+                    last_digit = 10.0 ** -len(ours[1] or "")
+                    rel = 0.03 if column == 2 else 0.0
+                    assert float(ours[0]) == pytest.approx(
+                        float(theirs[0]), rel=rel, abs=1.01 * last_digit
+                    ), f"{robot}: {new[0]}"
+
+
+def test_writing_replaces_what_stands_between_the_markers_and_nothing_else(tmp_path: Path) -> None:
+    path = tmp_path / "README.md"
+    path.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n", encoding="utf-8")
+    write_between_markers(path, as_markdown({"leo": [GOOD, BAD]}))
+    text = path.read_text(encoding="utf-8")
+    assert text.startswith("before\n")
+    assert text.endswith("\nafter\n")
+    assert "old" not in text
+    assert "| speed | 0.49 to 0.50 m/s | 0.42 m/s | MISS | S: recorded |" in text
+    assert "\n| \\|a\\| at rest | " in text
+    write_between_markers(path, as_markdown({"leo": [GOOD, BAD]}))
+    assert path.read_text(encoding="utf-8") == text
+
+
+def test_a_file_without_markers_is_left_alone_with_one_line_as_is_none(tmp_path: Path) -> None:
+    path = tmp_path / "README.md"
+    path.write_text("nothing", encoding="utf-8")
+    for file, told in ((path, "must hold"), (tmp_path / "none.md", "cannot rewrite")):
+        with pytest.raises(UsageError, match=told):
+            write_between_markers(file, "table")
+    assert path.read_text(encoding="utf-8") == "nothing"
+
+
+def test_the_terminal_shows_expected_measured_verdict_and_source() -> None:
+    console = Console(file=io.StringIO(), width=160)
+    print_table(console, "leo", [GOOD, BAD])
+    assert isinstance(console.file, io.StringIO)
+    line = next(line for line in console.file.getvalue().splitlines() if "speed" in line)
+    for cell in ("0.49 to 0.50 m/s", "0.42 m/s", "MISS", "S: recorded"):
+        assert cell in line
