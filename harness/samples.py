@@ -202,6 +202,10 @@ class Tick:
     samples: tuple[Sample, ...]
     tells_time: bool = True
 
+    def of(self, kind: type[T]) -> list[T]:
+        """Returns the samples of a type, in publishing order."""
+        return [sample for sample in self.samples if isinstance(sample, kind)]
+
 
 @plain_value
 class PlacedScan:

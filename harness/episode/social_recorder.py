@@ -56,8 +56,7 @@ class SocialRecorder:
             self.goals.begin((goal.x, goal.y), self._began_s)
         self._began_s = batch.truth.time_ns / NANOSECONDS
         for tick in batch.ticks:
-            poses = [sample for sample in tick.samples if isinstance(sample, Pose)]
-            people = [sample for sample in tick.samples if isinstance(sample, ActorPoses)]
+            poses, people = tick.of(Pose), tick.of(ActorPoses)
             if poses:
                 self._orientation = poses[0].orientation
             if tick.stamp_ns % NANOSECONDS == 0 and poses and people:
