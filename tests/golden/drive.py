@@ -191,15 +191,15 @@ def _rovers(options: RunOptions, sensor: str = "") -> Iterator[tuple[list[RoverR
 
 def _driven(result: RunResult, observers: Observers) -> Driven:
     stream, people = observers
-    assert result.log_path is not None
-    social = None if people is None else people.path
-    result = replace(result, social_log=social)
+    assert result.log_path is not None, result.failure
+    log = None if people is None else people.path
+    result = replace(result, social_log=log)
     return Driven(
         name=result.config.name,
         result=result,
         manifest=json.loads(json.dumps(manifest(result), allow_nan=False)),
         csv=result.log_path.read_text(),
-        social="" if social is None else social.read_text(),
+        social="" if people is None or people.path is None else people.path.read_text(),
         stream=stream.hexdigest(),
         samples=stream.samples,
     )
