@@ -13,20 +13,20 @@ import numpy as np
 from harness.base.errors import UsageError, find_named
 from harness.base.files import modified_ns
 from harness.base.sim_time import (
+    CONTROL_PERIOD_NS,
     DEFAULT_TIMESTEP_NS,
     NANOSECONDS,
     TICK_NS,
     check_duration,
     parse_timestep,
+    period_ticks,
 )
 from harness.drivers import find_driver, takes_goals
-from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.drivers.goal_course import Area, check_area
 from harness.drivers.staged import StagedEncounter
 from harness.faults.spec import parse_faults
 from harness.frames.options import FrameOptions
 from harness.robots import find_rover
-from harness.sensors.base import period_ticks
 from harness.sensors.choice import chosen
 from harness.sensors.geodesy import DEFAULT_DATUM, Datum
 from harness.sensors.noise import PRESETS

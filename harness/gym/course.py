@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
-from harness.base.sim_time import parse_timestep
-from harness.config import TICKS_PER_CONTROL, EpisodeConfig
-from harness.drivers.base import CONTROL_PERIOD
+from harness.base.sim_time import CONTROL_PERIOD, TICKS_PER_CONTROL, parse_timestep
+from harness.config import EpisodeConfig
 from harness.episode.episode import installed
 from harness.frames.rover_frames import rover_frames
 from harness.gym.options import Randomisation

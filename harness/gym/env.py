@@ -17,7 +17,7 @@ from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
 from harness.base.errors import Diverged, RunFailed, UsageError, unknown
-from harness.drivers.base import CONTROL_PERIOD
+from harness.base.sim_time import CONTROL_PERIOD
 from harness.gym.course import Course, draw_variation
 from harness.gym.difficulty import Ladder
 from harness.gym.observation import Limits, Observation, Part

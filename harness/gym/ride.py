@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.base.sim_time import NANOSECONDS, TICK_NS
-from harness.config import IMU_RATE, TICKS_PER_CONTROL
+from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
+from harness.config import IMU_RATE
 from harness.episode.episode import sensor_noise
 from harness.gym.course import Course, Variation
 from harness.physics.base_controller import base_controller

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.config import TICKS_PER_CONTROL, EpisodeConfig, RosOptions
+from harness.base.sim_time import TICKS_PER_CONTROL
+from harness.config import EpisodeConfig, RosOptions
 from harness.frames.options import FrameOptions
 from harness.world.terrain_file import TerrainFile
 from harness.world.world import terrain_hash

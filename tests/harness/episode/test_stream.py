@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from harness.base.errors import RunFailed, UsageError
+from harness.base.sim_time import CONTROL_PERIOD_NS
 from harness.config import EpisodeConfig
-from harness.drivers.base import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.stream import EpisodeProcess

@@ -9,6 +9,7 @@ from unittest.mock import Mock
 import pytest
 
 from harness.base.errors import UsageError
+from harness.base.sim_time import period_ticks
 from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.faults.injector import FaultInjector
@@ -17,7 +18,7 @@ from harness.frames.options import FrameOptions
 from harness.robots import ROVERS, find_rover
 from harness.samples import Tick, TruthState
 from harness.sensors.barometer import Pressure
-from harness.sensors.base import Sensor, period_ticks
+from harness.sensors.base import Sensor
 from harness.sensors.choice import by_default
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.table import SENSORS, SensorRow, by_fault_name
