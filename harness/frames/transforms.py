@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.sim_time import TICK_NS, period_ticks
-from harness.frames.options import NONE, WHEELS, FrameOptions
+from harness.spec.ros import NONE, WHEELS, FrameOptions
 from harness.frames.rover_frames import HINGE, RoverFrames
 from harness.frames.tree import MAP, ODOM, Description, Edge
 from harness.frames.urdf import write_urdf
