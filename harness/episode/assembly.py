@@ -5,9 +5,9 @@ compiled kernels.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import NamedTuple
 
 from harness.base.errors import UsageError, find_named
 from harness.base.files import modified_ns
@@ -135,8 +135,7 @@ def injector(run: Run, number: int = 0) -> FaultInjector:
     return FaultInjector(find_faults(rover.faults, rows), run.own_seed(number), rows, run.seed)
 
 
-@dataclass(frozen=True)
-class Scenery:
+class Scenery(NamedTuple):
     """The world of a run, and who starts where in it."""
 
     world: World
@@ -203,13 +202,13 @@ def placed(run: Run) -> Run:
                 f"there is no room for {name} near the start of {run.rover.name}; "
                 f"give it one: --rover ROBOT:{name},x=X,y=Y"
             )
-    others = (
-        rover.but(start=start) for rover, start in zip(run.rovers[1:], starts[1:], strict=True)
-    )
+    others = (rover.but(start=start) for rover, start in zip(run.rovers[1:], starts[1:], strict=True))
     return run.but(rovers=(run.rover, *others))
 
 
-def _taken(starts: Sequence[Start | None], models: Sequence[RoverSpec]) -> list[tuple[float, float, float]]:
+def _taken(
+    starts: Sequence[Start | None], models: Sequence[RoverSpec]
+) -> list[tuple[float, float, float]]:
     return [
         (start[0], start[1], model.reach)
         for start, model in zip(starts, models, strict=True)

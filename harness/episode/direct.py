@@ -57,9 +57,7 @@ def run_direct(
     with ExitStack() as at_end:
         logged, routes = list[LoggedRun](), list[Route]()
         for episode, output in zip(episodes, outputs, strict=True):
-            begun = RunResult(
-                run=run, number=episode.number, mode="direct, no ROS", info=episode.info
-            )
+            begun = RunResult(run=run, number=episode.number, mode="direct, no ROS", info=episode.info)
             shown = None if logged else show
             log = LoggedRun(begun, output.log_dir, output.settings, started=started, show=shown)
             logged.append(at_end.enter_context(log))

@@ -305,14 +305,13 @@ def _simulated(run: Run, world: World | None = None) -> tuple[Simulation, ...]:
     if world is None:
         check(run)
         check_world(run)
-    scene = scenery(run, world)
-    scenes = build_scenes(scene.world, scene.members, run.timestep)
+    scenes = build_scenes(*scenery(run, world), run.timestep)
     chosen = [scene for scene, rover in zip(scenes, run.rovers, strict=True) if rover.start is not None]
-    for scene_of_rover in chosen:
-        check_room(scene_of_rover, scenes)
+    for scene in chosen:
+        check_room(scene, scenes)
     made = simulations(scenes, run.timestep_ns)
-    for scene_of_rover in chosen:
-        check_start(scene_of_rover, made[0].data)
+    for scene in chosen:
+        check_start(scene, made[0].data)
     return made
 
 

@@ -74,9 +74,7 @@ class StreamHash:
         return self._digest.hexdigest()
 
 
-def fingerprint(
-    drive: Drive, run: Run, stop: StopRequest, ros_args: Sequence[str] = ()
-) -> Fingerprint:
+def fingerprint(drive: Drive, run: Run, stop: StopRequest, ros_args: Sequence[str] = ()) -> Fingerprint:
     """Returns the fingerprint of a run in a folder that is gone afterwards.
 
     Args:
@@ -92,7 +90,7 @@ def fingerprint(
     stream = StreamHash()
     with TemporaryDirectory(prefix="harness_check_") as folder:
         options = RosOptions(log_dir=Path(folder), ros_args=tuple(ros_args))
-        (result,) = drive(run, (Outputs(options.log_dir, observers=[stream]),), options, stop)
+        (result,) = drive(run, (Outputs(log_dir=options.log_dir, observers=[stream]),), options, stop)
         if stop.signal is not None:
             raise Interrupted(stop.signal)
         if result.failure is not None or result.log_path is None:

@@ -29,7 +29,8 @@ def run_episode(
         run: What to run, with one rover.
         log_dir: Folder that gets both; made if it is not there.
         observers: See every batch of 50 ms: objects with a method `take(batch)`.
-        settings: Of the metrics: thresholds, and whether there are extended columns; the defaults if None.
+        settings: Of the metrics: thresholds, and whether there are extended columns; None for the
+            defaults.
 
     Returns:
         What the run came to: `log_path` is the CSV, `failure` says why it ended early, if it did.

@@ -42,7 +42,8 @@ def find_faults(
         rows: The sensors of the run; None for all there are.
 
     Raises:
-        UsageError: There is no such sensor or fault, or its value is not valid; the message names what is.
+        UsageError: There is no such sensor or fault, or the value is not valid; the message names
+            what is.
     """
     known = None if rows is None else tuple(rows)
     return tuple(_find(spec, known) for spec in specs)

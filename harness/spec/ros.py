@@ -18,12 +18,12 @@ class FrameOptions(Value):
 
     odom_tf: Annotated[
         Literal["ground_truth", "wheels", "none"], Option("SOURCE", choices=ODOM_SOURCES)
-    ] = Field("ground_truth", description="who owns odom -> base on /tf; none where an EKF does")
+    ] = Field(default="ground_truth", description="who owns odom -> base on /tf; none where an EKF does")
     odom_tf_3d: Annotated[bool, Option("")] = Field(
-        False, description="with the true height, roll and pitch; else the pose from above"
+        default=False, description="with the true height, roll and pitch; else the pose from above"
     )
     map_tf: Annotated[bool, Option("")] = Field(
-        False, description="publish map -> odom too, as the identity"
+        default=False, description="publish map -> odom too, as the identity"
     )
 
     @model_validator(mode="after")
@@ -49,28 +49,32 @@ class RosOptions(Value):
     """
 
     log_dir: Annotated[Path, Option("DIR")] = Field(
-        description="folder for the log and its manifest; with --actor, for social/social_log_....csv too"
+        description="folder for the log and its manifest; with --actor, for social/social_log_....csv "
+        "too"
     )
     rate: Annotated[
         Annotated[float, Field(ge=SLOWEST_RATE, allow_inf_nan=False)] | None,
         BeforeValidator(_rate),
         Option("R|max"),
-    ] = Field(None, description="times real time; default: max")
+    ] = Field(default=None, description="times real time; default: max")
     host_metrics: bool = True
     wait_for: Annotated[tuple[str, ...], listed(), Option("NODE")] = Field(
-        (), description="keep lock-step with a node in another process; repeatable"
+        default=(), description="keep lock-step with a node in another process; repeatable"
     )
     ros_args: tuple[str, ...] = ()
     cmd_vel: Annotated[Literal["auto", "twist", "stamped"], Option("TYPE", choices=CMD_VEL_TYPES)] = (
         Field(
-            "auto",
-            description="type of /cmd_vel; auto: as it is sent, TwistStamped from Kilted on until something is",
+            default="auto",
+            description="type of /cmd_vel; auto: as it is sent, TwistStamped from Kilted on until "
+            "something is",
         )
     )
     record: Annotated[Path | None, Option("FILE.mcap")] = Field(
-        None,
-        description="record every topic, /cmd_vel and /rover/metrics too; a killed run's file is read by "
-        "rover_metrics.replay as it is, and mended by: mcap recover FILE.mcap -o MENDED.mcap",
+        default=None,
+        description="record every topic, /cmd_vel and /rover/metrics too; a killed run's file is "
+        "read by rover_metrics.replay as it is, and mended by: mcap recover FILE.mcap -o MENDED.mcap",
     )
-    overwrite: Annotated[bool, Option("")] = Field(False, description="let --record replace a file")
+    overwrite: Annotated[bool, Option("")] = Field(
+        default=False, description="let --record replace a file"
+    )
     frames: FrameOptions = FrameOptions()

@@ -64,28 +64,30 @@ class RoverSetup(Value):
     name: Annotated[str, AfterValidator(checked(_check_name))] = ""
     robot: Annotated[str, Option("NAME|FOLDER")] = "leo"
     start: Annotated[StartText | None, Option("X,Y[,YAW]")] = Field(
-        None,
+        default=None,
         description="start [m] and heading from +x to +y [rad]; default: at or next to 0,0, the middle",
     )
     driver: Annotated[str, Option("NAME")] = "wander"
     goal_area: Annotated[AreaText | None, Option("XMIN,XMAX,YMIN,YMAX")] = Field(
-        None,
+        default=None,
         description="give the driver one random goal after another in this rectangle [m], as "
         "RoboTerrain's collector",
     )
     cmd_vel_timeout: Annotated[
         Annotated[float, Field(ge=CONTROL_PERIOD, allow_inf_nan=False)] | None, Option("S")
-    ] = Field(None, description="stop S simulated seconds after the last command; off by default")
+    ] = Field(
+        default=None, description="stop S simulated seconds after the last command; off by default"
+    )
     lidar_beams: Annotated[int, Field(ge=2, le=100_000), Option("N")] = Field(
-        LIDAR_BEAMS, description="beams of the lidar, all around"
+        default=LIDAR_BEAMS, description="beams of the lidar, all around"
     )
     imu_rate: Annotated[int, AfterValidator(checked(period_ticks)), Option("HZ")] = Field(
-        IMU_RATE, description="samples of the IMU a second"
+        default=IMU_RATE, description="samples of the IMU a second"
     )
     noise: Annotated[str | None, Option("NAME", bare=DEFAULT_NOISE)] = None
     sensors: Annotated[SensorChoices, Option("NAME[,...]")] = None
     faults: Annotated[tuple[FaultText, ...], listed(), Option("SPEC", flag="fault")] = Field(
-        (), description=f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable"
+        default=(), description=f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable"
     )
 
     @model_validator(mode="after")

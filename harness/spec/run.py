@@ -1,7 +1,7 @@
 """Everything that determines a drive, as one frozen value."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -38,18 +38,18 @@ class Run(Value):
     """
 
     world: WorldSpec = WorldSpec()
-    rovers: tuple[RoverSetup, ...] = Field((RoverSetup(),), min_length=1, max_length=MOST_ROVERS)
+    rovers: tuple[RoverSetup, ...] = Field(default=(RoverSetup(),), min_length=1, max_length=MOST_ROVERS)
     plan: Plan = Plan()
     duration: Annotated[float, AfterValidator(checked(check_duration)), Option("S")] = Field(
-        60.0, description="simulated seconds"
+        default=60.0, description="simulated seconds"
     )
     timestep: Annotated[float, AfterValidator(checked(parse_timestep)), Option("S")] = Field(
-        DEFAULT_TIMESTEP_NS / NANOSECONDS, description="physics step [s]"
+        default=DEFAULT_TIMESTEP_NS / NANOSECONDS, description="physics step [s]"
     )
-    seed: Annotated[Seed, Option("N")] = Field(0, description="of everything random")
+    seed: Annotated[Seed, Option("N")] = Field(default=0, description="of everything random")
 
     @classmethod
-    def of(cls, **values: Any) -> Self:  # noqa: ANN401 - as the fields are
+    def of(cls, **values: Any) -> "Run":  # noqa: ANN401 - as the fields are
         """Returns a run of one rover from the names of all fields, in whatever part they stand.
 
         Args:
@@ -92,7 +92,7 @@ class Run(Value):
         source = np.random.SeedSequence(self.seed, spawn_key=(FLEET_STREAM, number))
         return int.from_bytes(source.generate_state(4).tobytes(), "little")
 
-    def alone(self, **changes: Any) -> Self:  # noqa: ANN401 - as the fields are
+    def alone(self, **changes: Any) -> "Run":  # noqa: ANN401 - as the fields are
         """Returns the same run with other values of some fields, of the first rover and alone.
 
         Args:
@@ -141,14 +141,15 @@ PARTS: dict[str, type[Value]] = {"world": WorldSpec, "rovers": RoverSetup, "plan
 
 def field_owners() -> Iterator[tuple[str, str]]:
     """Yields the name of every field and of the part of a run that has it; "" for the run itself."""
-    for part, cls in (*PARTS.items(), ("", Run)):
+    parts: list[tuple[str, type[Value]]] = [*PARTS.items(), ("", Run)]
+    for part, cls in parts:
         yield from ((name, part) for name in cls.model_fields if name not in PARTS)
 
 
 OWNERS = dict(field_owners())
 
 
-def from_fields(run: Run, changes: Mapping[str, Any], name: Any = str) -> Any:  # noqa: ANN401
+def from_fields(run: Run, changes: Mapping[str, Any], name: Callable[[str], str] = str) -> "Run":
     """Returns a run in which some fields have other values.
 
     Args:

@@ -1,4 +1,4 @@
-"""Frozen values, and the one door through which words of a command line and keys of a file become them."""
+"""Frozen values, and the one door through which text and the keys of files become them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -31,43 +31,46 @@ class WorldSpec(Value):
     """
 
     terrain: Annotated[str, Option("NAME|FILE")] = Field(
-        "rocky",
+        default="rocky",
         description="see --list; a heightmap: GeoTIFF, TIFF, PNG, .npy; an SDF world: .world, .sdf; "
         "a mesh: .dae, .obj, .stl (docs/worlds.md: axes, units)",
     )
     difficulty: Annotated[Share, Option("D")] = Field(
-        DEFAULT_DIFFICULTY, description="0 to 1, of a named terrain"
+        default=DEFAULT_DIFFICULTY, description="0 to 1, of a named terrain"
     )
     terrain_size: Annotated[
         tuple[MapLength, MapLength] | None, BeforeValidator(_both_lengths), Option("M", many=True)
-    ] = Field(None, description="length along x and y, or of both, of a heightmap that does not say [m]")
+    ] = Field(
+        default=None,
+        description="length along x and y, or of both, of a heightmap that does not say [m]",
+    )
     terrain_height: Annotated[Relief | None, Option("M")] = Field(
-        None, description="relief, lowest to highest point, of a heightmap that does not say [m]"
+        default=None, description="relief, lowest to highest point, of a heightmap that does not say [m]"
     )
     terrain_cell: Annotated[Cell | None, Option("M")] = Field(
-        None, description="distance of the heights that a mesh becomes [m]; default: 0.1"
+        default=None, description="distance of the heights that a mesh becomes [m]; default: 0.1"
     )
     resource_path: Annotated[Texts, Option("DIR")] = Field(
-        (), description="folder of an SDF world's models; repeatable; default: none"
+        default=(), description="folder of an SDF world's models; repeatable; default: none"
     )
     mesh_unit: Annotated[str, Option("NAME")] = Field(
-        "", description="unit of meshes: m, cm, mm, ft, in; default: as their files say"
+        default="", description="unit of meshes: m, cm, mm, ft, in; default: as their files say"
     )
     mesh_up: Annotated[str, Option("AXIS")] = Field(
-        "", description="axis of meshes that is up: z, y, x; default: as their files say"
+        default="", description="axis of meshes that is up: z, y, x; default: as their files say"
     )
     rock_height: Annotated[Relief | None, Option("M")] = Field(
-        None,
+        default=None,
         description="obstacles of files up to it are rocks [m]; default: the rover's clearance",
     )
     rock: Annotated[Texts, Option("PATTERN")] = Field(
-        (), description="models that are rocks; repeatable; default: by height"
+        default=(), description="models that are rocks; repeatable; default: by height"
     )
     hazard: Annotated[Texts, Option("PATTERN")] = Field(
-        (), description="models that are hazards; repeatable; default: by height"
+        default=(), description="models that are hazards; repeatable; default: by height"
     )
     actors: Annotated[tuple[ActorText, ...], listed(), Option("SPEC", flag="actor")] = Field(
-        (),
+        default=(),
         description="a person who walks; repeatable: NAME=X,Y/X,Y/... (way points), [NAME=]FILE.sdf (a "
         "trajectory, or actors of a world), NAME=random or NAME=social; behind it :KEY=VALUE,... of "
         "speed, route, delay, radius, height, within, push (docs/worlds.md)",
@@ -77,7 +80,7 @@ class WorldSpec(Value):
         numbers("LAT,LON or LAT,LON,ALT in degrees and metres", 3, rest=0.0),
         Option("LAT,LON[,ALT]"),
     ] = Field(
-        DEFAULT_DATUM,
+        default=DEFAULT_DATUM,
         description="where the world's origin is, for GNSS and its like: degrees and metres; "
         "default: 38.4064,-110.7919,1382",
     )

@@ -4,9 +4,10 @@ from collections.abc import Callable, Sequence
 from operator import attrgetter
 
 from harness.base.errors import Diverged, RunFailed
-from harness.config import EpisodeConfig
+from harness.episode.assembly import world_of
 from harness.episode.episode import Episode
 from harness.robots import find_rover
+from harness.spec.run import Run
 from harness.tune.backend import Backend
 from harness.tune.backend.work_off import work_off
 from harness.tune.episodes.contacts import event_rows
@@ -18,23 +19,23 @@ from harness.tune.episodes.store import Store, encode
 KEPT = "the episodes so far are kept, and the same command goes on with them"
 
 
-def drive(config: EpisodeConfig) -> EpisodeRecord:
+def drive(run: Run) -> EpisodeRecord:
     """Drives an episode to its end, or until the rover lies on its side.
 
-    The same configuration gives the same record, to the bit, on one machine.
+    The same run gives the same record, to the bit, on one machine.
     """
-    episode, collected = Episode(config), Collected()
+    episode, collected = Episode(run), Collected()
     ending = _drive(episode, collected)
-    rover = find_rover(config.robot)
+    rover = find_rover(run.rover.robot)
     scans, placed = scan_rows(collected, rover), collected.placed_scans()
     return EpisodeRecord(
         scans=scans,
         windows=window_rows(collected),
-        events=event_rows(collected.events, placed, scans["speed"], config.world(), rover),
+        events=event_rows(collected.events, placed, scans["speed"], world_of(run), rover),
         ending=ending,
         path_length=collected.path_length,
-        driver=config.driver,
-        terrain=config.terrain,
+        driver=run.rover.driver,
+        terrain=run.world.terrain,
     )
 
 
@@ -53,7 +54,7 @@ def _drive(episode: Episode, collected: Collected) -> Ending:
 
 def drive_to_bytes(planned: Planned) -> tuple[Planned, bytes]:
     """Returns an episode and its record as bytes: a worker shares no file system with the sweep."""
-    return planned, encode(drive(planned.config))
+    return planned, encode(drive(planned.run))
 
 
 def sweep(

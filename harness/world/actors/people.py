@@ -70,7 +70,11 @@ def of_terrain(terrain: str, folders: Sequence[str] = ()) -> tuple[ActorSpec, ..
     if not terrain.lower().endswith(SUFFIXES) or not path.is_file():
         return ()
     with suppress(UsageError):  # the world reports it, whose mistake it is
-        return (ActorSpec(terrain, "", ActorOptions(), file=terrain),) if actors_of(path, tuple(folders)) else ()
+        return (
+            (ActorSpec(terrain, "", ActorOptions(), file=terrain),)
+            if actors_of(path, tuple(folders))
+            else ()
+        )
     return ()
 
 
