@@ -6,8 +6,8 @@ from functools import partial
 
 from benchmarks import ros_runs
 from benchmarks.measuring import Effort, Rounds, Table
-from harness.config import EpisodeConfig
 from harness.episode.result import RunResult
+from harness.spec.run import Run
 
 HERE = "one, in this process"
 ELSEWHERE = {"one, in its process (--wait-for)": 1, "three, each in its process": 3}
@@ -16,7 +16,7 @@ TARGETS = dict(zip((HERE, *ELSEWHERE), (">= 10", ">= 20, aim 25", ">= 12"), stri
 
 def measure(effort: Effort) -> Table:
     """Speed, throughput, losses, and how long the slowest node was waited for."""
-    config = EpisodeConfig(duration=effort.seconds)
+    config = Run.of(duration=effort.seconds)
     results: dict[str, list[RunResult]] = {way: [] for way in TARGETS}
 
     def here() -> float:

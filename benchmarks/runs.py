@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from benchmarks import ros_runs
 from benchmarks.measuring import Effort, Rounds, Table
-from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.episode.stream import EpisodeProcess
 from harness.robots import ROVERS
 from harness.ros import session
+from harness.spec.run import Run
 
 Commands = list[NDArray[np.float64]]
 PHYSICS, EPISODE = "physics alone", "episode with sensors"
@@ -25,7 +25,7 @@ def measure(effort: Effort) -> Table:
     """Speed of each robot in these ways, on the default terrain."""
     rows: list[tuple[str, ...]] = []
     for robot in ROVERS:
-        config = EpisodeConfig(robot=robot, duration=effort.seconds)
+        config = Run.of(robot=robot, duration=effort.seconds)
         rows += _rows(config, effort)
     return Table(
         title=f"The same drive in four ways, {effort.seconds:g} simulated seconds",
@@ -34,7 +34,7 @@ def measure(effort: Effort) -> Table:
     )
 
 
-def _rows(config: EpisodeConfig, effort: Effort) -> list[tuple[str, ...]]:
+def _rows(config: Run, effort: Effort) -> list[tuple[str, ...]]:
     commands = recorded(config)
     lost: list[int] = []
 
@@ -71,7 +71,7 @@ def _rows(config: EpisodeConfig, effort: Effort) -> list[tuple[str, ...]]:
     ]
 
 
-def recorded(config: EpisodeConfig) -> Commands:
+def recorded(config: Run) -> Commands:
     """Returns the wheel commands of an episode, tick by tick."""
     simulation = (episode := Episode(config)).simulation
     with patch.object(simulation, "command_wheels", wraps=simulation.command_wheels) as spy:
@@ -80,7 +80,7 @@ def recorded(config: EpisodeConfig) -> Commands:
     return [call.args[0] for call in spy.call_args_list]
 
 
-def physics(config: EpisodeConfig, commands: Commands) -> float:
+def physics(config: Run, commands: Commands) -> float:
     """Returns the wall time [s] of mj_step alone under these commands: same contacts, same path."""
     simulation = Episode(config).simulation
     start = time.perf_counter()
@@ -90,7 +90,7 @@ def physics(config: EpisodeConfig, commands: Commands) -> float:
     return time.perf_counter() - start
 
 
-def _episode(config: EpisodeConfig) -> float:
+def _episode(config: Run) -> float:
     episode = Episode(config)
     start = time.perf_counter()
     for _ in episode.batches():

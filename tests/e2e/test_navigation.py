@@ -17,12 +17,13 @@ from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from harness.base.interrupt import StopRequest
-from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
 from harness.robots import find_rover
 from harness.ros import session
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.session import run_through_ros
+from harness.spec.ros import RosOptions
+from harness.spec.run import Run
 from harness.world.occupancy import occupancy
 
 LATCHED = QoSProfile(
@@ -89,7 +90,7 @@ class Client:
 def test_a_client_gets_the_map_puts_the_rover_and_sends_it_to_a_goal(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    config = EpisodeConfig(terrain="posts", driver="goal", duration=5.5, lidar_beams=45)
+    config = Run.of(terrain="posts", driver="goal", duration=5.5, lidar_beams=45)
     options = RosOptions(log_dir=tmp_path, host_metrics=False)
     drive = session._Run.drive
     with ExitStack() as at_end:

@@ -13,8 +13,8 @@ import pytest
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import TICKS_PER_CONTROL
-from harness.config import EpisodeConfig, RosOptions
-from harness.frames.options import FrameOptions
+from harness.spec.ros import FrameOptions, RosOptions
+from harness.spec.run import Run
 from harness.world.terrain_file import TerrainFile
 from harness.world.world import terrain_hash
 from tests.support.rovers import LEO, ROVER_ZERO4WD
@@ -33,7 +33,7 @@ def test_the_defaults_are_those_of_the_command_line() -> None:
     untold = "terrain_size terrain_height terrain_cell rock_height start noise sensors cmd_vel_timeout"
     empty = "resource_path rock hazard faults commands actors goals resets"
     expected = dict.fromkeys([*untold.split(), "goal_area"], None) | dict.fromkeys(empty.split(), ())
-    assert asdict(EpisodeConfig()) == expected | {
+    assert asdict(Run()) == expected | {
         "terrain": "rocky",
         "robot": "leo",
         "seed": 0,
@@ -77,7 +77,7 @@ def test_the_defaults_are_those_of_the_command_line() -> None:
 def test_an_episode_has_a_tick_each_10_ms_and_a_batch_each_50_ms_or_part_of_it(
     duration: float, ticks: int, periods: int
 ) -> None:
-    config = EpisodeConfig(duration=duration)
+    config = Run.of(duration=duration)
     assert TICKS_PER_CONTROL == 5
     assert (config.total_ticks, config.total_periods) == (ticks, periods)
 
@@ -103,7 +103,7 @@ def test_an_episode_has_a_tick_each_10_ms_and_a_batch_each_50_ms_or_part_of_it(
     ids=str,
 )
 def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object]) -> None:
-    EpisodeConfig(**edge).validate()  # type: ignore[arg-type]  # a table of keywords
+    Run.of(**edge).validate()  # type: ignore[arg-type]  # a table of keywords
 
 
 @pytest.mark.parametrize(
@@ -183,7 +183,7 @@ def test_a_value_at_the_edge_of_what_is_valid_is_accepted(edge: dict[str, object
 )
 def test_a_value_beyond_it_is_refused_in_one_line(beyond: dict[str, object], told: str) -> None:
     with pytest.raises(UsageError) as refusal:
-        EpisodeConfig(**beyond).validate()  # type: ignore[arg-type]  # a table of keywords
+        Run.of(**beyond).validate()  # type: ignore[arg-type]  # a table of keywords
     assert told in str(refusal.value)
     assert "\n" not in str(refusal.value)
 
@@ -193,7 +193,7 @@ def test_what_a_terrains_file_leaves_open_is_what_was_told_and_the_rover_that_so
 ) -> None:
     rovers = {"leo": replace(LEO, step_limit=0.04), "rover_zero4wd": ROVER_ZERO4WD}
     monkeypatch.setattr("harness.config.find_rover", rovers.__getitem__)
-    told = EpisodeConfig(
+    told = Run.of(
         terrain="a.sdf",
         robot="rover_zero4wd",
         world_robot="leo",
@@ -235,7 +235,7 @@ def test_what_a_terrains_file_leaves_open_is_what_was_told_and_the_rover_that_so
 
 def test_a_file_on_which_nobody_can_stand_is_a_world_for_whoever_chooses_a_start(tmp_path: Path) -> None:
     np.save(tmp_path / "steep.npy", np.add.outer(np.linspace(0.0, 20.0, 41), np.zeros(41)))
-    steep = EpisodeConfig(terrain=str(tmp_path / "steep.npy"), terrain_size=(20.0, 20.0))
+    steep = Run.of(terrain=str(tmp_path / "steep.npy"), terrain_size=(20.0, 20.0))
     with pytest.raises(UsageError, match="no rover can stand within"):
         steep.world()
     assert replace(steep, start=(1.0, 2.0, 3.0)).world().start == (1.0, 2.0, 3.0)
@@ -243,7 +243,7 @@ def test_a_file_on_which_nobody_can_stand_is_a_world_for_whoever_chooses_a_start
 
 def test_a_file_that_has_been_written_anew_is_another_world(tmp_path: Path) -> None:
     path, ramp = tmp_path / "ramp.npy", np.add.outer(np.linspace(0.0, 1.0, 41), np.zeros(41))
-    config = EpisodeConfig(terrain=str(path), terrain_size=(20.0, 30.0), seed=3)
+    config = Run.of(terrain=str(path), terrain_size=(20.0, 30.0), seed=3)
     for second, relief in enumerate((1.0, 2.0), start=1):
         np.save(path, relief * ramp)
         os.utime(path, (second, second))
@@ -256,10 +256,10 @@ def test_a_file_that_has_been_written_anew_is_another_world(tmp_path: Path) -> N
 @pytest.mark.parametrize("fault", ["imu:nan@{}", "imu:nan@{}+5", "clock:reset@{}"])
 def test_a_fault_may_begin_with_the_last_tick_but_not_after_it(fault: str) -> None:
     for begin in (0.0, 2.99, 3.0):
-        EpisodeConfig(duration=3.0, faults=(fault.format(begin),)).validate()
+        Run.of(duration=3.0, faults=(fault.format(begin),)).validate()
     late = fault.format(3.01)
     with pytest.raises(UsageError) as refused:
-        EpisodeConfig(duration=3.0, faults=("imu:nan", late)).validate()
+        Run.of(duration=3.0, faults=("imu:nan", late)).validate()
     assert str(refused.value) == (
         f"fault '{late}' begins after the end of the run at 3 s; begin it earlier, or give a longer "
         "--duration"
@@ -267,10 +267,10 @@ def test_a_fault_may_begin_with_the_last_tick_but_not_after_it(fault: str) -> No
 
 
 def test_a_manifest_s_arguments_make_the_same_episode_again() -> None:
-    config = EpisodeConfig(
+    config = Run.of(
         terrain="a.npy", terrain_size=(20.0, 30.0), start=(1.0, 2.0, 0.5), faults=("imu:nan",)
     )
-    again = EpisodeConfig(**json.loads(json.dumps(asdict(config))))
+    again = Run.of(**json.loads(json.dumps(asdict(config))))
     assert again == config
     assert hash(again) == hash(config)
 
@@ -287,19 +287,19 @@ def test_gravity_and_people_are_those_of_a_world_that_tells_of_them(tmp_path: Pa
         f"<actor name='ann'><script><trajectory id='0' type='walk'>{way}</trajectory></script></actor>"
         "</world></sdf>"
     )
-    people = EpisodeConfig(terrain=str(moon), actors=("bob=5,6",)).actor_names()
+    people = Run.of(terrain=str(moon), actors=("bob=5,6",)).actor_names()
     assert people == ("ann_actor", "bob_actor"), "first those of the world"
-    assert EpisodeConfig(terrain=str(moon)).gravity() == 1.62
-    assert EpisodeConfig(terrain="flat").gravity() == 9.8
-    EpisodeConfig(terrain=str(moon)).check_world()
+    assert Run.of(terrain=str(moon)).gravity() == 1.62
+    assert Run.of(terrain="flat").gravity() == 9.8
+    Run.of(terrain=str(moon)).check_world()
     off = tmp_path / "off.sdf"
     off.write_text(moon.read_text().replace("<pose>2 0", "<pose>99 0"))
     with pytest.raises(UsageError, match="ann"):
-        EpisodeConfig(terrain=str(off)).check_world()
+        Run.of(terrain=str(off)).check_world()
 
 
 def test_the_world_is_that_of_terrain_seed_and_difficulty_and_the_start_changes_nothing_else() -> None:
-    told = EpisodeConfig(terrain="gravel", seed=7, difficulty=0.25)
+    told = Run.of(terrain="gravel", seed=7, difficulty=0.25)
     given, world = (replace(told, start=start).world() for start in ((3.0, -4.0, 1.0), None))
     assert (world.name, world.seed, world.difficulty) == ("gravel", 7, 0.25)
     assert (given.start, world.start) == ((3.0, -4.0, 1.0), (0.0, 0.0, 0.0))

@@ -8,9 +8,10 @@ import pytest
 from harness.base.errors import UsageError
 from harness.cli.options import RunOptions, parse_run
 from harness.cli.run_parser import DEFAULT_LOG_DIR
-from harness.config import EpisodeConfig, RosOptions
 from harness.episode.metrics_feed import extended_parameters, extended_settings, parameter_words
 from harness.robots import RoverSpec
+from harness.spec.ros import RosOptions
+from harness.spec.run import Run
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.extended.settings import Settings
 from tests.support.rovers import LEO, ROVER_ZERO4WD
@@ -24,7 +25,7 @@ def parsed(words: str) -> RunOptions:
 
 def test_without_words_all_options_are_the_default_ones() -> None:
     assert parsed("") == RunOptions(
-        fleet=(EpisodeConfig(),),
+        fleet=(Run(),),
         ros=RosOptions(log_dir=DEFAULT_LOG_DIR),
         direct=False,
         all_settings=(Settings(),),
@@ -46,7 +47,7 @@ def test_every_word_about_the_episode_reaches_it() -> None:
         "--terrain-size 3 4 --terrain-height 5 --start -1.5,2,0.25 --timestep 0.005 "
         "--noise hardware --lidar-beams 90 --imu-rate 50 --fault imu:nan@1 --fault scan:empty"
     )
-    assert parsed(words).config == EpisodeConfig(
+    assert parsed(words).config == Run.of(
         terrain="posts",
         robot="rover_zero4wd",
         seed=4,

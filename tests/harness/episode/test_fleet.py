@@ -5,17 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from harness.episode.fleet import MOST_ROVERS, fleet_of_words, scenery
 
 from harness.base.errors import UsageError
-from harness.config import EpisodeConfig
 from harness.episode.episode import fleet_of, together
-from harness.episode.fleet import MOST_ROVERS, fleet_of_words, scenery
 from harness.robots import find_rover
 from harness.samples import ActorPoses, Place, TruthState
+from harness.spec.run import Run
 from harness.world.berths import GAP
 from tests.support.rovers import LEO
 
-FLAT = EpisodeConfig(terrain="flat")
+FLAT = Run.of(terrain="flat")
 
 
 def test_each_rover_has_its_own_of_what_is_told_of_it_and_the_rest_is_shared() -> None:

@@ -12,20 +12,20 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from scipy.spatial.transform import Rotation
 
-from harness.config import EpisodeConfig
 from harness.robots import find_rover
 from harness.ros.navigation import Navigation, place_of
 from harness.samples import Place
+from harness.spec.run import Run
 from harness.world.obstacles import ObstacleKind
 from harness.world.occupancy import occupancy
 
-CONFIG = EpisodeConfig(terrain="posts", driver="goal")
+CONFIG = Run.of(terrain="posts", driver="goal")
 
 
 class Rig:
     """A node and an episode that only remember."""
 
-    def __init__(self, config: EpisodeConfig = CONFIG, goal_takers: int = 1) -> None:
+    def __init__(self, config: Run = CONFIG, goal_takers: int = 1) -> None:
         self.said: list[str] = []
         self.ordered: list[tuple[str, Place]] = []
         self.answer: int | None = 1_250_000_000
@@ -103,7 +103,7 @@ def test_what_the_rover_cannot_do_is_refused_in_one_line_with_the_mend(topic: st
 def test_a_goal_without_the_driver_for_it_is_refused_with_the_mend_unless_another_takes_it(
     takers: int,
 ) -> None:
-    rig = Rig(EpisodeConfig(driver="wander"), takers)
+    rig = Rig(Run.of(driver="wander"), takers)
     rig.send("goal_pose", 1.0, 0.0)
     told = ["ignored goal_pose: the driver is wander; start with --driver goal"]
     assert rig.said == (told if takers == 1 else [])

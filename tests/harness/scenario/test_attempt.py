@@ -18,7 +18,6 @@ import pytest
 from harness import __version__
 from harness.base.errors import RunFailed, UsageError
 from harness.base.interrupt import Interrupted, StopRequest
-from harness.config import EpisodeConfig, RosOptions
 from harness.episode import direct
 from harness.episode.episode import Episode
 from harness.episode.result import RunResult
@@ -29,6 +28,8 @@ from harness.scenario.contact import contact_of
 from harness.scenario.judge import Breach
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import SAMPLES, TruthSeries
+from harness.spec.ros import RosOptions
+from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent
 from rover_metrics.core.row import COLUMNS
 from tests.harness.scenario.conftest import MakeCases, Scripted
@@ -93,7 +94,7 @@ def test_a_run_that_ends_early_is_a_failure_and_what_stops_the_command_is_none(
     run = direct.run_direct
     failed, scratch = "the rover left the map at 1.9 s", list[Path]()
 
-    def fail(config: EpisodeConfig, options: RosOptions, *rest: Any) -> RunResult:  # noqa: ANN401
+    def fail(config: Run, options: RosOptions, *rest: Any) -> RunResult:  # noqa: ANN401
         scratch.append(options.log_dir.parent)
         return replace(run(config, options, *rest), failure=failed, info=None)
 
@@ -256,7 +257,7 @@ def test_only_what_the_truth_cannot_say_takes_a_log_and_every_sensor(
     make_cases: MakeCases,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-    driven: list[EpisodeConfig],
+    driven: list[Run],
 ) -> None:
     with_log = Mock(wraps=direct.run_direct)
     monkeypatch.setattr(USED, with_log)

@@ -10,11 +10,9 @@ import pytest
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import period_ticks
-from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.faults.injector import FaultInjector
-from harness.faults.spec import describe_faults, parse_faults
-from harness.frames.options import FrameOptions
+from harness.faults.lookup import describe_faults
 from harness.robots import ROVERS, find_rover
 from harness.samples import Tick, TruthState
 from harness.sensors.barometer import Pressure
@@ -22,8 +20,11 @@ from harness.sensors.base import Sensor
 from harness.sensors.choice import by_default
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.table import SENSORS, SensorRow, by_fault_name
+from harness.spec.ros import FrameOptions
+from harness.spec.run import Run
 from tests.support.rovers import LEO
 from tests.support.rovers import ROVER_ZERO4WD as ZERO
+from tests.support.words import parse_faults
 
 BEAMS = 8
 RUN: Any = {
@@ -38,7 +39,7 @@ RUN: Any = {
 @pytest.fixture(scope="module")
 def ticks() -> tuple[Tick, ...]:
     """Of one second with a barometer that says 7 from 0.5 s on, and never anything in between."""
-    config = EpisodeConfig(**RUN)
+    config = Run.of(**RUN)
     faults = FaultInjector(
         parse_faults(["barometer:stuck=7@0.5", "imu:dropout"]), seed=0, rows=config.sensor_rows()
     )
@@ -74,7 +75,7 @@ def recording(ticks: tuple[Tick, ...], ros_domain: int, tmp_path: Path) -> Path:
         find_rover("leo"),
         LidarSpec(beams=BEAMS),
         context=context,
-        rows=EpisodeConfig(**RUN).sensor_rows(),
+        rows=Run.of(**RUN).sensor_rows(),
     )
     with Recorder(tmp_path / "bag.mcap") as recorder:
         recorder.tap(bridge)
@@ -87,7 +88,7 @@ def recording(ticks: tuple[Tick, ...], ros_domain: int, tmp_path: Path) -> Path:
 
 
 def test_a_mount_is_a_frame_of_the_urdf_and_of_tf_static() -> None:
-    description = Episode(EpisodeConfig(**RUN), FrameOptions()).description
+    description = Episode(Run.of(**RUN), FrameOptions()).description
     assert description is not None
     (edge,) = (edge for edge in description.fixed if edge.child == "barometer_link")
     assert edge.parent == "base_footprint"
@@ -96,7 +97,7 @@ def test_a_mount_is_a_frame_of_the_urdf_and_of_tf_static() -> None:
 
 
 def test_without_being_asked_for_there_is_none() -> None:
-    config = EpisodeConfig(**RUN | {"sensors": None})
+    config = Run.of(**RUN | {"sensors": None})
     assert "barometer" not in {row.source for row in config.sensor_rows()}
     with pytest.raises(UsageError, match=r"no sensor 'barometer', but --sensors barometer adds it"):
         replace(config, faults=("barometer:nan",)).validate()
