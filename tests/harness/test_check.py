@@ -149,7 +149,7 @@ def test_error_of_the_fresh_process_arrives_here(monkeypatch: pytest.MonkeyPatch
         (["--robot", "r2d2"], "available: leo, rover_zero4wd"),
         (["--duration", "1"], "give 5 s or more"),
         (["--duration", "nan"], "give 0.01 s or more"),
-        (["--seed", "-1"], "give a whole number from 0 up"),
+        (["--seed", "-1"], "give 0 or more"),
         (["--seed", "x"], "argument --seed: 'x' is not valid; give a whole number"),
         (["--wheels", "6"], "unrecognized arguments: --wheels 6"),
     ],
