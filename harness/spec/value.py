@@ -94,8 +94,8 @@ def complaint(error: ValidationError, cls: type[BaseModel], name: Callable[[str]
             return f"key '{field}' is missing"
         case "value_error":
             return str(first["ctx"]["error"])
-    valid = _valid(first, cls.model_fields.get(str(first["loc"][0])) if first["loc"] else None)
-    return f"{field} {_shown(first['input'])} is not valid; give {valid}"
+    mend = _valid(first, cls.model_fields.get(str(first["loc"][0])) if first["loc"] else None)
+    return f"{field} {_shown(first['input'])} is not valid; give {mend}"
 
 
 NUMBERS = {
