@@ -32,7 +32,8 @@ def measure(effort: Effort) -> Table:
     contestants = {HERE: here} | {way: partial(across, way) for way in ELSEWHERE}
     rounds = Rounds(contestants, effort.rounds)
     return Table(
-        title=f"Lock-step, {effort.seconds:g} simulated seconds of {run.rover.robot} on {run.world.terrain}",
+        title=f"Lock-step, {effort.seconds:g} simulated seconds of {run.rover.robot} on "
+        f"{run.world.terrain}",
         columns=(
             "metrics_node",
             "times real time",

@@ -87,5 +87,6 @@ class RoverSetup(Value):
     noise: Annotated[str | None, Option("NAME", bare=DEFAULT_NOISE)] = None
     sensors: Annotated[SensorChoices, Option("NAME[,...]")] = None
     faults: Annotated[tuple[FaultText, ...], listed(), Option("SPEC", flag="fault")] = Field(
-        default=(), description=f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable"
+        default=(),
+        description=f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable; default: none",
     )

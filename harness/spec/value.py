@@ -158,6 +158,11 @@ def _shown(value: object) -> str:
     return text if len(text) <= 80 else f"{text[:77]}..."
 
 
+def as_tuple(value: object) -> object:
+    """Returns a list as a tuple, which strict types of fields demand, and anything else as it is."""
+    return tuple(value) if isinstance(value, list) else value
+
+
 def parsed(parse: Callable[[str], Any]) -> BeforeValidator:
     """Returns a validator that makes a value of its text; what is no text is left as it is.
 
@@ -167,7 +172,7 @@ def parsed(parse: Callable[[str], Any]) -> BeforeValidator:
 
     def convert(value: object) -> object:
         if not isinstance(value, str):
-            return value
+            return as_tuple(value)
         try:
             return parse(value)
         except UsageError as error:
@@ -226,6 +231,6 @@ def listed(separator: str = "") -> BeforeValidator:
     def convert(value: object) -> object:
         if isinstance(value, str) and separator:
             return tuple(word.strip() for word in value.split(separator))
-        return (value,) if isinstance(value, str) else value
+        return (value,) if isinstance(value, str) else as_tuple(value)
 
     return BeforeValidator(convert)
