@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rover_metrics.core.metrics import TraversalMetrics, Vector3
+from rover_metrics.core.metrics import TraversalMetrics
+from rover_metrics.core.rotation import Vector3
 
 ANY_FLOAT = st.floats(width=64) | st.sampled_from([math.nan, math.inf, -math.inf, 1e308, -1e308])
 ANY_VECTOR = st.tuples(ANY_FLOAT, ANY_FLOAT, ANY_FLOAT)

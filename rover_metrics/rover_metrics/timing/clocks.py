@@ -2,6 +2,8 @@
 
 NANOSECONDS = 1_000_000_000
 
+EVENT_GAP_NS = NANOSECONDS // 2  # contacts closer together than this are one event, in truth and metrics
+
 # [s] No two ends of one session are a day apart, nor is a clock that was set to another time zone;
 # simulated time and the time of day are decades apart.
 OTHER_CLOCK = 86_400.0

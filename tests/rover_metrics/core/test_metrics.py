@@ -11,7 +11,8 @@ from statistics import fmean
 import numpy as np
 import pytest
 
-from rover_metrics.core.metrics import TraversalMetrics, Vector3
+from rover_metrics.core.metrics import TraversalMetrics
+from rover_metrics.core.rotation import Vector3
 from rover_metrics.core.row import COLUMNS, Row
 from rover_metrics.core.thresholds import Thresholds
 
