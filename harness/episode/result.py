@@ -12,7 +12,7 @@ from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.loop import Observer
 from harness.episode.truth_account import TruthAccount, TruthAlong
 from harness.truth.traversal import Truth
-from rover_metrics.core.row import Row
+from rover_metrics.core.columns import Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 from rover_metrics.extended.settings import Settings
 

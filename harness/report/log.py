@@ -14,11 +14,10 @@ from harness.page.figure import spelled
 from harness.report.recorder import Stretch
 from harness.samples import Vector3
 from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
-from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Column
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS, ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.extended.metrics import EXTENDED_COLUMNS
 from rover_metrics.extended.truth_columns import SLIP, slip_column
-from rover_metrics.timing.clocks import EVENT_GAP_NS, NANOSECONDS
+from rover_metrics.timing import EVENT_GAP_NS, NANOSECONDS
 
 TIME_COLUMN, NOTES_COLUMN = COLUMNS[0], COLUMNS[-1]
 COUNTER = "Total Collisions"

@@ -10,7 +10,7 @@ from harness.base.sim_time import TICK_NS
 from harness.physics.contacts import Touch
 from harness.samples import ContactKind, Vector3
 from harness.truth.traversal import ContactEvent
-from rover_metrics.timing.clocks import EVENT_GAP_NS
+from rover_metrics.timing import EVENT_GAP_NS
 
 
 class ContactEvents:

@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from rover_metrics.core.columns import COLUMNS
 from rover_metrics.core.rotation import Vector3
-from rover_metrics.core.row import COLUMNS
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose

@@ -15,7 +15,7 @@ from rclpy.parameter_client import AsyncParameterClient
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.extended.truth_columns import WHEELS, traversal_names
 from rover_metrics.topics import SENSORS, TRUTH

@@ -28,8 +28,8 @@ from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Bool, Float64MultiArray
 from std_srvs.srv import SetBool, Trigger
 
+from rover_metrics.core.columns import Row
 from rover_metrics.core.metrics import TraversalMetrics
-from rover_metrics.core.row import Row
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import LogError, ParameterError
 from rover_metrics.extended.settings import DEFAULT_EXTENDED, PARAMETERS

@@ -18,12 +18,12 @@ from rosbags.typesys import Stores, get_typestore
 
 from rover_metrics.bag.mcap_stream import Message
 from rover_metrics.bag.playback import Count, Playback
+from rover_metrics.core.columns import Row
 from rover_metrics.core.metrics import TraversalMetrics
-from rover_metrics.core.row import Row
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.replay import main
 from rover_metrics.session import MetricsSession
-from rover_metrics.timing.recorded_time import TimeSource
+from rover_metrics.timing import TimeSource
 from rover_metrics.topics import SENSORS
 from tests.support.complaint import complaint
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
+from rover_metrics.core.columns import COLUMNS
 from rover_metrics.core.rotation import Vector3
-from rover_metrics.core.row import COLUMNS
 from rover_metrics.health import rejections as faults
 from rover_metrics.session import MetricsSession, Remark
 

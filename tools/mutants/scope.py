@@ -52,9 +52,9 @@ PACKAGES = (
     ),
     Package(
         "timing and health",
-        _modules(_METRICS, "timing/* health/* ros/row_timer"),
+        _modules(_METRICS, "timing health/* ros/row_timer"),
         _tests(
-            "rover_metrics/timing rover_metrics/health rover_metrics/ros/test_row_timer.py"
+            "rover_metrics/test_timing.py rover_metrics/health rover_metrics/ros/test_row_timer.py"
             " rover_metrics/test_replay.py"
         ),
     ),

@@ -20,7 +20,7 @@ from harness.tune.scoring.estimate import (
     recall,
     share,
 )
-from rover_metrics.timing.clocks import EVENT_GAP_NS, NANOSECONDS
+from rover_metrics.timing import EVENT_GAP_NS, NANOSECONDS
 
 GAP = EVENT_GAP_NS / NANOSECONDS  # [s]: alarms, like contacts, that are closer together are one
 CONTACTS, DETECTED, ALARMS, RIGHT, KM = range(5)  # what is counted of an episode's events

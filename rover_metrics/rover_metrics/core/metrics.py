@@ -15,8 +15,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rover_metrics.core.columns import Row
 from rover_metrics.core.rotation import Vector3
-from rover_metrics.core.row import Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 
 WINDOW = 100  # samples

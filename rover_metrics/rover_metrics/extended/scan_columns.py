@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from rover_metrics.core.columns import Cell, Column
 from rover_metrics.extended.footprint import Footprint, FootprintClearance
 from rover_metrics.extended.settings import ExtendedSettings
-from rover_metrics.timing.clocks import EVENT_GAP_NS
+from rover_metrics.timing import EVENT_GAP_NS
 
 _FOOTPRINT = "footprint, lidar_pose; LaserScan ranges, angle_min, angle_increment"
 

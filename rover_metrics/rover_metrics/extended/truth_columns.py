@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from rover_metrics.core.columns import Cell, Column
 from rover_metrics.core.rotation import Vector3
-from rover_metrics.timing.clocks import EVENT_GAP_NS, NANOSECONDS
+from rover_metrics.timing import EVENT_GAP_NS, NANOSECONDS
 
 RATE = 20  # [Hz] of the harness's truth
 CONTACT_PAUSE = EVENT_GAP_NS * RATE // NANOSECONDS  # messages without contact before a new event

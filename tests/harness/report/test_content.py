@@ -17,7 +17,7 @@ from harness.page.figure import MINUS, TIMES
 from harness.report.content import content, render
 from harness.report.recorder import RunRecorder
 from harness.truth.traversal import ContactEvent
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 
 

@@ -30,7 +30,7 @@ from harness.scenario.judge import Breach
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import SAMPLES, TruthSeries
 from harness.truth.traversal import ContactEvent
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
 from tests.harness.scenario.conftest import MakeCases, Scripted
 
 USED = "harness.scenario.attempt.run_direct"

@@ -2,7 +2,7 @@ from harness.base.sim_time import TICK_NS
 from harness.physics.contacts import Touch
 from harness.samples import ContactKind
 from harness.truth.contact_events import ContactEvents
-from rover_metrics.timing.clocks import EVENT_GAP_NS
+from rover_metrics.timing import EVENT_GAP_NS
 
 GAP_TICKS = EVENT_GAP_NS // TICK_NS
 TURNED_LEFT = [0.5**0.5, 0.0, 0.0, 0.5**0.5]

@@ -11,9 +11,9 @@ from statistics import fmean
 import numpy as np
 import pytest
 
+from rover_metrics.core.columns import COLUMNS, Row
 from rover_metrics.core.metrics import TraversalMetrics
 from rover_metrics.core.rotation import Vector3
-from rover_metrics.core.row import COLUMNS, Row
 from rover_metrics.core.thresholds import Thresholds
 
 STILL = (0.0, 0.0, 0.0)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from rover_metrics.core.row import COLUMNS, Row
+from rover_metrics.core.columns import COLUMNS, Row
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.extended.settings import DEFAULT_EXTENDED
 from rover_metrics.health.live_view import Level, LiveView, Status

@@ -14,7 +14,7 @@ import pytest
 
 import rover_metrics
 from rover_metrics.core.metrics import TraversalMetrics
-from rover_metrics.core.row import Row
+from rover_metrics.core.columns import Row
 from rover_metrics.errors import LogError
 from rover_metrics.log.buffered_log import BufferedLog
 from rover_metrics.log.csv_log import CsvLog

@@ -17,7 +17,7 @@ import pytest
 
 import rover_metrics
 from rover_metrics.core.metrics import TraversalMetrics
-from rover_metrics.core.row import COLUMNS, Row
+from rover_metrics.core.columns import COLUMNS, Row
 from rover_metrics.errors import LogError
 from rover_metrics.log import csv_log
 from rover_metrics.log.csv_log import CsvLog, harmless
