@@ -54,25 +54,6 @@ def test_a_row_of_hand_computed_values(metrics: TraversalMetrics) -> None:
     assert csv_line(metrics.row(7)) == expected
 
 
-def test_a_row_has_roboterrains_columns_in_roboterrains_order(metrics: TraversalMetrics) -> None:
-    row = metrics.row(0)
-    assert row.columns == COLUMNS
-    assert row.columns == (
-        "Timestamp",
-        "Total Collisions",
-        "Current Collision Status",
-        "Smoothness Metric",
-        "Current Smoothness",
-        "Obstacle Clearance",
-        "Distance Traveled",
-        "Current Velocity",
-        "IMU Acceleration Magnitude",
-        "Is Rough Terrain",
-        "Vertical Roughness",
-        "Notes",
-    )
-
-
 def test_floats_are_rounded_to_four_decimals_and_counts_stay_integers() -> None:
     row = Row(3, 4, 1, 1.00005, 2.123449, 1 / 3, 0.0, 10.0, 1e16, 0, 9.8, "note, with comma")
     assert csv_line(row) == ('3,4,1,1.0001,2.1234,0.3333,0.0,10.0,1e+16,0,9.8,"note, with comma"\r\n')

@@ -83,7 +83,10 @@ def test_sections_of_the_node_count_and_the_later_one_wins(file: Path, name: str
         (section("debug_interval: true"), "debug_interval must be an integer"),
         (section("fsync: 1"), "fsync must be true or false"),
         (section("log_dir: 7"), "parameter log_dir must be the path of a folder, as text"),
-        (section("lidar_pose: [1.0, 2, 3.0]"), "lidar_pose must be a list of three numbers with decimal"),
+        (
+            section("lidar_pose: [1.0, 2, 3.0]"),
+            "lidar_pose must be a list of three numbers",
+        ),
         (section("x: 1", name="other"), "no section 'metrics_node"),
         ("metrics_node: {ros__parameters: 3}", "no section 'metrics_node"),
         ("metrics_node: [1.0, x]", "no section 'metrics_node"),

@@ -114,16 +114,6 @@ def test_above_the_bound_the_oldest_rows_go_and_are_counted(tmp_path: Path, full
     assert told[-1].endswith("11 rows caught up, 15 lost")
 
 
-def test_at_the_bound_nothing_is_lost(tmp_path: Path, full_disk: FullDisk) -> None:
-    log = buffered(tmp_path, Told(), 10)
-    with full_disk(1):
-        for second in range(10):
-            log.write(row(second))
-    log.close()
-    assert log.dropped == 0
-    assert seconds(log.path) == list(range(10))
-
-
 def test_what_still_waits_at_the_end_is_tried_once_more_and_then_counted_as_lost(
     tmp_path: Path, full_disk: FullDisk
 ) -> None:
