@@ -22,7 +22,7 @@ from rover_metrics.analysis.study import Study
 from rover_metrics.analysis.tables.export import write_csv
 from rover_metrics.analysis.tables.latex import latex
 from rover_metrics.analysis.tables.sheets import sheets
-from rover_metrics.core.row import Field
+from rover_metrics.core.columns import Field
 from rover_metrics.errors import RoverMetricsError
 from rover_metrics.log.csv_log import harmless
 
