@@ -14,7 +14,8 @@ class Sheet:
 
     Attributes:
         titles: Titles of the columns; the cells of the first column name the rows.
-        rows: Cells of each row, one a title. A cell with a method `__html__` is HTML.
+        rows: Cells of each row, one a title; a page also takes rows that end early, and cells that
+            are HTML (with a method `__html__`).
         title: Heading of the table.
         caption: How the numbers were computed.
         findings: What is odd about the data behind the numbers.
@@ -57,7 +58,7 @@ class Sheet:
         head = "".join(f'<th scope="col">{title}</th>' for title in titles)
         lines = []
         for name, *cells in self.rows:
-            pairs = zip(titles[1:], map(_html, cells), strict=True)
+            pairs = zip(titles[1:], map(_html, cells), strict=False)
             labelled = "".join(f'<td data-label="{title}">{cell}</td>' for title, cell in pairs)
             lines.append(f'<tr><th scope="row">{_html(name)}</th>{labelled}</tr>\n')
         stacked = ' class="stacked"' if len(titles) > 3 else ""
