@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import pytest
 from rich.console import Console
+from rover_metrics.analysis.tables.sheets import NONE
 
 from harness.scenario.attempt import Attempt
 from harness.scenario.bound import Bound
@@ -17,7 +18,6 @@ from harness.scenario.outputs import print_tables
 from harness.scenario.tables import csv_of, json_of
 from harness.scenario.verdict import Verdict, verdicts_of
 from harness.scenario.watch import Measured
-from rover_metrics.analysis.tables.sheets import NONE
 from tests.harness.scenario.conftest import MakeCases
 
 EXPECT = "{truth.speed: {over: mean, max: 3}, truth.rock_contacts: {max: 5}}"

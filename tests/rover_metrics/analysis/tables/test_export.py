@@ -4,10 +4,11 @@ import csv
 from dataclasses import replace
 from pathlib import Path
 
+from rover_metrics.analysis.tables.export import write_csv
+
 from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.correlation import Correlation
-from rover_metrics.analysis.tables.export import write_csv
 from tests.support import results
 
 LOG = replace(results.LOG, label="=1+1", group="a")

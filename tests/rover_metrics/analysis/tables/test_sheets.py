@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import pytest
 from rich.console import Console, Group
+from rover_metrics.analysis.tables.sheets import number, probability
+from rover_metrics.analysis.tables.terminal import report
 
 from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.statistics.comparison import Comparison
 from rover_metrics.analysis.statistics.correlation import Correlation
 from rover_metrics.analysis.statistics.summary import Summary
-from rover_metrics.analysis.tables.sheets import number, probability
-from rover_metrics.analysis.tables.terminal import report
 from tests.support.results import LOG, RESULT, SPEED
 
 SHARE = Summary(60, 12.5, 9.0, interval=(6.0, 22.0))
