@@ -36,7 +36,9 @@ RESULTS = {
     ),
     "two logs in one group": replace(RESULT, logs=(LOG, LOG), across={"all logs": {"CV": SPEED}}),
     "correlations": replace(RESULT, correlations=PAIRS),
-    "compared": replace(TWO, comparisons=(COMPARISON, replace(COMPARISON, test="Mann-Whitney U"))),
+    "compared": replace(
+        TWO, comparisons=(COMPARISON, replace(COMPARISON, code="OC", test="Mann-Whitney U"))
+    ),
     "compared pair by pair": replace(TWO, comparisons=(replace(COMPARISON, paired=True, n=(3, 3)),)),
     "compared without a test": replace(TWO, comparisons=(UNTESTED,)),
 }

@@ -62,7 +62,10 @@ def test_one_table_has_the_same_cells_for_every_reader() -> None:
 
 
 def test_cells_of_a_csv_are_read_back_and_none_is_a_formula() -> None:
-    records = [{"a": "=1+1", "b": None, "c": 0.1}, {"a": 'x,"y"', "b": -1, "c": 1e-17}]
+    records: list[dict[str, object]] = [
+        {"a": "=1+1", "b": None, "c": 0.1},
+        {"a": 'x,"y"', "b": -1, "c": 1e-17},
+    ]
     assert list(csv.DictReader(io.StringIO(csv_text(records)))) == [
         {"a": "'=1+1", "b": "", "c": "0.1"},
         {"a": 'x,"y"', "b": "-1", "c": "1e-17"},
