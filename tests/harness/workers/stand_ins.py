@@ -10,6 +10,11 @@ def square(number: int) -> tuple[int, int]:
     return number, number * number
 
 
+def process_id(_: int) -> int:
+    time.sleep(0.2)  # so that every worker gets some
+    return os.getpid()
+
+
 def square_and_threads(number: int) -> tuple[int, int, str | None]:
     return *square(number), os.environ.get("OPENBLAS_NUM_THREADS")
 
