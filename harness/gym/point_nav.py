@@ -27,6 +27,7 @@ from harness.samples import Pose, Twist
 from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.ranging import RangeReading
+from harness.spec.value import made
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,15 +77,15 @@ class PointNavOptions(Options):
         if not self.depth:
             return None
         (width, height), rate = self.depth, round(1.0 / CONTROL_PERIOD)
-        return DepthOptions(name="depth", width=width, height=height, rate=rate)
+        given = {"name": "depth", "width": width, "height": height, "rate": rate}
+        return made(DepthOptions, given, "depth")
 
     def check(self) -> None:
         """Checks what is PointNav's, too."""
         super().check()
         if len(self.depth) not in (0, 2):
             raise UsageError(f"depth {list(self.depth)} is not valid; give width and height in pixels")
-        if self.camera is not None:
-            self.camera.check()
+        _ = self.camera  # which says what is wrong with it
         for name in ("goal_radius", "hazard_budget"):
             value = getattr(self, name)
             if not 0.0 < value < math.inf:

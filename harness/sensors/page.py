@@ -8,7 +8,6 @@ Without a page it prints them. What stands outside the two marks of the page is 
 import re
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import fields
 from inspect import cleandoc
 from pathlib import Path
 
@@ -51,16 +50,11 @@ def _topics(row: SensorRow) -> str:
 def _options(kind: type[SensorOptions], without: type[SensorOptions] | None = None) -> Iterator[str]:
     yield "| option | default | what |"
     yield "| --- | --- | --- |"
-    inherited = {
-        item.name: getattr(without, item.name, None) for item in (fields(without) if without else ())
-    }
+    inherited = {name: item.default for name, item in without.model_fields.items()} if without else {}
     known = described(kind)
-    example = kind(name="NAME")
-    for item in fields(kind):
-        default = getattr(example, item.name)
-        if item.name == "name" or (item.name in inherited and default == inherited[item.name]):
-            continue
-        yield f"| `{item.name}` | {_text(default)} | {known[item.name]} |"
+    for name, item in kind.model_fields.items():
+        if name != "name" and (name not in inherited or item.default != inherited[name]):
+            yield f"| `{name}` | {_text(item.default)} | {known[name]} |"
 
 
 def _text(value: object) -> str:
@@ -77,9 +71,10 @@ def _text(value: object) -> str:
 def _presets(kind: type[SensorOptions]) -> Iterator[str]:
     if kind.presets:
         yield ""
+    usual = kind.model_fields["preset"].default if kind.presets else ""
     for name, values in kind.presets.items():
         told = ", ".join(f"{key} {_text(value)}" for key, value in values.items())
-        told = told or ("the defaults" if name == getattr(kind, "preset", "") else "")
+        told = told or ("the defaults" if name == usual else "")
         yield f"- preset `{name}`: {told}" if told else f"- preset `{name}`"
 
 
