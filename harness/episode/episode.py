@@ -38,7 +38,7 @@ from harness.sensors.suite import SensorSuite
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
 from harness.truth.recorder import TruthRecorder
-from harness.world.actors.room import Room
+from harness.world.actors.free_space import FreeSpace
 from harness.world.berths import berth, overlaps
 from harness.world.world import World, terrain_hash
 
@@ -331,7 +331,8 @@ def goal_course(run: Run, number: int, world: World) -> GoalCourse | None:
         return None
     reach = find_rover(rover.robot).reach
     source = np.random.SeedSequence(run.own_seed(number), spawn_key=(GOAL_STREAM,))
-    course = GoalCourse(rover.goal_area, Room(world), reach, np.random.default_rng(source))
+    space = FreeSpace(world.ground, world.obstacles)
+    course = GoalCourse(rover.goal_area, space, reach, np.random.default_rng(source))
     course.draw()
     return course
 

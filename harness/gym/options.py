@@ -15,7 +15,7 @@ from harness.episode.assembly import check
 from harness.spec.rover import LIDAR_BEAMS
 from harness.spec.run import Run
 from harness.spec.world import DEFAULT_DIFFICULTY, FILE_FIELDS
-from harness.world.terrain_file import is_terrain_file
+from harness.world.files import is_terrain_file
 from harness.yaml_file import fill
 
 Range = tuple[float, float]
