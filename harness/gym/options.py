@@ -14,7 +14,7 @@ from harness.episode.assembly import check
 from harness.spec.run import Run, keys_of
 from harness.spec.value import Finite, Length, Share, Value, as_tuple, checked, listed, made
 from harness.spec.world import DEFAULT_DIFFICULTY, FILE_FIELDS
-from harness.world.terrain_file import is_terrain_file
+from harness.world.files import is_terrain_file
 
 O = TypeVar("O", bound="Options")  # noqa: E741 - options
 
