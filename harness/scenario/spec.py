@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import (
     AfterValidator,
-    BeforeValidator,
     Discriminator,
     Field,
     FiniteFloat,
@@ -106,18 +105,7 @@ def _run_keys() -> dict[str, Any]:
         for name in cls.model_fields
         if name not in NOT_KEYS
     }
-    return {
-        name: (
-            Annotated[field.rebuild_annotation(), BeforeValidator(_as_tuples)],
-            Field(default=field.default, description=field.description),
-        )
-        for name, field in fields.items()
-    }
-
-
-def _as_tuples(value: object) -> object:
-    """A list of a file as the tuple that it is to become; strict rules take nothing else for one."""
-    return tuple(map(_as_tuples, value)) if isinstance(value, list) else value
+    return {name: (field.annotation, field) for name, field in fields.items()}
 
 
 NOT_KEYS = ("name", "faults", "world", "rovers", "plan", "seed", "duration")

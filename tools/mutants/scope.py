@@ -106,7 +106,7 @@ PACKAGES = (
             "config sim_time physics/diff_drive physics/simulation episode/episode episode/loop"
             " episode/metrics_feed episode/result",
         ),
-        _tests("harness/episode harness/physics harness/test_config.py harness/test_sim_time.py"),
+        _tests("harness/episode harness/physics harness/spec harness/base"),
     ),
     Package(
         "verdicts",

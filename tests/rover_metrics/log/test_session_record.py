@@ -128,7 +128,7 @@ def test_the_outcome_of_the_real_manifest_is_the_one_that_is_looked_for(log: Pat
     from harness.episode.result import RunResult  # noqa: PLC0415
 
     write_record(log, None, {})
-    manifest.write_manifest(RunResult(config=Run(), mode="direct"), log.with_suffix(".json"))
+    manifest.write_manifest(RunResult(run=Run(), mode="direct"), log.with_suffix(".json"))
     assert session_end(log) is SessionEnd.MARKED
 
 
