@@ -30,7 +30,7 @@ from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
 from harness.episode.direct import run_unlogged
 from harness.robots import find_rover
-from harness.robots.schema import schema
+from harness.robots.spec import schema
 from harness.robots.urdf.folder import Written, write_folder
 from harness.samples import JointStates, Pose
 from harness.spec.run import Run

@@ -6,7 +6,6 @@ A mistake is told in one line with the file, the key, the value and what would b
 import math
 from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
-from pathlib import Path
 from types import MappingProxyType, UnionType
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
@@ -20,26 +19,6 @@ NAMES = {
     float: "a number",
     dict: "keys with values",
 }
-
-
-def read_mapping(path: Path) -> dict[str, Any]:
-    """Returns the keys and values of a YAML file.
-
-    Raises:
-        UsageError: It cannot be read, is no YAML, or holds something else.
-    """
-    from ruamel.yaml import YAML  # noqa: PLC0415 - takes 25 ms, and most imports of this need no file
-    from ruamel.yaml.error import YAMLError  # noqa: PLC0415
-
-    try:
-        content = YAML(typ="safe").load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror}") from error
-    except (YAMLError, ValueError) as error:
-        raise UsageError(f"{path} is not valid YAML: {' '.join(str(error).split())}") from error
-    if not isinstance(content, dict):
-        raise UsageError(f"{path} must hold keys with values")
-    return content
 
 
 def fill(

@@ -15,7 +15,8 @@ from harness.base.errors import RunFailed
 from harness.base.sim_time import HIGHEST_RATE
 from harness.robots import RoverSpec
 from harness.robots.model import compiled_alone
-from harness.validate.check import Check, Span, around, at_most
+from harness.robots.sections import Span
+from harness.validate.check import Check, around, at_most
 from harness.validate.grounds import Course
 from harness.validate.rig import Rig
 from harness.validate.stability import balance, tip_angle

@@ -7,7 +7,8 @@ import numpy as np
 
 from harness.base.sim_time import HIGHEST_RATE
 from harness.robots import RoverSpec
-from harness.validate.check import Check, Span, around, at_most, expected_of
+from harness.robots.sections import Span
+from harness.validate.check import Check, around, at_most
 from harness.validate.grounds import floor
 from harness.validate.rig import TICK, Rig
 
@@ -40,7 +41,7 @@ def checks(rover: RoverSpec, seed: int) -> Iterator[Check]:
 
 
 def _speeds(rover: RoverSpec, seed: int) -> Iterator[Check]:
-    expected, rig = expected_of(rover), Rig(rover, floor(seed))
+    expected, rig = rover.expected, Rig(rover, floor(seed))
     slow, source = expected.speed_ratio, expected.speed_ratio.source
     for commanded, span in (
         (0.1, Span(0.1 * slow.low, 0.1 * slow.high, source)),
@@ -87,7 +88,7 @@ def _turning(rover: RoverSpec, seed: int) -> Iterator[Check]:
         )
         return
     in_place = _yaw_ratio(rig, 0.0)
-    yield Check("yaw ratio in place, 1 rad/s commanded", "", expected_of(rover).yaw_ratio, in_place)
+    yield Check("yaw ratio in place, 1 rad/s commanded", "", rover.expected.yaw_ratio, in_place)
     vertical = [imu.linear_acceleration[2] for imu in rig.imu_readings(HIGHEST_RATE, TURNING)]
     calm = at_most(0.3, "facts: no contact chatter, which no real rover has")
     yield Check("sd of az turning in place, IMU at 100 Hz", "m/s2", calm, float(np.std(vertical)))

@@ -13,7 +13,8 @@ import mujoco
 import numpy as np
 
 from harness.robots import RoverSpec
-from harness.validate.check import Check, Span, around, at_most
+from harness.robots.sections import Span
+from harness.validate.check import Check, around, at_most
 from harness.validate.grounds import floor
 from harness.validate.rig import TICK, Rig
 
