@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import mujoco
+from pydantic import Field
 
 from harness import __version__
 from harness.base.errors import UsageError
@@ -34,7 +35,7 @@ class Recorded(Value):
     """
 
     of: dict[str, Any]
-    values: dict[str, Any] = {}
+    values: dict[str, Any] = Field(default_factory=dict)
     log: tuple[str, ...] = ()
 
 
@@ -60,9 +61,10 @@ def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded
     log: tuple[str, ...] = ()
     if case.scenario.same_bytes and result.log_path is not None:
         log = tuple(result.log_path.read_bytes().decode().split("\r\n"))
+    values = {key_of(name, bound): value_of(bound, series[bound.label(name)]) for name, bound in bounds}
     return Recorded(
         of=json.loads(json.dumps(versions | hashes | arguments)),  # as it is read again
-        values={key_of(name, bound): value_of(bound, series[bound.label(name)]) for name, bound in bounds},
+        values=values,
         log=log,
     )
 

@@ -15,6 +15,7 @@ from harness.validate.check import Check
 
 BEGIN = "<!-- begin: python -m harness.validate --write -->"
 END = "<!-- end: python -m harness.validate --write -->"
+MISS = "MISS"
 HEADINGS = ("quantity", "expected", "measured", "verdict", "source of the expectation")
 
 Manoeuvres = Callable[[RoverSpec, int], Iterator[Check]]
@@ -39,18 +40,19 @@ def validate(rover: RoverSpec, seed: int) -> list[Check]:
     return checks if judged else [replace(check, expected=OPEN) for check in checks]
 
 
-def print_table(console: Console, robot: str, checks: Sequence[Check]) -> None:
+def print_table(console: Console, title: str, checks: Sequence[Check], missed: str = MISS) -> None:
     """Prints the checks of one rover.
 
     Args:
         console: Where to.
-        robot: Name of the rover, as the title.
+        title: Of the table.
         checks: One a row.
+        missed: What a check is called whose quantity lies outside its span.
     """
     headings = (Column(heading, overflow="fold") for heading in HEADINGS)
-    table = Table(*headings, title=robot, title_justify="left")
+    table = Table(*headings, title=title, title_justify="left")
     for check in checks:
-        table.add_row(*cells_of(check), style=None if check.passed else "bold red")
+        table.add_row(*cells_of(check, missed), style=None if check.passed else "bold red")
     console.print(table)
 
 
@@ -81,13 +83,13 @@ def _rows(checks: Sequence[Check]) -> str:
     return "\n".join([*head, *(f"| {' | '.join(row)} |" for row in cells)])
 
 
-def cells_of(check: Check) -> tuple[str, str, str, str, str]:
-    """Returns quantity, expected, measured, verdict and source as text."""
-    told = not check.expected.is_open
+def cells_of(check: Check, missed: str = MISS) -> tuple[str, str, str, str, str]:
+    """Returns quantity, expected, measured, verdict and source of a check as text."""
+    judged = not check.expected.is_open
     return (
         check.quantity,
-        f"{check.expected.describe(check.digits)} {check.unit}".rstrip() if told else "-",
+        f"{check.expected.describe(check.digits)} {check.unit}".rstrip() if judged else "-",
         f"{check.measured:.{check.digits}f} {check.unit}".rstrip(),
-        ("ok" if check.passed else "MISS") if told else "-",
-        check.expected.source if told else "",
+        ("ok" if check.passed else missed) if judged else "-",
+        check.expected.source if judged else "",
     )

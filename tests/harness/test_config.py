@@ -191,7 +191,7 @@ def test_a_value_beyond_it_is_refused_in_one_line(beyond: dict[str, object], tol
 def test_what_a_terrains_file_leaves_open_is_what_was_told_and_the_rover_that_sorts_its_obstacles(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    rovers = {"leo": replace(LEO, step_limit=0.04), "rover_zero4wd": ROVER_ZERO4WD}
+    rovers = {"leo": LEO.but(step_limit=0.04), "rover_zero4wd": ROVER_ZERO4WD}
     monkeypatch.setattr("harness.config.find_rover", rovers.__getitem__)
     told = Run.of(
         terrain="a.sdf",

@@ -103,7 +103,7 @@ PACKAGES = (
         "episode",
         _modules(
             _HARNESS,
-            "config sim_time physics/diff_drive physics/simulation episode/episode episode/loop"
+            "config sim_time physics/base_controller physics/simulation episode/episode episode/loop"
             " episode/metrics_feed episode/result",
         ),
         _tests("harness/episode harness/physics harness/test_config.py harness/test_sim_time.py"),
