@@ -68,8 +68,8 @@ class Ackermann(BaseController):
         speed of a wheel:                                 v sqrt((1 - k y)^2 + (k x)^2)
 
     with x = L, the wheelbase, of the steered wheels and 0 of the others, and y = +- half the separation
-    that the controller believes. A twist without linear speed steers and does not move. Curvature changes
-    as fast as the steering turns; while nothing is commanded the wheels stay as they are.
+    that the controller believes. A twist without linear speed steers and does not move. Curvature
+    changes as fast as the steering turns; while nothing is commanded the wheels stay as they are.
     """
 
     def __init__(self, rover: RoverSpec, period: float) -> None:

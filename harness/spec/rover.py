@@ -2,9 +2,9 @@
 
 import math
 import re
-from typing import Annotated, Self
+from typing import Annotated
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import CONTROL_PERIOD, period_ticks
@@ -87,11 +87,6 @@ class RoverSetup(Value):
     noise: Annotated[str | None, Option("NAME", bare=DEFAULT_NOISE)] = None
     sensors: Annotated[SensorChoices, Option("NAME[,...]")] = None
     faults: Annotated[tuple[FaultText, ...], listed(), Option("SPEC", flag="fault")] = Field(
-        default=(), description=f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable"
+        default=(),
+        description=f"{FORM}, in simulated seconds, e.g. imu:nan@10+2; repeatable; default: none",
     )
-
-    @model_validator(mode="after")
-    def _waits_only_for_commands(self) -> Self:
-        if self.cmd_vel_timeout is not None and self.driver != CMD_VEL:
-            raise ValueError("cmd_vel_timeout is for driver cmd_vel only; other drivers go on")
-        return self

@@ -31,7 +31,7 @@ from harness.scenario.series import SAMPLES, TruthSeries
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
 from tests.harness.scenario.conftest import MakeCases, Scripted
 
 USED = "harness.scenario.attempt.run_direct"
@@ -189,7 +189,7 @@ def test_a_baseline_is_kept_until_something_differs(
     assert recorded["values"] == {"truth.path_length end": 1.0}
     assert len(recorded["log"]) == 4  # the end of the last line is one more
     assert attempt(case, tmp_path).passed
-    elsewhere = replace(case, config=replace(case.config, terrain="elsewhere/flat"))
+    elsewhere = replace(case, config=case.config.alone(terrain="elsewhere/flat"))
     assert attempt(elsewhere, tmp_path).passed
 
     def changed(**values: object) -> Attempt:
@@ -236,7 +236,7 @@ def test_the_truth_that_is_judged_is_that_of_the_simulator(
 ) -> None:
     monkeypatch.undo()  # the scripted episode
     (case,) = make_cases("{truth.path_length: {max: 0}}", "driver: straight")
-    episode = Episode(replace(case.config, terrain="slope"))
+    episode = Episode(case.config.alone(terrain="slope"))
     for _ in episode.batches():
         pass
     data = episode.simulation.data
@@ -290,7 +290,7 @@ def test_the_truth_is_the_same_without_the_other_sensors(
 ) -> None:
     monkeypatch.undo()  # the scripted episode
     (case,) = make_cases("{truth.speed: {max: 9}}", "driver: wander\nnoise: white\nlidar_beams: 90")
-    config = replace(case.config, terrain="rocky", duration=1.0)
+    config = case.config.alone(terrain="rocky", duration=1.0)
     full, alone = TruthSeries(QUANTITIES), TruthSeries(QUANTITIES)
     stop = StopRequest()
     first = direct.run_direct(config, RosOptions(log_dir=tmp_path), stop, observers=(full,))

@@ -119,7 +119,7 @@ def test_a_failure_is_expected_of_the_runs_that_have_all_that_it_names(make_case
     found = []
     for robot in ("leo", "rover_zero4wd"):
         for terrain in ("flat", "slope", "maps/hill.npy"):
-            told = replace(case, config=replace(case.config, robot=robot, terrain=terrain))
+            told = replace(case, config=case.config.alone(robot=robot, terrain=terrain))
             found.append(told.expected_failure and told.expected_failure.reason)
     assert found == ["one", None, "two", "three", "three", "two"]
 

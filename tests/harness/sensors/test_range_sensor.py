@@ -99,7 +99,7 @@ def test_all_else_is_the_same_with_optional_sensors_and_without() -> None:
     config = Run.of(terrain="flat", lidar_beams=8, duration=0.2, noise="hardware")
     told = []
     for sensors in ((), ("lidar3d=livox", "depth")):
-        batches = Episode(replace(config, sensors=sensors)).batches()
+        batches = Episode(config.alone(sensors=sensors)).batches()
         ticks = [tick for batch in batches for tick in batch.ticks]
         others = [tuple(s for s in t.samples if not isinstance(s, RangeReading)) for t in ticks]
         told.append([said(replace(t, samples=some)) for t, some in zip(ticks, others, strict=True)])

@@ -1,6 +1,5 @@
 """A sensor is one file and one row: the barometer is in every part of a run by that alone."""
 
-from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -100,7 +99,7 @@ def test_without_being_asked_for_there_is_none() -> None:
     config = Run.of(**RUN | {"sensors": None})
     assert "barometer" not in {row.source for row in config.sensor_rows()}
     with pytest.raises(UsageError, match=r"no sensor 'barometer', but --sensors barometer adds it"):
-        replace(config, faults=("barometer:nan",)).validate()
+        config.alone(faults=("barometer:nan",)).validate()
 
 
 def test_a_new_row_is_published_and_recorded_without_a_line_for_its_message(

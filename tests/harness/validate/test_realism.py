@@ -1,7 +1,6 @@
 """The documented run resembles the recorded logs, and does so because of what is documented."""
 
 import io
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
