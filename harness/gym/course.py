@@ -84,8 +84,9 @@ class Course:
         """
         if self.camera is None or self._frames is None:
             return None
-        made = installed(self.run.but(seed=seed), 0, self._frames, simulation.scene, self.camera)
-        return RangeSensor(simulation, self.lidar.surroundings, made, TICKS_PER_CONTROL)
+        run, scene, surroundings = self.run.but(seed=seed), simulation.scene, self.lidar.surroundings
+        made = installed(run, 0, self._frames, scene, surroundings, self.camera)
+        return RangeSensor(simulation, made, TICKS_PER_CONTROL)
 
     def varied(self, start: Start, variation: Variation) -> Scene:
         """Returns the scene of an episode, which may change its model as it likes.

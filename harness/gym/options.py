@@ -49,7 +49,12 @@ Shares = Annotated[tuple[Share, Share], AfterValidator(_in_order), BeforeValidat
 Terrains = Annotated[tuple[str, ...], Field(min_length=1), listed()]
 
 if TYPE_CHECKING:
-    RunOptions = Value
+
+    class RunOptions(Value):
+        """What a type checker knows of the fields of a run."""
+
+        robot: str = ""
+        lidar_beams: int = 0
 else:
     RunOptions = create_model(
         "RunOptions", __base__=Value, **keys_of("robot", "lidar_beams", *FILE_FIELDS)

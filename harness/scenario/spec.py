@@ -19,6 +19,7 @@ from harness.scenario.events import CommandEvent, Event, PauseEvent
 from harness.scenario.launch import Launch, Launched, launch_of
 from harness.scenario.quantities import GOAL, check_name, names
 from harness.scenario.topic import COUNT, LATENCY, PATTERN, TOPIC, topic_quantity
+from harness.spec.run import OWNERS, keys_of
 from harness.spec.value import Seed
 
 SCHEMA: dict[str, Any] = {

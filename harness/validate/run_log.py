@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS
+from harness.base.streams import VALIDATION_AGENT
 from harness.drivers import DriverContext, Observation
 from harness.drivers.wander import Roam
 from harness.episode import loop
@@ -44,7 +45,6 @@ RUN = Run.of(terrain="posts", difficulty=0.5, driver="cmd_vel", noise="gazebo", 
 SPEEDS = (0.15, 0.24, 0.28, 0.32, 0.36, 0.42, 0.55, 0.78, 1.0)
 SPEED_HELD = (6.0, 14.0)  # [s]: recorded velocities are alike for some ten seconds
 TURN_RATE = 2.0  # [rad/s]
-AGENT_STREAM = 30  # keeps the agent's random numbers apart
 
 Values = NDArray[np.float64]
 Log = Mapping[str, Values]  # by column
@@ -114,7 +114,7 @@ class Agent:
 def drive(run: Run) -> Log:
     """Drives a run by a RecordedAgent and returns its rows, one a second."""
     episode, session, lidar = Episode(run), MetricsSession(), LidarSpec()
-    feed, rng = SampleFeed(session, lidar), np.random.default_rng([run.seed, AGENT_STREAM])
+    feed, rng = SampleFeed(session, lidar), np.random.default_rng([run.seed, VALIDATION_AGENT])
     width, depth = episode.info.map_size
     half_size = width / 2, depth / 2
     agent = RecordedAgent(DriverContext(find_rover(run.rover.robot), half_size, lidar.bearings, rng))

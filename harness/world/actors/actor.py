@@ -3,17 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from harness.base.errors import UsageError
+from harness.base.streams import PEOPLE, generator
 from harness.world.actors.people import Pedestrian
 from harness.world.actors.room import Room, along
 from harness.world.actors.route import Route, timed
 from harness.world.actors.stroll import Stroll, StrollRoute
 from harness.world.actors.walker import SocialWalker
 from harness.world.world import World
-
-RANDOM_STREAM = 20  # keeps people's generators apart from those of worlds and episodes
 
 Way = Route | StrollRoute | SocialWalker
 
@@ -88,13 +85,11 @@ def _way(spec: Pedestrian, world: World, room: Room) -> Way:
 
 def _stroll(spec: Pedestrian, world: World, room: Room) -> Stroll:
     options = spec.options
-    # By the name, so that nobody's way depends on who else walks.
-    source = np.random.SeedSequence(world.seed, spawn_key=(RANDOM_STREAM, *spec.name.encode()))
     return Stroll(
         spec.name,
         room,
         world.start[:2],
         within=options.within,
         radius=options.radius,
-        rng=np.random.default_rng(source),
+        rng=generator(world.seed, PEOPLE, spec.name),  # whoever else walks
     )
