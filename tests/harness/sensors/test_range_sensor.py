@@ -30,7 +30,7 @@ def readings(
     """Of a short run on flat ground with these sensors."""
 
     def equipped(_: RoverSpec, asked: tuple[str, ...] | None) -> Any:  # noqa: ANN401 - rows
-        return chosen(replace(find_rover("leo"), sensors=entries), asked)
+        return chosen(find_rover("leo").but(sensors=entries), asked)
 
     chosen = choice.chosen
     monkeypatch.setattr("harness.config.chosen", equipped)
