@@ -14,13 +14,15 @@ import numpy as np
 
 from harness.base.interrupt import StopRequest
 from harness.cli.options import RunOptions, parse_run
+from harness.episode.assembly import actor_names
 from harness.episode.batch import Batch
-from harness.episode.direct import run_all_direct
+from harness.episode.direct import run_direct
 from harness.episode.fingerprint import StreamHash
 from harness.episode.manifest import manifest
-from harness.episode.result import RoverRun, RunResult
+from harness.episode.result import Outputs, RunResult
 from harness.episode.social_recorder import SocialRecorder
 from harness.robots.urdf.folder import write_folder
+from harness.spec.sensor import SensorChoice
 from tests.golden.table import GoldenRun
 from tests.support.documents import ROOT
 from tests.support.foreign_rovers import FOREIGN
@@ -124,19 +126,18 @@ def run_options(run: GoldenRun, files: dict[str, Path], folder: Path, sensor: st
     """
     options = parse_run([*run.words(files), "--log-dir", str(folder)])
     assert options is not None
-    more = (sensor,) if sensor else ()
-    fleet = tuple(
-        replace(config, **run.plan(config.driver), sensors=((*(config.sensors or ()), *more) or None))
-        for config in options.fleet
+    more = (SensorChoice(sensor),) if sensor else ()
+    rovers = tuple(
+        rover.but(sensors=(*(rover.sensors or ()), *more) or None) for rover in options.run.rovers
     )
-    return replace(options, fleet=fleet)
+    return replace(options, run=options.run.but(rovers=rovers, plan=options.run.plan.but(**run.plan)))
 
 
 def drive_direct(run: GoldenRun, files: dict[str, Path], folder: Path, sensor: str = "") -> list[Driven]:
     """Drives a run without ROS; the hash of its stream leaves out that one more sensor."""
     options = run_options(run, files, folder, sensor)
-    with _rovers(options, sensor) as (rovers, observers):
-        results = run_all_direct(rovers, options.ros, StopRequest())
+    with _outputs(options, sensor) as (outputs, observers):
+        results = run_direct(options.run, outputs, options.ros, StopRequest())
     return [_driven(*each) for each in zip(results, observers, strict=True)]
 
 
@@ -144,18 +145,20 @@ def drive_through_ros(
     run: GoldenRun, files: dict[str, Path], folder: Path, recording: Path
 ) -> list[Driven]:
     """Drives a run through ROS 2 and records it; its metrics_node is another process if it says so."""
-    from harness.ros.session import run_all_through_ros  # noqa: PLC0415 - there may be no ROS
+    from harness.ros.session import run_through_ros  # noqa: PLC0415 - there may be no ROS
 
     options = run_options(run, files, folder)
     ros = replace(options.ros, record=recording)
-    with _rovers(options) as (rovers, observers):
+    with _outputs(options) as (outputs, observers):
         if run.ros != "elsewhere":
-            results = run_all_through_ros(rovers, ros, StopRequest())
+            results = run_through_ros(options.run, outputs, ros, StopRequest())
             return [_driven(*each) for each in zip(results, observers, strict=True)]
         ros = replace(ros, host_metrics=False, wait_for=("metrics_node",))
-        node = [*ros.ros_args, "--ros-args", "-p", "use_sim_time:=true", "-p", f"log_dir:={folder}"]
+        settings = {**options.settings[0].parameters, "log_dir": str(folder)}
+        words = (f"{name}:={json.dumps(value)}" for name, value in settings.items() if value != [])
+        node = ["--ros-args", "-p", "use_sim_time:=true", *(w for pair in words for w in ("-p", pair))]
         with ForkedProgram("rover_metrics.metrics_node", node, folder.parent / "node.txt") as program:
-            (result,) = run_all_through_ros(rovers, ros, StopRequest())
+            (result,) = run_through_ros(options.run, outputs, ros, StopRequest())
             program.terminate()
             assert program.wait(PATIENCE) == 0, program.said.read_text()
     (log,) = folder.glob("*.csv")
@@ -166,23 +169,18 @@ Observers = tuple[WithoutSensor, SocialRecorder | None]
 
 
 @contextmanager
-def _rovers(options: RunOptions, sensor: str = "") -> Iterator[tuple[list[RoverRun], list[Observers]]]:
-    """What is asked for of each rover, and who watches it."""
-    names, each = options.config.actor_names(), [options.log_dir(config) for config in options.fleet]
-    people = [SocialRecorder(names, None, folder) if names else None for folder in each]
+def _outputs(options: RunOptions, sensor: str = "") -> Iterator[tuple[list[Outputs], list[Observers]]]:
+    """Where the data of each rover go, and who watches them."""
+    names = actor_names(options.run.world)
+    folders = [options.log_dir(rover) for rover in options.run.rovers]
+    people = [SocialRecorder(names, None, folder) if names else None for folder in folders]
     watching: list[Observers] = [(WithoutSensor(sensor), recorder) for recorder in people]
-    rovers = [
-        RoverRun(
-            config=config,
-            log_dir=each[number],
-            observers=tuple(observer for observer in watching[number] if observer is not None),
-            settings=options.all_settings[number],
-            parameters=options.parameters[number],
-        )
-        for number, config in enumerate(options.fleet)
+    outputs = [
+        Outputs(log_dir=folder, observers=tuple(filter(None, observers)), settings=settings)
+        for folder, observers, settings in zip(folders, watching, options.settings, strict=True)
     ]
     try:
-        yield rovers, watching
+        yield outputs, watching
     finally:
         for recorder in people:
             if recorder is not None:
@@ -195,7 +193,7 @@ def _driven(result: RunResult, observers: Observers) -> Driven:
     log = None if people is None else people.path
     result = replace(result, social_log=log)
     return Driven(
-        name=result.config.name,
+        name=result.rover.name,
         result=result,
         manifest=json.loads(json.dumps(manifest(result), allow_nan=False)),
         csv=result.log_path.read_text(),

@@ -77,7 +77,7 @@ class Evidence:
         """That of each rover's topics, with its slash; "" for the root."""
         if self.run.ros == "namespace":
             return ["/below"]
-        return [f"/{config.name}" if config.name else "" for config in self.options.fleet]
+        return [f"/{rover.name}" if rover.name else "" for rover in self.options.run.rovers]
 
 
 def gather(run: GoldenRun, files: dict[str, Path], folder: Path, *, with_ros: bool) -> Evidence:
@@ -91,7 +91,7 @@ def gather(run: GoldenRun, files: dict[str, Path], folder: Path, *, with_ros: bo
     """
     bag, live = folder / "run.mcap", folder / "ros"
     options = run_options(run, files, live)
-    carried = {sensor for config in options.fleet for sensor in config.sensors or ()}
+    carried = {str(sensor) for rover in options.run.rovers for sensor in rover.sensors or ()}
     extra = next(name for name in ("magnetometer", "height_scan", "gnss") if name not in carried)
     for name in ("direct", "again", "extra", "ros"):
         (folder / name).mkdir()
@@ -106,7 +106,7 @@ def gather(run: GoldenRun, files: dict[str, Path], folder: Path, *, with_ros: bo
     if not with_ros:
         return evidence
     ros = drive_through_ros(run, files, live, bag)
-    logs = zip(evidence.options.all_settings, evidence.namespaces, strict=True)
+    logs = zip(evidence.options.settings, evidence.namespaces, strict=True)
     replayed = [replay(bag, *log, folder / "replayed") for log in logs]
     later = {"ros": ros, "messages": list(read(bag)), "replayed": replayed, "files": files_below(live)}
     return Evidence(**vars(evidence) | later)

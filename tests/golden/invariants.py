@@ -5,9 +5,11 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
+from harness.base.sim_time import period_ticks
+from harness.episode.assembly import actor_names, sensor_rows
+from harness.episode.result import RunResult
 from harness.robots import find_rover
 from harness.samples import ActorPoses, Imu, Transforms
-from harness.sensors.base import period_ticks
 from harness.sensors.table import ATTITUDE
 from tests.golden.evidence import Evidence, Message
 
@@ -85,7 +87,7 @@ def counts_are_rates_times_duration(evidence: Evidence) -> Iterator[str]:
     """Each topic has as many messages as its sensor's rate says; a fault of its own excuses it."""
     recorded = Counter(message.topic for message in evidence.messages)
     for driven, space in zip(evidence.ros, evidence.namespaces, strict=False):
-        expected = expected_counts(evidence, driven.result.config, space)
+        expected = expected_counts(evidence, driven.result, space)
         published = {t: c["published"] for t, c in driven.manifest["topics"].items()}
         for topic, count in expected.items():
             if count is not None and recorded[topic] != count:
@@ -98,27 +100,26 @@ def counts_are_rates_times_duration(evidence: Evidence) -> Iterator[str]:
                 yield f"{topic} was not expected"
 
 
-def expected_counts(evidence: Evidence, config: Any, space: str) -> dict[str, int | None]:  # noqa: ANN401
+def expected_counts(evidence: Evidence, result: RunResult, space: str) -> dict[str, int | None]:
     """Returns how many messages each topic of a rover has; None for whatever a fault leaves of it."""
-    faulty = {fault.partition(":")[0].removesuffix(ATTITUDE) for fault in config.faults}
-    rover, total, due = find_rover(config.robot), config.total_ticks, set[int]()
+    faulty = {fault.sensor.removesuffix(ATTITUDE) for fault in result.rover.faults}
+    rover, total, due = find_rover(result.rover.robot), result.run.total_ticks, set[int]()
     expected: dict[str, int | None] = {}
-    for row in config.sensor_rows():
+    for row in sensor_rows(result.rover):
         if row.sample in (Transforms, ActorPoses):
             continue
-        rate = config.imu_rate if row.sample is Imu else row.rate_on(rover)
-        period = period_ticks(rate)
+        period = period_ticks(result.rover.imu_rate if row.sample is Imu else row.rate_on(rover))
         due |= {tick for tick in range(1, total + 1) if tick % period == 0}
         for topic in row.topics:
             expected[f"{space}/{topic.name}"] = None if row.fault in faulty else total // period
     people = total * 30 // TICKS_PER_SECOND
-    expected |= {f"{space}/{name}/pose": people for name in config.actor_names()}
+    expected |= {f"{space}/{name}/pose": people for name in actor_names(result.run.world)}
     joints = {tick for tick in range(1, total + 1) if tick % 5 == 0}
     owns_odom = evidence.options.ros.frames.odom_tf != "none"
     told = (due if owns_odom else set()) | joints  # every rover's wheels are frames that move
     expected[f"{space}/tf"] = None if "tf" in faulty else len(told)
-    clock_dropout = any(fault.startswith("clock:dropout") for fault in config.faults)
-    expected["/clock"] = None if clock_dropout else total
+    silent = any((fault.sensor, fault.kind) == ("clock", "dropout") for fault in result.rover.faults)
+    expected["/clock"] = None if silent else total
     once = ("tf_static", "robot_description", "map")
     expected |= {f"{space}/{name}": 1 for name in once}
     if evidence.run.ros != "elsewhere":
@@ -137,7 +138,7 @@ def _unplaceable(evidence: Evidence, space: str) -> Iterator[str]:
     fixed, told = set[str](), dict[str, int]()
     owns_odom = evidence.options.ros.frames.odom_tf != "none"
     root = "odom" if owns_odom else None
-    excused = {fault.partition(":")[0] for config in evidence.options.fleet for fault in config.faults}
+    excused = {fault.sensor for rover in evidence.options.run.rovers for fault in rover.faults}
     for message in evidence.messages:
         if message.topic in (f"{space}/tf", f"{space}/tf_static"):
             for one in message.content.transforms:
