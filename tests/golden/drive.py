@@ -148,12 +148,12 @@ def drive_through_ros(
     from harness.ros.session import run_through_ros  # noqa: PLC0415 - there may be no ROS
 
     options = run_options(run, files, folder)
-    ros = replace(options.ros, record=recording)
+    ros = options.ros.but(record=recording)
     with _outputs(options) as (outputs, observers):
         if run.ros != "elsewhere":
             results = run_through_ros(options.run, outputs, ros, StopRequest())
             return [_driven(*each) for each in zip(results, observers, strict=True)]
-        ros = replace(ros, host_metrics=False, wait_for=("metrics_node",))
+        ros = ros.but(host_metrics=False, wait_for=("metrics_node",))
         settings = {**options.settings[0].parameters, "log_dir": str(folder)}
         words = (f"{name}:={json.dumps(value)}" for name, value in settings.items() if value != [])
         node = ["--ros-args", "-p", "use_sim_time:=true", *(w for pair in words for w in ("-p", pair))]
@@ -190,14 +190,13 @@ def _outputs(options: RunOptions, sensor: str = "") -> Iterator[tuple[list[Outpu
 def _driven(result: RunResult, observers: Observers) -> Driven:
     stream, people = observers
     assert result.log_path is not None, result.failure
-    log = None if people is None else people.path
-    result = replace(result, social_log=log)
+    social = None if people is None else people.path
     return Driven(
         name=result.rover.name,
         result=result,
-        manifest=json.loads(json.dumps(manifest(result), allow_nan=False)),
+        manifest=json.loads(json.dumps(manifest(replace(result, social_log=social)))),
         csv=result.log_path.read_text(),
-        social="" if people is None or people.path is None else people.path.read_text(),
+        social="" if social is None else social.read_text(),
         stream=stream.hexdigest(),
         samples=stream.samples,
     )
