@@ -22,8 +22,7 @@ from harness.episode.manifest import manifest
 from harness.episode.result import Outputs, RunResult
 from harness.episode.social_recorder import SocialRecorder
 from harness.robots.urdf.folder import write_folder
-from harness.spec import Plan
-from harness.spec.sensor import parse_choice
+from harness.spec.sensor import SensorChoice
 from tests.golden.table import GoldenRun
 from tests.support.documents import ROOT
 from tests.support.foreign_rovers import FOREIGN
@@ -127,11 +126,11 @@ def run_options(run: GoldenRun, files: dict[str, Path], folder: Path, sensor: st
     """
     options = parse_run([*run.words(files), "--log-dir", str(folder)])
     assert options is not None
-    rovers = options.run.rovers
-    if sensor:
-        one_more = parse_choice(sensor)
-        rovers = tuple(rover.but(sensors=(*(rover.sensors or ()), one_more)) for rover in rovers)
-    return replace(options, run=options.run.but(rovers=rovers, plan=Plan(**run.plan(run.driver))))
+    more = (SensorChoice(sensor),) if sensor else ()
+    rovers = tuple(
+        rover.but(sensors=(*(rover.sensors or ()), *more) or None) for rover in options.run.rovers
+    )
+    return replace(options, run=options.run.but(rovers=rovers, plan=options.run.plan.but(**run.plan)))
 
 
 def drive_direct(run: GoldenRun, files: dict[str, Path], folder: Path, sensor: str = "") -> list[Driven]:
@@ -155,11 +154,13 @@ def drive_through_ros(
             results = run_through_ros(options.run, outputs, ros, StopRequest())
             return [_driven(*each) for each in zip(results, observers, strict=True)]
         ros = ros.but(host_metrics=False, wait_for=("metrics_node",))
-        node = [*ros.ros_args, "--ros-args", "-p", "use_sim_time:=true", "-p", f"log_dir:={folder}"]
+        settings = {**options.settings[0].parameters, "log_dir": str(folder)}
+        words = (f"{name}:={json.dumps(value)}" for name, value in settings.items() if value != [])
+        node = ["--ros-args", "-p", "use_sim_time:=true", *(w for pair in words for w in ("-p", pair))]
         with ForkedProgram("rover_metrics.metrics_node", node, folder.parent / "node.txt") as program:
             (result,) = run_through_ros(options.run, outputs, ros, StopRequest())
             program.terminate()
-            assert program.wait(PATIENCE) == 0, (program.said or Path()).read_text()
+            assert program.wait(PATIENCE) == 0, program.said.read_text()
     (log,) = folder.glob("*.csv")
     return [_driven(replace(result, log_path=log), observers[0])]
 
@@ -169,18 +170,14 @@ Observers = tuple[WithoutSensor, SocialRecorder | None]
 
 @contextmanager
 def _outputs(options: RunOptions, sensor: str = "") -> Iterator[tuple[list[Outputs], list[Observers]]]:
-    """Where the data of each rover go, and who watches it."""
+    """Where the data of each rover go, and who watches them."""
     names = actor_names(options.run.world)
-    each = [options.log_dir(rover) for rover in options.run.rovers]
-    people = [SocialRecorder(names, None, folder) if names else None for folder in each]
+    folders = [options.log_dir(rover) for rover in options.run.rovers]
+    people = [SocialRecorder(names, None, folder) if names else None for folder in folders]
     watching: list[Observers] = [(WithoutSensor(sensor), recorder) for recorder in people]
     outputs = [
-        Outputs(
-            log_dir=folder,
-            observers=tuple(observer for observer in watching[number] if observer is not None),
-            settings=options.settings[number],
-        )
-        for number, folder in enumerate(each)
+        Outputs(log_dir=folder, observers=tuple(filter(None, observers)), settings=settings)
+        for folder, observers, settings in zip(folders, watching, options.settings, strict=True)
     ]
     try:
         yield outputs, watching
@@ -193,14 +190,13 @@ def _outputs(options: RunOptions, sensor: str = "") -> Iterator[tuple[list[Outpu
 def _driven(result: RunResult, observers: Observers) -> Driven:
     stream, people = observers
     assert result.log_path is not None, result.failure
-    log = None if people is None else people.path
-    result = replace(result, social_log=log)
+    social = None if people is None else people.path
     return Driven(
         name=result.rover.name,
         result=result,
-        manifest=json.loads(json.dumps(manifest(result), allow_nan=False)),
+        manifest=json.loads(json.dumps(manifest(replace(result, social_log=social)))),
         csv=result.log_path.read_text(),
-        social="" if people is None or people.path is None else people.path.read_text(),
+        social="" if social is None else social.read_text(),
         stream=stream.hexdigest(),
         samples=stream.samples,
     )

@@ -91,7 +91,7 @@ def gather(run: GoldenRun, files: dict[str, Path], folder: Path, *, with_ros: bo
     """
     bag, live = folder / "run.mcap", folder / "ros"
     options = run_options(run, files, live)
-    carried = {str(each) for rover in options.run.rovers for each in rover.sensors or ()}
+    carried = {str(sensor) for rover in options.run.rovers for sensor in rover.sensors or ()}
     extra = next(name for name in ("magnetometer", "height_scan", "gnss") if name not in carried)
     for name in ("direct", "again", "extra", "ros"):
         (folder / name).mkdir()

@@ -102,17 +102,13 @@ def counts_are_rates_times_duration(evidence: Evidence) -> Iterator[str]:
 
 def expected_counts(evidence: Evidence, result: RunResult, space: str) -> dict[str, int | None]:
     """Returns how many messages each topic of a rover has; None for whatever a fault leaves of it."""
-    setup, total, due = result.rover, result.run.total_ticks, set[int]()
-    rover, faulty = (
-        find_rover(setup.robot),
-        {fault.sensor.removesuffix(ATTITUDE) for fault in setup.faults},
-    )
+    faulty = {fault.sensor.removesuffix(ATTITUDE) for fault in result.rover.faults}
+    rover, total, due = find_rover(result.rover.robot), result.run.total_ticks, set[int]()
     expected: dict[str, int | None] = {}
-    for row in sensor_rows(setup):
+    for row in sensor_rows(result.rover):
         if row.sample in (Transforms, ActorPoses):
             continue
-        rate = setup.imu_rate if row.sample is Imu else row.rate_on(rover)
-        period = period_ticks(rate)
+        period = period_ticks(result.rover.imu_rate if row.sample is Imu else row.rate_on(rover))
         due |= {tick for tick in range(1, total + 1) if tick % period == 0}
         for topic in row.topics:
             expected[f"{space}/{topic.name}"] = None if row.fault in faulty else total // period
@@ -122,8 +118,8 @@ def expected_counts(evidence: Evidence, result: RunResult, space: str) -> dict[s
     owns_odom = evidence.options.ros.frames.odom_tf != "none"
     told = (due if owns_odom else set()) | joints  # every rover's wheels are frames that move
     expected[f"{space}/tf"] = None if "tf" in faulty else len(told)
-    clock_dropout = any((fault.sensor, fault.kind) == ("clock", "dropout") for fault in setup.faults)
-    expected["/clock"] = None if clock_dropout else total
+    silent = any((fault.sensor, fault.kind) == ("clock", "dropout") for fault in result.rover.faults)
+    expected["/clock"] = None if silent else total
     once = ("tf_static", "robot_description", "map")
     expected |= {f"{space}/{name}": 1 for name in once}
     if evidence.run.ros != "elsewhere":

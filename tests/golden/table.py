@@ -77,10 +77,12 @@ class GoldenRun:
         """What the references know it by."""
         return "-".join(self.values[column] for column in ("no", "robot", "terrain", "driver"))
 
-    def plan(self, driver: str) -> dict[str, Any]:
-        """Returns what happens when to a rover with that driver, by the names of the run's fields."""
-        resets = {} if self.reset == NONE else {"resets": (float(self.reset),)}
-        return resets | (PLAN.get(driver, {}) if self.driver == driver else {})
+    @property
+    def plan(self) -> dict[str, Any]:
+        """What happens when, by the names of the fields of a plan."""
+        return PLAN.get(self.driver, {}) | (
+            {} if self.reset == NONE else {"resets": (float(self.reset),)}
+        )
 
     @property
     def is_fleet(self) -> bool:
