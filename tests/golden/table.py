@@ -116,7 +116,9 @@ class GoldenRun:
 
     def _fleet(self, robot: str) -> list[str]:
         if self.fleet in ("twin", "close"):
-            behind = ",x=-1.1,y=0" if self.fleet == "close" else ""  # drives to where the first one began
+            behind = (
+                ",x=-1.1,y=0" if self.fleet == "close" else ""
+            )  # drives to where the first one began
             return ["--rover", f"{robot}:a", "--rover", f"{robot}:b{behind}"]
         other = "rover_zero4wd" if self.robot == "leo" else "leo"
         sensors = "gnss" if self.sensors == NONE else self.sensors.replace("gnss+", "") + "+gnss"

@@ -37,10 +37,10 @@ def test_child_streams_the_same_samples_and_contacts_as_an_episode_here() -> Non
     )
     ramming = posts.alone(driver="straight", duration=2.5, start=(x - 0.9, y, 0.0))
     with EpisodeProcess(ramming) as process:
-        (info,) = process.infos
+        (begun,) = process.begin()
         streamed = [batch for (batch,) in process.batches()]
     here = Episode(ramming)
-    assert info == here.info
+    assert begun.info == here.info
     local = list(here.batches())
     assert flattened(streamed) == flattened(local)
     assert streamed[-1].truth == local[-1].truth
@@ -51,7 +51,7 @@ def test_child_streams_the_same_samples_and_contacts_as_an_episode_here() -> Non
 
 def test_the_child_puts_the_rover_and_gives_it_goals_at_the_times_that_are_told() -> None:
     with EpisodeProcess(config(terrain="flat", driver="goal", duration=6.0, lidar_beams=2)) as process:
-        _ = process.infos
+        process.begin()
         poses = []
         for index, (batch,) in enumerate(process.batches()):
             poses += [s for tick in batch.ticks for s in tick.samples if isinstance(s, Pose)]
@@ -86,14 +86,14 @@ def test_a_run_that_fails_says_so_although_orders_wait(tmp_path: Path) -> None:
         lidar_beams=2,
     )
     with EpisodeProcess(fast) as process:
-        _ = process.infos
+        process.begin()
         with pytest.raises(RunFailed, match="reached the edge of the map"):
             list(process.batches())
 
 
 def test_leaving_early_leaves_no_process_behind() -> None:
     with EpisodeProcess(config(duration=1000.0)) as process:
-        _ = process.infos
+        process.begin()
         next(process.batches())
     assert multiprocessing.active_children() == []
 
@@ -101,12 +101,12 @@ def test_leaving_early_leaves_no_process_behind() -> None:
 def test_known_error_of_the_child_arrives_as_itself() -> None:
     on_a_wall = config(terrain="maze", start=(10.1, 3.0, 0.0))
     with EpisodeProcess(on_a_wall) as process, pytest.raises(UsageError, match="is inside hazard_"):
-        _ = process.infos
+        process.begin()
 
 
 def test_death_of_the_child_fails_the_run() -> None:
     with EpisodeProcess(config(duration=1000.0)) as process:
-        _ = process.infos
+        process.begin()
         batches = process.batches()
         next(batches)
         for child in multiprocessing.active_children():
@@ -119,7 +119,7 @@ def test_each_rover_of_a_world_gets_its_own_orders_and_its_own_batches() -> None
     shared = config(terrain="flat", driver="cmd_vel", lidar_beams=2, duration=1.0)
     two = fleet(shared, parse_rovers(("leo:a", "rover_zero4wd:b,x=2,y=0"), shared.rover))
     with EpisodeProcess(two) as process:
-        assert [info.start[0] for info in process.infos] == [0.0, 2.0]
+        assert [begun.info.start[0] for begun in process.begin()] == [0.0, 2.0]
         path = []
         for index, batches in enumerate(process.batches()):
             path.append([batch.truth.path_length for batch in batches])
