@@ -18,7 +18,7 @@ from harness.spec.run import Run
 
 def config(**changes: object) -> Run:
     values: dict[str, object] = {"terrain": "rocky", "duration": 2.0}
-    return Run.of(**{**values, **changes})  # type: ignore[arg-type]  # a table of keywords
+    return Run.of(**{**values, **changes})
 
 
 def flattened(batches: list[Batch]) -> list[str]:
