@@ -57,6 +57,12 @@ def test_speed_is_the_path_over_half_a_second_around_a_state() -> None:
     assert first.speed.tolist() == [0.0]
 
 
+def test_heading_does_not_leap_where_a_turn_is_whole(tmp_path: Path) -> None:
+    states, turns = recorded(tmp_path / "states"), np.linspace(0.0, 15.0, 50)
+    spin = np.column_stack([np.cos(turns / 2), 0 * turns, 0 * turns, np.sin(turns / 2)])
+    np.testing.assert_allclose(replace(states, orientations=spin).yaw, turns, atol=1e-9)
+
+
 def test_half_a_state_at_the_end_is_left_out(tmp_path: Path) -> None:
     recorded(tmp_path / "states")
     (tmp_path / "states").write_bytes((tmp_path / "states").read_bytes()[:-5])

@@ -17,7 +17,7 @@ from harness.tune.page.contact_figures import FALSE_ALARMS, frontier
 from harness.tune.page.ground_figures import ground_figures
 from harness.tune.page.page import render
 from harness.tune.page.subject import Subject, levels, mark
-from harness.tune.page.tables import _text
+from harness.tune.page.tables import _text, clearance
 from harness.tune.parameter_file import parameter_file
 from harness.tune.scoring.estimate import Estimate
 from harness.tune.scoring.imu_events import SIGNALS
@@ -98,6 +98,11 @@ def test_a_threshold_is_told_with_its_scores_on_both_parts(page: str, small_swee
     assert told[2] == f"{verdict.tuned.value:g} m"
     assert told[4] == verdict.tuned.scores[Part.TEST]["F1"].text()
     assert told[5].startswith("+")
+
+
+def test_the_safe_clearance_is_the_sum_of_its_parts(small_sweep: "Sweep") -> None:
+    lengths = [float(length.split()[0]) for _, length in clearance(small_sweep[0][0]).rows]
+    assert sum(lengths[:4]) == pytest.approx(lengths[4], abs=0.002)
 
 
 def test_a_threshold_without_support_says_why(page: str) -> None:
