@@ -29,6 +29,7 @@ lint: setup  ## style, layers, types, and documents against the code, nothing is
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/python -m tools.site check
 	$(BIN)/mypy
+	$(BIN)/python -m pytest -q tools/repository
 
 format: setup  ## lets ruff lay out the code
 	$(BIN)/ruff check --fix .

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from harness.episode.assembly import gravity
 from harness.episode.batch import Batch
 from harness.episode.metrics_feed import extended_settings
 from harness.episode.result import RunResult
@@ -24,7 +25,7 @@ from harness.scenario.contact import contact_of
 from harness.scenario.judge import judge, judge_against, value_of
 from harness.scenario.quantities import LOG, QUANTITIES, RUN
 from harness.scenario.series import Series, TruthSeries
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.settings import Settings
 
 
@@ -86,8 +87,8 @@ class Watch:
         columns = [name.removeprefix(LOG) for name in self._case.scenario.expect if name.startswith(LOG)]
         settings = Settings()
         if not set(columns) <= set(COLUMNS):
-            config = self._case.config
-            of_run = extended_settings(find_rover(config.robot), config.gravity())
+            run = self._case.run
+            of_run = extended_settings(find_rover(run.rover.robot), gravity(run))
             settings = Settings(extended_columns=True, extended=of_run)
         return settings.updated(self._case.params)
 

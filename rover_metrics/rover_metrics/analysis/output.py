@@ -20,7 +20,7 @@ from rover_metrics.analysis.result import Result
 from rover_metrics.analysis.statistics.series import metric_series
 from rover_metrics.analysis.study import Study
 from rover_metrics.analysis.tables import sheets
-from rover_metrics.core.row import Field
+from rover_metrics.core.columns import Field
 from rover_metrics.errors import RoverMetricsError
 from rover_metrics.sheet.render import csv_text, latex
 

@@ -10,8 +10,8 @@ import pytest
 from rich.console import Console
 
 from harness.cli.console import RunProgress, counted, print_summary
-from harness.config import EpisodeConfig
 from harness.episode.result import CommandCount, RunResult, TopicCount
+from harness.spec.run import Run
 from harness.truth.traversal import Truth
 from tests.support.snapshots import check_snapshot
 
@@ -29,7 +29,7 @@ TRUTH = Truth(
     tipped_over=True,
 )
 RESULT = RunResult(
-    config=EpisodeConfig(),
+    run=Run(),
     mode="direct",
     truth=TRUTH,
     wall_s=2.5,
@@ -50,7 +50,7 @@ def test_the_summary_of_a_run_is_as_somebody_has_checked() -> None:
     out = io.StringIO()
     console = Console(file=out, width=120)
     print_summary(console, replace(RESULT, commands=CommandCount(taken=1200, older=1100, refused=3)))
-    print_summary(console, RunResult(config=EpisodeConfig(), mode="direct"))
+    print_summary(console, RunResult(run=Run(), mode="direct"))
     check_snapshot("console.txt", out.getvalue())
 
 
@@ -60,8 +60,8 @@ def test_progress_is_shown_on_a_terminal_only(terminal: bool) -> None:
     console = Console(file=out, width=120, force_terminal=terminal)
     with RunProgress(console, "leo on flat", 20.0) as bar:
         truth, topics = Truth(time_ns=5_000_000_000, path_length=1.23), {"/scan": TopicCount(4567)}
-        config = EpisodeConfig(duration=20.0)
-        bar.show(RunResult(config=config, mode="", truth=truth, wall_s=2.0, topics=topics))
+        run = Run.of(duration=20.0)
+        bar.show(RunResult(run=run, mode="", truth=truth, wall_s=2.0, topics=topics))
     text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", out.getvalue())
     if terminal:
         assert "leo on flat" in text

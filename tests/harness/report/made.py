@@ -7,20 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from harness.config import EpisodeConfig
 from harness.episode.result import RunResult, TopicCount
 from harness.episode.truth_account import TruthAlong
 from harness.report.recorder import Approach, RunRecorder, Stretch
 from harness.samples import LaserScan, PlacedScan, Pose
+from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent, Truth
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
 from rover_metrics.core.thresholds import Thresholds
 
 TOUCH = ContactEvent(
     "hazard", 1_500_000_000, 1_750_000_000, "chassis", "hazard_3", 41.6, (0.2, 0.1, 0.0)
 )
 RESULT = RunResult(
-    config=EpisodeConfig(terrain="posts", actors=("ann=1,1", "bob=2,2/2,3"), start=(-1.0, 0.5, 0.3)),
+    run=Run.of(terrain="posts", actors=("ann=1,1", "bob=2,2/2,3"), start=(-1.0, 0.5, 0.3)),
     mode="direct",
     truth=Truth(
         time_ns=8_000_000_000,

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.config import EpisodeConfig
 from harness.episode.result import RunResult, TopicCount
 from harness.page.figure import AXIS, TIMES
 from harness.report.content import content, render
 from harness.report.recorder import RunRecorder
-from rover_metrics.core.row import COLUMNS
+from harness.spec.run import Run
+from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 from tests.harness.report.made import RESULT, recorder, stretches, write_log
 from tests.support.snapshots import check_snapshot
@@ -89,7 +89,7 @@ def test_page_and_figures_of_a_run_are_as_somebody_has_checked(tmp_path: Path) -
     (figures,) = re.findall(r'id="figures">(.*?)</script>', page)
     lines = (f"{name}: {line}\n" for name, one in json.loads(figures).items() for line in drawn(one))
     shown = re.sub(r"<(script|style).*?</\1>|<meta.*?>|; written [^<]*", "", page, flags=re.DOTALL)
-    shown = re.sub(r'<h3 id="facts-Versions">.*?</table>', "", shown, flags=re.DOTALL)
+    shown = re.sub(r'<section aria-labelledby="facts-.*?</section>', "", shown, flags=re.DOTALL)
     check_snapshot("report.html.txt", shown + "".join(lines))
 
 
@@ -114,8 +114,8 @@ def test_no_folder_of_whoever_ran_it_is_in_the_titles_or_the_name_of_the_log(tmp
     heights = tmp_path / "private" / "yard.npy"
     heights.parent.mkdir()
     np.save(heights, np.zeros((20, 20)))
-    config = EpisodeConfig(terrain=str(heights), terrain_size=(10.0, 10.0), terrain_height=1.0)
-    outline = Outline(page := without_plotly(render(replace(RESULT, config=config), RunRecorder())))
+    config = Run.of(terrain=str(heights), terrain_size=(10.0, 10.0), terrain_height=1.0)
+    outline = Outline(page := without_plotly(render(replace(RESULT, run=config), RunRecorder())))
     assert [text for tag, text in outline.headings if tag in ("title", "h1")] == [
         "leo on yard.npy, seed 0: failed",
         "leo on yard.npy",
@@ -128,13 +128,8 @@ def test_no_folder_of_whoever_ran_it_is_in_the_titles_or_the_name_of_the_log(tmp
 
 def test_page_of_a_heightmap_tells_its_size_and_no_difficulty(tmp_path: Path) -> None:
     np.save(tmp_path / "a.npy", np.zeros((21, 41)))
-    config = replace(
-        EpisodeConfig(),
-        terrain=str(tmp_path / "a.npy"),
-        terrain_size=(40.0, 20.0),
-        start=(-3.0, 4.0, 1.5),
-    )
-    page = without_plotly(render(replace(RESULT, config=config), RunRecorder()))
+    config = Run.of(terrain=str(tmp_path / "a.npy"), terrain_size=(40.0, 20.0))
+    page = without_plotly(render(replace(RESULT, run=config), RunRecorder()))
     assert f"40 m {TIMES} 20 m, heights 0.00 to 0.00 m. +x is right and +y is up" in page
     assert "Seed 0, driver wander" in " ".join(page.split())
     assert "difficulty" not in page
@@ -176,7 +171,7 @@ def test_page_says_at_the_top_how_the_run_ended(changes: dict[str, object], expe
 
 
 def test_run_without_a_log_or_a_single_batch_gets_a_page() -> None:
-    result = RunResult(config=EpisodeConfig(terrain="flat"), mode="ROS 2", failure="it never began")
+    result = RunResult(run=Run.of(terrain="flat"), mode="ROS 2", failure="it never began")
     page = without_plotly(render(result, RunRecorder()))
     assert "This run wrote no metrics log." in page
     assert "it never began" in page

@@ -4,6 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from harness.episode.assembly import world_of
 from harness.episode.episode import Episode
 from harness.physics.scene import build_scene
 from harness.view.camera import best_view, chase_view
@@ -13,7 +14,7 @@ from tests.support.rovers import LEO
 
 def test_best_view_shows_the_path_and_stands_over_the_ground(tmp_path: Path) -> None:
     states = recorded(tmp_path / "states")
-    world = CONFIG.world()
+    world = world_of(CONFIG)
     episode = Episode(CONFIG)
     model = build_scene(world, LEO, 0.0025).model
     view = best_view(model, episode.simulation.data, states.path, states.yaw[-1], 0.7)

@@ -49,6 +49,7 @@ def test_the_thresholds_of_a_metric_are_those_of_the_logs_that_have_it(make_log:
         ("metrics_log_20250116_120457", {"terrain": "/maps/yard.tif"}, "leo yard seed 7"),
         ("metrics_log_20250116_120457", {"difficulty": None}, "leo rocky seed 7"),
         ("baseline", {}, "baseline"),
+        ("metrics_log_20250116_120457-rerun", {}, "metrics_log_20250116_120457-rerun"),
     ],
 )
 def test_a_name_that_a_person_gave_comes_first_then_what_was_driven_then_the_time(

@@ -11,7 +11,7 @@ import pytest
 from rover_metrics.analysis.logs.header import UnreadableLog
 from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.analysis.metric import METRIC_COLUMNS, METRICS, Metric, other_metric
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.log.session_record import COMPLETE, write_record
 from tests.support.snapshots import check_snapshot
