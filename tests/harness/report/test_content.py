@@ -2,8 +2,6 @@ import json
 import re
 from collections.abc import Iterator
 from dataclasses import replace
-from html.parser import HTMLParser
-from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -19,40 +17,8 @@ from harness.spec.run import Run
 from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 from tests.harness.report.made import RESULT, recorder, stretches, write_log
+from tests.support.pages import Outline, without_plotly
 from tests.support.snapshots import check_snapshot
-
-
-class Outline(HTMLParser):
-    """Collects headings and tags with their attributes, and sees that all are closed."""
-
-    VOID = ("meta", "link")
-
-    def __init__(self, page: str) -> None:
-        super().__init__()
-        self.tags: list[tuple[str, dict[str, str | None]]] = []
-        self.headings: list[tuple[str, str]] = []
-        self.open: list[str] = []
-        self.feed(page)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append((tag, dict(attrs)))
-        if tag not in self.VOID:
-            self.open.append(tag)
-
-    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append((tag, dict(attrs)))
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        if self.open and self.open[-1] in ("title", "h1", "h2", "h3"):
-            self.headings.append((self.open[-1], data))
-
-
-def without_plotly(page: str) -> str:
-    bundle = files("harness.page").joinpath("assets", "plotly-basic.min.js")
-    return page.replace(bundle.read_text(encoding="utf-8"), "")
 
 
 def short(value: object) -> object:
@@ -83,8 +49,7 @@ def test_page_and_figures_of_a_run_are_as_somebody_has_checked(tmp_path: Path) -
     others = {"other": stretches({}, {})}
     page = without_plotly(render(result, recorder(), others))
     outline = Outline(page)
-    levels = [int(tag[1]) for tag, _ in outline.headings[1:]]
-    assert all(later <= earlier + 1 for earlier, later in pairwise(levels))
+    assert all(later <= earlier + 1 for earlier, later in pairwise(outline.levels))
     assert len(page) < 1_000_000
     (figures,) = re.findall(r'id="figures">(.*?)</script>', page)
     lines = (f"{name}: {line}\n" for name, one in json.loads(figures).items() for line in drawn(one))

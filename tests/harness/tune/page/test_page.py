@@ -4,8 +4,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from html import unescape
-from html.parser import HTMLParser
-from importlib.resources import files
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -22,6 +20,7 @@ from harness.tune.parameter_file import parameter_file
 from harness.tune.scoring.estimate import Estimate
 from harness.tune.scoring.imu_events import SIGNALS
 from harness.tune.scoring.study import scored_records
+from tests.support.pages import Outline, without_plotly
 
 if TYPE_CHECKING:
     from tests.harness.tune.conftest import Sweep
@@ -30,35 +29,13 @@ if TYPE_CHECKING:
 @pytest.fixture(scope="module")
 def page(small_page: str) -> str:
     """The page without plotly."""
-    bundle = files("harness.page").joinpath("assets", "plotly-basic.min.js")
-    return small_page.replace(bundle.read_text(encoding="utf-8"), "")
+    return without_plotly(small_page)
 
 
 @pytest.fixture
 def command(page: str) -> str:
     """What the page says that it was made with."""
     return unescape(re.findall(r"<pre tabindex=\"0\">([^<]*)</pre>", page)[0])
-
-
-class Outline(HTMLParser):
-    """Levels of the headings, and whether all that is opened is closed."""
-
-    VOID = ("meta", "link")
-
-    def __init__(self, page: str) -> None:
-        super().__init__()
-        self.levels: list[int] = []
-        self.open: list[str] = []
-        self.feed(page)
-
-    def handle_starttag(self, tag: str, _: list[tuple[str, str | None]]) -> None:
-        if re.fullmatch("h[1-6]", tag):
-            self.levels.append(int(tag[1]))
-        if tag not in self.VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
 
 
 def cells_of(page: str, threshold: str) -> list[str]:
