@@ -170,12 +170,12 @@ def _ways(places: Mapping[str, Sequence[Vector3]], color: str) -> list[Trace]:
 
 def _encounters(met: Sequence[Encounter], actors: Sequence[Actor]) -> list[Trace]:
     """Lines from the rover, where the number is that the table has, to whom it met."""
-    points, numbered, told = [], [], []
+    points, numbered, texts = [], [], []
     for number, one in enumerate(met, 1):
         near, name = one.nearest, actors[one.person].name
         points += [near.rover, near.person, (math.nan, math.nan)]
         numbered += [f"<b>{number}</b>", "", ""]
-        told += [f"{number}: {name}, {near.distance:.2f} m, t = {near.time_s:.1f} s"] * 3
+        texts += [f"{number}: {name}, {near.distance:.2f} m, t = {near.time_s:.1f} s"] * 3
     trace = line(CLOSEST, *_columns(points), PERSON, hover="%{hovertext}")
     return [
         trace
@@ -185,7 +185,7 @@ def _encounters(met: Sequence[Encounter], actors: Sequence[Actor]) -> list[Trace
             "text": numbered,
             "textposition": "top right",
             "textfont": {"size": 14, "color": INK},
-            "hovertext": told,
+            "hovertext": texts,
         }
     ]
 
