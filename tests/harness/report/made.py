@@ -63,7 +63,7 @@ def write_log(path: Path) -> Path:
     """Writes a log with eight rows, and two columns that the data dictionary does not know."""
     lines = [",".join([*COLUMNS[:-1], "Wheel Heat [K]", "VORT [m/s]", "Notes"])]
     for i in range(8):
-        cells = {
+        cells: dict[str, object] = {
             "Timestamp": i + 1.0,
             "Total Collisions": 3 * (i > 4),
             "Current Collision Status": int(i == 5),
