@@ -4,8 +4,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from html import unescape
-from html.parser import HTMLParser
-from importlib.resources import files
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -17,11 +15,12 @@ from harness.tune.page.contact_figures import FALSE_ALARMS, frontier
 from harness.tune.page.ground_figures import ground_figures
 from harness.tune.page.page import render
 from harness.tune.page.subject import Subject, levels, mark
-from harness.tune.page.tables import _text
+from harness.tune.page.tables import _text, clearance
 from harness.tune.parameter_file import parameter_file
 from harness.tune.scoring.estimate import Estimate
 from harness.tune.scoring.imu_events import SIGNALS
 from harness.tune.scoring.study import scored_records
+from tests.support.pages import Outline, without_plotly
 
 if TYPE_CHECKING:
     from tests.harness.tune.conftest import Sweep
@@ -30,35 +29,13 @@ if TYPE_CHECKING:
 @pytest.fixture(scope="module")
 def page(small_page: str) -> str:
     """The page without plotly."""
-    bundle = files("harness.page").joinpath("assets", "plotly-basic.min.js")
-    return small_page.replace(bundle.read_text(encoding="utf-8"), "")
+    return without_plotly(small_page)
 
 
 @pytest.fixture
 def command(page: str) -> str:
     """What the page says that it was made with."""
     return unescape(re.findall(r"<pre tabindex=\"0\">([^<]*)</pre>", page)[0])
-
-
-class Outline(HTMLParser):
-    """Levels of the headings, and whether all that is opened is closed."""
-
-    VOID = ("meta", "link")
-
-    def __init__(self, page: str) -> None:
-        super().__init__()
-        self.levels: list[int] = []
-        self.open: list[str] = []
-        self.feed(page)
-
-    def handle_starttag(self, tag: str, _: list[tuple[str, str | None]]) -> None:
-        if re.fullmatch("h[1-6]", tag):
-            self.levels.append(int(tag[1]))
-        if tag not in self.VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
 
 
 def cells_of(page: str, threshold: str) -> list[str]:
@@ -98,6 +75,11 @@ def test_a_threshold_is_told_with_its_scores_on_both_parts(page: str, small_swee
     assert told[2] == f"{verdict.tuned.value:g} m"
     assert told[4] == verdict.tuned.scores[Part.TEST]["F1"].text()
     assert told[5].startswith("+")
+
+
+def test_the_safe_clearance_is_the_sum_of_its_parts(small_sweep: "Sweep") -> None:
+    lengths = [float(length.split()[0]) for _, length in clearance(small_sweep[0][0]).rows]
+    assert sum(lengths[:4]) == pytest.approx(lengths[4], abs=0.002)
 
 
 def test_a_threshold_without_support_says_why(page: str) -> None:
