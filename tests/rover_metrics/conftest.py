@@ -35,7 +35,10 @@ class Rig:
         self.nodes: list[Any] = []
 
     def start(
-        self, *ros_args: str, settings: "Settings | None" = None, **parameters: object
+        self,
+        *ros_args: str,
+        settings: "Settings | None" = None,
+        **parameters: Any,  # noqa: ANN401
     ) -> "MetricsNode":
         import rclpy  # noqa: PLC0415
         from rclpy.executors import SingleThreadedExecutor  # noqa: PLC0415

@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field, make_dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -26,66 +26,23 @@ class LaunchDescription(list[Any]):
     """A list of actions."""
 
 
-@dataclass
-class LaunchContext:
-    launch_configurations: dict[str, str]
+def stand_in(name: str, *fields: str, **defaults: object) -> Any:  # noqa: ANN401 - a class
+    """A class that takes these values, the last of them by default."""
+    optional = [(each, object, field(default=value)) for each, value in defaults.items()]
+    return make_dataclass(name, [*fields, *optional])
 
 
-@dataclass
-class DeclareLaunchArgument:
-    name: str
-    default_value: object = None
-    description: str = ""
-
-
-@dataclass
-class LaunchConfiguration:
-    name: str
-
-    def perform(self, context: LaunchContext) -> str:
-        return context.launch_configurations[self.name]
-
-
-@dataclass
-class OpaqueFunction:
-    function: Any
-
-
-@dataclass
-class ExecuteProcess:
-    cmd: list[str]
-    output: str = "log"
-    on_exit: list[object] = field(default_factory=list)
-
-
-@dataclass
-class Shutdown:
-    reason: str
-
-
-@dataclass
-class FindPackageShare:
-    package: str
-
-
-@dataclass
-class PathJoinSubstitution:
-    parts: list[object]
-
-
-@dataclass
-class ParameterValue:
-    value: LaunchConfiguration
-    value_type: type
-
-
-@dataclass
-class Node:
-    package: str
-    executable: str
-    namespace: LaunchConfiguration
-    parameters: list[Any]
-    output: str = "log"
+LaunchContext = stand_in("LaunchContext", "launch_configurations")
+DeclareLaunchArgument = stand_in("DeclareLaunchArgument", "name", default_value=None, description="")
+OpaqueFunction = stand_in("OpaqueFunction", "function")
+ExecuteProcess = stand_in("ExecuteProcess", "cmd", output="log", on_exit=())
+Shutdown = stand_in("Shutdown", "reason")
+FindPackageShare = stand_in("FindPackageShare", "package")
+PathJoinSubstitution = stand_in("PathJoinSubstitution", "parts")
+ParameterValue = stand_in("ParameterValue", "value", "value_type")
+Node = stand_in("Node", "package", "executable", "namespace", "parameters", output="log")
+LaunchConfiguration = stand_in("LaunchConfiguration", "name")
+LaunchConfiguration.perform = lambda self, context: context.launch_configurations[self.name]
 
 
 STAND_INS = {
@@ -114,7 +71,7 @@ def described(file: Path) -> LaunchDescription:
     return description
 
 
-def arguments(file: Path) -> dict[str, DeclareLaunchArgument]:
+def arguments(file: Path) -> dict[str, Any]:
     return {a.name: a for a in described(file) if isinstance(a, DeclareLaunchArgument)}
 
 

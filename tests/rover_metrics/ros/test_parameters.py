@@ -106,12 +106,18 @@ def test_values_of_settings_have_the_types_that_ros_declares_and_lead_back_to_th
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [(name, "x" if type(info.default) is not str else 3) for name, info in PARAMETERS.items()],
+    [
+        *((name, "x" if type(info.default) is not str else 3) for name, info in PARAMETERS.items()),
+        ("rough_terrain_threshold", float("nan")),
+        ("debug_interval", 0),
+        ("stale_after", 5),
+    ],
 )
-def test_a_launch_with_a_wrong_type_names_what_is_valid(rig: "Rig", name: str, value: object) -> None:
+def test_a_launch_with_a_value_that_is_not_valid_says_what_is(rig: "Rig", name: str, value: Any) -> None:  # noqa: ANN401
     with pytest.raises(ParameterError) as refused:
         rig.start(**{name: value})
     assert str(refused.value) == f"parameter {name} must be {PARAMETERS[name].constraint}"
+    assert list(rig.folder.iterdir()) == []
 
 
 def test_the_reliability_of_a_topic_is_a_fixed_parameter_of_two_values(rig: "Rig") -> None:
