@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.config import EpisodeConfig
+from harness.episode.assembly import gravity as gravity_of
+from harness.episode.assembly import world_of
 from harness.episode.manifest import manifest
 from harness.episode.result import RunResult
 from harness.page.figure import MINUS, TIMES, Plot, named
@@ -21,17 +22,19 @@ from harness.report.recorder import RunRecorder, Stretch
 from harness.report.series import MOST_ROWS, series_figure, varies
 from harness.report.tables import (
     comparisons,
-    contact_rows,
-    encounter_rows,
+    contact_table,
+    encounter_table,
     facts,
     key_figures,
-    people,
+    message_table,
     steady_text,
 )
 from harness.report.terrain_map import map_figure
 from harness.robots import find_rover, robot_name
 from harness.sensors.lidar_spec import scan_points
+from harness.spec.rover import RoverSetup
 from harness.world.heightfield import Heightfield
+from rover_metrics.sheet.sheet import Sheet
 
 NO_OTHERS: Mapping[str, Sequence[Stretch]] = MappingProxyType({})
 LISTED = ("arguments", "versions", "world")  # parts of the manifest that are tables of their own
@@ -48,21 +51,26 @@ def content(
     steady = [plot for plot in plots if plot not in series]
     return {
         "result": result,
-        "heading": f"{_called(result.config)} on {Path(result.config.terrain).name}",
+        "heading": f"{_called(result.rover)} on {Path(result.run.world.terrain).name}",
         "arguments": values["arguments"],
         "outcome": values["outcome"],
         "written": datetime.now().astimezone().isoformat(sep=" ", timespec="seconds"),
         "key_figures": key_figures(result),
         "map": terrain_map,
-        "comparisons": [*comparisons(result, log), *people(recorder.track)],
-        "encounters": encounter_rows(met, result.config.world().people),
+        "comparisons": comparisons(result, log, recorder.track),
+        "encounters": encounter_table(met, world_of(result.run).people),
         "near": NEAR,
-        "contacts": contact_rows(result),
+        "contacts": contact_table(result),
+        "messages": message_table(result),
         "series": series,
-        "steady": [
-            (plot.heading, steady_text(plot.heading, log.columns[plot.heading]), plot.caption)
+        "steady": Sheet.of(
+            {
+                "Column": plot.heading,
+                "Value": steady_text(plot.heading, log.columns[plot.heading]),
+                "Meaning": plot.caption,
+            }
             for plot in steady
-        ],
+        ),
         "notes": log.notes,
         "figures": named((terrain_map, *series)),
         "thinned_to": MOST_ROWS if len(log.time_s) > MOST_ROWS else None,
@@ -70,22 +78,23 @@ def content(
     }
 
 
-def _called(config: EpisodeConfig) -> str:
-    robot = robot_name(config.robot)
-    return f"{config.name}, a {robot}," if config.name else robot
+def _called(rover: RoverSetup) -> str:
+    robot = robot_name(rover.robot)
+    return f"{rover.name}, a {robot}," if rover.name else robot
 
 
 def _map(
     result: RunResult, recorder: RunRecorder, log: Log, others: Mapping[str, Sequence[Stretch]]
 ) -> Plot:
-    config, track = result.config, recorder.track
-    world = config.world()
+    run, track = result.run, recorder.track
+    world = world_of(run)
+    start = world.start if result.info is None else result.info.start
     hillshade, heights = shade(world.ground), world.ground.heights
     half_x, half_y = world.ground.half_size
-    x, y, yaw = (_signed(value) for value in world.start)
+    x, y, yaw = (_signed(value) for value in start)
     collided, touched, near = collisions(log, track), contacts(track), meetings(track)
     placed = recorder.last_scan
-    rover = find_rover(config.robot)
+    rover = find_rover(result.rover.robot)
     figure = map_figure(
         world,
         hillshade,
@@ -95,7 +104,7 @@ def _map(
         meetings=near,
         others=others,
         scan=np.empty((0, 2)) if placed is None else scan_points(placed, rover),
-        gravity=config.gravity(),
+        gravity=gravity_of(run, result.number),
     )
     summary = (
         f"Path of {result.truth.path_length:.1f} m with {len(collided)} places where the metrics "
@@ -126,7 +135,7 @@ def _signed(value: float) -> str:
 
 def _series(result: RunResult, recorder: RunRecorder, log: Log) -> list[Plot]:
     track = recorder.track
-    touched, gravity = contacts(track), result.config.gravity()
+    touched, gravity = contacts(track), gravity_of(result.run, result.number)
     return [
         Plot(
             name=f"series-{number}",

@@ -1,0 +1,104 @@
+"""Faults by the names of sensors and kinds (harness.spec.fault: how a user writes them)."""
+
+import math
+from collections.abc import Iterable
+from functools import cache
+from typing import Any
+
+from harness.base.errors import UsageError
+from harness.base.sim_time import NANOSECONDS
+from harness.faults.base import Fault, Kind
+from harness.faults.clock import CLOCK
+from harness.faults.kinds import OF_SENSORS, OF_THE_CLOCK
+from harness.sensors import table
+from harness.sensors.table import ATTITUDE, SensorRow
+from harness.spec.fault import FaultSpec
+
+
+def sensors(rows: Iterable[SensorRow] | None = None) -> tuple[str, ...]:
+    """Returns the names of what can have faults, of some sensors or of all; the clock is the last."""
+    named = table.by_fault_name(rows)
+    return (*named, *(name + ATTITUDE for name, row in named.items() if row.attitude), CLOCK)
+
+
+def faults_of(sensor: str, rows: Iterable[SensorRow] | None = None) -> dict[str, Kind[Any]]:
+    """Returns the faults that a sensor, of some or of all, or the clock can have, by name."""
+    kinds: tuple[Kind[Any], ...] = OF_THE_CLOCK if sensor == CLOCK else OF_SENSORS
+    row = table.by_fault_name(rows).get(sensor)
+    if row is not None and not row.measured:  # a camera's image is drawn later
+        kinds = tuple(kind for kind in kinds if not kind.of_values)
+    if sensor.endswith(ATTITUDE):
+        return {kind.name: kind for kind in kinds if kind.of_values}
+    return {kind.name: kind for kind in kinds if not kind.own or sensor in kind.own}
+
+
+def find_faults(
+    specs: Iterable[FaultSpec], rows: Iterable[SensorRow] | None = None
+) -> tuple[Fault[Any], ...]:
+    """Returns the faults that are asked for.
+
+    Args:
+        specs: What a user wrote.
+        rows: The sensors of the run; None for all there are.
+
+    Raises:
+        UsageError: There is no such sensor or fault, or the value is not valid; the message names
+            what is.
+    """
+    known = None if rows is None else tuple(rows)
+    return tuple(_find(spec, known) for spec in specs)
+
+
+@cache  # a run checks its options and then makes its faults
+def _find(spec: FaultSpec, rows: tuple[SensorRow, ...] | None) -> Fault[Any]:
+    sensor, some, names = spec.sensor, faults_of(spec.sensor, rows), sensors(rows)
+    if sensor not in names:
+        optional = f", but --sensors {sensor} adds it" if sensor in sensors() else ""
+        raise _unknown(spec, f"there is no sensor '{sensor}'{optional}", names)
+    if spec.kind not in some:
+        raise _unknown(spec, f"{sensor} has no fault '{spec.kind}'", some)
+    kind = some[spec.kind]
+    if kind.momentary and (spec.start is None or spec.length is not None):
+        raise UsageError(f"fault '{spec}' happens at one time; give {sensor}:{spec.kind}@START")
+    start_ns = round((spec.start or 0.0) * NANOSECONDS)
+    end_ns = None if spec.length is None else start_ns + round(spec.length * NANOSECONDS)
+    if end_ns == start_ns:
+        raise UsageError(f"fault '{spec}': LENGTH is below 1 ns; give more, or leave it out")
+    return Fault(kind, sensor, _value(spec, kind), start_ns, end_ns)
+
+
+def _unknown(spec: FaultSpec, problem: str, available: Iterable[str]) -> UsageError:
+    return UsageError(f"fault '{spec}': {problem}; available: {', '.join(available)}")
+
+
+def _value(spec: FaultSpec, kind: Kind[Any]) -> float:
+    takes, value = kind.takes, spec.value
+    if takes is None:
+        if value is not None:
+            raise UsageError(f"fault '{spec}' takes no value; leave out what stands behind '='")
+        return 0.0
+    if value is None:
+        if takes.default is None:
+            raise UsageError(f"fault '{spec}' needs ={takes.name}: {takes.meaning}")
+        return takes.default
+    if math.isnan(value) or not takes.valid(value):
+        raise UsageError(f"fault '{spec}': the value is not valid; give {takes.meaning}")
+    return value
+
+
+def describe_faults() -> str:
+    """Returns sensors and faults for a command's help."""
+    lines = [f"sensors: {', '.join(sensors())}; attitudes have those of values"]
+    lines += ["each sensor:", *(_described(kind) for kind in OF_SENSORS if not kind.own)]
+    for sensor in sensors():
+        own = [_described(kind) for kind in faults_of(sensor).values() if kind.own or sensor == CLOCK]
+        lines += [f"{sensor}:", *own] if own else []
+    return "\n".join(lines)
+
+
+def _described(kind: Kind[Any]) -> str:
+    form = kind.name
+    if kind.takes is not None:
+        value = f"={kind.takes.name}"
+        form += value if kind.takes.default is None else f"[{value}]"
+    return f"  {form + '@START' * kind.momentary:22}{kind.summary}"
