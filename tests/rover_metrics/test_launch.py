@@ -15,6 +15,9 @@ from typing import Any
 
 import pytest
 
+from rover_metrics.extended.parameter_file import read_values
+from rover_metrics.extended.settings import Settings
+
 PACKAGE = Path(__file__).parents[2] / "rover_metrics"
 METRICS = PACKAGE / "launch/metrics.launch.py"
 HARNESS = PACKAGE / "launch/harness.launch.py"
@@ -110,40 +113,12 @@ def test_an_argument_that_is_given_comes_after_the_parameter_file_and_has_its_ty
     assert values == {n: ParameterValue(LaunchConfiguration(n), kind) for n, kind in types.items()}
 
 
-def test_the_default_parameter_file_exists_and_is_installed() -> None:
+def test_the_default_parameter_file_holds_the_defaults_in_every_namespace() -> None:
     default = arguments(METRICS)["params_file"].default_value
     assert default == PathJoinSubstitution([FindPackageShare("rover_metrics"), "config", CONFIG.name])
-    assert CONFIG.is_file()
-
-
-def test_the_parameter_file_holds_the_defaults_in_every_namespace(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    for name in STAND_INS:
-        monkeypatch.delitem(sys.modules, name)
-    rclpy = pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros]'")
-    from rclpy.parameter import parameter_dict_from_yaml_file  # noqa: PLC0415
-
-    from rover_metrics.extended.settings import Settings  # noqa: PLC0415
-
-    assert rclpy
-    values = parameter_dict_from_yaml_file(str(CONFIG), use_wildcard=True)
-    told = {name: message.value for name, message in values.items()}
-    defaults = Settings()
-    assert told
-    for name, value in told.items():
-        has = getattr(defaults, name, None)
-        for part in (defaults.thresholds, defaults.extended):
-            has = getattr(part, name, None) if has is None else has
-        assert plain(value) == has, name
-
-
-def plain(value: Any) -> bool | int | float:  # noqa: ANN401 - a ParameterValue message
-    """The Python value of a parameter message."""
-    from rclpy.parameter import parameter_value_to_python  # noqa: PLC0415
-
-    converted: bool | int | float = parameter_value_to_python(value)
-    return converted
+    values = read_values(CONFIG)
+    assert values == {name: Settings().parameters[name] for name in values}
+    assert "/**:\n" in CONFIG.read_text()
 
 
 def test_harness_leaves_what_is_not_given_to_the_program() -> None:

@@ -91,18 +91,6 @@ def test_a_row_is_written_every_second_of_the_wall_clock(rig: Rig) -> None:
     assert len(node.log.path.read_bytes().splitlines()) == 3
 
 
-def test_with_sim_time_rows_follow_the_clock_topic(rig: Rig) -> None:
-    node = rig.start(use_sim_time=True)
-    clock = rig.publisher(Clock, "/clock")
-    for second in (100, 101, 102, 103):
-        message = Clock()
-        message.clock.sec = second
-        clock.publish(message)
-        rig.spin_until(lambda second=second: node.rows == second - 99)  # type: ignore[misc]
-    lines = node.log.path.read_text().splitlines()[1:]
-    assert [line.split(",")[0] for line in lines] == ["100", "101", "102", "103"]
-
-
 def test_with_sim_time_no_row_is_written_while_the_clock_stands_still(rig: Rig) -> None:
     node = rig.start(use_sim_time=True)
     publisher = rig.publisher(LaserScan, "scan")
