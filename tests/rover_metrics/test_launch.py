@@ -127,25 +127,24 @@ def test_harness_leaves_what_is_not_given_to_the_program() -> None:
     assert process.on_exit == [Shutdown("the run has ended")]
 
 
-def test_harness_passes_on_every_option_as_the_program_knows_it(tmp_path: Path) -> None:
-    run_parser = pytest.importorskip(
-        "harness.cli.run_parser", reason="needs the harness", exc_type=ImportError
-    )
+def test_harness_passes_on_every_option_as_the_program_knows_it() -> None:
+    command_line = pytest.importorskip("harness.cli.options", reason="needs the harness")
     options = {
         "terrain": "maze",
         "robot": "rover_zero4wd",
         "driver": "spin",
-        "seed": "-3",
+        "seed": "3",
         "duration": "7.5",
         "rate": "max",
-        "log_dir": str(tmp_path),
+        "log_dir": "-logs",  # which is no option
     }
     command = launched(HARNESS, options | {"extended": "true"}).cmd
-    parsed = run_parser.run_parser().parse_args(command[3:])
-    assert (parsed.terrain, parsed.robot, parsed.driver) == ("maze", "rover_zero4wd", "spin")
-    assert (parsed.seed, parsed.duration, parsed.rate) == (-3, 7.5, None)
-    assert parsed.log_dir == tmp_path
-    assert parsed.extended
+    parsed = command_line.parse_run(command[3:])
+    (rover,) = parsed.run.rovers
+    assert (parsed.run.world.terrain, rover.robot, rover.driver) == ("maze", "rover_zero4wd", "spin")
+    assert (parsed.run.seed, parsed.run.duration, parsed.ros.rate) == (3, 7.5, None)
+    assert parsed.ros.log_dir == Path("-logs")
+    assert parsed.settings[0].extended_columns
 
 
 @pytest.mark.parametrize("namespace", ["rover1", "/rover1", "/rover1/"])
