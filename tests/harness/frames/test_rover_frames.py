@@ -116,14 +116,6 @@ def test_a_frame_that_does_not_fit_is_told_in_one_line(added: FrameRow, message:
     assert "\n" not in str(told.value)
 
 
-def test_a_frame_may_hang_on_a_wheel() -> None:
-    frames = rover_frames(
-        replace(LEO, frames=(*LEO.frames, row("wheel_FL_link", "valve", xyz=(0, 0, 0.05))))
-    )
-    assert frames.edge(frames.links[-1]).translation == pytest.approx((0.0, 0.0, 0.05))
-    assert frames.links[-1].joint == -1
-
-
 def test_a_body_on_two_joints_is_told_in_one_line(tmp_path: Path) -> None:
     joints = '<joint name="pan" axis="0 0 1"/><joint name="tilt" axis="0 1 0"/>'
     head = f'<body name="head">{joints}<geom size="0.1"/></body>'

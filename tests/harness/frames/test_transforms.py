@@ -23,7 +23,7 @@ WHEELS, NONE = FrameOptions(odom_tf="wheels"), FrameOptions(odom_tf="none")
 
 def drive(robot: str, options: FrameOptions | None) -> Iterator[tuple[Episode, Tick]]:
     """Ticks of half a second on rough ground, each with the state that it was read from."""
-    episode = Episode(Run.of(robot=robot, lidar_beams=8), options)
+    episode = Episode(Run.of(robot=robot, lidar_beams=8, duration=0.5), frame_options=options)
     episode._drive.command(Twist(0.4, 1.0))
     for index in range(1, 51):
         episode.drive_wheels()

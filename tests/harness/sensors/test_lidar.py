@@ -199,15 +199,6 @@ def test_terrain_too_near_is_minus_infinity_and_nearer_than_a_wall_stands_before
     assert (Lidar(model, LidarSpec()).scan(data) == -np.inf).all()
 
 
-def test_scan_runs_counter_clockwise_from_ahead() -> None:
-    world = terrain_spec(np.zeros((3, 3)), 10.0)
-    add_rover(world, 0.5)
-    world.worldbody.add_geom(type=ELLIPSOID, size=[0.5] * 3, pos=[0.0, 3.0, 0.5], group=1)
-    model, data = compiled(world)
-    ranges = Lidar(model, LidarSpec(beams=361)).scan(data)
-    assert np.nanargmin(ranges) == 90  # 90 degrees to the left
-
-
 def test_scans_are_arrays_of_their_own_and_repeat_to_the_bit() -> None:
     model, data = flat_scene((2.0, 0.5, 1.0))
     lidar = Lidar(model, LidarSpec())

@@ -23,7 +23,7 @@ def test_the_page_is_up_to_date() -> None:
 def test_every_option_of_every_kind_is_described() -> None:
     for kind, row in kinds().items():
         assert row.options is not None
-        missing = set(row.options.__dataclass_fields__) - set(described(row.options))
+        missing = set(row.options.model_fields) - set(described(row.options))
         assert not missing, f"{kind}: {missing}"
         assert row.summary
 
