@@ -131,13 +131,6 @@ def test_where_it_would_be_now_can_be_asked_without_taking_a_reading(bench: Make
     assert now == pose(reading)
 
 
-def test_a_reading_carries_the_time_of_the_simulation(bench: MakeBench) -> None:
-    rig = bench(LEO)
-    rig._simulation.tick()
-    rig._simulation.tick()
-    assert rig.odometry.read().stamp_ns == 20_000_000
-
-
 def test_a_wheel_without_a_motor_has_no_encoder(
     simulate: "Callable[[RoverSpec], Simulation]",
 ) -> None:
