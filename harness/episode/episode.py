@@ -42,7 +42,7 @@ from harness.sensors.suite import SensorSuite
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
 from harness.truth.recorder import TruthRecorder
-from harness.world.actors.room import Room
+from harness.world.actors.free_space import FreeSpace
 from harness.world.berths import berth, overlaps
 from harness.world.world import World, terrain_hash
 
@@ -325,8 +325,8 @@ def goal_course(run: Run, number: int, world: World) -> GoalCourse | None:
     if rover.goal_area is None:
         return None
     reach = find_rover(rover.robot).reach
-    rng = generator(run.own_seed(number), GOALS)
-    course = GoalCourse(rover.goal_area, Room(world), reach, rng)
+    space, rng = FreeSpace(world.ground, world.obstacles), generator(run.own_seed(number), GOALS)
+    course = GoalCourse(rover.goal_area, space, reach, rng)
     course.draw()
     return course
 

@@ -1,7 +1,7 @@
 """A compiled world that a rover drives in episode after episode, and the rover that varies."""
 
 import copy
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import mujoco
@@ -47,7 +47,7 @@ class Variation:
 
 def draw_variation(randomisation: Randomisation, rng: np.random.Generator) -> Variation:
     """Returns a draw; each field takes one number from the generator, wherever its bounds are."""
-    return Variation(**{name: rng.uniform(*bounds) for name, bounds in asdict(randomisation).items()})
+    return Variation(**{name: rng.uniform(*bounds) for name, bounds in randomisation})
 
 
 class Course:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, model_validator
+from pydantic.fields import FieldInfo
 
 from harness.base.errors import UsageError, unknown
 from harness.base.sim_time import (
@@ -145,6 +146,17 @@ def field_owners() -> Iterator[tuple[str, str]]:
 
 
 OWNERS = dict(field_owners())
+
+
+def keys_of(*names: str) -> dict[str, tuple[Any, FieldInfo]]:
+    """Returns fields of a run, of whatever part, as pydantic's `create_model` takes them.
+
+    Args:
+        names: Of the fields.
+    """
+    models: dict[str, type[Value]] = PARTS | {"": Run}
+    found = {name: models[OWNERS[name]].model_fields[name] for name in names}
+    return {name: (field.annotation, field) for name, field in found.items()}
 
 
 def from_fields(run: Run, changes: Mapping[str, Any], name: Callable[[str], str] = str) -> "Run":

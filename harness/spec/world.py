@@ -5,14 +5,17 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field
 
 from harness.spec.actor import ActorText
-from harness.spec.value import Finite, Option, Share, Value, listed, numbers
+from harness.spec.value import Finite, Option, Share, Value, as_tuple, listed, numbers
 
 DEFAULT_DIFFICULTY = 0.5
 # Mars Desert Research Station, Utah, where rovers of universities compete.
 DEFAULT_DATUM = (38.4064, -110.7919, 1382.0)  # [deg], [deg], [m]
 
-MapLength = Annotated[float, Field(ge=10.0, le=50_000.0)]  # [m]
-Relief = Annotated[float, Field(ge=0.0, le=10_000.0)]  # [m]
+SMALLEST_MAP, LARGEST_MAP = 10.0, 50_000.0  # [m] along a side
+LARGEST_RELIEF = 10_000.0  # [m]
+
+MapLength = Annotated[float, Field(ge=SMALLEST_MAP, le=LARGEST_MAP)]  # [m]
+Relief = Annotated[float, Field(ge=0.0, le=LARGEST_RELIEF)]  # [m]
 Cell = Annotated[float, Field(ge=0.02, le=10.0)]  # [m]
 Texts = Annotated[tuple[str, ...], listed()]
 
@@ -21,7 +24,8 @@ def _both_lengths(value: object) -> object:
     """One length is that of both sides."""
     if isinstance(value, str | float | int):
         return (value, value)
-    return (*value, *value) if isinstance(value, list | tuple) and len(value) == 1 else value
+    sides = as_tuple(value)
+    return (*sides, *sides) if isinstance(sides, tuple) and len(sides) == 1 else sides
 
 
 class WorldSpec(Value):
@@ -73,7 +77,7 @@ class WorldSpec(Value):
         default=(),
         description="a person who walks; repeatable: NAME=X,Y/X,Y/... (way points), [NAME=]FILE.sdf (a "
         "trajectory, or actors of a world), NAME=random or NAME=social; behind it :KEY=VALUE,... of "
-        "speed, route, delay, radius, height, within, push (docs/worlds.md)",
+        "speed, route, delay, radius, height, within, push (docs/worlds.md); default: nobody",
     )
     datum: Annotated[
         tuple[Finite, Finite, Finite],
@@ -86,7 +90,15 @@ class WorldSpec(Value):
     )
 
 
-FILE_FIELDS = (  # for terrains from files alone
-    *("terrain_size", "terrain_height", "terrain_cell", "resource_path", "mesh_unit", "mesh_up"),
-    *("rock_height", "rock", "hazard"),
-)
+HEIGHTMAPS, SOLIDS = "heightmaps", "SDF worlds and meshes"
+FILE_FIELDS = {  # for terrains from files alone, and for which kind of file
+    "terrain_size": HEIGHTMAPS,
+    "terrain_height": HEIGHTMAPS,
+    "terrain_cell": SOLIDS,
+    "resource_path": SOLIDS,
+    "mesh_unit": SOLIDS,
+    "mesh_up": SOLIDS,
+    "rock_height": SOLIDS,
+    "rock": SOLIDS,
+    "hazard": SOLIDS,
+}

@@ -15,6 +15,7 @@ from harness.world.obstacles import Obstacle, ObstacleKind, Shape, orientation
 from harness.world.world import World
 
 HALF_SIZE, CELL = 6.0, 0.1  # [m]
+PLANE_HALF_SIZE, PLANE_CELL = 60, 1.0  # [m]
 UNEVENNESS = 0.0005  # [m] RMS: a good concrete floor
 RAMP_START, RAMP_BEND = 0.6, 0.8  # [m] ahead of the origin; length over which the incline grows
 
@@ -25,6 +26,12 @@ class Course:
 
     world: World
     heading: float
+
+
+def flat() -> Course:
+    """Returns a level plane of 120 m x 120 m."""
+    heights = np.zeros((2 * PLANE_HALF_SIZE + 1, 2 * PLANE_HALF_SIZE + 1))
+    return Course(World("check", Heightfield(heights, PLANE_CELL), (), 0, 0.0), 0.0)
 
 
 def floor(seed: int, *blocks: Obstacle) -> Course:

@@ -8,7 +8,7 @@ import pytest
 
 from harness import samples
 from harness.episode.batch import Batch
-from harness.samples import Odometry, Pose, Tick
+from harness.samples import Odometry, Pose, Tick, TruthState
 from harness.sensors.ranging import RangeReading
 from harness.truth.traversal import ContactEvent, Truth
 

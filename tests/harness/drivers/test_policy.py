@@ -9,6 +9,7 @@ from harness.base.errors import UsageError
 from harness.drivers import DriverContext, Observation, find_driver, sensed_by, takes_goals
 from harness.drivers.point_nav import SENSED, commanded
 from harness.drivers.policy import BESIDE_LIDAR, Policy, read_policy, write_policy
+from harness.episode.assembly import check
 from harness.robots import find_rover
 from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
 from harness.spec.run import Run
@@ -110,7 +111,7 @@ def test_a_policy_that_is_none_is_told_in_a_line(
     wrong = policy.with_name("wrong.npz")
     np.savez(wrong, **{name: array for name, array in arrays.items() if array is not None})
     with pytest.raises(UsageError, match=re.escape(message)) as raised:
-        Run.of(driver=f"policy:{wrong}").validate()
+        check(Run.of(driver=f"policy:{wrong}"))
     assert "\n" not in str(raised.value)
 
 

@@ -18,7 +18,7 @@ from harness.report.recorder import RunRecorder
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 
 
@@ -220,7 +220,7 @@ def test_page_says_at_the_top_how_the_run_ended(
 
 
 def test_run_without_a_log_or_a_single_batch_gets_a_page() -> None:
-    result = RunResult(config=Run.of(terrain="flat"), mode="ROS 2", failure="it never began")
+    result = RunResult(run=Run.of(terrain="flat"), mode="ROS 2", failure="it never began")
     page = without_plotly(render(result, RunRecorder()))
     assert "This run wrote no metrics log." in page
     assert "it never began" in page

@@ -12,6 +12,7 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from scipy.spatial.transform import Rotation
 
+from harness.episode.assembly import world_of
 from harness.robots import find_rover
 from harness.ros.navigation import Navigation, place_of
 from harness.samples import Place
@@ -43,7 +44,7 @@ class Rig:
             get_logger=lambda: SimpleNamespace(info=self.said.append, warning=self.said.append),
         )
         source: Any = SimpleNamespace(put=self._order("put"), head_for=self._order("head for"))
-        self.navigation = Navigation(bridge, config, source)
+        self.navigation = Navigation(bridge, config, 0, source)
 
     def _order(self, what: str) -> Any:  # noqa: ANN401
         def order(place: Place) -> int | None:
@@ -76,7 +77,7 @@ def test_a_pose_on_the_map_goes_to_the_episode_and_the_line_says_when(
 @pytest.mark.parametrize("topic", ["initialpose", "goal_pose"])
 def test_what_the_rover_cannot_do_is_refused_in_one_line_with_the_mend(topic: str) -> None:
     rig = Rig()
-    post = next(o for o in CONFIG.world().obstacles if o.kind is ObstacleKind.HAZARD)
+    post = next(o for o in world_of(CONFIG).obstacles if o.kind is ObstacleKind.HAZARD)
     px, py, _ = post.position
     off = "m is off the map; give |x| below 19.5 m and |y| below 19.5 m"
     for x, y, frame, reason in (
@@ -123,7 +124,7 @@ def test_the_map_goes_out_once_when_somebody_listens_or_records(records: bool) -
         rig.navigation.look_around()
     (message,) = rig.sent
     rover, info = find_rover("leo"), message.info
-    cells = occupancy(CONFIG.world(), rover.slope_limit, rover.step_limit).cells
+    cells = occupancy(world_of(CONFIG), rover.slope_limit, rover.step_limit).cells
     assert (np.array(message.data).reshape(info.height, info.width) == cells).all()
     assert (info.resolution, info.origin.position.x, info.origin.position.y) == (0.05, -20.0, -20.0)
     assert (info.origin.orientation.w, message.header.frame_id) == (1.0, "map")

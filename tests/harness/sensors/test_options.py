@@ -17,7 +17,7 @@ from harness.spec.sensor import parse_choice
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 ALWAYS = tuple(row for row in table.SENSORS if row.options is None)
-BARE = replace(LEO, frames=(), rest_height=0.2)
+BARE = LEO.but(frames=(), rest_height=0.2)
 LEFT = {"kind": "depth", "name": "left", "topic": "l"}
 RIGHT = {"kind": "depth", "name": "right", "width": 4}
 SMALL = {"kind": "camera", "name": "small", "preset": "small"}
@@ -26,7 +26,7 @@ SMALL = {"kind": "camera", "name": "small", "preset": "small"}
 def carried(asked: Sequence[str] | None, *entries: Mapping[str, Any]) -> dict[str, SensorRow]:
     """The optional sensors of a rover by name."""
     choices = None if asked is None else tuple(map(parse_choice, asked))
-    rows = chosen(replace(LEO, sensors=entries), choices)
+    rows = chosen(LEO.but(sensors=entries), choices)
     assert rows[: len(ALWAYS)] == ALWAYS
     return {row.given.name: row for row in rows if row.given is not None}
 

@@ -27,7 +27,7 @@ def test_states_are_those_of_the_episode(tmp_path: Path) -> None:
 
 
 def test_people_are_where_they_were_last_told_to_be(tmp_path: Path) -> None:
-    config = replace(CONFIG, terrain="flat", actors=("a=1,1", "g=3,0/3,4"))
+    config = CONFIG.alone(terrain="flat", actors=("a=1,1", "g=3,0/3,4"))
     states = recorded(tmp_path / "states", config)
     assert states.people.shape == (50, 2, 4)
     np.testing.assert_allclose(states.people[:, 0], np.tile([1.0, 1.0, 0.875, 0.0], (50, 1)))
