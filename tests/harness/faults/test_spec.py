@@ -1,10 +1,12 @@
 """What a user may write after --fault, and what is said of the rest."""
 
+from typing import Any
+
 import pytest
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS as SECOND
-from harness.faults.base import Fault
+from harness.faults.base import Fault, Kind
 from harness.faults.kinds import OF_SENSORS, OF_THE_CLOCK
 from harness.faults.lookup import describe_faults, faults_of, sensors
 from harness.sensors import table
@@ -64,8 +66,9 @@ def test_help_names_every_sensor_and_fault() -> None:
     assert [line for line in rest if line.endswith(":")] == [
         *("each sensor:", "scan:", "pose:", "joint_states:", "clock:")
     ]
+    kinds: tuple[Kind[Any], ...] = (*OF_SENSORS, *OF_THE_CLOCK)
     named = {line.split()[0].partition("[")[0].partition("=")[0].partition("@")[0] for line in rest}
-    assert named >= {kind.name for kind in (*OF_SENSORS, *OF_THE_CLOCK)}
+    assert named >= {kind.name for kind in kinds}
 
 
 @pytest.mark.parametrize(

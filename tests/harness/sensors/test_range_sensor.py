@@ -15,6 +15,7 @@ from harness.sensors.ranging import RangeReading
 from harness.sensors.rays.bundle import Surroundings
 from harness.world.obstacles import Obstacle, ObstacleKind
 from tests.harness.conftest import MakeSimulation
+from tests.harness.frames.test_transforms import in_world
 from tests.harness.sensors.installed import installation
 
 AHEAD = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])  # optical axes in the base's
@@ -46,7 +47,8 @@ def test_the_depth_of_flat_ground_is_that_of_the_pinhole(make_simulation: MakeSi
     assert (image[below < 0] == np.inf).all()
     expected = 0.6 * options.focal_length / below[below > 0]
     assert image[below > 0] == pytest.approx(np.tile(expected, (8, 1)).T, rel=1e-5)
-    assert (reading.sensor, reading.on_obstacle.any()) == ("depth", False)
+    assert reading.sensor == "depth"
+    assert not reading.on_obstacle.any()
 
 
 def test_a_wall_ahead_has_the_same_depth_in_the_whole_image(make_simulation: MakeSimulation) -> None:
@@ -77,16 +79,20 @@ def test_its_own_errors_stand_before_those_of_the_run(
     assert reading.ranges.std() == pytest.approx(deviation, rel=0.1, abs=1e-6)
 
 
-@pytest.mark.parametrize(("frame", "site"), [("lidar_link", "lidar"), ("imu_frame", "imu")])
+@pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
 def test_a_mount_goes_with_its_body_however_that_is_turned(
-    make_simulation: MakeSimulation, frame: str, site: str
+    make_simulation: MakeSimulation, robot: str
 ) -> None:
-    simulation = make_simulation("leo")
+    simulation, rng = make_simulation(robot), np.random.default_rng(0)
     model, data = simulation.model, simulation.data
-    mount = rover_frames(simulation.scene.rover).mount(frame, model)
-    for quaternion in np.random.default_rng(0).normal(size=(3, 4)):
-        data.qpos[:7] = [1.0, -2.0, 0.5, *(quaternion / np.linalg.norm(quaternion))]
-        mujoco.mj_kinematics(model, data)
-        index = model.site(site).id
-        expected = np.vstack([data.site_xpos[index], data.site_xmat[index].reshape(3, 3)])
-        assert mount.pose(data) == pytest.approx(expected, abs=1e-9)
+    frames = rover_frames(simulation.scene.rover)
+    data.qpos[:] = rng.normal(size=model.nq)
+    data.qpos[3:7] /= np.linalg.norm(data.qpos[3:7])
+    mujoco.mj_kinematics(model, data)
+    for link in frames.links:
+        pose = in_world(frames, link.name, data, model)
+        expected = np.vstack([pose[:3, 3], pose[:3, :3]])
+        assert frames.mount(link.name, model).pose(data) == pytest.approx(expected, abs=1e-9)
+    site = data.site("lidar")
+    expected = np.vstack([site.xpos, site.xmat.reshape(3, 3)])
+    assert frames.mount("lidar_link", model).pose(data) == pytest.approx(expected, abs=1e-9)
