@@ -1,6 +1,7 @@
 """Episodes on disk, and driving what is missing."""
 
 import json
+import shutil
 from collections.abc import Callable, Generator, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from harness.tune.episodes.plan import Planned, plan
 from harness.tune.episodes.record import EpisodeRecord
 from harness.tune.episodes.store import Store, decode, encode
 from harness.workers import WorkerLost, Workers
+from tests.support.rovers import LEO
 
 MakeRecord = Callable[..., EpisodeRecord]
 PLANNED = plan(("leo", "rover_zero4wd"), 4, 0, 5.0)
@@ -138,6 +140,19 @@ def test_a_sweep_outlives_an_option_that_it_does_not_use(tmp_path: Path) -> None
     (tmp_path / "sweep.json").write_text(json.dumps(sweep))
     with pytest.raises(UsageError, match="other robots, driver, seed or duration"):
         Store(tmp_path, PLANNED)
+
+
+def test_a_sweep_of_a_folders_rover_is_another_once_its_model_has_changed(tmp_path: Path) -> None:
+    rover = tmp_path / "mine"
+    shutil.copytree(LEO.folder, rover)
+    planned = plan((str(rover),), 2, 0, 5.0)
+    Store(tmp_path / "out", planned)
+    Store(tmp_path / "out", planned)
+    model = next(rover.glob("*.xml"))
+    model.write_text(model.read_text() + "<!-- changed -->")
+
+    with pytest.raises(UsageError, match="another sweep's files"):
+        Store(tmp_path / "out", planned)
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"episodes": 3}'])

@@ -16,6 +16,7 @@ from harness.tune.episodes.plan import Part
 from harness.tune.page.contact_figures import FALSE_ALARMS, frontier
 from harness.tune.page.ground_figures import ground_figures
 from harness.tune.page.page import render
+from harness.tune.page.scan_figures import scan_figures
 from harness.tune.page.subject import Subject, levels, mark
 from harness.tune.page.tables import _text
 from harness.tune.parameter_file import parameter_file
@@ -170,3 +171,25 @@ def test_each_class_of_ground_adds_up_to_all_of_it(number: int, small_sweep: "Sw
     plot = ground_figures(leo)[f"{signal.parameter}-classes"]
     assert not isinstance(plot, str)
     assert [sum(trace["y"]) for trace in plot.figure["data"]] == pytest.approx([100.0, 100.0], abs=0.01)
+
+
+@pytest.mark.parametrize("name", ["roc", "rough_terrain_threshold-roc"])
+def test_values_of_thresholds_stand_on_the_curve_of_what_they_are_compared_with(
+    name: str, small_sweep: "Sweep"
+) -> None:
+    studies, records = small_sweep
+    leo = Subject(studies[0], scored_records("leo", records))
+    plot = (scan_figures(leo) | ground_figures(leo))[name]
+    assert not isinstance(plot, str)
+    curves, marks = [], []
+    for trace in plot.figure["data"]:
+        if not trace["name"].startswith("chance"):
+            (marks if trace["mode"] == "markers" else curves).append([trace["x"], trace["y"]])
+    assert len(marks) >= 2
+    points = [np.array(curve, np.float64) for curve in curves]
+    between = np.linspace(0.0, 1.0, 50)[:, None, None]  # of two points that follow each other
+    each = [one[:, :-1].T * (1.0 - between) + one[:, 1:].T * between for one in points]
+    dense = np.concatenate([one.reshape(-1, 2) for one in each])
+    for place in marks:
+        assert np.hypot(*(dense.T - place)).min() < 0.02
+    assert all(np.trapezoid(y, x) > 0.5 for x, y in points)
