@@ -99,7 +99,7 @@ def drawings(rovers: Sequence[tuple[str, RoverSpec, CollisionStudy]]) -> list[tu
 
 def _above(rover: RoverSpec, study: CollisionStudy) -> Iterator[Trace]:
     verdict, range_min = study.verdict, LidarSpec().range_min
-    default, tuned = verdict.default.value, verdict.tuned and verdict.tuned.value
+    default, tuned = verdict.default.value, None if verdict.tuned is None else verdict.tuned.value
     yield _area(f"{rover.name}'s shape", silhouette(rover, ABOVE), BODY)
     yield _silent(rover, (range_min, default), 0.0, "/", TRUTH)
     if tuned is not None:
@@ -179,7 +179,7 @@ def _circle(steps: NDArray[np.int_]) -> Points:
 
 
 def _line(name: str, points: Points, color: str, **style: object) -> Trace:
-    return line(name, *points.T, color, **style)
+    return line(name, points[:, 0], points[:, 1], color, hover=None, **style)
 
 
 def _area(name: str, shapes: Iterable[Points], color: str) -> Trace:

@@ -181,7 +181,7 @@ def test_values_of_thresholds_stand_on_the_curve_of_what_they_are_compared_with(
     leo = Subject(studies[0], scored_records("leo", records))
     plot = (scan_figures(leo) | ground_figures(leo))[name]
     assert not isinstance(plot, str)
-    curves, marks = [], []
+    curves, marks = list[list[float]](), list[list[float]]()
     for trace in plot.figure["data"]:
         if not trace["name"].startswith("chance"):
             (marks if trace["mode"] == "markers" else curves).append([trace["x"], trace["y"]])
