@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 import harness.gym  # noqa: F401 - registers
 from benchmarks.measuring import Effort, Rounds, Table, timed
 from benchmarks.resident import MEGABYTE, resident
-from harness.config import TICKS_PER_CONTROL
-from harness.drivers.base import CONTROL_PERIOD
+from harness.base.sim_time import CONTROL_PERIOD, TICKS_PER_CONTROL
 from harness.robots import ROVERS
 
 ID = "RoverHarness/PointNav-v0"

@@ -31,9 +31,9 @@ def measure(effort: Effort) -> Table:
         place = Path(folder)
         logged, *_ = _cases(place, seconds, "run.lost_messages: {max: 0}", 1)
         suite = _cases(place, seconds, "truth.tipped_over: {max: 0}", jobs * effort.rounds**2)
-        commands = recorded(suite[0].config)
+        commands = recorded(suite[0].run)
         ways = (
-            _Way("physics alone", lambda: physics(suite[0].config, commands)),
+            _Way("physics alone", lambda: physics(suite[0].run, commands)),
             _Way("expectations of the truth", timed(lambda: attempt(suite[0], place))),
             _Way("expectations of the log", timed(lambda: attempt(logged, place))),
             _Way(

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from benchmarks import ros_runs
 from benchmarks.lidar import EVERYTHING_BUT_THE_ROVER, NOBODY
 from benchmarks.measuring import Effort, Rounds, Table
-from harness.config import EpisodeConfig
+from harness.episode.assembly import sensor_rows
 from harness.episode.episode import Episode
 from harness.frames.rover_frames import rover_frames
 from harness.sensors.rays.bundle import RayBundle, Surroundings
+from harness.spec.run import Run
 
 if TYPE_CHECKING:
     from harness.sensors.ranging import RangeOptions
@@ -66,7 +67,7 @@ def _run(sensors: tuple[str, ...], effort: Effort) -> tuple[float, float]:
     spent: list[NDArray[np.float64]] = []
     for seconds in (effort.seconds / 5, effort.seconds):  # the difference has no start-up in it
         before = _cpu()
-        result = ros_runs.run(EpisodeConfig(duration=seconds, sensors=sensors or ("none",)))
+        result = ros_runs.run(Run.of(duration=seconds, sensors=sensors or ("none",)))
         assert not result.lost
         spent.append(_cpu() - before)
     per_second = (spent[1] - spent[0]) / (0.8 * effort.seconds)
@@ -81,9 +82,9 @@ def _cpu() -> Array:
 
 def _rays(word: str, effort: Effort) -> tuple[str, ...]:
     """How many rays, how many a second, MuJoCo's time over ours for each, largest difference."""
-    config = EpisodeConfig(sensors=(word,), duration=1.0)
-    options = cast("RangeOptions", config.sensor_rows()[-1].given)
-    simulation = Episode(config).simulation
+    run = Run.of(sensors=(word,), duration=1.0)
+    options = cast("RangeOptions", sensor_rows(run.rover)[-1].given)
+    simulation = Episode(run).simulation
     model, data, rover = simulation.model, simulation.data, simulation.scene.rover
     mujoco.mj_kinematics(model, data)
     frames = rover_frames(rover, options.frames(rover))

@@ -19,7 +19,7 @@ import numpy as np
 
 import harness.gym  # noqa: F401 - registers
 from harness.base.errors import HarnessError
-from harness.drivers.base import CONTROL_PERIOD
+from harness.base.sim_time import CONTROL_PERIOD
 from harness.drivers.policy import BESIDE_LIDAR, Policy, read_policy
 from harness.scenario.verdict import wilson
 

@@ -8,16 +8,16 @@ import pytest
 from emergency_stop import EmergencyStop
 from std_msgs.msg import Bool
 
-from harness.config import EpisodeConfig
+from harness.spec.run import Run
 from harness.testing import Trial
 
-Start = Callable[[EpisodeConfig], Trial]
+Start = Callable[[Run], Trial]
 NODE = Path(__file__).with_name("emergency_stop.py")
 
 
-def towards_a_wall(*faults: str) -> EpisodeConfig:
+def towards_a_wall(*faults: str) -> Run:
     """A wall stands 3.2 m ahead of the rover."""
-    return EpisodeConfig(terrain="maze", seed=8, driver="cmd_vel", duration=20.0, faults=faults)
+    return Run.of(terrain="maze", seed=8, driver="cmd_vel", duration=20.0, faults=faults)
 
 
 def test_rover_stops_before_the_wall(start_trial: Start) -> None:

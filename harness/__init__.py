@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from harness.base.errors import HarnessError, RunFailed, UsageError
-    from harness.config import EpisodeConfig
     from harness.episode.batch import Batch
     from harness.episode.episode import Episode
     from harness.episode.result import RunResult
     from harness.episode.run import run_episode
+    from harness.spec.run import Run
 
 __version__ = "0.1.0"
 __all__ = [
     "Batch",
     "Episode",
-    "EpisodeConfig",
     "HarnessError",
+    "Run",
     "RunFailed",
     "RunResult",
     "UsageError",
@@ -28,8 +28,8 @@ __all__ = [
 _PLACES = {
     "Batch": "harness.episode.batch",
     "Episode": "harness.episode.episode",
-    "EpisodeConfig": "harness.config",
     "HarnessError": "harness.base.errors",
+    "Run": "harness.spec.run",
     "RunFailed": "harness.base.errors",
     "RunResult": "harness.episode.result",
     "UsageError": "harness.base.errors",
@@ -38,6 +38,8 @@ _PLACES = {
 
 
 def __getattr__(name: str) -> object:
+    if name == "EpisodeConfig":  # what scripts written for 0.1 call
+        return __getattr__("Run").of  # type: ignore[attr-defined]  # the class Run
     if name not in _PLACES:
         raise AttributeError(f"module 'harness' has no attribute '{name}'; public: {', '.join(__all__)}")
     return getattr(importlib.import_module(_PLACES[name]), name)

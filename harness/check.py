@@ -11,7 +11,7 @@ import argparse
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from harness.cli.edge import begin_program, run_program
 
@@ -24,11 +24,12 @@ from rich.text import Text
 
 from harness.base.errors import INSTALL_ROS, UsageError
 from harness.base.interrupt import StopRequest
-from harness.config import EpisodeConfig
+from harness.episode.assembly import check
 from harness.episode.direct import run_direct
 from harness.episode.fingerprint import Fingerprint, direct_in_fresh_process, fingerprint
 from harness.robots import ROVERS
-from harness.sensors.noise import DEFAULT_PRESET
+from harness.spec.rover import DEFAULT_NOISE
+from harness.spec.run import Run
 from rover_metrics.errors import OneLineParser
 
 DEFAULT_DURATION = 20.0  # [s]
@@ -59,31 +60,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _prove(options: argparse.Namespace, console: Console) -> int:
-    config = _config(options)
+    run = _run(options)
     with StopRequest() as stop:
-        findings = list(_check(config, stop, console, with_ros=not options.no_ros))
-    console.print(_table(config, findings))
+        findings = list(_check(run, stop, console, with_ros=not options.no_ros))
+    console.print(_table(run, findings))
     if all(finding.passed for finding in findings):
-        console.print(proven(config, findings), soft_wrap=True, highlight=False)
+        console.print(proven(run, findings), soft_wrap=True, highlight=False)
     return _exit_code(findings, ros_was_asked_for=not options.no_ros)
 
 
-def _check(
-    config: EpisodeConfig, stop: StopRequest, console: Console, *, with_ros: bool
-) -> Iterator[Finding]:
+def _check(run: Run, stop: StopRequest, console: Console, *, with_ros: bool) -> Iterator[Finding]:
     def working(on: str) -> str:
-        return f"{config.robot} on {config.terrain}: {on}"
+        return f"{run.rover.robot} on {run.world.terrain}: {on}"
 
     with console.status(working("this process")) as status:
-        reference = fingerprint(run_direct, config, stop)
+        reference = fingerprint(run_direct, run, stop)
         yield Finding("this process", reference, "reference", passed=True)
-        yield _judged("again", fingerprint(run_direct, config, stop), reference)
+        yield _judged("again", fingerprint(run_direct, run, stop), reference)
         status.update(working("fresh process"))
-        yield _judged("fresh process", direct_in_fresh_process(config), reference)
+        yield _judged("fresh process", direct_in_fresh_process(run), reference)
         status.update(working("ROS 2"))
-        yield _ros_finding(config, stop, reference) if with_ros else _skipped("--no-ros")
+        yield _ros_finding(run, stop, reference) if with_ros else _skipped("--no-ros")
         status.update(working("another seed"))
-        other = replace(config, seed=config.seed + 1)
+        other = run.but(seed=run.seed + 1)
         yield _judged(f"seed {other.seed}", fingerprint(run_direct, other, stop), reference, equal=False)
 
 
@@ -97,7 +96,7 @@ def _judged(run: str, found: Fingerprint, reference: Fingerprint, *, equal: bool
     return Finding(run, found, "SAME AS REFERENCE" if any(same) else "different", passed=not any(same))
 
 
-def _ros_finding(config: EpisodeConfig, stop: StopRequest, reference: Fingerprint) -> Finding:
+def _ros_finding(run: Run, stop: StopRequest, reference: Fingerprint) -> Finding:
     try:
         # As in harness.run, the one import of rclpy: everything else works where there is none.
         from harness.ros.session import run_through_ros  # noqa: PLC0415
@@ -107,17 +106,17 @@ def _ros_finding(config: EpisodeConfig, stop: StopRequest, reference: Fingerprin
     namespace = f"/harness_check_{os.getpid()}"
     remapping = ("-r", f"__ns:={namespace}", "-r", f"/clock:={namespace}/clock")
     ros_args = ("--ros-args", *remapping, "--log-level", "warn")
-    return _judged("through ROS 2", fingerprint(run_through_ros, config, stop, ros_args), reference)
+    return _judged("through ROS 2", fingerprint(run_through_ros, run, stop, ros_args), reference)
 
 
 def _skipped(reason: str) -> Finding:
     return Finding("through ROS 2", None, f"skipped: {reason}", passed=True)
 
 
-def _table(config: EpisodeConfig, findings: Sequence[Finding]) -> Table:
+def _table(run: Run, findings: Sequence[Finding]) -> Table:
     title = (
-        f"{config.robot} on {config.terrain}, seed {config.seed}, noise {config.noise}, "
-        f"{config.duration:g} simulated seconds each"
+        f"{run.rover.robot} on {run.world.terrain}, seed {run.seed}, noise {run.rover.noise}, "
+        f"{run.duration:g} simulated seconds each"
     )
     counts = (Column(name, justify="right") for name in ("samples", "rows", "lost"))
     table = Table("run", *counts, "stream", "CSV", "verdict", title=title, title_justify="left")
@@ -131,7 +130,7 @@ def _table(config: EpisodeConfig, findings: Sequence[Finding]) -> Table:
     return table
 
 
-def proven(config: EpisodeConfig, findings: Sequence[Finding]) -> str:
+def proven(run: Run, findings: Sequence[Finding]) -> str:
     """Returns what runs that all passed have proven, in one line."""
     done = [finding for finding in findings if finding.found is not None]
     *_, other = done
@@ -139,7 +138,7 @@ def proven(config: EpisodeConfig, findings: Sequence[Finding]) -> str:
     total = sum(finding.found.samples for finding in done if finding.found is not None)
     left_out = "" if len(done) == len(findings) else ", not through ROS 2"
     return (
-        f"proven for {config.robot} on {config.terrain}{left_out}: seed {config.seed} gives the same "
+        f"proven for {run.rover.robot} on {run.world.terrain}{left_out}: seed {run.seed} gives the same "
         f"samples and the same CSV bytes in {len(done) - 1} runs ({equal}), {other.run} gives others, "
         f"and none of {total:,} samples was lost"
     )
@@ -161,23 +160,23 @@ def _exit_code(findings: Sequence[Finding], *, ros_was_asked_for: bool) -> int:
     return 0
 
 
-def _config(options: argparse.Namespace) -> EpisodeConfig:
+def _run(options: argparse.Namespace) -> Run:
     """The episode to repeat; with noise, so that every random generator takes part.
 
     Raises:
         UsageError: An option is not valid.
     """
     given = {name: getattr(options, name) for name in ("terrain", "robot", "seed", "duration")}
-    config = EpisodeConfig(noise=DEFAULT_PRESET, **given)
-    config.validate()
-    if config.duration < SHORTEST_DURATION:
-        message = f"duration {config.duration:g} s is too short; give {SHORTEST_DURATION:g} s or more"
+    run = Run.of(noise=DEFAULT_NOISE, **given)
+    check(run)
+    if run.duration < SHORTEST_DURATION:
+        message = f"duration {run.duration:g} s is too short; give {SHORTEST_DURATION:g} s or more"
         raise UsageError(message)
-    return config
+    return run
 
 
 def _parser() -> argparse.ArgumentParser:
-    defaults = EpisodeConfig()
+    defaults = Run()
     parser = OneLineParser(
         prog="python -m harness.check",
         description="Proves on this machine that equal seeds give equal bytes, through ROS or not, "
@@ -185,9 +184,11 @@ def _parser() -> argparse.ArgumentParser:
         epilog="Exit code 0: proven. 1: disproven, or a run failed. 2: a wrong argument, or ROS is "
         "missing and --no-ros was not given.",
     )
-    parser.add_argument("--terrain", default=defaults.terrain, metavar="NAME", help="see harness.run")
+    parser.add_argument(
+        "--terrain", default=defaults.world.terrain, metavar="NAME", help="see harness.run"
+    )
     about = f"{', '.join(ROVERS)}, or a folder (docs/robots.md)"
-    parser.add_argument("--robot", default=defaults.robot, metavar="NAME|FOLDER", help=about)
+    parser.add_argument("--robot", default=defaults.rover.robot, metavar="NAME|FOLDER", help=about)
     about = "of everything random; the other seed is the next"
     parser.add_argument("--seed", type=int, default=defaults.seed, metavar="N", help=about)
     parser.add_argument(

@@ -26,12 +26,14 @@ if __name__ == "__main__":
 from rich.console import Console
 from rich.table import Column, Table
 
+from harness.base.interrupt import StopRequest
 from harness.cli.console import counted
-from harness.config import EpisodeConfig
-from harness.episode.episode import Episode
+from harness.episode.direct import run_unlogged
 from harness.robots import find_rover
 from harness.robots.schema import schema
 from harness.robots.urdf.folder import Written, write_folder
+from harness.samples import JointStates, Pose
+from harness.spec.run import Run
 from harness.validate.check import Check
 from harness.validate.checkup import check_up
 from harness.validate.suite import cells_of
@@ -73,17 +75,15 @@ def _print(written: Written, console: Console) -> None:
 
 def _check(options: argparse.Namespace, console: Console) -> int:
     rover = find_rover(options.rover)
-    config = EpisodeConfig(robot=options.rover, terrain="flat", driver="figure8", duration=SHOWN)
+    run = Run.of(robot=options.rover, terrain="flat", driver="figure8", duration=SHOWN)
     with Drawing(options.picture, None, lidar=False, backend=keep_opengl_out()) as drawing:
         if drawing.wanted:
-            drawing.prepare(config)
+            drawing.prepare(run)
         with console.status(f"driving {rover.name}"):
             checks = check_up(rover)
         _print_findings(console, f"{rover.name}: {rover.summary}", checks)
         if drawing.wanted:
-            for batch in Episode(config).batches():
-                for observer in drawing.observers:
-                    observer.take(batch)
+            run_unlogged(run, StopRequest(), {Pose, JointStates}, drawing.observers)
             with counted(console, "drawing") as show:
                 for path in drawing.finish(show):
                     console.print(f"drawn: {path}", soft_wrap=True, highlight=False)

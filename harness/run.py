@@ -22,10 +22,11 @@ from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.base.files import check_target, write_whole
 from harness.base.interrupt import HANGUP, StopRequest
 from harness.cli.console import RunProgress, counted, print_choices, print_summary
-from harness.cli.options import RunOptions, parse_run
+from harness.cli.options import RunOptions, parse_run, with_name
+from harness.episode.assembly import actor_names, check_world, world_of
 from harness.episode.loop import Observer
 from harness.episode.manifest import write_manifest
-from harness.episode.result import RoverRun, RunAll, RunResult
+from harness.episode.result import Drive, Outputs, RunResult
 from harness.episode.social_recorder import SocialRecorder
 from harness.report.recorder import RunRecorder, Stretch
 from harness.robots import robot_name
@@ -49,28 +50,26 @@ def _main(arguments: Sequence[str]) -> int:
 
 
 def _command(options: RunOptions, console: Console) -> int:
-    for config in options.fleet:
-        config.validate()
+    run = options.run
     backend = keep_opengl_out()  # before MuJoCo is loaded
-    drawing = Drawing(options.picture, options.video, lidar=options.picture_lidar, backend=backend)
-    recorders = [RunRecorder() for _ in options.fleet] if options.report is not None else []
+    files = options.files
+    drawing = Drawing(files.picture, files.video, lidar=files.picture_lidar, backend=backend)
+    recorders = [RunRecorder() for _ in run.rovers] if files.report is not None else []
     logs = _social(options)
-    run = _loaded(options)
+    drive = _loaded(options)
     with StopRequest() as stop, drawing:
         drawn = _prepared(options, console, drawing)
-        rovers = [
-            RoverRun(
-                config=config,
-                log_dir=options.log_dir(config),
+        outputs = [
+            Outputs(
+                log_dir=options.log_dir(rover),
                 observers=tuple(each[number] for each in (logs, drawn, recorders) if each),
-                settings=options.all_settings[number],
-                parameters=options.parameters[number],
+                settings=options.settings[number],
             )
-            for number, config in enumerate(options.fleet)
+            for number, rover in enumerate(run.rovers)
         ]
         results = [
-            replace(result, report=options.report_of(result.config), params=options.params)
-            for result in _run(run, options, rovers, stop, console)
+            replace(result, report=with_name(files.report, result.rover), params=options.params)
+            for result in _drive(drive, options, outputs, stop, console)
         ]
         for number, log in enumerate(logs):
             log.close()
@@ -88,7 +87,7 @@ def _others(
     """What was recorded of the other rovers, by their names."""
     for other, recorder in zip(results, recorders, strict=True):
         if other is not own:
-            yield other.config.name, recorder.track
+            yield other.rover.name, recorder.track
 
 
 def _write_page(
@@ -111,15 +110,15 @@ def _social(options: RunOptions) -> list[SocialRecorder]:
     Raises:
         UsageError: One cannot be written there.
     """
-    names = options.config.actor_names()
-    if options.social_log is not None:
-        check_target("--social-log", options.social_log, ".csv")
-    folders = [options.log_dir(config) for config in options.fleet] if names else []
-    return [SocialRecorder(names, options.social_log, folder) for folder in folders]
+    names, file = actor_names(options.run.world), options.files.social_log
+    if file is not None:
+        check_target("--social-log", file, ".csv")
+    folders = [options.log_dir(rover) for rover in options.run.rovers] if names else []
+    return [SocialRecorder(names, file, folder) for folder in folders]
 
 
-def _loaded(options: RunOptions) -> RunAll:
-    """Returns what runs the episode, with what only these options need: ROS, MuJoCo, compiled kernels.
+def _loaded(options: RunOptions) -> Drive:
+    """Returns what drives the run, with what only these options need: ROS, MuJoCo, compiled kernels.
 
     Not with this module: through ROS, only the process that simulates needs the latter, and --direct
     must work where there is no rclpy. Not later: a signal would then be raised in the midst of modules
@@ -128,47 +127,46 @@ def _loaded(options: RunOptions) -> RunAll:
     Raises:
         UsageError: ROS 2 is missing.
     """
-    if options.report is not None:
+    if options.files.report is not None:
         importlib.import_module("harness.report.content")
     if options.direct:
-        from harness.episode.direct import run_all_direct  # noqa: PLC0415
+        from harness.episode.direct import run_direct  # noqa: PLC0415
 
-        return run_all_direct
+        return run_direct
     try:
-        from harness.ros.session import run_all_through_ros  # noqa: PLC0415
+        from harness.ros.session import run_through_ros  # noqa: PLC0415
     except ImportError as error:
         raise UsageError(
             f"ROS 2 is not importable ({error}); {INSTALL_ROS}, or run with --direct, which needs none"
         ) from error
-    return run_all_through_ros
+    return run_through_ros
 
 
 def _prepared(options: RunOptions, console: Console, drawing: Drawing) -> Sequence[Observer]:
     """Checks what can be checked before the run; returns what keeps each rover's states, if any does."""
-    config = options.config
-    for flag, path in (("--summary", options.summary), ("--report", options.report)):
+    run = options.run
+    for flag, path in (("--summary", options.files.summary), ("--report", options.files.report)):
         if path is not None:
             check_target(flag, path)
-    for note in config.world().notes if is_terrain_file(config.terrain) else ():
-        console.print(f"{config.terrain}: {note}", soft_wrap=True, highlight=False)
-    for each in options.fleet:
-        each.check_world()
-    drawing.prepare(*options.fleet)
+    for note in world_of(run).notes if is_terrain_file(run.world.terrain) else ():
+        console.print(f"{run.world.terrain}: {note}", soft_wrap=True, highlight=False)
+    check_world(run)
+    drawing.prepare(run)
     return drawing.observers
 
 
-def _run(
-    run: RunAll,
+def _drive(
+    drive: Drive,
     options: RunOptions,
-    rovers: Sequence[RoverRun],
+    outputs: Sequence[Outputs],
     stop: StopRequest,
     console: Console,
 ) -> tuple[RunResult, ...]:
-    robots = " and ".join(robot_name(config.robot) for config in options.fleet)
-    title = f"{robots} on {options.config.terrain}"
-    with RunProgress(console, title, options.config.duration) as bar:
+    run = options.run
+    robots = " and ".join(robot_name(rover.robot) for rover in run.rovers)
+    with RunProgress(console, f"{robots} on {run.world.terrain}", run.duration) as bar:
         show = bar.show if console.is_terminal else None
-        return run(rovers, options.ros, stop, show)
+        return drive(run, outputs, options.ros, stop, show)
 
 
 def _report(
@@ -177,14 +175,14 @@ def _report(
     """Prints and writes what a run came to; returns the exit code."""
     complaints = dict.fromkeys(result.failure for result in results if result.failure is not None)
     for result in results:
-        if result.config.name:
-            console.rule(f"{result.config.name}, a {robot_name(result.config.robot)}", align="left")
+        if result.rover.name:
+            console.rule(f"{result.rover.name}, a {robot_name(result.rover.robot)}", align="left")
         print_summary(console, result)
         if result.lost:
             lost = ", ".join(f"{c.lost} of {t}" for t, c in result.topics.items() if c.lost)
             complaints[f"messages were lost: {lost}"] = None
         log_manifest = None if result.log_path is None else result.log_path.with_suffix(".json")
-        summary = options.summary_of(result.config)
+        summary = with_name(options.files.summary, result.rover)
         for path in filter(None, (log_manifest, summary)):
             try:
                 write_manifest(result, path)

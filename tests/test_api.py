@@ -13,7 +13,7 @@ import tomllib
 
 import harness
 import rover_metrics
-from harness import Batch, EpisodeConfig, run_episode
+from harness import Batch, Run, run_episode
 from harness.cli.options import parse_run
 from harness.run import main
 from rover_metrics import COLUMNS, Settings
@@ -51,7 +51,7 @@ def test_an_episode_from_python_has_the_settings_and_observers_it_is_given(tmp_p
             self.batches += 1
 
     counter, settings = Counter(), Settings(extended_columns=True)
-    config = EpisodeConfig(terrain="flat", duration=1.0)
+    config = Run.of(terrain="flat", duration=1.0)
     result = run_episode(config, tmp_path / "new", observers=[counter], settings=settings)
     assert counter.batches == 20  # of 50 ms
     assert result.failure is None

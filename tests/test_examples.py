@@ -15,9 +15,9 @@ import pytest
 from ruamel.yaml import YAML
 from scipy import stats
 
-from harness.config import EpisodeConfig
 from harness.robots import find_rover
 from harness.sensors.lidar_spec import LidarSpec
+from harness.spec.run import Run
 from tests.support.layouts import FOXGLOVE, foxglove_panels
 from tools.site.notebooks import told
 from tools.site.pages import NOTEBOOKS
@@ -171,7 +171,7 @@ def ran(name: str, **given: object) -> tuple[str, dict[str, Any]]:
 
 
 def test_the_first_run_shows_its_log_and_draws_clearance_and_path(tmp_path: Path) -> None:
-    config = EpisodeConfig(terrain="rocky", duration=3.0)
+    config = Run.of(terrain="rocky", duration=3.0)
     text, names = ran("first_run", CONFIG=config, LOGS=tmp_path)
     log = pd.read_csv(names["result"].log_path)
     assert re.search(rf"^2 +{log.Timestamp[2]} +0 +{log['Obstacle Clearance'][2]}", text, re.MULTILINE)

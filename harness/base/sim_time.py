@@ -9,6 +9,10 @@ from harness.base.errors import UsageError
 
 NANOSECONDS = 1_000_000_000
 TICK_NS = 10_000_000  # /clock at 100 Hz
+HIGHEST_RATE = NANOSECONDS // TICK_NS  # [Hz]
+CONTROL_PERIOD_NS = 50_000_000  # 20 Hz, the lidar's rate: every command can use a fresh scan
+CONTROL_PERIOD = CONTROL_PERIOD_NS / NANOSECONDS
+TICKS_PER_CONTROL = CONTROL_PERIOD_NS // TICK_NS
 SMALLEST_TIMESTEP_NS, LARGEST_TIMESTEP_NS = 100_000, 5_000_000
 DEFAULT_TIMESTEP_NS = 2_500_000
 
@@ -63,3 +67,19 @@ def _nearest_timesteps(timestep_ns: int) -> str:
     valid = [TICK_NS // n for n in parts if TICK_NS % n == 0]
     nearest = sorted(valid, key=lambda v: abs(v - timestep_ns))[:2]
     return " or ".join(f"{v / NANOSECONDS:g}" for v in nearest)
+
+
+def period_ticks(rate: int) -> int:
+    """Returns the clock ticks between the samples of a sensor with that rate [Hz].
+
+    Raises:
+        UsageError: The period is no whole number of clock ticks.
+    """
+    if rate > 0 and HIGHEST_RATE % rate == 0:
+        return HIGHEST_RATE // rate
+    valid = [r for r in range(1, HIGHEST_RATE + 1) if HIGHEST_RATE % r == 0]
+    nearest = sorted(sorted(valid, key=lambda r: abs(r - rate))[:2])
+    raise UsageError(
+        f"rate {rate} Hz does not divide the {HIGHEST_RATE} Hz clock; "
+        f"nearest valid: {' or '.join(str(r) for r in nearest)}"
+    )

@@ -11,9 +11,6 @@ from harness.robots import RoverSpec
 from harness.samples import Sample, Twist
 from harness.world.obstacles import Obstacle
 
-CONTROL_PERIOD_NS = 50_000_000  # 20 Hz, the lidar's rate: every command can use a fresh scan
-CONTROL_PERIOD = CONTROL_PERIOD_NS / 1e9
-
 
 @dataclass(frozen=True, slots=True)
 class Observation:

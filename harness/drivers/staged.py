@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from harness.base.errors import UsageError
-from harness.drivers.base import CONTROL_PERIOD, DriverContext, Observation
+from harness.base.sim_time import CONTROL_PERIOD
+from harness.drivers.base import DriverContext, Observation
 from harness.samples import Sample, Twist
 from harness.world.obstacles import Obstacle, ObstacleKind, half_extent
 from harness.world.terrains import WITH_HAZARDS

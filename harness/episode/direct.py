@@ -14,76 +14,56 @@ from typing import Self
 
 from harness.base.errors import RunFailed, UsageError
 from harness.base.interrupt import StopRequest
-from harness.config import EpisodeConfig, RosOptions
 from harness.drivers import sensed_by
+from harness.episode.assembly import injector
 from harness.episode.batch import Batch
-from harness.episode.episode import Episode, fleet_of, together
-from harness.episode.loop import Lane, Observer, Pacer, drive, drive_all, injector
+from harness.episode.episode import Episode, episodes_of, together
+from harness.episode.loop import Observer, Pacer, Route, drive
 from harness.episode.metrics_feed import DirectMetrics
-from harness.episode.result import RoverRun, RunAccount, RunResult, Show, TopicCount, cells_of
+from harness.episode.result import Outputs, RunAccount, RunResult, Show, TopicCount, cells_of
 from harness.faults.injector import FaultInjector
 from harness.samples import Sample, Tick
 from harness.sensors.lidar_spec import LidarSpec
+from harness.spec.ros import RosOptions
+from harness.spec.run import Run
 from rover_metrics.errors import LogError
 from rover_metrics.extended.settings import Settings
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.log.session_record import COMPLETE, Outcome, failed, write_record
 from rover_metrics.session import MetricsSession
 
-DEFAULT_SETTINGS = Settings()
-
 
 def run_direct(
-    config: EpisodeConfig,
+    run: Run,
+    outputs: Sequence[Outputs],
     options: RosOptions,
     stop: StopRequest,
     show: Show | None = None,
-    observers: Sequence[Observer] = (),
-    settings: Settings = DEFAULT_SETTINGS,
-) -> RunResult:
-    """Runs an episode without ROS and returns what it came to, also when it failed underway.
-
-    Args:
-        config: What to run.
-        options: Its `log_dir` and its `rate` count.
-        stop: Ends the run early.
-        show: Is told the result up to now after every batch.
-        observers: See every batch once it has been taken.
-        settings: Of the metrics.
-
-    Raises:
-        UsageError: The arguments are not valid or the log cannot be created.
-    """
-    only = RoverRun(config=config, log_dir=options.log_dir, observers=observers, settings=settings)
-    (result,) = run_all_direct((only,), options, stop, show)
-    return result
-
-
-def run_all_direct(
-    rovers: Sequence[RoverRun], options: RosOptions, stop: StopRequest, show: Show | None = None
 ) -> tuple[RunResult, ...]:
-    """Runs rovers that share a world without ROS, as `run_direct` runs one; returns the result of each.
+    """Runs without ROS and returns what each rover's part came to, also when it failed underway.
 
     Args:
-        rovers: What to run.
+        run: What to run.
+        outputs: Of each rover.
         options: Its `rate` counts.
         stop: Ends the run early.
-        show: Is told the first one's result up to now after every batch.
+        show: Is given the first rover's result up to now after every batch.
 
     Raises:
         UsageError: The arguments are not valid or a log cannot be created.
     """
     started = time.monotonic()
-    episodes = fleet_of([rover.config for rover in rovers])
+    episodes = episodes_of(run)
     with ExitStack() as at_end:
-        logged, lanes = list[LoggedRun](), list[Lane]()
-        for rover, episode in zip(rovers, episodes, strict=True):
-            begun = RunResult(config=rover.config, mode="direct, no ROS", info=episode.info)
+        logged, routes = list[LoggedRun](), list[Route]()
+        for episode, output in zip(episodes, outputs, strict=True):
+            begun = RunResult(run=run, number=episode.number, mode="direct, no ROS", info=episode.info)
             shown = None if logged else show
-            log = LoggedRun(begun, rover.log_dir, rover.settings, started=started, show=shown)
+            log = LoggedRun(begun, output.log_dir, output.settings, started=started, show=shown)
             logged.append(at_end.enter_context(log))
-            lanes.append(Lane(injector(rover.config), log.advance, (*rover.observers, log)))
-        ticks = drive_all(together(episodes), lanes, stop)
+            faults = injector(run, episode.number)
+            routes.append(Route(faults, log.advance, (*output.observers, log)))
+        ticks = drive(together(episodes), routes, stop)
         why = _driven(ticks, Pacer(options.rate, sleep=stop.sleep), stop)
         return tuple(log.ended(*why) for log in logged)
 
@@ -119,10 +99,10 @@ class LoggedRun:
         except LogError as error:
             raise UsageError(str(error)) from error
         _mark(log, None)
-        self._metrics = metrics = DirectMetrics(session, LidarSpec(beams=begun.config.lidar_beams), log)
+        self._metrics = metrics = DirectMetrics(session, LidarSpec(beams=begun.rover.lidar_beams), log)
         self.advance = metrics.advance
 
-        space = f"/{begun.config.name}" if begun.config.name else ""
+        space = f"/{begun.rover.name}" if begun.rover.name else ""
 
         def counts() -> dict[str, TopicCount]:
             return {f"{space}{topic}": TopicCount(n, n) for topic, n in metrics.fed.items()}
@@ -154,14 +134,14 @@ class LoggedRun:
 
 
 def run_unlogged(
-    config: EpisodeConfig, stop: StopRequest, samples: set[type[Sample]], observers: Sequence[Observer]
+    run: Run, stop: StopRequest, samples: set[type[Sample]], observers: Sequence[Observer]
 ) -> RunResult:
-    """Runs an episode with nothing but what its observers want; the truth is that of `run_direct`.
+    """Runs one rover with nothing but what its observers want; the truth is that of `run_direct`.
 
     No sample goes anywhere else, so faults have nothing to act on.
 
     Args:
-        config: What to run.
+        run: What to run.
         stop: Ends the run early.
         samples: What the observers want; the driver gets what it looks at all the same.
         observers: See every batch.
@@ -170,12 +150,11 @@ def run_unlogged(
         UsageError: The arguments are not valid.
     """
     started = time.monotonic()
-    episode = Episode(config, samples=samples | sensed_by(config.driver))
-    begun = RunResult(config=config, mode="without a log", info=episode.info)
+    episode = Episode(run, samples=samples | sensed_by(run.rover.driver))
+    begun = RunResult(run=run, mode="without a log", info=episode.info)
     account = RunAccount(begun, started, None, dict, int)
-    faults = FaultInjector((), config.seed)
-    ticks = drive(episode.batches(), faults, lambda *_: None, (*observers, account), stop)
-    failure, interrupted = _driven(ticks, Pacer(None), stop)
+    route = Route(FaultInjector((), run.seed), lambda *_: None, (*observers, account))
+    failure, interrupted = _driven(drive(together((episode,)), (route,), stop), Pacer(None), stop)
     return account.ended(failure=failure, interrupted=interrupted)
 
 

@@ -13,14 +13,12 @@ from operator import itemgetter
 import numpy as np
 
 from harness.base.errors import RunFailed
-from harness.base.sim_time import NANOSECONDS, TICK_NS, parse_timestep
-from harness.config import TICKS_PER_CONTROL, EpisodeConfig
+from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
 from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, PolicyDriver, find_driver
 from harness.drivers.goal_course import GoalCourse
 from harness.drivers.steered import drivable
+from harness.episode.assembly import check, check_world, scenery, sensor_rows
 from harness.episode.batch import Batch, EpisodeInfo
-from harness.episode.fleet import scenery
-from harness.frames.options import FrameOptions
 from harness.frames.rover_frames import RoverFrames, rover_frames
 from harness.frames.transforms import describe
 from harness.physics.base_controller import base_controller
@@ -37,6 +35,8 @@ from harness.sensors.noise import PRESETS, SensorNoise
 from harness.sensors.optional import Installation, SensorOptions
 from harness.sensors.people import PeopleSensor
 from harness.sensors.suite import SensorSuite
+from harness.spec.ros import FrameOptions
+from harness.spec.run import Run
 from harness.truth.recorder import TruthRecorder
 from harness.world.actors.room import Room
 from harness.world.berths import berth, overlaps
@@ -50,10 +50,11 @@ OPTIONAL_STREAM = 12  # those of optional sensors
 class Episode:
     """Builds the world on construction; `batches` then drives it once from start to end.
 
-    Of several rovers in a world `fleet_of` makes the episodes and `together` drives them.
+    Of several rovers in a world `episodes_of` makes the episodes and `together` drives them.
 
     Args:
-        config: What determines it.
+        run: What determines it.
+        number: The rover's place in the run.
         frame_options: Which transforms are among its samples; None for none at all.
         samples: Those that anybody wants, whatever drives the rover included; None for all. The drive
             is the same without the others.
@@ -65,13 +66,15 @@ class Episode:
 
     def __init__(
         self,
-        config: EpisodeConfig,
+        run: Run,
+        number: int = 0,
+        *,
         frame_options: FrameOptions | None = None,
         samples: Collection[type[Sample]] | None = None,
         simulation: Simulation | None = None,
     ) -> None:
-        self.config = config
-        (self.simulation,) = _simulated((config,)) if simulation is None else (simulation,)
+        self.run, self.number, self.setup = run, number, run.rovers[number]
+        (self.simulation,) = _simulated(run) if simulation is None else (simulation,)
         scene = self.simulation.scene
         rover, world = scene.rover, scene.world
         self.info = EpisodeInfo(
@@ -85,36 +88,36 @@ class Episode:
         )
         self._recorder = TruthRecorder(self.simulation)
         self._hazard_contact = self.simulation.summed(HAZARD_CONTACT)
-        lidar_spec = LidarSpec(beams=config.lidar_beams)
+        lidar_spec = LidarSpec(beams=self.setup.lidar_beams)
         lidar = Lidar(scene.model, lidar_spec, scene.own("lidar"), scene.others())
         parts: dict[str, object] = {
             "simulation": self.simulation,
             "lidar": lidar,
             "surroundings": lidar.surroundings,
             "recorder": self._recorder,
-            "datum": Datum(*config.datum),
+            "datum": Datum(*run.world.datum),
         }
         self.description = None
-        rows = config.sensor_rows()
+        rows = sensor_rows(self.setup)
         optional = [row.given for row in rows if row.given is not None]
         if frame_options is not None or optional:
             frames = rover_frames(rover, (frame for some in optional for frame in some.frames(rover)))
-            parts["install"] = partial(installed, config, frames, scene)
+            parts["install"] = partial(installed, run, number, frames, scene)
         if frame_options is not None:
             self.description = describe(frames, frame_options)
             parts |= {"frames": frames, "frame_options": frame_options}
-        noise = sensor_noise(config, lidar_spec)
-        rates: dict[type[Sample], int] = {Imu: config.imu_rate}
+        noise = sensor_noise(self.setup.noise, run.own_seed(number), lidar_spec)
+        rates: dict[type[Sample], int] = {Imu: self.setup.imu_rate}
         self._sensors = SensorSuite(parts, rover, rates, wanted=samples, noise=noise, rows=rows)
         crowd, told = self.simulation.crowd, samples is None or ActorPoses in samples
         self._people = PeopleSensor(self.simulation, crowd) if crowd is not None and told else None
         self._ticks: list[Tick] = []  # since the last batch
         self._goals: list[Place] = []  # given since then
         self._bearings = lidar_spec.bearings_at(rover.lidar_yaw)
-        self._course = goal_course(config, world)
-        planned: list[tuple[float, Callable[[], None]]] = [(t, self.reset) for t in config.resets]
-        planned += [(t, partial(self.command, Twist(*twist))) for t, *twist in config.commands]
-        planned += [(t, partial(self.head_for, Place(*place))) for t, *place in config.goals]
+        self._course = goal_course(run, number, world)
+        planned: list[tuple[float, Callable[[], None]]] = [(t, self.reset) for t in run.plan.resets]
+        planned += [(t, partial(self.command, Twist(*twist))) for t, *twist in run.plan.commands]
+        planned += [(t, partial(self.head_for, Place(*place))) for t, *place in run.plan.goals]
         self._planned = deque(sorted(planned, key=itemgetter(0)))  # at the same time in this order
         self._begin()
 
@@ -122,9 +125,9 @@ class Episode:
         """A driver that has done nothing yet, at a rover that stands."""
         self._began_ns = self.simulation.time_ns
         self._drive = base_controller(self.simulation.scene.rover, TICK_NS / NANOSECONDS)
-        scene, (rng, *_) = self.simulation.scene, generators(self.config.own_seed, 3)
+        scene, (rng, *_) = self.simulation.scene, generators(self.run.own_seed(self.number), 3)
         middle, half_size = scene.world.roaming
-        seconds = self.config.cmd_vel_timeout
+        seconds = self.setup.cmd_vel_timeout
         timeout_ns = None if seconds is None else round(seconds * NANOSECONDS)
         context = DriverContext(
             scene.rover,
@@ -135,7 +138,7 @@ class Episode:
             command_timeout_ns=timeout_ns,
             middle=middle,
         )
-        self._driver: Driver = find_driver(self.config.driver)(context)
+        self._driver: Driver = find_driver(self.setup.driver)(context)
 
     def command(self, twist: Twist) -> None:
         """Hands a command to the cmd_vel driver; other drivers make their own."""
@@ -249,23 +252,24 @@ class Episode:
         return Observation(time_ns, x, y, simulation.yaw, ranges, touches, self._sensors.latest)
 
 
-def fleet_of(
-    configs: Sequence[EpisodeConfig],
-    frame_options: FrameOptions | None = None,
-    world: World | None = None,
+def episodes_of(
+    run: Run, frame_options: FrameOptions | None = None, world: World | None = None
 ) -> tuple[Episode, ...]:
-    """Returns the episodes of rovers that share a world, which `together` drives.
+    """Returns the episodes of a run's rovers, which `together` drives.
 
     Args:
-        configs: One a rover; the world is that of the first.
+        run: All rovers but the first have a start.
         frame_options: As of an Episode.
-        world: That of the first, from a process that has built it; None to build it here.
+        world: From a process that has built it; None to build it here.
 
     Raises:
-        UsageError: A value is not valid, or two of them would touch at the start.
+        UsageError: A value is not valid, or two rovers would touch at the start.
     """
-    made = zip(configs, _simulated(configs, world), strict=True)
-    return tuple(Episode(config, frame_options, None, simulation) for config, simulation in made)
+    made = enumerate(_simulated(run, world))
+    return tuple(
+        Episode(run, number, frame_options=frame_options, simulation=simulation)
+        for number, simulation in made
+    )
 
 
 def together(episodes: Sequence[Episode]) -> Iterator[tuple[Batch, ...]]:
@@ -275,7 +279,7 @@ def together(episodes: Sequence[Episode]) -> Iterator[tuple[Batch, ...]]:
         RunFailed: A rover left the map or the simulation diverged; the ticks up to then have been
             yielded.
     """
-    physics, total = episodes[0].simulation.physics, episodes[0].config.total_ticks
+    physics, total = episodes[0].simulation.physics, episodes[0].run.total_ticks
     for start in range(0, total, TICKS_PER_CONTROL):
         stop = min(start + TICKS_PER_CONTROL, total)
         for episode in episodes:
@@ -296,62 +300,74 @@ def together(episodes: Sequence[Episode]) -> Iterator[tuple[Batch, ...]]:
             raise failure
 
 
-def _simulated(configs: Sequence[EpisodeConfig], world: World | None = None) -> tuple[Simulation, ...]:
-    """The rovers of these episodes in the world of the first, settled at their starts."""
+def _simulated(run: Run, world: World | None = None) -> tuple[Simulation, ...]:
+    """The rovers of a run in its world, settled at their starts."""
     if world is None:
-        for config in configs:
-            config.validate()
-            config.check_world()
-    (world, fleet), timestep_ns = scenery(configs, world), parse_timestep(configs[0].timestep)
-    scenes = build_scenes(world, fleet, timestep_ns / NANOSECONDS)
-    chosen = [scene for scene, c in zip(scenes, configs, strict=True) if c.start is not None]
+        check(run)
+        check_world(run)
+    scenes = build_scenes(*scenery(run, world), run.timestep)
+    chosen = [scene for scene, rover in zip(scenes, run.rovers, strict=True) if rover.start is not None]
     for scene in chosen:
         check_room(scene, scenes)
-    made = simulations(scenes, timestep_ns)
+    made = simulations(scenes, run.timestep_ns)
     for scene in chosen:
         check_start(scene, made[0].data)
     return made
 
 
-def goal_course(config: EpisodeConfig, world: World) -> GoalCourse | None:
-    """Returns what gives the goals of an episode, from a generator of its own; None without an area.
+def goal_course(run: Run, number: int, world: World) -> GoalCourse | None:
+    """Returns what gives the goals of a rover, from a generator of its own; None without an area.
+
+    Args:
+        run: The run.
+        number: The rover's place in it.
+        world: Of the run.
 
     Raises:
         UsageError: There is no free place in the area.
     """
-    if config.goal_area is None:
+    rover = run.rovers[number]
+    if rover.goal_area is None:
         return None
-    reach = find_rover(config.robot).reach
-    rng = np.random.default_rng(np.random.SeedSequence(config.own_seed, spawn_key=(GOAL_STREAM,)))
-    course = GoalCourse(config.goal_area, Room(world), reach, rng)
+    reach = find_rover(rover.robot).reach
+    source = np.random.SeedSequence(run.own_seed(number), spawn_key=(GOAL_STREAM,))
+    course = GoalCourse(rover.goal_area, Room(world), reach, np.random.default_rng(source))
     course.draw()
     return course
 
 
 def installed(
-    config: EpisodeConfig, frames: RoverFrames, scene: Scene, options: SensorOptions
+    run: Run, number: int, frames: RoverFrames, scene: Scene, options: SensorOptions
 ) -> Installation:
     """Returns what an optional sensor is made with; its randomness depends on seed and name alone.
 
     Args:
-        config: Whose seed and noise it has.
+        run: Whose seed it has.
+        number: The rover's place in the run.
         frames: Of the rover, the sensor's own among them.
         scene: That the rover is in.
         options: Of the sensor.
     """
     key = (OPTIONAL_STREAM, *options.name.encode())
-    source = np.random.SeedSequence(config.own_seed, spawn_key=key)
-    noise = None if config.noise is None else PRESETS[config.noise]
+    source = np.random.SeedSequence(run.own_seed(number), spawn_key=key)
+    preset = run.rovers[number].noise
+    noise = None if preset is None else PRESETS[preset]
     mount = frames.mount(options.frame_id, scene.model, scene.prefix)
     return Installation(options, mount, np.random.default_rng(source), noise)
 
 
-def sensor_noise(config: EpisodeConfig, lidar: LidarSpec) -> SensorNoise | None:
-    """Returns the noise of an episode, from its own generators; None without."""
-    if config.noise is None:
+def sensor_noise(preset: str | None, seed: int, lidar: LidarSpec) -> SensorNoise | None:
+    """Returns the noise of an episode, from its own generators; None without.
+
+    Args:
+        preset: Its name.
+        seed: Of the rover.
+        lidar: Whose scans are corrupted.
+    """
+    if preset is None:
         return None
-    _, scan_rng, imu_rng = generators(config.own_seed, 3)
-    return SensorNoise(PRESETS[config.noise], (lidar.range_min, lidar.range_max), scan_rng, imu_rng)
+    _, scan_rng, imu_rng = generators(seed, 3)
+    return SensorNoise(PRESETS[preset], (lidar.range_min, lidar.range_max), scan_rng, imu_rng)
 
 
 def generators(seed: int, count: int) -> list[np.random.Generator]:

@@ -17,11 +17,12 @@ import numpy as np
 
 from harness.base.errors import RunFailed
 from harness.base.interrupt import Interrupted, StopRequest
-from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
 from harness.episode.direct import run_direct
-from harness.episode.result import Run
+from harness.episode.result import Drive, Outputs
 from harness.samples import Transforms
+from harness.spec.ros import RosOptions
+from harness.spec.run import Run
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,14 +74,12 @@ class StreamHash:
         return self._digest.hexdigest()
 
 
-def fingerprint(
-    run: Run, config: EpisodeConfig, stop: StopRequest, ros_args: Sequence[str] = ()
-) -> Fingerprint:
+def fingerprint(drive: Drive, run: Run, stop: StopRequest, ros_args: Sequence[str] = ()) -> Fingerprint:
     """Returns the fingerprint of a run in a folder that is gone afterwards.
 
     Args:
-        run: What does it.
-        config: What to run.
+        drive: What drives it.
+        run: What to run, with one rover.
         stop: Ends it early.
         ros_args: Arguments from `--ros-args` on.
 
@@ -91,7 +90,7 @@ def fingerprint(
     stream = StreamHash()
     with TemporaryDirectory(prefix="harness_check_") as folder:
         options = RosOptions(log_dir=Path(folder), ros_args=tuple(ros_args))
-        result = run(config, options, stop, observers=[stream])
+        (result,) = drive(run, (Outputs(log_dir=options.log_dir, observers=[stream]),), options, stop)
         if stop.signal is not None:
             raise Interrupted(stop.signal)
         if result.failure is not None or result.log_path is None:
@@ -100,7 +99,7 @@ def fingerprint(
     return Fingerprint(stream.samples, result.rows, result.lost, stream.hexdigest(), csv)
 
 
-def direct_in_fresh_process(config: EpisodeConfig) -> Fingerprint:
+def direct_in_fresh_process(run: Run) -> Fingerprint:
     """Returns the fingerprint of a run without ROS in an interpreter that has done nothing before.
 
     Raises:
@@ -115,6 +114,6 @@ def direct_in_fresh_process(config: EpisodeConfig) -> Fingerprint:
     )
     with pool:
         try:
-            return pool.submit(fingerprint, run_direct, config, StopRequest()).result()
+            return pool.submit(fingerprint, run_direct, run, StopRequest()).result()
         except BrokenProcessPool as error:
             raise RunFailed("the fresh process died") from error

@@ -11,10 +11,8 @@ from typing import Protocol
 
 from harness.base.interrupt import StopRequest
 from harness.base.sim_time import NANOSECONDS
-from harness.config import EpisodeConfig
 from harness.episode.batch import Batch
 from harness.faults.injector import FaultInjector
-from harness.faults.spec import parse_faults
 from harness.samples import Tick
 
 Sink = Callable[[Tick, Tick], None]  # takes a tick of the episode, and what listeners get of it
@@ -28,15 +26,9 @@ class Observer(Protocol):
         ...
 
 
-def injector(config: EpisodeConfig) -> FaultInjector:
-    """Returns the faults of an episode."""
-    rows = config.sensor_rows()
-    return FaultInjector(parse_faults(config.faults, rows), config.own_seed, rows, config.seed)
-
-
 @dataclass(frozen=True)
-class Lane:
-    """Where what one of several rovers brings goes.
+class Route:
+    """Where the ticks and the batches of one rover go.
 
     Attributes:
         faults: Act on what leaves the rover; the episode itself does not see them.
@@ -50,47 +42,25 @@ class Lane:
 
 
 def drive(
-    batches: Iterable[Batch],
-    faults: FaultInjector,
-    sink: Sink,
-    observers: Sequence[Observer] = (),
-    stop: StopRequest | None = None,
-) -> Iterator[Tick]:
-    """Drives a single rover, as `drive_all` does several.
-
-    Args:
-        batches: Of the episode.
-        faults: Act on what leaves the rover; the episode itself does not see them.
-        sink: Where ticks go.
-        observers: See every batch, in this order.
-        stop: Ends the drive after the batch in which it is requested.
-
-    Yields:
-        Each tick of the episode, once the sink has taken it.
-    """
-    yield from drive_all(((batch,) for batch in batches), [Lane(faults, sink, observers)], stop)
-
-
-def drive_all(
-    batches: Iterable[Sequence[Batch]], lanes: Sequence[Lane], stop: StopRequest | None = None
+    batches: Iterable[Sequence[Batch]], routes: Sequence[Route], stop: StopRequest | None = None
 ) -> Iterator[Tick]:
     """Hands each rover's tick to its sink, as its faults leave it, then its batches to its observers.
 
     Args:
         batches: Of each control period, one a rover.
-        lanes: Of the rovers, in their order.
+        routes: Of the rovers, in their order.
         stop: Ends the drive after the batch in which it is requested.
 
     Yields:
         Each tick of the first rover, once the sinks have taken those of all.
     """
-    for together in batches:
-        for ticks in zip(*(batch.ticks for batch in together), strict=True):
-            for tick, lane in zip(ticks, lanes, strict=True):
-                lane.sink(tick, lane.faults.corrupt(tick))
+    for period in batches:
+        for ticks in zip(*(batch.ticks for batch in period), strict=True):
+            for tick, route in zip(ticks, routes, strict=True):
+                route.sink(tick, route.faults.corrupt(tick))
             yield ticks[0]
-        for batch, lane in zip(together, lanes, strict=True):
-            for observer in lane.observers:
+        for batch, route in zip(period, routes, strict=True):
+            for observer in route.observers:
                 observer.take(batch)
         if stop is not None and stop.signal is not None:
             return

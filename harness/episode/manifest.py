@@ -13,7 +13,6 @@ from harness import __version__
 from harness.base.errors import UsageError
 from harness.base.files import write_whole
 from harness.base.sim_time import NANOSECONDS
-from harness.config import EpisodeConfig
 from harness.episode.result import RunResult
 from harness.truth.traversal import ContactEvent
 from harness.world.terrain_file import is_terrain_file
@@ -27,7 +26,7 @@ def manifest(result: RunResult) -> dict[str, Any]:
     """Returns the run as JSON values; infinite numbers become null."""
     values: dict[str, Any] = json_safe(
         {
-            "arguments": _arguments(result.config),
+            "arguments": _arguments(result),
             "mode": result.mode,
             "versions": _versions(),
             "world": None if result.info is None else asdict(result.info),
@@ -70,12 +69,13 @@ def write_manifest(result: RunResult, path: Path) -> None:
     write_whole(path, text, "the summary", UsageError)
 
 
-def _arguments(config: EpisodeConfig) -> dict[str, Any]:
-    """What repeats the run; a heightmap has no difficulty."""
-    arguments = asdict(config)
-    if is_terrain_file(config.terrain):
+def _arguments(result: RunResult) -> dict[str, Any]:
+    """What repeats the run; a terrain from a file has no difficulty."""
+    run, number = result.run, result.number
+    arguments = run.fields(number)
+    if is_terrain_file(run.world.terrain):
         del arguments["difficulty"]
-    return arguments
+    return arguments | {"number": number, "world_robot": run.rover.robot if result.rover.name else ""}
 
 
 def _outcome(result: RunResult) -> dict[str, str | None]:

@@ -1,8 +1,5 @@
 """How samples become rows without ROS, and what a run knows of its rover for the extended columns."""
 
-import json
-from collections.abc import Mapping
-from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,27 +28,6 @@ def extended_settings(rover: RoverSpec, gravity: float | None = None) -> Extende
         gravity=rover.gravity if gravity is None else gravity,
         wheels=",".join(rover.wheel_names),
     )
-
-
-def outline_parameters(settings: ExtendedSettings) -> dict[str, list[float]]:
-    """Returns footprint and lidar of the settings as parameters of a metrics_node."""
-    pose, outline = settings.lidar_pose, settings.footprint
-    corners = () if outline is None else outline.corners
-    return {"footprint": [*chain.from_iterable(corners)], "lidar_pose": [pose.x, pose.y, pose.yaw]}
-
-
-def extended_parameters(settings: ExtendedSettings) -> dict[str, object]:
-    """Returns the parameters that give a metrics_node extended columns with a rover's settings."""
-    others: dict[str, object] = {"gravity": settings.gravity}
-    if settings.wheels != ExtendedSettings().wheels:
-        others["wheels"] = settings.wheels
-    return {"extended_columns": True} | outline_parameters(settings) | others
-
-
-def parameter_words(values: Mapping[str, object]) -> list[str]:
-    """Returns arguments that set parameters of a metrics_node; what follows them wins."""
-    pairs = [("-p", f"{name}:={json.dumps(value)}") for name, value in values.items()]
-    return ["--ros-args", *chain.from_iterable(pairs), "--"] if pairs else []
 
 
 class SampleFeed:

@@ -1,16 +1,19 @@
 """What a run comes to: counts, rows, truth and outcome, as plain values for table and manifest."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
+from harness.base.interrupt import StopRequest
 from harness.base.sim_time import NANOSECONDS
-from harness.config import EpisodeConfig
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.loop import Observer
 from harness.episode.truth_account import TruthAccount, TruthAlong
+from harness.spec.ros import RosOptions
+from harness.spec.rover import RoverSetup
+from harness.spec.run import Run
 from harness.truth.traversal import Truth
 from rover_metrics.core.row import Row
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
@@ -49,9 +52,11 @@ class CommandCount:
 
 @dataclass(frozen=True, kw_only=True)
 class RunResult:
-    """Everything the summary and the manifest tell of a run.
+    """Everything the summary and the manifest say of one rover's part of a run.
 
     Attributes:
+        run: What determined it.
+        number: The rover's place in the run.
         wall_s: Wall time from the first batch on [s], without the time in which it was paused.
         paused_s: That time [s].
         failure: Why the run did not come to its end; None if it did or was interrupted.
@@ -71,7 +76,8 @@ class RunResult:
         social_log: The log of how near people were; None without people.
     """
 
-    config: EpisodeConfig
+    run: Run
+    number: int = 0
     mode: str
     info: EpisodeInfo | None = None
     truth: Truth = field(default_factory=Truth)
@@ -94,6 +100,11 @@ class RunResult:
     report: Path | None = None
     params: Path | None = None
     social_log: Path | None = None
+
+    @property
+    def rover(self) -> RoverSetup:
+        """The rover's setup."""
+        return self.run.rovers[self.number]
 
     @property
     def simulated_s(self) -> float:
@@ -122,27 +133,36 @@ class RunResult:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RoverRun:
-    """What one rover of a run is asked for.
+class Outputs:
+    """Where the data of one rover go.
 
     Attributes:
-        config: Of its episode.
-        log_dir: Gets its log.
-        observers: See its batches.
-        settings: Of its metrics.
-        parameters: Of its hosted metrics_node, beside those in the arguments of the run.
+        log_dir: Folder that gets the log.
+        observers: See every batch.
+        settings: Of the metrics, hosted or direct.
     """
 
-    config: EpisodeConfig
     log_dir: Path
     observers: Sequence[Observer] = ()
     settings: Settings = field(default_factory=Settings)
-    parameters: Mapping[str, Any] = field(default_factory=dict)
 
 
 Show = Callable[[RunResult], None]
-Run = Callable[..., RunResult]  # run_direct, or run_through_ros
-RunAll = Callable[..., tuple[RunResult, ...]]  # run_all_direct, or run_all_through_ros
+
+
+class Drive(Protocol):
+    """What drives a run: run_direct, or run_through_ros."""
+
+    def __call__(
+        self,
+        run: Run,
+        outputs: Sequence[Outputs],
+        options: RosOptions,
+        stop: StopRequest,
+        show: Show | None = None,
+    ) -> tuple[RunResult, ...]:
+        """Returns what each rover's part came to."""
+        ...
 
 
 def cells_of(row: Row | None) -> dict[str, int | float | str] | None:

@@ -6,25 +6,27 @@ sends them for each batch that it has taken, so what it orders comes into effect
 ordered already, at a time that it knows. With the cmd_vel driver the child waits for each command
 instead.
 
-The child sends the episodes' infos, their descriptions, their batches and None, or instead of any of
+The child sends what the episodes were made of, their batches and None, or instead of any of
 these the error that it failed of.
 """
 
 import contextlib
 import multiprocessing
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 from harness.base.errors import HarnessError, RunFailed
 from harness.base.interrupt import held_back
-from harness.config import CMD_VEL, EpisodeConfig
-from harness.drivers.base import CONTROL_PERIOD_NS
+from harness.base.sim_time import CONTROL_PERIOD_NS
+from harness.episode.assembly import check_world, world_of
 from harness.episode.batch import Batch, EpisodeInfo
-from harness.frames.options import FrameOptions
 from harness.frames.tree import Description
 from harness.samples import Place, Twist
+from harness.spec.ros import FrameOptions
+from harness.spec.rover import CMD_VEL, RoverSetup
+from harness.spec.run import Run
 from harness.world.terrain_file import is_terrain_file
 from harness.world.world import World
 
@@ -50,17 +52,29 @@ class _Order(NamedTuple):
     goal: Place | None = None
 
 
+class Begun(NamedTuple):
+    """What one rover's episode was made of.
+
+    Attributes:
+        info: For the manifest.
+        description: What its transforms are of; None without any.
+    """
+
+    info: EpisodeInfo
+    description: Description | None
+
+
 class RoverOrders:
     """What the consumer orders of one rover.
 
     Args:
         process: Where it is driven.
-        config: Of its episode.
+        rover: Its setup.
     """
 
-    def __init__(self, process: "EpisodeProcess", config: EpisodeConfig) -> None:
+    def __init__(self, process: "EpisodeProcess", rover: RoverSetup) -> None:
         self._process = process
-        self.obeys = config.driver == CMD_VEL
+        self.obeys = rover.driver == CMD_VEL
         self._next = _Order()
 
     def command(self, twist: Twist) -> None:
@@ -105,23 +119,20 @@ class EpisodeProcess:
     """Runs the episodes of a world in a child; a context manager that leaves no process behind.
 
     Args:
-        configs: One a rover.
+        run: What is driven.
         frame_options: As of an Episode.
 
     Attributes:
         rovers: Take the orders, in that order.
     """
 
-    def __init__(
-        self, configs: Sequence[EpisodeConfig], frame_options: FrameOptions | None = None
-    ) -> None:
-        self._periods = configs[0].total_periods
-        self._describes = frame_options is not None
-        world = _built_world(configs)
+    def __init__(self, run: Run, frame_options: FrameOptions | None = None) -> None:
+        self._periods = run.total_periods
+        world = _built_world(run)
         context = multiprocessing.get_context("spawn")
         self._connection, remote = context.Pipe()
         self._process = context.Process(
-            target=_simulate, args=(tuple(configs), frame_options, remote, world), daemon=True
+            target=_simulate, args=(run, frame_options, remote, world), daemon=True
         )
         try:
             with held_back():
@@ -132,7 +143,7 @@ class EpisodeProcess:
                 self._process.join()
             raise
         remote.close()
-        self.rovers = tuple(RoverOrders(self, config) for config in configs)
+        self.rovers = tuple(RoverOrders(self, rover) for rover in run.rovers)
         self._ordered = 0
         for _ in range(0 if any(rover.obeys for rover in self.rovers) else AHEAD):
             self._order()
@@ -147,16 +158,10 @@ class EpisodeProcess:
             self._process.kill()
             self._process.join()
 
-    @property
-    def infos(self) -> tuple[EpisodeInfo, ...]:
-        """What the episodes were made of; waits until the world is built. Ask once, first."""
-        infos: tuple[EpisodeInfo, ...] = self._receive()
-        return infos
-
-    @property
-    def descriptions(self) -> tuple[Description, ...]:
-        """What their transforms are of; empty without any. Ask once, second."""
-        return self._receive() if self._describes else ()
+    def begin(self) -> tuple[Begun, ...]:
+        """Waits until the world is built; returns what each episode was made of. Called once, first."""
+        begun: tuple[Begun, ...] = self._receive()
+        return begun
 
     @property
     def next_ns(self) -> int | None:
@@ -193,21 +198,20 @@ class EpisodeProcess:
         return received
 
 
-def _built_world(configs: Sequence[EpisodeConfig]) -> World | None:
+def _built_world(run: Run) -> World | None:
     """Returns the world of a file, which takes seconds to build and little to hand over; else None.
 
     Raises:
         UsageError: There is no such world.
     """
-    if not is_terrain_file(configs[0].terrain):
+    if not is_terrain_file(run.world.terrain):
         return None
-    for config in configs:
-        config.check_world()
-    return configs[0].world()
+    check_world(run)
+    return world_of(run)
 
 
 def _simulate(
-    configs: Sequence[EpisodeConfig],
+    run: Run,
     frame_options: FrameOptions | None,
     connection: Connection,
     world: World | None,
@@ -215,7 +219,7 @@ def _simulate(
     """The child: builds the episodes, then streams them until their end or until nobody listens."""
     with contextlib.suppress(BrokenPipeError, ConnectionResetError, EOFError):
         try:
-            _stream(configs, frame_options, connection, world)
+            _stream(run, frame_options, connection, world)
         except HarnessError as error:
             connection.send(error)
         except Exception:  # noqa: BLE001 - a bug: its trace must reach the parent
@@ -224,20 +228,18 @@ def _simulate(
 
 
 def _stream(
-    configs: Sequence[EpisodeConfig],
+    run: Run,
     frame_options: FrameOptions | None,
     connection: Connection,
     world: World | None,
 ) -> None:
     # Only here: it loads MuJoCo and compiled kernels, which the parent does without.
-    from harness.episode.episode import fleet_of, together  # noqa: PLC0415
+    from harness.episode.episode import episodes_of, together  # noqa: PLC0415
 
-    episodes = fleet_of(configs, frame_options, world)
-    connection.send(tuple(episode.info for episode in episodes))
-    if frame_options is not None:
-        connection.send(tuple(episode.description for episode in episodes))
+    episodes = episodes_of(run, frame_options, world)
+    connection.send(tuple(Begun(episode.info, episode.description) for episode in episodes))
     batches = together(episodes)
-    for _ in range(configs[0].total_periods):
+    for _ in range(run.total_periods):
         orders: tuple[_Order | None, ...] = connection.recv()
         for episode, order in zip(episodes, orders, strict=True):
             if order is not None:

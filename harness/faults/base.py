@@ -8,8 +8,6 @@ import numpy as np
 
 from harness.samples import Sample
 
-LONGEST = 1e8  # [s]: stamps have 31 bits of seconds
-
 Readings = tuple[Sample, ...]
 Effect = Callable[[Readings, int], Readings]  # what is sent at a tick [ns] for what was read
 SensorAct = Callable[["Fault[SensorAct]", np.random.Generator], Effect]

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 
-from harness.faults.base import LONGEST, Kind, SensorAct, Value
+from harness.faults.base import Kind, SensorAct, Value
 from harness.faults.clock import ClockAct
 from harness.faults.readings import becomes, each, empty, measured, resize, shift, spike
 from harness.faults.streams import decimated, frozen, late, repeat
+from harness.spec.fault import LONGEST
 
 SHARE = Value("SHARE", "a share above 0 up to 1", lambda x: 0.0 < x <= 1.0, default=1.0)
 SIZE = Value("SIZE", "a size above 0", lambda x: 0.0 < x < math.inf, default=10.0)

@@ -13,14 +13,14 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.base.sim_time import TICK_NS
-from harness.frames.options import NONE, WHEELS, FrameOptions
+from harness.base.sim_time import TICK_NS, period_ticks
 from harness.frames.rover_frames import HINGE, RoverFrames
 from harness.frames.tree import MAP, ODOM, Description, Edge
 from harness.frames.urdf import write_urdf
 from harness.physics.simulation import Simulation
 from harness.samples import Odometry, Quaternion, Source, Transforms, Vector3
-from harness.sensors.base import Sensor, period_ticks
+from harness.sensors.base import Sensor
+from harness.spec.ros import NONE, WHEELS, FrameOptions
 
 if TYPE_CHECKING:
     from harness.sensors.odometry import WheelOdometry

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
-from harness.base.sim_time import parse_timestep
-from harness.config import TICKS_PER_CONTROL, EpisodeConfig
-from harness.drivers.base import CONTROL_PERIOD
+from harness.base.sim_time import CONTROL_PERIOD, TICKS_PER_CONTROL
+from harness.episode.assembly import world_of
 from harness.episode.episode import installed
 from harness.frames.rover_frames import rover_frames
 from harness.gym.options import Randomisation
@@ -23,6 +22,7 @@ from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.range_sensor import RangeSensor
+from harness.spec.run import Run
 from harness.world.world import Start, starting_at
 
 if TYPE_CHECKING:
@@ -54,22 +54,23 @@ class Course:
     """One world with one rover, compiled once.
 
     Args:
-        config: Which world, rover and lidar.
+        run: Which world, rover and lidar.
         camera: The depth camera that the rover carries too; None for none.
 
     Attributes:
-        config: Likewise; and `camera`.
+        run: As it was given.
+        camera: As it was given.
         scene: The rover where `harness.run` starts.
         lidar: Of that rover in that world.
         places: Where episodes may start and end.
     """
 
-    def __init__(self, config: EpisodeConfig, camera: DepthOptions | None = None) -> None:
-        world, rover = config.world(), find_rover(config.robot)
-        self.config, self.camera = config, camera
+    def __init__(self, run: Run, camera: DepthOptions | None = None) -> None:
+        world, rover = world_of(run), find_rover(run.rover.robot)
+        self.run, self.camera = run, camera
         self._frames = None if camera is None else rover_frames(rover, camera.frames(rover))
-        self.scene = build_scene(world, rover, config.timestep)
-        self.lidar = Lidar(self.scene.model, LidarSpec(beams=config.lidar_beams))
+        self.scene = build_scene(world, rover, run.timestep)
+        self.lidar = Lidar(self.scene.model, LidarSpec(beams=run.rover.lidar_beams))
         self.places = Places(world, rover)
         self._alike: tuple[Start, Variation] | None = None  # what the last state at time zero is of
         self._settled: list[State] = []
@@ -83,8 +84,7 @@ class Course:
         """
         if self.camera is None or self._frames is None:
             return None
-        config = replace(self.config, seed=seed)
-        made = installed(config, self._frames, simulation.scene, self.camera)
+        made = installed(self.run.but(seed=seed), 0, self._frames, simulation.scene, self.camera)
         return RangeSensor(simulation, self.lidar.surroundings, made, TICKS_PER_CONTROL)
 
     def varied(self, start: Start, variation: Variation) -> Scene:
@@ -113,7 +113,7 @@ class Course:
             UsageError: The rover cannot stand there.
             RunFailed: Nor fall there.
         """
-        timestep_ns = parse_timestep(self.config.timestep)
+        timestep_ns = self.run.timestep_ns
         if alike == self._alike:
             return Simulation(scene, timestep_ns, Physics((scene,), timestep_ns, self._settled))
         chosen = scene.world.start != self.scene.world.start

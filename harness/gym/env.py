@@ -17,7 +17,8 @@ from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
 from harness.base.errors import Diverged, RunFailed, UsageError, unknown
-from harness.drivers.base import CONTROL_PERIOD
+from harness.base.sim_time import CONTROL_PERIOD
+from harness.episode.assembly import check
 from harness.gym.course import Course, draw_variation
 from harness.gym.difficulty import Ladder
 from harness.gym.observation import Limits, Observation, Part
@@ -118,11 +119,11 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         self._seen = self._observe(ride)
         if self.render_mode == "human":
             self.render()
-        config = self._course.config
+        run = self._course.run
         return self._fresh_observation(), {
-            "terrain": config.terrain,
-            "world_seed": config.seed,
-            "difficulty": config.difficulty,
+            "terrain": run.world.terrain,
+            "world_seed": run.seed,
+            "difficulty": run.world.difficulty,
             "start": np.array(ride.simulation.scene.world.start),
             "goal": np.array(self.goal),
             "variation": asdict(variation),
@@ -270,7 +271,7 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
             with suppress(UsageError, RunFailed):
                 return Ride(course, self._draw_start(course), variation, noise_seed)
         raise UsageError(
-            f"no start was found on {course.config.terrain}, seed {course.config.seed}, in {MOST_TRIES} "
+            f"no start was found on {course.run.world.terrain}, seed {course.run.seed}, in {MOST_TRIES} "
             "tries; choose an easier world, or random_start=False"
         )
 
@@ -278,14 +279,14 @@ class RoverEnv(gymnasium.Env[Observation, Action], EzPickle, ABC, Generic[O]):
         rng, terrains = self.np_random, self.options.terrain
         terrain = terrains[int(rng.integers(len(terrains)))]
         difficulty = self._ladder.draw(rng)
-        config = self.options.episode(
+        run = self.options.episode(
             wanted.get("terrain", terrain),
             wanted.get("world_seed", seed),
             wanted.get("difficulty", difficulty),
         )
-        config.validate()
+        check(run)
         with _building:
-            return Course(config, self._camera)
+            return Course(run, self._camera)
 
     def _checked_action(self, action: Action) -> list[float]:
         values, limits = np.asarray(action, np.float64), self._action_limits

@@ -11,9 +11,11 @@ from typing import TypeVar
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import check_duration
-from harness.config import FILE_OPTIONS, LIDAR_BEAMS, EpisodeConfig
+from harness.episode.assembly import check
+from harness.spec.rover import LIDAR_BEAMS
+from harness.spec.run import Run
+from harness.spec.world import DEFAULT_DIFFICULTY, FILE_FIELDS
 from harness.world.terrain_file import is_terrain_file
-from harness.world.world import DEFAULT_DIFFICULTY
 from harness.yaml_file import fill
 
 Range = tuple[float, float]
@@ -121,7 +123,7 @@ class Options:
     randomisation: Randomisation = field(default_factory=Randomisation)
     curriculum: Curriculum = field(default_factory=Curriculum)
 
-    def episode(self, terrain: str, seed: int, difficulty: float) -> EpisodeConfig:
+    def episode(self, terrain: str, seed: int, difficulty: float) -> Run:
         """Returns the episode of `harness.run` whose world, rover and noise these are.
 
         Args:
@@ -130,10 +132,10 @@ class Options:
             difficulty: Of the world; a file has none.
         """
         is_file = is_terrain_file(terrain)
-        told = {name: value for name in FILE_OPTIONS if is_file and (value := getattr(self, name))}
+        told = {name: value for name in FILE_FIELDS if is_file and (value := getattr(self, name))}
         told |= {name: told[name][0] for name in ONE_NUMBER if name in told}
         told |= {name: (told[name][0], told[name][-1]) for name in ("terrain_size",) if name in told}
-        return EpisodeConfig(
+        return Run.of(
             **told,
             terrain=terrain,
             robot=self.robot,
@@ -163,7 +165,7 @@ class Options:
             raise UsageError("terrain [] is empty; name at least one terrain or file")
         for terrain in self.terrain:
             for difficulty in self.difficulty:
-                self.episode(terrain, 0, difficulty).validate()
+                check(self.episode(terrain, 0, difficulty))
         for name, most in (("terrain_size", 2), *((name, 1) for name in ONE_NUMBER)):
             if len(getattr(self, name)) > most:
                 raise UsageError(f"{name} {list(getattr(self, name))} is not valid; give {most} at most")

@@ -81,7 +81,7 @@ class Painter:
     def _stage(self, course: Course) -> None:
         scene = course.scene
         world = replace(scene.world, ground=drawn(scene.world.ground))
-        timestep = course.config.timestep
+        timestep = course.run.timestep
         self._model = build_scene(world, scene.rover, timestep, partial(dress, quality=QUALITY)).model
         self._data = mujoco.MjData(self._model)
         if self._window:

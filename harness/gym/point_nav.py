@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium import spaces
 
 from harness.base.errors import UsageError
-from harness.drivers.base import CONTROL_PERIOD
+from harness.base.sim_time import CONTROL_PERIOD
 from harness.drivers.point_nav import GOAL_RADIUS, commanded, latest, observed, visible
 from harness.gym.env import FLIPPED, Info, RoverEnv
 from harness.gym.observation import (

@@ -9,8 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.base.sim_time import NANOSECONDS, TICK_NS
-from harness.config import IMU_RATE, TICKS_PER_CONTROL
+from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
 from harness.episode.episode import sensor_noise
 from harness.gym.course import Course, Variation
 from harness.physics.base_controller import base_controller
@@ -19,6 +18,7 @@ from harness.physics.scene import HAZARD_CONTACT, SCRAPE_CONTACT
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
 from harness.sensors.ranging import RangeReading
 from harness.sensors.suite import SensorSuite
+from harness.spec.rover import IMU_RATE
 from harness.world.world import Start
 
 SENSED = (LaserScan, Imu, Pose, Odometry)
@@ -49,12 +49,12 @@ class Ride:
     """
 
     def __init__(self, course: Course, start: Start, variation: Variation, noise_seed: int) -> None:
-        config, scene = course.config, course.varied(start, variation)
+        scene = course.varied(start, variation)
         self.simulation = course.settled(scene, (start, replace(variation, latency=0.0)))
         self._leap = Leap(self.simulation, TICKS_PER_CONTROL)
         self._base = base_controller(scene.rover, TICK)
         parts = {"simulation": self.simulation, "lidar": course.lidar}
-        noise = sensor_noise(replace(config, seed=noise_seed), course.lidar.spec)
+        noise = sensor_noise(course.run.rover.noise, noise_seed, course.lidar.spec)
         self._suite = SensorSuite(parts, scene.rover, {Imu: IMU_RATE}, wanted=SENSED, noise=noise)
         self._camera = course.camera_of(self.simulation, noise_seed)
         self._late: deque[Readings] = deque(maxlen=1 + variation.late_periods)

@@ -14,7 +14,7 @@ import numpy as np
 from gymnasium import spaces
 
 from harness.base.errors import UsageError
-from harness.drivers.base import CONTROL_PERIOD
+from harness.base.sim_time import CONTROL_PERIOD
 from harness.drivers.point_nav import Point, attitude, latest, visible, way_to
 from harness.gym.env import Info, RoverEnv
 from harness.gym.observation import Part, space_of

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.config import EpisodeConfig
+from harness.episode.assembly import gravity as gravity_of
+from harness.episode.assembly import world_of
 from harness.episode.manifest import manifest
 from harness.episode.result import RunResult
 from harness.page.figure import MINUS, TIMES, Plot, named
@@ -31,6 +32,7 @@ from harness.report.tables import (
 from harness.report.terrain_map import map_figure
 from harness.robots import find_rover, robot_name
 from harness.sensors.lidar_spec import scan_points
+from harness.spec.rover import RoverSetup
 from harness.world.heightfield import Heightfield
 
 NO_OTHERS: Mapping[str, Sequence[Stretch]] = MappingProxyType({})
@@ -48,14 +50,14 @@ def content(
     steady = [plot for plot in plots if plot not in series]
     return {
         "result": result,
-        "heading": f"{_called(result.config)} on {Path(result.config.terrain).name}",
+        "heading": f"{_called(result.rover)} on {Path(result.run.world.terrain).name}",
         "arguments": values["arguments"],
         "outcome": values["outcome"],
         "written": datetime.now().astimezone().isoformat(sep=" ", timespec="seconds"),
         "key_figures": key_figures(result),
         "map": terrain_map,
         "comparisons": [*comparisons(result, log), *people(recorder.track)],
-        "encounters": encounter_rows(met, result.config.world().people),
+        "encounters": encounter_rows(met, world_of(result.run).people),
         "near": NEAR,
         "contacts": contact_rows(result),
         "series": series,
@@ -70,22 +72,23 @@ def content(
     }
 
 
-def _called(config: EpisodeConfig) -> str:
-    robot = robot_name(config.robot)
-    return f"{config.name}, a {robot}," if config.name else robot
+def _called(rover: RoverSetup) -> str:
+    robot = robot_name(rover.robot)
+    return f"{rover.name}, a {robot}," if rover.name else robot
 
 
 def _map(
     result: RunResult, recorder: RunRecorder, log: Log, others: Mapping[str, Sequence[Stretch]]
 ) -> Plot:
-    config, track = result.config, recorder.track
-    world = config.world()
+    run, track = result.run, recorder.track
+    world = world_of(run)
+    start = world.start if result.info is None else result.info.start
     hillshade, heights = shade(world.ground), world.ground.heights
     half_x, half_y = world.ground.half_size
-    x, y, yaw = (_signed(value) for value in world.start)
+    x, y, yaw = (_signed(value) for value in start)
     collided, touched, near = collisions(log, track), contacts(track), meetings(track)
     placed = recorder.last_scan
-    rover = find_rover(config.robot)
+    rover = find_rover(result.rover.robot)
     figure = map_figure(
         world,
         hillshade,
@@ -95,7 +98,7 @@ def _map(
         meetings=near,
         others=others,
         scan=np.empty((0, 2)) if placed is None else scan_points(placed, rover),
-        gravity=config.gravity(),
+        gravity=gravity_of(run, result.number),
     )
     summary = (
         f"Path of {result.truth.path_length:.1f} m with {len(collided)} places where the metrics "
@@ -126,7 +129,7 @@ def _signed(value: float) -> str:
 
 def _series(result: RunResult, recorder: RunRecorder, log: Log) -> list[Plot]:
     track = recorder.track
-    touched, gravity = contacts(track), result.config.gravity()
+    touched, gravity = contacts(track), gravity_of(result.run, result.number)
     return [
         Plot(
             name=f"series-{number}",

@@ -10,8 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.base.sim_time import NANOSECONDS
-from harness.drivers.base import CONTROL_PERIOD_NS
+from harness.base.sim_time import CONTROL_PERIOD_NS, NANOSECONDS
 from harness.episode.batch import Batch
 from harness.samples import ActorPoses, Imu, LaserScan, PlacedScan, Pose, Vector3
 

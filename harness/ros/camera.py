@@ -1,7 +1,7 @@
 """Images of a camera and what its lens is, as messages."""
 
 from array import array
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -11,29 +11,30 @@ from rclpy.logging import get_logger
 from sensor_msgs.msg import CameraInfo, Image
 
 from harness.base.sim_time import NANOSECONDS
-from harness.config import EpisodeConfig
-from harness.episode.fleet import scenery
+from harness.episode.assembly import scenery, sensor_rows
 from harness.ros.channel import Fill
 from harness.samples import Sample
 from harness.sensors.camera.lens import Lens
 from harness.sensors.camera.painter import CameraPainter
 from harness.sensors.camera.sensor import CameraOptions, CameraState
+from harness.spec.run import Run
 
 Draw = Callable[[CameraState], NDArray[np.uint8] | None]  # None: there is no OpenGL
 ENCODING, CHANNELS = "rgb8", 3
 
 
-def painter(config: EpisodeConfig, fleet: Sequence[EpisodeConfig] = ()) -> CameraPainter:
+def painter(run: Run, number: int = 0) -> CameraPainter:
     """Returns what draws for the cameras of a rover; nothing is started before the first image.
 
     Args:
-        config: Of the rover.
-        fleet: Of all rovers of its world; none but it if left out.
+        run: The run.
+        number: The rover's place in it.
     """
-    given = (row.given for row in config.sensor_rows())
+    given = (row.given for row in sensor_rows(run.rovers[number]))
     cameras = {options.name: options for options in given if isinstance(options, CameraOptions)}
-    seen, seed = partial(scenery, tuple(fleet) or (config,)), config.own_seed
-    return CameraPainter(seen, cameras, seed, get_logger("harness").warning)
+    return CameraPainter(
+        partial(scenery, run), cameras, run.own_seed(number), get_logger("harness").warning
+    )
 
 
 def image_fill(message: Image, options: CameraOptions, draw: Draw | None) -> Fill:

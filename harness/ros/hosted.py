@@ -16,6 +16,7 @@ from harness.ros.channel import Channel
 from harness.ros.context import SPIN_TIMEOUT, spin_until, timer_is_due
 from harness.ros.remote import DISCOVERY_PATIENCE
 from rover_metrics.errors import RoverMetricsError
+from rover_metrics.extended.settings import Settings
 from rover_metrics.metrics_node import MetricsNode
 
 PATIENCE = 10.0  # [s] of wall time without any progress before messages are given up
@@ -26,14 +27,17 @@ def metrics_node(
     log_dir: Path,
     namespace: str = "",
     parameters: Mapping[str, object] = MappingProxyType({}),
+    *,
+    settings: Settings | None = None,
 ) -> MetricsNode:
     """Returns a MetricsNode on simulation time that logs into a folder.
 
     Args:
-        context: Of rclpy.
-        log_dir: The folder.
-        namespace: Of the node and of what it listens to, where there are several rovers.
-        parameters: Further ones, by name.
+        context: The rclpy context that the node lives in.
+        log_dir: The folder, whatever the settings or the command line say.
+        namespace: Namespace of the node and of what it listens to, where there are several rovers.
+        parameters: Parameters that win over the command line, by name.
+        settings: Defaults of the node's parameters, over which `--ros-args` wins.
 
     Raises:
         UsageError: The log cannot be created, or a parameter on the command line is not valid.
@@ -41,7 +45,7 @@ def metrics_node(
     values = {**parameters, "use_sim_time": True, "log_dir": str(log_dir)}
     overrides = [Parameter(name, value=value) for name, value in values.items()]
     try:
-        return MetricsNode(context=context, parameter_overrides=overrides, namespace=namespace)
+        return MetricsNode(settings, context=context, parameter_overrides=overrides, namespace=namespace)
     except RoverMetricsError as error:
         raise UsageError(str(error)) from error
 

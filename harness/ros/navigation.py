@@ -16,14 +16,15 @@ from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid
 
 from harness.base.sim_time import NANOSECONDS
-from harness.config import EpisodeConfig
 from harness.drivers import takes_goals
+from harness.episode.assembly import world_of
 from harness.episode.stream import RoverOrders
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.channel import open_channel
 from harness.samples import Place
 from harness.sensors.table import Topic
+from harness.spec.run import Run
 from harness.world.occupancy import OccupancyMap, occupancy
 from harness.world.world import EDGE_MARGIN
 
@@ -36,15 +37,16 @@ class Navigation:
 
     Args:
         bridge: The node that does.
-        config: Of the episode.
+        run: What is driven.
+        number: The rover's place in the run.
         source: Is told where the rover goes.
 
     Attributes:
         map: /map.
     """
 
-    def __init__(self, bridge: Bridge, config: EpisodeConfig, source: RoverOrders) -> None:
-        self._bridge, self._config, self._source = bridge, config, source
+    def __init__(self, bridge: Bridge, run: Run, number: int, source: RoverOrders) -> None:
+        self._bridge, self._run, self._rover, self._source = bridge, run, run.rovers[number], source
         self.map = open_channel(bridge, MAP, self._message)
         bridge.create_subscription(PoseWithCovarianceStamped, "initialpose", self._put, 1)
         bridge.create_subscription(PoseStamped, "goal_pose", self._head_for, 1)
@@ -52,8 +54,8 @@ class Navigation:
     @cached_property
     def occupancy(self) -> OccupancyMap:
         """Returns the map of this world for this rover."""
-        rover = find_rover(self._config.robot)
-        return occupancy(self._config.world(), rover.slope_limit, rover.step_limit)
+        rover = find_rover(self._rover.robot)
+        return occupancy(world_of(self._run), rover.slope_limit, rover.step_limit)
 
     def look_around(self) -> None:
         """Publishes /map, once, if somebody listens or records."""
@@ -79,9 +81,9 @@ class Navigation:
         self._take("initialpose", message.header.frame_id, message.pose.pose, self._source.put)
 
     def _head_for(self, message: PoseStamped) -> None:
-        if not takes_goals(self._config.driver):
+        if not takes_goals(self._rover.driver):
             if self._bridge.count_subscribers("goal_pose") == 1:  # else it is for Nav2's bt_navigator
-                reason = f"the driver is {self._config.driver}; start with --driver goal"
+                reason = f"the driver is {self._rover.driver}; start with --driver goal"
                 self._refuse("goal_pose", reason)
         else:
             self._take("goal_pose", message.header.frame_id, message.pose, self._source.head_for)
@@ -114,7 +116,7 @@ class Navigation:
             return (
                 f"{where} is off the map; give |x| below {most_x:g} m and |y| below {most_y:g} m{about}"
             )
-        if not self.occupancy.is_free(place.x, place.y, find_rover(self._config.robot).width / 2):
+        if not self.occupancy.is_free(place.x, place.y, find_rover(self._rover.robot).width / 2):
             return f"{where} is occupied on /map: the rover cannot stand there"
         return None
 

@@ -1,16 +1,15 @@
 """The nodes of one rover in a run: the bridge, what follows its goals, the hosted MetricsNode."""
 
-from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 
 from rclpy.context import Context
 from rclpy.executors import Executor
 
-from harness.config import RosOptions
-from harness.episode.loop import injector
-from harness.episode.result import RoverRun, RunResult, TopicCount, cells_of
+from harness.episode.assembly import actor_names, injector, sensor_rows
+from harness.episode.result import Outputs, RunResult, TopicCount, cells_of
 from harness.episode.stream import RoverOrders
+from harness.frames.tree import Description
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge, Listener
 from harness.ros.camera import painter
@@ -18,6 +17,8 @@ from harness.ros.channel import Channel
 from harness.ros.hosted import HostedMetrics, metrics_node
 from harness.ros.navigation import Navigation
 from harness.sensors.lidar_spec import LidarSpec
+from harness.spec.ros import RosOptions
+from harness.spec.run import Run
 from rover_metrics.ros.metrics_publisher import MetricsPublisher
 
 
@@ -25,8 +26,9 @@ class RoverNodes:
     """The nodes of one rover.
 
     Args:
-        number: Its place among the rovers.
-        run: What it is asked for, and likewise all others.
+        run: What is driven.
+        number: The rover's place in the run.
+        outputs: Where its data go.
         options: How the run goes through ROS.
         orders: Of the rover.
         clock: /clock, if another one tells it.
@@ -34,47 +36,55 @@ class RoverNodes:
 
     def __init__(
         self,
+        run: Run,
         number: int,
-        run: Sequence[RoverRun],
+        outputs: Outputs,
         options: RosOptions,
         orders: RoverOrders,
         context: Context,
         at_end: ExitStack,
         clock: Channel | None,
     ) -> None:
-        self.asked = run[number]
-        self.config = config = self.asked.config
+        self.run, self.number, self.outputs = run, number, outputs
+        self.setup = setup = run.rovers[number]
         self.orders, self._context, self._at_end = orders, context, at_end
-        draw = at_end.enter_context(painter(config, [rover.config for rover in run])).image
+        draw = at_end.enter_context(painter(run, number)).image
         self.bridge = Bridge(
-            find_rover(config.robot),
-            LidarSpec(beams=config.lidar_beams),
+            find_rover(setup.robot),
+            LidarSpec(beams=setup.lidar_beams),
             context=context,
             on_command=orders.command,
             cmd_vel=options.cmd_vel,
-            rows=config.sensor_rows(),
+            rows=sensor_rows(setup),
             draw=draw,
-            actors=config.actor_names(),
-            namespace=config.name,
+            actors=actor_names(run.world),
+            namespace=setup.name,
             clock=clock,
         )
         at_end.callback(self.bridge.destroy_node)
-        self.faults = injector(config)
+        self.faults = injector(run, number)
         self.hosted: HostedMetrics | None = None
 
     def join(self, executor: Executor) -> None:
         """Has the bridge spun."""
         executor.add_node(self.bridge)
-        self.navigation = Navigation(self.bridge, self.config, self.orders)
+        self.navigation = Navigation(self.bridge, self.run, self.number, self.orders)
 
     def host_metrics(self, executor: Executor) -> None:
         """Starts its MetricsNode."""
-        asked = self.asked
-        node = metrics_node(self._context, asked.log_dir, self.config.name, asked.parameters)
+        node = metrics_node(
+            self._context, self.outputs.log_dir, self.setup.name, settings=self.outputs.settings
+        )
         self._at_end.callback(node.destroy_node)
         executor.add_node(node)
         self.hosted = HostedMetrics(self.bridge, node)
         self.hosted.await_match()
+
+    def begin(self, description: Description | None) -> None:
+        """Refuses other publishers of its topics, and publishes what its transforms are of, if known."""
+        self.bridge.refuse_other_publishers(self.hosted.topics if self.hosted else ())
+        if description is not None:
+            self.bridge.describe(description)
 
     @property
     def metrics(self) -> MetricsPublisher | None:

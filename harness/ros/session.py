@@ -15,9 +15,9 @@ from rclpy.executors import ExternalShutdownException
 from harness.base.errors import RunFailed
 from harness.base.interrupt import GRACE, Overdue, StopRequest
 from harness.base.sim_time import NANOSECONDS
-from harness.config import EpisodeConfig, RosOptions
-from harness.episode.loop import Lane, Observer, Pacer, drive_all
-from harness.episode.result import RoverRun, RunAccount, RunResult, Show
+from harness.episode.batch import EpisodeInfo
+from harness.episode.loop import Pacer, Route, drive
+from harness.episode.result import Outputs, RunAccount, RunResult, Show
 from harness.episode.stream import EpisodeProcess
 from harness.ros.bridge import SECOND_PUBLISHER
 from harness.ros.context import make_executor, ros_context, spin_until
@@ -28,44 +28,27 @@ from harness.ros.recorder import Recorder
 from harness.ros.remote import ANSWER_PATIENCE, DISCOVERY_PATIENCE, RemoteNode, counted_by
 from harness.ros.rover_nodes import RoverNodes
 from harness.samples import Tick
+from harness.spec.ros import RosOptions
+from harness.spec.run import Run
 
 LOOK_PERIOD_NS = NANOSECONDS // 10  # of simulation time, for publishers that have turned up
 
 
 def run_through_ros(
-    config: EpisodeConfig,
+    run: Run,
+    outputs: Sequence[Outputs],
     options: RosOptions,
     stop: StopRequest,
     show: Show | None = None,
-    observers: Sequence[Observer] = (),
-) -> RunResult:
-    """Runs an episode and returns what it came to, also when it failed underway.
-
-    Args:
-        config: What to run.
-        options: How it goes through ROS.
-        stop: Ends the run early.
-        show: Is told the result up to now after every batch.
-        observers: See every batch once it has been published.
-
-    Raises:
-        UsageError: Something is wrong with the arguments or the environment.
-    """
-    only = RoverRun(config=config, log_dir=options.log_dir, observers=observers)
-    (result,) = run_all_through_ros((only,), options, stop, show)
-    return result
-
-
-def run_all_through_ros(
-    rovers: Sequence[RoverRun], options: RosOptions, stop: StopRequest, show: Show | None = None
 ) -> tuple[RunResult, ...]:
-    """Runs rovers that share a world, as `run_through_ros` runs one; returns the result of each.
+    """Runs through ROS and returns what each rover's part came to, also when it failed underway.
 
     Args:
-        rovers: What to run; their settings come with the options' arguments.
+        run: What to run.
+        outputs: Of each rover.
         options: How it goes through ROS.
         stop: Ends the run early.
-        show: Is told the first one's result up to now after every batch.
+        show: Is given the first rover's result up to now after every batch.
 
     Raises:
         UsageError: Something is wrong with the arguments or the environment.
@@ -74,31 +57,32 @@ def run_all_through_ros(
     with ExitStack() as at_end:
         recorder = Recorder(options.record, overwrite=options.overwrite) if options.record else None
         at_end.enter_context(recorder or nullcontext())
-        configs = [rover.config for rover in rovers]
-        source = at_end.enter_context(EpisodeProcess(configs, options.frames))
-        run = _Run(rovers, options, source, at_end)
+        source = at_end.enter_context(EpisodeProcess(run, options.frames))
+        session = _Session(run, outputs, options, source, at_end)
         if recorder is not None:
-            for rover in run.rovers:
+            for rover in session.rovers:
                 recorder.tap(rover.bridge, rover.metrics, [rover.navigation.map])
-        return run.drive(stop, show, started)
+        return session.drive(stop, show, started)
 
 
-class _Run:
+class _Session:
     """The nodes of one run and its loop."""
 
     def __init__(
         self,
-        rovers: Sequence[RoverRun],
+        run: Run,
+        outputs: Sequence[Outputs],
         options: RosOptions,
         source: EpisodeProcess,
         at_end: ExitStack,
     ) -> None:
-        self._options, self._source = options, source
+        self._run, self._options, self._source = run, options, source
         self._context = context = at_end.enter_context(ros_context(options.ros_args))
         self.rovers: list[RoverNodes] = []
         for number, orders in enumerate(source.rovers):
             clock = self.rovers[0].bridge.clock_channel if self.rovers else None
-            self.rovers.append(RoverNodes(number, rovers, options, orders, context, at_end, clock))
+            nodes = RoverNodes(run, number, outputs[number], options, orders, context, at_end, clock)
+            self.rovers.append(nodes)
         jumps = any(rover.faults.disturbs_time for rover in self.rovers)
         self._executor = at_end.enter_context(make_executor(context, time_jumps=jumps))
         for rover in self.rovers:
@@ -121,7 +105,7 @@ class _Run:
     def _found(self, *, time_jumps: bool) -> list[RemoteNode]:
         """The nodes elsewhere; of several rovers none has a namespace that they could be below."""
         first, *others = (rover.bridge for rover in self.rovers)
-        root = "/" if self.rovers[0].config.name else ""
+        root = "/" if self._run.rover.name else ""
         return [
             RemoteNode(
                 name if name.startswith("/") else root + name,
@@ -134,29 +118,20 @@ class _Run:
 
     def drive(self, stop: StopRequest, show: Show | None, started: float) -> tuple[RunResult, ...]:
         """Publishes the episodes tick by tick until their end, a failure or a stop request."""
-        infos = self._source.infos  # waits for the world: other runs are discovered by then
+        begun = self._source.begin()  # waits for the world: other runs are discovered by then
         self._executor.spin_once(timeout_sec=0.0)
-        for rover in self.rovers:
-            rover.bridge.refuse_other_publishers(rover.hosted.topics if rover.hosted else ())
-        for rover, description in zip(self.rovers, self._source.descriptions, strict=False):
-            rover.bridge.describe(description)
+        for rover, (_, description) in zip(self.rovers, begun, strict=True):
+            rover.begin(description)
         accounts = [
-            RunAccount(
-                RunResult(config=rover.config, mode=self._mode(), info=info),
-                started,
-                None if number else show,
-                topics=rover.topics,
-                rows=rover.rows,
-                paused_s=lambda: self._controls.held_s,
-            )
-            for number, (rover, info) in enumerate(zip(self.rovers, infos, strict=True))
+            self._account(rover, info, None if rover.number else show, started)
+            for rover, (info, _) in zip(self.rovers, begun, strict=True)
         ]
         failure, interrupted = None, None
         try:
             with stop.deferred():
                 self._controls.hold(stop)
                 pacer = Pacer(self._options.rate, sleep=stop.sleep)
-                for tick in drive_all(self._source.batches(), self._lanes(accounts), stop):
+                for tick in drive(self._source.batches(), self._routes(accounts), stop):
                     pacer.postpone(self._controls.hold(stop))
                     pacer.wait_until(tick.stamp_ns)
                     if tick.stamp_ns % LOOK_PERIOD_NS == 0:
@@ -177,7 +152,19 @@ class _Run:
         ended = [account.ended(failure=failure, interrupted=interrupted) for account in accounts]
         return self._counted(ended)
 
-    def _lanes(self, accounts: Sequence[RunAccount]) -> list[Lane]:
+    def _account(
+        self, rover: RoverNodes, info: EpisodeInfo, show: Show | None, started: float
+    ) -> RunAccount:
+        return RunAccount(
+            RunResult(run=self._run, number=rover.number, mode=self._mode(), info=info),
+            started,
+            show,
+            topics=rover.topics,
+            rows=rover.rows,
+            paused_s=lambda: self._controls.held_s,
+        )
+
+    def _routes(self, accounts: Sequence[RunAccount]) -> list[Route]:
         """Where the ticks and the batches of each rover go."""
         first = self.rovers[0].bridge
         remotes = (RemoteNodes(self._remotes, first),) if self._remotes else ()
@@ -193,7 +180,7 @@ class _Run:
                 first.tell(self._told, listeners=everybody, others=others)
 
         return [
-            Lane(rover.faults, partial(send, rover), (*rover.asked.observers, account))
+            Route(rover.faults, partial(send, rover), (*rover.outputs.observers, account))
             for rover, account in zip(self.rovers, accounts, strict=True)
         ]
 

@@ -6,14 +6,15 @@ from tempfile import TemporaryDirectory
 
 from harness.base.errors import INSTALL_ROS, HarnessError, UsageError
 from harness.base.interrupt import Interrupted, StopRequest
-from harness.config import RosOptions
 from harness.episode.direct import run_direct, run_unlogged
+from harness.episode.result import Outputs
 from harness.scenario.baseline import Recorded
 from harness.scenario.case import Case
 from harness.scenario.evidence import keep_evidence
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import SAMPLES
 from harness.scenario.watch import Findings, Measured, Watch
+from harness.spec.ros import RosOptions
 
 SCRATCH = "rover-scenario-"
 
@@ -75,14 +76,14 @@ def attempt(case: Case, folder: Path, *, compare: bool = True, scratch: Path | N
 def _direct(case: Case, folder: Path, compare: bool, own: Path) -> Attempt:
     if _is_of_truth(case):
         watch = Watch(case)
-        result = run_unlogged(case.config, StopRequest(), SAMPLES, (watch.truth,))
+        result = run_unlogged(case.run, StopRequest(), SAMPLES, (watch.truth,))
         found = watch.judged(result, {})
         if not found.breaches:
             return _attempted(case, found, ())
         # What is left of a run that fails takes all sensors: the same drive once more.
     watch = Watch(case, compare=compare)
-    options = RosOptions(log_dir=own)
-    result = run_direct(case.config, options, StopRequest(), None, (watch,), watch.settings)
+    outputs = Outputs(log_dir=own, observers=(watch,), settings=watch.settings)
+    (result,) = run_direct(case.run, (outputs,), RosOptions(log_dir=own), StopRequest())
     found = watch.judged(result, {})
     kept = keep_evidence(result, watch.page, folder, found.breaches[0]) if found.breaches else ()
     return _attempted(case, found, kept)

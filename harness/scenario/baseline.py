@@ -12,12 +12,12 @@ import mujoco
 from harness import __version__
 from harness.base.errors import UsageError
 from harness.base.files import write_whole
-from harness.config import EpisodeConfig
 from harness.episode.result import RunResult
 from harness.scenario.bound import Bound
 from harness.scenario.case import Case, scenario_name
 from harness.scenario.judge import value_of
 from harness.scenario.series import Series
+from harness.spec.run import Run
 from harness.yaml_file import fill
 
 HASH_DIGITS = 12
@@ -49,9 +49,9 @@ def key_of(name: str, bound: Bound) -> str:
 def record(case: Case, result: RunResult, series: dict[str, Series]) -> Recorded:
     """Returns a run as a baseline keeps it."""
     # Only what is not the default: an argument that a later version adds changes nothing.
-    defaults, config = asdict(EpisodeConfig()), asdict(case.config)
-    config["terrain"] = Path(case.config.terrain).name  # the file's place may change
-    arguments = {k: value for k, value in config.items() if value != defaults[k]}
+    defaults, fields = Run().fields(), case.run.fields()
+    fields["terrain"] = Path(case.run.world.terrain).name  # the file's place may change
+    arguments = {k: value for k, value in fields.items() if value != defaults[k]}
     if case.params:
         arguments["params"] = case.params
     versions = {"rover-harness": __version__, "mujoco": mujoco.__version__}

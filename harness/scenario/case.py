@@ -3,26 +3,20 @@
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 from harness.base.errors import UsageError
-from harness.config import FILE_OPTIONS, EpisodeConfig
 from harness.drivers import takes_goals
+from harness.episode.assembly import check
 from harness.robots import ROVERS
 from harness.scenario.events import CommandEvent, FaultEvent, ResetEvent
 from harness.scenario.spec import ExpectedFailure, Scenario
-from harness.world.actors.spec import beside
+from harness.spec.rover import RoverSetup
+from harness.spec.run import Run
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.parameter_file import read_values
-
-# Left to EpisodeConfig where they are left out.
-_PASSED_ON = (
-    *FILE_OPTIONS,
-    *("difficulty", "datum", "start", "noise", "lidar_beams", "imu_rate", "sensors", "goal_area"),
-)
 
 Cell = tuple[tuple[str, Any], ...]  # values of a matrix by name
 
@@ -35,35 +29,35 @@ class Case:
         path: The scenario's file.
         scenario: What it says.
         cell: The values of its matrix that this run has, by name.
-        config: The run.
+        run: What it drives.
         params: Parameters of the metrics that are not the defaults, by name.
     """
 
     path: Path
     scenario: Scenario
     cell: Cell
-    config: EpisodeConfig
+    run: Run
     params: dict[str, Any] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
         """Returns e.g. "kerb[leo-rocky-3]": the scenario, the values of its matrix, the seed."""
         values = [Path(str(value)).name for _, value in self.cell]
-        return f"{scenario_name(self.path)}[{'-'.join([*values, str(self.config.seed)])}]"
+        return f"{scenario_name(self.path)}[{'-'.join([*values, str(self.run.seed)])}]"
 
     @property
     def command(self) -> str:
         """Returns what repeats this run alone."""
         only = [word for name, value in self.cell for word in ("--only", f"{name}={value}")]
-        words = [str(self.path), "--seed", str(self.config.seed), *only]
+        words = [str(self.path), "--seed", str(self.run.seed), *only]
         return f"python -m harness.scenario {shlex.join(words)}"
 
     @property
     def expected_failure(self) -> ExpectedFailure | None:
         """Returns why this run is known to fail, or None."""
-        terrain = Path(self.config.terrain).name
+        terrain = Path(self.run.world.terrain).name
         for known in self.scenario.expected_to_fail:
-            if known.robot in (None, self.config.robot) and known.terrain in (None, terrain):
+            if known.robot in (None, self.run.rover.robot) and known.terrain in (None, terrain):
                 return known
         return None
 
@@ -99,13 +93,13 @@ def cases_of(path: Path, scenario: Scenario, seeds: Sequence[int] | None = None)
     cells = [tuple(zip(lists, values, strict=True)) for values in product(*lists.values())]
     try:
         cases = [
-            Case(path, scenario, cell, _config(path, scenario, dict(cell), seed), params)
+            Case(path, scenario, cell, _run(path, scenario, dict(cell), seed), params)
             for cell in cells
             for params in [_params(path, dict(cell).get("params", scenario.params))]
             for seed in (seeds or scenario.all_seeds)
         ]
         for case in cases:
-            case.config.validate()
+            check(case.run)
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from error
     return cases
@@ -130,22 +124,26 @@ def _params(path: Path, name: str | None) -> dict[str, Any]:
         raise UsageError(f"params: {error}") from error
 
 
-def _config(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> EpisodeConfig:
-    values = {name: getattr(scenario, name) for name in ("robot", "terrain", "driver", "duration")}
-    given = {name: getattr(scenario, name) for name in _PASSED_ON}
-    values |= {name: value for name, value in given.items() if value is not None} | cell
-    values["terrain"] = str(_beside(path, values["terrain"]))
-    values["robot"] = _robot_beside(path, values["robot"])
-    folders = [(path.parent / name, name) for name in scenario.resource_path]
+def _run(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> Run:
+    values = {
+        name: value for name, value in {**scenario.run_values(), **cell}.items() if name != "params"
+    }
+    for name, place in (("terrain", _beside), ("robot", _robot_beside)):
+        if name in values:
+            values[name] = str(place(path, values[name]))
+    folders = [(path.parent / name, name) for name in values.get("resource_path", ())]
     values["resource_path"] = tuple(str(there) if there.is_dir() else name for there, name in folders)
-    values.pop("params", None)
+    values["actors"] = tuple(
+        actor.in_file(str(_beside(path, actor.file))) if actor.file else actor
+        for actor in values.get("actors", ())
+    )
     events, goal = scenario.events, scenario.goal
-    return EpisodeConfig(
+    is_sent = goal is not None and takes_goals(values.get("driver", RoverSetup().driver))
+    return Run.of(
         **values,
         seed=seed,
         faults=tuple(event.spec for event in events if isinstance(event, FaultEvent)),
         commands=tuple((e.at, *e.command) for e in events if isinstance(e, CommandEvent)),
-        actors=tuple(beside(actor, partial(_beside, path)) for actor in scenario.actors),
-        goals=((0.0, *goal.at, goal.yaw),) if goal and takes_goals(values["driver"]) else (),
+        goals=((0.0, *goal.at, goal.yaw),) if goal is not None and is_sent else (),
         resets=tuple(event.at for event in events if isinstance(event, ResetEvent)),
     )

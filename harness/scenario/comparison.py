@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from harness.config import FILE_OPTIONS
 from harness.scenario.attempt import Attempt
 from harness.scenario.bound import Bound
 from harness.scenario.case import Case, cell_name
@@ -22,8 +21,6 @@ from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind
 from rover_metrics.analysis.statistics.comparison import Comparison, compare, holm
 from rover_metrics.analysis.statistics.summary import Interval, Summary, summarise_independent
-
-_SAME_WORLD = ("terrain", "difficulty", *FILE_OPTIONS, "start")
 
 
 @dataclass(frozen=True)
@@ -180,7 +177,7 @@ def _pairs(first: Cell, second: Cell) -> bool:
 
 
 def _world(case: Case) -> tuple[Any, ...]:
-    return case.config.seed, *(getattr(case.config, name) for name in _SAME_WORLD)
+    return case.run.seed, case.run.world, case.run.rover.start
 
 
 def _adjusted(quantities: Sequence[Compared]) -> Iterator[Compared]:

@@ -83,12 +83,12 @@ class Progress:
 
 def _identity(cases: Sequence[Case], *, compare: bool) -> str:
     """A hash of all that the outcomes depend on, the contents of files included."""
-    files = {case.path for case in cases} | {Path(case.config.terrain) for case in cases}
+    files = {case.path for case in cases} | {Path(case.run.world.terrain) for case in cases}
     files |= {path_of(case.path) for case in cases}
     digest = hashlib.sha256(repr((__version__, compare)).encode())
     for path in sorted(files):
         if path.is_file():
             digest.update(path.read_bytes())
     for case in cases:
-        digest.update(repr((case.config, case.params)).encode())
+        digest.update(repr((case.run, case.params)).encode())
     return digest.hexdigest()

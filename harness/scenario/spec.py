@@ -1,9 +1,17 @@
 """What a *.scenario.yaml says: values that are checked as they are read, and their JSON schema."""
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
-from pydantic import AfterValidator, Discriminator, Field, FiniteFloat, Tag, model_validator
+from pydantic import (
+    AfterValidator,
+    Discriminator,
+    Field,
+    FiniteFloat,
+    Tag,
+    create_model,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from harness.scenario.bound import Bound, Length, Part, Point, Share, Text
@@ -11,8 +19,11 @@ from harness.scenario.events import CommandEvent, Event, PauseEvent
 from harness.scenario.launch import Launch, Launched, launch_of
 from harness.scenario.quantities import GOAL, check_name, names
 from harness.scenario.topic import COUNT, LATENCY, PATTERN, TOPIC, topic_quantity
+from harness.spec.rover import RoverSetup
+from harness.spec.run import Run
+from harness.spec.value import Seed
+from harness.spec.world import WorldSpec
 
-Seed = Annotated[int, Field(ge=0)]
 SCHEMA: dict[str, Any] = {
     "propertyNames": {"anyOf": [{"enum": list(names())}, {"pattern": f"^{PATTERN}$"}]}
 }
@@ -86,28 +97,36 @@ class Matrix(Part):
     params: tuple[Text | None, ...] = ()
 
 
-class Scenario(Part):
-    """A run with expectations.
+def _run_keys() -> dict[str, Any]:
+    """The fields of a run as keys of a scenario; events, goal and seeds have forms of their own."""
+    fields = {
+        name: cls.model_fields[name]
+        for cls in (WorldSpec, RoverSetup, Run)
+        for name in cls.model_fields
+        if name not in NOT_KEYS
+    }
+    return {name: (field.annotation, field) for name, field in fields.items()}
+
+
+NOT_KEYS = ("name", "faults", "world", "rovers", "plan", "seed", "duration")
+if TYPE_CHECKING:
+    RunKeys = Part
+else:
+    RunKeys = create_model("RunKeys", __base__=Part, **_run_keys())
+
+
+class Scenario(RunKeys):
+    """A run with expectations: the fields of a run (harness.spec) are keys of it too.
+
+    Files stand relative to the scenario's folder, if they are there.
 
     Attributes:
         about: What is checked, in a sentence.
-        robot: See `python -m harness.run --list`; likewise `terrain` (or a file) and `driver`.
-        terrain_size: Along x and y [m], of a terrain from a file that does not say it.
-        terrain_height: Of the relief [m], likewise.
-        terrain_cell: Distance of the heights that meshes become [m].
-        resource_path: Folders with models and meshes; relative to this file's folder, if they are there.
-        mesh_unit: Of a mesh that does not say it, e.g. cm; likewise `mesh_up`, its axis that is up.
-        rock_height: Up to which obstacles of files are rocks [m]; the rover's clearance if left out.
-        rock: Patterns of names of models that are rocks; likewise `hazard`.
-        datum: Latitude, longitude [deg] and altitude [m] of the world's origin.
-        start: x and y in the world [m], and the heading [rad]; where the terrain has it if left out.
-        matrix: Instead of single values of those, lists.
-        seed: Of the run; `seeds` is a number of seeds from 0 on, or a list.
-        noise: Errors of the sensors; none if left out.
-        sensors: Optional ones, as --sensors has them; those of rover.yaml if left out.
+        duration: Of the run [s].
+        matrix: Lists instead of single values of some keys.
+        seed: Of the run.
+        seeds: A number of seeds from 0 on, or a list, instead of one.
         params: Parameter file of the metrics that judge the log; the defaults if left out.
-        goal_area: Instead of one goal, random ones in x from, to, y from, to [m], as `--goal-area`.
-        actors: People who walk, each as `--actor` reads it; files stand relative to this one's folder.
         goal: Where the rover is to arrive; the driver `goal` is told. See the quantity truth.goal_s.
         launch: Commands whose nodes hear the rover over ROS and are waited for.
         events: What happens on the way.
@@ -118,32 +137,11 @@ class Scenario(Part):
     """
 
     about: Text
-    robot: str = "leo"
-    terrain: str = "rocky"
-    terrain_size: tuple[Length, Length] | None = None
-    terrain_height: Length | None = None
-    terrain_cell: Length | None = None
-    resource_path: tuple[Text, ...] = ()
-    mesh_unit: str = ""
-    mesh_up: str = ""
-    rock_height: Annotated[FiniteFloat, Field(ge=0)] | None = None
-    rock: tuple[Text, ...] = ()
-    hazard: tuple[Text, ...] = ()
-    difficulty: float | None = None
-    datum: tuple[float, float, float] | None = None
-    start: tuple[float, float, float] | None = None
-    driver: str = "wander"
-    duration: float = 30.0
+    duration: Length = 30.0
     matrix: Matrix = Matrix()
     seed: Seed = 0
     seeds: Seeds | None = None
-    noise: str | None = None
     params: Text | None = None
-    lidar_beams: int | None = None
-    imu_rate: int | None = None
-    sensors: tuple[Text, ...] | None = None
-    goal_area: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] | None = None
-    actors: tuple[Text, ...] = ()
     goal: Goal | None = None
     launch: tuple[Launched, ...] = ()
     events: tuple[Event, ...] = ()
@@ -153,6 +151,11 @@ class Scenario(Part):
     same_bytes: bool = False
     expected_to_fail: tuple[ExpectedFailure, ...] = ()
     pass_rate: PassRate | None = None
+
+    def run_values(self) -> dict[str, Any]:
+        """Returns the fields of the run that the file gives, by name."""
+        given = RunKeys.model_fields.keys() & self.model_fields_set
+        return {name: getattr(self, name) for name in given} | {"duration": self.duration}
 
     @property
     def all_seeds(self) -> tuple[int, ...]:
@@ -211,7 +214,7 @@ class Scenario(Part):
                 yield _mistake(("events", index), problem)
 
     def _problem_of_event(self, event: Event) -> str | None:
-        drivers = set(self.matrix.driver or (self.driver,))
+        drivers = set(self.matrix.driver or (self.run_values().get("driver"),))
         if isinstance(event, CommandEvent) and drivers != {"cmd_vel"}:
             return "commands need 'driver: cmd_vel'; others drive by themselves"
         if isinstance(event, PauseEvent) and not self.needs_ros:

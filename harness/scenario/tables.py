@@ -172,7 +172,7 @@ def _run(compared: Comparisons, attempt: Attempt) -> dict[str, Any]:
     return {
         "run": attempt.case.name,
         **dict(attempt.case.cell),
-        "seed": attempt.case.config.seed,
+        "seed": attempt.case.run.seed,
         "outcome": outcome_of(attempt).value,
         "reasons": reasons_of(attempt),
         "again": attempt.case.command,

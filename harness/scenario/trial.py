@@ -75,7 +75,7 @@ class ScenarioTrial(Trial):
         folder: Path | None = None,
         compare: bool = True,
     ) -> None:
-        super().__init__(case.config, artifacts)
+        super().__init__(case.run, artifacts)
         self.case, self._given = case, folder
         self._watch = Watch(case, compare=compare)
         self._pauses = [event for event in case.scenario.events if isinstance(event, PauseEvent)]
@@ -101,7 +101,7 @@ class ScenarioTrial(Trial):
         """
         only = tuple((name, str(value)) for name, value in cell.items())
         cases = plan([Path(path)], None if seed is None else [seed], only)
-        first = [case for case in cases if case.config.seed == cases[0].config.seed]
+        first = [case for case in cases if case.run.seed == cases[0].run.seed]
         if len(first) > 1:
             names = ", ".join(f"{name}={value!r}" for name, value in first[0].cell)
             raise UsageError(f"{path} has {len(first)} runs of a seed; choose one, e.g. {names}")
@@ -195,7 +195,7 @@ class ScenarioTrial(Trial):
         if not self._nodes.subjects:  # what is published is heard when somebody has answered after it
             self.host(lambda: rclpy.create_node("scenario", enable_rosout=False))
         mode = f"ROS 2, lock-step with {', '.join(subject.name for subject in self._nodes.subjects)}"
-        begun = RunResult(config=self.config, mode=mode, info=self._episode.info)
+        begun = RunResult(run=self.run, mode=mode, info=self._episode.info)
         log = LoggedRun(begun, self._folder, self._watch.settings, started=time.monotonic())
         self._logged, self._is_on = at_end.enter_context(log), True
 
@@ -267,7 +267,7 @@ class ScenarioTrial(Trial):
         except LogError as error:
             raise RunFailed(str(error)) from error
 
-    def _batches(self) -> Iterator[Batch]:
+    def _batches(self) -> Iterator[tuple[Batch]]:
         """What the episode itself fails of ends the run, which is judged; see Trial."""
         try:
             yield from super()._batches()

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from harness.episode.assembly import gravity
 from harness.episode.batch import Batch
 from harness.episode.metrics_feed import extended_settings
 from harness.episode.result import RunResult
@@ -86,8 +87,8 @@ class Watch:
         columns = [name.removeprefix(LOG) for name in self._case.scenario.expect if name.startswith(LOG)]
         settings = Settings()
         if not set(columns) <= set(COLUMNS):
-            config = self._case.config
-            of_run = extended_settings(find_rover(config.robot), config.gravity())
+            run = self._case.run
+            of_run = extended_settings(find_rover(run.rover.robot), gravity(run))
             settings = Settings(extended_columns=True, extended=of_run)
         return settings.updated(self._case.params)
 

@@ -2,14 +2,10 @@
 
 from typing import TYPE_CHECKING
 
-from harness.base.errors import UsageError
-from harness.base.sim_time import NANOSECONDS, TICK_NS
 from harness.samples import Sample
 
 if TYPE_CHECKING:  # whoever only checks a rate does without MuJoCo
     from harness.physics.simulation import Simulation
-
-HIGHEST_RATE = NANOSECONDS // TICK_NS  # [Hz]: one sample per clock tick
 
 
 class Sensor:
@@ -35,19 +31,3 @@ class Sensor:
 
     def after_reset(self) -> None:
         """Called when the rover has been put back to its start."""
-
-
-def period_ticks(rate: int) -> int:
-    """Returns the clock ticks between the samples of a sensor with that rate [Hz].
-
-    Raises:
-        UsageError: The period is no whole number of clock ticks.
-    """
-    if rate > 0 and HIGHEST_RATE % rate == 0:
-        return HIGHEST_RATE // rate
-    valid = [r for r in range(1, HIGHEST_RATE + 1) if HIGHEST_RATE % r == 0]
-    nearest = sorted(sorted(valid, key=lambda r: abs(r - rate))[:2])
-    raise UsageError(
-        f"rate {rate} Hz does not divide the {HIGHEST_RATE} Hz clock; "
-        f"nearest valid: {' or '.join(str(r) for r in nearest)}"
-    )

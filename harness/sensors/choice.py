@@ -8,9 +8,9 @@ from harness.base.errors import UsageError, find_named
 from harness.robots import RoverSpec
 from harness.sensors import table
 from harness.sensors.table import SensorRow
+from harness.spec.sensor import NONE, SensorChoice
 from harness.yaml_file import fill
 
-NO_SENSORS = ("none",)  # --sensors none: without those of rover.yaml
 RESERVED = ("clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_static", "rover/metrics")
 
 
@@ -25,13 +25,12 @@ def by_default() -> tuple[SensorRow, ...]:
     return (*(row for row in table.SENSORS if row.options is None), *optional)
 
 
-def chosen(rover: RoverSpec, asked: Sequence[str] | None) -> tuple[SensorRow, ...]:
+def chosen(rover: RoverSpec, asked: Sequence[SensorChoice] | None) -> tuple[SensorRow, ...]:
     """Returns the rows of a run, in publishing order.
 
     Args:
         rover: Whose `sensors:` are carried unless others are asked for.
-        asked: NAME or NAME=PRESET each: names of that list, or kinds of optional sensors; NO_SENSORS for
-            none; None for all of the list.
+        asked: Names of that list, or kinds of optional sensors; None for all of the list.
 
     Raises:
         UsageError: One of them does not exist or is not valid, or two have the same name or topic.
@@ -40,10 +39,8 @@ def chosen(rover: RoverSpec, asked: Sequence[str] | None) -> tuple[SensorRow, ..
     listed = _listed(rover.sensors, where)
     if asked is None:
         wanted = [(name, entry, f"{where}, '{name}'") for name, entry in listed]
-    elif tuple(asked) == NO_SENSORS:
-        wanted = []
     else:
-        wanted = [_asked(word, dict(listed), where) for word in asked]
+        wanted = [_asked(choice, dict(listed), where) for choice in asked]
         names = [name for name, _, _ in wanted]
         for name in names:
             if names.count(name) > 1:
@@ -72,16 +69,17 @@ def _listed(entries: Iterable[Mapping[str, Any]], where: str) -> list[tuple[str,
 
 
 def _asked(
-    word: str, listed: Mapping[str, dict[str, Any]], where: str
+    choice: SensorChoice, listed: Mapping[str, dict[str, Any]], where: str
 ) -> tuple[str, dict[str, Any], str]:
     """A sensor of --sensors: its name, what it is told, and where that stands."""
-    name, _, preset = word.partition("=")
-    told, there = f"--sensors {word}", listed.get(name)
+    name, preset = choice.name, choice.preset
+    told, there = f"--sensors {choice}", listed.get(name)
     if there is not None:
         told = f"{where}, '{name}'"
     elif name not in kinds():
-        find_named("sensor", name, dict.fromkeys((*listed, *kinds(), *NO_SENSORS)))
-        raise UsageError("--sensors none stands alone; leave out the others, or none")
+        if name == NONE:
+            raise UsageError("--sensors none stands alone; leave out the others, or none")
+        find_named("sensor", name, dict.fromkeys((*listed, *kinds(), NONE)))
     entry = (there or {"kind": name}) | ({"preset": preset} if preset else {})
     return name, entry, told
 

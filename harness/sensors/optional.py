@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
+from harness.base.sim_time import period_ticks
 from harness.robots import FrameRow, RoverSpec
 from harness.samples import Vector3
-from harness.sensors.base import Sensor, period_ticks
+from harness.sensors.base import Sensor
 from harness.sensors.mount import Mount
 from harness.sensors.noise import NoisePreset
 

@@ -6,10 +6,11 @@ that is each tick by which another thirtieth of a second is full: 40, 30 and 30 
 
 import math
 
+from harness.base.sim_time import HIGHEST_RATE
 from harness.physics.crowd import Crowd
 from harness.physics.simulation import Simulation
 from harness.samples import ActorPoses
-from harness.sensors.base import HIGHEST_RATE, Sensor
+from harness.sensors.base import Sensor
 
 RATE = 30  # [Hz]
 

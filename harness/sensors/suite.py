@@ -2,9 +2,10 @@
 
 from collections.abc import Collection, Iterable, Mapping
 
+from harness.base.sim_time import HIGHEST_RATE
 from harness.robots import RoverSpec
 from harness.samples import Sample, Source
-from harness.sensors.base import HIGHEST_RATE, Sensor
+from harness.sensors.base import Sensor
 from harness.sensors.choice import chosen
 from harness.sensors.noise import SensorNoise
 from harness.sensors.table import SensorRow

@@ -12,6 +12,7 @@ from operator import attrgetter
 from pkgutil import resolve_name
 from typing import cast
 
+from harness.base.sim_time import HIGHEST_RATE, period_ticks
 from harness.robots import RoverSpec
 from harness.samples import (
     GroundTruth,
@@ -26,7 +27,7 @@ from harness.samples import (
     TruthState,
 )
 from harness.sensors.barometer import BarometerOptions, Pressure
-from harness.sensors.base import HIGHEST_RATE, Sensor, period_ticks
+from harness.sensors.base import Sensor
 from harness.sensors.camera.sensor import CameraOptions, CameraState
 from harness.sensors.depth import DepthOptions
 from harness.sensors.gnss import GnssFix, GnssOptions

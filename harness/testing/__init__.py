@@ -1,9 +1,9 @@
 """Test your own ROS 2 node against a simulated rover: in lock-step, on simulated time, without sleeps.
 
-    from harness.config import EpisodeConfig
+    from harness import Run
     from harness.testing import Trial
 
-    with Trial(EpisodeConfig(terrain="maze", driver="cmd_vel", faults=("scan:dropout@2",))) as trial:
+    with Trial(Run.of(terrain="maze", driver="cmd_vel", faults=("scan:dropout@2",))) as trial:
         trial.host(MyNode)
         alarms = trial.collect(Bool, "alarm")
         trial.step(2.0)

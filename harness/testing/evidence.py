@@ -8,12 +8,12 @@ from pathlib import Path
 
 from harness.base.errors import HarnessError
 from harness.base.files import write_whole
-from harness.config import EpisodeConfig
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.result import RunAccount, RunResult, TopicCount
 from harness.report.recorder import RunRecorder
 from harness.ros.bridge import Bridge
 from harness.ros.recorder import Recorder
+from harness.spec.run import Run
 
 RECORDING, PAGE = "trial.mcap", "trial.html"
 
@@ -51,11 +51,11 @@ class Evidence(Recording):
         super().__init__(bridge)
         self._bridge = bridge
 
-    def begin(self, config: EpisodeConfig, info: EpisodeInfo) -> None:
+    def begin(self, run: Run, info: EpisodeInfo) -> None:
         """Begins the account of an episode; the page is about the last."""
         self._page = RunRecorder()
         self._account = RunAccount(
-            RunResult(config=config, mode="a trial of harness.testing", info=info),
+            RunResult(run=run, mode="a trial of harness.testing", info=info),
             started=time.monotonic(),
             show=None,
             topics=lambda: {topic: TopicCount(n) for topic, n in self._bridge.published().items()},

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from harness.config import EpisodeConfig
+from harness.spec.run import Run
 from harness.testing.trial import Trial
 
 TRIALS = pytest.StashKey[list[Trial]]()
@@ -30,14 +30,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.fixture
 def start_trial(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[Callable[[EpisodeConfig | Trial], Trial]]:
-    """Starts a trial, given or of a configuration, that ends with the test; one at a time."""
+) -> Iterator[Callable[[Run | Trial], Trial]]:
+    """Starts a trial, given or of a run, that ends with the test; one at a time."""
     folder = request.config.getoption("--rover-artifacts") or tmp_path_factory.getbasetemp() / "rover"
     name = re.sub(r"[^\w.-]+", "_", request.node.nodeid).strip("_")
     trials = request.node.stash.setdefault(TRIALS, [])
     with ExitStack() as at_end:
 
-        def start(given: EpisodeConfig | Trial) -> Trial:
+        def start(given: Run | Trial) -> Trial:
             number = f"-{len(trials) + 1}" if trials else ""
             trial = given if isinstance(given, Trial) else Trial(given)
             trial.artifacts = trial.artifacts or folder.absolute() / f"{name}{number}"

@@ -14,13 +14,11 @@ from rclpy.signals import SignalHandlerOptions
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS, TICK_NS
-from harness.config import EpisodeConfig
+from harness.episode.assembly import actor_names, check, injector, sensor_rows
 from harness.episode.batch import Batch, later
 from harness.episode.episode import Episode
+from harness.episode.loop import Route
 from harness.episode.loop import drive as drive_loop
-from harness.faults.injector import FaultInjector
-from harness.faults.spec import parse_faults
-from harness.frames.options import FrameOptions
 from harness.robots import find_rover
 from harness.ros.bridge import Bridge
 from harness.ros.camera import painter
@@ -28,6 +26,8 @@ from harness.ros.context import make_executor
 from harness.ros.network import reserved_domain, stay_local
 from harness.samples import GroundTruth, Tick, Twist
 from harness.sensors.lidar_spec import LidarSpec
+from harness.spec.ros import FrameOptions
+from harness.spec.run import Run
 from harness.testing.evidence import Evidence
 from harness.testing.nodes import Nodes
 from harness.testing.process import Programs
@@ -49,32 +49,32 @@ class Trial:
     """Publishes a rover's topics in a ROS domain of its own; a context manager, one at a time.
 
     Args:
-        config: The world, the rover, its driver and faults. Driver "cmd_vel" obeys `drive` and
+        run: The world, the rover, its driver and faults. Driver "cmd_vel" obeys `drive` and
             /cmd_vel, whichever spoke last.
         artifacts: Folder for a recording and a page, if an exception ends the trial; None for none.
         frames: Which transforms are published; None for those of a run.
 
     Attributes:
-        config: As it was given, or as `reset` has changed it.
+        run: As it was given, or as `reset` has changed it.
         artifacts: As it was given; may be changed until the trial is entered.
         domain: The ROS domain while it is entered.
         speed: True forward speed of the rover [m/s].
         truth: What only the simulator knows, at the end of the present control period of 50 ms.
 
     Raises:
-        UsageError: The configuration is not valid.
+        UsageError: The run is not valid.
     """
 
     CMD_VEL = "twist"  # how commands come
 
     def __init__(
         self,
-        config: EpisodeConfig,
+        run: Run,
         artifacts: Path | None = None,
         frames: FrameOptions | None = None,
     ) -> None:
-        config.validate()
-        self.config, self._frames = config, frames or FrameOptions()
+        check(run)
+        self.run, self._frames = run, frames or FrameOptions()
         self.artifacts = artifacts
         self._evidence: Evidence | None = None
         self.truth = Truth()
@@ -117,19 +117,20 @@ class Trial:
         self.domain = at_end.enter_context(reserved_domain())
         self._programs = Programs(self.domain, self._when)
         self._begin_processes()
-        self._episode = Episode(self.config, self._frames)
-        rows, seed = self.config.sensor_rows(), self.config.seed
-        injector = FaultInjector(parse_faults(self.config.faults, rows), seed, rows)
-        self._ticks = drive_loop(self._batches(), injector, self._take, (self,))
+        self._episode = Episode(self.run, frame_options=self._frames)
+        setup, faults = self.run.rover, injector(self.run)
+        self._ticks = drive_loop(self._batches(), (Route(faults, self._take, (self,)),))
         no_handlers, args = SignalHandlerOptions.NO, list(ON_SIMULATED_TIME)
         rclpy.init(args=args, domain_id=self.domain, signal_handler_options=no_handlers)
         at_end.callback(rclpy.try_shutdown)
-        lidar = LidarSpec(beams=self.config.lidar_beams)
-        rover, obey = find_rover(self.config.robot), self._command
-        draw = at_end.enter_context(painter(self.config)).image
-        names = self.config.actor_names()
         self._bridge = Bridge(
-            rover, lidar, on_command=obey, cmd_vel=self.CMD_VEL, rows=rows, draw=draw, actors=names
+            find_rover(setup.robot),
+            LidarSpec(beams=setup.lidar_beams),
+            on_command=self._command,
+            cmd_vel=self.CMD_VEL,
+            rows=sensor_rows(setup),
+            draw=at_end.enter_context(painter(self.run)).image,
+            actors=actor_names(self.run.world),
         )
         at_end.callback(self._bridge.destroy_node)
         self._record(at_end)
@@ -137,10 +138,10 @@ class Trial:
             self._bridge.describe(self._episode.description)
         self._bridge.set_parameters([Parameter("use_sim_time", value=False)])  # it makes the time
         context = rclpy.get_default_context()
-        executor = make_executor(context, time_jumps=injector.disturbs_time)
+        executor = make_executor(context, time_jumps=faults.disturbs_time)
         self._executor = at_end.enter_context(executor)
         self._executor.add_node(self._bridge)
-        jumps = injector.disturbs_time
+        jumps = faults.disturbs_time
         self._nodes = Nodes(self._bridge, self._executor, self._programs, time_jumps=jumps)
 
     def _begin_processes(self) -> None:
@@ -149,7 +150,7 @@ class Trial:
     def _record(self, at_end: ExitStack) -> None:
         if self.artifacts is not None:
             self._evidence = at_end.enter_context(Evidence(self._bridge))
-            self._evidence.begin(self.config, self._episode.info)
+            self._evidence.begin(self.run, self._episode.info)
 
     @property
     def time(self) -> float:
@@ -224,8 +225,8 @@ class Trial:
         Raises:
             UsageError: The driver is not "cmd_vel".
         """
-        if self.config.driver != "cmd_vel":
-            raise UsageError(f'driver "{self.config.driver}" drives by itself; choose "cmd_vel"')
+        if self.run.rover.driver != "cmd_vel":
+            raise UsageError(f'driver "{self.run.rover.driver}" drives by itself; choose "cmd_vel"')
         self._command(Twist(linear, angular))
 
     def reset(self, *, seed: int | None = None, start: Start | None = None) -> None:
@@ -247,9 +248,9 @@ class Trial:
         if not changes:
             self._episode.reset()
             return
-        config = replace(self.config, **changes)
-        self._episode = Episode(config, self._frames)
-        self.config = config
+        run = self.run.alone(**changes)
+        self._episode = Episode(run, frame_options=self._frames)
+        self.run = run
 
     def step(self, seconds: float) -> None:
         """Lets simulated time go on; returns when every node has handled everything up to then.
@@ -313,18 +314,18 @@ class Trial:
     def _command(self, twist: Twist) -> None:
         self._episode.command(twist)
 
-    def _batches(self) -> Iterator[Batch]:
+    def _batches(self) -> Iterator[tuple[Batch]]:
         """The batches of one episode after the other, on one time."""
         episode, began_ns = self._episode, 0
         batches = episode.batches()
         while (batch := next(batches, None)) is not None:
             self.truth = batch.truth
-            yield later(batch, began_ns)
+            yield (later(batch, began_ns),)
             if episode is not self._episode:
                 episode, began_ns = self._episode, self._now_ns
                 batches = episode.batches()
                 if self._evidence is not None:
-                    self._evidence.begin(self.config, episode.info)
+                    self._evidence.begin(self.run, episode.info)
 
     def _keep_in_step(self, name: str, node: object = None) -> None:
         self._nodes.add(name, node)

@@ -6,11 +6,12 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 from harness import __version__
-from harness.episode.metrics_feed import extended_settings, outline_parameters
+from harness.episode.metrics_feed import extended_settings
 from harness.robots import find_rover
 from harness.tune.episodes.plan import Part
 from harness.tune.scoring.result import Candidate, Verdict
 from harness.tune.scoring.study import RobotStudy
+from rover_metrics.extended.settings import Settings
 
 INDENT = 4  # of a parameter in the file
 FOOTPRINT_UNITS = {
@@ -62,7 +63,8 @@ def _comment(parameters: CommentedMap, verdict: Verdict, tuned: Candidate) -> No
 
 def _add_footprint(parameters: CommentedMap, study: RobotStudy) -> None:
     """What the columns of the footprint need: of the model, not tuned."""
-    for name, values in outline_parameters(extended_settings(find_rover(study.robot))).items():
-        parameters[name] = CommentedSeq(round(value, 5) for value in values)
+    settings = Settings(extended=extended_settings(find_rover(study.robot)))
+    for name, unit in FOOTPRINT_UNITS.items():
+        parameters[name] = CommentedSeq(round(value, 5) for value in settings.parameters[name])
         parameters[name].fa.set_flow_style()
-        parameters.yaml_add_eol_comment(FOOTPRINT_UNITS[name], name)
+        parameters.yaml_add_eol_comment(unit, name)

@@ -12,9 +12,9 @@ import mujoco
 import numpy as np
 
 from harness.base.errors import RunFailed
+from harness.base.sim_time import HIGHEST_RATE
 from harness.robots import RoverSpec
 from harness.robots.model import compiled_alone
-from harness.sensors.base import HIGHEST_RATE
 from harness.validate.check import Check, Span, around, at_most
 from harness.validate.grounds import Course
 from harness.validate.rig import Rig

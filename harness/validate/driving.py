@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from harness.base.sim_time import HIGHEST_RATE
 from harness.robots import RoverSpec
-from harness.sensors.base import HIGHEST_RATE
 from harness.validate.check import Check, Span, around, at_most, expected_of
 from harness.validate.grounds import floor
 from harness.validate.rig import TICK, Rig

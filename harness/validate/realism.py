@@ -5,7 +5,7 @@ logs lie apart, for they too come from different places and drives.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +13,8 @@ from rich.console import Console
 from rich.table import Column, Table
 from scipy.stats import wasserstein_distance
 
-from harness.config import EpisodeConfig
-from harness.validate.run_log import COLUMNS, CONFIG, Log, drive, read_log
+from harness.spec.run import Run
+from harness.validate.run_log import COLUMNS, RUN, Log, drive, read_log
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 
 ROUGH = DEFAULT_THRESHOLDS.rough_terrain_threshold  # [m/s2]
@@ -46,12 +46,12 @@ class Comparison:
     Attributes:
         logs: By title, ours first.
         distances: By column.
-        config: Of our run.
+        run: Ours.
     """
 
     logs: dict[str, Log]
     distances: dict[str, Distances]
-    config: EpisodeConfig = CONFIG
+    run: Run = RUN
 
     @property
     def missed(self) -> list[str]:
@@ -71,13 +71,13 @@ def compare(paths: Sequence[Path], robot: str, seed: int) -> Comparison:
         UsageError: A log cannot be read.
     """
     recorded = [read_log(path) for path in paths]
-    config = replace(CONFIG, robot=robot, seed=seed)
-    ours = drive(config)
+    run = RUN.alone(robot=robot, seed=seed)
+    ours = drive(run)
     titles = ["ours", *(path.stem.removeprefix("metrics_log_") for path in paths)]
     return Comparison(
         logs=dict(zip(titles, [ours, *recorded], strict=True)),
         distances={column: distances(ours, recorded, column) for column in COLUMNS},
-        config=config,
+        run=run,
     )
 
 
@@ -97,10 +97,10 @@ def distances(ours: Log, recorded: Sequence[Log], column: str) -> Distances:
 
 def print_comparison(console: Console, comparison: Comparison) -> None:
     """Prints percentiles of all logs and the distances between them."""
-    config = comparison.config
+    run = comparison.run
     console.print(
-        f"ours: {config.robot} on {config.terrain}, difficulty {config.difficulty:g}, noise "
-        f"{config.noise}, {config.duration:.0f} s, speeds as recorded (harness/validate/run_log.py)"
+        f"ours: {run.rover.robot} on {run.world.terrain}, difficulty {run.world.difficulty:g}, noise "
+        f"{run.rover.noise}, {run.duration:.0f} s, speeds as recorded (harness/validate/run_log.py)"
     )
     console.print(_spread_table(comparison))
     console.print(_distance_table(comparison))

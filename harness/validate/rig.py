@@ -9,13 +9,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.base.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS
+from harness.base.sim_time import DEFAULT_TIMESTEP_NS, NANOSECONDS, TICK_NS, period_ticks
 from harness.physics.base_controller import base_controller
 from harness.physics.scene import ROCK_CONTACT, build_scene
 from harness.physics.simulation import Simulation
 from harness.robots import RoverSpec
 from harness.samples import Imu, Twist
-from harness.sensors.base import period_ticks
 from harness.sensors.state import ImuSensor
 from harness.validate.grounds import Course
 from harness.world.obstacles import orientation

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS
-from harness.config import EpisodeConfig
 from harness.drivers import DriverContext, Observation
 from harness.drivers.wander import Roam
 from harness.episode.episode import Episode
@@ -21,6 +20,7 @@ from harness.episode.metrics_feed import SampleFeed
 from harness.robots import find_rover
 from harness.samples import LaserScan
 from harness.sensors.lidar_spec import LidarSpec
+from harness.spec.run import Run
 from rover_metrics.analysis.logs.header import UnreadableLog
 from rover_metrics.analysis.logs.reading import read_log as read_metrics_log
 from rover_metrics.analysis.metric import METRICS
@@ -33,7 +33,7 @@ COLUMNS = {  # that tell how a run went, with their units
     "Obstacle Clearance": "m",
 }
 _METRICS = [metric for metric in METRICS.values() if metric.column in COLUMNS and not metric.rough_only]
-CONFIG = EpisodeConfig(terrain="posts", difficulty=0.5, driver="cmd_vel", noise="gazebo", duration=600.0)
+RUN = Run.of(terrain="posts", difficulty=0.5, driver="cmd_vel", noise="gazebo", duration=600.0)
 
 # Quantiles of Current Velocity in the logs of 2025-01-16 [m/s], evenly spaced from 0 to 1; the slow
 # end is left to obstacles and turns.
@@ -89,14 +89,14 @@ class RecordedAgent(Roam):
         return held, float(np.interp(place, range(len(SPEEDS)), SPEEDS))
 
 
-def drive(config: EpisodeConfig) -> Log:
+def drive(run: Run) -> Log:
     """Drives a run and returns its rows, one a second."""
-    episode, session, lidar = Episode(config), MetricsSession(), LidarSpec()
+    episode, session, lidar = Episode(run), MetricsSession(), LidarSpec()
     feed, ranges = SampleFeed(session, lidar), None
-    rng = np.random.default_rng([config.seed, AGENT_STREAM])
+    rng = np.random.default_rng([run.seed, AGENT_STREAM])
     width, depth = episode.info.map_size
     half_size = width / 2, depth / 2
-    agent = RecordedAgent(DriverContext(find_rover(config.robot), half_size, lidar.bearings, rng))
+    agent = RecordedAgent(DriverContext(find_rover(run.rover.robot), half_size, lidar.bearings, rng))
     rows = []
     for batch in episode.batches():
         for tick in batch.ticks:

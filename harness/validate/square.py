@@ -8,8 +8,8 @@ import cmath
 import math
 from collections.abc import Callable, Iterator
 
+from harness.base.sim_time import period_ticks
 from harness.robots import RoverSpec
-from harness.sensors.base import period_ticks
 from harness.sensors.odometry import WheelOdometry
 from harness.validate.check import Check, Span, around, expected_of
 from harness.validate.grounds import floor

@@ -13,9 +13,9 @@ from pathlib import Path
 
 from harness.base.errors import INSTALL_OPENGL, HarnessError, UsageError
 from harness.base.files import check_target
-from harness.config import EpisodeConfig
 from harness.episode.loop import Observer
 from harness.sensors.camera.backend import backends
+from harness.spec.run import Run
 from harness.view.states import StateWriter
 
 SUFFIXES = {"--picture": ".png", "--video": ".mp4"}
@@ -57,11 +57,11 @@ class Drawing(AbstractContextManager["Drawing"]):
     def __exit__(self, *_: object) -> None:
         self._at_end.close()
 
-    def prepare(self, *fleet: EpisodeConfig) -> None:
+    def prepare(self, run: Run) -> None:
         """Finds out whether everything that drawing takes is there, and opens the logs of states.
 
         Args:
-            fleet: The episode of each rover.
+            run: What will be driven.
 
         Raises:
             UsageError: The files cannot be written, a package or OpenGL is missing.
@@ -76,8 +76,8 @@ class Drawing(AbstractContextManager["Drawing"]):
             raise UsageError("--video needs PyAV; install it with pip install 'rover-harness[video]'")
         self._environment = _working_environment(self._backend)
         folder = self._at_end.enter_context(tempfile.TemporaryDirectory(prefix="rover-harness-"))
-        for config in fleet:
-            writer = StateWriter(Path(folder) / f"states_{config.number}", config)
+        for number in range(len(run.rovers)):
+            writer = StateWriter(Path(folder) / f"states_{number}", run, number)
             self._writers.append(self._at_end.enter_context(closing(writer)))
 
     @property

@@ -23,7 +23,7 @@ from PIL import Image
 
 from harness.base.errors import HarnessError
 from harness.base.files import whole_file
-from harness.episode.fleet import scenery
+from harness.episode.assembly import scenery
 from harness.physics.scene import build_scenes
 from harness.physics.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
 from harness.sensors.lidar import Lidar
@@ -62,14 +62,14 @@ class Studio(AbstractContextManager["Studio"]):
 
     def __init__(self, paths: Sequence[Path], quality: Quality, *, lidar: bool) -> None:
         recordings = [read_states(path) for path in paths]
-        self.recording, config = recordings[0], recordings[0].config
-        world, fleet = scenery([states.config for states in recordings])
+        self.recording, run = recordings[0], recordings[0].run
+        world, fleet = scenery(run)
         world = replace(world, ground=drawn(world.ground))
         dressed = partial(dress, quality=quality)
-        scenes = build_scenes(world, fleet, config.timestep, dressed)
+        scenes = build_scenes(world, fleet, run.timestep, dressed)
         self._rovers, self.model = list(zip(scenes, recordings, strict=True)), scenes[0].model
         self.data = mujoco.MjData(self.model)
-        spec = LidarSpec(beams=config.lidar_beams)
+        spec = LidarSpec(beams=run.rover.lidar_beams)
         self._lidars = [
             Lidar(self.model, spec, scene.own("lidar"), scene.others()) for scene in scenes if lidar
         ]

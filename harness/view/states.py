@@ -16,18 +16,16 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS
-from harness.config import FILE_OPTIONS, EpisodeConfig
+from harness.episode.assembly import actor_names
 from harness.episode.batch import Batch
 from harness.robots import find_rover
 from harness.samples import ActorPoses, JointStates, Pose
+from harness.spec.run import Run
+from harness.spec.value import made
 
 PERIOD_NS = 40_000_000  # 25 states a second, as a video shows them
 POSE_SIZE, PERSON_SIZE = 7, 4
 HALF_WINDOW = 0.25  # [s] of a speed that can be read
-SCENE = (  # of the configuration
-    *("terrain", *FILE_OPTIONS, "start", "difficulty", "seed"),
-    *("robot", "timestep", "lidar_beams", "actors", "name", "number", "world_robot"),
-)
 
 
 class StateWriter:
@@ -37,11 +35,12 @@ class StateWriter:
         path: The file.
     """
 
-    def __init__(self, path: Path, config: EpisodeConfig) -> None:
+    def __init__(self, path: Path, run: Run, number: int = 0) -> None:
         self.path = path
         self._file = path.open("wb")
-        self._people: tuple[float, ...] = (0.0,) * PERSON_SIZE * len(config.actor_names())
-        self._file.write(json.dumps({name: getattr(config, name) for name in SCENE}).encode() + b"\n")
+        self._people: tuple[float, ...] = (0.0,) * PERSON_SIZE * len(actor_names(run.world))
+        header = {"run": run.model_dump(mode="json"), "number": number}
+        self._file.write(json.dumps(header).encode() + b"\n")
 
     def close(self) -> None:
         """Completes the file."""
@@ -75,7 +74,8 @@ class States:
     """What was recorded.
 
     Attributes:
-        config: What the scene was made from.
+        run: What the scene was made from.
+        number: The rover's place in the run.
         times: Simulation times [s], shape (n,).
         path: Position of the rover's model frame at those times [m], shape (n, 3).
         orientations: Its attitude as (w, x, y, z), shape (n, 4).
@@ -83,7 +83,8 @@ class States:
         people: x, y, z [m] and heading [rad] of each person, shape (n, people, 4).
     """
 
-    config: EpisodeConfig
+    run: Run
+    number: int
     times: NDArray[np.float64]
     path: NDArray[np.float64]
     orientations: NDArray[np.float64]
@@ -115,10 +116,12 @@ def read_states(path: Path) -> States:
     """
     try:
         header, _, body = path.read_bytes().partition(b"\n")
-        config = EpisodeConfig(**json.loads(header))
-    except (OSError, ValueError, TypeError) as error:
+        content = json.loads(header)
+        run, number = made(Run, content["run"]), int(content["number"])
+        robot = run.rovers[number].robot
+    except (OSError, ValueError, TypeError, LookupError, UsageError) as error:
         raise UsageError(f"{path} is no recording of an episode: {error}") from error
-    joints, people = len(find_rover(config.robot).joints), len(config.actor_names())
+    joints, people = len(find_rover(robot).joints), len(actor_names(run.world))
     end_of_joints = 1 + POSE_SIZE + joints
     width = end_of_joints + PERSON_SIZE * people
     rows = np.frombuffer(body[: len(body) // (8 * width) * 8 * width], np.float64).reshape(-1, width)
@@ -127,4 +130,4 @@ def read_states(path: Path) -> States:
         raise UsageError("nothing to be drawn: the run ended before its first state")
     persons = rows[:, end_of_joints:].reshape(len(rows), people, PERSON_SIZE)
     parts = (rows[:, 0], rows[:, 1:4], rows[:, 4:8], rows[:, 8:end_of_joints])
-    return States(config, *parts, persons)
+    return States(run, number, *parts, persons)

@@ -26,7 +26,7 @@ try:
 except ImportError as error:
     raise missing_ros(error, is_program=__name__ == "__main__") from None
 
-from rover_metrics.extended.settings import check_name
+from rover_metrics.extended.settings import Settings, check_name
 from rover_metrics.extended.traffic_columns import POSE, SCAN, Topic
 from rover_metrics.health.live_view import LiveView, Status
 from rover_metrics.health.reception import LOST
@@ -48,6 +48,8 @@ class MetricsNode(GuardedNode):
     """Logs the traversal metrics of a rover once per second of ROS time.
 
     Args:
+        settings: The defaults of the node's parameters; a launch, a parameter file or `--ros-args`
+            wins over them.
         context: The rclpy context; the default one if None.
         parameter_overrides: Parameter values as a launch would give them.
         now: Wall clock for the name of the log.
@@ -70,6 +72,7 @@ class MetricsNode(GuardedNode):
 
     def __init__(
         self,
+        settings: Settings | None = None,
         *,
         context: Context | None = None,
         parameter_overrides: list[Parameter] | None = None,
@@ -81,7 +84,7 @@ class MetricsNode(GuardedNode):
         try:
             for name in self._parameter_overrides:  # rclpy ignores one that nobody declares
                 check_name(name, may_be_others=True)
-            self.settings = declare_settings(self)
+            self.settings = declare_settings(self, settings or Settings())
             extended = self.settings.extended if self.settings.extended_columns else None
             self.session = MetricsSession(self.settings.thresholds, extended)
             self.metrics = self.session.metrics

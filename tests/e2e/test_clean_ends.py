@@ -18,13 +18,13 @@ from typing import Any
 import pytest
 
 from harness.base.interrupt import Interrupted, Overdue, StopRequest
-from harness.config import EpisodeConfig
 from harness.drivers.base import Observation
 from harness.drivers.wander import Wander
 from harness.episode.batch import Batch
 from harness.episode.loop import Observer
 from harness.run import main
 from harness.samples import Tick, Twist
+from harness.spec.run import Run
 from harness.view.drawing import Drawing
 from tests.support.forked_program import ForkedProgram
 from tests.support.waiting import PATIENCE, under_load, wait_until
@@ -207,7 +207,7 @@ class SlowDrawing(Drawing):
 
     signals: Iterator[signal.Signals]
 
-    def prepare(self, *fleet: EpisodeConfig) -> None:
+    def prepare(self, *fleet: Run) -> None:
         """Needs no OpenGL."""
 
     @property

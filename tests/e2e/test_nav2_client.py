@@ -13,9 +13,8 @@ import pytest
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
 from harness.base.interrupt import StopRequest
-from harness.config import EpisodeConfig, RosOptions
+from harness.episode.assembly import world_of
 from harness.episode.batch import Batch
-from harness.frames.options import FrameOptions
 from harness.frames.tree import Edge
 from harness.robots import find_rover
 from harness.ros.frames import transforms_bytes
@@ -23,12 +22,14 @@ from harness.ros.network import reserved_domain
 from harness.ros.session import run_through_ros
 from harness.samples import GroundTruth
 from harness.sensors.message_types import typestore
+from harness.spec.ros import FrameOptions, RosOptions
+from harness.spec.run import Run
 from harness.world.occupancy import occupancy
 from tests.support.nav2_client import CACHE_NS, TF, XY_TOLERANCE, Buffer, Nav2Client
 from tests.support.waiting import PATIENCE
 
 GOALS = [(0.6, 0.15), (1.1, 0.15), (1.6, -0.1)]
-CONFIG = EpisodeConfig(terrain="rocky", driver="cmd_vel", duration=5.5, lidar_beams=45)
+CONFIG = Run.of(terrain="rocky", driver="cmd_vel", duration=5.5, lidar_beams=45)
 Drive = Any  # a client, a Bystander and the run's result
 JOINS_LATE = 3 * 10**9  # [ns]
 
@@ -138,7 +139,7 @@ def test_another_dds_implementation_hears_tf_and_joining_late_what_is_latched(dr
     assert fixed["odom"].header.frame_id == "map"
     assert latched["rt/robot_description"].data.startswith('<robot name="leo">')
     rover, grid = find_rover("leo"), latched["rt/map"]
-    cells = occupancy(CONFIG.world(), rover.slope_limit, rover.step_limit).cells
+    cells = occupancy(world_of(CONFIG), rover.slope_limit, rover.step_limit).cells
     assert (np.array(grid.data).reshape(grid.info.height, -1) == cells).all()
 
 

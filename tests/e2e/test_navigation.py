@@ -17,12 +17,14 @@ from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from harness.base.interrupt import StopRequest
-from harness.config import EpisodeConfig, RosOptions
+from harness.episode.assembly import world_of
 from harness.episode.batch import Batch
 from harness.robots import find_rover
 from harness.ros import session
 from harness.ros.context import make_executor, ros_context, spin_until
 from harness.ros.session import run_through_ros
+from harness.spec.ros import RosOptions
+from harness.spec.run import Run
 from harness.world.occupancy import occupancy
 
 LATCHED = QoSProfile(
@@ -89,7 +91,7 @@ class Client:
 def test_a_client_gets_the_map_puts_the_rover_and_sends_it_to_a_goal(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    config = EpisodeConfig(terrain="posts", driver="goal", duration=5.5, lidar_beams=45)
+    config = Run.of(terrain="posts", driver="goal", duration=5.5, lidar_beams=45)
     options = RosOptions(log_dir=tmp_path, host_metrics=False)
     drive = session._Run.drive
     with ExitStack() as at_end:
@@ -104,7 +106,7 @@ def test_a_client_gets_the_map_puts_the_rover_and_sends_it_to_a_goal(
     assert result.failure is None
     assert (result.lost, result.truth.resets) == (0, 1)
     rover = find_rover("leo")
-    cells = occupancy(config.world(), rover.slope_limit, rover.step_limit).cells
+    cells = occupancy(world_of(config), rover.slope_limit, rover.step_limit).cells
     for grid in client.maps.values():
         assert (np.array(grid.data).reshape(grid.info.height, -1) == cells).all()
     assert sorted(client.maps) == ["early", "late"]

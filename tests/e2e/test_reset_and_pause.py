@@ -23,7 +23,6 @@ from rclpy.signals import SignalHandlerOptions
 from std_srvs.srv import SetBool, Trigger
 
 from harness.base.interrupt import StopRequest
-from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
 from harness.episode.result import RunResult
 from harness.episode.stream import AHEAD
@@ -31,6 +30,8 @@ from harness.ros import session
 from harness.ros.context import make_executor, spin_until
 from harness.ros.session import run_through_ros
 from harness.samples import Odometry, Pose
+from harness.spec.ros import RosOptions
+from harness.spec.run import Run
 
 
 class Caller:
@@ -77,7 +78,7 @@ def caller(ros_domain: int) -> Iterator[Caller]:  # noqa: ARG001 - the domain th
     caller.close()
 
 
-def run(folder: Path, config: EpisodeConfig, stop: StopRequest, **options: Any) -> RunResult:  # noqa: ANN401
+def run(folder: Path, config: Run, stop: StopRequest, **options: Any) -> RunResult:  # noqa: ANN401
     return run_through_ros(config, RosOptions(log_dir=folder), stop, **options)
 
 
@@ -91,7 +92,7 @@ def test_a_reset_is_a_jump_of_the_pose_and_of_nothing_else(
         return executors[0]
 
     monkeypatch.setattr(session, "make_executor", remembered)
-    config = EpisodeConfig(terrain="flat", driver="straight", duration=6.0)
+    config = Run.of(terrain="flat", driver="straight", duration=6.0)
     batches: list[Batch] = []
     answers: list[Any] = []
 
@@ -152,7 +153,7 @@ def test_a_paused_run_stands_still_answers_goes_on_and_can_be_stopped(
     with ThreadPoolExecutor() as threads:
         meddling = threads.submit(meddle)
         began = time.monotonic()
-        result = run(tmp_path, EpisodeConfig(terrain="flat", driver="spin", duration=3600.0), stop)
+        result = run(tmp_path, Run.of(terrain="flat", driver="spin", duration=3600.0), stop)
         took = time.monotonic() - began
         first, again, on, _ = meddling.result()
     paused_at = first.removeprefix("paused at ")

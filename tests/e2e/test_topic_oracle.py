@@ -30,7 +30,6 @@ from std_srvs.srv import SetBool, Trigger
 
 from harness import robots
 from harness.base.interrupt import StopRequest
-from harness.config import RosOptions
 from harness.episode.batch import Batch
 from harness.episode.loop import Pacer
 from harness.episode.result import RunResult
@@ -44,6 +43,7 @@ from harness.ros.session import run_through_ros
 from harness.ros.topic_monitor import message_class
 from harness.samples import Twist
 from harness.sensors.message_types import typestore
+from harness.spec.ros import RosOptions
 from tests.e2e.topic_oracle.expected import BEAMS, Topic, differences, topics
 from tests.e2e.topic_oracle.form import Expected
 from tests.e2e.topic_oracle.ranging import EARTH, THING

@@ -17,11 +17,11 @@ from harness.physics.simulation import Simulation
 from harness.robots import ROVERS, RoverSpec
 from harness.robots.urdf.folder import write_folder
 from harness.world.actors.actor import with_actors
-from harness.world.actors.spec import parse_actors
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle
 from harness.world.world import World
 from tests.support.foreign_rovers import FOREIGN
+from tests.support.words import parse_actors
 
 VERTICES, CELL = 41, 0.1  # the map is 4 m wide
 TIMESTEP_NS = 2_500_000

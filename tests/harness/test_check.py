@@ -12,7 +12,6 @@ from harness import check
 from harness.base.errors import UsageError
 from harness.base.interrupt import StopRequest
 from harness.check import _judged, main
-from harness.config import EpisodeConfig
 from harness.episode.direct import run_direct
 from harness.episode.episode import Episode
 from harness.episode.fingerprint import (
@@ -22,6 +21,7 @@ from harness.episode.fingerprint import (
     fingerprint,
 )
 from harness.sensors.noise import DEFAULT_PRESET
+from harness.spec.run import Run
 from tests.support.complaint import complaint
 from tests.support.forking import ForkedSimulations
 
@@ -30,7 +30,7 @@ NO_ROS = [*QUICK, "--no-ros"]
 REFERENCE = Fingerprint(samples=10, rows=2, lost=0, stream="a1", csv="b2")
 
 
-def stream_hash(config: EpisodeConfig) -> str:
+def stream_hash(config: Run) -> str:
     stream = StreamHash()
     for batch in Episode(config).batches():
         stream.take(batch)
@@ -38,7 +38,7 @@ def stream_hash(config: EpisodeConfig) -> str:
 
 
 @cache
-def in_this_process(config: EpisodeConfig) -> Fingerprint:
+def in_this_process(config: Run) -> Fingerprint:
     return fingerprint(run_direct, config, StopRequest())
 
 
@@ -128,18 +128,18 @@ def test_equal_runs_must_agree_in_everything_and_different_ones_in_nothing(
 
 
 def test_every_sensor_reading_counts_in_the_hash_of_a_stream() -> None:
-    config = EpisodeConfig(terrain="flat", duration=1.0)
+    config = Run.of(terrain="flat", duration=1.0)
     plain = stream_hash(config)
     assert plain == stream_hash(config)
-    assert plain != stream_hash(replace(config, noise=DEFAULT_PRESET))
-    assert plain != stream_hash(replace(config, lidar_beams=641))
-    assert plain != stream_hash(replace(config, duration=1.01))
+    assert plain != stream_hash(config.alone(noise=DEFAULT_PRESET))
+    assert plain != stream_hash(config.alone(lidar_beams=641))
+    assert plain != stream_hash(config.alone(duration=1.01))
 
 
 def test_error_of_the_fresh_process_arrives_here(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("harness.episode.fingerprint.multiprocessing", ForkedSimulations())
     with pytest.raises(UsageError, match="available: flat"):
-        direct_in_fresh_process(EpisodeConfig(terrain="moon"))
+        direct_in_fresh_process(Run.of(terrain="moon"))
 
 
 @pytest.mark.parametrize(
@@ -149,7 +149,7 @@ def test_error_of_the_fresh_process_arrives_here(monkeypatch: pytest.MonkeyPatch
         (["--robot", "r2d2"], "available: leo, rover_zero4wd"),
         (["--duration", "1"], "give 5 s or more"),
         (["--duration", "nan"], "give 0.01 s or more"),
-        (["--seed", "-1"], "give a whole number from 0 up"),
+        (["--seed", "-1"], "give 0 or more"),
         (["--seed", "x"], "argument --seed: 'x' is not valid; give a whole number"),
         (["--wheels", "6"], "unrecognized arguments: --wheels 6"),
     ],

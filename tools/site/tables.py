@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
+from harness.base.sim_time import HIGHEST_RATE
 from harness.robots import ROVERS
-from harness.sensors.base import HIGHEST_RATE
 from harness.sensors.table import SENSORS, Topic
 from harness.world.statistics import residuals, slopes
 from harness.world.terrain import DIFFICULTIES

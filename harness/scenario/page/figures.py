@@ -86,7 +86,7 @@ def _around(shown: Sequence[float]) -> Interval:
 
 def _dots(quantity: Compared, *, good: bool) -> Trace:
     points = [
-        (value, index + SPREAD * (2 * (number + 0.5) / len(row.values) - 1), attempt.case.config.seed)
+        (value, index + SPREAD * (2 * (number + 0.5) / len(row.values) - 1), attempt.case.run.seed)
         for index, row in enumerate(quantity.rows)
         for number, (value, attempt) in enumerate(zip(row.values, row.cell.attempts, strict=True))
         if math.isfinite(value) and outcome_of(attempt).is_good == good

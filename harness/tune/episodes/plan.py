@@ -11,9 +11,10 @@ from enum import StrEnum
 import numpy as np
 
 from harness.base.errors import UsageError
-from harness.config import EpisodeConfig
 from harness.drivers import find_driver, takes_goals
+from harness.episode.assembly import check
 from harness.robots import robot_name
+from harness.spec.run import Run
 
 FEWEST_EPISODES = 2  # one world to choose on, one to check on
 DIFFICULTIES = (0.5, 0.2, 0.8)
@@ -56,14 +57,14 @@ class Planned:
 
     index: int
     part: Part
-    config: EpisodeConfig
+    run: Run
 
     @property
     def name(self) -> str:
         """Its name, which is that of its file too."""
-        config = self.config
-        driver = config.driver.partition(":")[0]
-        return f"{self.index:04d}-{robot_name(config.robot)}-{config.terrain}-{driver}"
+        rover = self.run.rover
+        driver = rover.driver.partition(":")[0]
+        return f"{self.index:04d}-{robot_name(rover.robot)}-{self.run.world.terrain}-{driver}"
 
 
 def plan(
@@ -93,22 +94,22 @@ def plan(
         Planned(
             world * len(robots) + place,
             (Part.TRAIN, Part.TEST)[world % 2],
-            _config(robot, world, seed, duration, driver),
+            _run(robot, world, seed, duration, driver),
         )
         for world in range(episodes)
         for place, robot in enumerate(robots)
     ]
     for episode in planned:
-        episode.config.validate()
+        check(episode.run)
     return tuple(planned)
 
 
-def _config(robot: str, world: int, seed: int, duration: float, roaming: str) -> EpisodeConfig:
+def _run(robot: str, world: int, seed: int, duration: float, roaming: str) -> Run:
     round_, stratum = divmod(world // 2, len(STRATA))
     terrain, driver = STRATA[stratum]
     if roaming and driver in ROAMING:
         driver = roaming
-    return EpisodeConfig(
+    return Run.of(
         terrain=terrain,
         robot=robot,
         driver=driver,

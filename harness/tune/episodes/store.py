@@ -3,7 +3,6 @@
 import io
 import json
 from collections.abc import Mapping
-from dataclasses import asdict
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -14,17 +13,17 @@ from numpy.typing import NDArray
 from harness import __version__
 from harness.base.errors import UsageError
 from harness.base.files import whole_file
-from harness.config import EpisodeConfig
 from harness.drivers.policy import PREFIX
 from harness.robots import ROVERS, find_rover
 from harness.robots.reading import model_hash
+from harness.spec.run import Run
 from harness.tune.episodes.plan import Planned
 from harness.tune.episodes.record import EVENT, SCAN, SCHEMA, WINDOW, Ending, EpisodeRecord, Table
 from rover_metrics.log.files import json_safe
 
 EPISODES, SWEEP = "episodes", "sweep.json"
 UNSET: tuple[Any, ...] = (None, (), [])  # options that an episode does not use; JSON has lists
-DEFAULTS = json_safe(asdict(EpisodeConfig()))  # as they are read
+DEFAULTS = json_safe(Run().fields())  # as they are read
 TABLES = {"scans": SCAN, "windows": WINDOW, "events": EVENT}
 LABELS = ("ending", "driver", "terrain")
 
@@ -115,12 +114,12 @@ class Store:
 
 def _identity(planned: tuple[Planned, ...]) -> dict[str, Any]:
     """What determines a sweep; exact sensors are false, as in the sweeps that users keep."""
-    configs = {one.name: asdict(one.config) | {"noise": one.config.noise or False} for one in planned}
+    configs = {one.name: one.run.fields() | {"noise": one.run.rover.noise or False} for one in planned}
     identity = {"version": __version__, "schema": SCHEMA, "episodes": _used(configs)}
-    folders = {one.config.robot for one in planned} - set(ROVERS)
+    folders = {one.run.rover.robot for one in planned} - set(ROVERS)
     if folders:  # those that ship change with the version
         identity["folders"] = {robot: model_hash(find_rover(robot)) for robot in sorted(folders)}
-    drivers = sorted({one.config.driver for one in planned})
+    drivers = sorted({one.run.rover.driver for one in planned})
     files = [Path(name.removeprefix(PREFIX)) for name in drivers if name.startswith(PREFIX)]
     if files:
         identity["policies"] = [sha256(file.read_bytes()).hexdigest() for file in files]

@@ -4,11 +4,12 @@ from collections.abc import Callable, Sequence
 from operator import attrgetter
 
 from harness.base.errors import Diverged, RunFailed
-from harness.config import EpisodeConfig
+from harness.episode.assembly import injector, world_of
 from harness.episode.episode import Episode, together
-from harness.episode.loop import Lane, drive_all
-from harness.faults.injector import FaultInjector
+from harness.episode.loop import Route
+from harness.episode.loop import drive as drive_rovers
 from harness.robots import find_rover
+from harness.spec.run import Run
 from harness.tune.episodes.contacts import event_rows
 from harness.tune.episodes.plan import Planned
 from harness.tune.episodes.recompute import Collected
@@ -19,34 +20,33 @@ from harness.workers import Workers, work_off
 KEPT = "the episodes so far are kept, and the same command goes on with them"
 
 
-def drive(config: EpisodeConfig) -> EpisodeRecord:
+def drive(run: Run) -> EpisodeRecord:
     """Drives an episode to its end, or until the rover lies on its side.
 
-    The same configuration gives the same record, to the bit, on one machine.
+    The same run gives the same record, to the bit, on one machine.
     """
-    rover = find_rover(config.robot)
+    rover = find_rover(run.rover.robot)
     collected = Collected(rover)
-    ending = _ending(Episode(config), collected)
+    ending = _ending(run, collected)
     scans = collected.scan_rows()
     return EpisodeRecord(
         scans=scans,
         windows=collected.window_rows(),
         events=event_rows(
-            collected.events, collected.placed_scans(), scans["speed"], config.world(), rover
+            collected.events, collected.placed_scans(), scans["speed"], world_of(run), rover
         ),
         ending=ending,
         path_length=collected.path_length,
-        driver=config.driver,
-        terrain=config.terrain,
+        driver=run.rover.driver,
+        terrain=run.world.terrain,
     )
 
 
-def _ending(episode: Episode, collected: Collected) -> Ending:
+def _ending(run: Run, collected: Collected) -> Ending:
     """Drives, with nobody but `collected` to look."""
-    no_faults = FaultInjector((), episode.config.seed)
-    lane = Lane(no_faults, lambda *_: None, (collected,))
+    route = Route(injector(run), lambda *_: None, (collected,))
     try:
-        for _ in drive_all(together([episode]), [lane]):
+        for _ in drive_rovers(together([Episode(run)]), [route]):
             if collected.tipped_over:
                 return Ending.TIPPED_OVER
     except Diverged:
@@ -58,7 +58,7 @@ def _ending(episode: Episode, collected: Collected) -> Ending:
 
 def drive_to_bytes(planned: Planned) -> bytes:
     """Returns an episode's record as bytes: a worker shares no file system with the sweep."""
-    return encode(drive(planned.config))
+    return encode(drive(planned.run))
 
 
 def sweep(

@@ -132,7 +132,7 @@ def _above(rover: RoverSpec, study: CollisionStudy) -> Iterator[Trace]:
 def _silent(rover: RoverSpec, span: Span, start: float, shape: str, color: str) -> Trace:
     """Strips beside those parts of the outline at which a touch raises no alarm."""
     near, _, far = (f"{int(100 * share + 0.5)} %" for share in shares(rover, span))
-    name = f"no alarm below {span[1]:g} m: {far} of the outline lies beyond it, {near} nearer than range_min"
+    name = f"no alarm below {span[1]:g} m: {far} of the outline lies beyond it, {near} within range_min"
     return _hatched(name, silent_strips(rover, span, start, STRIP), shape, color)
 
 

@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rover_metrics.sheet.sheet import Sheet
+
 from harness import __version__
 from harness.page.figure import Plot, named
 from harness.page.shell import fill
@@ -15,7 +17,6 @@ from harness.tune.page.drawing import drawings
 from harness.tune.page.ground_figures import ground_figures, steps_and_jumps
 from harness.tune.page.scan_figures import scan_figures
 from harness.tune.page.subject import Subject
-from harness.tune.page.tables import Table
 from harness.tune.parameter_file import parameter_file
 from harness.tune.scoring import alarms, clearance, estimate, imu_events
 from harness.tune.scoring.imu_events import SIGNALS
@@ -63,7 +64,7 @@ def render(studies: Sequence[RobotStudy], records: Mapping[Planned, EpisodeRecor
     return fill("tuning", content, package="harness.tune.page")
 
 
-def _items(robot: Subject) -> dict[str, Plot | Table | str]:
+def _items(robot: Subject) -> dict[str, Plot | Sheet | str]:
     """Every table and figure of a robot, or why there is none, by its name in the template."""
     study = robot.study
     return {

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.drivers.base import CONTROL_PERIOD
+from harness.base.sim_time import CONTROL_PERIOD
 from harness.robots import RoverSpec
 from harness.tune.episodes.plan import Part
 from harness.tune.episodes.record import EpisodeRecord, Sight, Zone

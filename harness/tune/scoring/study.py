@@ -88,13 +88,13 @@ def scored_records(robot: str, records: Mapping[Planned, EpisodeRecord]) -> Reco
     """Returns a robot's episodes by part, in the order of the plan, without those that diverged."""
     parts: dict[Part, list[EpisodeRecord]] = {part: [] for part in Part}
     for planned in sorted(records, key=lambda planned: planned.index):
-        if planned.config.robot == robot and records[planned].ending is not Ending.DIVERGED:
+        if planned.run.rover.robot == robot and records[planned].ending is not Ending.DIVERGED:
             parts[planned.part].append(records[planned])
     return parts
 
 
 def _driven(robot: str, records: Mapping[Planned, EpisodeRecord]) -> Driven:
-    own = [record for planned, record in records.items() if planned.config.robot == robot]
+    own = [record for planned, record in records.items() if planned.run.rover.robot == robot]
     scored = [record for record in own if record.ending is not Ending.DIVERGED]
     return Driven(
         endings=dict(Counter(record.ending for record in own)),

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.base.errors import UsageError
+from harness.world.actors.people import Pedestrian
 from harness.world.actors.room import Room, along
 from harness.world.actors.route import Route, timed
-from harness.world.actors.spec import ActorSpec
 from harness.world.actors.stroll import Stroll, StrollRoute
 from harness.world.actors.walker import SocialWalker
 from harness.world.world import World
@@ -29,7 +29,7 @@ class Actor:
         begin: Where the walk begins [m].
     """
 
-    spec: ActorSpec
+    spec: Pedestrian
     world: World
     room: Room
     begin: tuple[float, float]
@@ -44,7 +44,7 @@ class Actor:
         return _way(self.spec, self.world, self.room)
 
 
-def with_actors(world: World, specs: Sequence[ActorSpec]) -> World:
+def with_actors(world: World, specs: Sequence[Pedestrian]) -> World:
     """Returns the same world with people in it.
 
     Raises:
@@ -55,7 +55,7 @@ def with_actors(world: World, specs: Sequence[ActorSpec]) -> World:
     return replace(world, people=tuple(_actor(spec, world, room) for spec in specs))
 
 
-def _actor(spec: ActorSpec, world: World, room: Room) -> Actor:
+def _actor(spec: Pedestrian, world: World, room: Room) -> Actor:
     way = _way(spec, world, room)
     if isinstance(way, Route) and (trouble := room.trouble(along(way.points), spec.options.radius)):
         what, (x, y) = trouble
@@ -69,7 +69,7 @@ def _actor(spec: ActorSpec, world: World, room: Room) -> Actor:
     return Actor(spec, world, room, (begin.x, begin.y))
 
 
-def _way(spec: ActorSpec, world: World, room: Room) -> Way:
+def _way(spec: Pedestrian, world: World, room: Room) -> Way:
     options = spec.options
     if spec.told is None:
         stroll = _stroll(spec, world, room)
@@ -86,7 +86,7 @@ def _way(spec: ActorSpec, world: World, room: Room) -> Way:
     return Route.at_speed(told.points, options.speed, closed=closed, delay=options.delay)
 
 
-def _stroll(spec: ActorSpec, world: World, room: Room) -> Stroll:
+def _stroll(spec: Pedestrian, world: World, room: Room) -> Stroll:
     options = spec.options
     # By the name, so that nobody's way depends on who else walks.
     source = np.random.SeedSequence(world.seed, spawn_key=(RANDOM_STREAM, *spec.name.encode()))

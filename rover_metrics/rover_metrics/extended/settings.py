@@ -127,6 +127,19 @@ class Settings:
     thresholds: Thresholds = DEFAULT_THRESHOLDS
     extended: ExtendedSettings = DEFAULT_EXTENDED
 
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """The value of every parameter as ROS has it, by name; `updated` is the way back."""
+        extended, outline, lidar = self.extended, self.extended.footprint, self.extended.lidar_pose
+        own = {**vars(self), **vars(self.thresholds), **vars(extended)}
+        own["footprint"] = [] if outline is None else [x for corner in outline.corners for x in corner]
+        own["lidar_pose"] = [lidar.x, lidar.y, lidar.yaw]
+        # A parameter has the type of its declared default, so 1 must be 1.0 where that is a float.
+        return {
+            name: float(own[name]) if isinstance(info.default, float) else own[name]
+            for name, info in PARAMETERS.items()
+        }
+
     def updated(self, values: Mapping[str, Any]) -> "Settings":
         """Returns these settings with some parameters changed, by name; other names are ignored.
 

@@ -15,14 +15,23 @@ from rover_metrics.extended.settings import PARAMETERS, Settings, check_name
 RELIABLE, BEST_EFFORT = "reliable", "best_effort"
 
 
-def declare_settings(node: Node) -> Settings:
-    """Declares all parameters; returns what the launch has set them to, or raises a ParameterError."""
-    values = {name: _declare(node, name, info) for name, info in PARAMETERS.items()}
+def declare_settings(node: Node, settings: Settings) -> Settings:
+    """Declares all parameters; returns what the launch has made of them.
+
+    Args:
+        node: The node whose parameters they become.
+        settings: The default of every parameter.
+
+    Raises:
+        ParameterError: The launch gave a value that is not valid.
+    """
+    defaults = settings.parameters
+    values = {name: _declare(node, name, info, defaults[name]) for name, info in PARAMETERS.items()}
     for name, value in values.items():
         # One that is not set would make every request for all parameters fail (ros2 param dump).
         if value is None:
             node.set_parameters([Parameter(name, Parameter.Type.DOUBLE_ARRAY, [])])
-    return Settings().updated(values)
+    return settings.updated(values)
 
 
 def declare_reliability(node: Node, topic: str, default: str) -> tuple[str, str]:
@@ -40,7 +49,7 @@ def declare_reliability(node: Node, topic: str, default: str) -> tuple[str, str]
         valid=f"{RELIABLE} or {BEST_EFFORT}, as text",
         read_only=True,
     )
-    value = str(_declare(node, name, info))
+    value = str(_declare(node, name, info, default))
     if value not in (RELIABLE, BEST_EFFORT):
         raise ParameterError(_must_be(name, info.constraint))
     return name, value
@@ -70,8 +79,7 @@ def require_same_columns(now: Settings, wish: Settings) -> None:
         )
 
 
-def _declare(node: Node, name: str, info: ParameterInfo) -> Any:  # noqa: ANN401 - of the parameter's type
-    default: object = list(info.default) if isinstance(info.default, tuple) else info.default
+def _declare(node: Node, name: str, info: ParameterInfo, default: object) -> Any:  # noqa: ANN401
     if default == []:
         default = Parameter.Type.DOUBLE_ARRAY  # an empty list has no type of its own
     try:

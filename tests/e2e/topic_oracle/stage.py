@@ -11,15 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import robots
-from harness.config import EpisodeConfig
 from harness.robots import RoverSpec, find_rover
 from harness.samples import Twist
+from harness.spec.run import Run
 from harness.world.actors.actor import with_actors
-from harness.world.actors.spec import parse_actors
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
 from tests.e2e.topic_oracle.surroundings import carried
+from tests.support.words import parse_actors
 
 Grid = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ SCRIPT = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class StagedConfig(EpisodeConfig):
+class StagedConfig(Run):
     """An episode on the stage; `model` is the file of its rover's model."""
 
     model: Path

@@ -9,8 +9,8 @@ import pytest
 from rich.console import Console
 
 from harness.cli.console import RunProgress, counted, print_summary
-from harness.config import EpisodeConfig
 from harness.episode.result import RunResult, TopicCount
+from harness.spec.run import Run
 from harness.truth.traversal import Truth
 
 TRUTH = Truth(
@@ -27,7 +27,7 @@ TRUTH = Truth(
     tipped_over=True,
 )
 RESULT = RunResult(
-    config=EpisodeConfig(),
+    run=Run(),
     mode="direct",
     truth=TRUTH,
     wall_s=2.5,
@@ -81,7 +81,7 @@ def test_speed_messages_and_log_are_told_below() -> None:
 
 
 def test_a_run_without_a_row_or_a_log_shows_dashes() -> None:
-    told = shown(RunResult(config=EpisodeConfig(), mode="direct"))
+    told = shown(RunResult(run=Run(), mode="direct"))
     assert [told[name][0] for name in ("distance", "collisions", "clearance", "velocity")] == ["-"] * 4
     assert told["largest tilt"] == ["", "0 deg"]
     assert not any("rows in" in line for line in told[""])
@@ -93,8 +93,8 @@ def test_progress_is_shown_on_a_terminal_only(terminal: bool) -> None:
     console = Console(file=out, width=120, force_terminal=terminal)
     with RunProgress(console, "leo on flat", 20.0) as bar:
         truth, topics = Truth(time_ns=5_000_000_000, path_length=1.23), {"/scan": TopicCount(4567)}
-        config = EpisodeConfig(duration=20.0)
-        bar.show(RunResult(config=config, mode="", truth=truth, wall_s=2.0, topics=topics))
+        run = Run.of(duration=20.0)
+        bar.show(RunResult(run=run, mode="", truth=truth, wall_s=2.0, topics=topics))
     text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", out.getvalue())
     if terminal:
         assert "leo on flat" in text

@@ -12,13 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.base.errors import UsageError
-from harness.config import EpisodeConfig
 from harness.drivers import find_driver
 from harness.drivers.base import DriverContext, Observation
 from harness.drivers.staged import Meeting, StagedEncounter
 from harness.episode.episode import Episode
 from harness.robots import ROVERS, RoverSpec
 from harness.samples import Twist
+from harness.spec.run import Run
 from harness.truth.traversal import Truth
 from harness.world.obstacles import Obstacle, ObstacleKind, half_extent, orientation
 from tests.support.rovers import LEO, ROVER_ZERO4WD
@@ -34,7 +34,7 @@ MakeDice = Callable[..., np.random.Generator]
 
 
 def driven(driver: str, *, robot: str = "rover_zero4wd", seed: int = 3, duration: float = 16.0) -> Truth:
-    config = EpisodeConfig(
+    config = Run.of(
         terrain="posts",
         robot=robot,
         driver=driver,

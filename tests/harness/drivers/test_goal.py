@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.config import EpisodeConfig
 from harness.drivers import DriverContext, Goal, Observation
 from harness.episode.episode import Episode
 from harness.samples import Place, Twist
+from harness.spec.run import Run
 from tests.support.rovers import LEO
 
 
@@ -43,7 +43,7 @@ def test_at_the_goal_it_turns_to_the_goals_heading_the_short_way(yaw: float, rat
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
 def test_it_reaches_goals_among_obstacles_by_its_lidar(robot: str) -> None:
     episode = Episode(
-        EpisodeConfig(
+        Run.of(
             terrain="posts", robot=robot, driver="goal", duration=60.0, lidar_beams=90, timestep=0.005
         )
     )

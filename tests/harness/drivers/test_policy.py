@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.config import EpisodeConfig
 from harness.drivers import DriverContext, Observation, find_driver, sensed_by, takes_goals
 from harness.drivers.point_nav import SENSED, commanded
 from harness.drivers.policy import BESIDE_LIDAR, Policy, read_policy, write_policy
+from harness.episode.assembly import check
 from harness.robots import find_rover
 from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
+from harness.spec.run import Run
 
 BEAMS = 16
 GENERATOR = np.random.default_rng(0)
@@ -84,7 +85,7 @@ def test_drivers_say_what_they_look_at_and_whether_they_take_goals(policy: Path)
     name = f"policy:{policy}"
     assert [sensed_by(n) for n in (name, "goal", "spin")] == [SENSED, {LaserScan}, set()]
     assert [takes_goals(n) for n in (name, "goal", "wander")] == [True, True, False]
-    EpisodeConfig(driver=name, lidar_beams=BEAMS, goals=((0.0, 1.0, 2.0, 0.0),)).validate()
+    Run.of(driver=name, lidar_beams=BEAMS, goals=((0.0, 1.0, 2.0, 0.0),)).validate()
 
 
 WRONG = [
@@ -110,7 +111,7 @@ def test_a_policy_that_is_none_is_told_in_a_line(
     wrong = policy.with_name("wrong.npz")
     np.savez(wrong, **{name: array for name, array in arrays.items() if array is not None})
     with pytest.raises(UsageError, match=re.escape(message)) as raised:
-        EpisodeConfig(driver=f"policy:{wrong}").validate()
+        check(Run.of(driver=f"policy:{wrong}"))
     assert "\n" not in str(raised.value)
 
 

@@ -14,12 +14,13 @@ import pytest
 
 from harness.base.errors import RunFailed, UsageError
 from harness.base.interrupt import StopRequest
-from harness.config import EpisodeConfig, RosOptions
 from harness.episode import direct
 from harness.episode import result as results
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.result import RunResult
 from harness.samples import GroundTruth, Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState, Twist
+from harness.spec.ros import RosOptions
+from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent, Truth
 from rover_metrics.extended.settings import Settings
 
@@ -47,7 +48,7 @@ class Scripted:
 
     failure: RunFailed | None = None
 
-    def __init__(self, _: EpisodeConfig) -> None:
+    def __init__(self, _: Run) -> None:
         self.info = INFO
 
     def batches(self) -> Iterator[Batch]:
@@ -90,7 +91,7 @@ def run(tmp_path: Path) -> Run:
         settings: Settings = direct.DEFAULT_SETTINGS,
         **changes: Any,  # noqa: ANN401 - of the configuration
     ) -> RunResult:
-        config = EpisodeConfig(**{"duration": 2.0, "lidar_beams": 8, **changes})
+        config = Run.of(**{"duration": 2.0, "lidar_beams": 8, **changes})
         request = StopRequest() if stop is None else stop
         observers = [] if watch is None else [Watching(watch)]
         return direct.run_direct(
@@ -207,4 +208,4 @@ def test_how_it_ended_stands_in_the_result_and_beside_the_log(
 def test_a_log_that_cannot_be_made_is_a_usage_error(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(UsageError, match="file stands where a folder"), StopRequest() as stop:
-        direct.run_direct(EpisodeConfig(), RosOptions(log_dir=tmp_path / "file"), stop)
+        direct.run_direct(Run(), RosOptions(log_dir=tmp_path / "file"), stop)

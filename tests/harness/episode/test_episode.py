@@ -9,10 +9,8 @@ import numpy as np
 import pytest
 
 from harness.base.errors import RunFailed, UsageError
-from harness.config import EpisodeConfig
 from harness.drivers import Observation, find_driver
 from harness.episode.episode import Episode, fleet_of, goal_course, installed
-from harness.frames.options import FrameOptions
 from harness.robots import ROVERS, RoverSpec
 from harness.samples import (
     ActorPoses,
@@ -32,6 +30,8 @@ from harness.samples import (
 from harness.sensors.barometer import Pressure
 from harness.sensors.gnss import GnssOptions
 from harness.sensors.noise import HARDWARE
+from harness.spec.ros import FrameOptions
+from harness.spec.run import Run
 from harness.world.obstacles import ObstacleKind
 from harness.world.world import terrain_hash
 from tests.support.rovers import LEO
@@ -39,25 +39,25 @@ from tests.support.rovers import LEO
 SECOND = 1_000_000_000
 
 
-def config(**changes: object) -> EpisodeConfig:
+def config(**changes: object) -> Run:
     values: dict[str, object] = {
         "terrain": "flat",
         "driver": "straight",
         "duration": 1.0,
         "lidar_beams": 8,
     }
-    return EpisodeConfig(**{**values, **changes})  # type: ignore[arg-type]  # a table of keywords
+    return Run.of(**{**values, **changes})  # type: ignore[arg-type]  # a table of keywords
 
 
-def ticks(episode_config: EpisodeConfig) -> list[Tick]:
+def ticks(episode_config: Run) -> list[Tick]:
     return [tick for batch in Episode(episode_config).batches() for tick in batch.ticks]
 
 
-def samples(episode_config: EpisodeConfig, kind: type[Sample]) -> list[Sample]:
+def samples(episode_config: Run, kind: type[Sample]) -> list[Sample]:
     return [s for tick in ticks(episode_config) for s in tick.samples if isinstance(s, kind)]
 
 
-def digest(episode_config: EpisodeConfig) -> str:
+def digest(episode_config: Run) -> str:
     state = hashlib.sha256()
     for tick in ticks(episode_config):
         for sample in tick.samples:
@@ -343,7 +343,7 @@ def test_an_optional_sensor_has_a_stream_of_its_name_its_frames_mount_and_the_ru
     assert made.rng.random() == np.random.default_rng(stream).random()
     assert (made.options, made.mount, made.noise) == (options, frames.mount.return_value, HARDWARE)
     frames.mount.assert_called_once_with("mast", scene.model, scene.prefix)
-    assert installed(replace(told, noise=None), frames, scene, options).noise is None
+    assert installed(told.alone(noise=None), frames, scene, options).noise is None
 
 
 @pytest.mark.parametrize("number", [0, 2])

@@ -11,12 +11,13 @@ import pytest
 
 from harness.base.errors import RunFailed
 from harness.base.interrupt import Interrupted, StopRequest
-from harness.config import EpisodeConfig, RosOptions
 from harness.episode.batch import Batch
 from harness.episode.fingerprint import Fingerprint, StreamHash, fingerprint
 from harness.episode.loop import Observer
 from harness.episode.result import RunResult, TopicCount
 from harness.samples import LaserScan, Pose, Tick
+from harness.spec.ros import RosOptions
+from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent, Truth
 
 SCAN = LaserScan(5, np.array([1.0, np.inf, 2.0], dtype=np.float32))
@@ -70,7 +71,7 @@ def test_equal_streams_have_equal_hashes_and_counts() -> None:
 
 
 def run(
-    config: EpisodeConfig,
+    config: Run,
     options: RosOptions,
     _: StopRequest,
     observers: Sequence[Observer],
@@ -83,11 +84,11 @@ def run(
     log.write_bytes(b"a,b\r\n1,2\r\n")
     topics = {"/scan": TopicCount(4, 1, 3)}
     values = {"log_path": log, "rows": 2, "topics": topics} | changes
-    return RunResult(config=config, mode="", **values)  # type: ignore[arg-type]  # a table of keywords
+    return RunResult(run=config, mode="", **values)  # type: ignore[arg-type]  # a table of keywords
 
 
 def test_a_fingerprint_is_that_of_the_stream_and_of_the_logs_bytes() -> None:
-    told = fingerprint(run, EpisodeConfig(), StopRequest())
+    told = fingerprint(run, Run(), StopRequest())
     csv = hashlib.sha256(b"a,b\r\n1,2\r\n").hexdigest()
     assert told == Fingerprint(samples=2, rows=2, lost=3, stream=digest(BATCH), csv=csv)
 
@@ -95,10 +96,10 @@ def test_a_fingerprint_is_that_of_the_stream_and_of_the_logs_bytes() -> None:
 def test_a_run_that_failed_wrote_nothing_or_was_stopped_has_none() -> None:
     failing, silent = partial(run, failure="it fell off"), partial(run, log_path=None)
     with pytest.raises(RunFailed, match="it fell off"):
-        fingerprint(failing, EpisodeConfig(), StopRequest())
+        fingerprint(failing, Run(), StopRequest())
     with pytest.raises(RunFailed, match="the run wrote no log"):
-        fingerprint(silent, EpisodeConfig(), StopRequest())
+        fingerprint(silent, Run(), StopRequest())
     stop = StopRequest()
     stop.signal = signal.SIGINT
     with pytest.raises(Interrupted, match="SIGINT"):
-        fingerprint(run, EpisodeConfig(), stop)
+        fingerprint(run, Run(), stop)

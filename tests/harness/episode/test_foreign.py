@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.episode.metrics_feed import (
     SampleFeed,
@@ -14,6 +13,7 @@ from harness.episode.metrics_feed import (
 from harness.robots import RoverSpec
 from harness.samples import TruthState
 from harness.sensors.lidar_spec import LidarSpec
+from harness.spec.run import Run
 from rover_metrics.session import MetricsSession
 from tests.support.rovers import LEO
 
@@ -22,7 +22,7 @@ WHEELS = [f"{end} {side}" for side in ("Left", "Right") for end in ("Front", "Mi
 
 def test_each_of_six_wheels_has_its_column(foreign: Callable[[str], RoverSpec]) -> None:
     rover = foreign("sojourner")
-    config = EpisodeConfig(robot=str(rover.folder), terrain="flat", driver="spin", duration=0.5)
+    config = Run.of(robot=str(rover.folder), terrain="flat", driver="spin", duration=0.5)
     session = MetricsSession(settings=extended_settings(rover))
     feed = SampleFeed(session, LidarSpec(beams=config.lidar_beams))
     batches = list(Episode(config, samples={TruthState}).batches())
@@ -44,7 +44,7 @@ def test_people_touch_a_rover_whatever_its_bodies_are_called(
     foreign: Callable[[str], RoverSpec],
 ) -> None:
     robot = str(foreign("husky").folder)
-    config = EpisodeConfig(robot=robot, terrain="flat", driver="spin", duration=0.1, actors=("a=0.3,0",))
+    config = Run.of(robot=robot, terrain="flat", driver="spin", duration=0.1, actors=("a=0.3,0",))
     (*_, last) = Episode(config, samples=set()).batches()
     assert [(event.kind, event.other) for event in last.events] == [("hazard", "a_actor")]
 

@@ -7,14 +7,14 @@ from typing import Any
 import pytest
 
 from harness.base.interrupt import StopRequest
-from harness.config import EpisodeConfig
 from harness.episode import loop
 from harness.episode.batch import Batch
 from harness.episode.loop import Lane, Pacer, drive, drive_all, injector
 from harness.faults.injector import FaultInjector
-from harness.faults.spec import parse_faults
 from harness.samples import Pose, Tick
+from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent, Truth
+from tests.support.words import parse_faults
 
 TICK_NS, SECOND = 10_000_000, 1_000_000_000
 EVENT = ContactEvent("rock", 0, TICK_NS, "wheel_FL", "rock_1", 5.0, (0.1, 0.2, 0.0))
@@ -90,7 +90,7 @@ def test_the_faults_of_a_rover_are_drawn_from_its_own_seed_but_the_clocks_from_t
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(loop, "FaultInjector", lambda *given: given)
-    config = EpisodeConfig(seed=5, name="b", number=2, faults=("imu:nan@1", "clock:jump=10@2"))
+    config = Run.of(seed=5, name="b", number=2, faults=("imu:nan@1", "clock:jump=10@2"))
     rows = config.sensor_rows()
     assert config.own_seed != 5
     given: Any = injector(config)

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from harness.base.errors import UsageError
-from harness.config import EpisodeConfig
 from harness.episode.batch import EpisodeInfo
 from harness.episode.manifest import manifest, write_manifest
 from harness.episode.result import RunResult, TopicCount
 from harness.episode.truth_account import TruthAlong
+from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent, Truth
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS
 from rover_metrics.log.session_record import session_thresholds
@@ -18,7 +18,7 @@ from rover_metrics.log.session_record import session_thresholds
 
 def result(**changes: object) -> RunResult:
     values: dict[str, object] = {
-        "config": EpisodeConfig(seed=7),
+        "config": Run.of(seed=7),
         "mode": "direct",
         "truth": Truth(time_ns=2_000_000_000, path_length=0.8),
         "wall_s": 0.5,
@@ -45,10 +45,10 @@ def test_written_manifest_is_valid_json_with_infinities_as_null(tmp_path: Path) 
 
 
 def test_a_heightmap_has_no_difficulty() -> None:
-    named, file = (manifest(result(config=EpisodeConfig(terrain=t))) for t in ("rocky", "a.npy"))
+    named, file = (manifest(result(config=Run.of(terrain=t))) for t in ("rocky", "a.npy"))
     assert named["arguments"]["difficulty"] == 0.5
     assert "difficulty" not in file["arguments"]
-    assert EpisodeConfig(**file["arguments"]) == EpisodeConfig(terrain="a.npy")
+    assert Run.of(**file["arguments"]) == Run.of(terrain="a.npy")
 
 
 def test_the_nodes_own_account_and_other_files_are_named() -> None:

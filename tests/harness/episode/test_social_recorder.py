@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from harness.base.errors import RunFailed, UsageError
-from harness.config import EpisodeConfig
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.social_recorder import SocialRecorder
 from harness.samples import ActorPoses, Place, Pose, Quaternion, Tick
+from harness.spec.run import Run
 from harness.truth.traversal import Truth
 from rover_metrics.analysis.social.log import read_social_log
 
@@ -76,7 +76,7 @@ def test_a_goal_is_reached_at_its_place_and_failed_by_a_rover_on_its_side(tmp_pa
 
 def test_rows_are_where_rover_and_people_are(tmp_path: Path) -> None:
     actors = ("guide=3,0/3,4", "x=1,1")
-    config = EpisodeConfig(terrain="flat", duration=3.0, driver="straight", actors=actors)
+    config = Run.of(terrain="flat", duration=3.0, driver="straight", actors=actors)
     log = SocialRecorder(("guide_actor", "x_actor"), tmp_path / "mine.csv", tmp_path / "others")
     episode, places = Episode(config), []
     for number, one in enumerate(episode.batches(), 1):

@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 
 from harness.base.errors import RunFailed, UsageError
-from harness.config import EpisodeConfig
-from harness.drivers.base import CONTROL_PERIOD_NS
+from harness.base.sim_time import CONTROL_PERIOD_NS
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.stream import EpisodeProcess
 from harness.samples import LaserScan, Place, Pose, Twist
+from harness.spec.run import Run
 
 
-def config(**changes: object) -> EpisodeConfig:
+def config(**changes: object) -> Run:
     values: dict[str, object] = {"terrain": "rocky", "duration": 2.0}
-    return EpisodeConfig(**{**values, **changes})  # type: ignore[arg-type]  # a table of keywords
+    return Run.of(**{**values, **changes})  # type: ignore[arg-type]  # a table of keywords
 
 
 def flattened(batches: list[Batch]) -> list[str]:

@@ -9,7 +9,6 @@ import numpy as np
 from harness.base.sim_time import NANOSECONDS as SECOND
 from harness.base.sim_time import TICK_NS as TICK
 from harness.faults.injector import FaultInjector
-from harness.faults.spec import parse_faults
 from harness.samples import (
     GroundTruth,
     Imu,
@@ -26,6 +25,7 @@ from harness.samples import (
 )
 from harness.sensors.choice import by_default
 from harness.sensors.table import SensorRow
+from tests.support.words import parse_faults
 
 ROWS = by_default()
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)

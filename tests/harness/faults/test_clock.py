@@ -6,8 +6,8 @@ import pytest
 from harness.base.sim_time import NANOSECONDS as SECOND
 from harness.base.sim_time import TICK_NS
 from harness.faults.clock import FaultyClock
-from harness.faults.spec import parse_faults
 from tests.harness.faults.faulty_ticks import imus, sent, times
+from tests.support.words import parse_faults
 
 
 def clock_times(*specs: str) -> list[float]:

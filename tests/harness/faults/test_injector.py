@@ -8,10 +8,11 @@ import pytest
 
 from harness.base.sim_time import TICK_NS as TICK
 from harness.faults.injector import FaultInjector
-from harness.faults.spec import faults_of, parse_faults, sensors
+from harness.faults.lookup import faults_of, sensors
 from harness.samples import Imu, LaserScan, Tick, TruthState
 from harness.sensors import table
 from tests.harness.faults.faulty_ticks import ROWS, imus, made, readings, said, sent, tick
+from tests.support.words import parse_faults
 
 SENSORS = {name: row.source for name, row in table.by_fault_name(ROWS).items()}
 

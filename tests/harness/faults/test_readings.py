@@ -9,7 +9,7 @@ import pytest
 from harness.base.sim_time import NANOSECONDS as SECOND
 from harness.base.sim_time import TICK_NS as TICK
 from harness.faults.injector import FaultInjector
-from harness.faults.spec import faults_of, parse_faults, sensors
+from harness.faults.lookup import faults_of, sensors
 from harness.samples import (
     GroundTruth,
     Imu,
@@ -22,6 +22,7 @@ from harness.samples import (
     Twist,
 )
 from tests.harness.faults.faulty_ticks import UPRIGHT, imus, readings, scans, sent, times
+from tests.support.words import parse_faults
 
 
 @pytest.mark.parametrize(

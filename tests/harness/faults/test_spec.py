@@ -7,8 +7,9 @@ import pytest
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS as SECOND
 from harness.faults.base import Fault
-from harness.faults.spec import describe_faults, faults_of, parse_faults, sensors
+from harness.faults.lookup import describe_faults, faults_of, sensors
 from harness.sensors import table
+from tests.support.words import parse_faults
 
 
 def test_spec_says_sensor_fault_value_start_and_length() -> None:

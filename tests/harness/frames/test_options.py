@@ -1,7 +1,7 @@
 import pytest
 
 from harness.base.errors import UsageError
-from harness.frames.options import FrameOptions
+from harness.spec.ros import FrameOptions
 
 
 @pytest.mark.parametrize(

@@ -8,13 +8,13 @@ from types import SimpleNamespace
 import mujoco
 import pytest
 
-from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
-from harness.frames.options import FrameOptions
 from harness.frames.rover_frames import rover_frames
 from harness.frames.transforms import TransformSensor, describe
 from harness.frames.tree import Edge
 from harness.samples import Odometry, Tick, Transforms, Twist
+from harness.spec.ros import FrameOptions
+from harness.spec.run import Run
 from tests.harness.frames.made_rover import made_rover
 
 PLANAR, WHOLE = FrameOptions(), FrameOptions(odom_tf_3d=True)
@@ -23,7 +23,7 @@ WHEELS, NONE = FrameOptions(odom_tf="wheels"), FrameOptions(odom_tf="none")
 
 def drive(robot: str, options: FrameOptions | None) -> Iterator[tuple[Episode, Tick]]:
     """Ticks of half a second on rough ground, each with the state that it was read from."""
-    episode = Episode(EpisodeConfig(robot=robot, lidar_beams=8), options)
+    episode = Episode(Run.of(robot=robot, lidar_beams=8), options)
     episode._drive.command(Twist(0.4, 1.0))
     for index in range(1, 51):
         episode.drive_wheels()
@@ -140,7 +140,7 @@ def test_a_slide_moves_its_frame_along_its_axis_in_the_parent(tmp_path: Path) ->
 
 
 def test_the_description_names_what_moves_and_tells_what_does_not() -> None:
-    frames = rover_frames(Episode(EpisodeConfig(terrain="flat", duration=0.01)).simulation.scene.rover)
+    frames = rover_frames(Episode(Run.of(terrain="flat", duration=0.01)).simulation.scene.rover)
     default = describe(frames, FrameOptions())
     assert default.moving[0] == ("odom", "base_footprint")
     assert default.owns_odom

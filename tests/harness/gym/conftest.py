@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 import harness.gym  # noqa: F401 - registers
-from harness.config import EpisodeConfig
 from harness.drivers.policy import BESIDE_LIDAR, Policy
+from harness.spec.run import Run
 
 SIDE, VERTICES = 14.0, 57  # [m], a vertex every 25 cm
 
 Make = Callable[..., Any]
-MakeConfig = Callable[..., EpisodeConfig]
+MakeConfig = Callable[..., Run]
 
 
 @pytest.fixture(scope="session")
@@ -56,7 +56,7 @@ def config(small: dict[str, Any]) -> MakeConfig:
     """Makes episodes of `harness.run` there, with noise."""
     there = {name: small[name] for name in ("robot", "terrain", "lidar_beams")}
     there |= {"terrain_size": (SIDE, SIDE), "noise": "hardware"}
-    return lambda **options: EpisodeConfig(**{**there, **options})
+    return lambda **options: Run.of(**{**there, **options})
 
 
 @pytest.fixture(scope="session")

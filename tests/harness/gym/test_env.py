@@ -19,12 +19,14 @@ from gymnasium.error import InvalidAction, ResetNeeded
 import harness.gym
 from harness.base.errors import Diverged, RunFailed, UsageError
 from harness.base.sim_time import NANOSECONDS
-from harness.config import FILE_OPTIONS, EpisodeConfig
+from harness.episode.assembly import world_of
 from harness.gym import ENVIRONMENTS
 from harness.gym.env import RoverEnv
 from harness.gym.options import Curriculum, Options, Randomisation, parse_options
 from harness.samples import Twist
 from harness.sensors.depth import DepthOptions
+from harness.spec.run import Run
+from harness.spec.world import FILE_OPTIONS
 from harness.world.world import terrain_hash
 from tests.harness.gym.conftest import SIDE, Make
 
@@ -88,7 +90,7 @@ class Bare:
         monkeypatch.setattr("harness.gym.env.Ride", self.ride)
         self.env = Counted(**options)  # type: ignore[arg-type]
 
-    def _course(self, config: EpisodeConfig, camera: object) -> Any:  # noqa: ANN401, ARG002
+    def _course(self, config: Run, camera: object) -> Any:  # noqa: ANN401, ARG002
         start = SimpleNamespace(world=SimpleNamespace(start=(7.0, 8.0, 9.0)))
         return SimpleNamespace(config=config, places=self.places, scene=start)
 
@@ -330,8 +332,8 @@ def test_what_worlds_from_files_leave_open_is_told_as_on_the_command_line() -> N
         options = parse_options(Options, {"terrain": [file, "flat"], **given}, "here")
         known: dict[str, Any] = {**given, **told, "terrain": file, "seed": 3}
         known |= {"terrain_height": 2.0} if file == "a.npy" else {}
-        assert options.episode(file, 3, 0.9) == EpisodeConfig(**known)  # it has no difficulty
-        assert options.episode("flat", 3, 0.9) == EpisodeConfig(terrain="flat", seed=3, difficulty=0.9)
+        assert options.episode(file, 3, 0.9) == Run.of(**known)  # it has no difficulty
+        assert options.episode("flat", 3, 0.9) == Run.of(terrain="flat", seed=3, difficulty=0.9)
     assert set(FILE_OPTIONS) == {*of_meshes, "terrain_size", "terrain_height"}
     with pytest.raises(UsageError, match="mesh unit 'league' does not exist; available: m, "):
         parse_options(Options, {"terrain": "a.sdf", "mesh_unit": "league"}, "here")
@@ -345,7 +347,7 @@ def test_the_world_of_a_seed_is_that_of_the_command_line() -> None:
     options = {"terrain": "gravel", "world_seed": 5, "difficulty": 0.25}
     _, info = env.reset(options=options)
     assert {key: info[key] for key in options} == options
-    expected = EpisodeConfig(terrain="gravel", seed=5, difficulty=0.25).world()
+    expected = world_of(Run.of(terrain="gravel", seed=5, difficulty=0.25))
     assert terrain_hash(env._course.scene.world) == terrain_hash(expected)
 
 
@@ -438,9 +440,7 @@ def test_limits_themselves_are_valid_and_given_as_json_has_them() -> None:
     assert (other.goal_distance, other.curriculum.success) == ((2.0, 2.0), 1.0)
     assert options.randomisation == Randomisation(payload=(0.0, 0.0), mass=(1e-3, 1e-3))
     assert options.curriculum == given["curriculum"]
-    assert options.episode("flat", 3, 0.9) == EpisodeConfig(
-        terrain="flat", seed=3, difficulty=0.9, **of_runs
-    )
+    assert options.episode("flat", 3, 0.9) == Run.of(terrain="flat", seed=3, difficulty=0.9, **of_runs)
 
 
 @pytest.mark.parametrize(("options", "message"), WRONG_OPTIONS)

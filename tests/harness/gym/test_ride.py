@@ -13,7 +13,6 @@ from scipy.spatial.transform import Rotation
 
 from harness.base.errors import RunFailed, UsageError
 from harness.base.sim_time import NANOSECONDS
-from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.gym.course import Course, Variation, _vary, draw_variation
 from harness.gym.options import Randomisation
@@ -23,6 +22,7 @@ from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
 from harness.sensors.depth import DepthOptions
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.ranging import RangeReading
+from harness.spec.run import Run
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
@@ -41,7 +41,7 @@ POST = Obstacle(ObstacleKind.HAZARD, "box", (0.1, 0.6, 0.5), (0.6, 0.0, 0.5))
 def flat_with_post() -> Course:
     ground = Heightfield(np.zeros((41, 41)), 0.2)
 
-    class Made(EpisodeConfig):
+    class Made(Run):
         def world(self) -> World:
             return World("made", ground, (POST,), seed=0, difficulty=None)
 

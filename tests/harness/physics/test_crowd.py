@@ -18,10 +18,10 @@ from harness.samples import Place
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
 from harness.world.actors.actor import with_actors
-from harness.world.actors.spec import parse_actors
 from harness.world.actors.walker import SocialWalker
 from harness.world.heightfield import Heightfield
 from harness.world.world import World
+from tests.support.words import parse_actors
 
 MakeSimulation = Callable[..., Simulation]
 PASSES = "g=1,1/1,-1"

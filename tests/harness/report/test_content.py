@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 from harness.base.interrupt import StopRequest
-from harness.config import EpisodeConfig, RosOptions
 from harness.episode.direct import run_direct
 from harness.episode.result import RunResult, TopicCount
 from harness.page.figure import MINUS, TIMES
 from harness.report.content import content, render
 from harness.report.recorder import RunRecorder
+from harness.spec.ros import RosOptions
+from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent
 from rover_metrics.core.row import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
@@ -55,7 +56,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunResult, RunRecorde
     recorder = RunRecorder()
     with StopRequest() as stop:
         options = RosOptions(log_dir=tmp_path_factory.mktemp("logs"))
-        result = run_direct(EpisodeConfig(duration=5.0), options, stop, observers=[recorder])
+        result = run_direct(Run.of(duration=5.0), options, stop, observers=[recorder])
     return result, recorder
 
 
@@ -114,7 +115,7 @@ def test_no_folder_of_whoever_ran_it_is_in_the_titles_or_the_name_of_the_log(
     heights = tmp_path / "private" / "yard.npy"
     heights.parent.mkdir()
     np.save(heights, np.zeros((20, 20)))
-    config = EpisodeConfig(terrain=str(heights), terrain_size=(10.0, 10.0), terrain_height=1.0)
+    config = Run.of(terrain=str(heights), terrain_size=(10.0, 10.0), terrain_height=1.0)
     outline = Outline(page := without_plotly(render(replace(run[0], config=config), run[1])))
     assert [text for tag, text in outline.headings if tag in ("title", "h1")] == [
         "leo on yard.npy, seed 0: complete",
@@ -219,7 +220,7 @@ def test_page_says_at_the_top_how_the_run_ended(
 
 
 def test_run_without_a_log_or_a_single_batch_gets_a_page() -> None:
-    result = RunResult(config=EpisodeConfig(terrain="flat"), mode="ROS 2", failure="it never began")
+    result = RunResult(run=Run.of(terrain="flat"), mode="ROS 2", failure="it never began")
     page = without_plotly(render(result, RunRecorder()))
     assert "This run wrote no metrics log." in page
     assert "it never began" in page

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import pytest
 
-from harness.config import EpisodeConfig
 from harness.episode.result import RunResult, TopicCount
 from harness.episode.truth_account import TruthAlong
 from harness.report.log import Log
@@ -17,6 +16,7 @@ from harness.report.tables import (
     key_figures,
     steady_text,
 )
+from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent, Truth
 from rover_metrics.core.thresholds import Thresholds
 
@@ -40,7 +40,7 @@ EVENT = ContactEvent(
 
 
 RESULT = RunResult(
-    config=EpisodeConfig(),
+    config=Run(),
     mode="direct",
     truth=TRUTH,
     wall_s=4.0,

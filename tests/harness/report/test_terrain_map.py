@@ -12,9 +12,9 @@ from harness.report.recorder import Approach, Stretch
 from harness.report.tables import encounter_rows, people
 from harness.report.terrain_map import map_figure, roughness
 from harness.world.actors.actor import with_actors
-from harness.world.actors.spec import parse_actors
 from harness.world.world import build_world
 from tests.harness.report.stretches import stretches
+from tests.support.words import parse_actors
 
 NO_POINTS = np.empty((0, 2))
 

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -23,6 +24,9 @@ from harness.ros.context import make_executor, spin_until
 from harness.ros.hosted import HostedMetrics, heard_by, metrics_node
 from harness.samples import Imu, Pose, Tick, TruthState
 from harness.sensors.lidar_spec import LidarSpec
+from rover_metrics.core.thresholds import Thresholds
+from rover_metrics.extended.footprint import Footprint
+from rover_metrics.extended.settings import ExtendedSettings, Settings
 from rover_metrics.metrics_node import MetricsNode
 from tests.support.rovers import LEO
 
@@ -202,6 +206,29 @@ def test_the_hosted_node_runs_on_simulation_time_and_logs_where_it_is_told(
     (tmp_path / "file").touch()
     with pytest.raises(UsageError, match="file"):
         metrics_node(context, tmp_path / "file" / "logs")
+    context.shutdown()
+
+
+def test_settings_reach_the_hosted_node_as_a_value_and_the_command_line_wins(
+    ros_domain: int, tmp_path: Path
+) -> None:
+    context = rclpy.Context()
+    words = ["--ros-args", "-p", "collision_threshold:=0.3", "-p", "log_dir:=/elsewhere"]
+    rclpy.init(args=words, context=context, domain_id=ros_domain)
+    outline = Footprint.rectangle((-0.2, 0.2, -0.1, 0.1))
+    given = Settings(
+        log_dir="/nowhere",
+        extended_columns=True,
+        thresholds=Thresholds(collision_threshold=0.7, distance_threshold=0.8),
+        extended=ExtendedSettings(footprint=outline, wheels="left,right"),
+    )
+    node = metrics_node(context, tmp_path, "leo", settings=given)
+    thresholds = Thresholds(collision_threshold=0.3, distance_threshold=0.8)
+    assert node.settings == replace(given, log_dir=str(tmp_path), thresholds=thresholds)
+    assert [*node.get_parameter("footprint").value] == given.parameters["footprint"]
+    assert "True Slip Left" in node.log.path.read_text()
+    assert "/leo/rover/truth/contact" in node.received
+    node.destroy_node()
     context.shutdown()
 
 

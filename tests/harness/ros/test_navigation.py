@@ -12,20 +12,21 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from scipy.spatial.transform import Rotation
 
-from harness.config import EpisodeConfig
+from harness.episode.assembly import world_of
 from harness.robots import find_rover
 from harness.ros.navigation import Navigation, place_of
 from harness.samples import Place
+from harness.spec.run import Run
 from harness.world.obstacles import ObstacleKind
 from harness.world.occupancy import occupancy
 
-CONFIG = EpisodeConfig(terrain="posts", driver="goal")
+CONFIG = Run.of(terrain="posts", driver="goal")
 
 
 class Rig:
     """A node and an episode that only remember."""
 
-    def __init__(self, config: EpisodeConfig = CONFIG, goal_takers: int = 1) -> None:
+    def __init__(self, config: Run = CONFIG, goal_takers: int = 1) -> None:
         self.said: list[str] = []
         self.ordered: list[tuple[str, Place]] = []
         self.answer: int | None = 1_250_000_000
@@ -76,7 +77,7 @@ def test_a_pose_on_the_map_goes_to_the_episode_and_the_line_says_when(
 @pytest.mark.parametrize("topic", ["initialpose", "goal_pose"])
 def test_what_the_rover_cannot_do_is_refused_in_one_line_with_the_mend(topic: str) -> None:
     rig = Rig()
-    post = next(o for o in CONFIG.world().obstacles if o.kind is ObstacleKind.HAZARD)
+    post = next(o for o in world_of(CONFIG).obstacles if o.kind is ObstacleKind.HAZARD)
     px, py, _ = post.position
     off = "m is off the map; give |x| below 19.5 m and |y| below 19.5 m"
     for x, y, frame, reason in (
@@ -103,7 +104,7 @@ def test_what_the_rover_cannot_do_is_refused_in_one_line_with_the_mend(topic: st
 def test_a_goal_without_the_driver_for_it_is_refused_with_the_mend_unless_another_takes_it(
     takers: int,
 ) -> None:
-    rig = Rig(EpisodeConfig(driver="wander"), takers)
+    rig = Rig(Run.of(driver="wander"), takers)
     rig.send("goal_pose", 1.0, 0.0)
     told = ["ignored goal_pose: the driver is wander; start with --driver goal"]
     assert rig.said == (told if takers == 1 else [])
@@ -123,7 +124,7 @@ def test_the_map_goes_out_once_when_somebody_listens_or_records(records: bool) -
         rig.navigation.look_around()
     (message,) = rig.sent
     rover, info = find_rover("leo"), message.info
-    cells = occupancy(CONFIG.world(), rover.slope_limit, rover.step_limit).cells
+    cells = occupancy(world_of(CONFIG), rover.slope_limit, rover.step_limit).cells
     assert (np.array(message.data).reshape(info.height, info.width) == cells).all()
     assert (info.resolution, info.origin.position.x, info.origin.position.y) == (0.05, -20.0, -20.0)
     assert (info.origin.orientation.w, message.header.frame_id) == (1.0, "map")

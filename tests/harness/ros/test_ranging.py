@@ -10,13 +10,13 @@ from scipy.spatial.transform import Rotation
 
 pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 
-from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.robots import find_rover
 from harness.ros.messages import filler
 from harness.sensors.choice import chosen
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.ranging import RangeReading
+from harness.spec.run import Run
 
 XYZ, RPY = (0.1, -0.2, 0.7), (0.2, 0.3, -0.4)
 MOUNT = {"parent": "base_footprint", "xyz": list(XYZ), "rpy": list(RPY)}
@@ -32,7 +32,7 @@ LEO = replace(
 
 def test_points_and_depths_are_where_mujocos_rays_end(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("harness.config.chosen", lambda _, asked: chosen(LEO, asked))
-    episode = Episode(EpisodeConfig(terrain="rocky", driver="spin", lidar_beams=8, duration=0.1))
+    episode = Episode(Run.of(terrain="rocky", driver="spin", lidar_beams=8, duration=0.1))
     (*_, last) = (tick for batch in episode.batches() for tick in batch.ticks)
     readings = {s.sensor: s for s in last.samples if isinstance(s, RangeReading)}
     model, data = episode.simulation.model, episode.simulation.data

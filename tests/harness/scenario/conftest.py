@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.config import EpisodeConfig
 from harness.episode import direct
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Tick, TruthState, Twist
 from harness.scenario.case import Case
 from harness.scenario.selection import plan
+from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent, Truth
 
 BATCH_NS = 50_000_000
@@ -29,10 +29,10 @@ MakeCases = Callable[..., list[Case]]
 class Scripted:
     """Drives at SPEED along x for 2 s, level until the last 50 ms."""
 
-    seen: list[EpisodeConfig]
+    seen: list[Run]
     wanted: object = None  # samples, by whoever drove it last
 
-    def __init__(self, config: EpisodeConfig, samples: object = None) -> None:
+    def __init__(self, config: Run, samples: object = None) -> None:
         self.info, type(self).wanted = INFO, samples
         self.seen.append(config)
 
@@ -57,9 +57,9 @@ def _samples(stamp: int, x: float, is_tilted: bool) -> tuple[Sample, ...]:
 
 
 @pytest.fixture
-def driven(monkeypatch: pytest.MonkeyPatch) -> list[EpisodeConfig]:
+def driven(monkeypatch: pytest.MonkeyPatch) -> list[Run]:
     """Lets the scripted episode stand for every other; gives the configurations that were driven."""
-    seen: list[EpisodeConfig] = []
+    seen: list[Run] = []
     monkeypatch.setattr(Scripted, "seen", seen, raising=False)
     monkeypatch.setattr(direct, "Episode", Scripted)
     monkeypatch.setattr(direct, "fleet_of", lambda configs: tuple(map(Scripted, configs)))

@@ -18,7 +18,6 @@ import pytest
 from harness import __version__
 from harness.base.errors import RunFailed, UsageError
 from harness.base.interrupt import Interrupted, StopRequest
-from harness.config import EpisodeConfig, RosOptions
 from harness.episode import direct
 from harness.episode.episode import Episode
 from harness.episode.result import RunResult
@@ -29,6 +28,8 @@ from harness.scenario.contact import contact_of
 from harness.scenario.judge import Breach
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import SAMPLES, TruthSeries
+from harness.spec.ros import RosOptions
+from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent
 from rover_metrics.core.row import COLUMNS
 from tests.harness.scenario.conftest import MakeCases, Scripted
@@ -93,7 +94,7 @@ def test_a_run_that_ends_early_is_a_failure_and_what_stops_the_command_is_none(
     run = direct.run_direct
     failed, scratch = "the rover left the map at 1.9 s", list[Path]()
 
-    def fail(config: EpisodeConfig, options: RosOptions, *rest: Any) -> RunResult:  # noqa: ANN401
+    def fail(config: Run, options: RosOptions, *rest: Any) -> RunResult:  # noqa: ANN401
         scratch.append(options.log_dir.parent)
         return replace(run(config, options, *rest), failure=failed, info=None)
 
@@ -188,7 +189,7 @@ def test_a_baseline_is_kept_until_something_differs(
     assert recorded["values"] == {"truth.path_length end": 1.0}
     assert len(recorded["log"]) == 4  # the end of the last line is one more
     assert attempt(case, tmp_path).passed
-    elsewhere = replace(case, config=replace(case.config, terrain="elsewhere/flat"))
+    elsewhere = replace(case, config=case.config.alone(terrain="elsewhere/flat"))
     assert attempt(elsewhere, tmp_path).passed
 
     def changed(**values: object) -> Attempt:
@@ -235,7 +236,7 @@ def test_the_truth_that_is_judged_is_that_of_the_simulator(
 ) -> None:
     monkeypatch.undo()  # the scripted episode
     (case,) = make_cases("{truth.path_length: {max: 0}}", "driver: straight")
-    episode = Episode(replace(case.config, terrain="slope"))
+    episode = Episode(case.config.alone(terrain="slope"))
     for _ in episode.batches():
         pass
     data = episode.simulation.data
@@ -256,7 +257,7 @@ def test_only_what_the_truth_cannot_say_takes_a_log_and_every_sensor(
     make_cases: MakeCases,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-    driven: list[EpisodeConfig],
+    driven: list[Run],
 ) -> None:
     with_log = Mock(wraps=direct.run_direct)
     monkeypatch.setattr(USED, with_log)
@@ -289,7 +290,7 @@ def test_the_truth_is_the_same_without_the_other_sensors(
 ) -> None:
     monkeypatch.undo()  # the scripted episode
     (case,) = make_cases("{truth.speed: {max: 9}}", "driver: wander\nnoise: white\nlidar_beams: 90")
-    config = replace(case.config, terrain="rocky", duration=1.0)
+    config = case.config.alone(terrain="rocky", duration=1.0)
     full, alone = TruthSeries(QUANTITIES), TruthSeries(QUANTITIES)
     stop = StopRequest()
     first = direct.run_direct(config, RosOptions(log_dir=tmp_path), stop, observers=(full,))

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.config import FILE_OPTIONS, EpisodeConfig
 from harness.robots import MODELS_DIR
 from harness.scenario.selection import find_files, plan
+from harness.spec.run import Run
+from harness.spec.world import FILE_OPTIONS
 from tests.harness.scenario.conftest import MakeCases, cases_with
 
 SPEED = "{truth.speed: {min: 0}}"
@@ -55,7 +56,7 @@ def test_a_file_becomes_the_configuration_that_it_describes(
     walk = f"<actor name='a'><script><trajectory id='0'>{walk}</trajectory></script></actor>"
     (tmp_path / "walk.sdf").write_text(walk)
     (case,) = make_cases(SPEED, more)
-    assert case.config == EpisodeConfig(
+    assert case.config == Run.of(
         terrain="flat",
         duration=2.0,
         driver="cmd_vel",
@@ -118,7 +119,7 @@ def test_a_failure_is_expected_of_the_runs_that_have_all_that_it_names(make_case
     found = []
     for robot in ("leo", "rover_zero4wd"):
         for terrain in ("flat", "slope", "maps/hill.npy"):
-            told = replace(case, config=replace(case.config, robot=robot, terrain=terrain))
+            told = replace(case, config=case.config.alone(robot=robot, terrain=terrain))
             found.append(told.expected_failure and told.expected_failure.reason)
     assert found == ["one", None, "two", "three", "three", "two"]
 

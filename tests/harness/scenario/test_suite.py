@@ -14,7 +14,6 @@ from rich.console import Console
 from harness import __version__
 from harness.base.errors import RunFailed
 from harness.base.interrupt import Interrupted
-from harness.config import EpisodeConfig
 from harness.scenario.__main__ import main
 from harness.scenario.attempt import Attempt
 from harness.scenario.case import Case
@@ -22,6 +21,7 @@ from harness.scenario.junit import junit_of, properties_of
 from harness.scenario.suite import run_all
 from harness.scenario.told import tell
 from harness.scenario.verdict import Outcome, exit_code, verdicts_of
+from harness.spec.run import Run
 from harness.workers import WorkerLost, Workers
 from tests.harness.scenario.conftest import MakeCases, cases_with
 
@@ -47,7 +47,7 @@ class Ending(Workers):
 
 
 def test_parameters_of_the_metrics_are_those_that_the_log_is_written_with(
-    make_cases: MakeCases, tmp_path: Path, driven: list[EpisodeConfig]
+    make_cases: MakeCases, tmp_path: Path, driven: list[Run]
 ) -> None:
     cases = cases_with(
         make_cases, tmp_path, "metrics_node: {ros__parameters: {collision_threshold: 5.0}}"
@@ -59,7 +59,7 @@ def test_parameters_of_the_metrics_are_those_that_the_log_is_written_with(
 
 
 def test_attempts_come_in_the_order_of_their_cases(
-    make_cases: MakeCases, tmp_path: Path, driven: list[EpisodeConfig]
+    make_cases: MakeCases, tmp_path: Path, driven: list[Run]
 ) -> None:
     cases, shown = make_cases(SPEED, "seeds: 3"), list[tuple[int, ...]]()
 
@@ -79,7 +79,7 @@ def test_attempts_come_in_the_order_of_their_cases(
 
 
 def test_a_suite_that_was_stopped_goes_on_if_nothing_has_changed(
-    make_cases: MakeCases, tmp_path: Path, driven: list[EpisodeConfig]
+    make_cases: MakeCases, tmp_path: Path, driven: list[Run]
 ) -> None:
     cases, out = make_cases("{truth.hazard_contacts: {max: 1}}", "seeds: 3"), tmp_path / "out"
 
@@ -253,7 +253,7 @@ def test_what_is_expected_to_fail_is_told_with_the_reason(
 def test_the_command_runs_a_folder_writes_junit_and_records_baselines(
     make_cases: MakeCases,
     tmp_path: Path,
-    driven: list[EpisodeConfig],
+    driven: list[Run],
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     make_cases("{truth.path_length: {over: end, relative: 0.01}}", "seed: 1")

@@ -63,7 +63,7 @@ class Brake(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
 def run(case_of: MakeCases, expect: str, more: str = "", seconds: float = 2.0) -> tuple[str, ...]:
     (case,) = case_of(expect, FAST + more)
-    with ScenarioTrial(replace(case, config=replace(case.config, duration=seconds))) as trial:
+    with ScenarioTrial(replace(case, config=case.config.alone(duration=seconds))) as trial:
         trial.host(Brake)
         return trial.finish()
 

@@ -1,7 +1,7 @@
 import pytest
 
 from harness.base.errors import UsageError
-from harness.sensors.base import period_ticks
+from harness.base.sim_time import period_ticks
 
 
 @pytest.mark.parametrize(

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
-from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.physics.scene import build_scene
 from harness.physics.simulation import Simulation
 from harness.sensors.height_scan import HeightScan, HeightScanOptions, HeightScanSensor
+from harness.spec.run import Run
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World
@@ -33,7 +33,7 @@ SHAPES = ("BOX", "CYLINDER", "CAPSULE", "ELLIPSOID")
 @pytest.fixture(scope="module")
 def simulation() -> Simulation:
     """A rover among rocks, put beside one."""
-    episode = Episode(EpisodeConfig(terrain="rocky", duration=0.05, seed=2))
+    episode = Episode(Run.of(terrain="rocky", duration=0.05, seed=2))
     simulation = episode.simulation
     rock = next(o for o in simulation.scene.world.obstacles if o.kind is ObstacleKind.ROCK)
     simulation.put(rock.position[0] - 0.7, rock.position[1] + 0.2, 0.1)

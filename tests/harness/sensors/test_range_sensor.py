@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
 from harness.robots import RoverSpec, find_rover
 from harness.sensors import choice
@@ -16,6 +15,7 @@ from harness.sensors.optional import Installation
 from harness.sensors.range_sensor import RangeSensor
 from harness.sensors.ranging import RangeReading
 from harness.sensors.rays.bundle import Surroundings
+from harness.spec.run import Run
 from harness.world.obstacles import Obstacle, ObstacleKind
 from tests.harness.conftest import MakeSimulation
 from tests.harness.faults.faulty_ticks import said
@@ -34,7 +34,7 @@ def readings(
 
     chosen = choice.chosen
     monkeypatch.setattr("harness.config.chosen", equipped)
-    config = EpisodeConfig(terrain="flat", driver="spin", lidar_beams=8, duration=0.2, noise=noise)
+    config = Run.of(terrain="flat", driver="spin", lidar_beams=8, duration=0.2, noise=noise)
     ticks = [tick for batch in Episode(config).batches() for tick in batch.ticks]
     return [sample for tick in ticks for sample in tick.samples if isinstance(sample, RangeReading)]
 
@@ -96,10 +96,10 @@ def test_the_same_seed_gives_the_same_readings_whatever_else_is_carried(
 
 
 def test_all_else_is_the_same_with_optional_sensors_and_without() -> None:
-    config = EpisodeConfig(terrain="flat", lidar_beams=8, duration=0.2, noise="hardware")
+    config = Run.of(terrain="flat", lidar_beams=8, duration=0.2, noise="hardware")
     told = []
     for sensors in ((), ("lidar3d=livox", "depth")):
-        batches = Episode(replace(config, sensors=sensors)).batches()
+        batches = Episode(config.alone(sensors=sensors)).batches()
         ticks = [tick for batch in batches for tick in batch.ticks]
         others = [tuple(s for s in t.samples if not isinstance(s, RangeReading)) for t in ticks]
         told.append([said(replace(t, samples=some)) for t, some in zip(ticks, others, strict=True)])

@@ -1,6 +1,5 @@
 """A sensor is one file and one row: the barometer is in every part of a run by that alone."""
 
-from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -9,20 +8,22 @@ from unittest.mock import Mock
 import pytest
 
 from harness.base.errors import UsageError
-from harness.config import EpisodeConfig
+from harness.base.sim_time import period_ticks
 from harness.episode.episode import Episode
 from harness.faults.injector import FaultInjector
-from harness.faults.spec import describe_faults, parse_faults
-from harness.frames.options import FrameOptions
+from harness.faults.lookup import describe_faults
 from harness.robots import ROVERS, find_rover
 from harness.samples import Tick, TruthState
 from harness.sensors.barometer import Pressure
-from harness.sensors.base import Sensor, period_ticks
+from harness.sensors.base import Sensor
 from harness.sensors.choice import by_default
 from harness.sensors.lidar_spec import LidarSpec
 from harness.sensors.table import SENSORS, SensorRow, by_fault_name
+from harness.spec.ros import FrameOptions
+from harness.spec.run import Run
 from tests.support.rovers import LEO
 from tests.support.rovers import ROVER_ZERO4WD as ZERO
+from tests.support.words import parse_faults
 
 BEAMS = 8
 RUN: Any = {
@@ -37,7 +38,7 @@ RUN: Any = {
 @pytest.fixture(scope="module")
 def ticks() -> tuple[Tick, ...]:
     """Of one second with a barometer that says 7 from 0.5 s on, and never anything in between."""
-    config = EpisodeConfig(**RUN)
+    config = Run.of(**RUN)
     faults = FaultInjector(
         parse_faults(["barometer:stuck=7@0.5", "imu:dropout"]), seed=0, rows=config.sensor_rows()
     )
@@ -73,7 +74,7 @@ def recording(ticks: tuple[Tick, ...], ros_domain: int, tmp_path: Path) -> Path:
         find_rover("leo"),
         LidarSpec(beams=BEAMS),
         context=context,
-        rows=EpisodeConfig(**RUN).sensor_rows(),
+        rows=Run.of(**RUN).sensor_rows(),
     )
     with Recorder(tmp_path / "bag.mcap") as recorder:
         recorder.tap(bridge)
@@ -86,7 +87,7 @@ def recording(ticks: tuple[Tick, ...], ros_domain: int, tmp_path: Path) -> Path:
 
 
 def test_a_mount_is_a_frame_of_the_urdf_and_of_tf_static() -> None:
-    description = Episode(EpisodeConfig(**RUN), FrameOptions()).description
+    description = Episode(Run.of(**RUN), FrameOptions()).description
     assert description is not None
     (edge,) = (edge for edge in description.fixed if edge.child == "barometer_link")
     assert edge.parent == "base_footprint"
@@ -95,10 +96,10 @@ def test_a_mount_is_a_frame_of_the_urdf_and_of_tf_static() -> None:
 
 
 def test_without_being_asked_for_there_is_none() -> None:
-    config = EpisodeConfig(**RUN | {"sensors": None})
+    config = Run.of(**RUN | {"sensors": None})
     assert "barometer" not in {row.source for row in config.sensor_rows()}
     with pytest.raises(UsageError, match=r"no sensor 'barometer', but --sensors barometer adds it"):
-        replace(config, faults=("barometer:nan",)).validate()
+        config.alone(faults=("barometer:nan",)).validate()
 
 
 def test_a_new_row_is_published_and_recorded_without_a_line_for_its_message(

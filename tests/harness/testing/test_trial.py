@@ -21,8 +21,8 @@ from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Float64
 
 from harness.base.errors import RunFailed, UsageError
-from harness.config import EpisodeConfig
 from harness.ros.network import reserved_domain
+from harness.spec.run import Run
 from harness.testing import Trial
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -57,7 +57,7 @@ class WallClock(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 def trial(*faults: str, **changes: object) -> Iterator[Trial]:
     values: dict[str, object] = {"terrain": "flat", "driver": "cmd_vel", "lidar_beams": 8}
     values |= {"duration": 5.0, "faults": faults}
-    with Trial(EpisodeConfig(**{**values, **changes})) as made:  # type: ignore[arg-type]  # a table
+    with Trial(Run.of(**{**values, **changes})) as made:  # type: ignore[arg-type]  # a table
         yield made
 
 
@@ -182,7 +182,7 @@ def test_reset_with_a_seed_is_a_new_trial_whose_time_goes_on() -> None:
             one.step(0.1)
 
 
-@pytest.mark.skipif("start" not in EpisodeConfig.__dataclass_fields__, reason="no start can be chosen")
+@pytest.mark.skipif("start" not in Run.__dataclass_fields__, reason="no start can be chosen")
 def test_reset_to_a_start_places_the_rover_there() -> None:
     with trial() as one:
         truths = one.collect(Odometry, "odom_ground_truth")
@@ -200,7 +200,7 @@ def test_reset_to_a_start_places_the_rover_there() -> None:
 def test_an_exception_leaves_recording_and_page_and_says_where(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    config = EpisodeConfig(terrain="flat", driver="cmd_vel", lidar_beams=8)
+    config = Run.of(terrain="flat", driver="cmd_vel", lidar_beams=8)
 
     def drive(folder: Path, *, fails: bool) -> None:
         with Trial(config, folder) as one:
@@ -248,7 +248,7 @@ def test_driving_a_rover_that_drives_itself_is_refused() -> None:
 
 def test_invalid_fault_is_refused_before_anything_starts() -> None:
     with pytest.raises(UsageError, match="there is no sensor 'sonar'"):
-        Trial(EpisodeConfig(faults=("sonar:nan",)))
+        Trial(Run.of(faults=("sonar:nan",)))
 
 
 def test_process_that_ends_at_once_is_told_with_its_exit_code() -> None:
@@ -296,12 +296,12 @@ def test_no_two_trials_share_a_domain() -> None:
 
 FAILING = """
 import pytest
-from harness.config import EpisodeConfig
+from harness.spec.run import Run
 from harness.testing import Trial
 
 @pytest.mark.parametrize("name", ["a/b"])
 def test_it(name, start_trial):
-    trial = start_trial(Trial(EpisodeConfig(terrain="flat", driver="cmd_vel", lidar_beams=8)))
+    trial = start_trial(Trial(Run.of(terrain="flat", driver="cmd_vel", lidar_beams=8)))
     trial.step(0.2)
     raise AssertionError("0.2 s < 0")
 """

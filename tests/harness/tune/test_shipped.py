@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.config import EpisodeConfig
+from harness.spec.run import Run
 from harness.tune import __main__ as tune
 from harness.tune.episodes import sweep
 from harness.tune.episodes.plan import Planned, plan
@@ -58,7 +58,7 @@ def test_the_episodes_are_what_the_simulator_gives(index: int) -> None:
     _assert_same_start(again, kept)
 
 
-def _not_to_be_driven(config: EpisodeConfig) -> EpisodeRecord:
+def _not_to_be_driven(config: Run) -> EpisodeRecord:
     pytest.fail(f"not kept: {config}")
 
 
@@ -67,8 +67,8 @@ def _shipped_plan() -> tuple[Planned, ...]:
     return plan(options.robot, options.episodes, options.seed, options.duration)
 
 
-def _for_seconds(config: EpisodeConfig) -> EpisodeConfig:
-    return EpisodeConfig(**(vars(config) | {"duration": float(SECONDS)}))
+def _for_seconds(config: Run) -> Run:
+    return Run.of(**(vars(config) | {"duration": float(SECONDS)}))
 
 
 def _assert_same_start(again: EpisodeRecord, kept: EpisodeRecord) -> None:

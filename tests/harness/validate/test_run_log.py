@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.config import EpisodeConfig
 from harness.drivers import DriverContext, Observation, wander
 from harness.samples import Imu, LaserScan, Odometry, Tick, Twist
+from harness.spec.run import Run
 from harness.validate import run_log
 from harness.validate.run_log import COLUMNS, CONFIG, SPEEDS, RecordedAgent, drive, read_log
 from tests.support.rovers import ROVER_ZERO4WD
@@ -89,7 +89,7 @@ class ToldEpisode:
     commands: list[Twist]
     scan = LaserScan(0, np.array([np.inf, 2.5], np.float32))
 
-    def __init__(self, _: EpisodeConfig) -> None:
+    def __init__(self, _: Run) -> None:
         self.info = SimpleNamespace(map_size=(40.0, 30.0))
         self.simulation = SimpleNamespace(position=(1.0, 2.0, 3.0), time_ns=5, yaw=0.5)
         self.commands = ToldEpisode.commands = []

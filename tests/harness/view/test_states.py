@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.config import EpisodeConfig
 from harness.episode.episode import Episode
+from harness.spec.run import Run
 from harness.view.states import States, StateWriter, read_states
 from tests.harness.view.recorded import CONFIG, recorded
 from tests.support.rovers import LEO
@@ -27,7 +27,7 @@ def test_states_are_those_of_the_episode(tmp_path: Path) -> None:
 
 
 def test_people_are_where_they_were_last_told_to_be(tmp_path: Path) -> None:
-    config = replace(CONFIG, terrain="flat", actors=("a=1,1", "g=3,0/3,4"))
+    config = CONFIG.alone(terrain="flat", actors=("a=1,1", "g=3,0/3,4"))
     states = recorded(tmp_path / "states", config)
     assert states.people.shape == (50, 2, 4)
     np.testing.assert_allclose(states.people[:, 0], np.tile([1.0, 1.0, 0.875, 0.0], (50, 1)))
@@ -72,9 +72,7 @@ def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
 def test_the_scene_is_made_from_the_same_place_of_the_same_file(tmp_path: Path) -> None:
     """The whole of it is too steep to stand on: only with its start it is a world."""
     np.save(tmp_path / "a.npy", np.tile(0.2 * np.arange(101.0), (101, 1)))
-    config = EpisodeConfig(
-        terrain=str(tmp_path / "a.npy"), terrain_size=(20.0, 20.0), start=(1.0, 2.0, 0.5)
-    )
+    config = Run.of(terrain=str(tmp_path / "a.npy"), terrain_size=(20.0, 20.0), start=(1.0, 2.0, 0.5))
     with closing(StateWriter(tmp_path / "states", config)) as writer:
         writer._file.write(np.ones(8 + len(LEO.joints)).tobytes())
     again = read_states(tmp_path / "states").config

@@ -124,11 +124,11 @@ def test_a_record_that_cannot_replace_what_stands_there_leaves_no_part_behind(lo
 
 def test_the_outcome_of_the_real_manifest_is_the_one_that_is_looked_for(log: Path) -> None:
     manifest = pytest.importorskip("harness.episode.manifest")
-    from harness.config import EpisodeConfig  # noqa: PLC0415 - the harness is optional here
+    from harness.config import Run  # noqa: PLC0415 - the harness is optional here
     from harness.episode.result import RunResult  # noqa: PLC0415
 
     write_record(log, None, {})
-    manifest.write_manifest(RunResult(config=EpisodeConfig(), mode="direct"), log.with_suffix(".json"))
+    manifest.write_manifest(RunResult(run=Run(), mode="direct"), log.with_suffix(".json"))
     assert session_end(log) is SessionEnd.MARKED
 
 

@@ -101,7 +101,7 @@ def flat(settings: Settings) -> dict[str, object]:
 
 def test_every_parameter_is_declared_with_default_range_description_and_constraint() -> None:
     node = Stub()
-    settings = declare_settings(node)
+    settings = declare_settings(node, Settings())
     assert {name: default for name, (default, _) in node.declared.items()} == {
         name: default for name, (default, *_) in DECLARED.items()
     }
@@ -115,7 +115,7 @@ def test_every_parameter_is_declared_with_default_range_description_and_constrai
         assert descriptor.read_only is (name in FIXED)
         assert len(descriptor.description) > 20
         assert descriptor.additional_constraints
-    assert settings == Settings() == declare_settings(Stub())
+    assert settings == Settings() == declare_settings(Stub(), Settings())
     expected = {name: default for name, (default, *_) in DECLARED.items()}
     assert flat(settings) == {**expected, "footprint": None, "lidar_pose": LidarPose(0.0, 0.0, 0.0)}
     assert settings.thresholds == Thresholds()
@@ -126,7 +126,7 @@ def test_every_parameter_is_declared_with_default_range_description_and_constrai
 def test_a_value_of_the_launch_or_a_change_is_in_the_settings_and_nothing_else_is_changed(
     name: str, value: object, kept: object, other: object
 ) -> None:
-    launched = declare_settings(Stub(**{name: value}))
+    launched = declare_settings(Stub(**{name: value}), Settings())
     assert flat(launched) == {**flat(Settings()), name: kept}
     rest = {each: given for each, given, _, _ in CHANGES if each != name}
     full = launched.updated({**rest, "use_sim_time": True})
@@ -136,12 +136,29 @@ def test_a_value_of_the_launch_or_a_change_is_in_the_settings_and_nothing_else_i
     assert full.updated({}) == full
 
 
+def test_settings_given_as_a_value_are_defaults_that_the_launch_wins_over() -> None:
+    given = Settings().updated({name: value for name, value, _, _ in CHANGES})
+    assert declare_settings(Stub(), given) == given
+    for name, _, kept, other in CHANGES:
+        launched = declare_settings(Stub(**{name: other}), given)
+        assert launched == given.updated({name: other})
+        assert flat(launched)[name] != kept
+
+
+def test_every_value_of_settings_has_the_type_that_ros_declares() -> None:
+    whole = Settings(stale_after=2, thresholds=Thresholds(collision_threshold=1))
+    for settings in (whole, Settings()):
+        assert Settings().updated(settings.parameters) == settings
+        types = {name: type(value) for name, value in settings.parameters.items()}
+        assert types == {name: type(value) for name, value in Settings().parameters.items()}
+
+
 @pytest.mark.parametrize("name", DECLARED)
 def test_a_launch_with_a_wrong_name_or_type_is_told_the_constraint(name: str) -> None:
     wrong = InvalidParameterTypeException(Parameter(name, value="x"), "other")
     node = Stub(**{name: wrong})
     with pytest.raises(ParameterError) as caught:
-        declare_settings(node)
+        declare_settings(node, Settings())
     assert (
         str(caught.value) == f"parameter {name} must be {node.declared[name][1].additional_constraints}"
     )
@@ -150,7 +167,7 @@ def test_a_launch_with_a_wrong_name_or_type_is_told_the_constraint(name: str) ->
 def test_a_footprint_that_is_not_set_is_an_empty_list_and_one_that_is_stays() -> None:
     for launch, kept in (({}, []), ({"footprint": TRIANGLE}, TRIANGLE)):
         node = Stub(**launch)
-        declare_settings(node)
+        declare_settings(node, Settings())
         assert [*node.parameters["footprint"].value] == kept
         assert node.parameters["footprint"].type_ is DOUBLES
 
@@ -188,7 +205,7 @@ def test_the_reliability_of_a_topic_is_a_fixed_parameter_of_two_values(
 
 def test_the_first_parameter_of_another_type_or_name_is_named() -> None:
     node = Stub()
-    declare_settings(node)
+    declare_settings(node, Settings())
     node.declare_parameter("use_sim_time", False, type(node.declared["fsync"][1])())
     fine = [Parameter(name, value=1) for name in ("use_sim_time", "debug_interval")]
     assert wrong_name_or_type(node, fine) is None

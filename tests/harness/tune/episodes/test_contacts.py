@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from harness.config import EpisodeConfig
 from harness.samples import LaserScan, PlacedScan, Pose
 from harness.sensors.lidar_spec import LidarSpec
+from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent
 from harness.tune.episodes.contacts import _is_on, _sight, _zone, event_rows
 from harness.tune.episodes.record import Sight, Zone
@@ -169,9 +169,7 @@ def test_a_driven_episode_has_the_contacts_that_its_driver_seeks(
     driver: str, side: Zone, seed: int, duration: int
 ) -> None:
     robot, terrain = "rover_zero4wd", "posts"
-    record = drive(
-        EpisodeConfig(robot=robot, terrain=terrain, driver=driver, seed=seed, duration=duration)
-    )
+    record = drive(Run.of(robot=robot, terrain=terrain, driver=driver, seed=seed, duration=duration))
 
     assert (len(record.scans), len(record.windows)) == (20 * duration, duration)
     assert side in record.events["zone"]

@@ -13,12 +13,12 @@ from harness.world.actors.actor import with_actors
 from harness.world.actors.room import Room
 from harness.world.actors.route import Route
 from harness.world.actors.social_force import step
-from harness.world.actors.spec import parse_actors
 from harness.world.actors.stroll import Stroll, StrollRoute
 from harness.world.actors.walker import SocialWalker
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, outline
 from harness.world.world import World, terrain_hash
+from tests.support.words import parse_actors
 
 WALL = Obstacle(ObstacleKind.HAZARD, "box", (0.2, 1.0, 0.5), (3.0, 0.0, 0.5))
 BARE = World("bare", Heightfield(np.zeros((201, 201)), 0.1), (WALL,), seed=3, difficulty=0.0)

@@ -5,14 +5,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from harness.world.actors.spec import Options, beside, of_terrain, parse_actors
 
 from harness.base.errors import UsageError
-from harness.config import EpisodeConfig
-from harness.world.actors.spec import Options, beside, of_terrain, parse_actors
+from harness.spec.run import Run
 
 
 def actor_names(texts: list[str]) -> tuple[str, ...]:
-    return EpisodeConfig(actors=tuple(texts)).actor_names()
+    return Run.of(actors=tuple(texts)).actor_names()
 
 
 DEFAULTS: dict[str, Any] = {"speed": 1.0, "route": "mirror", "delay": 0.0, "within": 8.0, "push": 0}
@@ -73,7 +73,7 @@ def test_the_people_of_a_terrain_are_the_actors_of_its_world(tmp_path: Path) -> 
     assert of_terrain(str(world)) == (str(world),)
     nobodys = ("rocky", str(empty), str(broken), str(tmp_path / "c.sdf"))
     assert [of_terrain(name) for name in nobodys] == [()] * 4
-    assert EpisodeConfig(terrain=str(world), actors=("b=1,2",)).people == (str(world), "b=1,2")
+    assert Run.of(terrain=str(world), actors=("b=1,2",)).people == (str(world), "b=1,2")
 
 
 def test_the_people_of_a_terrain_are_those_of_what_it_includes_too(tmp_path: Path) -> None:
@@ -86,7 +86,7 @@ def test_the_people_of_a_terrain_are_those_of_what_it_includes_too(tmp_path: Pat
     for encoding in ("utf-8", "utf-16"):
         text = f"<sdf><world>{include}</world></sdf>".replace(">", ">\r\n")
         world.write_bytes(text.encode(encoding))
-        config = EpisodeConfig(terrain=str(world), resource_path=(str(tmp_path / "models"),))
+        config = Run.of(terrain=str(world), resource_path=(str(tmp_path / "models"),))
         (spec,) = config.actor_specs()
         assert spec.name == "v"
         assert spec.told is not None

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 PACKAGES = {"harness": 14, "rover_metrics/rover_metrics": 8}  # modules at the root, at most
 
 

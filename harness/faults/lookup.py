@@ -1,27 +1,18 @@
-"""A fault as a user writes it: SENSOR:FAULT[=VALUE][@START[+LENGTH]], e.g. imu:nan@10+2.
+"""Faults by the names of sensors and kinds (harness.spec.fault: how a user writes them)."""
 
-START and LENGTH are simulated seconds. Without a LENGTH a fault lasts to the end, without a START it
-lasts the whole run.
-"""
-
-import re
+import math
 from collections.abc import Iterable
 from functools import cache
 from typing import Any
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS
-from harness.faults.base import LONGEST, Fault, Kind
+from harness.faults.base import Fault, Kind
 from harness.faults.clock import CLOCK
 from harness.faults.kinds import OF_SENSORS, OF_THE_CLOCK
 from harness.sensors import table
 from harness.sensors.table import ATTITUDE, SensorRow
-
-FORM = "SENSOR:FAULT[=VALUE][@START[+LENGTH]]"
-_SPEC = re.compile(
-    r"(?P<sensor>[^:=@+]+):(?P<name>[^:=@+]+)(?:=(?P<value>[^@]+))?"
-    r"(?:@(?P<start>[^+]+)(?:\+(?P<length>.+))?)?"
-)
+from harness.spec.fault import FaultSpec
 
 
 def sensors(rows: Iterable[SensorRow] | None = None) -> tuple[str, ...]:
@@ -41,76 +32,58 @@ def faults_of(sensor: str, rows: Iterable[SensorRow] | None = None) -> dict[str,
     return {kind.name: kind for kind in kinds if not kind.own or sensor in kind.own}
 
 
-def parse_faults(
-    specs: Iterable[str], rows: Iterable[SensorRow] | None = None
+def find_faults(
+    specs: Iterable[FaultSpec], rows: Iterable[SensorRow] | None = None
 ) -> tuple[Fault[Any], ...]:
-    """Parses faults.
+    """Returns the faults that are asked for.
 
     Args:
-        specs: As users write them.
+        specs: What a user wrote.
         rows: The sensors of the run; None for all there are.
 
     Raises:
-        UsageError: One is not valid; the message names what is.
+        UsageError: There is no such sensor or fault, or the value is not valid; the message names
+            what is.
     """
     known = None if rows is None else tuple(rows)
-    return tuple(_parse(spec, known) for spec in specs)
+    return tuple(_find(spec, known) for spec in specs)
 
 
 @cache  # a run checks its options and then makes its faults
-def _parse(spec: str, rows: tuple[SensorRow, ...] | None) -> Fault[Any]:
-    found = _SPEC.fullmatch(spec)
-    if found is None:
-        raise UsageError(f"fault '{spec}' is not of the form {FORM}, e.g. imu:nan@10+2")
-    sensor, name, value, start, length = found.groups()
-    some, names = faults_of(sensor, rows), sensors(rows)
+def _find(spec: FaultSpec, rows: tuple[SensorRow, ...] | None) -> Fault[Any]:
+    sensor, some, names = spec.sensor, faults_of(spec.sensor, rows), sensors(rows)
     if sensor not in names:
         optional = f", but --sensors {sensor} adds it" if sensor in sensors() else ""
         raise _unknown(spec, f"there is no sensor '{sensor}'{optional}", names)
-    if name not in some:
-        raise _unknown(spec, f"{sensor} has no fault '{name}'", some)
-    kind = some[name]
-    if kind.momentary and (start is None or length is not None):
-        raise UsageError(f"fault '{spec}' happens at one time; give {sensor}:{name}@START")
-    start_ns = 0 if start is None else _time_ns(spec, start, "START")
-    end_ns = None if length is None else start_ns + _time_ns(spec, length, "LENGTH")
+    if spec.kind not in some:
+        raise _unknown(spec, f"{sensor} has no fault '{spec.kind}'", some)
+    kind = some[spec.kind]
+    if kind.momentary and (spec.start is None or spec.length is not None):
+        raise UsageError(f"fault '{spec}' happens at one time; give {sensor}:{spec.kind}@START")
+    start_ns = round((spec.start or 0.0) * NANOSECONDS)
+    end_ns = None if spec.length is None else start_ns + round(spec.length * NANOSECONDS)
     if end_ns == start_ns:
-        raise UsageError(f"fault '{spec}': LENGTH is 0 s; give more, or leave it out")
-    return Fault(kind, sensor, _value(spec, kind, value), start_ns, end_ns)
+        raise UsageError(f"fault '{spec}': LENGTH is below 1 ns; give more, or leave it out")
+    return Fault(kind, sensor, _value(spec, kind), start_ns, end_ns)
 
 
-def _unknown(spec: str, problem: str, available: Iterable[str]) -> UsageError:
+def _unknown(spec: FaultSpec, problem: str, available: Iterable[str]) -> UsageError:
     return UsageError(f"fault '{spec}': {problem}; available: {', '.join(available)}")
 
 
-def _value(spec: str, kind: Kind[Any], text: str | None) -> float:
-    takes = kind.takes
+def _value(spec: FaultSpec, kind: Kind[Any]) -> float:
+    takes, value = kind.takes, spec.value
     if takes is None:
-        if text is not None:
-            raise UsageError(f"fault '{spec}' takes no value; leave out '={text}'")
+        if value is not None:
+            raise UsageError(f"fault '{spec}' takes no value; leave out what stands behind '='")
         return 0.0
-    if text is None:
+    if value is None:
         if takes.default is None:
             raise UsageError(f"fault '{spec}' needs ={takes.name}: {takes.meaning}")
         return takes.default
-    number = _number(text)
-    if number is None or not takes.valid(number):
-        raise UsageError(f"fault '{spec}': value '{text}' is not valid; give {takes.meaning}")
-    return number
-
-
-def _time_ns(spec: str, text: str, what: str) -> int:
-    seconds = _number(text)
-    if seconds is None or not 0.0 <= seconds <= LONGEST:
-        raise UsageError(f"fault '{spec}': {what} '{text}' is not valid; give seconds from 0 up")
-    return round(seconds * NANOSECONDS)
-
-
-def _number(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None
+    if math.isnan(value) or not takes.valid(value):
+        raise UsageError(f"fault '{spec}': the value is not valid; give {takes.meaning}")
+    return value
 
 
 def describe_faults() -> str:

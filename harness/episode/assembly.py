@@ -1,0 +1,297 @@
+"""A run becomes parts: the one place where names are looked up, and where a run's UsageErrors arise.
+
+Each station checks its own part. Light to import: a process that only publishes needs neither MuJoCo nor
+compiled kernels.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+from harness.base.errors import UsageError, find_named
+from harness.base.files import modified_ns
+from harness.drivers import find_driver, takes_goals
+from harness.drivers.staged import StagedEncounter
+from harness.faults.injector import FaultInjector
+from harness.faults.lookup import find_faults
+from harness.robots import RoverSpec, find_rover
+from harness.sensors.choice import chosen
+from harness.sensors.geodesy import Datum
+from harness.sensors.noise import PRESETS
+from harness.sensors.table import SensorRow
+from harness.spec.rover import CMD_VEL, RoverSetup, Start
+from harness.spec.run import Run
+from harness.spec.world import DEFAULT_DIFFICULTY, FILE_FIELDS, WorldSpec
+from harness.world.actors.actor import with_actors
+from harness.world.actors.people import Pedestrian, of_terrain, pedestrians
+from harness.world.berths import Member, berth
+from harness.world.files import file_world
+from harness.world.terrain_file import TerrainFile, is_terrain_file
+from harness.world.terrains import TERRAINS
+from harness.world.world import World, build_world, starting_at
+
+
+def check(run: Run) -> None:
+    """Checks everything that can be checked without building the world.
+
+    Raises:
+        UsageError: A name does not exist, or values do not fit together; the message names what does.
+    """
+    for rover in run.rovers:
+        find_rover(rover.robot)
+    _check_terrain(run)
+    Datum(*run.world.datum).check()
+    people(run.world)
+    for rover in run.rovers:
+        _check_rover(rover)
+    _check_plan(run)
+
+
+def check_world(run: Run) -> None:
+    """Checks what depends on the world, which is built only where something does.
+
+    Raises:
+        UsageError: The start is off the map, no person can walk so, or there is nothing for the
+            driver to meet.
+    """
+    for rover in run.rovers:
+        driver = find_driver(rover.driver)
+        if issubclass(driver, StagedEncounter):
+            world = world_of(run)
+            try:
+                middle, half_size = world.roaming
+                driver.hazards(world.obstacles, half_size, middle)
+            except UsageError as error:
+                raise UsageError(f"driver '{rover.driver}' on {run.world.terrain}: {error}") from error
+        elif rover.start is not None or people(run.world):
+            world = world_of(run)
+            if rover is not run.rover and rover.start is not None:
+                starting_at(world, rover.start)
+
+
+def world_of(run: Run) -> World:
+    """Returns the world, which is built once and then shared: nobody changes one.
+
+    Raises:
+        UsageError: The terrain's file is not usable, the first rover's start is off the map, or no
+            person can walk so.
+    """
+    return _peopled(_terrain_world(run), run.rover.start, people(run.world))
+
+
+def people(world: WorldSpec) -> tuple[Pedestrian, ...]:
+    """Returns who walks, before there is a world: the actors of an SDF world, then those asked for.
+
+    Raises:
+        UsageError: One of them is not valid.
+    """
+    return pedestrians(
+        (*of_terrain(world.terrain, world.resource_path), *world.actors), world.resource_path
+    )
+
+
+def actor_names(world: WorldSpec) -> tuple[str, ...]:
+    """Returns the names of the people as their topics and columns have them: NAME_actor.
+
+    Raises:
+        UsageError: One of them is not valid.
+    """
+    return tuple(person.full_name for person in people(world))
+
+
+def sensor_rows(rover: RoverSetup) -> tuple[SensorRow, ...]:
+    """Returns the sensors that a rover carries, in publishing order.
+
+    Raises:
+        UsageError: One of the optional ones does not exist or is not valid.
+    """
+    return chosen(find_rover(rover.robot), rover.sensors)
+
+
+def gravity(run: Run, number: int = 0) -> float:
+    """Returns what a rover's IMU reads at rest [m/s^2]: of a world that says so, else of its model.
+
+    Args:
+        run: The run.
+        number: The rover's place in it.
+
+    Raises:
+        UsageError: The terrain's file is not usable.
+    """
+    of_world = _terrain_world(run).gravity if is_terrain_file(run.world.terrain) else None
+    return find_rover(run.rovers[number].robot).gravity if of_world is None else of_world
+
+
+def injector(run: Run, number: int = 0) -> FaultInjector:
+    """Returns the faults of a rover.
+
+    Args:
+        run: The run.
+        number: The rover's place in it.
+    """
+    rover = run.rovers[number]
+    rows = sensor_rows(rover)
+    return FaultInjector(find_faults(rover.faults, rows), run.own_seed(number), rows, run.seed)
+
+
+class Scenery(NamedTuple):
+    """The world of a run, and who starts where in it."""
+
+    world: World
+    members: tuple[Member, ...]
+
+
+def scenery(run: Run, world: World | None = None) -> Scenery:
+    """Returns the world of a run, and who starts where in it.
+
+    Args:
+        run: All rovers but the first have a start.
+        world: That world, if it has been built already.
+
+    Raises:
+        UsageError: A value is not valid.
+    """
+    world = world_of(run) if world is None else world
+    starts = [world.start if r.start is None else starting_at(world, r.start).start for r in run.rovers]
+    return Scenery(
+        world,
+        tuple(
+            Member(rover.name, find_rover(rover.robot), start)
+            for rover, start in zip(run.rovers, starts, strict=True)
+        ),
+    )
+
+
+def fleet(run: Run, rovers: tuple[RoverSetup, ...]) -> Run:
+    """Returns a run with several rovers, checked and placed.
+
+    Args:
+        run: What holds for all of them.
+        rovers: Their setups; a goal area holds for those whose drivers take goals, if any does.
+
+    Raises:
+        UsageError: A value is not valid, or there is no room for one.
+    """
+    for rover in rovers:
+        find_rover(rover.robot)
+    if any(takes_goals(rover.driver) for rover in rovers):
+        rovers = tuple(r if takes_goals(r.driver) else r.but(goal_area=None) for r in rovers)
+    several = run.but(rovers=rovers)
+    check(several)
+    return placed(several)
+
+
+def placed(run: Run) -> Run:
+    """Returns the run with a start for each rover but the first: beside the first where none is given.
+
+    Raises:
+        UsageError: There is no room for one.
+    """
+    if all(rover.start is not None for rover in run.rovers[1:]):
+        return run
+    world = world_of(run)
+    models = [find_rover(rover.robot) for rover in run.rovers]
+    starts: list[Start | None] = [world.start, *(rover.start for rover in run.rovers[1:])]
+    for number, model in enumerate(models):
+        if starts[number] is None:
+            starts[number] = berth(world.start, model, _taken(starts, models), world)
+        if starts[number] is None:
+            name = run.rovers[number].name
+            raise UsageError(
+                f"there is no room for {name} near the start of {run.rover.name}; "
+                f"give it one: --rover ROBOT:{name},x=X,y=Y"
+            )
+    others = (rover.but(start=start) for rover, start in zip(run.rovers[1:], starts[1:], strict=True))
+    return run.but(rovers=(run.rover, *others))
+
+
+def _taken(
+    starts: Sequence[Start | None], models: Sequence[RoverSpec]
+) -> list[tuple[float, float, float]]:
+    return [
+        (start[0], start[1], model.reach)
+        for start, model in zip(starts, models, strict=True)
+        if start is not None
+    ]
+
+
+_named_world = lru_cache(maxsize=2)(build_world)  # a run asks for its own up to four times
+
+
+@lru_cache(maxsize=2)
+def _file_world(file: TerrainFile, seed: int, _modified_ns: int) -> World:
+    return file_world(file, seed)
+
+
+@lru_cache(maxsize=2)  # of a long way, each step is looked at
+def _peopled(world: World, start: Start | None, who: tuple[Pedestrian, ...]) -> World:
+    world = world if start is None else starting_at(world, start)
+    return with_actors(world, who) if who else world
+
+
+def _terrain_world(run: Run) -> World:
+    if not is_terrain_file(run.world.terrain):
+        return _named_world(run.world.terrain, run.seed, run.world.difficulty)
+    file = _terrain_file(run)
+    return _file_world(file, run.seed, modified_ns(file.path))
+
+
+def _terrain_file(run: Run) -> TerrainFile:
+    world, rover = run.world, find_rover(run.rover.robot)
+    return TerrainFile(
+        path=Path(world.terrain),
+        size=world.terrain_size,
+        relief=world.terrain_height,
+        needs_start=run.rover.start is None,
+        folders=tuple(map(Path, world.resource_path)),
+        cell=world.terrain_cell,
+        mesh_unit=world.mesh_unit,
+        mesh_up=world.mesh_up,
+        rock_height=world.rock_height,
+        rocks=world.rock,
+        hazards=world.hazard,
+        clearance=rover.clearance,
+        step_limit=rover.step_limit,
+    )
+
+
+def _check_terrain(run: Run) -> None:
+    world = run.world
+    if is_terrain_file(world.terrain):
+        _terrain_file(run).check()
+        if world.difficulty != DEFAULT_DIFFICULTY:
+            raise UsageError("a terrain from a file has no difficulty; leave out --difficulty")
+        return
+    find_named("terrain", world.terrain, TERRAINS)
+    for name in FILE_FIELDS:
+        if getattr(world, name) not in (None, (), ""):
+            raise UsageError(
+                f"--{name.replace('_', '-')} applies to terrains from files only; leave it out"
+            )
+
+
+def _check_rover(rover: RoverSetup) -> None:
+    find_driver(rover.driver)
+    if rover.noise is not None:
+        find_named("noise preset", rover.noise, PRESETS)
+    find_faults(rover.faults, sensor_rows(rover))
+    if rover.goal_area is not None and not takes_goals(rover.driver):
+        raise UsageError("a goal area gives goals by itself: it needs driver 'goal' or a policy")
+    if rover.cmd_vel_timeout is not None and rover.driver != CMD_VEL:
+        raise UsageError("--cmd-vel-timeout is for --driver cmd_vel only; other drivers go on")
+
+
+def _check_plan(run: Run) -> None:
+    drivers = [rover.driver for rover in run.rovers]
+    plans = (
+        (run.plan.commands, CMD_VEL in drivers, CMD_VEL),
+        (run.plan.goals, any(map(takes_goals, drivers)), "goal"),
+    )
+    for events, are_heeded, needed in plans:
+        if events and not are_heeded:
+            raise UsageError(
+                f"driver '{run.rover.driver}' takes no commands or goals; this needs driver '{needed}'"
+            )
+    if run.plan.goals and any(rover.goal_area is not None for rover in run.rovers):
+        raise UsageError("a goal area gives goals by itself: leave out the goals")

@@ -1,0 +1,80 @@
+"""How a run goes through ROS: nodes, names, pace, transforms, recording."""
+
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from harness.spec.value import Option, Value, listed
+
+GROUND_TRUTH, WHEELS, NONE = "ground_truth", "wheels", "none"
+ODOM_SOURCES = (GROUND_TRUTH, WHEELS, NONE)
+CMD_VEL_TYPES = ("auto", "twist", "stamped")
+SLOWEST_RATE = 0.01
+
+
+class FrameOptions(Value):
+    """What a user chooses of the tree of frames."""
+
+    odom_tf: Annotated[
+        Literal["ground_truth", "wheels", "none"], Option("SOURCE", choices=ODOM_SOURCES)
+    ] = Field(default="ground_truth", description="who owns odom -> base on /tf; none where an EKF does")
+    odom_tf_3d: Annotated[bool, Option("")] = Field(
+        default=False, description="with the true height, roll and pitch; else the pose from above"
+    )
+    map_tf: Annotated[bool, Option("")] = Field(
+        default=False, description="publish map -> odom too, as the identity"
+    )
+
+    @model_validator(mode="after")
+    def _agrees(self) -> Self:
+        if self.odom_tf_3d and self.odom_tf != GROUND_TRUTH:
+            raise ValueError(
+                f"--odom-tf-3d is the true pose: leave out --odom-tf {self.odom_tf}, or --odom-tf-3d"
+            )
+        return self
+
+
+def _rate(value: object) -> object:
+    return None if value == "max" else value
+
+
+class RosOptions(Value):
+    """How a run goes through ROS; `log_dir` and `rate` hold for a run without it too.
+
+    Attributes:
+        host_metrics: Whether to run a MetricsNode in this process.
+        ros_args: Arguments from `--ros-args` on.
+        frames: Which transforms are published.
+    """
+
+    log_dir: Annotated[Path, Option("DIR")] = Field(
+        description="folder for the log and its manifest; with --actor, for social/social_log_....csv "
+        "too"
+    )
+    rate: Annotated[
+        Annotated[float, Field(ge=SLOWEST_RATE, allow_inf_nan=False)] | None,
+        BeforeValidator(_rate),
+        Option("R|max"),
+    ] = Field(default=None, description="times real time; default: max")
+    host_metrics: bool = True
+    wait_for: Annotated[tuple[str, ...], listed(), Option("NODE")] = Field(
+        default=(), description="keep lock-step with a node in another process; repeatable"
+    )
+    ros_args: tuple[str, ...] = ()
+    cmd_vel: Annotated[Literal["auto", "twist", "stamped"], Option("TYPE", choices=CMD_VEL_TYPES)] = (
+        Field(
+            default="auto",
+            description="type of /cmd_vel; auto: as it is sent, TwistStamped from Kilted on until "
+            "something is",
+        )
+    )
+    record: Annotated[Path | None, Option("FILE.mcap")] = Field(
+        default=None,
+        description="record every topic, /cmd_vel and /rover/metrics too; a killed run's file is "
+        "read by rover_metrics.replay as it is, and mended by: mcap recover FILE.mcap -o MENDED.mcap",
+    )
+    overwrite: Annotated[bool, Option("")] = Field(
+        default=False, description="let --record replace a file"
+    )
+    frames: FrameOptions = FrameOptions()

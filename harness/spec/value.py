@@ -1,0 +1,236 @@
+"""Frozen values, and the one door through which text and the keys of files become them."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Self, TypeVar, get_args
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from harness.base.errors import UsageError, unknown
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Seconds = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Length = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+Seed = Annotated[int, Field(ge=0)]
+
+
+class Value(BaseModel):
+    """A value that never changes; a key that it does not have is refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+
+    def but(self, **changes: Any) -> Self:  # noqa: ANN401 - as the fields are
+        """Returns a copy with other values of some fields.
+
+        Raises:
+            UsageError: One is not valid.
+        """
+        return made(type(self), self.__dict__ | changes)
+
+
+V = TypeVar("V", bound=BaseModel)
+
+
+@dataclass(frozen=True)
+class Option:
+    """How a field stands on a command line.
+
+    Attributes:
+        metavar: What stands for its value in the help; "" for a switch.
+        flag: Without the dashes; the field's own name if empty.
+        bare: The value that the flag has without one; None if it needs one.
+        many: Whether several values may stand behind the flag.
+        choices: Names that are valid.
+    """
+
+    metavar: str
+    flag: str = ""
+    bare: str | None = None
+    many: bool = False
+    choices: tuple[str, ...] = ()
+
+
+def made(
+    cls: type[V], values: Mapping[str, Any], where: str = "", name: Callable[[str], str] = str
+) -> V:
+    """Returns a value made of words or of what a file holds.
+
+    Args:
+        cls: What to make.
+        values: Its fields by name; text is converted.
+        where: What the values belong to, for the message, e.g. a file.
+        name: How a user calls a field, e.g. by a flag.
+
+    Raises:
+        UsageError: One is missing, unknown or not valid; the message names what is.
+    """
+    try:
+        return cls.model_validate(values)
+    except ValidationError as error:
+        prefix = f"{where}: " if where else ""
+        raise UsageError(f"{prefix}{complaint(error, cls, name)}") from error
+
+
+def complaint(error: ValidationError, cls: type[BaseModel], name: Callable[[str], str] = str) -> str:
+    """Returns what is wrong with values, in one line.
+
+    Args:
+        error: What pydantic says of them.
+        cls: What was to be made of them.
+        name: How a user calls a field.
+    """
+    first = _foremost(error.errors(include_url=False))
+    keys = [str(key) for key in first["loc"]]
+    field = ".".join([name(keys[0]), *keys[1:]]) if keys else ""
+    match first["type"]:
+        case "extra_forbidden":
+            known = _model_at(cls, keys[:-1]).model_fields
+            valid = [name(item.alias or key) for key, item in known.items()]
+            return unknown("key", name(keys[-1]) if len(keys) == 1 else keys[-1], valid)
+        case "missing":
+            return f"key '{field}' is missing"
+        case "value_error":
+            return str(first["ctx"]["error"])
+    mend = _valid(first, cls.model_fields.get(str(first["loc"][0])) if first["loc"] else None)
+    return f"{field} {_shown(first['input'])} is not valid; give {mend}"
+
+
+NUMBERS = {
+    "int": "a whole number",
+    "float": "a number",
+    "finite": "a finite number",
+    "bool": "true or false",
+}
+
+
+def _valid(error: ErrorDetails, field: FieldInfo | None) -> str:
+    """What is valid in place of a wrong value: a range, names, or a kind of value."""
+    kind = error["type"]
+    if kind.startswith(("greater_than", "less_than")) and field is not None:
+        bounds = dict(_bounds(field.metadata, field.annotation))
+        low, high = bounds.get("ge", bounds.get("gt")), bounds.get("le", bounds.get("lt"))
+        if low is None or high is None:
+            word = {"ge": "or more", "gt": "and more than that", "le": "or less", "lt": "and less"}
+            return " ".join(f"{value:g} {word[name]}" for name, value in bounds.items())
+        return f"{low:g} to {high:g}" + (", the lower end excluded" if "gt" in bounds else "")
+    if kind in ("too_long", "too_short"):
+        limit = error["ctx"].get("max_length", error["ctx"].get("min_length"))
+        return f"at {'most' if kind == 'too_long' else 'least'} {limit}"
+    if kind == "literal_error":
+        return f"one of {error['ctx']['expected']}"
+    return NUMBERS.get(kind.partition("_")[0]) or error["msg"].replace("Input should be ", "")
+
+
+def _bounds(metadata: Iterable[Any], annotation: Any) -> Iterator[tuple[str, float]]:  # noqa: ANN401
+    """Yields the first limits that an annotation holds, its own before those of its parts."""
+    for extra in metadata:
+        if isinstance(extra, FieldInfo):
+            yield from _bounds(extra.metadata, None)
+        for name in ("ge", "gt", "le", "lt"):
+            if (limit := getattr(extra, name, None)) is not None:
+                yield name, float(limit)
+    for part in get_args(annotation):
+        yield from _bounds(getattr(part, "__metadata__", ()), part)
+
+
+def _foremost(errors: list[ErrorDetails]) -> ErrorDetails:
+    """The first mistake; a key that is missing beside one that nobody knows has been mistyped."""
+    first = errors[0]
+    if first["type"] != "missing":
+        return first
+    beside = (e for e in errors if e["type"] == "extra_forbidden" and e["loc"][:-1] == first["loc"][:-1])
+    return next(beside, first)
+
+
+def _model_at(cls: type[BaseModel], keys: list[str]) -> type[BaseModel]:
+    for key in keys:
+        kind = cls.model_fields[key].annotation if key in cls.model_fields else None
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            cls = kind
+    return cls
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def as_tuple(value: object) -> object:
+    """Returns a list as a tuple, which strict types of fields demand, and anything else as it is."""
+    return tuple(value) if isinstance(value, list) else value
+
+
+def parsed(parse: Callable[[str], Any]) -> BeforeValidator:
+    """Returns a validator that makes a value of its text; what is no text is left as it is.
+
+    Args:
+        parse: Makes the value; its UsageError becomes the mistake of the field.
+    """
+
+    def convert(value: object) -> object:
+        if not isinstance(value, str):
+            return as_tuple(value)
+        try:
+            return parse(value)
+        except UsageError as error:
+            raise ValueError(str(error)) from error
+
+    return BeforeValidator(convert)
+
+
+def checked(check: Callable[[Any], object]) -> Callable[[Any], Any]:
+    """Returns a validator that asks a check which raises UsageError."""
+
+    def validate(value: object) -> object:
+        try:
+            check(value)
+        except UsageError as error:
+            raise ValueError(str(error)) from error
+        return value
+
+    return validate
+
+
+AsText = PlainSerializer(str, return_type=str)
+
+
+def numbers(form: str, count: int, *, rest: float | None = None) -> BeforeValidator:
+    """Returns a validator that reads numbers from text.
+
+    Args:
+        form: What to write, for the message, e.g. "X,Y[,YAW] in metres and radians".
+        count: How many numbers there are.
+        rest: The last one, if it is left out; None if it must be given.
+    """
+
+    def parse(text: str) -> tuple[float, ...]:
+        words = text.split(",")
+        if rest is not None and len(words) == count - 1:
+            words.append(str(rest))
+        try:
+            values = tuple(map(float, words))
+        except ValueError:
+            values = ()
+        if len(values) != count:
+            raise UsageError(f"'{text}' is not valid; give {form}")
+        return values
+
+    return parsed(parse)
+
+
+def listed(separator: str = "") -> BeforeValidator:
+    """Returns a validator that takes one value for a list of one.
+
+    Args:
+        separator: Between the values in text; "" if text is one value.
+    """
+
+    def convert(value: object) -> object:
+        if isinstance(value, str) and separator:
+            return tuple(word.strip() for word in value.split(separator))
+        return (value,) if isinstance(value, str) else as_tuple(value)
+
+    return BeforeValidator(convert)

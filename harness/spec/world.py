@@ -1,0 +1,93 @@
+"""The world of a run: a named terrain or a file, what the file leaves open, and who walks there."""
+
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field
+
+from harness.spec.actor import ActorText
+from harness.spec.value import Finite, Option, Share, Value, as_tuple, listed, numbers
+
+DEFAULT_DIFFICULTY = 0.5
+# Mars Desert Research Station, Utah, where rovers of universities compete.
+DEFAULT_DATUM = (38.4064, -110.7919, 1382.0)  # [deg], [deg], [m]
+
+MapLength = Annotated[float, Field(ge=10.0, le=50_000.0)]  # [m]
+Relief = Annotated[float, Field(ge=0.0, le=10_000.0)]  # [m]
+Cell = Annotated[float, Field(ge=0.02, le=10.0)]  # [m]
+Texts = Annotated[tuple[str, ...], listed()]
+
+
+def _both_lengths(value: object) -> object:
+    """One length is that of both sides."""
+    if isinstance(value, str | float | int):
+        return (value, value)
+    sides = as_tuple(value)
+    return (*sides, *sides) if isinstance(sides, tuple) and len(sides) == 1 else sides
+
+
+class WorldSpec(Value):
+    """What determines a world, beside the seed of the run.
+
+    What is left out of a terrain from a file is as the file says.
+    """
+
+    terrain: Annotated[str, Option("NAME|FILE")] = Field(
+        default="rocky",
+        description="see --list; a heightmap: GeoTIFF, TIFF, PNG, .npy; an SDF world: .world, .sdf; "
+        "a mesh: .dae, .obj, .stl (docs/worlds.md: axes, units)",
+    )
+    difficulty: Annotated[Share, Option("D")] = Field(
+        default=DEFAULT_DIFFICULTY, description="0 to 1, of a named terrain"
+    )
+    terrain_size: Annotated[
+        tuple[MapLength, MapLength] | None, BeforeValidator(_both_lengths), Option("M", many=True)
+    ] = Field(
+        default=None,
+        description="length along x and y, or of both, of a heightmap that does not say [m]",
+    )
+    terrain_height: Annotated[Relief | None, Option("M")] = Field(
+        default=None, description="relief, lowest to highest point, of a heightmap that does not say [m]"
+    )
+    terrain_cell: Annotated[Cell | None, Option("M")] = Field(
+        default=None, description="distance of the heights that a mesh becomes [m]; default: 0.1"
+    )
+    resource_path: Annotated[Texts, Option("DIR")] = Field(
+        default=(), description="folder of an SDF world's models; repeatable; default: none"
+    )
+    mesh_unit: Annotated[str, Option("NAME")] = Field(
+        default="", description="unit of meshes: m, cm, mm, ft, in; default: as their files say"
+    )
+    mesh_up: Annotated[str, Option("AXIS")] = Field(
+        default="", description="axis of meshes that is up: z, y, x; default: as their files say"
+    )
+    rock_height: Annotated[Relief | None, Option("M")] = Field(
+        default=None,
+        description="obstacles of files up to it are rocks [m]; default: the rover's clearance",
+    )
+    rock: Annotated[Texts, Option("PATTERN")] = Field(
+        default=(), description="models that are rocks; repeatable; default: by height"
+    )
+    hazard: Annotated[Texts, Option("PATTERN")] = Field(
+        default=(), description="models that are hazards; repeatable; default: by height"
+    )
+    actors: Annotated[tuple[ActorText, ...], listed(), Option("SPEC", flag="actor")] = Field(
+        default=(),
+        description="a person who walks; repeatable: NAME=X,Y/X,Y/... (way points), [NAME=]FILE.sdf (a "
+        "trajectory, or actors of a world), NAME=random or NAME=social; behind it :KEY=VALUE,... of "
+        "speed, route, delay, radius, height, within, push (docs/worlds.md); default: nobody",
+    )
+    datum: Annotated[
+        tuple[Finite, Finite, Finite],
+        numbers("LAT,LON or LAT,LON,ALT in degrees and metres", 3, rest=0.0),
+        Option("LAT,LON[,ALT]"),
+    ] = Field(
+        default=DEFAULT_DATUM,
+        description="where the world's origin is, for GNSS and its like: degrees and metres; "
+        "default: 38.4064,-110.7919,1382",
+    )
+
+
+FILE_FIELDS = (  # for terrains from files alone
+    *("terrain_size", "terrain_height", "terrain_cell", "resource_path", "mesh_unit", "mesh_up"),
+    *("rock_height", "rock", "hazard"),
+)
