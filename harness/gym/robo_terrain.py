@@ -15,12 +15,13 @@ from gymnasium import spaces
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import CONTROL_PERIOD
-from harness.drivers.point_nav import Point, attitude, latest, visible, way_to
+from harness.drivers.point_nav import Point, latest, visible, way_to
 from harness.gym.env import Info, RoverEnv
 from harness.gym.observation import Part, space_of
 from harness.gym.options import Options, Range
 from harness.gym.ride import Ride
 from harness.samples import Imu, LaserScan, Odometry, Pose, Twist
+from rover_metrics.core import rotation
 
 SEGMENTS, FARTHEST = 32, 12.0  # of the lidar; [m] that a miss becomes
 PROPORTIONAL, DERIVATIVE, FASTEST_TURN = 2.0, 0.1, 7.0  # of the heading controller [1/s], [1], [rad/s]
@@ -158,7 +159,8 @@ class RoboTerrainEnv(RoverEnv[RoboTerrainOptions]):
     def _observe(self, ride: Ride) -> Mapping[str, object]:
         readings = ride.readings
         pose, twist = latest(readings, Pose), latest(readings, Odometry).twist
-        roll, pitch, yaw = attitude(latest(readings, Imu).orientation)
+        attitude = latest(readings, Imu).orientation
+        (roll, pitch), yaw = rotation.roll_pitch(attitude), rotation.yaw(attitude)
         scan = latest(readings, LaserScan)
         ranges = visible(scan.ranges, FARTHEST)
         if self._defects.nearest_is_farthest:

@@ -1,19 +1,17 @@
-"""The whole suite, and its results as a table: on the terminal, and between markers of a README."""
+"""The whole suite, and its results as a table: on the terminal and in Markdown."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 from rich.console import Console
 from rich.table import Column, Table
 
-from harness.base.errors import UsageError
 from harness.robots import RoverSpec
 from harness.validate import climbing, driving, square, stability
 from harness.validate.check import NOTHING_TOLD, Check
+from rover_metrics.sheet.render import markdown
+from rover_metrics.sheet.sheet import Sheet
 
-BEGIN = "<!-- begin: python -m harness.validate --write -->"
-END = "<!-- end: python -m harness.validate --write -->"
 HEADINGS = ("quantity", "expected", "measured", "verdict", "source of the expectation")
 
 Manoeuvres = Callable[[RoverSpec, int], Iterator[Check]]
@@ -54,29 +52,8 @@ def print_table(console: Console, robot: str, checks: Sequence[Check]) -> None:
 
 def as_markdown(results: Mapping[str, Sequence[Check]]) -> str:
     """Returns the tables of all rovers, each under its name."""
-    return "\n\n".join(f"### {robot}\n\n{_rows(checks)}" for robot, checks in results.items())
-
-
-def write_between_markers(path: Path, text: str) -> None:
-    """Replaces what stands between the markers of a file.
-
-    Raises:
-        UsageError: The file cannot be read or written, or does not have the markers.
-    """
-    try:
-        before, rest = path.read_text(encoding="utf-8").split(BEGIN)
-        after = rest.split(END)[1]
-        path.write_text(f"{before}{BEGIN}\n\n{text}\n\n{END}{after}", encoding="utf-8")
-    except (ValueError, IndexError) as error:
-        raise UsageError(f"{path} must hold '{BEGIN}' and '{END}' once each") from error
-    except OSError as error:
-        raise UsageError(f"cannot rewrite {path}: {error.strerror}") from error
-
-
-def _rows(checks: Sequence[Check]) -> str:
-    head = [f"| {' | '.join(HEADINGS)} |", "|---" * len(HEADINGS) + "|"]
-    cells = ([cell.replace("|", "\\|") for cell in cells_of(check)] for check in checks)
-    return "\n".join([*head, *(f"| {' | '.join(row)} |" for row in cells)])
+    tables = (Sheet(HEADINGS, tuple(map(cells_of, checks)), robot) for robot, checks in results.items())
+    return "\n".join(f"### {sheet.title}\n\n{markdown(sheet)}" for sheet in tables)
 
 
 def cells_of(check: Check) -> tuple[str, str, str, str, str]:

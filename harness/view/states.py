@@ -93,7 +93,10 @@ class States:
 
     @property
     def yaw(self) -> NDArray[np.float64]:
-        """Heading at those times [rad], continuous, shape (n,)."""
+        """Heading at those times [rad], continuous, shape (n,).
+
+        NumPy's arctan2 differs from math's in the last bit, so that this is not core.rotation's.
+        """
         w, x, y, z = self.orientations.T
         return np.unwrap(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
 

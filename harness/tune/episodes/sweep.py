@@ -4,10 +4,10 @@ from collections.abc import Callable, Sequence
 from operator import attrgetter
 
 from harness.base.errors import Diverged, RunFailed
+from harness.episode import loop
 from harness.episode.assembly import injector, world_of
 from harness.episode.episode import Episode, together
 from harness.episode.loop import Route
-from harness.episode.loop import drive as drive_rovers
 from harness.robots import find_rover
 from harness.spec.run import Run
 from harness.tune.episodes.contacts import event_rows
@@ -46,7 +46,7 @@ def _ending(run: Run, collected: Collected) -> Ending:
     """Drives, with nobody but `collected` to look."""
     route = Route(injector(run), lambda *_: None, (collected,))
     try:
-        for _ in drive_rovers(together([Episode(run)]), [route]):
+        for _ in loop.drive(together([Episode(run)]), [route]):
             if collected.tipped_over:
                 return Ending.TIPPED_OVER
     except Diverged:

@@ -3,8 +3,6 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rover_metrics.sheet.sheet import Sheet
-
 from harness import __version__
 from harness.page.figure import Plot, named
 from harness.page.shell import fill
@@ -21,6 +19,7 @@ from harness.tune.parameter_file import parameter_file
 from harness.tune.scoring import alarms, clearance, estimate, imu_events
 from harness.tune.scoring.imu_events import SIGNALS
 from harness.tune.scoring.study import RobotStudy, conclusions, scored_records, unreachable
+from rover_metrics.sheet.sheet import Sheet
 
 NUMBERS = {  # of the method
     "gap": alarms.GAP,

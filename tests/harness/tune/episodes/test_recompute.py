@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from harness.config import EpisodeConfig
 from numpy.lib.stride_tricks import sliding_window_view
 
 from harness.base.errors import Diverged, RunFailed

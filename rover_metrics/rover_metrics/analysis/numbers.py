@@ -1,13 +1,12 @@
 """Every number of a result as CSV: one file a kind of table, one row a metric of a log or group."""
 
-import csv
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from rover_metrics.analysis.result import Result
-from rover_metrics.log.csv_log import harmless
+from rover_metrics.sheet.render import csv_text
 
 _PARTS = {  # of values that are two
     "n": ("first", "second"),
@@ -30,7 +29,10 @@ def write_csv(result: Result, folder: Path) -> list[Path]:
         "comparison": [_record(result, asdict(item)) for item in result.comparisons],
         "correlation": [asdict(item) for item in result.correlations],
     }
-    return [_write(folder / f"{name}.csv", rows) for name, rows in tables.items() if rows]
+    files = {folder / f"{name}.csv": rows for name, rows in tables.items() if rows}
+    for path, rows in files.items():
+        path.write_text(csv_text(rows), encoding="utf-8", newline="")
+    return list(files)
 
 
 def _logs(result: Result) -> Iterator[Record]:
@@ -64,11 +66,3 @@ def _record(result: Result, values: Mapping[str, Any]) -> Record:
         if name == "code":
             record["title"] = result.titles[value]
     return record
-
-
-def _write(path: Path, rows: Sequence[Record]) -> Path:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(rows[0]))
-        writer.writeheader()
-        writer.writerows({name: harmless(cell) for name, cell in row.items()} for row in rows)
-    return path
