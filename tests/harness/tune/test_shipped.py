@@ -53,22 +53,18 @@ def test_the_episodes_are_what_the_simulator_gives(index: int) -> None:
     planned = _shipped_plan()[index]
     kept = decode((SWEEP / "episodes" / f"{planned.name}.npz").read_bytes())
 
-    again = drive(_for_seconds(planned.config))
+    again = drive(planned.run.alone(duration=float(SECONDS)))
 
     _assert_same_start(again, kept)
 
 
-def _not_to_be_driven(config: Run) -> EpisodeRecord:
-    pytest.fail(f"not kept: {config}")
+def _not_to_be_driven(run: Run) -> EpisodeRecord:
+    pytest.fail(f"not kept: {run}")
 
 
 def _shipped_plan() -> tuple[Planned, ...]:
     options = tune._parser().parse_args(command_in(CONFIG / "leo.yaml"))
     return plan(options.robot, options.episodes, options.seed, options.duration)
-
-
-def _for_seconds(config: Run) -> Run:
-    return Run.of(**(vars(config) | {"duration": float(SECONDS)}))
 
 
 def _assert_same_start(again: EpisodeRecord, kept: EpisodeRecord) -> None:

@@ -16,9 +16,9 @@ ROBOTS = ("leo", "rover_zero4wd")
 
 def test_every_robot_drives_in_the_same_worlds() -> None:
     worlds = [
-        [(e.config.terrain, e.config.seed, e.config.difficulty, e.config.driver) for e in planned]
+        [(e.run.world.terrain, e.run.seed, e.run.world.difficulty, e.run.rover.driver) for e in planned]
         for robot in ROBOTS
-        for planned in [[e for e in plan(ROBOTS, 10, 0, 60.0) if e.config.robot == robot]]
+        for planned in [[e for e in plan(ROBOTS, 10, 0, 60.0) if e.run.rover.robot == robot]]
     ]
 
     assert worlds[0] == worlds[1]
@@ -33,14 +33,14 @@ def test_worlds_alternate_between_train_and_test_and_turn_their_strata_and_diffi
     assert second.name == "0005-rover_zero4wd-gravel-roam"
     assert second.part is Part.TRAIN
     assert planned[6].part is planned[7].part is Part.TEST
-    assert second.config.duration == 60.0
-    assert second.config.seed == int(np.random.SeedSequence([7, 2]).generate_state(1)[0])
-    difficulties = [episode.config.difficulty for episode in planned[::4]]  # a pair of worlds each
+    assert second.run.duration == 60.0
+    assert second.run.seed == int(np.random.SeedSequence([7, 2]).generate_state(1)[0])
+    difficulties = [episode.run.world.difficulty for episode in planned[::4]]  # a pair of worlds each
     expected = [
         (0.5, 0.2, 0.8)[(turn + stratum) % 3] for turn in range(2) for stratum in range(len(STRATA))
     ]
     assert difficulties == expected
-    assert [(e.config.terrain, e.config.driver) for e in planned[::4]] == [*STRATA, *STRATA]
+    assert [(e.run.world.terrain, e.run.rover.driver) for e in planned[::4]] == [*STRATA, *STRATA]
 
 
 def test_hazards_of_every_kind_and_grounds_of_every_kind_are_driven() -> None:
@@ -78,7 +78,7 @@ def test_hazards_of_every_kind_and_grounds_of_every_kind_are_driven() -> None:
 
 def test_no_seed_is_used_for_training_and_testing() -> None:
     planned = plan(ROBOTS, 64, 0, 60.0)
-    seeds = {part: {e.config.seed for e in planned if e.part is part} for part in Part}
+    seeds = {part: {e.run.seed for e in planned if e.part is part} for part in Part}
 
     assert len(seeds[Part.TRAIN]) == len(seeds[Part.TEST]) == 32
     assert not seeds[Part.TRAIN] & seeds[Part.TEST]
@@ -88,7 +88,9 @@ def test_both_parts_have_the_same_strata() -> None:
     planned = plan(("leo",), 64, 0, 60.0)
     kinds = {
         part: Counter(
-            (e.config.terrain, e.config.driver, e.config.difficulty) for e in planned if e.part is part
+            (e.run.world.terrain, e.run.rover.driver, e.run.world.difficulty)
+            for e in planned
+            if e.part is part
         )
         for part in Part
     }
@@ -97,8 +99,8 @@ def test_both_parts_have_the_same_strata() -> None:
 
 
 def test_a_full_plan_has_every_stratum_and_a_short_one_contacts_and_ground() -> None:
-    full = {(e.config.terrain, e.config.driver) for e in plan(("leo",), 2 * len(STRATA), 0, 60.0)}
-    short = {e.config.driver for e in plan(("leo",), 8, 0, 60.0)}
+    full = {(e.run.world.terrain, e.run.rover.driver) for e in plan(("leo",), 2 * len(STRATA), 0, 60.0)}
+    short = {e.run.rover.driver for e in plan(("leo",), 8, 0, 60.0)}
 
     assert full == set(STRATA)
     assert "roam" in short
@@ -106,7 +108,7 @@ def test_a_full_plan_has_every_stratum_and_a_short_one_contacts_and_ground() -> 
 
 
 def test_another_seed_gives_other_worlds() -> None:
-    first, second = ({e.config.seed for e in plan(("leo",), 8, seed, 60.0)} for seed in (0, 1))
+    first, second = ({e.run.seed for e in plan(("leo",), 8, seed, 60.0)} for seed in (0, 1))
 
     assert not first & second
 
@@ -136,16 +138,16 @@ def test_another_driver_takes_the_open_ground_and_is_told_goals_if_it_needs_them
     for driver in ("straight", f"policy:{path}"):
         planned = plan(ROBOTS, 2 * len(STRATA), 3, 40.0, driver)
         for ours, theirs in zip(planned, usual, strict=True):
-            other = theirs.config.driver in ("roam", "wander")
-            assert ours.config.driver == (driver if other else theirs.config.driver)
-            times = [time for time, *_ in ours.config.goals]
+            other = theirs.run.rover.driver in ("roam", "wander")
+            assert ours.run.rover.driver == (driver if other else theirs.run.rover.driver)
+            times = [time for time, *_ in ours.run.plan.goals]
             assert times == ([0.0, 15.0, 30.0] if other and driver != "straight" else [])
             assert "/" not in ours.name
-        goals = {one.config.goals for one in planned if one.config.robot == "leo"}
+        goals = {one.run.plan.goals for one in planned if one.run.rover.robot == "leo"}
         assert len(goals) == (
             1 if driver == "straight" else 1 + 2 * sum(d in ("roam", "wander") for _, d in STRATA)
         )
-    assert all(max(map(abs, goal[1:3])) <= 12.0 for one in planned for goal in one.config.goals)
+    assert all(max(map(abs, goal[1:3])) <= 12.0 for one in planned for goal in one.run.plan.goals)
 
     folder = tmp_path / "sweep"
     Store(folder, planned)

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from harness.config import EpisodeConfig
 from numpy.lib.stride_tricks import sliding_window_view
 
 from harness.base.errors import Diverged, RunFailed
@@ -127,9 +126,9 @@ def test_a_scan_stands_at_the_pose_nearest_in_time() -> None:
 @pytest.mark.parametrize("robot", ["leo", "rover_zero4wd"])
 def test_rows_tell_of_any_threshold_what_a_metrics_session_with_it_counts(robot: str) -> None:
     """What the scoring compares with thresholds is what the node compares, drive by drive."""
-    config = Run.of(robot=robot, terrain="rocky", driver="ram", seed=3, duration=12.0)
-    ticks = [tick for one in Episode(config).batches() for tick in one.ticks]
-    record = sweep.drive(config)
+    run = Run.of(robot=robot, terrain="rocky", driver="ram", seed=3, duration=12.0)
+    ticks = [tick for one in Episode(run).batches() for tick in one.ticks]
+    record = sweep.drive(run)
     scans, windows = record.scans, record.windows
     smoothness = sliding_window_view(windows["mean_smoothness"], 5).mean(axis=1)
     rover = {"leo": LEO, "rover_zero4wd": ROVER_ZERO4WD}[robot]

@@ -28,7 +28,7 @@ MakeRecord = Callable[..., EpisodeRecord]
 def test_what_diverged_is_counted_but_not_scored(make_record: MakeRecord) -> None:
     planned = plan(("leo",), 6, 0, 5.0)
     endings = [*[Ending.COMPLETE] * 4, Ending.DIVERGED, Ending.TIPPED_OVER]
-    of_another = replace(planned[0], config=replace(planned[0].config, robot="rover_zero4wd"))
+    of_another = replace(planned[0], run=planned[0].run.alone(robot="rover_zero4wd"))
     records = {of_another: make_record([3.0])} | {
         planned[n]: replace(make_record([3.0] * 20 * (n + 1)), ending=endings[n])
         for n in range(5, -1, -1)
@@ -53,7 +53,7 @@ def test_a_study_judges_every_threshold_of_its_robot_in_the_order_of_the_page(
         "distance_threshold",
     ]
     for made, rover in ((leo, LEO), (zero, ROVER_ZERO4WD)):
-        own = [record for one, record in records.items() if one.config.robot == rover.name]
+        own = [record for one, record in records.items() if one.run.rover.robot == rover.name]
         assert (made.robot, made.name) == (rover.name, rover.name)
         assert made.driven.endings == {Ending.COMPLETE: len(own)}
         assert made.driven.seconds == pytest.approx(sum(record.duration for record in own))
