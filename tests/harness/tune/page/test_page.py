@@ -17,7 +17,7 @@ from harness.tune.page.contact_figures import FALSE_ALARMS, frontier
 from harness.tune.page.ground_figures import ground_figures
 from harness.tune.page.page import render
 from harness.tune.page.scan_figures import scan_figures
-from harness.tune.page.subject import Subject, levels, mark
+from harness.tune.page.subject import Subject, levels
 from harness.tune.page.tables import _text
 from harness.tune.parameter_file import parameter_file
 from harness.tune.scoring.estimate import Estimate
@@ -124,13 +124,6 @@ def test_the_command_is_text_and_never_markup(page: str) -> None:
     assert page.count("&lt;b&gt;tuning") == 3  # both files and the way to repeat it
 
 
-def test_the_method_takes_five_sentences(page: str) -> None:
-    (method,) = re.findall(r'<ol class="sentences">(.*?)</ol>', page, re.DOTALL)
-    sentences = re.findall(r"<li>(.*?)</li>", method, re.DOTALL)
-    assert [sentence.count(". ") for sentence in sentences] == [0] * 5
-    assert all(sentence.endswith(".") for sentence in sentences)
-
-
 @pytest.mark.parametrize(
     ("score", "expected"),
     [
@@ -151,10 +144,6 @@ def test_a_frontier_has_the_highest_recall_for_each_price() -> None:
     price, recall = frontier(scores)
     assert price.tolist() == [0.0, 2.0, 5.0]
     assert recall.tolist() == [0.1, 0.4, 0.7]
-
-
-def test_an_open_mark_shows_in_its_colour() -> None:
-    assert mark("", 0.0, 0.0, tuned="--metric")["marker"]["color"] == "--metric"
 
 
 def test_only_a_value_that_is_proven_is_called_tuned(small_sweep: "Sweep") -> None:
