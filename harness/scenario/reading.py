@@ -12,9 +12,9 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
 from harness.base.errors import UsageError, unknown
-from harness.scenario import bound, events, spec
-from harness.scenario.launch import Launch
+from harness.scenario import bound, spec, steps
 from harness.scenario.spec import Scenario
+from harness.scenario.steps import Launch
 
 SUFFIX = ".scenario.yaml"
 
@@ -25,7 +25,7 @@ _KEYS: dict[str, type[BaseModel]] = {  # whose keys are valid in which part of a
     "matrix": spec.Matrix,
     "goal": spec.Goal,
     "expect": bound.Bound,
-    **events.EVENTS,
+    **steps.EVENTS,
     "launch": Launch,
     "expected_to_fail": spec.ExpectedFailure,
     "pass_rate": spec.PassRate,
@@ -105,7 +105,7 @@ def _mistake(error: ErrorDetails, keys: str) -> str:
                 f"the key '{key}' is missing" if isinstance(key, str) else f"{keys} has too few values"
             )
         case "union_tag_not_found":
-            return f"{keys}: an event needs one of the keys {', '.join(events.EVENTS)}"
+            return f"{keys}: an event needs one of the keys {', '.join(steps.EVENTS)}"
         case "value_error" | "beside":
             return f"{keys}: {error['ctx'].get('message') or error['ctx']['error']}"
         case "too_short":

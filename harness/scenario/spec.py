@@ -15,9 +15,8 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from harness.scenario.bound import Bound, Length, Part, Point, Share, Text
-from harness.scenario.events import CommandEvent, Event, PauseEvent
-from harness.scenario.launch import Launch, Launched, launch_of
 from harness.scenario.quantities import GOAL, check_name, names
+from harness.scenario.steps import CommandEvent, Event, Launch, Launched, PauseEvent, launch_of
 from harness.scenario.topic import COUNT, LATENCY, PATTERN, TOPIC, topic_quantity
 from harness.spec.rover import RoverSetup
 from harness.spec.run import Run

@@ -11,8 +11,9 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import CameraInfo, Image
 
-from harness.ros.camera import camera_info_fill, image_fill, painter
 from harness.ros.channel import Channel
+from harness.ros.optional_messages import camera_info_fill, image_fill
+from harness.ros.rover_nodes import painter
 from harness.sensors.camera.sensor import CameraOptions, CameraState
 from harness.spec.rover import RoverSetup
 from harness.spec.run import Run

@@ -25,7 +25,7 @@ class Rig:
         monkeypatch.setattr(controls, "time", SimpleNamespace(monotonic=lambda: self.clock))
         executor = SimpleNamespace(spin_once=self._spin)
         node: Any = SimpleNamespace(create_service=self._create, time_ns=0, executor=executor)
-        self.node, self.controls = node, Controls(node, lambda: reset)
+        self.node, self.controls = node, Controls([(node, lambda: reset)])
 
     def _create(self, kind: type, name: str, callback: Any) -> None:  # noqa: ANN401
         self.services[name] = (kind, callback)
@@ -94,7 +94,7 @@ def test_a_stop_request_ends_a_pause(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_each_rover_is_reset_by_itself_and_a_pause_is_of_all(monkeypatch: pytest.MonkeyPatch) -> None:
     other, one = Rig(monkeypatch), Rig(monkeypatch)  # the later clock holds
-    shared = Controls(one.node, lambda: 1_000_000_000, [(other.node, lambda: None)])
+    shared = Controls([(one.node, lambda: 1_000_000_000), (other.node, lambda: None)])
     assert one.ask("~/reset") == (True, "the rover goes back to its start at t = 1.00 s")
     assert other.ask("~/reset")[0] is False
     assert other.ask("~/pause", data=True) == (True, "paused at t = 0.00 s")

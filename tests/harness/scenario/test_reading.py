@@ -7,8 +7,8 @@ import pytest
 
 from harness.base.errors import UsageError
 from harness.scenario.bound import Bound
-from harness.scenario.launch import launch_of
 from harness.scenario.reading import read_scenario
+from harness.scenario.steps import launch_of
 
 HEAD = "about: a test\nduration: 10\n"
 EXPECT = "expect: {truth.speed: {min: 0}}\n"
