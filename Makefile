@@ -23,11 +23,13 @@ test-cluster:  ## sweeps on a real local Ray and a real local Dask cluster: same
 mutants: setup  ## small changes of the modules that differ from main, or ARGS="--all" or files: which does no test notice?
 	$(BIN)/python -m tools.mutants $(ARGS)
 
-lint: setup  ## style, layers and types, nothing is changed
+lint: setup  ## style, layers, types, and documents against the code, nothing is changed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports --no-cache
+	$(BIN)/python -m tools.site check
 	$(BIN)/mypy
+	$(BIN)/python -m pytest -q tools/repository
 
 format: setup  ## lets ruff lay out the code
 	$(BIN)/ruff check --fix .

@@ -11,7 +11,7 @@ from harness.scenario.attempt import attempt
 from harness.scenario.case import Case
 from harness.scenario.case import plan
 from harness.scenario.suite import run_all
-from harness.tune.backend.local import LocalBackend
+from harness.workers import workers_of
 
 
 class _Way(NamedTuple):
@@ -38,7 +38,7 @@ def measure(effort: Effort) -> Table:
             _Way("expectations of the log", timed(lambda: attempt(logged, place))),
             _Way(
                 f"of the truth, {jobs} processes",
-                timed(lambda: run_all(suite, LocalBackend(jobs), place, lambda *_: None)),
+                timed(lambda: run_all(suite, workers_of("local", jobs=jobs), place, lambda *_: None)),
                 *(len(suite), jobs, ">= 100"),
             ),
         )

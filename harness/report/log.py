@@ -14,14 +14,13 @@ from harness.page.figure import spelled
 from harness.report.recorder import Stretch
 from harness.samples import Vector3
 from rover_metrics.analysis.social.metrics import PERSONAL_SPACE
-from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS, Column
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS, ROBOTERRAIN_COLUMNS, Column
 from rover_metrics.extended.metrics import EXTENDED_COLUMNS
 from rover_metrics.extended.truth_columns import SLIP, slip_column
+from rover_metrics.timing import EVENT_GAP_NS, NANOSECONDS
 
 TIME_COLUMN, NOTES_COLUMN = COLUMNS[0], COLUMNS[-1]
 COUNTER = "Total Collisions"
-LONGEST_GAP = 0.5  # [s] in what is still one event, as in harness.truth.contact_events
 MOST_NOTES = 20  # kinds
 
 
@@ -138,7 +137,7 @@ def _between(track: Sequence[Stretch], start_s: float, end_s: float) -> Sequence
 def _joined(events: Iterable[Event]) -> list[Event]:
     joined: list[Event] = []
     for event in events:
-        if joined and event.start_s - joined[-1].end_s <= LONGEST_GAP:
+        if joined and event.start_s - joined[-1].end_s <= EVENT_GAP_NS / NANOSECONDS:
             joined[-1] = replace(joined[-1], end_s=event.end_s)
         else:
             joined.append(event)

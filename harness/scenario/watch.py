@@ -28,7 +28,7 @@ from harness.scenario.contact import contact_of
 from harness.scenario.judge import judge, judge_against, value_of
 from harness.scenario.quantities import LOG, QUANTITIES, RUN
 from harness.scenario.series import Series, TruthSeries
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.settings import Settings
 
 PAGE = "run.html"

@@ -11,15 +11,15 @@ from typing import NamedTuple
 
 from numpy.typing import ArrayLike
 
-from rover_metrics.core.metrics import TraversalMetrics, Vector3
-from rover_metrics.core.row import COLUMNS, Row
+from rover_metrics.core.columns import COLUMNS, Row
+from rover_metrics.core.metrics import TraversalMetrics
+from rover_metrics.core.rotation import Quaternion, Vector3
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
-from rover_metrics.extended.imu_columns import Quaternion
 from rover_metrics.extended.metrics import ExtendedMetrics
 from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.extended.traffic_columns import Topic
 from rover_metrics.health import rejections
-from rover_metrics.timing.clocks import NANOSECONDS
+from rover_metrics.timing import NANOSECONDS
 
 
 class Remark(NamedTuple):

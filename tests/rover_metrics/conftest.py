@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
+    from rover_metrics.extended.settings import Settings
     from rover_metrics.metrics_node import MetricsNode
 
 TIMEOUT = 20.0  # seconds; reached only when a test fails
@@ -33,7 +34,9 @@ class Rig:
         self.executor: Any = None
         self.nodes: list[Any] = []
 
-    def start(self, *ros_args: str, **parameters: object) -> "MetricsNode":
+    def start(
+        self, *ros_args: str, settings: "Settings | None" = None, **parameters: object
+    ) -> "MetricsNode":
         import rclpy  # noqa: PLC0415
         from rclpy.executors import SingleThreadedExecutor  # noqa: PLC0415
         from rclpy.parameter import Parameter  # noqa: PLC0415
@@ -45,6 +48,7 @@ class Rig:
         rclpy.init(args=args, context=self.context, domain_id=self.domain)
         values = {"log_dir": str(self.folder), **parameters}
         node = MetricsNode(
+            settings,
             context=self.context,
             parameter_overrides=[Parameter(name, value=value) for name, value in values.items()],
             now=lambda: STARTED,

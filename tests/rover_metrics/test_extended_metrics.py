@@ -9,12 +9,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from rover_metrics.core.metrics import Vector3
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
+from rover_metrics.core.rotation import Vector3
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose
-from rover_metrics.extended.metrics import EXTENDED_COLUMNS, EXTENDED_HEADER
+from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.extended.settings import DEFAULT_EXTENDED, ExtendedSettings
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN
 from rover_metrics.extended.truth_columns import traversal_names
@@ -94,20 +94,6 @@ def test_a_row_is_the_twelve_columns_and_then_the_extended_ones() -> None:
     twelve.take_scan(ns(0.5), [1.0], angles=(0.0, math.pi / 2))
     assert twelve.columns == twelve.row(0).columns == COLUMNS
     assert twelve.row(ns(7.9)).as_fields() == feed.metrics.row(7).as_fields()
-
-
-def test_what_never_spoke_leaves_empty_cells_never_zeros() -> None:
-    assert set(list(Feed().row().values())[12:]) == {""}
-
-
-def test_what_counts_from_the_start_on_is_known_so_that_only_its_growth_is_compared() -> None:
-    """As the meanings in docs/metrics.md say: so far."""
-    topics = ("Scan", "IMU", "Pose", "Odometry")
-    counts = [f"{topic} {what}" for topic in topics for what in ("Rejected", "Lost")]
-    seen = ["Collision Events", "Near Return Scans", "Footprint Collisions"]
-    told = [column.name for column in EXTENDED_COLUMNS if column.cumulative]
-    assert told == [*seen, *counts, "True Contact Events"]
-    assert [c.name for c in EXTENDED_COLUMNS if "so far" in c.meaning] == told
 
 
 # Any session against the definitions of docs/metrics.md, worked out over the whole history at once
@@ -498,18 +484,6 @@ def test_rejected_and_lost_messages_are_counted_for_each_topic() -> None:
 
 
 # Truth
-
-
-def test_true_contacts_are_events_and_a_share() -> None:
-    feed = Feed()
-    for message in range(40):  # after 9 messages without, and after 10
-        assert feed.contact(touches=message in {2, 3, 13, 24})
-    row = feed.row()
-    assert (row["True Contact Events"], row["True Contact Share"]) == (2, 0.1)
-    feed.contact(touches=False)
-    assert feed.row()["True Contact Share"] == 0.0
-    row = feed.row()
-    assert (row["True Contact Events"], row["True Contact Share"]) == (2, "")
 
 
 def test_true_speed_is_empty_while_nobody_fills_the_twist_in() -> None:

@@ -11,11 +11,10 @@ pytest.importorskip("rclpy", reason="needs ROS 2: pip install 'rover-harness[ros
 
 from geometry_msgs.msg import PoseArray
 from rclpy.parameter import Parameter
-from rclpy.parameter_client import AsyncParameterClient
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, Float64MultiArray, MultiArrayDimension
 
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.extended.truth_columns import WHEELS, traversal_names
 from rover_metrics.topics import SENSORS, TRUTH
@@ -114,17 +113,6 @@ def test_the_footprint_can_be_set_and_changed_while_the_node_runs(rig: "Rig") ->
         assert node.set_parameters_atomically(changes).successful
         node.take(SCAN, rig.scan(0.5))
         assert row(node)["Footprint Clearance [m]"] == clearance
-
-
-def test_all_parameters_can_be_read_at_once_as_ros2_param_dump_does(rig: "Rig") -> None:
-    node = rig.start()
-    client = AsyncParameterClient(rig.simulator, "metrics_node")
-    rig.spin_until(client.services_are_ready)
-    names = [*node._parameters]
-    assert "footprint" in names
-    future = client.get_parameters(names)
-    rig.spin_until(future.done)
-    assert len(future.result().values) == len(names)
 
 
 def test_callbacks_serve_every_topic_and_refuse_what_the_twelve_refuse_and_another_truth(

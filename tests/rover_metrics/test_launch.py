@@ -134,11 +134,6 @@ def test_every_argument_is_described_and_may_be_left_out(file: Path) -> None:
         assert argument.default_value is not None, argument.name
 
 
-def test_metrics_declares_what_its_users_change() -> None:
-    names = ["use_sim_time", "log_dir", "debug_mode", "extended_columns", "debug_interval"]
-    assert list(arguments(METRICS)) == [*names, "params_file", "namespace"]
-
-
 def test_metrics_launches_the_installed_program() -> None:
     node = launched(METRICS, {})
     assert (node.package, node.output) == ("rover_metrics", "screen")

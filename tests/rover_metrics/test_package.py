@@ -33,10 +33,6 @@ def test_colcon_takes_it_for_an_ament_python_package(tmp_path: Path) -> None:
     assert re.fullmatch(r"rover_metrics\t.*\t\(ros\.ament_python\)\n", colcon("list", cwd=tmp_path))
 
 
-def test_the_resource_marker_exists() -> None:
-    assert (PACKAGE / "resource/rover_metrics").is_file()
-
-
 def test_both_packages_carry_one_version(monkeypatch: pytest.MonkeyPatch) -> None:
     given: dict[str, object] = {}
     monkeypatch.setattr("setuptools.setup", lambda **options: given.update(options))
@@ -45,11 +41,6 @@ def test_both_packages_carry_one_version(monkeypatch: pytest.MonkeyPatch) -> Non
     manifest = ET.parse("package.xml").getroot()  # noqa: S314
     assert manifest.findtext("version") == given["version"] == harness.__version__
     assert given["package_data"] == {"rover_metrics": ["py.typed"]}
-
-
-def test_the_package_knows_nothing_of_the_harness_or_mujoco() -> None:
-    for module in (PACKAGE / "rover_metrics").glob("*.py"):
-        assert not re.search(r"^\s*(import|from) (harness|mujoco)\b", module.read_text(), re.MULTILINE)
 
 
 def test_what_is_imported_is_declared_and_what_is_declared_is_imported() -> None:

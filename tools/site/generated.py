@@ -13,9 +13,10 @@ import tomllib
 
 import harness
 import rover_metrics
+from rover_metrics.sheet.render import markdown
+from rover_metrics.sheet.sheet import Sheet
 from tools.site.links import REPOSITORY
 from tools.site.pages import ROOT
-from tools.site.tables import table
 
 SCHEMA = "scenarios/scenario.schema.json"
 WIDTH = "100"  # columns of a help text
@@ -64,12 +65,12 @@ def scenario_file() -> str:
     ]
     for name, rules in (("The file", schema), *schema["$defs"].items()):
         required = rules.get("required", ())
-        rows = [
+        rows = tuple(
             (f"`{key}`", _type(rule), "required" if key in required else _default(rule))
             for key, rule in rules["properties"].items()
-        ]
+        )
         about = rules["description"].partition("\n")[0]
-        parts.append(f"## {name}\n\n{about}\n\n{table('key | type | default', rows)}")
+        parts.append(f"## {name}\n\n{about}\n\n{markdown(Sheet(('key', 'type', 'default'), rows))}")
     return "\n".join(parts)
 
 

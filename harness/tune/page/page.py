@@ -17,12 +17,12 @@ from harness.tune.page.ground_figures import ground_figures, steps_and_jumps
 from harness.tune.page.outline import Told, shares
 from harness.tune.page.scan_figures import scan_figures
 from harness.tune.page.subject import Subject, chosen
-from harness.tune.page.tables import Table
 from harness.tune.parameter_file import parameter_file
 from harness.tune.scoring import alarms, clearance, estimate, imu_events
 from harness.tune.scoring.collision import CollisionStudy
 from harness.tune.scoring.imu_events import SIGNALS
 from harness.tune.scoring.study import RobotStudy, conclusions, scored_records, unreachable
+from rover_metrics.sheet.sheet import Sheet
 
 NUMBERS = {  # of the method
     "gap": alarms.GAP,
@@ -67,7 +67,7 @@ def render(studies: Sequence[RobotStudy], records: Mapping[Planned, EpisodeRecor
     return fill("tuning", content, package="harness.tune.page")
 
 
-def _items(robot: Subject) -> dict[str, Plot | Table | str]:
+def _items(robot: Subject) -> dict[str, Plot | Sheet | str]:
     """Every table and figure of a robot, or why there is none, by its name in the template."""
     study = robot.study
     return {

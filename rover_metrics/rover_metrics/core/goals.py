@@ -2,11 +2,11 @@
 
 import math
 
+from rover_metrics.core.rotation import Quaternion, roll_pitch
+
 REACHED = 0.3  # [m], strictly nearer
 PATIENCE_S = 207.0  # [s] for each goal
 FLIPPED = 1.48  # [rad] of roll or pitch
-
-Quaternion = tuple[float, float, float, float]
 
 
 class GoalAccount:
@@ -36,16 +36,9 @@ class GoalAccount:
         """
         if self.goal is None:
             return
-        if _leans(orientation):
+        if max(map(abs, roll_pitch(orientation))) > FLIPPED:
             self.failed, self.goal = self.failed + 1, None
         elif math.dist(place, self.goal) < REACHED:
             self.reached, self.goal = self.reached + 1, None
         elif time_s - self._since_s > PATIENCE_S:
             self.failed, self.goal = self.failed + 1, None
-
-
-def _leans(orientation: Quaternion) -> bool:
-    x, y, z, w = orientation
-    roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    pitch = math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
-    return max(abs(roll), abs(pitch)) > FLIPPED

@@ -6,16 +6,16 @@ from dataclasses import replace
 
 from numpy.typing import ArrayLike
 
-from rover_metrics.core.columns import Column
-from rover_metrics.core.metrics import TraversalMetrics, Vector3
-from rover_metrics.core.row import COLUMNS, Row
-from rover_metrics.extended.imu_columns import ImuColumns, Quaternion
+from rover_metrics.core.columns import COLUMNS, Column, Row
+from rover_metrics.core.metrics import TraversalMetrics
+from rover_metrics.core.rotation import Quaternion, Vector3
+from rover_metrics.extended.imu_columns import ImuColumns
 from rover_metrics.extended.scan_columns import ScanColumns
 from rover_metrics.extended.settings import ExtendedSettings
 from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic, TrafficColumns
 from rover_metrics.extended.travel_columns import TravelColumns
 from rover_metrics.extended.truth_columns import WHEELS, TruthColumns, truth_columns
-from rover_metrics.timing.clocks import NANOSECONDS
+from rover_metrics.timing import NANOSECONDS
 
 
 def extended_columns(wheels: Sequence[str]) -> tuple[Column, ...]:

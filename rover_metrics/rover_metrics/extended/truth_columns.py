@@ -4,9 +4,11 @@ import math
 from collections.abc import Sequence
 
 from rover_metrics.core.columns import Cell, Column
-from rover_metrics.core.metrics import Vector3
+from rover_metrics.core.rotation import Vector3
+from rover_metrics.timing import EVENT_GAP_NS, NANOSECONDS
 
-CONTACT_PAUSE = 10  # messages without contact before a new event: 0.5 s at the harness's 20 Hz
+RATE = 20  # [Hz] of the harness's truth
+CONTACT_PAUSE = EVENT_GAP_NS * RATE // NANOSECONDS  # messages without contact before a new event
 STANDING = 0.05  # [m/s]: of the harness's wheels, which say 0 below it
 
 WHEELS = ("front_left", "rear_left", "front_right", "rear_right")  # if nobody says others
@@ -32,7 +34,7 @@ def truth_columns(wheels: Sequence[str]) -> tuple[Column, ...]:
             name="True Contact Events",
             meaning="Contacts with hazards so far, a lasting one counted once.",
             formula=f"A new event begins with a contact after {CONTACT_PAUSE} messages or more without "
-            "(0.5 s at 20 Hz).",
+            f"({EVENT_GAP_NS / NANOSECONDS:g} s at {RATE} Hz).",
             source=_CONTACT,
             cumulative=True,
         ),

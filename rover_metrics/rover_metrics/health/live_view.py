@@ -4,10 +4,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import IntEnum
 
-from rover_metrics.core.row import DECIMALS, Field, Row
+from rover_metrics.core.columns import DECIMALS, Field, Row
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.health.reception import TopicState
-from rover_metrics.timing.clocks import age, rate
+from rover_metrics.timing import age, rate
 
 
 class Level(IntEnum):

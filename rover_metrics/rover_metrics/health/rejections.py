@@ -5,7 +5,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rover_metrics.core.metrics import LARGEST_ACCELERATION, LARGEST_SPEED, Vector3
+from rover_metrics.core.metrics import LARGEST_ACCELERATION, LARGEST_SPEED
+from rover_metrics.core.rotation import Vector3
 
 NOT_FINITE = "not finite"
 NOT_FINITE_OR_OTHER = "not finite, or not the truth that harness.run publishes"

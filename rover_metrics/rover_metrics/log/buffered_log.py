@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from datetime import datetime
 from pathlib import Path
 
-from rover_metrics.core.row import COLUMNS, Row
+from rover_metrics.core.columns import COLUMNS, Row
 from rover_metrics.errors import LogError, is_worth_a_line
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.log.social_log import SocialRow

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from rover_metrics.core.row import Field
+from rover_metrics.core.columns import Field
 
 Point = tuple[float, float]
 

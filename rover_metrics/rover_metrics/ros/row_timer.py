@@ -9,8 +9,7 @@ from rclpy.node import Node
 
 from rover_metrics.errors import is_worth_a_line
 from rover_metrics.health.watches import SilenceWatch
-from rover_metrics.timing.clocks import NANOSECONDS
-from rover_metrics.timing.row_times import RowTimes
+from rover_metrics.timing import NANOSECONDS, RowTimes
 
 LOOK_PERIOD = 1.0  # seconds of steady time between two looks at the clock
 

@@ -7,7 +7,7 @@ from harness.episode.batch import Batch
 from harness.episode.result import RunAccount, RunResult, TopicCount, cells_of
 from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent, Truth
-from rover_metrics.core.row import Row
+from rover_metrics.core.columns import Row
 
 TICK_NS = 10_000_000
 EVENT = ContactEvent("rock", 0, TICK_NS, "wheel_FL", "rock_1", 5.0, (0.1, 0.2, 0.0))

@@ -18,7 +18,7 @@ from harness.report.recorder import RunRecorder
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 
 

@@ -31,7 +31,7 @@ from harness.scenario.series import SAMPLES, TruthSeries
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
 from harness.truth.traversal import ContactEvent
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS
 from tests.harness.scenario.conftest import MakeCases, Scripted
 
 USED = "harness.scenario.attempt.run_direct"

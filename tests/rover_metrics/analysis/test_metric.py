@@ -5,8 +5,7 @@ from dataclasses import astuple
 import pytest
 
 from rover_metrics.analysis.metric import COUNTERS, METRICS, Kind, Metric, is_other, other_metric
-from rover_metrics.core.columns import ROBOTERRAIN_COLUMNS
-from rover_metrics.core.row import COLUMNS
+from rover_metrics.core.columns import COLUMNS, ROBOTERRAIN_COLUMNS
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 
 SHAKING = "(m/s² + rad/s)/min"

@@ -42,6 +42,13 @@ def test_a_goal_is_settled_once(
     assert account.goal == (None if any(counts) else (1.0, 2.0))
 
 
+def test_a_goal_at_exactly_its_distance_is_not_reached_yet() -> None:
+    account = GoalAccount()
+    account.begin((0.0, 0.0), 0.0)
+    account.observe(1.0, (0.3, 0.0), UPRIGHT)
+    assert account.goal == (0.0, 0.0)
+
+
 def test_a_new_goal_has_its_own_time_and_the_old_one_counts_as_nothing() -> None:
     account = GoalAccount()
     account.begin((1.0, 2.0), 0.0)

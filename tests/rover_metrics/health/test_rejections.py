@@ -1,4 +1,3 @@
-import array
 import math
 
 import pytest
@@ -39,25 +38,6 @@ def test_a_refused_imu_sample_has_a_reason(
 )
 def test_a_refused_velocity_has_a_reason(velocity: tuple[float, float, float], name: str) -> None:
     assert faults.odometry_fault(velocity) == name
-
-
-@pytest.mark.parametrize(
-    ("ranges", "name"),
-    [
-        ([], faults.NO_RANGES),
-        ([math.nan] * 640, faults.ALL_NAN),
-        ([math.nan, math.inf], faults.ALL_NAN),
-        ([-math.inf] * 640, faults.ALL_TOO_NEAR),
-        ([-math.inf, math.inf], faults.ALL_TOO_NEAR),
-        ([-math.inf, math.nan], faults.ALL_NAN),
-        ([math.inf], None),
-        ([math.inf] * 640, None),
-    ],
-)
-def test_a_scan_without_a_reading_is_odd_unless_it_is_open_space(
-    ranges: list[float], name: str | None
-) -> None:
-    assert faults.unusable_scan(array.array("f", ranges)) == name
 
 
 @pytest.mark.parametrize(

@@ -101,11 +101,6 @@ def test_a_step_from_one_stamp_to_the_next_tells_what_is_odd(
     assert after(watching(), *intervals_ns)[-1] == finding
 
 
-def test_a_gap_tells_how_many_are_missing() -> None:
-    gaps = (2 * PERIOD, PERIOD, 7 * PERIOD, PERIOD)
-    assert after(watching(), *gaps) == [(MISSING, 1), None, (MISSING, 6), None]
-
-
 @given(st.lists(st.tuples(st.integers(0, 9), st.integers(-7_000_000, 7_000_000)), max_size=60))
 def test_whatever_is_lost_of_a_stream_that_jitters_is_counted_exactly(
     heard: list[tuple[int, int]],
@@ -142,11 +137,6 @@ def test_the_period_is_the_median_of_the_latest_64_intervals() -> None:
         watch.learn()
         assert watch.period_ns == period
         after(watch, PERIOD)
-
-
-def test_a_sensor_slower_than_a_jump_is_judged_by_jumps() -> None:
-    watch = watching(8 * SECOND)
-    assert after(watch, 10 * SECOND, 10 * SECOND + 1) == [None, (JUMPED_AHEAD, 1)]
 
 
 def test_odd_steps_teach_no_period_but_those_of_a_slower_sensor_do() -> None:

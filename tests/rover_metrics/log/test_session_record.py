@@ -76,14 +76,6 @@ def test_a_session_is_unmarked_until_it_ends_and_its_record_tells_the_rest(log: 
     }
 
 
-def test_a_record_can_be_read_by_everybody_and_by_people(log: Path) -> None:
-    write_record(log, None, {"rows": 7})
-    path = log.with_suffix(".json")
-    assert path.stat().st_mode & 0o777 == 0o644
-    name = json.dumps(str(log))
-    assert path.read_text() == f'{{\n  "log": {name},\n  "outcome": null,\n  "rows": 7\n}}\n'
-
-
 @pytest.mark.parametrize(
     ("failure", "lost_rows", "reason"),
     [
@@ -113,13 +105,6 @@ def test_a_record_that_cannot_be_written_is_told_and_costs_nothing(tmp_path: Pat
     assert told == [
         f"cannot write the session's record to {tmp_path}/gone/log.json: No such file or directory"
     ]
-
-
-def test_a_record_that_cannot_replace_what_stands_there_leaves_no_part_behind(log: Path) -> None:
-    log.with_suffix(".json").mkdir()
-    with pytest.raises(LogError, match="cannot write the session's record"):
-        write_record(log, None, {})
-    assert [path.name for path in log.parent.iterdir()] == [log.with_suffix(".json").name]
 
 
 def test_the_outcome_of_the_real_manifest_is_the_one_that_is_looked_for(log: Path) -> None:

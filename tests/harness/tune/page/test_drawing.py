@@ -2,7 +2,6 @@
 
 import math
 import re
-from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -17,7 +16,7 @@ from harness.tune.page.scan_figures import MOST_POINTS, has_both_classes, precis
 from tests.harness.frames.made_rover import made_rover
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
-SQUARE = replace(LEO, footprint=(-1.0, 1.0, -1.0, 1.0), lidar_x=0.0)
+SQUARE = LEO.but(footprint=(-1.0, 1.0, -1.0, 1.0), lidar_x=0.0)
 AROUND = Distances(range_min=0.15, default=0.2, tuned=0.44, clearance=0.05)
 
 
