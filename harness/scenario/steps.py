@@ -5,10 +5,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, StringConstraints, Tag
 
-from harness.scenario.bound import FullName, Length, Part, Point, Seconds, Text
+from harness.scenario.bound import FullName, Point, Text
+from harness.spec.value import Length, Seconds, Value
 
 
-class FaultEvent(Part):
+class FaultEvent(Value):
     """A sensor fault, e.g. `{at: 5, fault: "scan:dropout", for: 3}`.
 
     Attributes:
@@ -27,28 +28,28 @@ class FaultEvent(Part):
         return f"{self.fault}@{self.at!r}" + ("" if self.length is None else f"+{self.length!r}")
 
 
-class CommandEvent(Part):
+class CommandEvent(Value):
     """A command for `driver: cmd_vel`: speed [m/s] and yaw rate [rad/s] from a time on."""
 
     at: Seconds
     command: Point
 
 
-class ResetEvent(Part):
+class ResetEvent(Value):
     """The rover is put back to its start."""
 
     at: Seconds
     reset: Literal[True]
 
 
-class PauseEvent(Part):
+class PauseEvent(Value):
     """Time stands still: /clock tells its last time again, every 10 ms of so many seconds."""
 
     at: Seconds
     pause: Length
 
 
-EVENTS: dict[str, type[Part]] = {
+EVENTS: dict[str, type[Value]] = {
     "fault": FaultEvent,
     "command": CommandEvent,
     "reset": ResetEvent,
@@ -94,7 +95,7 @@ Nodes = Annotated[
 ]
 
 
-class Launch(Part):
+class Launch(Value):
     """A command, and what of it is waited for.
 
     Attributes:
