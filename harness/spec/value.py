@@ -83,20 +83,33 @@ def complaint(error: ValidationError, cls: type[BaseModel], name: Callable[[str]
         cls: What was to be made of them.
         name: How a user calls a field.
     """
-    first = _foremost(error.errors(include_url=False))
+    first = foremost(error)
     keys = [str(key) for key in first["loc"]]
     field = ".".join([name(keys[0]), *keys[1:]]) if keys else ""
-    match first["type"]:
-        case "extra_forbidden":
-            known = _model_at(cls, keys[:-1]).model_fields
-            valid = [name(item.alias or key) for key, item in known.items()]
-            return unknown("key", name(keys[-1]) if len(keys) == 1 else keys[-1], valid)
-        case "missing":
-            return f"key '{field}' is missing"
-        case "value_error":
-            return str(first["ctx"]["error"])
-    mend = _valid(first, cls.model_fields.get(str(first["loc"][0])) if first["loc"] else None)
-    return f"{field} {_shown(first['input'])} is not valid; give {mend}"
+    if first["type"] == "extra_forbidden":
+        key = name(keys[-1]) if len(keys) == 1 else keys[-1]
+        return unknown_key(key, _model_at(cls, keys[:-1]), name)
+    if first["type"] == "value_error":
+        return str(first["ctx"]["error"])
+    return not_valid(first, field, cls.model_fields.get(keys[0]) if keys else None)
+
+
+def unknown_key(key: str, cls: type[BaseModel], name: Callable[[str], str] = str) -> str:
+    """Returns that a model has no such key, and which it has."""
+    return unknown("key", key, [name(item.alias or own) for own, item in cls.model_fields.items()])
+
+
+def not_valid(error: ErrorDetails, field: str, info: FieldInfo | None = None) -> str:
+    """Returns what is wrong with a value, and what would be valid.
+
+    Args:
+        error: What pydantic says of it.
+        field: How a user calls it.
+        info: Of the field, for the range of its numbers.
+    """
+    if error["type"] == "missing":
+        return f"key '{field}' is missing"
+    return f"{field} {_shown(error['input'])} is not valid; give {_valid(error, info)}"
 
 
 NUMBERS = {
@@ -137,8 +150,9 @@ def _bounds(metadata: Iterable[Any], annotation: Any) -> Iterator[tuple[str, flo
         yield from _bounds(getattr(part, "__metadata__", ()), part)
 
 
-def _foremost(errors: list[ErrorDetails]) -> ErrorDetails:
-    """The first mistake; a key that is missing beside one that nobody knows has been mistyped."""
+def foremost(error: ValidationError) -> ErrorDetails:
+    """Returns the first mistake; a key that is missing beside one that nobody knows is mistyped."""
+    errors = error.errors(include_url=False)
     first = errors[0]
     if first["type"] != "missing":
         return first
