@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from harness.world.terrain_file import TerrainFile
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import TICKS_PER_CONTROL
 from harness.spec.ros import FrameOptions, RosOptions
 from harness.spec.run import Run
-from harness.world.terrain_file import TerrainFile
 from harness.world.world import terrain_hash
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
