@@ -70,25 +70,32 @@ def post(x: float, y: float, kind: ObstacleKind = ObstacleKind.HAZARD) -> Obstac
 
 
 def made(
-    driver: str, rng: np.random.Generator, *obstacles: Obstacle, rover: RoverSpec = LEO
+    driver: str,
+    rng: np.random.Generator,
+    *obstacles: Obstacle,
+    rover: RoverSpec = LEO,
+    middle: tuple[float, float] = (0.0, 0.0),
 ) -> StagedEncounter:
-    context = DriverContext(rover, (20.0, 20.0), np.zeros(2), rng, obstacles or (post(5.0, 0.0),))
+    obstacles = obstacles or (post(5.0, 0.0),)
+    context = DriverContext(rover, (20.0, 20.0), np.zeros(2), rng, obstacles, middle=middle)
     encounter = find_driver(driver)(context)
     assert isinstance(encounter, StagedEncounter)
     return encounter
 
 
+@pytest.mark.parametrize("middle", [(0.0, 0.0), (100.0, -50.0)])
 @pytest.mark.parametrize("driver", MEETING)
-def test_without_a_hazard_on_the_inner_map_it_is_refused(driver: str) -> None:
-    outside = post(18.01, 0.0), post(0.0, -18.01), post(5.0, 0.0, ObstacleKind.ROCK)
-    for obstacles in (outside[2:], outside):
-        with pytest.raises(
-            UsageError,
-            match=r"hazards.*, and none stands 2 m .*; terrains with hazards: rocky, posts, maze$",
-        ):
-            made(driver, np.random.default_rng(0), *obstacles)
-    within = made(driver, np.random.default_rng(0), post(17.9, -17.9))
-    assert within.command(Observation(0, 0.0, 0.0, 0.0, None)) != Twist()
+def test_without_a_hazard_on_the_inner_map_it_is_refused(
+    driver: str, middle: tuple[float, float]
+) -> None:
+    rng, (x, y) = np.random.default_rng(0), middle
+    rock = post(x + 5.0, y, ObstacleKind.ROCK)
+    for obstacles in ((rock,), (post(x + 18.01, y), post(x, y - 18.01), rock)):
+        said = r"hazards.*, and none stands 2 m .*; terrains with hazards: rocky, posts, maze$"
+        with pytest.raises(UsageError, match=said):
+            made(driver, rng, *obstacles, middle=middle)
+    within = made(driver, rng, post(x + 17.9, y - 17.9), middle=middle)
+    assert within.command(Observation(0, x, y, 0.0, None)) != Twist()
 
 
 # Draws: heading, offset, speed; past it: heading, side, gap, speed. Widths: of block + half the rover.

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 def test_heights_agree_with_mujoco_between_the_vertices(ground_top: Callable[[World], TopAt]) -> None:
-    """Rows run with y and columns with x; one point has the height that it has among many, to the bit."""
+    """Rows run with y, columns with x; one point has the height that it has among many, to the bit."""
     rng = np.random.default_rng(0)
     ground = Heightfield(rng.normal(0.0, 0.2, (41, 67)), 0.1)
     top_at, reach = ground_top(World("w", ground, (), 0, 0.5)), np.array(ground.half_size) - 0.01
