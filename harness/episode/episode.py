@@ -15,8 +15,8 @@ import numpy as np
 from harness.base.errors import RunFailed
 from harness.base.sim_time import NANOSECONDS, TICK_NS, TICKS_PER_CONTROL
 from harness.drivers import CmdVel, Driver, DriverContext, Goal, Observation, PolicyDriver, find_driver
+from harness.drivers.base import drivable
 from harness.drivers.goal_course import GoalCourse
-from harness.drivers.steered import drivable
 from harness.episode.assembly import check, check_world, scenery, sensor_rows
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.frames.rover_frames import RoverFrames, rover_frames
