@@ -16,7 +16,7 @@ from harness.tune.page.ground_figures import ground_figures
 from harness.tune.page.page import render
 from harness.tune.page.scan_figures import scan_figures
 from harness.tune.page.subject import Subject, levels
-from harness.tune.page.tables import _text
+from harness.tune.page.tables import _text, clearance
 from harness.tune.parameter_file import parameter_file
 from harness.tune.scoring.estimate import Estimate
 from harness.tune.scoring.imu_events import SIGNALS
