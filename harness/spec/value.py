@@ -95,7 +95,8 @@ def complaint(error: ValidationError, cls: type[BaseModel], name: Callable[[str]
             return f"key '{field}' is missing"
         case "value_error":
             return str(first["ctx"]["error"])
-    mend = _valid(first, cls.model_fields.get(str(first["loc"][0])) if first["loc"] else None)
+    fields = _model_at(cls, keys).model_fields
+    mend = _valid(first, next((fields[key] for key in reversed(keys) if key in fields), None))
     return f"{field} {_shown(first['input'])} is not valid; give {mend}"
 
 
@@ -110,8 +111,9 @@ NUMBERS = {
 def _valid(error: ErrorDetails, field: FieldInfo | None) -> str:
     """What is valid in place of a wrong value: a range, names, or a kind of value."""
     kind = error["type"]
-    if kind.startswith(("greater_than", "less_than")) and field is not None:
-        bounds = dict(_bounds(field.metadata, field.annotation))
+    if kind.startswith(("greater_than", "less_than")):
+        stated = {} if field is None else dict(_bounds(field.metadata, field.annotation))
+        bounds = stated or {name: float(value) for name, value in error["ctx"].items()}
         low, high = bounds.get("ge", bounds.get("gt")), bounds.get("le", bounds.get("lt"))
         if low is None or high is None:
             word = {"ge": "or more", "gt": "and more than that", "le": "or less", "lt": "and less"}
