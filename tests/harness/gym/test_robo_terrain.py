@@ -280,7 +280,7 @@ def test_starts_and_goals_are_in_the_box_and_the_spaces_are_robo_terrains(make: 
         ({"reverse_speed": 2.0}, "reverse_speed 2.0 is not valid; give 0 to 1"),
         (
             {"defects": {"sleeps": True}},
-            "defects: key 'sleeps' does not exist; available: limit_terminates",
+            "defects: key 'sleeps' does not exist",
         ),
     ],
 )
