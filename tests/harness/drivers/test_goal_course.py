@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from harness.world.actors.room import Room
 
 from harness.base.errors import UsageError
 from harness.drivers.goal_course import GoalCourse, check_area
-from harness.world.actors.room import Room
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.world import World

@@ -5,8 +5,8 @@ from typing import Any
 
 import mujoco
 import numpy as np
-
 from harness.sensors.mount import Mount
+
 from harness.sensors.noise import NoisePreset
 from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
 

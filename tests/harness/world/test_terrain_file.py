@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from harness.world.terrain_file import TerrainFile, is_terrain_file
 
 from harness.base.errors import UsageError
-from harness.world.terrain_file import TerrainFile, is_terrain_file
 
 MAP, WORLD, MESH = (Path(f"a{suffix}") for suffix in (".TIF", ".world", ".stl"))
 OF_HEIGHTMAPS = [("--terrain-size", {"size": (10.0, 50_000.0)}), ("--terrain-height", {"relief": 0.0})]

@@ -7,14 +7,14 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
+from harness.world.actors.room import Room
+from harness.world.actors.stroll import Stroll, StrollRoute
+from harness.world.actors.walker import SocialWalker
 
 from harness.base.errors import UsageError
 from harness.world.actors.actor import with_actors
-from harness.world.actors.room import Room
 from harness.world.actors.route import Route
 from harness.world.actors.social_force import step
-from harness.world.actors.stroll import Stroll, StrollRoute
-from harness.world.actors.walker import SocialWalker
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, outline
 from harness.world.world import World, terrain_hash

@@ -6,8 +6,8 @@ from itertools import product
 
 import numpy as np
 import pytest
-
 from harness.world.actors.room import Room, along, from_wall
+
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind, orientation, outline
 from harness.world.world import World

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 import tifffile
+from harness.world.terrain_file import TerrainFile
 from numpy.typing import NDArray
 from PIL import Image
 from scipy.ndimage import map_coordinates, uniform_filter1d
@@ -22,7 +23,6 @@ from harness.world.heightfield import filled, resampled
 from harness.world.heightmap import raster as raster_module
 from harness.world.heightmap.raster import read_raster
 from harness.world.statistics import slopes
-from harness.world.terrain_file import TerrainFile
 from harness.world.world import World, terrain_hash
 
 Array = NDArray[np.float64]

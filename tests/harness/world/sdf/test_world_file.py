@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from harness.world.terrain_file import MIDDLE, TerrainFile
 
 from harness.base.errors import UsageError
 from harness.world.files import file_world
 from harness.world.obstacles import ObstacleKind, top
 from harness.world.solids.assembly import BUILT
-from harness.world.terrain_file import MIDDLE, TerrainFile
 from harness.world.world import World
 from tests.harness.world.solids.shapes import both, box, flat, sheet, write_dae, write_mesh
 

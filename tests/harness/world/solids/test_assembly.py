@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from harness.world.terrain_file import TerrainFile
 from hypothesis import given, settings
 from hypothesis.extra.numpy import array_shapes, arrays
 
@@ -13,7 +14,6 @@ from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind
 from harness.world.solids.assembly import _largest_rectangle, _room, _start
 from harness.world.solids.surface import Surface
-from harness.world.terrain_file import TerrainFile
 from harness.world.world import Start, World
 
 

@@ -4,11 +4,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from harness.world.terrain_file import TerrainFile
 
 from harness.base.errors import UsageError
 from harness.world.obstacles import ObstacleKind
 from harness.world.solids.kinds import Kinds
-from harness.world.terrain_file import TerrainFile
 
 NAMES = ("wall::link::top", "wall::link::base", "stone_1::link::c", "stone_2::link::c")
 
