@@ -91,7 +91,8 @@ def complaint(error: ValidationError, cls: type[BaseModel], name: Callable[[str]
         return unknown_key(key, _model_at(cls, keys[:-1]), name)
     if first["type"] == "value_error":
         return str(first["ctx"]["error"])
-    return not_valid(first, field, cls.model_fields.get(keys[0]) if keys else None)
+    fields = _model_at(cls, keys).model_fields
+    return not_valid(first, field, next((fields[key] for key in reversed(keys) if key in fields), None))
 
 
 def unknown_key(key: str, cls: type[BaseModel], name: Callable[[str], str] = str) -> str:
@@ -123,8 +124,9 @@ NUMBERS = {
 def _valid(error: ErrorDetails, field: FieldInfo | None) -> str:
     """What is valid in place of a wrong value: a range, names, or a kind of value."""
     kind = error["type"]
-    if kind.startswith(("greater_than", "less_than")) and field is not None:
-        bounds = dict(_bounds(field.metadata, field.annotation))
+    if kind.startswith(("greater_than", "less_than")):
+        stated = {} if field is None else dict(_bounds(field.metadata, field.annotation))
+        bounds = stated or {name: float(value) for name, value in error["ctx"].items()}
         low, high = bounds.get("ge", bounds.get("gt")), bounds.get("le", bounds.get("lt"))
         if low is None or high is None:
             word = {"ge": "or more", "gt": "and more than that", "le": "or less", "lt": "and less"}
