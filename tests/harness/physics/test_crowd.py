@@ -17,10 +17,9 @@ from harness.robots import ROVERS
 from harness.samples import Place
 from harness.sensors.lidar import Lidar
 from harness.sensors.lidar_spec import LidarSpec
-from harness.world.actors.actor import with_actors
-from harness.world.actors.walker import SocialWalker
+from harness.world.actors.social_force import SocialForceWalker
 from harness.world.heightfield import Heightfield
-from harness.world.world import World
+from harness.world.world import World, with_actors
 from tests.support.words import parse_actors
 
 MakeSimulation = Callable[..., Simulation]
@@ -96,13 +95,13 @@ def test_a_social_walker_is_told_of_all_rovers_and_of_all_others(
         told.append((time_s, seconds, bodies))
         return Place(0.1 * len(told), -1.5, 0.0)
 
-    monkeypatch.setattr(SocialWalker, "walk", walk)
+    monkeypatch.setattr(SocialForceWalker, "walk", walk)
     people, data = two_boxes(
         "x=1.5,-0.7:radius=0.3", "s=social:within=3.5", "y=1,3:radius=0.2", "t=social:within=3.5"
     )
     data.qpos[:2], data.qpos[7:9] = (0.1, 0.2), (2.9, -0.3)
     del told[:]
-    monkeypatch.setattr(SocialWalker, "restart", restart := Mock())
+    monkeypatch.setattr(SocialForceWalker, "restart", restart := Mock())
     people.restart(5 * TICK_NS)
     assert restart.call_count == 2  # both of them begin anew
     people.move(6 * TICK_NS)

@@ -104,7 +104,7 @@ def test_a_run_that_ends_early_is_a_failure_and_what_stops_the_command_is_none(
     assert done.breaches == (f"run: {failed}",)
     assert (done.model_hash, done.terrain_hash) == ("", "")
     assert json.loads(done.kept[2].read_text())["outcome"]["reason"] == failed
-    monkeypatch.setattr("harness.scenario.attempt.keep_evidence", lambda *_: ())
+    monkeypatch.setattr("harness.scenario.watch.keep_evidence", lambda *_: ())
     attempt(case, tmp_path / "out", scratch=tmp_path / "gone")
     assert scratch == [tmp_path, Path(tempfile.gettempdir())]
 
@@ -165,7 +165,7 @@ def test_the_contact_of_a_breach_is_that_of_its_time_and_kind(
 def test_a_baseline_is_kept_until_something_differs(
     make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("harness.scenario.attempt.keep_evidence", lambda *_: ())
+    monkeypatch.setattr("harness.scenario.watch.keep_evidence", lambda *_: ())
     expect = "{truth.path_length: {over: end, relative: 0.1}}"
     (case,) = make_cases(expect, "same_bytes: true")
     path = tmp_path / "two.baseline.json"
@@ -220,7 +220,7 @@ def test_a_baseline_is_kept_until_something_differs(
 def test_a_run_is_compared_only_for_what_has_a_baseline(
     make_cases: MakeCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("harness.scenario.attempt.keep_evidence", lambda *_: ())
+    monkeypatch.setattr("harness.scenario.watch.keep_evidence", lambda *_: ())
     expect = "{truth.path_length: {over: end, relative: 0.1}, truth.hazard_contacts: {max: 0}}"
     (case,) = make_cases(expect)
     assert "there is no baseline of it" in str(attempt(case, tmp_path).error)
@@ -262,7 +262,7 @@ def test_only_what_the_truth_cannot_say_takes_a_log_and_every_sensor(
 ) -> None:
     with_log = Mock(wraps=direct.run_direct)
     monkeypatch.setattr(USED, with_log)
-    monkeypatch.setattr("harness.scenario.attempt.keep_evidence", lambda *_: ())
+    monkeypatch.setattr("harness.scenario.watch.keep_evidence", lambda *_: ())
     for expect, more, logs, drives in (
         ("{truth.hazard_contacts: {max: 1}}", "", False, 1),
         ("{truth.hazard_contacts: {max: 0}}", "", True, 2),  # for its evidence

@@ -10,7 +10,7 @@ import pytest
 
 from harness.base.errors import UsageError
 from harness.robots import MODELS_DIR
-from harness.scenario.selection import find_files, plan
+from harness.scenario.case import find_files, plan
 from harness.spec.run import Run
 from harness.spec.world import FILE_FIELDS
 from tests.harness.scenario.conftest import MakeCases, cases_with

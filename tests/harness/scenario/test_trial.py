@@ -111,7 +111,7 @@ def test_a_metrics_node_that_is_started_writes_the_log_that_is_judged_and_is_ask
     expect = trial.case.scenario.expect | {"topic./rover/metrics.count": Bound(min=2, max=2)}
     scenario = trial.case.scenario.model_copy(update={"expect": expect})
     with ScenarioTrial(replace(trial.case, scenario=scenario, run=trial.run)) as trial:
-        trial._bridge.channels_of[Imu][0].published += 1  # as if one had been lost
+        trial.bridge.channels_of[Imu][0].published += 1  # as if one had been lost
         assert trial.finish() == ("run.lost_messages: 1 > 0, first at 2.01 s",)
         result = trial.findings.result
         assert result.mode == "ROS 2, lock-step with /metrics_node"
