@@ -130,7 +130,7 @@ def _valid(error: ErrorDetails, field: FieldInfo | None) -> str:
     """What is valid in place of a wrong value: a range, names, or a kind of value."""
     kind = error["type"]
     if kind.startswith(("greater_than", "less_than")):
-        stated = {} if field is None else dict(_bounds(field.metadata, field.annotation))
+        stated = {} if field is None else dict(_bounds(*_part(field, error["loc"])))
         bounds = stated or {name: float(value) for name, value in error["ctx"].items()}
         low, high = bounds.get("ge", bounds.get("gt")), bounds.get("le", bounds.get("lt"))
         if low is None or high is None:
@@ -148,6 +148,14 @@ def _valid(error: ErrorDetails, field: FieldInfo | None) -> str:
     if kind == "literal_error":
         return f"one of {error['ctx']['expected']}"
     return KINDS.get(kind.partition("_")[0]) or error["msg"].replace("Input should be ", "")
+
+
+def _part(field: FieldInfo, place: tuple[int | str, ...]) -> tuple[Iterable[Any], Any]:
+    """The metadata and the annotation of a field, or of an element of a tuple of a fixed length."""
+    parts, index = get_args(field.annotation), place[1] if len(place) > 1 else None
+    if isinstance(index, int) and index < len(parts) and parts[-1] is not Ellipsis:
+        return getattr(parts[index], "__metadata__", ()), parts[index]
+    return field.metadata, field.annotation
 
 
 def _bounds(metadata: Iterable[Any], annotation: Any) -> Iterator[tuple[str, float]]:  # noqa: ANN401
